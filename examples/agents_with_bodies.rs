@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::crowd::{Agent, AtEnd, Crowd, Field, Go, Obstacle, Setup, Streets};
+use throng_runtime::crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdSetup, ForceField, Obstacle, Streets};
 use throng_runtime::simulation::Pedestrians;
 use throng_runtime::walkers::WalkersConfig;
 use throng_runtime::{Bundle, CharacterGroup, Inline, Joint};
@@ -21,15 +21,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Sends twelve people around a house; a person that has arrived leaves.
 pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>> {
     let house = Obstacle::Box { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 3.0, 3.0) };
-    let setup = Setup { fields: vec![Field::COMMUTER], ..Setup::in_streets(&Streets::new(&[house], 0.4)?, 12) };
+    let setup =
+        CrowdSetup { fields: vec![ForceField::COMMUTER], ..CrowdSetup::in_streets(&Streets::new(&[house], 0.4)?, 12) };
     let crowd = Crowd::on_ground(setup)?;
     let mut people = Pedestrians::new(crowd, Bundle::open(bundle)?.blend(space)?, &[], WalkersConfig::default())?;
     for i in 0..12 {
-        let id = people.spawn(Agent::at(Vec3::new(i as f32 - 6.0, 0.0, -6.0)))?;
+        let id = people.spawn(Agent::standing_at(Vec3::new(i as f32 - 6.0, 0.0, -6.0)))?;
         // Finds a path around the corner, or fails if there is none.
-        people.order(id, Go::to(Vec3::new(0.0, 0.0, 8.0)).within(2.0).then(AtEnd::Leave))?;
+        people.order(id, AgentOrder::to_goal(Vec3::new(0.0, 0.0, 8.0)).with_arrival(2.0).then_at_end(AtEnd::Leave))?;
     }
-    let inside = people.order(people.bodies().ids[0], Go::to(Vec3::ZERO));
+    let inside = people.order(people.bodies().ids[0], AgentOrder::to_goal(Vec3::ZERO));
     println!("into the house: {}", inside.expect_err("no way leads there"));
     for step in 1..=1800 {
         people.step(1.0 / 60.0, &Inline)?;

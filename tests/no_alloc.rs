@@ -17,7 +17,9 @@ use throng_runtime::blend::{BlendedPosture, HeightField, MAX_AXES};
 use throng_runtime::characters::{
     ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
 };
-use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Obstacle, Route, Scheme, Setup, Streets};
+use throng_runtime::crowd::{
+    Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup, Obstacle, Route, Scheme, Streets,
+};
 use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
 use throng_runtime::sparring::{PracticeConfig, TargetPractice};
@@ -306,14 +308,14 @@ fn batches_of_blending_allocate_nothing() {
 fn pedestrians_allocate_nothing_but_for_orders() {
     const N: usize = 40;
     let streets = Streets::new(&[], 0.4).expect("streets");
-    let crowd = Crowd::on_ground(Setup::in_streets(&streets, N)).expect("a crowd");
+    let crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets, N)).expect("a crowd");
     let space = made_up_blend::MadeUp::locomotion().space();
     let mut people = Pedestrians::new(crowd, space, &[], WalkersConfig::default()).expect("pedestrians");
     let (mut kept, mut num_left) = (Vec::new(), 0);
     for round in 0..3 {
         let spawn = |people: &mut Pedestrians| {
             let newcomers = (people.bodies().ids.len()..N).map(|i| Vec3::new((i % 8) as f32, 0.0, (i / 8) as f32));
-            newcomers.filter(|at| people.spawn(Agent::at(*at)).is_ok()).count()
+            newcomers.filter(|at| people.spawn(Agent::standing_at(*at)).is_ok()).count()
         };
         let mut num_new = 0;
         assert_eq!(allocations(|| num_new = spawn(&mut people)), 0, "round {round}");
@@ -321,7 +323,9 @@ fn pedestrians_allocate_nothing_but_for_orders() {
         let ids = people.bodies().ids.to_vec();
         let (&idle, others) = ids.split_last().expect("people");
         for &id in others {
-            people.order(id, Go::to(Vec3::new(3.0, 0.0, 9.0)).within(3.0).then(AtEnd::Leave)).expect("a way");
+            people
+                .order(id, AgentOrder::to_goal(Vec3::new(3.0, 0.0, 9.0)).with_arrival(3.0).then_at_end(AtEnd::Leave))
+                .expect("a way");
         }
         let moved = allocations(|| {
             people.place(idle, Planar::new(-9.0 - round as f32, 5.0, 1.0)).expect("room");
@@ -340,9 +344,9 @@ fn pedestrians_allocate_nothing_but_for_orders() {
 }
 
 /// Agents that meet, arrive, leave, stay or go round, past a wall and an obstacle that moves.
-fn busy_crowd(scheme: Scheme) -> Setup {
+fn busy_crowd(scheme: Scheme) -> CrowdSetup {
     let config = CrowdConfig { scheme, capacity: 210, ..CrowdConfig::default() };
-    let mut setup = Setup { config, ..Setup::default() };
+    let mut setup = CrowdSetup { config, ..CrowdSetup::default() };
     for i in 0..200 {
         let position = Vec3::new((i % 20) as f32 * 0.7, 0.0, (i / 20) as f32 * 0.7);
         let at_end = [AtEnd::Stay, AtEnd::Leave, AtEnd::Again][i % 3];

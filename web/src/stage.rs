@@ -8,7 +8,7 @@ use throng_core::characters::{
     AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, PoseInstance, SampleJob, Spawn, uniform_random,
 };
 use throng_core::{Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, Route, Setup};
+use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, CrowdSetup, Route};
 
 /// Number of targets at which people gather.
 const NUM_TARGETS: usize = 6;
@@ -123,10 +123,10 @@ impl PageStage {
             let at = Vec3::new(place(k % columns, 0), 0.0, place(k / columns, 1));
             let route = (uniform_random(seed, k as u64, 2) * 2.0 * lanes as f32) as usize;
             let speed = 1.1 + 0.5 * uniform_random(seed, k as u64, 3);
-            Agent { route: Some(route.min(2 * lanes - 1)), speed, ..Agent::at(at) }
+            Agent { route: Some(route.min(2 * lanes - 1)), speed, ..Agent::standing_at(at) }
         };
         let routes = across.chain(along).collect();
-        let setup = Setup { agents: (0..count).map(agent).collect(), routes, ..Setup::default() };
+        let setup = CrowdSetup { agents: (0..count).map(agent).collect(), routes, ..CrowdSetup::default() };
         self.crowd = PageCrowd::Agents(Box::new(Crowd::on_ground(setup)?));
         self.records.clear();
         self.records.resize(count, PoseInstance::default());
@@ -187,7 +187,7 @@ impl PageStage {
             }
             PageCrowd::Agents(crowd) => {
                 STEP_S.check("dt_s", None, dt_s).map_err(|e| e.to_string())?;
-                let until = crowd.now() + f64::from(dt_s);
+                let until = crowd.time_s() + f64::from(dt_s);
                 crowd.advance(until, &mut |_| ()).map_err(|e| e.to_string())?;
                 self.write_agent_records();
             }
@@ -198,7 +198,7 @@ impl PageStage {
     /// Writes positions and headings of agents to the records; a standing agent keeps its heading.
     fn write_agent_records(&mut self) {
         let PageCrowd::Agents(crowd) = &self.crowd else { return };
-        let now = crowd.now();
+        let now = crowd.time_s();
         for (record, id) in self.records.iter_mut().zip(crowd.ids()) {
             let at = crowd.position(id, now).unwrap_or_default();
             let ahead = crowd.smooth_velocity(id).unwrap_or_default();

@@ -24,13 +24,13 @@ pub struct Agent<V = Vec3> {
 impl<V: Default> Default for Agent<V> {
     /// A pedestrian of average size at the origin, at rest.
     fn default() -> Self {
-        Self::at(V::default())
+        Self::standing_at(V::default())
     }
 }
 
 impl<V: Default> Agent<V> {
     /// A pedestrian of average size, at rest: 0.3 m, 1.3 m/s, 5 m/s2.
-    pub fn at(position: V) -> Self {
+    pub fn standing_at(position: V) -> Self {
         Self { position, velocity: V::default(), radius: 0.3, acceleration: 5.0, speed: 1.3, route: None, field: 0 }
     }
 }

@@ -1,7 +1,7 @@
 //! Settings and setup of a crowd.
 
 use crate::routes::streets::Streets;
-use crate::{Agent, Field, Interest, Obstacle, Route, Senses, SteeringConfig};
+use crate::{Agent, ForceField, Interest, Obstacle, Route, Senses, SteeringConfig};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -74,7 +74,7 @@ pub struct CrowdConfig {
 impl CrowdConfig {
     /// Settings on which a state depends: the same whether or not the build has engines to compare with, unless one of
     /// them runs.
-    pub(crate) fn hashed(&self) -> impl Serialize + use<> {
+    pub(crate) fn state_key(&self) -> impl Serialize + use<> {
         #[cfg(feature = "fixed-steps")]
         let steps = (self.step_s, self.halvings);
         #[cfg(not(feature = "fixed-steps"))]
@@ -123,13 +123,13 @@ impl CrowdConfig {
 
 /// Setup of a crowd at time 0.
 #[derive(Clone, Debug)]
-pub struct Setup<V = Vec3> {
+pub struct CrowdSetup<V = Vec3> {
     /// Agents at the start.
     pub agents: Vec<Agent<V>>,
     /// Routes of agents that start or enter on one; those with an order have a route of their own.
     pub routes: Vec<Route<V>>,
     /// Force fields of agents (>= 1 where there are agents).
-    pub fields: Vec<Field>,
+    pub fields: Vec<ForceField>,
     /// Obstacles.
     pub obstacles: Vec<Obstacle<V>>,
     /// Obstacles that are doors, by number: open at the start. See [`crate::Crowd::set_open`].
@@ -144,13 +144,13 @@ pub struct Setup<V = Vec3> {
     pub config: CrowdConfig,
 }
 
-impl<V> Default for Setup<V> {
+impl<V> Default for CrowdSetup<V> {
     /// No agents and no obstacles, with the default field.
     fn default() -> Self {
         Self {
             agents: Vec::new(),
             routes: Vec::new(),
-            fields: vec![Field::default()],
+            fields: vec![ForceField::default()],
             obstacles: Vec::new(),
             doors: Vec::new(),
             interests: Vec::new(),
@@ -161,7 +161,7 @@ impl<V> Default for Setup<V> {
     }
 }
 
-impl Setup {
+impl CrowdSetup {
     /// An empty crowd of pedestrians between the obstacles of some streets: radii up to 0.3 m, speeds up to 2 m/s.
     ///
     /// - `capacity`: most agents at a time.
@@ -175,10 +175,10 @@ impl Setup {
     }
 }
 
-impl<V> Setup<V> {
+impl<V> CrowdSetup<V> {
     /// Converts it to another space.
-    pub fn map<W>(self, f: impl Fn(V) -> W) -> Setup<W> {
-        Setup {
+    pub fn map<W>(self, f: impl Fn(V) -> W) -> CrowdSetup<W> {
+        CrowdSetup {
             agents: self.agents.into_iter().map(|a| a.map(&f)).collect(),
             routes: self.routes.into_iter().map(|r| r.map(&f)).collect(),
             fields: self.fields,

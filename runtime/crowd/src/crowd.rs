@@ -2,12 +2,12 @@
 
 use crate::error::CrowdError;
 use crate::events::engine::Engine;
-use crate::events::event::{Counts, Event};
-use crate::routes::order::{Go, Status};
-use crate::safety::rule::Candidate;
+use crate::events::event::{CrowdEvent, EventCounts};
+use crate::routes::order::{AgentOrder, AgentStatus};
+use crate::safety::rule::PlanCandidate;
 use crate::space::Space;
-use crate::space::plan::Plan;
-use crate::{Agent, AtEnd, Forces, Id, PersonalInterest, Route, Sense, Setup};
+use crate::space::plan::MotionPlan;
+use crate::{Agent, AtEnd, CrowdSetup, Forces, Id, PersonalInterest, Route, Sense};
 use glam::{Vec2, Vec3};
 use throng_base::Executor;
 use throng_base::ground::{Capsule2d, ExternalObstacle, ReservedRegion};
@@ -32,7 +32,7 @@ use throng_base::ground::{Capsule2d, ExternalObstacle, ReservedRegion};
 ///
 /// let block = Obstacle::Box { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 3.0, 2.0) };
 /// let streets = Streets::new(&[block], 0.4)?;
-/// let mut crowd = Crowd::on_ground(Setup::in_streets(&streets, 20))?;
+/// let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets, 20))?;
 /// let id = crowd.spawn(Agent::at(Vec3::new(-5.0, 0.0, 0.0)))?;
 /// crowd.order(id, Go::to(Vec3::new(5.0, 0.0, 0.0)).then(AtEnd::Leave))?;
 /// crowd.advance(20.0, &mut |event| println!("{event:?}"))?;
@@ -42,12 +42,12 @@ use throng_base::ground::{Capsule2d, ExternalObstacle, ReservedRegion};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Crowd {
-    pub(crate) engine: Either,
+    pub(crate) engine: SpaceEngine,
 }
 
 /// The engine of either space.
 #[derive(Clone, Debug)]
-pub(crate) enum Either<G = Engine<Vec2>, A = Engine<Vec3>> {
+pub(crate) enum SpaceEngine<G = Engine<Vec2>, A = Engine<Vec3>> {
     Ground(G),
     Air(A),
 }
@@ -56,8 +56,8 @@ pub(crate) enum Either<G = Engine<Vec2>, A = Engine<Vec3>> {
 macro_rules! each {
     ($either:expr, $engine:ident => $answer:expr) => {
         match $either {
-            Either::Ground($engine) => $answer,
-            Either::Air($engine) => $answer,
+            SpaceEngine::Ground($engine) => $answer,
+            SpaceEngine::Air($engine) => $answer,
         }
     };
 }
@@ -71,23 +71,23 @@ impl Crowd {
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, agents that overlap or could not brake in time, a start or subgoal
     /// in an obstacle.
-    pub fn on_ground(setup: Setup) -> Result<Self> {
-        Ok(Self { engine: Either::Ground(Engine::new(setup.map(Space::from_world))?) })
+    pub fn on_ground(setup: CrowdSetup) -> Result<Self> {
+        Ok(Self { engine: SpaceEngine::Ground(Engine::new(setup.map(Space::from_world))?) })
     }
 
     /// A crowd of balls in the air.
     ///
     /// # Errors
     /// As [`Crowd::on_ground`].
-    pub fn in_air(setup: Setup) -> Result<Self> {
-        Ok(Self { engine: Either::Air(Engine::new(setup)?) })
+    pub fn in_air(setup: CrowdSetup) -> Result<Self> {
+        Ok(Self { engine: SpaceEngine::Air(Engine::new(setup)?) })
     }
 
     /// Advances time to `until_s`; reports all events in order. Allocates nothing.
     ///
     /// # Errors
     /// [`CrowdError::Other`] for a time in the past, and [`CrowdError::Stalled`].
-    pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<()> {
+    pub fn advance(&mut self, until_s: f64, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
         self.advance_with(on_event, |crowd| crowd.run(until_s))
     }
 
@@ -97,11 +97,16 @@ impl Crowd {
     /// # Errors
     /// As [`Crowd::advance`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted
     /// before it was detected.
-    pub fn par_advance(&mut self, until_s: f64, run: &dyn Executor, on_event: &mut impl FnMut(&Event)) -> Result<()> {
+    pub fn par_advance(
+        &mut self,
+        until_s: f64,
+        run: &dyn Executor,
+        on_event: &mut impl FnMut(&CrowdEvent),
+    ) -> Result<()> {
         self.advance_with(on_event, |crowd| crowd.run_parallel(until_s, run))
     }
 
-    /// Advances time to `until_s`, see [`Crowd::advance`], or to the first signal: an event of [`Crowd::sense`], a
+    /// Advances time to `until_s`, see [`Crowd::advance`], or to the first signal: an event of [`Crowd::set_senses`], a
     /// timer, or an arrival, a departure or being stuck of an agent that senses these. The signal is also reported to
     /// `on_event`. The present is then its time, so that orders, senses and timers can be changed before time goes on.
     /// Several signals of one time are returned one by one, in the order (time, kind, agent): events of the engine,
@@ -109,7 +114,11 @@ impl Crowd {
     ///
     /// # Errors
     /// As [`Crowd::advance`].
-    pub fn advance_to_signal(&mut self, until_s: f64, on_event: &mut impl FnMut(&Event)) -> Result<Option<Event>> {
+    pub fn advance_to_signal(
+        &mut self,
+        until_s: f64,
+        on_event: &mut impl FnMut(&CrowdEvent),
+    ) -> Result<Option<CrowdEvent>> {
         loop {
             if let Some(signal) = each!(&mut self.engine, e => e.sensors.signals.pop_front()) {
                 return Ok(Some(signal));
@@ -126,11 +135,11 @@ impl Crowd {
         }
     }
 
-    /// Sets the senses of an agent, among those of the crowd ([`Setup::senses`]).
+    /// Sets the senses of an agent, among those of the crowd ([`CrowdSetup::senses`]).
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn sense(&mut self, id: Id, sense: Sense) -> Result<()> {
+    pub fn set_senses(&mut self, id: Id, sense: Sense) -> Result<()> {
         each!(&mut self.engine, e => e.set_sense(id, sense))
     }
 
@@ -150,7 +159,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_speed(id, speed_mps))
     }
 
-    /// Something that draws one agent near or drives it away from its next event on, beside [`Setup::interests`]; `None` for
+    /// Something that draws one agent near or drives it away from its next event on, beside [`CrowdSetup::interests`]; `None` for
     /// nothing any more. Allocates nothing.
     ///
     /// - `n`: which of its interests (< 4).
@@ -211,7 +220,7 @@ impl Crowd {
     #[inline]
     fn advance_with(
         &mut self,
-        on_event: &mut impl FnMut(&Event),
+        on_event: &mut impl FnMut(&CrowdEvent),
         mut run: impl FnMut(&mut Self) -> Result<bool>,
     ) -> Result<()> {
         loop {
@@ -238,7 +247,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.run_parallel(until_s, run))
     }
 
-    fn events(&self) -> &[Event] {
+    fn events(&self) -> &[CrowdEvent] {
         each!(&self.engine, e => &e.events)
     }
 
@@ -274,7 +283,7 @@ impl Crowd {
     /// # Errors
     /// [`throng_base::Error::NoWay`] where no path leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
     /// setting out of its range; nothing has changed then.
-    pub fn order(&mut self, id: Id, order: Go) -> Result<()> {
+    pub fn order(&mut self, id: Id, order: AgentOrder) -> Result<()> {
         each!(&mut self.engine, e => e.order(id, &order.map(Space::from_world)))
     }
 
@@ -282,11 +291,11 @@ impl Crowd {
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn status(&self, id: Id) -> Result<Status> {
+    pub fn status(&self, id: Id) -> Result<AgentStatus> {
         each!(&self.engine, e => e.status(id).ok_or(throng_base::Error::Gone(id).into()))
     }
 
-    /// Another route for agents to come and for [`Go::on_route`]; its number.
+    /// Another route for agents to come and for [`AgentOrder::on_route`]; its number.
     ///
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
@@ -315,15 +324,15 @@ impl Crowd {
     }
 
     /// The present (s).
-    pub fn now(&self) -> f64 {
+    pub fn time_s(&self) -> f64 {
         each!(&self.engine, e => e.now)
     }
 
     /// Ids of all agents, in the order of their places.
     pub fn ids(&self) -> impl Iterator<Item = Id> + '_ {
         let (ground, air) = match &self.engine {
-            Either::Ground(e) => (Some(e.ids()), None),
-            Either::Air(e) => (None, Some(e.ids())),
+            SpaceEngine::Ground(e) => (Some(e.ids()), None),
+            SpaceEngine::Air(e) => (None, Some(e.ids())),
         };
         ground.into_iter().flatten().chain(air.into_iter().flatten())
     }
@@ -335,7 +344,7 @@ impl Crowd {
 
     /// True where agents are discs on the ground.
     pub fn is_on_ground(&self) -> bool {
-        matches!(self.engine, Either::Ground(_))
+        matches!(self.engine, SpaceEngine::Ground(_))
     }
 
     /// Number of agents.
@@ -350,12 +359,12 @@ impl Crowd {
 
     /// Position of an agent at `time_s`: exact from its last event to its next one, and a guess before and after (m).
     pub fn position(&self, id: Id, time_s: f64) -> Option<Vec3> {
-        each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).0.to_world()))
+        each!(&self.engine, e => e.plan(id).map(|p| p.motion_at(time_s).0.to_world()))
     }
 
     /// Velocity at `time_s` (m/s).
     pub fn velocity(&self, id: Id, time_s: f64) -> Option<Vec3> {
-        each!(&self.engine, e => e.plan(id).map(|p| p.at(time_s).1.to_world()))
+        each!(&self.engine, e => e.plan(id).map(|p| p.motion_at(time_s).1.to_world()))
     }
 
     /// Velocity as a Kalman filter estimates it at its last event, without abrupt changes, for a body to follow (Kim,
@@ -377,7 +386,7 @@ impl Crowd {
 
     /// Time of its next event, unless another agent makes it act before (s).
     pub fn next_event(&self, id: Id) -> Option<f64> {
-        each!(&self.engine, e => e.plan(id).map(|p| e.due(&p)))
+        each!(&self.engine, e => e.plan(id).map(|p| e.due_time(&p)))
     }
 
     /// Time of its last event (s).
@@ -395,27 +404,27 @@ impl Crowd {
 
     /// Sets the external obstacles: agents steer around their bodies, and keep out of the regions that they reserve. A
     /// crowd in the air ignores them.
-    pub fn mind<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
-        if let Either::Ground(engine) = &mut self.engine {
-            engine.outsiders.replace_all(others);
+    pub fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
+        if let SpaceEngine::Ground(engine) = &mut self.engine {
+            engine.external_obstacles.replace_all(others);
         }
     }
 
     /// The body of an agent, and the ground that it holds: all that it takes until its plan ends, and for braking then.
-    pub fn held(&self, id: Id) -> Option<(ExternalObstacle, Capsule2d)> {
+    pub fn body_and_region(&self, id: Id) -> Option<(ExternalObstacle, Capsule2d)> {
         each!(&self.engine, e => {
             let plan = e.plan(id)?;
-            let (position, velocity) = plan.at(e.now);
+            let (position, velocity) = plan.motion_at(e.now);
             let end = plan.end.max(e.now);
-            let now = Plan { start: e.now, end, position, velocity, moving: (plan.moving - (e.now - plan.start) as f32).max(0.0), ..plan };
+            let now = MotionPlan { start: e.now, end, position, velocity, moving: (plan.moving - (e.now - plan.start) as f32).max(0.0), ..plan };
             let body = ExternalObstacle { place: position.on_ground(), velocity: velocity.on_ground(), radius_m: plan.radius };
-            Some((body, Candidate::new(now).held()))
+            Some((body, PlanCandidate::new(now).reserved_region()))
         })
     }
 
     /// Remaining distance along its route (m).
-    pub fn way_left(&self, id: Id) -> Option<f32> {
-        each!(&self.engine, e => e.way_left(id))
+    pub fn distance_left(&self, id: Id) -> Option<f32> {
+        each!(&self.engine, e => e.distance_left(id))
     }
 
     /// Unit vector in which it wants to go now; zero where it is at its goal.
@@ -434,7 +443,7 @@ impl Crowd {
     }
 
     /// Numbers of events.
-    pub fn counts(&self) -> Counts {
+    pub fn counts(&self) -> EventCounts {
         each!(&self.engine, e => e.counts)
     }
 

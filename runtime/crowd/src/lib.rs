@@ -28,20 +28,20 @@ mod steering;
 mod tests;
 
 pub use agent::Agent;
-pub use config::{CrowdConfig, Scheme, Setup};
+pub use config::{CrowdConfig, CrowdSetup, Scheme};
 pub use crowd::Crowd;
 pub use error::CrowdError;
-pub use events::event::{Counts, Event, EventKind};
-pub use routes::order::{Go, Status};
+pub use events::event::{CrowdEvent, CrowdEventKind, EventCounts};
+pub use routes::order::{AgentOrder, AgentStatus};
 pub use routes::route::{AtEnd, Route};
-pub use routes::streets::{NoWay, Streets};
+pub use routes::streets::{NoPath, Streets};
 pub use senses::{Sense, Senses, Zone};
 pub use shared::SharedCrowd;
 pub use space::Space;
 pub use space::obstacle::{Interest, Obstacle};
-pub use steering::bonds::{InterestAt, PersonalInterest};
 pub use steering::config::SteeringConfig;
-pub use steering::field::{Field, Forces};
+pub use steering::field::{ForceField, Forces};
+pub use steering::relationships::{InterestLocation, PersonalInterest};
 pub use throng_base::Id;
 
 /// No agent, no cell, no route.

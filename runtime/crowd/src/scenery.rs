@@ -1,17 +1,17 @@
 //! Surroundings of the agents: obstacles by cell, routes, fields and limits.
 
 use crate::error::{CrowdError, check};
-use crate::routes::goals::Goals;
-use crate::routes::path::{Path, is_in};
+use crate::routes::goals::GoalTable;
+use crate::routes::path::{RoutePath, is_in_solid};
 use crate::routes::streets::Streets;
 use crate::safety::bound::narrowest_cell;
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
-use crate::space::solid::{Solid, is_inside, solids};
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
+use crate::space::solid::{ConvexSolid, is_inside, solids};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::keep_right::is_wall_within;
-use crate::{Agent, Field, Id, Interest, Obstacle, Route, Scheme, Setup, Space};
+use crate::{Agent, CrowdSetup, ForceField, Id, Interest, Obstacle, Route, Scheme, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_index;
 use throng_base::prefetch;
@@ -22,27 +22,27 @@ const ALL_M: f32 = 9e4;
 
 /// Data that does not change with time.
 #[derive(Clone, Debug)]
-pub(crate) struct Scenery<V> {
-    pub fields: Vec<Field>,
-    pub paths: Vec<Path<V>>,
+pub(crate) struct CrowdScenery<V> {
+    pub fields: Vec<ForceField>,
+    pub paths: Vec<RoutePath<V>>,
     /// Routes of the setup, the first ones.
     pub num_routes: usize,
     /// Finds paths round obstacles.
     pub streets: Option<Streets>,
     /// Subgoals of all routes, where there are streets.
-    pub goals: Goals,
+    pub goals: GoalTable,
     /// Number here of each obstacle of the streets, if it is one of these.
     of_streets: Vec<Option<usize>>,
     /// Obstacles as they were given.
     pub obstacles: Vec<Obstacle<V>>,
     /// Range of each obstacle's solids (obstacles.len()).
     ranges: Vec<std::ops::Range<usize>>,
-    pub solids: Vec<Solid<V>>,
+    pub solids: Vec<ConvexSolid<V>>,
     /// State of each obstacle as a door; open doors count as absent (obstacles.len()).
     pub doors: Vec<Door>,
     /// Obstacle that each solid is a part of.
     pub owners: Vec<u32>,
-    pub movers: Vec<Mover<V>>,
+    pub movers: Vec<MovingObstacle<V>>,
     pub interests: Vec<Interest<V>>,
     /// Start of the lists of each cell in `near` and `walls`: those of cell c end where those of c + 1 begin. Empty
     /// where there are no solids.
@@ -76,18 +76,18 @@ pub(crate) enum Door {
 
 /// A ball on its way.
 #[derive(Clone, Debug)]
-pub(crate) struct Mover<V> {
+pub(crate) struct MovingObstacle<V> {
     pub obstacle: u32,
     pub radius: f32,
-    way: Vec<(f64, V)>,
+    path: Vec<(f64, V)>,
 }
 
-impl<V: Space> Mover<V> {
+impl<V: Space> MovingObstacle<V> {
     /// Motion from a time on: straight until `end`, which is not after the next point of its path.
-    pub fn plan(&self, time: f64, within: f32) -> Plan<V> {
-        let next = self.way.partition_point(|(t, _)| *t <= time);
+    pub fn plan(&self, time: f64, within: f32) -> MotionPlan<V> {
+        let next = self.path.partition_point(|(t, _)| *t <= time);
         let end = time + f64::from(within);
-        let (position, velocity, end) = match (next.checked_sub(1).map(|i| self.way[i]), self.way.get(next)) {
+        let (position, velocity, end) = match (next.checked_sub(1).map(|i| self.path[i]), self.path.get(next)) {
             (Some((t0, x0)), Some(&(t1, x1))) => {
                 let velocity = (x1 - x0) * ((t1 - t0) as f32).recip();
                 (x0 + velocity * (time - t0) as f32, velocity, end.min(t1))
@@ -98,7 +98,7 @@ impl<V: Space> Mover<V> {
                 (x, V::default(), end.min(t))
             }
         };
-        Plan {
+        MotionPlan {
             start: time,
             end,
             position,
@@ -113,9 +113,9 @@ impl<V: Space> Mover<V> {
     }
 }
 
-impl<V: Space> Scenery<V> {
+impl<V: Space> CrowdScenery<V> {
     /// Checks and prepares all that surrounds the agents, and makes empty cells.
-    pub fn new(setup: &Setup<V>) -> Result<(Self, Cells<V>, DensityGrid<V>), CrowdError> {
+    pub fn new(setup: &CrowdSetup<V>) -> Result<(Self, CellGrid<V>, DensityGrid<V>), CrowdError> {
         check_settings(setup)?;
         let config = &setup.config;
         let most = |least: f32, f: &dyn Fn(&Agent<V>) -> f32| setup.agents.iter().map(f).fold(least, f32::max);
@@ -131,7 +131,7 @@ impl<V: Space> Scenery<V> {
             num_routes: setup.routes.len(),
             of_streets: of_streets(setup),
             streets: setup.streets.clone().filter(|s| !s.is_open()),
-            goals: Goals::default(),
+            goals: GoalTable::default(),
             obstacles: setup.obstacles.clone(),
             ranges: Vec::new(),
             solids: Vec::new(),
@@ -151,7 +151,7 @@ impl<V: Space> Scenery<V> {
         };
         let (low, high) = extents(setup);
         let capacity = config.capacity.max(setup.agents.len());
-        let cells = Cells::new(scenery.side(setup)?, high - low, capacity);
+        let cells = CellGrid::new(scenery.side(setup)?, high - low, capacity);
         let square = config.steering.square_radii * radius.max(1e-3);
         let grid = DensityGrid::new(square, high - low, capacity);
         scenery.add_obstacles()?;
@@ -162,7 +162,7 @@ impl<V: Space> Scenery<V> {
         }
         scenery.set_doors(&doors, &cells)?;
         for (index, route) in setup.routes.iter().enumerate() {
-            let path = scenery.path(index, route)?;
+            let path = scenery.prepare_path(index, route)?;
             scenery.paths.push(path);
         }
         for (agent, m) in setup.agents.iter().enumerate() {
@@ -173,7 +173,7 @@ impl<V: Space> Scenery<V> {
     }
 
     /// Lists the solids of all obstacles that are not open by cells. Takes memory.
-    pub fn list_solids(&mut self, cells: &Cells<V>) {
+    pub fn list_solids(&mut self, cells: &CellGrid<V>) {
         if self.solids.is_empty() {
             return;
         }
@@ -183,13 +183,13 @@ impl<V: Space> Scenery<V> {
     }
 
     /// Solids of an obstacle.
-    pub fn solids_of(&self, obstacle: usize) -> &[Solid<V>] {
+    pub fn solids_of(&self, obstacle: usize) -> &[ConvexSolid<V>] {
         &self.solids[self.ranges[obstacle].clone()]
     }
 
     /// Side of the cells: within the shortest plan, and half as long again, every agent has to be able to stop within half
     /// of it.
-    fn side(&self, setup: &Setup<V>) -> Result<f32, CrowdError> {
+    fn side(&self, setup: &CrowdSetup<V>) -> Result<f32, CrowdError> {
         let config = &setup.config;
         let shortest = 1.5 * self.interval;
         #[cfg(feature = "fixed-steps")]
@@ -224,7 +224,7 @@ impl<V: Space> Scenery<V> {
             self.solids.extend(bodies);
             self.ranges.push(range);
             if let Obstacle::Mover { way, radius } = obstacle {
-                self.movers.push(Mover { obstacle: index as u32, radius: *radius, way: way.clone() });
+                self.movers.push(MovingObstacle { obstacle: index as u32, radius: *radius, path: way.clone() });
             }
         }
         Ok(())
@@ -234,20 +234,25 @@ impl<V: Space> Scenery<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for an impossible route.
-    pub fn path(&mut self, number: usize, route: &Route<V>) -> Result<Path<V>, CrowdError> {
+    pub fn prepare_path(&mut self, number: usize, route: &Route<V>) -> Result<RoutePath<V>, CrowdError> {
         let mut goals = std::mem::take(&mut self.goals);
-        let path = self.path_with(number, route, &mut goals);
+        let path = self.prepare_path_with(number, route, &mut goals);
         self.goals = goals;
         path
     }
 
     /// Prepares a route with other goals than those of this crowd.
-    pub fn path_with(&self, number: usize, route: &Route<V>, goals: &mut Goals) -> Result<Path<V>, CrowdError> {
-        let mut path = Path::new(number, route, &self.solids)?;
+    pub fn prepare_path_with(
+        &self,
+        number: usize,
+        route: &Route<V>,
+        goals: &mut GoalTable,
+    ) -> Result<RoutePath<V>, CrowdError> {
+        let mut path = RoutePath::new(number, route, &self.solids)?;
         let mut subgoals = route.subgoals.iter().enumerate();
         subgoals.try_for_each(|(subgoal, &g)| self.check_goal(number, subgoal, g))?;
         if let Some(streets) = &self.streets {
-            path.goals = path.subgoals().map(|g| goals.take(streets, g.to_world())).collect();
+            path.goals = path.subgoals().map(|g| goals.take_goal(streets, g.to_world())).collect();
         }
         Ok(path)
     }
@@ -255,7 +260,7 @@ impl<V: Space> Scenery<V> {
     /// A subgoal is in no obstacle, be it an open one.
     pub fn check_goal(&self, route: usize, subgoal: usize, goal: V) -> Result<(), CrowdError> {
         let mut obstacles = self.obstacles.iter().zip(&self.ranges);
-        match obstacles.position(|(body, range)| is_in(goal, body, &self.solids[range.clone()])) {
+        match obstacles.position(|(body, range)| is_in_solid(goal, body, &self.solids[range.clone()])) {
             Some(obstacle) => Err(CrowdError::Goal { route, subgoal, obstacle }),
             None => Ok(()),
         }
@@ -270,7 +275,7 @@ impl<V: Space> Scenery<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] where streets know too many doors; nothing has changed then.
-    pub fn set_doors(&mut self, doors: &[Door], cells: &Cells<V>) -> Result<(), CrowdError> {
+    pub fn set_doors(&mut self, doors: &[Door], cells: &CellGrid<V>) -> Result<(), CrowdError> {
         if self.doors == doors {
             return Ok(());
         }
@@ -302,13 +307,13 @@ impl<V: Space> Scenery<V> {
 
     /// Solids that reach into the region of a cell.
     #[inline]
-    pub fn near(&self, cell: u32) -> &[u32] {
+    pub fn solids_near(&self, cell: u32) -> &[u32] {
         self.listed(cell, 0, &self.near)
     }
 
     /// Solids that an agent in a cell sees beside it.
     #[inline]
-    pub fn walls(&self, cell: u32) -> &[u32] {
+    pub fn walls_seen(&self, cell: u32) -> &[u32] {
         self.listed(cell, 1, &self.walls)
     }
 
@@ -323,7 +328,7 @@ impl<V: Space> Scenery<V> {
 
     /// Lists solids by the cells whose regions they touch, or are within a distance of: returns the start of each
     /// cell's list, and all lists.
-    fn list(&self, cells: &Cells<V>, within: impl Fn(&Solid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
+    fn list(&self, cells: &CellGrid<V>, within: impl Fn(&ConvexSolid<V>) -> Option<f32>) -> (Vec<u32>, Vec<u32>) {
         let mut pairs = Vec::new();
         for (number, solid) in (0u32..).zip(&self.solids) {
             let is_open = self.is_open(self.owners[number as usize] as usize);
@@ -357,7 +362,7 @@ impl<V: Space> Scenery<V> {
 }
 
 /// Number in the setup of each obstacle of the streets, if it is one of these.
-fn of_streets<V: Space>(setup: &Setup<V>) -> Vec<Option<usize>> {
+fn of_streets<V: Space>(setup: &CrowdSetup<V>) -> Vec<Option<usize>> {
     let number = |(n, known): (usize, &Obstacle)| {
         let known = known.clone().map(V::from_world);
         if setup.obstacles.get(n) == Some(&known) { Some(n) } else { setup.obstacles.iter().position(|o| *o == known) }
@@ -366,7 +371,7 @@ fn of_streets<V: Space>(setup: &Setup<V>) -> Vec<Option<usize>> {
 }
 
 /// Every setting within its limits.
-fn check_settings<V: Space>(setup: &Setup<V>) -> Result<(), CrowdError> {
+fn check_settings<V: Space>(setup: &CrowdSetup<V>) -> Result<(), CrowdError> {
     setup.config.check()?;
     setup.senses.check()?;
     setup.fields.iter().enumerate().try_for_each(|(n, field)| field.check(n))?;
@@ -405,7 +410,7 @@ pub(crate) fn check_agent<V: Space>(
 }
 
 /// Box along the axes around all places that are named.
-fn extents<V: Space>(setup: &Setup<V>) -> (V, V) {
+fn extents<V: Space>(setup: &CrowdSetup<V>) -> (V, V) {
     let agents = setup.agents.iter().map(|m| m.position);
     let mut places =
         agents.chain(setup.routes.iter().flat_map(|r| r.subgoals.iter().copied())).filter(|p| p.is_finite());

@@ -1,6 +1,6 @@
 //! A crowd that several processes move together.
 
-use crate::crowd::{Crowd, Either, each};
+use crate::crowd::{Crowd, SpaceEngine, each};
 use crate::error::CrowdError;
 use crate::events::shared::SharedEngine;
 use glam::{Vec2, Vec3};
@@ -35,7 +35,7 @@ use throng_base::Comm;
 /// ```
 #[derive(Debug)]
 pub struct SharedCrowd {
-    engine: Either<SharedEngine<Vec2>, SharedEngine<Vec3>>,
+    engine: SpaceEngine<SharedEngine<Vec2>, SharedEngine<Vec3>>,
 }
 
 type Result<T> = std::result::Result<T, CrowdError>;
@@ -47,8 +47,8 @@ impl Crowd {
     /// [`CrowdError::Other`] for a crowd in which agents sense, have timers or companions, or care for others.
     pub fn share(self, comm: &dyn Comm) -> Result<SharedCrowd> {
         let engine = match self.engine {
-            Either::Ground(engine) => Either::Ground(SharedEngine::new(engine, comm)?),
-            Either::Air(engine) => Either::Air(SharedEngine::new(engine, comm)?),
+            SpaceEngine::Ground(engine) => SpaceEngine::Ground(SharedEngine::new(engine, comm)?),
+            SpaceEngine::Air(engine) => SpaceEngine::Air(SharedEngine::new(engine, comm)?),
         };
         Ok(SharedCrowd { engine })
     }
@@ -76,7 +76,7 @@ impl SharedCrowd {
     /// Number of agents of this process that overlap any other one now. Tests positions alone, independently of how
     /// overlaps are prevented.
     pub fn num_overlapping(&self) -> u64 {
-        each!(&self.engine, e => e.overlaps())
+        each!(&self.engine, e => e.num_overlapping())
     }
 
     /// The whole crowd, as if one process had moved it; `None` but on rank 0.
@@ -85,8 +85,8 @@ impl SharedCrowd {
     /// [`throng_base::Error::Rank`].
     pub fn gather(self, comm: &dyn Comm) -> Result<Option<Crowd>> {
         let engine = match self.engine {
-            Either::Ground(engine) => engine.gather(comm)?.map(Either::Ground),
-            Either::Air(engine) => engine.gather(comm)?.map(Either::Air),
+            SpaceEngine::Ground(engine) => engine.gather_crowd(comm)?.map(SpaceEngine::Ground),
+            SpaceEngine::Air(engine) => engine.gather_crowd(comm)?.map(SpaceEngine::Air),
         };
         Ok(engine.map(|engine| Crowd { engine }))
     }

@@ -6,7 +6,9 @@ mod counting;
 
 use counting::allocations;
 use glam::Vec3;
-use throng_crowd::{Agent, Crowd, EventKind, Go, Id, Obstacle, Route, Sense, Senses, Setup, Streets, Zone};
+use throng_crowd::{
+    Agent, AgentOrder, Crowd, CrowdEventKind, CrowdSetup, Id, Obstacle, Route, Sense, Senses, Streets, Zone,
+};
 
 const NUM: usize = 60;
 
@@ -19,7 +21,7 @@ fn crowd() -> (Crowd, Vec<Id>) {
     let block = |x: f32, z: f32| Obstacle::Ball { centre: Vec3::new(x, 0.0, z), radius: 0.3 };
     let blocks: Vec<Obstacle> = (0..6).map(|i| block(1.0 + 4.0 * (i % 3) as f32, 1.0 + 4.0 * (i / 3) as f32)).collect();
     let streets = Streets::new(&blocks, 0.4).unwrap();
-    let mut setup = Setup::in_streets(&streets, NUM);
+    let mut setup = CrowdSetup::in_streets(&streets, NUM);
     setup.senses = Senses {
         meet_m: 1.2,
         zones: (0..20).map(|i| Zone { centre: place(3 * i), radius: 0.8 }).collect(),
@@ -27,9 +29,9 @@ fn crowd() -> (Crowd, Vec<Id>) {
     };
     setup.routes.push(Route { subgoals: vec![place(0), place(59)], arrival_radius: 0.5, at_end: Default::default() });
     let mut crowd = Crowd::on_ground(setup).unwrap();
-    let ids: Vec<Id> = (0..NUM).map(|i| crowd.spawn(Agent::at(place(i))).unwrap()).collect();
+    let ids: Vec<Id> = (0..NUM).map(|i| crowd.spawn(Agent::standing_at(place(i))).unwrap()).collect();
     let sense = Sense { tells: 1, hears: 1, once: 1, zones: true, cells: true, arrivals: true };
-    ids.iter().for_each(|&id| crowd.sense(id, sense).unwrap());
+    ids.iter().for_each(|&id| crowd.set_senses(id, sense).unwrap());
     (crowd, ids)
 }
 
@@ -37,26 +39,30 @@ fn crowd() -> (Crowd, Vec<Id>) {
 fn answers_to_signals_allocate_nothing() {
     let (mut crowd, ids) = crowd();
     // The first order of each; all to one place.
-    ids.iter().for_each(|&id| crowd.order(id, Go::to(place(34))).unwrap());
+    ids.iter().for_each(|&id| crowd.order(id, AgentOrder::to_goal(place(34))).unwrap());
     let mut num = [0; 4];
     let n = allocations(|| {
         ids.iter().for_each(|&id| crowd.set_timer(id, Some(0.1 + 0.05 * f64::from(id.index))).unwrap());
         while let Some(signal) = crowd.advance_to_signal(40.0, &mut |_| {}).unwrap() {
             let id = signal.agent;
             match signal.kind {
-                EventKind::Timer => {
+                CrowdEventKind::Timer => {
                     num[0] += 1;
                     let turn = (signal.time * 10.0) as usize + 7 * id.index();
-                    let go = if turn.is_multiple_of(5) { Go::on_route(0) } else { Go::to(place(turn % NUM)) };
+                    let go = if turn.is_multiple_of(5) {
+                        AgentOrder::on_route(0)
+                    } else {
+                        AgentOrder::to_goal(place(turn % NUM))
+                    };
                     crowd.order(id, go.at_speed(0.8 + 0.1 * (turn % 9) as f32)).unwrap();
                     crowd.wake(id).unwrap();
                     crowd.set_timer(id, Some(signal.time + 1.3)).unwrap();
                 }
-                EventKind::Met { other } => {
+                CrowdEventKind::Met { other } => {
                     num[1] += 1;
                     crowd.set_speed(other, 1.1).unwrap();
                 }
-                EventKind::CameTo { .. } => num[2] += 1,
+                CrowdEventKind::CameTo { .. } => num[2] += 1,
                 _ => num[3] += 1,
             }
         }

@@ -12,7 +12,7 @@ use throng_base::{Bytes, Error, Executor, Result, SnapshotKind};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Walkers, WalkersConfig};
 use throng_core::{AdoptReport, Bundle, CharacterGroup, OrderStatus, Planar, PosedBodies, Skeleton};
-use throng_crowd::{Agent, Crowd, CrowdError, Go, Id};
+use throng_crowd::{Agent, AgentOrder, Crowd, CrowdError, Id};
 
 /// Events of each agent in a step for which memory is allocated at the start.
 const EVENTS: usize = 4;
@@ -119,7 +119,7 @@ impl Pedestrians {
 
 impl CharacterGroup for Pedestrians {
     type Start = Agent;
-    type Order = Go;
+    type Order = AgentOrder;
     /// [`CharacterEvent::Arrived`], [`CharacterEvent::Left`], [`CharacterEvent::Stuck`] or [`CharacterEvent::RunInto`].
     type Event = CharacterEvent;
 
@@ -159,7 +159,7 @@ impl CharacterGroup for Pedestrians {
     /// # Errors
     /// [`Error::Gone`], [`Error::NoWay`], [`Error::Occupied`] for subgoals in an obstacle, [`Error::Value`] for a speed or
     /// place out of range, [`Error::Index`] for a route that does not exist.
-    fn order(&mut self, id: Id, order: Go) -> Result<()> {
+    fn order(&mut self, id: Id, order: AgentOrder) -> Result<()> {
         self.crowd.order(id, order).map_err(|e| match e {
             CrowdError::Goal { subgoal, obstacle, .. } => {
                 Error::Occupied { who: id, by: format!("obstacle {obstacle}, at subgoal {subgoal} of its way,") }
@@ -175,7 +175,7 @@ impl CharacterGroup for Pedestrians {
         STEP_S.check("dt_s", None, dt_s)?;
         self.events.clear();
         let events = &mut self.events;
-        let until_s = self.crowd.now() + f64::from(dt_s);
+        let until_s = self.crowd.time_s() + f64::from(dt_s);
         let done = advance_crowd(&mut self.crowd, until_s, run, &mut |e| {
             events.extend(character_event(e.kind).map(|happened| (e.agent, happened)));
         });
@@ -193,9 +193,9 @@ impl CharacterGroup for Pedestrians {
     /// an order without a path is refused.
     fn status(&self, id: Id) -> Result<OrderStatus> {
         Ok(match self.crowd.status(id)? {
-            throng_crowd::Status::Going { left_m } => OrderStatus::Going { left_m },
-            throng_crowd::Status::There => OrderStatus::Arrived,
-            throng_crowd::Status::Blocked { by } => OrderStatus::Blocked { by },
+            throng_crowd::AgentStatus::Going { left_m } => OrderStatus::Going { left_m },
+            throng_crowd::AgentStatus::Arrived => OrderStatus::Arrived,
+            throng_crowd::AgentStatus::Blocked { by } => OrderStatus::Blocked { by },
         })
     }
 

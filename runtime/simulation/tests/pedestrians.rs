@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use std::path::Path;
 use throng_core::walkers::WalkersConfig;
 use throng_core::{Bundle, CharacterGroup, Error, Executor, Id, Inline, Joint, OrderStatus, Planar, Skeleton};
-use throng_crowd::{Agent, AtEnd, Crowd, Go, Obstacle, Setup, Streets};
+use throng_crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdSetup, Obstacle, Streets};
 use throng_simulation::{CharacterEvent, Pedestrians};
 
 const DT: f32 = 1.0 / 60.0;
@@ -27,7 +27,7 @@ fn empty(capacity: usize) -> Pedestrians {
     let corners = [ground(20.0, 20.0), ground(30.0, 20.0), ground(30.0, 30.0), ground(20.0, 30.0)];
     let wall = |i: usize| Obstacle::Wall { from: corners[i], to: corners[(i + 1) % 4], radius: 0.2 };
     let solids = [house, wall(0), wall(1), wall(2), wall(3)];
-    let crowd = Crowd::on_ground(Setup::in_streets(&Streets::new(&solids, 0.4).unwrap(), capacity)).unwrap();
+    let crowd = Crowd::on_ground(CrowdSetup::in_streets(&Streets::new(&solids, 0.4).unwrap(), capacity)).unwrap();
     let small = throng_simulation::wander::scaled_skeleton(&Skeleton::default(), 0.8, 1.0);
     Pedestrians::new(crowd, golden().blend("walks").unwrap(), &[Skeleton::default(), small], WalkersConfig::default())
         .unwrap()
@@ -37,9 +37,9 @@ fn empty(capacity: usize) -> Pedestrians {
 fn street() -> (Pedestrians, Vec<Id>) {
     let mut people = empty(CAPACITY);
     let spawn = |i: usize| {
-        let id = people.spawn(Agent::at(ground(i as f32 - 6.0, -6.0))).unwrap();
+        let id = people.spawn(Agent::standing_at(ground(i as f32 - 6.0, -6.0))).unwrap();
         let at_end = if i == 0 { AtEnd::Stay } else { AtEnd::Leave };
-        people.order(id, Go::to(ground(0.0, 7.0)).within(2.0).then(at_end)).unwrap();
+        people.order(id, AgentOrder::to_goal(ground(0.0, 7.0)).with_arrival(2.0).then_at_end(at_end)).unwrap();
         id
     };
     let ids = (0..12).map(spawn).collect();
@@ -72,7 +72,7 @@ fn farthest_hips(people: &Pedestrians) -> f32 {
     let crowd = people.crowd();
     let away = |&id: &Id| {
         let hips = people.bodies().get(id).unwrap().position(Joint::Hips);
-        let centre = crowd.position(id, crowd.now()).expect("who has a body is there");
+        let centre = crowd.position(id, crowd.time_s()).expect("who has a body is there");
         Vec2::new(hips.x, hips.z).distance(Vec2::new(centre.x, centre.z))
     };
     people.bodies().ids.iter().map(away).fold(0.0, f32::max)
@@ -118,7 +118,7 @@ fn they_are_put_elsewhere_where_there_is_room() {
     let (mut people, ids) = street();
     step(&mut people, 30);
     let hash = people.hash();
-    let beside = people.crowd().position(ids[1], people.crowd().now()).unwrap();
+    let beside = people.crowd().position(ids[1], people.crowd().time_s()).unwrap();
     for (x, z) in [(beside.x + 0.2, beside.z), (0.0, 0.0), (25.0, 25.0), (f32::NAN, 0.0)] {
         assert!(people.place(ids[0], Planar::new(x, z, 0.0)).is_err());
     }
@@ -139,26 +139,29 @@ fn they_are_put_elsewhere_where_there_is_room() {
 fn impossible_orders_and_starts_are_told_with_the_id() {
     let (mut people, ids) = street();
     people.despawn(ids[3]).unwrap();
-    let new = people.spawn(Agent::at(ground(-9.0, 0.0))).unwrap();
+    let new = people.spawn(Agent::standing_at(ground(-9.0, 0.0))).unwrap();
     assert_eq!((new.index, new.generation), (ids[3].index, 1));
     let hash = people.hash();
-    let no_way = people.order(new, Go::to(ground(25.0, 25.0))).unwrap_err();
+    let no_way = people.order(new, AgentOrder::to_goal(ground(25.0, 25.0))).unwrap_err();
     assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == new), "into a closed yard: {no_way}");
-    let through = people.order(new, Go::along(vec![ground(0.0, 0.0)])).unwrap_err();
+    let through = people.order(new, AgentOrder::along_subgoals(vec![ground(0.0, 0.0)])).unwrap_err();
     assert!(matches!(through, Error::Occupied { who, .. } if who == new), "{through}");
-    let fast = people.order(new, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
+    let fast = people.order(new, AgentOrder::to_goal(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
     assert!(matches!(fast, Error::Value { what: "speed", who: Some(who), .. } if who == new), "{fast}");
-    assert!(matches!(people.order(ids[3], Go::to(ground(5.0, 0.0))), Err(Error::Gone(who)) if who == ids[3]));
-    assert!(matches!(people.spawn(Agent::at(ground(-9.2, 0.0))), Err(Error::Occupied { .. })));
+    assert!(
+        matches!(people.order(ids[3], AgentOrder::to_goal(ground(5.0, 0.0))), Err(Error::Gone(who)) if who == ids[3])
+    );
+    assert!(matches!(people.spawn(Agent::standing_at(ground(-9.2, 0.0))), Err(Error::Occupied { .. })));
     assert!(matches!(people.step(1.5, &Inline), Err(Error::Value { what: "dt_s", .. })));
     assert_eq!(people.hash(), hash, "nothing has changed");
     for x in [9.0, 11.0] {
-        people.spawn(Agent::at(ground(x, 0.0))).unwrap();
+        people.spawn(Agent::standing_at(ground(x, 0.0))).unwrap();
     }
-    assert!(matches!(people.spawn(Agent::at(ground(13.0, 0.0))), Err(Error::Full { capacity: CAPACITY })));
+    assert!(matches!(people.spawn(Agent::standing_at(ground(13.0, 0.0))), Err(Error::Full { capacity: CAPACITY })));
     people.despawn(ids[0]).unwrap();
-    people.spawn(Agent::at(ground(13.0, 0.0))).unwrap();
-    let air = Crowd::in_air(Setup { agents: vec![Agent::at(Vec3::ZERO)], ..Setup::default() }).unwrap();
+    people.spawn(Agent::standing_at(ground(13.0, 0.0))).unwrap();
+    let air =
+        Crowd::in_air(CrowdSetup { agents: vec![Agent::standing_at(Vec3::ZERO)], ..CrowdSetup::default() }).unwrap();
     let flying = Pedestrians::new(air, golden().blend("walks").unwrap(), &[], WalkersConfig::default());
     assert!(matches!(flying, Err(Error::Value { got: 3.0, .. })));
 }
@@ -204,8 +207,10 @@ fn threads_change_nothing() {
     let mut people = empty(2400);
     for i in 0..2300 {
         let at = ground(40.0 + (i % 50) as f32, 40.0 + (i / 50) as f32);
-        let id = people.spawn(Agent::at(at)).unwrap();
-        people.order(id, Go::along(vec![at + ground(if i % 2 == 0 { 3.0 } else { -3.0 }, 2.0)])).unwrap();
+        let id = people.spawn(Agent::standing_at(at)).unwrap();
+        people
+            .order(id, AgentOrder::along_subgoals(vec![at + ground(if i % 2 == 0 { 3.0 } else { -3.0 }, 2.0)]))
+            .unwrap();
     }
     let mut others = people.clone();
     assert_eq!(differ(&watch(&mut people, 20, &Inline), &watch(&mut others, 20, &Threads)), None);
@@ -231,7 +236,7 @@ fn a_capacity_or_step_out_of_its_range_is_an_error() {
     let (golden, boxing) = (golden(), throng_core::characters::made_up::tables_with(&[]));
     for capacity in [usize::MAX, usize::MAX / 2 + 2, 1 << 40, 1_000_001] {
         let config = CrowdConfig { capacity, largest_radius_m: 0.3, largest_speed_mps: 2.0, ..CrowdConfig::default() };
-        let setup = || Setup { config, ..Setup::default() };
+        let setup = || CrowdSetup { config, ..CrowdSetup::default() };
         let refused: [String; 7] = [
             Characters::with_capacity(&MotionSet::new(&boxing), Default::default(), capacity).map(|_| ()).unwrap_err(),
             PolicyCharacters::with_capacity(&boxing, capacity, Default::default()).map(|_| ()).unwrap_err(),

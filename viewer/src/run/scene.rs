@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
 use throng_runtime::Result;
-use throng_runtime::crowd::Event as CrowdEvent;
+use throng_runtime::crowd::CrowdEvent;
 use throng_runtime::simulation::agents::{SceneAgents, world_vector};
 use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
 

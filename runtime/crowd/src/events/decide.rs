@@ -1,23 +1,23 @@
 //! Decision of an agent at its event.
 
-use crate::events::schemes::{Meeting, SchemeRef};
+use crate::events::schemes::{FirstContact, SchemeRef};
 use crate::routes::guide::Guide;
-use crate::routes::path::Cursor;
+use crate::routes::path::RouteCursor;
 use crate::safety::bound::Bound;
-use crate::safety::others::Others;
-use crate::scenery::Scenery;
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
-use crate::steering::bonds::{Bonds, MOST_COMPANIONS};
-use crate::steering::company::{Ahead, Companion, keep_together};
+use crate::safety::nearby_plans::NearbyPlans;
+use crate::scenery::CrowdScenery;
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
+use crate::steering::company::{Companion, GroupAhead, companion_force};
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::coming;
-use crate::steering::filter::Filter;
-use crate::steering::forces::{Surroundings, Walker, contact_horizon, felt_within, forces};
+use crate::steering::far_field::oncoming;
+use crate::steering::filter::VelocityFilter;
+use crate::steering::forces::{ForceSurroundings, SteeredAgent, contact_horizon, felt_within, sum_forces};
 use crate::steering::keep_right::between_walls;
-use crate::steering::neighbours::{Heed, Look, Rows};
-use crate::steering::retreat::{Blocked, Half};
-use crate::steering::sight::{ROUNDING, Seen};
+use crate::steering::neighbours::{NeighbourQuery, NeighbourRows, PerceptionLimits};
+use crate::steering::relationships::{MOST_COMPANIONS, RelationshipTable};
+use crate::steering::retreat::{BlockedAgent, CorridorHalf};
+use crate::steering::sight::{ROUNDING, SeenNeighbour};
 use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::ground::{Bounds2d, ExternalObstacles};
@@ -50,8 +50,8 @@ pub(crate) struct AgentState<V> {
     /// Cell that it is registered in; [`NONE`] for a free place.
     pub cell: u32,
     pub speed: f32,
-    pub cursor: Cursor<V>,
-    pub filter: Filter<V>,
+    pub cursor: RouteCursor<V>,
+    pub filter: VelocityFilter<V>,
     pub cause: Cause,
     /// Shortest distance left along the route since it stepped back last (m).
     pub least_left: f32,
@@ -71,27 +71,27 @@ pub(crate) struct AgentState<V> {
 
 /// Scratch memory of decisions, one for each thread.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Scratch<V> {
+pub(crate) struct DecisionScratch<V> {
     /// For the numbers of neighbours.
     room: Vec<u32>,
-    seen: Vec<Seen<V>>,
-    pub rows: Rows,
+    seen: Vec<SeenNeighbour<V>>,
+    pub rows: NeighbourRows,
     /// Plans that may be in conflict with the agent's.
-    pub(super) others: Others,
+    pub(super) others: NearbyPlans,
 }
 
-impl<V: Space> Scratch<V> {
+impl<V: Space> DecisionScratch<V> {
     pub fn new(capacity: usize, num_movers: usize) -> Self {
         let most = capacity + num_movers;
-        let (room, rows) = (Cells::<V>::room(capacity), Rows::new(capacity.div_ceil(LANES)));
-        Self { room, seen: Vec::with_capacity(most), rows, others: Others::new(most) }
+        let (room, rows) = (CellGrid::<V>::agent_buffer(capacity), NeighbourRows::new(capacity.div_ceil(LANES)));
+        Self { room, seen: Vec::with_capacity(most), rows, others: NearbyPlans::new(most) }
     }
 }
 
 /// The result of an event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Decision<V> {
-    pub plan: Plan<V>,
+    pub plan: MotionPlan<V>,
     pub state: AgentState<V>,
     pub leaves: bool,
     /// Moving obstacle that is in its place.
@@ -103,24 +103,24 @@ pub(crate) struct Decision<V> {
 pub(crate) struct DesiredMotion<V> {
     pub state: AgentState<V>,
     /// A plan from now on that has no end and no acceleration of its own yet.
-    pub fresh: Plan<V>,
+    pub fresh: MotionPlan<V>,
     pub acceleration: V,
     /// Region around its cell, which it must not leave.
     pub region: (V, V),
     /// First contact of its bound with that of another agent.
-    pub meeting: Meeting<V>,
+    pub meeting: FirstContact<V>,
     /// Longest plan: near its goal, not so long that it would pass it (s).
     pub longest: f32,
 }
 
 /// Decides for agents at a time; holds all that a decision may read.
 pub(crate) struct Decider<'a, V> {
-    pub scenery: &'a Scenery<V>,
-    pub cells: &'a Cells<V>,
+    pub scenery: &'a CrowdScenery<V>,
+    pub cells: &'a CellGrid<V>,
     pub states: &'a [AgentState<V>],
     pub grid: &'a DensityGrid<V>,
-    pub outsiders: &'a ExternalObstacles,
-    pub bonds: &'a Bonds<V>,
+    pub external_obstacles: &'a ExternalObstacles,
+    pub relationships: &'a RelationshipTable<V>,
     pub time: f64,
 }
 
@@ -130,32 +130,32 @@ impl<V: Space> Decider<'_, V> {
         &self,
         agent: u32,
         scheme: Option<SchemeRef<'_>>,
-        scratch: &mut Scratch<V>,
+        scratch: &mut DecisionScratch<V>,
     ) -> DesiredMotion<V> {
         let old = self.cells.plan(agent);
-        let (position, velocity) = old.at(self.time);
+        let (position, velocity) = old.motion_at(self.time);
         let mut state = self.states[agent as usize];
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
         state.intent = if state.is_there { V::default() } else { walker.desired };
         if self.give_way(agent, &state, &mut walker) {
             // Regaining the ground it yielded counts as progress.
-            state.least_left = state.least_left.max(walker.left);
+            state.least_left = state.least_left.max(walker.distance_left);
         }
         let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side(); 3]));
         let region = (centre - half, centre + half);
-        let fresh = Plan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
-        let mut meeting = Meeting::new(&fresh, scheme.map(|_| region));
+        let fresh = MotionPlan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
+        let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
         self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
-        let near = self.scenery.near(state.cell);
-        let sees_outsiders = self.sees_outsiders(&walker, scratch);
-        let f = self.feel((agent, &walker), &state, near, scratch);
+        let near = self.scenery.solids_near(state.cell);
+        let sees_outsiders = self.sees_external_obstacles(&walker, scratch);
+        let f = self.forces_from((agent, &walker), &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
-        let slows = walker.left < soon * state.speed && velocity.length_squared() > slow * slow;
+        let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
         let longest = if sees_outsiders { longest.min(LOOK_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
@@ -163,23 +163,23 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// New plan for an agent; `None` if it has to keep the present one.
-    pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut Scratch<V>) -> Option<Decision<V>> {
+    pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut DecisionScratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(agent);
         let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest } =
             self.desired_motion(agent, Some(scheme), scratch);
-        let near = self.scenery.near(state.cell);
+        let near = self.scenery.solids_near(state.cell);
         let (cause, length) = scheme.first_event(self, &fresh, &meeting, near);
         let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.scenery.interval);
         // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
         let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
-        self.look_at_plans(&fresh, length, scratch);
-        let fastest = self.fastest(&state);
-        let mut taken = self.safe(&fresh, (desired, fastest), length, region, near, scratch);
+        self.collect_nearby_plans(&fresh, length, scratch);
+        let fastest = self.max_speed(&state);
+        let mut taken = self.find_safe_plan(&fresh, (desired, fastest), length, region, near, scratch);
         if taken.is_none() && !self.scenery.movers.is_empty() {
             // It may be too late to avoid a moving obstacle: get out of its way as far as other agents allow.
             scratch.others.leave_out_movers();
-            taken = self.safe(&fresh, (desired, fastest), self.scenery.interval, region, near, scratch);
+            taken = self.find_safe_plan(&fresh, (desired, fastest), self.scenery.interval, region, near, scratch);
         }
         let plan = match taken {
             Some(plan) => plan,
@@ -191,7 +191,7 @@ impl<V: Space> Decider<'_, V> {
                 } else {
                     self.scenery.interval
                 };
-                let mut plan = Plan { end: self.time + f64::from(length), ..fresh };
+                let mut plan = MotionPlan { end: self.time + f64::from(length), ..fresh };
                 plan.brake();
                 plan
             }
@@ -199,21 +199,21 @@ impl<V: Space> Decider<'_, V> {
         };
         (state.cause, state.is_woken, state.goes_on) = (cause, false, false);
         let leaves = self.leaves(&state);
-        let struck_by = self.struck(&plan);
+        let struck_by = self.striking_obstacle(&plan);
         state.is_struck = struck_by != NONE;
         Some(Decision { plan, state, leaves, struck_by })
     }
 
-    fn feel(
+    fn forces_from(
         &self,
-        (agent, walker): (u32, &Walker<V>),
+        (agent, walker): (u32, &SteeredAgent<V>),
         state: &AgentState<V>,
         near: &[u32],
-        scratch: &Scratch<V>,
+        scratch: &DecisionScratch<V>,
     ) -> Forces<V> {
         let (scenery, seen) = (self.scenery, &scratch.seen);
-        let walls = scenery.walls(state.cell);
-        let around = Surroundings {
+        let walls = scenery.walls_seen(state.cell);
+        let around = ForceSurroundings {
             seen,
             solids: &scenery.solids,
             near,
@@ -222,19 +222,19 @@ impl<V: Space> Decider<'_, V> {
             interests: &scenery.interests,
             steering: &scenery.steering,
         };
-        let mut f = forces(walker, &scenery.fields[state.field as usize], &around);
-        f.interaction += self.bonds.pull((agent, walker.position), |id| {
+        let mut f = sum_forces(walker, &scenery.fields[state.field as usize], &around);
+        f.interaction += self.relationships.interest_acceleration((agent, walker.position), |id| {
             let state = &self.states[id.index()];
             let is_there = state.cell != NONE && state.generation == id.generation;
-            is_there.then(|| self.cells.plan(id.index).at(self.time).0)
+            is_there.then(|| self.cells.plan(id.index).motion_at(self.time).0)
         });
         f
     }
 
     /// The forces on an agent now.
-    pub fn forces(&self, agent: u32, scratch: &mut Scratch<V>) -> Forces<V> {
+    pub fn forces(&self, agent: u32, scratch: &mut DecisionScratch<V>) -> Forces<V> {
         let plan = self.cells.plan(agent);
-        let (position, velocity) = plan.at(self.time);
+        let (position, velocity) = plan.motion_at(self.time);
         let mut state = self.states[agent as usize];
         self.update(&mut state, &plan, position, velocity);
         let mut walker = self.walker(&state, &plan, position, velocity);
@@ -243,38 +243,38 @@ impl<V: Space> Decider<'_, V> {
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
         self.look_around((agent, at), &walker, &state, None, scratch);
-        self.sees_outsiders(&walker, scratch);
-        let near = self.scenery.near(state.cell);
-        let f = self.feel((agent, &walker), &state, near, scratch);
+        self.sees_external_obstacles(&walker, scratch);
+        let near = self.scenery.solids_near(state.cell);
+        let f = self.forces_from((agent, &walker), &state, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
 
     /// Guide by which agents find their paths.
     pub fn guide(&self) -> Guide<'_, V> {
-        let Scenery { streets, goals, steering, .. } = self.scenery;
+        let CrowdScenery { streets, goals, steering, .. } = self.scenery;
         Guide { streets: streets.as_ref(), goals, grid: self.grid, steering }
     }
 
     /// Follows the route, filters the velocity, and notes whether the agent makes progress.
-    fn update(&self, state: &mut AgentState<V>, plan: &Plan<V>, position: V, velocity: V) {
+    fn update(&self, state: &mut AgentState<V>, plan: &MotionPlan<V>, position: V, velocity: V) {
         state.filter.observe(velocity, (self.time - plan.start) as f32, &self.scenery.steering);
         let path = &self.scenery.paths[state.route as usize];
         let leg = state.cursor.leg;
-        let again = path.pass(&mut state.cursor, position);
+        let again = path.pass_subgoals(&mut state.cursor, position);
         let steering = &self.scenery.steering;
         let is_at_corner = state.cursor.rest > 0.0 && {
             let near = steering.corner_m;
             (state.cursor.aim - position).length_squared() < near * near
         };
         if self.time >= state.cursor.look_at || is_at_corner || leg != state.cursor.leg {
-            self.guide().look(path, &mut state.cursor, position, plan.radius);
+            self.guide().find_aim(path, &mut state.cursor, position, plan.radius);
             state.cursor.look_at = self.time + steering.look_s;
         }
-        state.is_there = again || path.is_there(&state.cursor, position);
+        state.is_there = again || path.has_arrived(&state.cursor, position);
         if again {
             state.least_left = f32::INFINITY;
         }
-        let left = path.left(&state.cursor, position);
+        let left = path.distance_left(&state.cursor, position);
         if state.is_there || state.speed == 0.0 || left < state.least_left - self.scenery.steering.progress_m {
             state.least_left = left;
             state.progressed_at = self.time;
@@ -285,7 +285,7 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Steering state of an agent: its position, goal and desired speed.
-    pub fn walker(&self, state: &AgentState<V>, plan: &Plan<V>, position: V, velocity: V) -> Walker<V> {
+    pub fn walker(&self, state: &AgentState<V>, plan: &MotionPlan<V>, position: V, velocity: V) -> SteeredAgent<V> {
         let path = &self.scenery.paths[state.route as usize];
         let field = &self.scenery.fields[state.field as usize];
         let (desired, distance) = (state.cursor.aim - position).unit_and_length();
@@ -297,14 +297,14 @@ impl<V: Space> Decider<'_, V> {
             speed *= (distance / path.arrival_radius()).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
-        Walker {
+        SteeredAgent {
             position,
             velocity,
             radius: plan.radius,
             limit: plan.limit,
             desired,
             speed,
-            left: path.left(&state.cursor, position),
+            distance_left: path.distance_left(&state.cursor, position),
             retreats: false,
             off_centre: position - centre,
         }
@@ -312,12 +312,12 @@ impl<V: Space> Decider<'_, V> {
 
     /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to
     /// others.
-    fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
+    fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
         let (waited, steering) = (self.time - state.progressed_at, &self.scenery.steering);
         if waited < steering.patience_on_left_s || state.is_there {
             return false;
         }
-        let walls = self.scenery.walls(self.cells.number(self.cells.coordinates(walker.position)));
+        let walls = self.scenery.walls_seen(self.cells.number(self.cells.coordinates(walker.position)));
         let between = between_walls(
             &self.scenery.solids,
             walls,
@@ -325,23 +325,27 @@ impl<V: Space> Decider<'_, V> {
             walker.desired.right(),
             steering,
         );
-        let half = between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { Half::Left } else { Half::Right });
-        let blocked = Blocked { position: walker.position, ahead: walker.desired, waited, half };
-        let way = blocked.retreat(self.grid, steering).or_else(|| {
+        let half =
+            between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
+        let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
+        let way = blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
-            let gate = self.guide().gate(path, &state.cursor, walker.position, walker.radius)?;
-            gate.retreat((walker.position, walker.radius), self.time, self.grid, steering)
+            let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
+            gate.retreat_direction((walker.position, walker.radius), self.time, self.grid, steering)
         });
         let yields = way.is_some();
-        if let Some(way) = way.or_else(|| blocked.retreat_by_chance((agent, self.time), self.grid, steering)) {
-            *walker = Walker { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
+        if let Some(way) = way.or_else(|| blocked.random_retreat_direction((agent, self.time), self.grid, steering)) {
+            *walker =
+                SteeredAgent { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
         }
         yields
     }
 
     /// Steers an agent to its place in its group; true where it has one.
-    fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut Walker<V>) -> bool {
-        let Some(bond) = self.bonds.of(agent).filter(|b| b.companions[0] != NONE) else { return false };
+    fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
+        let Some(bond) = self.relationships.relationships_of(agent).filter(|b| b.companions[0] != NONE) else {
+            return false;
+        };
         if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
             return false;
         }
@@ -352,21 +356,21 @@ impl<V: Space> Decider<'_, V> {
             let its = &self.states[index as usize];
             // Companions that have arrived, or have no goal, are not waited for.
             if !its.is_there {
-                let offset = self.cells.plan(index).at(self.time).0 - walker.position;
+                let offset = self.cells.plan(index).motion_at(self.time).0 - walker.position;
                 others[num] = Companion { index, offset, intent: its.intent, speed: its.speed };
                 num += 1;
             }
         }
         let (grid, steering) = (self.grid, &self.scenery.steering);
         let cell = self.cells.number(self.cells.coordinates(walker.position));
-        let ahead = Ahead {
+        let ahead = GroupAhead {
             solids: &self.scenery.solids,
-            near: self.scenery.near(cell),
+            near: self.scenery.solids_near(cell),
             density: [walker.desired, -walker.desired]
                 .map(|along| grid.density(walker.position, along, &steering.density_places)),
-            coming: coming(grid, walker.position, walker.desired, walker.left, steering)[0],
+            coming: oncoming(grid, walker.position, walker.desired, walker.distance_left, steering)[0],
         };
-        keep_together((agent, walker), &others[..num], &ahead);
+        companion_force((agent, walker), &others[..num], &ahead);
         num > 0
     }
 
@@ -375,27 +379,27 @@ impl<V: Space> Decider<'_, V> {
     fn look_around(
         &self,
         (agent, at): (u32, [i32; 3]),
-        me: &Walker<V>,
+        me: &SteeredAgent<V>,
         state: &AgentState<V>,
-        aim: Option<(SchemeRef<'_>, &mut Meeting<V>)>,
-        scratch: &mut Scratch<V>,
+        aim: Option<(SchemeRef<'_>, &mut FirstContact<V>)>,
+        scratch: &mut DecisionScratch<V>,
     ) {
         scratch.seen.clear();
         let field = &self.scenery.fields[state.field as usize];
-        let heed = Heed {
+        let heed = PerceptionLimits {
             perception: field.perception_m,
             felt: felt_within(me, field),
             horizon: contact_horizon(field, &self.scenery.steering),
             room: field.comfort_m + ROUNDING,
         };
-        let look = Look { cells: self.cells, at, time: self.time, agent, me, heed };
-        let Scratch { room, seen, rows, .. } = &mut *scratch;
+        let look = NeighbourQuery { cells: self.cells, at, time: self.time, agent, me, perception: heed };
+        let DecisionScratch { room, seen, rows, .. } = &mut *scratch;
         match aim {
-            None => look.around(room, seen, None),
-            Some((SchemeRef { lists: Some(_) }, _)) => look.around(room, seen, Some(rows)),
+            None => look.find_neighbours(room, seen, None),
+            Some((SchemeRef { lists: Some(_) }, _)) => look.find_neighbours(room, seen, Some(rows)),
             Some((SchemeRef { lists: None }, meeting)) => {
-                look.around(room, seen, Some(rows));
-                meeting.look(self.cells, rows);
+                look.find_neighbours(room, seen, Some(rows));
+                meeting.find_among(self.cells, rows);
             }
         }
         for mover in &self.scenery.movers {
@@ -404,27 +408,27 @@ impl<V: Space> Decider<'_, V> {
             let distance = offset.length();
             let radii = me.radius + mover.radius;
             if distance - mover.radius < 2.0 * self.cells.side() {
-                scratch.seen.push(Seen { offset, velocity: plan.velocity, distance, radii, yields: false });
+                scratch.seen.push(SeenNeighbour { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
     }
 
     /// Adds the external obstacles that an agent sees; true where there are any.
-    fn sees_outsiders(&self, me: &Walker<V>, scratch: &mut Scratch<V>) -> bool {
-        if self.outsiders.is_empty() {
+    fn sees_external_obstacles(&self, me: &SteeredAgent<V>, scratch: &mut DecisionScratch<V>) -> bool {
+        if self.external_obstacles.is_empty() {
             return false;
         }
         let before = scratch.seen.len();
         let around = Bounds2d::around_disc(me.position.on_ground(), 2.0 * self.cells.side());
-        self.outsiders.visit_bodies_near(&around, |_, other| {
+        self.external_obstacles.visit_bodies_near(&around, |_, other| {
             let offset = V::over_ground(other.place) - me.position;
             let (velocity, radii) = (V::over_ground(other.velocity), me.radius + other.radius_m);
-            scratch.seen.push(Seen { offset, velocity, distance: offset.length(), radii, yields: false });
+            scratch.seen.push(SeenNeighbour { offset, velocity, distance: offset.length(), radii, yields: false });
             true
         });
         // Sorts them independently of the grid's order.
         scratch.seen[before..].sort_by(|a, b| {
-            let key = |s: &Seen<V>| (s.distance, s.offset.coordinates());
+            let key = |s: &SeenNeighbour<V>| (s.distance, s.offset.coordinates());
             let ((d, x), (e, y)) = (key(a), key(b));
             d.total_cmp(&e).then(x[0].total_cmp(&y[0])).then(x[1].total_cmp(&y[1]))
         });
@@ -461,8 +465,8 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Moving obstacle that overlaps an agent at the start of a plan; [`NONE`] if there is none.
-    pub fn struck(&self, plan: &Plan<V>) -> u32 {
-        let hits = |m: &&crate::scenery::Mover<V>| {
+    pub fn striking_obstacle(&self, plan: &MotionPlan<V>) -> u32 {
+        let hits = |m: &&crate::scenery::MovingObstacle<V>| {
             let apart = (m.plan(self.time, 1.0).position - plan.position).length();
             apart < m.radius + plan.radius - 1e-3
         };

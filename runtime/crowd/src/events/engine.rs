@@ -1,21 +1,21 @@
 //! The engine: the state of all agents, and the loop that takes events in the order of time.
 
 use crate::error::CrowdError;
-use crate::events::decide::{AgentState, Cause, Decider, Decision, Scratch};
-use crate::events::event::{Counts, Event, EventKind};
+use crate::events::decide::{AgentState, Cause, Decider, Decision, DecisionScratch};
+use crate::events::event::{CrowdEvent, CrowdEventKind, EventCounts};
 use crate::events::occupancy::Occupancy;
 use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
-use crate::routes::path::Path;
-use crate::scenery::Scenery;
+use crate::routes::path::RoutePath;
+use crate::scenery::CrowdScenery;
 use crate::senses::Sensors;
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
-use crate::steering::bonds::Bonds;
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
 use crate::steering::density_grid::DensityGrid;
-use crate::{AtEnd, Id, NONE, Scheme, Sense, Setup, Space};
+use crate::steering::relationships::RelationshipTable;
+use crate::{AtEnd, CrowdSetup, Id, NONE, Scheme, Sense, Space};
 use throng_base::ground::ExternalObstacles;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
@@ -28,13 +28,13 @@ const FULL: usize = 1024;
 /// A crowd in two or three dimensions. See [`crate::Crowd`].
 #[derive(Clone, Debug)]
 pub(crate) struct Engine<V> {
-    pub scenery: Scenery<V>,
-    pub cells: Cells<V>,
+    pub scenery: CrowdScenery<V>,
+    pub cells: CellGrid<V>,
     pub states: Vec<AgentState<V>>,
     /// Route that belongs to the place of an agent alone; [`NONE`] where there is none (capacity).
     pub own_routes: Vec<u32>,
     /// Spare routes, so that spawning takes no memory.
-    pub spare: Vec<Path<V>>,
+    pub spare: Vec<RoutePath<V>>,
     /// Places for which memory is taken at once.
     pub room: usize,
     pub queue: Calendar,
@@ -43,25 +43,25 @@ pub(crate) struct Engine<V> {
     pub free: Vec<u32>,
     pub grid: DensityGrid<V>,
     /// External obstacles.
-    pub outsiders: ExternalObstacles,
+    pub external_obstacles: ExternalObstacles,
     /// Number of times that the grid was filled so far.
     pub refreshes: u64,
     pub now: f64,
-    pub counts: Counts,
+    pub counts: EventCounts,
     /// Events since the last call of [`Engine::run`].
-    pub events: Vec<Event>,
+    pub events: Vec<CrowdEvent>,
     /// Lists of [`crate::Scheme::Occupancy`], if that runs.
     pub occupancy: Option<Occupancy>,
     /// Steps of `Scheme::Fixed` and `Scheme::Pairs`, if one of them runs.
     #[cfg(feature = "fixed-steps")]
     pub fixed: Option<crate::events::fixed::Fixed<V>>,
-    pub scratch: Scratch<V>,
+    pub scratch: DecisionScratch<V>,
     pub sensors: Sensors<V>,
-    pub bonds: Bonds<V>,
+    pub relationships: RelationshipTable<V>,
     pub watchdog: Watchdog,
     /// Hash of all that a snapshot is meaningless without.
     pub setup_hash: u128,
-    pub windows: crate::events::parallel::Windows<V>,
+    pub windows: crate::events::parallel::EventWindows<V>,
 }
 
 impl<V: Space> Engine<V> {
@@ -69,16 +69,16 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, or an impossible start or subgoal.
-    pub fn new(setup: Setup<V>) -> Result<Self, CrowdError> {
-        let (scenery, cells, grid) = Scenery::new(&setup)?;
+    pub fn new(setup: CrowdSetup<V>) -> Result<Self, CrowdError> {
+        let (scenery, cells, grid) = CrowdScenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
         // An event comes with a few others; a fixed step with some of every agent.
         let most_events = FULL + 4 * capacity.max(64);
         let mut engine = Self {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
-            scratch: Scratch::new(capacity, scenery.movers.len()),
+            scratch: DecisionScratch::new(capacity, scenery.movers.len()),
             sensors: Sensors::new(&setup.senses, capacity),
-            bonds: Bonds::new(capacity),
+            relationships: RelationshipTable::new(capacity),
             occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells(), capacity)),
             #[cfg(feature = "fixed-steps")]
             fixed: crate::events::fixed::Fixed::new(&setup.config, capacity),
@@ -94,11 +94,11 @@ impl<V: Space> Engine<V> {
             prefetcher: Prefetcher::default(),
             free: (0..capacity as u32).rev().collect(),
             grid,
-            outsiders: ExternalObstacles::default(),
+            external_obstacles: ExternalObstacles::default(),
             refreshes: 0,
             now: 0.0,
-            windows: crate::events::parallel::Windows::default(),
-            counts: Counts::default(),
+            windows: crate::events::parallel::EventWindows::default(),
+            counts: EventCounts::default(),
             events: Vec::with_capacity(most_events),
         };
         for agent in &setup.agents {
@@ -196,7 +196,7 @@ impl<V: Space> Engine<V> {
         state.cell = NONE;
         state.generation = state.generation.wrapping_add(1);
         self.forget_senses(index);
-        self.bonds.forget(index);
+        self.relationships.forget(index);
     }
 
     /// Time at which the grid is filled next, which does not depend on calls.
@@ -235,7 +235,7 @@ impl<V: Space> Engine<V> {
             return None;
         }
         let plan = self.cells.plan(index);
-        let (position, velocity) = plan.at(now.max(plan.start));
+        let (position, velocity) = plan.motion_at(now.max(plan.start));
         Some((position, velocity, state.intent))
     }
 
@@ -244,8 +244,8 @@ impl<V: Space> Engine<V> {
     pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>, CrowdError> {
         let cause = self.cause(agent);
         let partner = self.partner(cause);
-        self.watch(agent, partner)?;
-        self.tell(agent, self.kind(cause));
+        self.note_for_watchdog(agent, partner)?;
+        self.report_event(agent, self.kind(cause));
         let renewed = partner.filter(|&p| self.is_renewed_with(p, agent, self.now));
         self.decide(agent, REGISTRATION);
         let renewed = renewed.filter(|&p| self.states[p as usize].cell != NONE);
@@ -267,10 +267,19 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent take a new plan; false where it has to keep the present one.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
-        let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
+        let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships: bonds, scratch, .. } =
+            self;
+        let decider = Decider {
+            scenery,
+            cells,
+            states,
+            grid,
+            external_obstacles: outsiders,
+            relationships: bonds,
+            time: self.now,
+        };
         let Some(decision) = decider.decide(agent, scheme, scratch) else {
-            self.go_on(agent);
+            self.resume_plan(agent);
             return false;
         };
         self.queue.set(agent, decision.plan.end);
@@ -288,7 +297,7 @@ impl<V: Space> Engine<V> {
 
     /// Time at which an agent that was woken at a time acts: as soon as possible. `None` where its plan ends about
     /// then.
-    pub fn woken_at(&self, plan: &Plan<V>, now: f64) -> Option<f64> {
+    pub fn woken_at(&self, plan: &MotionPlan<V>, now: f64) -> Option<f64> {
         let interval = f64::from(self.scenery.interval);
         let soonest = now.max(plan.start + interval);
         // It may have to keep its plan, and acts at its end then.
@@ -296,7 +305,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Time at which an agent with a plan acts next, unless another one makes it act before.
-    pub fn due(&self, plan: &Plan<V>) -> f64 {
+    pub fn due_time(&self, plan: &MotionPlan<V>) -> f64 {
         let is_woken = self.states[plan.index as usize].is_woken;
         is_woken.then(|| self.woken_at(plan, self.now)).flatten().unwrap_or(plan.end)
     }
@@ -308,7 +317,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Lets an agent keep its plan to its end: others rely on it, and no other safe plan was found.
-    pub fn go_on(&mut self, agent: u32) {
+    pub fn resume_plan(&mut self, agent: u32) {
         let state = &mut self.states[agent as usize];
         if std::mem::take(&mut state.is_woken) {
             state.goes_on = true;
@@ -324,19 +333,19 @@ impl<V: Space> Engine<V> {
         self.cells.set(before.cell, state.cell, &decision.plan);
         self.states[agent as usize] = state;
         if state.is_there && !before.is_there {
-            self.tell(agent, EventKind::Arrived);
+            self.report_event(agent, CrowdEventKind::Arrived);
         }
         if state.is_stuck && !before.is_stuck {
-            self.tell(agent, EventKind::Stuck);
+            self.report_event(agent, CrowdEventKind::Stuck);
         }
         if state.is_struck && !before.is_struck {
-            self.tell(agent, EventKind::Struck { obstacle: decision.struck_by as usize });
+            self.report_event(agent, CrowdEventKind::Struck { obstacle: decision.struck_by as usize });
         }
         if decision.leaves {
-            self.tell(agent, EventKind::Left);
+            self.report_event(agent, CrowdEventKind::Left);
             self.take_out(agent);
-        } else if self.sensors.of[agent as usize].sense != Sense::default() {
-            self.look_about(agent);
+        } else if self.sensors.states[agent as usize].sense != Sense::default() {
+            self.sense_neighbours(agent);
         }
         decision.leaves
     }
@@ -349,28 +358,28 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    pub fn kind(&self, cause: Cause) -> EventKind {
+    pub fn kind(&self, cause: Cause) -> CrowdEventKind {
         match cause {
-            Cause::Region => EventKind::Resetting,
-            Cause::Agent(other) => EventKind::Colliding { other: self.id(other) },
-            Cause::Obstacle(obstacle) => EventKind::Meeting { obstacle: obstacle as usize },
+            Cause::Region => CrowdEventKind::Resetting,
+            Cause::Agent(other) => CrowdEventKind::Colliding { other: self.id(other) },
+            Cause::Obstacle(obstacle) => CrowdEventKind::Meeting { obstacle: obstacle as usize },
         }
     }
 
     /// Counts and notes an event of an agent at this time.
-    pub fn tell(&mut self, agent: u32, kind: EventKind) {
+    pub fn report_event(&mut self, agent: u32, kind: CrowdEventKind) {
         self.counts.add(kind);
-        let event = Event { time: self.now, agent: self.id(agent), kind };
+        let event = CrowdEvent { time: self.now, agent: self.id(agent), kind };
         self.events.push(event);
-        if self.sensors.stops && kind.is_signal(self.sensors.of[agent as usize].sense.arrivals) {
+        if self.sensors.stops && kind.is_signal(self.sensors.states[agent as usize].sense.arrivals) {
             self.sensors.signals.push_back(event);
         }
     }
 
     /// Shows an event of an agent to the watchdog.
     #[inline]
-    pub fn watch(&mut self, agent: u32, partner: Option<u32>) -> Result<(), CrowdError> {
-        let storm = match self.watchdog.note(agent, partner.unwrap_or(NONE), self.now) {
+    pub fn note_for_watchdog(&mut self, agent: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+        let storm = match self.watchdog.note_event(agent, partner.unwrap_or(NONE), self.now) {
             Ok(()) => return Ok(()),
             Err(storm) => storm,
         };

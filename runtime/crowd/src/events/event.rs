@@ -6,7 +6,7 @@ use throng_base::Id;
 /// Kind of an event: its cause, or its effect.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EventKind {
+pub enum CrowdEventKind {
     /// The bound touched the side of its region, or the agent was woken.
     Resetting,
     /// The bound touched that of another agent; both are renewed, unless the other one was in the meantime.
@@ -73,43 +73,43 @@ pub enum EventKind {
 
 /// An event of an agent.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
+pub struct CrowdEvent {
     /// Time of the event (s).
     pub time: f64,
     /// The agent.
     pub agent: Id,
     /// Kind of the event.
-    pub kind: EventKind,
+    pub kind: CrowdEventKind,
 }
 
 /// Numbers of events so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counts {
-    /// See [`EventKind::Resetting`].
+pub struct EventCounts {
+    /// See [`CrowdEventKind::Resetting`].
     pub resetting: u64,
-    /// See [`EventKind::Colliding`]; each counts once.
+    /// See [`CrowdEventKind::Colliding`]; each counts once.
     pub colliding: u64,
-    /// See [`EventKind::Meeting`].
+    /// See [`CrowdEventKind::Meeting`].
     pub meeting: u64,
-    /// See [`EventKind::Entering`].
+    /// See [`CrowdEventKind::Entering`].
     pub entering: u64,
-    /// See [`EventKind::Leaving`].
+    /// See [`CrowdEventKind::Leaving`].
     pub leaving: u64,
-    /// See [`EventKind::Contacting`].
+    /// See [`CrowdEventKind::Contacting`].
     pub contacting: u64,
-    /// See [`EventKind::Separating`].
+    /// See [`CrowdEventKind::Separating`].
     pub separating: u64,
-    /// See [`EventKind::Arrived`].
+    /// See [`CrowdEventKind::Arrived`].
     pub arrived: u64,
-    /// See [`EventKind::Left`].
+    /// See [`CrowdEventKind::Left`].
     pub left: u64,
-    /// See [`EventKind::Struck`].
+    /// See [`CrowdEventKind::Struck`].
     pub struck: u64,
-    /// See [`EventKind::Stuck`].
+    /// See [`CrowdEventKind::Stuck`].
     pub stuck: u64,
     /// Number of events of [`crate::Senses`]; each meeting counts once.
     pub sensed: u64,
-    /// See [`EventKind::Timer`].
+    /// See [`CrowdEventKind::Timer`].
     pub timers: u64,
     /// Times that an agent took a new plan.
     pub decisions: u64,
@@ -121,7 +121,7 @@ pub struct Counts {
     pub overlaps: u64,
 }
 
-impl EventKind {
+impl CrowdEventKind {
     /// True for events that end [`crate::Crowd::advance_to_signal`]: sensed events, timers, and for agents that sense
     /// them, arrivals and the like.
     pub(crate) fn is_signal(self, arrivals: bool) -> bool {
@@ -133,7 +133,7 @@ impl EventKind {
     }
 }
 
-impl Counts {
+impl EventCounts {
     /// True where each of them is.
     pub(crate) fn is_below(&self, most: u64) -> bool {
         let Self { resetting, colliding, meeting, entering, leaving, contacting, separating, .. } = *self;
@@ -144,7 +144,7 @@ impl Counts {
     }
 
     /// Sum of the counts of two parts of a crowd.
-    pub(crate) fn plus(&self, other: &Self) -> Self {
+    pub(crate) fn sum_with(&self, other: &Self) -> Self {
         Self {
             resetting: self.resetting + other.resetting,
             colliding: self.colliding + other.colliding,
@@ -167,24 +167,24 @@ impl Counts {
     }
 
     /// Counts one event.
-    pub(crate) fn add(&mut self, kind: EventKind) {
+    pub(crate) fn add(&mut self, kind: CrowdEventKind) {
         *match kind {
-            EventKind::Resetting => &mut self.resetting,
-            EventKind::Colliding { .. } => &mut self.colliding,
-            EventKind::Meeting { .. } => &mut self.meeting,
-            EventKind::Entering => &mut self.entering,
-            EventKind::Leaving => &mut self.leaving,
-            EventKind::Contacting { .. } => &mut self.contacting,
-            EventKind::Separating { .. } => &mut self.separating,
-            EventKind::Arrived => &mut self.arrived,
-            EventKind::Left => &mut self.left,
-            EventKind::Struck { .. } => &mut self.struck,
-            EventKind::Stuck => &mut self.stuck,
-            EventKind::Met { .. }
-            | EventKind::CameTo { .. }
-            | EventKind::WentFrom { .. }
-            | EventKind::Crossed { .. } => &mut self.sensed,
-            EventKind::Timer => &mut self.timers,
+            CrowdEventKind::Resetting => &mut self.resetting,
+            CrowdEventKind::Colliding { .. } => &mut self.colliding,
+            CrowdEventKind::Meeting { .. } => &mut self.meeting,
+            CrowdEventKind::Entering => &mut self.entering,
+            CrowdEventKind::Leaving => &mut self.leaving,
+            CrowdEventKind::Contacting { .. } => &mut self.contacting,
+            CrowdEventKind::Separating { .. } => &mut self.separating,
+            CrowdEventKind::Arrived => &mut self.arrived,
+            CrowdEventKind::Left => &mut self.left,
+            CrowdEventKind::Struck { .. } => &mut self.struck,
+            CrowdEventKind::Stuck => &mut self.stuck,
+            CrowdEventKind::Met { .. }
+            | CrowdEventKind::CameTo { .. }
+            | CrowdEventKind::WentFrom { .. }
+            | CrowdEventKind::Crossed { .. } => &mut self.sensed,
+            CrowdEventKind::Timer => &mut self.timers,
         } += 1;
     }
 }

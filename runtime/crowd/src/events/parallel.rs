@@ -7,9 +7,9 @@
 //! of time. So the result is that of one event after the other.
 
 use crate::error::CrowdError;
-use crate::events::decide::{Decision, Scratch};
+use crate::events::decide::{Decision, DecisionScratch};
 use crate::events::engine::Engine;
-use crate::events::event::Event;
+use crate::events::event::CrowdEvent;
 use crate::events::schemes::REGISTRATION;
 use crate::{NONE, Space};
 use std::sync::{Mutex, PoisonError};
@@ -26,7 +26,7 @@ const NEIGHBOURS: usize = 512;
 
 /// An event of the window.
 #[derive(Clone, Copy, Debug)]
-struct Item {
+struct WindowEvent {
     time: f64,
     agent: u32,
     /// Acts together with the agent, if nothing comes between.
@@ -37,23 +37,23 @@ struct Item {
 
 /// Memory of windows; taken when the first one is.
 #[derive(Debug)]
-pub(crate) struct Windows<V> {
-    items: Vec<Item>,
+pub(crate) struct EventWindows<V> {
+    items: Vec<WindowEvent>,
     /// Deciding agent of each event of a level.
     who: Vec<u32>,
     /// Partner that acts after each of them.
     partners: Vec<u32>,
     /// Each is used by one thread at a time: no lock is waited for.
-    parts: Vec<Mutex<Part<V>>>,
+    parts: Vec<Mutex<LevelPart<V>>>,
     /// Last level that used each cell, counted over all windows.
     levels: Vec<u32>,
     base: u32,
     /// Events, with their order in the window.
-    events: Vec<(u32, Event)>,
+    events: Vec<(u32, CrowdEvent)>,
     left: Vec<(u32, u32)>,
 }
 
-impl<V> Default for Windows<V> {
+impl<V> Default for EventWindows<V> {
     fn default() -> Self {
         Self {
             items: Vec::new(),
@@ -68,7 +68,7 @@ impl<V> Default for Windows<V> {
     }
 }
 
-impl<V> Clone for Windows<V> {
+impl<V> Clone for EventWindows<V> {
     /// Windows keep nothing from one to the next: a copy takes memory of its own when it needs it.
     fn clone(&self) -> Self {
         Self::default()
@@ -77,9 +77,9 @@ impl<V> Clone for Windows<V> {
 
 /// A part of a level, decided by one thread.
 #[derive(Debug)]
-struct Part<V> {
+struct LevelPart<V> {
     decisions: Vec<Option<Decision<V>>>,
-    scratch: Scratch<V>,
+    scratch: DecisionScratch<V>,
 }
 
 impl<V: Space> Engine<V> {
@@ -98,13 +98,16 @@ impl<V: Space> Engine<V> {
         windows.levels.resize(self.cells.num_cells(), 0);
         let capacity = self.states.len().min(NEIGHBOURS);
         windows.parts.resize_with(PARTS, || {
-            Mutex::new(Part { decisions: Vec::new(), scratch: Scratch::new(capacity, self.scenery.movers.len()) })
+            Mutex::new(LevelPart {
+                decisions: Vec::new(),
+                scratch: DecisionScratch::new(capacity, self.scenery.movers.len()),
+            })
         });
         let mut done = Ok(true);
         while let Some((time, _)) = self.queue.first(until_s) {
             done = match self.is_full() {
                 true => Ok(false),
-                false => self.window((time, until_s), &mut windows, run).map(|()| true),
+                false => self.run_window((time, until_s), &mut windows, run).map(|()| true),
             };
             if !matches!(done, Ok(true)) {
                 break;
@@ -118,10 +121,10 @@ impl<V: Space> Engine<V> {
     }
 
     /// Processes all events from a time to the end of a window, which is not after another time.
-    fn window(
+    fn run_window(
         &mut self,
         (time, until_s): (f64, f64),
-        windows: &mut Windows<V>,
+        windows: &mut EventWindows<V>,
         run: &dyn Executor,
     ) -> Result<(), CrowdError> {
         self.refresh_grid_until(time);
@@ -134,27 +137,27 @@ impl<V: Space> Engine<V> {
             self.queue.remove(agent);
             let partner = self.partner(self.cause(agent)).unwrap_or(NONE);
             let order = windows.items.len() as u32;
-            windows.items.push(Item { time, agent, partner, level: 0, order });
+            windows.items.push(WindowEvent { time, agent, partner, level: 0, order });
         }
         let done = if windows.items.len() < FEWEST {
-            self.one_by_one(&windows.items)
+            self.run_one_by_one(&windows.items)
         } else {
             self.sort_by_level(windows);
             let items = std::mem::take(&mut windows.items);
             let mut levels = items.chunk_by(|a, b| a.level == b.level);
-            let done = levels.try_for_each(|level| self.level(level, windows, run));
+            let done = levels.try_for_each(|level| self.run_level(level, windows, run));
             windows.items = items;
-            self.tell_in_order(windows);
+            self.report_in_order(windows);
             done
         };
         if done.is_err() {
-            self.put_back(&windows.items);
+            self.requeue_events(&windows.items);
         }
         done
     }
 
     /// Notes events in the order of time, and frees the places of agents that left.
-    fn tell_in_order(&mut self, windows: &mut Windows<V>) {
+    fn report_in_order(&mut self, windows: &mut EventWindows<V>) {
         windows.events.sort_by_key(|e| e.0);
         self.events.extend(windows.events.drain(..).map(|(_, event)| event));
         windows.left.sort_unstable();
@@ -163,8 +166,8 @@ impl<V: Space> Engine<V> {
 
     /// Puts the events of a window that was not completed back into the queue: at their times if the agents have not
     /// acted, otherwise at the ends of their plans.
-    fn put_back(&mut self, items: &[Item]) {
-        for &Item { agent, time, .. } in items {
+    fn requeue_events(&mut self, items: &[WindowEvent]) {
+        for &WindowEvent { agent, time, .. } in items {
             if self.states[agent as usize].cell != NONE {
                 let time = if self.is_due(agent, time) { time } else { self.cells.plan(agent).end };
                 self.queue.set(agent, time);
@@ -172,7 +175,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    fn one_by_one(&mut self, items: &[Item]) -> Result<(), CrowdError> {
+    fn run_one_by_one(&mut self, items: &[WindowEvent]) -> Result<(), CrowdError> {
         for item in items {
             if self.is_due(item.agent, item.time) {
                 self.now = item.time;
@@ -183,7 +186,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Assigns every event its level, and sorts the events by it.
-    fn sort_by_level(&self, windows: &mut Windows<V>) {
+    fn sort_by_level(&self, windows: &mut EventWindows<V>) {
         if windows.base > u32::MAX / 2 {
             windows.levels.fill(0);
             windows.base = 0;
@@ -195,15 +198,16 @@ impl<V: Space> Engine<V> {
             let agents = [item.agent, item.partner];
             let here = agents.iter().copied().filter(|&m| m != NONE);
             // Some agents look at others that are far away.
-            let afar = here.clone().filter_map(|m| self.bonds.of(m)).flat_map(|bond| bond.agents());
+            let afar =
+                here.clone().filter_map(|m| self.relationships.relationships_of(m)).flat_map(|bond| bond.agents());
             let afar = afar.filter(|&m| self.states[m as usize].cell != NONE);
-            let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).at(item.time).0));
+            let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).motion_at(item.time).0));
             for at in cells.clone() {
-                self.cells.around(at, |c| level = level.max(levels[c as usize]));
+                self.cells.for_each_cell_around(at, |c| level = level.max(levels[c as usize]));
             }
             item.level = level + 1;
             for at in cells {
-                self.cells.around(at, |c| levels[c as usize] = level + 1);
+                self.cells.for_each_cell_around(at, |c| levels[c as usize] = level + 1);
             }
             last = last.max(item.level);
         }
@@ -212,7 +216,12 @@ impl<V: Space> Engine<V> {
     }
 
     /// Decides all events of a level: first the agents', then their partners'.
-    fn level(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Executor) -> Result<(), CrowdError> {
+    fn run_level(
+        &mut self,
+        items: &[WindowEvent],
+        windows: &mut EventWindows<V>,
+        run: &dyn Executor,
+    ) -> Result<(), CrowdError> {
         windows.who.clear();
         windows.partners.clear();
         for item in items {
@@ -222,9 +231,9 @@ impl<V: Space> Engine<V> {
             windows.partners.push(if is_pair { item.partner } else { NONE });
             if is_due {
                 self.now = item.time;
-                self.watch(item.agent, Some(item.partner).filter(|&p| p != NONE))?;
+                self.note_for_watchdog(item.agent, Some(item.partner).filter(|&p| p != NONE))?;
                 let from = self.events.len();
-                self.tell(item.agent, self.kind(self.cause(item.agent)));
+                self.report_event(item.agent, self.kind(self.cause(item.agent)));
                 windows.events.extend(self.events.drain(from..).map(|e| (item.order, e)));
             }
         }
@@ -235,13 +244,13 @@ impl<V: Space> Engine<V> {
     }
 
     /// Decides for one agent of each event of a level, all at the same time, and applies the decisions in order.
-    fn decide_all(&mut self, items: &[Item], windows: &mut Windows<V>, run: &dyn Executor) {
+    fn decide_all(&mut self, items: &[WindowEvent], windows: &mut EventWindows<V>, run: &dyn Executor) {
         let share = items.len().div_ceil(PARTS).max(FEWEST / 4);
         let num_parts = items.len().div_ceil(share);
         let (this, who, parts) = (&*self, &windows.who, &windows.parts);
         let decide = |n: usize| {
             let mut part = parts[n].lock().unwrap_or_else(PoisonError::into_inner);
-            let Part { decisions, scratch } = &mut *part;
+            let LevelPart { decisions, scratch } = &mut *part;
             decisions.clear();
             decisions.extend(who.iter().zip(items).skip(n * share).take(share).map(|(&who, item)| match who {
                 NONE => None,
@@ -253,14 +262,14 @@ impl<V: Space> Engine<V> {
         } else {
             run.run(num_parts, &decide)
         }
-        let Windows { who, parts, events, left, .. } = windows;
+        let EventWindows { who, parts, events, left, .. } = windows;
         for (n, part) in parts.iter_mut().enumerate().take(num_parts) {
             let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
             let whose = who.iter().zip(items).skip(n * share);
             for (decision, (&who, item)) in part.decisions.iter().zip(whose) {
                 let Some(decision) = decision else {
                     if who != NONE {
-                        self.go_on(who);
+                        self.resume_plan(who);
                     }
                     continue;
                 };
@@ -279,7 +288,7 @@ impl<V: Space> Engine<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::EventKind;
+    use crate::CrowdEventKind;
     use crate::tests::drive::{Drive, crossing};
     use glam::Vec2;
 
@@ -298,13 +307,17 @@ mod tests {
             let end = |m: &u32| crowd.cells.plan(*m).end;
             let soon = crowd.ids().map(|id| id.index).filter(|m| end(m) < time + 0.04);
             let tired = soon.max_by(|a, b| end(a).total_cmp(&end(b))).unwrap();
-            while crowd.watchdog.note(tired, NONE, crowd.now).is_ok() {}
+            while crowd.watchdog.note_event(tired, NONE, crowd.now).is_ok() {}
             let mut told = 0;
-            let is_own =
-                |k| matches!(k, EventKind::Resetting | EventKind::Colliding { .. } | EventKind::Meeting { .. });
+            let is_own = |k| {
+                matches!(
+                    k,
+                    CrowdEventKind::Resetting | CrowdEventKind::Colliding { .. } | CrowdEventKind::Meeting { .. }
+                )
+            };
             let error = crowd.par_advance(2.0, &mut |e| told += u64::from(is_own(e.kind))).unwrap_err();
             assert!(matches!(error, CrowdError::Stalled { first, .. } if first.index == tired), "{error}");
-            let own = |c: crate::Counts| c.resetting + c.colliding + c.meeting;
+            let own = |c: crate::EventCounts| c.resetting + c.colliding + c.meeting;
             assert_eq!(told, own(crowd.counts) - own(before), "what was counted is told");
             let mut waiting = Vec::new();
             while let Some((time, agent)) = crowd.queue.first(9.0) {

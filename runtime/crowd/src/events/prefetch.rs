@@ -6,29 +6,29 @@
 
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::events::queue::Scout;
-use crate::steering::far_field::prefetch_coming;
+use crate::events::queue::CalendarScout;
+use crate::steering::far_field::prefetch_oncoming;
 use crate::{NONE, Space};
 use throng_base::prefetch;
 
 /// Progress in preparing the next events.
 #[derive(Clone, Debug)]
 pub(crate) struct Prefetcher {
-    scout: Scout,
+    scout: CalendarScout,
     /// Agents found at the last events, the latest first; [`NONE`] where unused.
     found: [u32; 2],
 }
 
 impl Default for Prefetcher {
     fn default() -> Self {
-        Self { scout: Scout::default(), found: [NONE; 2] }
+        Self { scout: CalendarScout::default(), found: [NONE; 2] }
     }
 }
 
 impl<V: Space> Engine<V> {
     /// Prefetches one step further. Changes nothing but the time that the next events take.
     pub(crate) fn prefetch(&mut self) {
-        let found = self.queue.scout(&mut self.prefetcher.scout).unwrap_or(NONE);
+        let found = self.queue.scout_soon(&mut self.prefetcher.scout).unwrap_or(NONE);
         let [last, before] = self.prefetcher.found;
         self.prefetcher.found = [found, last];
         if let Some(state) = self.states.get(found as usize) {
@@ -36,24 +36,24 @@ impl<V: Space> Engine<V> {
             self.cells.prefetch(found);
             self.watchdog.prefetch(found);
         }
-        if let Some(state) = self.state(last) {
-            self.cells.prefetch_cells(self.cells.coordinates(self.cells.plan(last).at(self.now).0));
+        if let Some(state) = self.agent_state(last) {
+            self.cells.prefetch_cells(self.cells.coordinates(self.cells.plan(last).motion_at(self.now).0));
             self.scenery.prefetch(state.cell);
             prefetch(&self.scenery.paths[state.route as usize]);
             if let Cause::Agent(partner) = state.cause {
                 prefetch(&self.states[partner as usize]);
             }
         }
-        if let Some(state) = self.state(before) {
-            let position = self.cells.plan(before).at(self.now).0;
+        if let Some(state) = self.agent_state(before) {
+            let position = self.cells.plan(before).motion_at(self.now).0;
             self.cells.prefetch_plans(self.cells.coordinates(position));
             self.scenery.paths[state.route as usize].prefetch(state.cursor.leg);
-            prefetch_coming(&self.grid, position, state.intent, &self.scenery.steering);
+            prefetch_oncoming(&self.grid, position, state.intent, &self.scenery.steering);
         }
     }
 
     /// The state of an agent that is in the crowd.
-    fn state(&self, agent: u32) -> Option<&AgentState<V>> {
+    fn agent_state(&self, agent: u32) -> Option<&AgentState<V>> {
         self.states.get(agent as usize).filter(|m| m.cell != NONE)
     }
 }

@@ -1,19 +1,19 @@
 //! Queries of a crowd between its events.
 
-use crate::events::decide::{Decider, Scratch};
+use crate::events::decide::{Decider, DecisionScratch};
 use crate::events::engine::Engine;
-use crate::routes::order::Status;
+use crate::routes::order::AgentStatus;
 use crate::safety::bound::Bound;
-use crate::space::plan::Plan;
-use crate::steering::bonds::MOST_COMPANIONS;
+use crate::space::plan::MotionPlan;
+use crate::steering::relationships::MOST_COMPANIONS;
 use crate::{Agent, Forces, Id, NONE, Space};
 
 impl<V: Space> Engine<V> {
     /// Bytes that an agent takes, beside its route: those of one place of all vectors that are as long as the crowd.
     pub fn bytes_per_agent(&self) -> usize {
         size_of::<crate::events::decide::AgentState<V>>()
-            + size_of::<crate::space::cells::Kept>()
-            + size_of::<crate::senses::Sensing>()
+            + size_of::<crate::space::cells::PackedPlan>()
+            + size_of::<crate::senses::SensingState>()
             + crate::events::queue::Calendar::BYTES_EACH
             + size_of::<[u32; 2]>()
     }
@@ -27,14 +27,14 @@ impl<V: Space> Engine<V> {
         self.states.len() - self.free.len()
     }
 
-    pub fn plan(&self, id: Id) -> Option<Plan<V>> {
+    pub fn plan(&self, id: Id) -> Option<MotionPlan<V>> {
         self.check_id(id).is_ok().then(|| self.cells.plan(id.index))
     }
 
     pub fn agent(&self, id: Id) -> Option<Agent<V>> {
         let plan = self.plan(id)?;
         let state = &self.states[id.index()];
-        let (position, velocity) = plan.at(self.now);
+        let (position, velocity) = plan.motion_at(self.now);
         Some(Agent {
             position,
             velocity,
@@ -57,44 +57,44 @@ impl<V: Space> Engine<V> {
     }
 
     pub fn bound(&self, id: Id, time_s: f64) -> Option<(V, f32)> {
-        self.plan(id).map(|p| Bound::from(&p).at(time_s))
+        self.plan(id).map(|p| Bound::from(&p).disc_at(time_s))
     }
 
-    pub fn way_left(&self, id: Id) -> Option<f32> {
+    pub fn distance_left(&self, id: Id) -> Option<f32> {
         let plan = self.plan(id)?;
         let state = &self.states[id.index()];
-        let (position, path) = (plan.at(self.now).0, &self.scenery.paths[state.route as usize]);
-        Some(path.left(&state.cursor, position))
+        let (position, path) = (plan.motion_at(self.now).0, &self.scenery.paths[state.route as usize]);
+        Some(path.distance_left(&state.cursor, position))
     }
 
     pub fn desired_direction(&self, id: Id) -> Option<V> {
         let plan = self.plan(id)?;
-        let (position, velocity) = plan.at(self.now);
+        let (position, velocity) = plan.motion_at(self.now);
         Some(self.decider(self.now).walker(&self.states[id.index()], &plan, position, velocity).desired)
     }
 
     pub fn forces(&self, id: Id) -> Option<Forces<V>> {
         self.check_id(id).ok()?;
-        Some(self.decider(self.now).forces(id.index, &mut Scratch::default()))
+        Some(self.decider(self.now).forces(id.index, &mut DecisionScratch::default()))
     }
 
-    pub fn status(&self, id: Id) -> Option<Status> {
-        let left_m = self.way_left(id)?;
+    pub fn status(&self, id: Id) -> Option<AgentStatus> {
+        let left_m = self.distance_left(id)?;
         let state = &self.states[id.index()];
-        let position = self.cells.plan(id.index).at(self.now).0;
+        let position = self.cells.plan(id.index).motion_at(self.now).0;
         let path = &self.scenery.paths[state.route as usize];
-        Some(if path.is_there(&state.cursor, position) {
-            Status::There
+        Some(if path.has_arrived(&state.cursor, position) {
+            AgentStatus::Arrived
         } else if state.is_stuck {
-            Status::Blocked { by: self.in_front_of(id, position) }
+            AgentStatus::Blocked { by: self.in_front_of(id, position) }
         } else {
-            Status::Going { left_m }
+            AgentStatus::Going { left_m }
         })
     }
 
     /// Companions of an agent.
     pub fn companions(&self, id: Id) -> [Option<Id>; MOST_COMPANIONS] {
-        let bond = self.bonds.of(id.index).filter(|_| self.check_id(id).is_ok());
+        let bond = self.relationships.relationships_of(id.index).filter(|_| self.check_id(id).is_ok());
         let companions = bond.map_or([NONE; MOST_COMPANIONS], |b| b.companions);
         companions.map(|c| Some(c).filter(|&c| c != NONE).map(|c| self.id(c)))
     }
@@ -103,9 +103,9 @@ impl<V: Space> Engine<V> {
     fn in_front_of(&self, id: Id, position: V) -> Option<Id> {
         let ahead = self.desired_direction(id)?;
         let mut nearest = (f32::INFINITY, None);
-        self.cells.around(self.cells.coordinates(position), |cell| {
-            self.cells.each(cell, |other| {
-                let (toward, distance) = (other.at(self.now).0 - position).unit_and_length();
+        self.cells.for_each_cell_around(self.cells.coordinates(position), |cell| {
+            self.cells.for_each_in_cell(cell, |other| {
+                let (toward, distance) = (other.motion_at(self.now).0 - position).unit_and_length();
                 // Within 60 degrees of where it wants to go.
                 if other.index != id.index && toward.dot(ahead) > 0.5 && distance < nearest.0 {
                     nearest = (distance, Some(self.id(other.index)));
@@ -117,7 +117,7 @@ impl<V: Space> Engine<V> {
 
     /// Decider with all data that a decision may read.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
-        let Self { scenery, cells, states, grid, outsiders, bonds, .. } = self;
-        Decider { scenery, cells, states, grid, outsiders, bonds, time }
+        let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships: bonds, .. } = self;
+        Decider { scenery, cells, states, grid, external_obstacles: outsiders, relationships: bonds, time }
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Calendar {
     pages_per_s: f64,
     /// First agent of each page; pages of all turns that fall together share one.
     first: Vec<u32>,
-    entries: Vec<Entry>,
+    entries: Vec<CalendarEntry>,
     /// Agents of the page that is open, the earliest last, if it is sorted.
     open: Vec<u32>,
     /// True where nothing was added since it was sorted.
@@ -31,7 +31,7 @@ pub(crate) struct Calendar {
 
 /// The event of an agent: in one place, as memory is slow.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct CalendarEntry {
     time: f64,
     /// Next agent in the list of its page.
     next: u32,
@@ -43,15 +43,15 @@ struct Entry {
 const NOWHERE: u32 = NONE - 1;
 const OPEN: u32 = NONE - 2;
 
-/// Progress of [`Calendar::scout`].
+/// Progress of [`Calendar::scout_soon`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Scout {
+pub(crate) struct CalendarScout {
     page: u64,
     /// The next agent in that page.
     next: u32,
 }
 
-impl Default for Scout {
+impl Default for CalendarScout {
     fn default() -> Self {
         Self { page: 0, next: NONE }
     }
@@ -59,7 +59,7 @@ impl Default for Scout {
 
 impl Calendar {
     /// Bytes of an agent: its event, what it senses, its timer.
-    pub const BYTES_EACH: usize = 3 * (size_of::<Entry>() + size_of::<u32>());
+    pub const BYTES_EACH: usize = 3 * (size_of::<CalendarEntry>() + size_of::<u32>());
 
     /// Empty, for agents with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
@@ -68,7 +68,7 @@ impl Calendar {
         Self {
             pages_per_s: num_pages as f64 / TURN_S,
             first: vec![NONE; num_pages],
-            entries: vec![Entry { time: 0.0, next: NONE, previous: NOWHERE }; capacity],
+            entries: vec![CalendarEntry { time: 0.0, next: NONE, previous: NOWHERE }; capacity],
             open: Vec::with_capacity(capacity),
             is_sorted: true,
             page: 0,
@@ -147,15 +147,15 @@ impl Calendar {
     /// An agent that acts soon, in no order: from the pages after the open one, as far as
     /// the scout may look ahead. Some agents may be missed, and some act later.
     #[inline]
-    pub fn scout(&self, scout: &mut Scout) -> Option<u32> {
+    pub fn scout_soon(&self, scout: &mut CalendarScout) -> Option<u32> {
         if !(self.page + 1..=self.page + SCOUTED).contains(&scout.page) {
-            *scout = Scout { page: self.page + 1, next: self.first_of(self.page + 1) };
+            *scout = CalendarScout { page: self.page + 1, next: self.first_of(self.page + 1) };
         }
         while scout.next == NONE {
             if scout.page >= self.page + SCOUTED {
                 return None;
             }
-            *scout = Scout { page: scout.page + 1, next: self.first_of(scout.page + 1) };
+            *scout = CalendarScout { page: scout.page + 1, next: self.first_of(scout.page + 1) };
         }
         let agent = scout.next;
         scout.next = self.entries[agent as usize].next;
@@ -183,7 +183,7 @@ impl Calendar {
     }
 
     fn unlink(&mut self, agent: u32) {
-        let Entry { time, next, previous } = self.entries[agent as usize];
+        let CalendarEntry { time, next, previous } = self.entries[agent as usize];
         if next != NONE {
             self.entries[next as usize].previous = previous;
         }
@@ -198,7 +198,7 @@ impl Calendar {
     fn open_page(&mut self) {
         let mut agent = self.first_of(self.page);
         while agent != NONE {
-            let Entry { time, next, .. } = self.entries[agent as usize];
+            let CalendarEntry { time, next, .. } = self.entries[agent as usize];
             if self.page_of(time) == self.page {
                 self.unlink(agent);
                 self.entries[agent as usize].previous = OPEN;
@@ -211,7 +211,7 @@ impl Calendar {
 }
 
 /// Order of two agents by the time of their events, and then by number.
-fn order(entries: &[Entry], one: u32, other: u32) -> Ordering {
+fn order(entries: &[CalendarEntry], one: u32, other: u32) -> Ordering {
     let time = |agent: u32| entries[agent as usize].time;
     time(one).total_cmp(&time(other)).then(one.cmp(&other))
 }
@@ -259,7 +259,7 @@ mod tests {
     #[test]
     fn scout_finds_all_soon_events_once() {
         let mut calendar = Calendar::new(2000);
-        let mut scout = Scout::default();
+        let mut scout = CalendarScout::default();
         // Time may be set back, as a snapshot does.
         for now in [0.02, 0.05, 0.001] {
             calendar.clear(0.0);
@@ -268,14 +268,14 @@ mod tests {
             while let Some((_, agent)) = calendar.first(now) {
                 calendar.remove(agent);
             }
-            let mut found: Vec<u32> = std::iter::from_fn(|| calendar.scout(&mut scout)).collect();
+            let mut found: Vec<u32> = std::iter::from_fn(|| calendar.scout_soon(&mut scout)).collect();
             found.sort_unstable();
             let pages = calendar.page + 1..=calendar.page + SCOUTED;
             let soon = |m: &u32| pages.contains(&calendar.page_of(calendar.entries[*m as usize].time));
             let want: Vec<u32> = (0..2000).filter(soon).collect();
             assert!(want.len() > 100, "{}", want.len());
             assert_eq!(found, want, "at {now} s");
-            assert_eq!(calendar.scout(&mut scout), None, "until time goes on");
+            assert_eq!(calendar.scout_soon(&mut scout), None, "until time goes on");
         }
     }
 

@@ -1,20 +1,20 @@
 //! A plan that the safety rule allows, near to the desired one.
 
-use super::decide::{AgentState, Decider, Scratch};
+use super::decide::{AgentState, Decider, DecisionScratch};
 use crate::Space;
-use crate::safety::reach::Reach;
-use crate::safety::rule::{Candidate, Violation, lever, violation_of_held, violation_of_solid};
-use crate::space::plan::Plan;
+use crate::safety::reach::PlanReach;
+use crate::safety::rule::{PlanCandidate, SafetyViolation, lever, violation_of_region, violation_of_solid};
+use crate::space::plan::MotionPlan;
 
 /// Speed that every agent may reach while it yields, whatever its desired speed (m/s).
 const SLOWEST_MPS: f32 = 0.5;
 
 impl<V: Space> Decider<'_, V> {
     /// Finds the plans that a plan of a length has to be compared with.
-    pub(super) fn look_at_plans(&self, fresh: &Plan<V>, length: f32, scratch: &mut Scratch<V>) {
+    pub(super) fn collect_nearby_plans(&self, fresh: &MotionPlan<V>, length: f32, scratch: &mut DecisionScratch<V>) {
         scratch.others.clear();
-        let reach = Reach::new(self.cells, self.scenery.fastest, fresh, length);
-        reach.find(scratch.rows.all(), &mut scratch.others);
+        let reach = PlanReach::new(self.cells, self.scenery.fastest, fresh, length);
+        reach.find_neighbours(scratch.rows.found_rows(), &mut scratch.others);
         for mover in &self.scenery.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.scenery.speed / fresh.limit);
             let way = plan.velocity.length() * (plan.end - plan.start) as f32;
@@ -27,15 +27,15 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// A plan near the desired one for which the safety rule holds.
-    pub(super) fn safe(
+    pub(super) fn find_safe_plan(
         &self,
-        fresh: &Plan<V>,
+        fresh: &MotionPlan<V>,
         (desired, fastest): (V, f32),
         length: f32,
         region: (V, V),
         near: &[u32],
-        scratch: &Scratch<V>,
-    ) -> Option<Plan<V>> {
+        scratch: &DecisionScratch<V>,
+    ) -> Option<MotionPlan<V>> {
         let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
         let (mut a, mut length) = (desired, length);
         for attempt in 0..steering.plan_tries {
@@ -47,7 +47,7 @@ impl<V: Space> Decider<'_, V> {
                 length = (0.5 * length).max(shortest);
                 continue;
             }
-            match self.worst(&candidate, near, scratch) {
+            match self.worst_violation(&candidate, near, scratch) {
                 None => return Some(candidate.plan),
                 Some(worst) => {
                     // Slides along what is in the way.
@@ -62,7 +62,8 @@ impl<V: Space> Decider<'_, V> {
         let stop = fresh.velocity * -shortest.recip();
         for share in [0.5, 1.0] {
             let candidate = self.candidate(fresh, (stop * share, fastest), shortest);
-            let is_safe = candidate.stays_within(region.0, region.1) && self.worst(&candidate, near, scratch).is_none();
+            let is_safe =
+                candidate.stays_within(region.0, region.1) && self.worst_violation(&candidate, near, scratch).is_none();
             if is_safe {
                 return Some(candidate.plan);
             }
@@ -71,35 +72,44 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
-    pub(super) fn fastest(&self, state: &AgentState<V>) -> f32 {
+    pub(super) fn max_speed(&self, state: &AgentState<V>) -> f32 {
         let own = state.speed.max(SLOWEST_MPS) * self.scenery.steering.largest_speed_ratio;
         own.min(self.scenery.fastest)
     }
 
     /// A plan within the limits of acceleration and speed.
     #[inline]
-    fn candidate(&self, fresh: &Plan<V>, (a, fastest): (V, f32), length: f32) -> Candidate<V> {
+    fn candidate(&self, fresh: &MotionPlan<V>, (a, fastest): (V, f32), length: f32) -> PlanCandidate<V> {
         let a = a.at_most(fresh.limit);
         let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
-        Candidate::new(Plan { end: self.time + f64::from(length), acceleration: a.at_most(fresh.limit), ..*fresh })
+        PlanCandidate::new(MotionPlan {
+            end: self.time + f64::from(length),
+            acceleration: a.at_most(fresh.limit),
+            ..*fresh
+        })
     }
 
     /// The largest violation of a plan.
-    fn worst(&self, candidate: &Candidate<V>, near: &[u32], scratch: &Scratch<V>) -> Option<Violation<V>> {
+    fn worst_violation(
+        &self,
+        candidate: &PlanCandidate<V>,
+        near: &[u32],
+        scratch: &DecisionScratch<V>,
+    ) -> Option<SafetyViolation<V>> {
         let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
-        let held = self.worst_held(candidate);
-        let all = scratch.others.worst(candidate).into_iter().chain(solids).chain(held);
+        let held = self.worst_region_violation(candidate);
+        let all = scratch.others.worst_violation(candidate).into_iter().chain(solids).chain(held);
         all.reduce(|a, b| if b.depth > a.depth { b } else { a })
     }
 
     /// The largest violation of a plan by ground that others hold.
-    fn worst_held(&self, candidate: &Candidate<V>) -> Option<Violation<V>> {
-        if self.outsiders.is_empty() {
+    fn worst_region_violation(&self, candidate: &PlanCandidate<V>) -> Option<SafetyViolation<V>> {
+        if self.external_obstacles.is_empty() {
             return None;
         }
-        let mut worst: Option<Violation<V>> = None;
-        self.outsiders.visit_reserved_near(&candidate.bounds(), |ground| {
-            let found = violation_of_held(candidate, ground);
+        let mut worst: Option<SafetyViolation<V>> = None;
+        self.external_obstacles.visit_reserved_near(&candidate.bounds(), |ground| {
+            let found = violation_of_region(candidate, ground);
             if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
                 worst = Some(v);
             }

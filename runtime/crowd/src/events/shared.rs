@@ -11,8 +11,8 @@ use crate::error::CrowdError;
 use crate::events::decide::AgentState;
 use crate::events::engine::Engine;
 use crate::events::parallel::WINDOW;
-use crate::space::plan::Plan;
-use crate::{Counts, NONE, Space};
+use crate::space::plan::MotionPlan;
+use crate::{EventCounts, NONE, Space};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use throng_base::{Comm, Error, unexpected_message};
 
@@ -38,7 +38,7 @@ pub(crate) struct SharedEngine<V> {
     /// Places that were free at the start.
     num_free: usize,
     /// Agents that left the crowd by an event of this rank.
-    left: Vec<Left<V>>,
+    departed: Vec<DepartedAgent<V>>,
     /// Last pass in which a waiting event was found in each cell.
     waits: Vec<u32>,
     pass: u32,
@@ -46,7 +46,7 @@ pub(crate) struct SharedEngine<V> {
 
 /// An event of a window.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Item {
+struct RankEvent {
     time: f64,
     agent: u32,
     /// Cells of the agent and of the partner that it may make act too, at that time; [`NONE`] without one.
@@ -58,8 +58,8 @@ struct Item {
 /// Changed state of an agent.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Changed<V> {
-    plan: Plan<V>,
+struct ChangedAgent<V> {
+    plan: MotionPlan<V>,
     /// State of the agent; its cell is [`NONE`] where it left.
     state: AgentState<V>,
 }
@@ -67,7 +67,7 @@ struct Changed<V> {
 /// An agent that left, in the order in which one process frees their places.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Left<V> {
+struct DepartedAgent<V> {
     time: f64,
     /// Agent of the event, and whether its partner is the one that left.
     by: (u32, bool),
@@ -78,22 +78,22 @@ struct Left<V> {
 /// Message of a rank to another one after a pass.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Told<V> {
+struct PassMessage<V> {
     /// Number of its events that still wait.
     waiting: usize,
     /// Agents whose events are done.
     done: Vec<u32>,
-    changed: Vec<Changed<V>>,
+    changed: Vec<ChangedAgent<V>>,
 }
 
 /// State of a rank at the end, for the rank that joins all of them.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Gathered<V> {
-    counts: Counts,
-    left: Vec<Left<V>>,
+struct GatheredRank<V> {
+    counts: EventCounts,
+    left: Vec<DepartedAgent<V>>,
     /// Agents in the order of cells, and of their place in them.
-    agents: Vec<Changed<V>>,
+    agents: Vec<ChangedAgent<V>>,
 }
 
 fn encode(value: &impl Serialize) -> Vec<u8> {
@@ -112,7 +112,7 @@ impl<V: Space> SharedEngine<V> {
     /// # Errors
     /// [`CrowdError::Other`] for a crowd in which agents sense or care for others, or with another engine.
     pub fn new(mut engine: Engine<V>, comm: &dyn Comm) -> Result<Self, CrowdError> {
-        let is_plain = !engine.sensors.is_on() && engine.bonds.saved().is_empty();
+        let is_plain = !engine.sensors.is_on() && engine.relationships.saved().is_empty();
         let is_plain = is_plain && engine.is_of_registration();
         let expected =
             "0: without senses, timers, interests and companions of single agents, and with the engine of events";
@@ -151,20 +151,31 @@ impl<V: Space> SharedEngine<V> {
         };
         let (known, reached) = (within(MARGIN), within(MARGIN + 1));
         if rank > 0 {
-            engine.counts = Counts::default();
+            engine.counts = EventCounts::default();
         }
         let waits = vec![0; engine.cells.num_cells()];
         let (num_free, left) = (engine.free.len(), Vec::new());
-        let mut shared =
-            Self { engine, axis, owner, known, reached, rank, handed_over: 0, num_free, left, waits, pass: 0 };
+        let mut shared = Self {
+            engine,
+            axis,
+            owner,
+            known,
+            reached,
+            rank,
+            handed_over: 0,
+            num_free,
+            departed: left,
+            waits,
+            pass: 0,
+        };
         for agent in 0..shared.engine.states.len() as u32 {
-            shared.keep(agent);
+            shared.keep_known(agent);
         }
         Ok(shared)
     }
 
     /// Forgets an agent that is far away, and the event of one that is another rank's.
-    fn keep(&mut self, agent: u32) {
+    fn keep_known(&mut self, agent: u32) {
         let cell = self.engine.states[agent as usize].cell;
         if cell == NONE || self.owner_of(cell) == self.rank {
             return;
@@ -208,7 +219,7 @@ impl<V: Space> SharedEngine<V> {
                 break;
             }
             self.refresh_grid_until(first, comm)?;
-            self.window((first, until_s), comm)?;
+            self.run_window((first, until_s), comm)?;
         }
         self.engine.now = until_s;
         Ok(())
@@ -230,7 +241,7 @@ impl<V: Space> SharedEngine<V> {
     }
 
     /// Processes all events from a time to the end of a window, which is not after another time.
-    fn window(&mut self, (time, until_s): (f64, f64), comm: &dyn Comm) -> Result<(), CrowdError> {
+    fn run_window(&mut self, (time, until_s): (f64, f64), comm: &dyn Comm) -> Result<(), CrowdError> {
         let end = (time + WINDOW * f64::from(self.engine.scenery.interval)).min(until_s);
         let mut items = Vec::new();
         while let Some((time, agent)) = self.engine.queue.first(end) {
@@ -238,50 +249,56 @@ impl<V: Space> SharedEngine<V> {
                 break;
             }
             self.engine.queue.remove(agent);
-            items.push(self.item(time, agent));
+            items.push(self.rank_event(time, agent));
         }
         let of_rank = |rank: usize| items.iter().filter(|item| self.touches(item, rank)).copied().collect::<Vec<_>>();
         let messages =
             (0..comm.num_ranks()).map(|rank| if rank == self.rank { Vec::new() } else { encode(&of_rank(rank)) });
         for (rank, bytes) in comm.exchange(messages.collect())?.iter().enumerate() {
             if rank != self.rank {
-                items.extend(decode::<Vec<Item>>(rank, bytes)?);
+                items.extend(decode::<Vec<RankEvent>>(rank, bytes)?);
             }
         }
         items.sort_by(|a, b| a.time.total_cmp(&b.time).then(a.agent.cmp(&b.agent)));
         let mut place_of: Vec<(u32, usize)> = items.iter().enumerate().map(|(n, item)| (item.agent, n)).collect();
         place_of.sort_unstable();
-        while !self.pass(&mut items, &place_of, comm)? {}
+        while !self.run_pass(&mut items, &place_of, comm)? {}
         Ok(())
     }
 
     /// An event of this rank that comes in a window.
-    fn item(&self, time: f64, agent: u32) -> Item {
+    fn rank_event(&self, time: f64, agent: u32) -> RankEvent {
         let engine = &self.engine;
-        let cell = |agent: u32| engine.cells.number(engine.cells.coordinates(engine.cells.plan(agent).at(time).0));
+        let cell =
+            |agent: u32| engine.cells.number(engine.cells.coordinates(engine.cells.plan(agent).motion_at(time).0));
         let partner = engine.partner(engine.cause(agent));
         // A partner that has acted since, or is to act by then, will not act again.
         let partner = partner.filter(|&p| engine.is_renewed_with(p, agent, time));
-        Item { time, agent, cells: [cell(agent), partner.map_or(NONE, cell)], rank: self.rank, is_done: false }
+        RankEvent { time, agent, cells: [cell(agent), partner.map_or(NONE, cell)], rank: self.rank, is_done: false }
     }
 
     /// Calls `f` with every cell that an event may read or change.
-    fn around(&self, item: &Item, mut f: impl FnMut(u32)) {
+    fn for_each_cell_around(&self, item: &RankEvent, mut f: impl FnMut(u32)) {
         let cells = &self.engine.cells;
         for cell in item.cells.into_iter().filter(|&c| c != NONE) {
-            cells.around(cells.coordinates_of(cell), &mut f);
+            cells.for_each_cell_around(cells.coordinates_of(cell), &mut f);
         }
     }
 
     /// True where an event may read or change data that a rank knows.
-    fn touches(&self, item: &Item, rank: usize) -> bool {
+    fn touches(&self, item: &RankEvent, rank: usize) -> bool {
         let at = |&cell: &u32| cell != NONE && self.reached[rank][self.engine.cells.folded(cell, self.axis)];
         item.cells.iter().any(at)
     }
 
     /// Processes the events of this rank that need not wait, and informs the others; true where no event waits any
     /// more.
-    fn pass(&mut self, items: &mut [Item], place_of: &[(u32, usize)], comm: &dyn Comm) -> Result<bool, CrowdError> {
+    fn run_pass(
+        &mut self,
+        items: &mut [RankEvent],
+        place_of: &[(u32, usize)],
+        comm: &dyn Comm,
+    ) -> Result<bool, CrowdError> {
         self.pass = match self.pass.checked_add(1) {
             Some(pass) => pass,
             None => {
@@ -289,16 +306,16 @@ impl<V: Space> SharedEngine<V> {
                 1
             }
         };
-        let nothing = || Told { waiting: 0, done: Vec::new(), changed: Vec::new() };
-        let mut told: Vec<Told<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
+        let nothing = || PassMessage { waiting: 0, done: Vec::new(), changed: Vec::new() };
+        let mut told: Vec<PassMessage<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
         let mut waiting = 0;
         for item in items.iter_mut().filter(|item| !item.is_done) {
             let mut waits = item.rank != self.rank;
-            self.around(item, |cell| waits |= self.waits[cell as usize] == self.pass);
+            self.for_each_cell_around(item, |cell| waits |= self.waits[cell as usize] == self.pass);
             if waits {
                 waiting += usize::from(item.rank == self.rank);
                 let mut waits = std::mem::take(&mut self.waits);
-                self.around(item, |cell| waits[cell as usize] = self.pass);
+                self.for_each_cell_around(item, |cell| waits[cell as usize] = self.pass);
                 self.waits = waits;
                 continue;
             }
@@ -306,7 +323,7 @@ impl<V: Space> SharedEngine<V> {
             let changed = self.process(item)?;
             for rank in (0..told.len()).filter(|&rank| rank != self.rank && self.touches(item, rank)) {
                 told[rank].done.push(item.agent);
-                let changed = changed.iter().filter(|&&m| m != NONE).map(|&m| self.changed(m));
+                let changed = changed.iter().filter(|&&m| m != NONE).map(|&m| self.changed_agent(m));
                 told[rank].changed.extend(changed);
             }
         }
@@ -316,19 +333,19 @@ impl<V: Space> SharedEngine<V> {
         });
         let mut nobody_waits = true;
         for (rank, bytes) in comm.exchange(messages.collect())?.iter().enumerate() {
-            let told: Told<V> = decode(rank, bytes)?;
+            let told: PassMessage<V> = decode(rank, bytes)?;
             nobody_waits &= told.waiting == 0;
             for agent in told.done {
                 let place = place_of.binary_search_by_key(&agent, |p| p.0).map_err(|_| unexpected_message(rank))?;
                 items[place_of[place].1].is_done = true;
             }
-            told.changed.iter().for_each(|changed| self.take_over(changed));
+            told.changed.iter().for_each(|changed| self.apply_changes(changed));
         }
         Ok(nobody_waits)
     }
 
     /// The event of an agent of this rank, if it is still to come; returns the agents that it changed, or [`NONE`].
-    fn process(&mut self, item: &Item) -> Result<[u32; 2], CrowdError> {
+    fn process(&mut self, item: &RankEvent) -> Result<[u32; 2], CrowdError> {
         let engine = &mut self.engine;
         if !engine.is_due(item.agent, item.time) {
             return Ok([NONE; 2]);
@@ -343,7 +360,7 @@ impl<V: Space> SharedEngine<V> {
             let (Some(agent), Some(from)) = (agent, from) else { continue };
             let state = self.engine.states[agent as usize];
             if state.cell == NONE {
-                self.left.push(Left { time: item.time, by: (item.agent, n == 1), agent, state });
+                self.departed.push(DepartedAgent { time: item.time, by: (item.agent, n == 1), agent, state });
                 continue;
             }
             if self.owner_of(state.cell) != self.rank {
@@ -354,13 +371,13 @@ impl<V: Space> SharedEngine<V> {
         Ok(changed.map(|m| m.unwrap_or(NONE)))
     }
 
-    fn changed(&self, agent: u32) -> Changed<V> {
-        Changed { plan: self.engine.cells.plan(agent), state: self.engine.states[agent as usize] }
+    fn changed_agent(&self, agent: u32) -> ChangedAgent<V> {
+        ChangedAgent { plan: self.engine.cells.plan(agent), state: self.engine.states[agent as usize] }
     }
 
     /// Applies the change of an agent by another rank.
-    fn take_over(&mut self, changed: &Changed<V>) {
-        let Changed { plan, state } = changed;
+    fn apply_changes(&mut self, changed: &ChangedAgent<V>) {
+        let ChangedAgent { plan, state } = changed;
         let from = self.engine.states[plan.index as usize].cell;
         let to = if state.cell != NONE && self.is_known(self.rank, state.cell) { state.cell } else { NONE };
         let cells = &mut self.engine.cells;
@@ -378,16 +395,19 @@ impl<V: Space> SharedEngine<V> {
     }
 
     /// Number of agents of this rank that overlap another one now. Tests discs alone, independently of the safety rule.
-    pub fn overlaps(&self) -> u64 {
+    pub fn num_overlapping(&self) -> u64 {
         let engine = &self.engine;
         let overlaps = |agent: u32| {
             let (me, mut meets) = (engine.cells.plan(agent), false);
-            engine.cells.around(engine.cells.coordinates_of(engine.states[agent as usize].cell), |cell| {
-                engine.cells.each(cell, |other| {
-                    let apart = (me.at(engine.now).0 - other.at(engine.now).0).length();
-                    meets |= other.index != agent && apart < me.radius + other.radius - TOUCH_M;
-                });
-            });
+            engine.cells.for_each_cell_around(
+                engine.cells.coordinates_of(engine.states[agent as usize].cell),
+                |cell| {
+                    engine.cells.for_each_in_cell(cell, |other| {
+                        let apart = (me.motion_at(engine.now).0 - other.motion_at(engine.now).0).length();
+                        meets |= other.index != agent && apart < me.radius + other.radius - TOUCH_M;
+                    });
+                },
+            );
             meets
         };
         (0..engine.states.len() as u32).filter(|&m| self.is_own(m) && overlaps(m)).count() as u64
@@ -397,14 +417,14 @@ impl<V: Space> SharedEngine<V> {
     ///
     /// # Errors
     /// [`Error::Rank`].
-    pub fn gather(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>, CrowdError> {
+    pub fn gather_crowd(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>, CrowdError> {
         let mut agents = Vec::new();
         for cell in (0..self.engine.cells.num_cells() as u32).filter(|&cell| self.owner_of(cell) == self.rank) {
-            self.engine.cells.each(cell, |plan| {
-                agents.push(Changed { plan: *plan, state: self.engine.states[plan.index as usize] });
+            self.engine.cells.for_each_in_cell(cell, |plan| {
+                agents.push(ChangedAgent { plan: *plan, state: self.engine.states[plan.index as usize] });
             });
         }
-        let own = Gathered { counts: self.engine.counts, left: std::mem::take(&mut self.left), agents };
+        let own = GatheredRank { counts: self.engine.counts, left: std::mem::take(&mut self.departed), agents };
         let mut messages = vec![Vec::new(); comm.num_ranks()];
         messages[0] = encode(&own);
         let got = comm.exchange(messages)?;
@@ -413,10 +433,10 @@ impl<V: Space> SharedEngine<V> {
         }
         let mut left = Vec::new();
         let mut agents = Vec::new();
-        let mut counts = Counts::default();
+        let mut counts = EventCounts::default();
         for (rank, bytes) in got.iter().enumerate() {
-            let of_rank: Gathered<V> = decode(rank, bytes)?;
-            counts = counts.plus(&of_rank.counts);
+            let of_rank: GatheredRank<V> = decode(rank, bytes)?;
+            counts = counts.sum_with(&of_rank.counts);
             left.extend(of_rank.left);
             agents.extend(of_rank.agents);
         }
@@ -427,13 +447,13 @@ impl<V: Space> SharedEngine<V> {
         engine.counts = counts;
         engine.cells.clear();
         engine.queue.clear(engine.now);
-        for Changed { plan, state } in agents {
+        for ChangedAgent { plan, state } in agents {
             engine.states[plan.index as usize] = state;
             engine.cells.insert(state.cell, &plan);
-            engine.queue.set(plan.index, engine.due(&plan));
+            engine.queue.set(plan.index, engine.due_time(&plan));
         }
         engine.free.truncate(self.num_free);
-        for Left { agent, state, .. } in left {
+        for DepartedAgent { agent, state, .. } in left {
             engine.states[agent as usize] = state;
             engine.free.push(agent);
         }

@@ -4,17 +4,17 @@ use crate::error::CrowdError;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::events::occupancy::Occupancy;
-use crate::routes::goals::Goals;
-use crate::routes::path::Path;
+use crate::routes::goals::GoalTable;
+use crate::routes::path::RoutePath;
 use crate::routes::streets::Streets;
-use crate::safety::kept;
-use crate::scenery::{Door, Scenery};
-use crate::senses::Sensing;
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
-use crate::steering::bonds::Bond;
+use crate::safety::saved_plans;
+use crate::scenery::{CrowdScenery, Door};
+use crate::senses::SensingState;
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
 use crate::steering::density_grid::DensityGrid;
-use crate::{Counts, NONE, Route, Setup, Space};
+use crate::steering::relationships::AgentRelationships;
+use crate::{CrowdSetup, EventCounts, NONE, Route, Space};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
@@ -33,9 +33,9 @@ enum OtherScheme {
 /// State that changes with time.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-struct Saved<V> {
+struct SavedCrowd<V> {
     now: f64,
-    counts: Counts,
+    counts: EventCounts,
     free: Vec<u32>,
     states: Vec<AgentState<V>>,
     routes: Vec<Route<V>>,
@@ -43,15 +43,15 @@ struct Saved<V> {
     staying: Vec<u32>,
     own_routes: Vec<u32>,
     /// Plans in the order in which they are put back into the cells.
-    plans: Vec<Plan<V>>,
+    plans: Vec<MotionPlan<V>>,
     grid: DensityGrid<V>,
     refreshes: u64,
     /// States of the doors.
     doors: Vec<Door>,
     /// Sensing agents and their states.
-    sensing: Vec<(u32, Sensing)>,
+    sensing: Vec<(u32, SensingState)>,
     /// Agents with relationships.
-    bonds: Vec<(u32, Bond<V>)>,
+    bonds: Vec<(u32, AgentRelationships<V>)>,
     scheme: Option<OtherScheme>,
 }
 
@@ -75,8 +75,8 @@ impl<V: Space> Engine<V> {
 
     /// Hash of all that a state is meaningless without: the space, fields, obstacles, streets, config and sizes. The same
     /// with and without the feature `fixed-steps`, unless such steps are taken.
-    pub(crate) fn hash_setup(setup: &Setup<V>, scenery: &Scenery<V>, cells: &Cells<V>) -> u128 {
-        let Scenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
+    pub(crate) fn hash_setup(setup: &CrowdSetup<V>, scenery: &CrowdScenery<V>, cells: &CellGrid<V>) -> u128 {
+        let CrowdScenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
         let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
         let streets = setup.streets.as_ref().map(Streets::hashed);
@@ -84,7 +84,7 @@ impl<V: Space> Engine<V> {
             fields,
             obstacles,
             (interests, &setup.senses),
-            setup.config.hashed(),
+            setup.config.state_key(),
             sizes,
             cells.num_cells(),
             capacity,
@@ -98,7 +98,7 @@ impl<V: Space> Engine<V> {
     /// Appends the whole state (about 170 bytes an agent on the ground and 200 in the air, of which a route of its own
     /// with one subgoal takes 24 or 28; 20 or 28 bytes a square of the grid).
     pub fn save(&self, out: &mut Vec<u8>) {
-        let saved = Saved {
+        let saved = SavedCrowd {
             now: self.now,
             counts: self.counts,
             free: self.free.clone(),
@@ -111,7 +111,7 @@ impl<V: Space> Engine<V> {
             refreshes: self.refreshes,
             doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
-            bonds: self.bonds.saved(),
+            bonds: self.relationships.saved(),
             scheme: self.other_scheme(),
         };
         self.snapshot_kind().write(&saved, out);
@@ -123,7 +123,7 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
-        let saved: Saved<V> = self.snapshot_kind().read_all(bytes)?;
+        let saved: SavedCrowd<V> = self.snapshot_kind().read_all(bytes)?;
         let before = self.scenery.doors.clone();
         if saved.doors.len() != before.len() {
             return Err(Error::Snapshot { what: "crowd", why: "it has other obstacles".to_owned() }.into());
@@ -139,25 +139,25 @@ impl<V: Space> Engine<V> {
         loaded
     }
 
-    fn load_checked(&mut self, saved: Saved<V>) -> Result<(), CrowdError> {
+    fn load_checked(&mut self, saved: SavedCrowd<V>) -> Result<(), CrowdError> {
         let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
         }
-        let mut goals = Goals::default();
+        let mut goals = GoalTable::default();
         let mut paths = Vec::with_capacity(saved.routes.len());
         for (number, route) in saved.routes.iter().enumerate() {
             let stays = saved.staying.binary_search(&(number as u32)).is_ok();
             match (stays, route.subgoals.as_slice()) {
-                (true, &[at]) if at.is_finite() => paths.push(Path::staying(at)),
+                (true, &[at]) if at.is_finite() => paths.push(RoutePath::stay_path(at)),
                 (true, _) => return refused(format!("route {number} is of nobody who stays")),
-                (false, _) => match self.scenery.path_with(number, route, &mut goals) {
+                (false, _) => match self.scenery.prepare_path_with(number, route, &mut goals) {
                     Ok(path) => paths.push(path),
                     Err(e) => return refused(e.to_string()),
                 },
             }
         }
-        if !Self::fit(&saved, &paths) {
+        if !Self::agents_fit_routes(&saved, &paths) {
             return refused("an agent is on a leg that its route has not".to_owned());
         }
         (self.scenery.paths, self.scenery.goals) = (paths, goals);
@@ -166,20 +166,20 @@ impl<V: Space> Engine<V> {
     }
 
     /// True if agents are on legs of their routes.
-    fn fit(saved: &Saved<V>, paths: &[Path<V>]) -> bool {
+    fn agents_fit_routes(saved: &SavedCrowd<V>, paths: &[RoutePath<V>]) -> bool {
         let of_plans = saved.plans.iter().map(|p| &saved.states[p.index as usize]);
         of_plans.into_iter().all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs())
     }
 
     /// Replaces the state by a checked one.
-    fn take_over(&mut self, saved: Saved<V>) {
+    fn take_over(&mut self, saved: SavedCrowd<V>) {
         (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
         (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
         for (agent, &own) in (0u32..).zip(&self.own_routes).filter(|(_, own)| **own != NONE) {
             self.scenery.paths[own as usize].owner = agent;
         }
         self.fill_spare();
-        self.grid.mark();
+        self.grid.mark_occupied();
         self.free.clear();
         self.free.extend(&saved.free);
         self.cells.clear();
@@ -187,12 +187,12 @@ impl<V: Space> Engine<V> {
         for plan in &saved.plans {
             self.cells.insert(self.states[plan.index as usize].cell, plan);
             self.watchdog.forget(plan.index);
-            self.queue.set(plan.index, self.due(plan));
+            self.queue.set(plan.index, self.due_time(plan));
         }
-        self.sensors.of.fill(Sensing::default());
-        saved.sensing.iter().for_each(|(m, own)| self.sensors.of[*m as usize] = *own);
+        self.sensors.states.fill(SensingState::default());
+        saved.sensing.iter().for_each(|(m, own)| self.sensors.states[*m as usize] = *own);
         self.relink_senses();
-        self.bonds.take_over(&saved.bonds);
+        self.relationships.restore_saved(&saved.bonds);
         match saved.scheme {
             Some(OtherScheme::Occupancy(mut occupancy)) => {
                 occupancy.relink(&self.cells);
@@ -206,11 +206,11 @@ impl<V: Space> Engine<V> {
     }
 
     /// Reason why a state cannot be one of this crowd.
-    fn check_saved(&self, saved: &Saved<V>) -> Result<(), String> {
+    fn check_saved(&self, saved: &SavedCrowd<V>) -> Result<(), String> {
         if [saved.states.len(), saved.own_routes.len()] != [self.states.len(); 2] {
             return Err(format!("it holds {} agents, this crowd {}", saved.states.len(), self.states.len()));
         }
-        let may_be_grid = saved.grid.fits(&self.grid) && saved.grid.may_be(self.scenery.fastest);
+        let may_be_grid = saved.grid.has_same_size(&self.grid) && saved.grid.is_possible(self.scenery.fastest);
         if !may_be_grid || !(0.0..=1e9).contains(&saved.now) || !self.may_have_seen(saved) {
             return Err("its time or its grid cannot be".to_owned());
         }
@@ -219,7 +219,7 @@ impl<V: Space> Engine<V> {
         for plan in &saved.plans {
             let number = plan.index as usize;
             let is_good = saved.states.get(number).is_some_and(|m| {
-                self.may_be(m, saved.routes.len())
+                self.is_possible(m, saved.routes.len())
                     && (!m.is_woken || !m.goes_on && self.woken_at(plan, saved.now).is_some())
             });
             if !is_good || !self.may_follow(plan, saved.now) || !std::mem::take(&mut is_new[number]) {
@@ -227,11 +227,11 @@ impl<V: Space> Engine<V> {
             }
         }
         self.check_routes(saved)?;
-        if !self.sensors.may_be(&saved.sensing, saved.now, |m| saved.states[m as usize].cell != NONE) {
+        if !self.sensors.is_possible(&saved.sensing, saved.now, |m| saved.states[m as usize].cell != NONE) {
             return Err("somebody senses what cannot be".to_owned());
         }
         let is_there = |m: u32| saved.states.get(m as usize).is_some_and(|s| s.cell != NONE);
-        if !self.bonds.may_be(&saved.bonds, is_there) {
+        if !self.relationships.is_possible(&saved.bonds, is_there) {
             return Err("somebody cares for what cannot be".to_owned());
         }
         let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();
@@ -248,7 +248,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Checks routes: own routes are used by one agent each, and all subgoals can be searched for.
-    fn check_routes(&self, saved: &Saved<V>) -> Result<(), String> {
+    fn check_routes(&self, saved: &SavedCrowd<V>) -> Result<(), String> {
         let mut owners = vec![NONE; saved.routes.len()];
         for (agent, &route) in (0u32..).zip(&saved.own_routes).filter(|(_, r)| **r != NONE) {
             // Two that shared one would send each other elsewhere.
@@ -257,8 +257,8 @@ impl<V: Space> Engine<V> {
                 return Err(format!("route {route} is of two agents, or of none, or of the setup"));
             }
         }
-        let route_of = |p: &Plan<V>| saved.states[p.index as usize].route;
-        let is_astray = |p: &&Plan<V>| ![NONE, p.index].contains(&owners[route_of(p) as usize]);
+        let route_of = |p: &MotionPlan<V>| saved.states[p.index as usize].route;
+        let is_astray = |p: &&MotionPlan<V>| ![NONE, p.index].contains(&owners[route_of(p) as usize]);
         if let Some(plan) = saved.plans.iter().find(is_astray) {
             return Err(format!("agent {} is on route {}, which is another one's own", plan.index, route_of(plan)));
         }
@@ -272,33 +272,33 @@ impl<V: Space> Engine<V> {
     }
 
     /// Checks the safety rule, as for a newcomer, for all saved agents: none may overlap another one or an obstacle.
-    fn check_safety(&self, saved: &Saved<V>) -> Result<(), String> {
+    fn check_safety(&self, saved: &SavedCrowd<V>) -> Result<(), String> {
         #[cfg(feature = "fixed-steps")]
         if self.fixed.is_some() {
             return Ok(());
         }
         let half = V::from_coordinates([self.cells.side(); 3]);
-        let mut of_cell: HashMap<u32, Vec<&Plan<V>>> = HashMap::new();
+        let mut of_cell: HashMap<u32, Vec<&MotionPlan<V>>> = HashMap::new();
         for plan in &saved.plans {
             let (at, cell) = (self.cells.coordinates(plan.position), saved.states[plan.index as usize].cell);
             let centre = self.cells.centre(at);
             if cell != self.cells.number(at)
-                || !kept::is_motion(plan)
-                || !kept::is_within(plan, centre - half, centre + half)
+                || !saved_plans::is_motion(plan)
+                || !saved_plans::is_within(plan, centre - half, centre + half)
             {
                 return Err(format!("agent {} is in another cell than it says, or leaves it", plan.index));
             }
-            let is_clear = |&s: &u32| kept::is_clear_of(plan, &self.scenery.solids[s as usize], saved.now);
-            if let Some(&s) = self.scenery.near(cell).iter().find(|s| !is_clear(s)) {
+            let is_clear = |&s: &u32| saved_plans::is_clear_of(plan, &self.scenery.solids[s as usize], saved.now);
+            if let Some(&s) = self.scenery.solids_near(cell).iter().find(|s| !is_clear(s)) {
                 return Err(format!("agent {} is in obstacle {}", plan.index, self.scenery.owners[s as usize]));
             }
             of_cell.entry(cell).or_default().push(plan);
         }
         for plan in &saved.plans {
             let mut in_the_way = None;
-            self.cells.around(self.cells.coordinates(plan.position), |cell| {
+            self.cells.for_each_cell_around(self.cells.coordinates(plan.position), |cell| {
                 let others = of_cell.get(&cell).into_iter().flatten().filter(|o| o.index < plan.index);
-                in_the_way = others.copied().find(|o| !kept::are_apart(plan, o, saved.now)).or(in_the_way);
+                in_the_way = others.copied().find(|o| !saved_plans::are_apart(plan, o, saved.now)).or(in_the_way);
             });
             if let Some(other) = in_the_way {
                 return Err(format!("agents {} and {} overlap", other.index, plan.index));
@@ -317,7 +317,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// A state is of the scheme that runs here.
-    fn check_saved_scheme(&self, saved: &Saved<V>) -> Result<(), String> {
+    fn check_saved_scheme(&self, saved: &SavedCrowd<V>) -> Result<(), String> {
         let mut of_agent = vec![None; saved.states.len()];
         saved.plans.iter().for_each(|p| of_agent[p.index as usize] = Some(p));
         let plan = |m: u32| of_agent.get(m as usize).copied().flatten();
@@ -338,7 +338,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Checks that the grid fits the time, and that counts leave room for more.
-    fn may_have_seen(&self, saved: &Saved<V>) -> bool {
+    fn may_have_seen(&self, saved: &SavedCrowd<V>) -> bool {
         saved.refreshes as f64 <= saved.now / self.scenery.steering.refresh_s + 1.0 && saved.counts.is_below(1 << 62)
     }
 
@@ -350,7 +350,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// A plan that an agent of this crowd may follow now.
-    fn may_follow(&self, plan: &Plan<V>, now: f64) -> bool {
+    fn may_follow(&self, plan: &MotionPlan<V>, now: f64) -> bool {
         let within = |v: V, most: f32| v.is_finite() && v.length() <= most;
         let fastest = self.scenery.fastest;
         within(plan.position, FARTHEST_M)
@@ -367,7 +367,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Checks that an agent's state fits this crowd.
-    fn may_be(&self, state: &AgentState<V>, num_routes: usize) -> bool {
+    fn is_possible(&self, state: &AgentState<V>, num_routes: usize) -> bool {
         let cause = match state.cause {
             Cause::Agent(other) => (other as usize) < self.states.len(),
             Cause::Region => true,
@@ -402,10 +402,10 @@ impl<V: Space> Engine<V> {
             }
             hash.add_word(u64::from(state.route) << 32 | u64::from(state.speed.to_bits()));
             if state.is_woken || state.goes_on {
-                hash.add_word(self.due(&plan).to_bits());
+                hash.add_word(self.due_time(&plan).to_bits());
             }
         }
-        self.bonds.hash(|word| hash.add_word(word));
+        self.relationships.hash(|word| hash.add_word(word));
         let open = self.scenery.doors.iter().enumerate().filter(|(_, d)| **d == Door::Open);
         open.for_each(|(n, _)| hash.add_word(n as u64));
         hash.get()
@@ -416,7 +416,7 @@ impl<V: Space> Engine<V> {
 mod tests {
     use super::*;
     use crate::tests::drive::{Drive, crossing};
-    use crate::{AtEnd, Go, Obstacle};
+    use crate::{AgentOrder, AtEnd, Obstacle};
     use glam::{Vec2, Vec3};
 
     /// Restores a snapshot of a crowd that was changed by hand.
@@ -427,7 +427,7 @@ mod tests {
         Engine::new(crossing::<Vec2>(20, 8.0)).unwrap().load(&crowd.bytes())
     }
 
-    fn with_plan(change: impl FnOnce(&mut Plan<Vec2>)) -> Result<(), CrowdError> {
+    fn with_plan(change: impl FnOnce(&mut MotionPlan<Vec2>)) -> Result<(), CrowdError> {
         restored(|crowd| {
             let (cell, mut plan) = (crowd.states[3].cell, crowd.cells.plan(3));
             // So short that it stays where it may be.
@@ -466,7 +466,7 @@ mod tests {
     fn routes_of_others_are_refused() {
         let order = |crowd: &mut Engine<Vec2>, agent: usize, goal: Vec2| {
             let id = crowd.id(agent as u32);
-            crowd.order(id, &Go::along(vec![goal, goal + Vec2::X])).unwrap();
+            crowd.order(id, &AgentOrder::along_subgoals(vec![goal, goal + Vec2::X])).unwrap();
         };
         assert!(restored(|crowd| order(crowd, 3, Vec2::Y)).is_ok());
         let why = |change: &dyn Fn(&mut Engine<Vec2>)| restored(change).unwrap_err().to_string();
@@ -481,7 +481,7 @@ mod tests {
         order(&mut crowd, 3, Vec2::Y);
         let (id, own) = (crowd.id(4), crowd.own_routes[3] as usize);
         for _ in 0..2 {
-            let e = crowd.order(id, &Go::on_route(own)).unwrap_err().to_string();
+            let e = crowd.order(id, &AgentOrder::on_route(own)).unwrap_err().to_string();
             assert!(e.contains("another agent's own"), "{e}");
             crowd.load(&crowd.bytes()).unwrap();
         }
@@ -519,7 +519,7 @@ mod tests {
         let around = |centre: Vec3, nearest: f32, heights| {
             let mut setup = crossing::<Vec2>(4, 8.0);
             let ball = Obstacle::Ball { centre, radius: 1.0 };
-            setup.streets = Some(Streets::with(&[ball], heights, 0.4, nearest).unwrap());
+            setup.streets = Some(Streets::with_limits(&[ball], heights, 0.4, nearest).unwrap());
             Engine::new(setup).unwrap()
         };
         let kept = around(Vec3::X * 90.0, 0.2, None).bytes();

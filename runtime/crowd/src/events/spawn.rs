@@ -3,14 +3,14 @@
 use crate::error::{CrowdError, check};
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
-use crate::routes::order::{Go, Way};
-use crate::routes::path::{Cursor, Path};
-use crate::safety::others::violation;
-use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
-use crate::scenery::{Door, Scenery, check_agent};
-use crate::space::plan::Plan;
-use crate::steering::filter::Filter;
-use crate::{Agent, AtEnd, Id, InterestAt, NONE, Obstacle, PersonalInterest, Route, Space};
+use crate::routes::order::{AgentOrder, OrderDestination};
+use crate::routes::path::{RouteCursor, RoutePath};
+use crate::safety::nearby_plans::find_violation;
+use crate::safety::rule::{MARGIN, PlanCandidate, clearance, violation_of_solid};
+use crate::scenery::{CrowdScenery, Door, check_agent};
+use crate::space::plan::MotionPlan;
+use crate::steering::filter::VelocityFilter;
+use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, Space};
 use throng_base::Error;
 use throng_base::error::check_index;
 
@@ -27,15 +27,15 @@ impl<V: Space> Engine<V> {
         check_agent(id.index(), &agent, self.scenery.paths.len(), self.scenery.fields.len())?;
         agent.route.map_or(Ok(()), |route| self.check_shared(id, route))?;
         self.check_limits(id, &agent)?;
-        let plan = self.standing(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
+        let plan = self.standing_plan(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
         self.scenery.check_place(id, agent.position)?;
         self.check_clearance(id, &plan)?;
         let route = match agent.route {
             Some(route) => route,
-            None => self.stay(index, agent.position),
+            None => self.stay_at(index, agent.position),
         };
         self.free.pop();
-        let cursor = self.begin(route, agent.position, agent.radius);
+        let cursor = self.begin_route(route, agent.position, agent.radius);
         self.states[index as usize] = AgentState {
             route: route as u32,
             field: agent.field as u32,
@@ -43,9 +43,9 @@ impl<V: Space> Engine<V> {
             cell: self.cells.number(self.cells.coordinates(agent.position)),
             speed: agent.speed,
             cursor,
-            filter: Filter { velocity: agent.velocity, variance: 0.0 },
+            filter: VelocityFilter { velocity: agent.velocity, variance: 0.0 },
             cause: Cause::Region,
-            least_left: self.scenery.paths[route].left(&cursor, agent.position),
+            least_left: self.scenery.paths[route].distance_left(&cursor, agent.position),
             progressed_at: self.now,
             intent: (cursor.aim - agent.position).unit_and_length().0,
             is_there: false,
@@ -59,13 +59,13 @@ impl<V: Space> Engine<V> {
     }
 
     /// A plan of an agent that appears now, and decides at once.
-    fn standing(&self, index: u32, position: V, velocity: V, (radius, limit): (f32, f32)) -> Plan<V> {
+    fn standing_plan(&self, index: u32, position: V, velocity: V, (radius, limit): (f32, f32)) -> MotionPlan<V> {
         let (acceleration, moving) = (V::default(), f32::INFINITY);
-        Plan { start: self.now, end: self.now, position, velocity, acceleration, moving, radius, limit, index }
+        MotionPlan { start: self.now, end: self.now, position, velocity, acceleration, moving, radius, limit, index }
     }
 
     /// Registers the plan of an agent whose state is set.
-    fn insert(&mut self, plan: &Plan<V>) {
+    fn insert(&mut self, plan: &MotionPlan<V>) {
         self.cells.insert(self.states[plan.index as usize].cell, plan);
         self.watchdog.forget(plan.index);
         self.queue.set(plan.index, self.now);
@@ -92,12 +92,12 @@ impl<V: Space> Engine<V> {
     }
 
     /// Checks that an agent that brakes at once overlaps nothing.
-    fn check_clearance(&self, id: Id, plan: &Plan<V>) -> Result<(), CrowdError> {
+    fn check_clearance(&self, id: Id, plan: &MotionPlan<V>) -> Result<(), CrowdError> {
         let at = self.cells.coordinates(plan.position);
-        let candidate = Candidate::new(*plan);
+        let candidate = PlanCandidate::new(*plan);
         let mut error = None;
-        self.cells.around(at, |cell| {
-            self.cells.each(cell, |other| {
+        self.cells.for_each_cell_around(at, |cell| {
+            self.cells.for_each_in_cell(cell, |other| {
                 if other.index == plan.index {
                     return;
                 }
@@ -105,7 +105,7 @@ impl<V: Space> Engine<V> {
                 let clearance = if other.end <= self.now {
                     clearance(plan, other) - MARGIN
                 } else {
-                    violation(&candidate, other).map_or(1.0, |v| -v.depth)
+                    find_violation(&candidate, other).map_or(1.0, |v| -v.depth)
                 };
                 if clearance < 0.0 {
                     error =
@@ -113,14 +113,14 @@ impl<V: Space> Engine<V> {
                 }
             });
         });
-        for &s in self.scenery.near(self.cells.number(at)) {
+        for &s in self.scenery.solids_near(self.cells.number(at)) {
             if violation_of_solid(&candidate, &self.scenery.solids[s as usize]).is_some() {
                 let obstacle = self.scenery.owners[s as usize] as usize;
                 error = Some(CrowdError::Inside { agent: id, obstacle });
             }
         }
-        self.outsiders.visit_reserved_near(&candidate.bounds(), |ground| {
-            if candidate.held().intersects(ground) {
+        self.external_obstacles.visit_reserved_near(&candidate.bounds(), |ground| {
+            if candidate.reserved_region().intersects(ground) {
                 let by = "somebody whom the crowd does not move".into();
                 error = Some(Error::Occupied { who: id, by }.into());
             }
@@ -153,24 +153,24 @@ impl<V: Space> Engine<V> {
         throng_base::error::check_value("position", Some(id), far, good, "finite and within 1e5 m")?;
         self.scenery.check_place(id, position)?;
         let old = self.cells.plan(id.index);
-        let plan = self.standing(id.index, position, V::default(), (old.radius, old.limit));
+        let plan = self.standing_plan(id.index, position, V::default(), (old.radius, old.limit));
         self.check_clearance(id, &plan)?;
         let state = self.states[id.index()];
         let path = &self.scenery.paths[state.route as usize];
         let is_own = state.route == self.own_routes[id.index()];
-        if is_own && path.at_end() == AtEnd::Stay && path.is_there(&state.cursor, old.at(self.now).0) {
-            self.stay(id.index, position);
+        if is_own && path.at_end() == AtEnd::Stay && path.has_arrived(&state.cursor, old.motion_at(self.now).0) {
+            self.stay_at(id.index, position);
         } else if let Some(&goal) = path.goals.last().filter(|_| is_own) {
-            self.check_way(id, position, path.goal(), goal)?;
+            self.check_path(id, position, path.goal(), goal)?;
         }
         self.cells.remove(state.cell, id.index);
         self.unlist(id.index);
-        let cursor = self.begin(state.route as usize, position, plan.radius);
-        let left = self.scenery.paths[state.route as usize].left(&cursor, position);
+        let cursor = self.begin_route(state.route as usize, position, plan.radius);
+        let left = self.scenery.paths[state.route as usize].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];
         state.cell = self.cells.number(self.cells.coordinates(position));
         state.cursor = cursor;
-        state.filter = Filter { velocity: V::default(), variance: 0.0 };
+        state.filter = VelocityFilter { velocity: V::default(), variance: 0.0 };
         (state.cause, state.is_struck) = (Cause::Region, false);
         (state.least_left, state.progressed_at) = (left, self.now);
         (state.is_there, state.is_stuck) = (false, false);
@@ -185,7 +185,7 @@ impl<V: Space> Engine<V> {
     /// [`CrowdError`] for a route that cannot be.
     pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
         let number = self.scenery.paths.len();
-        let path = self.scenery.path(number, &route)?;
+        let path = self.scenery.prepare_path(number, &route)?;
         self.scenery.paths.push(path);
         self.scenery.paths.reserve(self.spare.len());
         Ok(number)
@@ -195,35 +195,37 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::NoPath`], and [`CrowdError`] for an impossible order; nothing has changed then.
-    pub fn order(&mut self, id: Id, order: &Go<V>) -> Result<(), CrowdError> {
+    pub fn order(&mut self, id: Id, order: &AgentOrder<V>) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
         throng_base::error::check_value("speed", Some(id), speed, good, expected)?;
         let plan = self.cells.plan(id.index);
-        let position = plan.at(self.now).0;
-        let number = match &order.way {
-            Way::Route(number) => {
+        let position = plan.motion_at(self.now).0;
+        let number = match &order.destination {
+            OrderDestination::Route(number) => {
                 check_index("route", Some(id), *number, self.scenery.paths.len())?;
                 self.check_shared(id, *number)?;
                 *number
             }
-            Way::To(goal) => self.lead_to(id, position, (*goal, order.arrival_m, order.at_end))?,
-            Way::Along(subgoals) => {
+            OrderDestination::ToGoal(goal) => {
+                self.lead_agent_to(id, position, (*goal, order.arrival_m, order.at_end))?
+            }
+            OrderDestination::AlongSubgoals(subgoals) => {
                 let subgoals = subgoals.clone();
                 let route = Route { subgoals, arrival_radius: order.arrival_m, at_end: order.at_end };
                 self.set_own_route(id.index, &route)?
             }
         };
-        if !matches!(order.way, Way::Route(_)) {
+        if !matches!(order.destination, OrderDestination::Route(_)) {
             // The agent begins this route, whatever its previous one.
             self.states[id.index()].route = NONE;
         }
         let kept = self.states[id.index()];
         let is_on_it = kept.route == number as u32;
-        let cursor = if is_on_it { kept.cursor } else { self.begin(number, position, plan.radius) };
-        let left = self.scenery.paths[number].left(&cursor, position);
+        let cursor = if is_on_it { kept.cursor } else { self.begin_route(number, position, plan.radius) };
+        let left = self.scenery.paths[number].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];
         (state.cursor, state.route, state.speed) = (cursor, number as u32, speed);
         (state.least_left, state.progressed_at) = (left, self.now);
@@ -245,7 +247,7 @@ impl<V: Space> Engine<V> {
         if !open {
             for agent in (0..self.states.len() as u32).filter(|&m| self.states[m as usize].cell != NONE) {
                 let plan = self.cells.plan(agent);
-                let is_clear = |s| crate::safety::kept::is_clear_of(&plan, s, self.now);
+                let is_clear = |s| crate::safety::saved_plans::is_clear_of(&plan, s, self.now);
                 if !self.scenery.solids_of(obstacle).iter().all(is_clear) {
                     return Err(CrowdError::Inside { agent: self.id(agent), obstacle });
                 }
@@ -265,10 +267,10 @@ impl<V: Space> Engine<V> {
     /// [`Error::Gone`], [`Error::Index`], [`Error::Value`].
     pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<(), CrowdError> {
         self.check_id(id)?;
-        if let Some(PersonalInterest { at: InterestAt::Agent(other), .. }) = interest {
+        if let Some(PersonalInterest { at: InterestLocation::Agent(other), .. }) = interest {
             self.check_id(other)?;
         }
-        self.bonds.set_interest(id, n, interest)
+        self.relationships.set_interest(id, n, interest)
     }
 
     /// Lets agents walk together.
@@ -277,7 +279,7 @@ impl<V: Space> Engine<V> {
     /// [`Error::Gone`], [`Error::Value`].
     pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
         ids.iter().try_for_each(|&id| self.check_id(id))?;
-        self.bonds.set_companions(ids)
+        self.relationships.set_companions(ids)
     }
 
     /// Desired speed of an agent from its next event on.
@@ -319,22 +321,27 @@ impl<V: Space> Engine<V> {
     /// Checks that a path leads from a place to a goal, as far as the crowd knows its streets.
     ///
     /// - `number`: that of the goal.
-    fn check_way(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
-        let Scenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
+    fn check_path(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
+        let CrowdScenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
-        goals.check_way(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
+        goals.check_path(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.
-    fn lead_to(&mut self, id: Id, from: V, (goal, arrival_m, at_end): (V, f32, AtEnd)) -> Result<usize, CrowdError> {
+    fn lead_agent_to(
+        &mut self,
+        id: Id,
+        from: V,
+        (goal, arrival_m, at_end): (V, f32, AtEnd),
+    ) -> Result<usize, CrowdError> {
         let own = self.own_routes[id.index()];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
-        Path::check_goal(number, goal, arrival_m)?;
+        RoutePath::check_goal(number, goal, arrival_m)?;
         let route = self.own_route(id.index, from);
         self.reserve_goal(route);
-        let Scenery { streets, goals, .. } = &mut self.scenery;
-        let new = streets.as_ref().map(|s| goals.take(s, goal.to_world()));
-        let way = new.map_or(Ok(()), |new| self.check_way(id, from, goal, new));
+        let CrowdScenery { streets, goals, .. } = &mut self.scenery;
+        let new = streets.as_ref().map(|s| goals.take_goal(s, goal.to_world()));
+        let way = new.map_or(Ok(()), |new| self.check_path(id, from, goal, new));
         if let Err(refused) = way.and_then(|()| self.scenery.check_goal(number, 0, goal)) {
             new.into_iter().for_each(|new| self.scenery.goals.release(new));
             return Err(refused);
@@ -348,7 +355,7 @@ impl<V: Space> Engine<V> {
 
     /// Takes memory for a goal of an agent's own route, for its first one.
     fn reserve_goal(&mut self, route: usize) {
-        let Scenery { paths, goals, streets, .. } = &mut self.scenery;
+        let CrowdScenery { paths, goals, streets, .. } = &mut self.scenery;
         if let Some(streets) = streets.as_ref().filter(|_| paths[route].goals.capacity() == 0) {
             paths[route].goals.reserve(1);
             goals.reserve(streets);
@@ -357,24 +364,24 @@ impl<V: Space> Engine<V> {
 
     /// Forgets the goals of a route.
     fn release_goals(&mut self, number: usize) {
-        let Scenery { paths, goals, .. } = &mut self.scenery;
+        let CrowdScenery { paths, goals, .. } = &mut self.scenery;
         paths[number].goals.drain(..).for_each(|g| goals.release(g));
     }
 
     /// Cursor of an agent at the start of a route.
-    fn begin(&self, route: usize, x: V, radius: f32) -> Cursor<V> {
+    fn begin_route(&self, route: usize, x: V, radius: f32) -> RouteCursor<V> {
         let path = &self.scenery.paths[route];
-        let mut cursor = path.begin(x);
-        path.pass(&mut cursor, x);
-        self.decider(self.now).guide().look(path, &mut cursor, x, radius);
+        let mut cursor = path.begin_at(x);
+        path.pass_subgoals(&mut cursor, x);
+        self.decider(self.now).guide().find_aim(path, &mut cursor, x, radius);
         cursor
     }
 
     /// Lets an agent stay at a place, on a route of its own. Returns its number.
-    fn stay(&mut self, index: u32, at: V) -> usize {
+    fn stay_at(&mut self, index: u32, at: V) -> usize {
         let number = self.own_route(index, at);
         self.release_goals(number);
-        self.scenery.paths[number].stay(at);
+        self.scenery.paths[number].set_stay(at);
         number
     }
 
@@ -383,7 +390,7 @@ impl<V: Space> Engine<V> {
         let own = &mut self.own_routes[index as usize];
         if *own == NONE {
             *own = self.scenery.paths.len() as u32;
-            let mut path = self.spare.pop().unwrap_or_else(|| Path::staying(at));
+            let mut path = self.spare.pop().unwrap_or_else(|| RoutePath::stay_path(at));
             path.owner = index;
             self.scenery.paths.push(path);
         }
@@ -393,7 +400,7 @@ impl<V: Space> Engine<V> {
     /// Takes memory for the first routes of agents to come.
     pub fn fill_spare(&mut self) {
         let missing = self.own_routes.iter().take(self.room).filter(|&&own| own == NONE).count();
-        self.spare.resize_with(missing, || Path::staying(V::default()));
+        self.spare.resize_with(missing, || RoutePath::stay_path(V::default()));
         self.scenery.paths.reserve(missing);
     }
 
@@ -402,7 +409,7 @@ impl<V: Space> Engine<V> {
     fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
         let own = self.own_routes[index as usize];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
-        let mut path = self.scenery.path(number, route)?;
+        let mut path = self.scenery.prepare_path(number, route)?;
         path.owner = index;
         let number = self.own_route(index, V::default());
         self.reserve_goal(number);

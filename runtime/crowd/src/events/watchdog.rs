@@ -57,7 +57,7 @@ impl Watchdog {
     /// # Errors
     /// [`Storm`] if that is one too many.
     #[inline]
-    pub fn note(&mut self, agent: u32, partner: u32, time: f64) -> Result<(), Storm> {
+    pub fn note_event(&mut self, agent: u32, partner: u32, time: f64) -> Result<(), Storm> {
         let count = &mut self.counts[agent as usize];
         if time - count.since > COUNTED_S {
             *count = Count { since: time, events: 0, partner: NONE };
@@ -82,11 +82,11 @@ mod tests {
         let mut dog = Watchdog::new(3, 0.1, 1);
         for i in 0..500 {
             let time = f64::from(i) * f64::from(0.1f32);
-            assert_eq!(dog.note(0, 1, time), Ok(()));
+            assert_eq!(dog.note_event(0, 1, time), Ok(()));
             // Agents that act seldom, and events of others, do not matter.
-            assert_eq!(dog.note(1, 0, time + 0.05), Ok(()));
+            assert_eq!(dog.note_event(1, 0, time + 0.05), Ok(()));
             if i % 7 == 0 {
-                assert_eq!(dog.note(2, NONE, time), Ok(()));
+                assert_eq!(dog.note_event(2, NONE, time), Ok(()));
             }
         }
     }
@@ -94,19 +94,19 @@ mod tests {
     #[test]
     fn names_pair_with_endless_events() {
         let mut dog = Watchdog::new(3, 0.1, 1);
-        assert_eq!(dog.note(2, 1, 3.0), Ok(()));
+        assert_eq!(dog.note_event(2, 1, 3.0), Ok(()));
         let storm = (0..100).find_map(|i| {
             // The wall between two events with the partner does not hide it.
             let partner = if i % 3 == 2 { NONE } else { 0 };
-            dog.note(1, partner, 4.0 + f64::from(i) * 1e-3).err()
+            dog.note_event(1, partner, 4.0 + f64::from(i) * 1e-3).err()
         });
         let storm = storm.expect("100 events in 0.1 s");
         assert_eq!((storm.partner, storm.events, storm.most), (0, 12, 11));
         assert!((storm.seconds - 0.011).abs() < 1e-9);
         // Time that stands still, too.
-        let again = (0..100).find_map(|_| dog.note(0, 1, 9.0).err()).expect("100 events at once");
+        let again = (0..100).find_map(|_| dog.note_event(0, 1, 9.0).err()).expect("100 events at once");
         assert_eq!((again.partner, again.seconds), (1, 0.0));
         dog.forget(0);
-        assert_eq!(dog.note(0, 1, 9.0), Ok(()));
+        assert_eq!(dog.note_event(0, 1, 9.0), Ok(()));
     }
 }

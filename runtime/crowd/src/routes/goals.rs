@@ -1,34 +1,34 @@
 //! Goals of agents, with their distances from everywhere: computed once, and shared by all agents on the way there.
 
-use crate::routes::streets::{Costs, NoWay, Open, Streets};
+use crate::routes::streets::{GoalCosts, NoPath, OpenPoint, Streets};
 use glam::{Vec3, Vec3Swizzles};
 use std::collections::{BinaryHeap, HashMap, VecDeque};
 
 /// Goals of a crowd that knows its streets. Unused goals are kept until their memory is needed.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Goals {
-    all: Vec<Goal>,
+pub(crate) struct GoalTable {
+    all: Vec<GoalSlot>,
     /// Numbers of known goals, by place.
     known: HashMap<[u32; 3], u32>,
     /// Unused goals, the oldest first, and some that are in use again.
     idle: VecDeque<u32>,
     /// Goals for which there is memory.
     reserved: usize,
-    open: BinaryHeap<Open>,
+    open: BinaryHeap<OpenPoint>,
 }
 
 #[derive(Clone, Debug, Default)]
-struct Goal {
+struct GoalSlot {
     place: Option<[u32; 3]>,
     /// Number of subgoals of routes that it is.
     users: u32,
     is_idle: bool,
-    costs: Costs,
+    costs: GoalCosts,
 }
 
-impl Goals {
+impl GoalTable {
     /// Distances of a goal.
-    pub fn costs(&self, number: u32) -> &Costs {
+    pub fn costs(&self, number: u32) -> &GoalCosts {
         &self.all[number as usize].costs
     }
 
@@ -39,24 +39,24 @@ impl Goals {
         self.open.reserve(waiting.saturating_sub(self.open.len()));
         while self.all.len() <= self.reserved {
             self.idle.push_back(self.all.len() as u32);
-            self.all.push(Goal { is_idle: true, costs: Costs::with_capacity(points), ..Goal::default() });
+            self.all.push(GoalSlot { is_idle: true, costs: GoalCosts::with_capacity(points), ..GoalSlot::default() });
         }
         self.known.reserve(2 * self.all.len());
     }
 
     /// The number of a goal, which has one user more. Allocates nothing where there is memory for it.
-    pub fn take(&mut self, streets: &Streets, place: Vec3) -> u32 {
+    pub fn take_goal(&mut self, streets: &Streets, place: Vec3) -> u32 {
         let key = place.to_array().map(f32::to_bits);
-        let number = self.known.get(&key).copied().unwrap_or_else(|| self.find(streets, place, key));
+        let number = self.known.get(&key).copied().unwrap_or_else(|| self.find_costs(streets, place, key));
         self.all[number as usize].users += 1;
         number
     }
 
     /// Computes the distances of a new goal, in place of an unused one.
-    fn find(&mut self, streets: &Streets, place: Vec3, key: [u32; 3]) -> u32 {
+    fn find_costs(&mut self, streets: &Streets, place: Vec3, key: [u32; 3]) -> u32 {
         let number = loop {
             let Some(number) = self.idle.pop_front() else {
-                self.all.push(Goal::default());
+                self.all.push(GoalSlot::default());
                 break self.all.len() - 1;
             };
             let goal = &mut self.all[number as usize];
@@ -86,9 +86,9 @@ impl Goals {
     /// Checks that a path leads to a goal.
     ///
     /// # Errors
-    /// [`NoWay`].
-    pub fn check_way(&self, streets: &Streets, from: Vec3, number: u32) -> Result<(), NoWay> {
-        streets.check_way(from.xz(), self.costs(number))
+    /// [`NoPath`].
+    pub fn check_path(&self, streets: &Streets, from: Vec3, number: u32) -> Result<(), NoPath> {
+        streets.check_path(from.xz(), self.costs(number))
     }
 
     /// Finds all paths anew, as a door has opened or closed.
@@ -103,7 +103,7 @@ impl Goals {
                     if is_new {
                         streets.find_costs(glam::Vec2::new(x, z), &mut goal.costs, open);
                     } else {
-                        streets.find_ways(&mut goal.costs, open);
+                        streets.find_paths(&mut goal.costs, open);
                     }
                 }
                 _ => {
@@ -125,22 +125,22 @@ mod tests {
     fn goals_are_shared_and_their_memory_is_used_again() {
         let block = Obstacle::Ball { centre: Vec3::ZERO, radius: 1.0 };
         let streets = Streets::new(&[block], 0.4).unwrap();
-        let mut goals = Goals::default();
+        let mut goals = GoalTable::default();
         (0..2).for_each(|_| goals.reserve(&streets));
         let at = |x: f32| Vec3::new(x, 0.0, 2.0);
-        let (a, b) = (goals.take(&streets, at(1.0)), goals.take(&streets, at(2.0)));
-        assert_eq!(goals.take(&streets, at(1.0)), a, "the same place");
+        let (a, b) = (goals.take_goal(&streets, at(1.0)), goals.take_goal(&streets, at(2.0)));
+        assert_eq!(goals.take_goal(&streets, at(1.0)), a, "the same place");
         goals.release(a);
         goals.release(b);
-        assert_eq!(goals.take(&streets, at(2.0)), b, "still known");
+        assert_eq!(goals.take_goal(&streets, at(2.0)), b, "still known");
         goals.release(b);
         for k in 0..100 {
-            let number = goals.take(&streets, at(10.0 + k as f32));
+            let number = goals.take_goal(&streets, at(10.0 + k as f32));
             assert_ne!(number, a, "somebody goes there");
             goals.release(number);
         }
         assert_eq!((goals.all.len(), goals.idle.len()), (3, 2));
-        assert!(goals.check_way(&streets, at(-5.0), a).is_ok());
-        assert_eq!(goals.check_way(&streets, Vec3::X * 0.5, a), Err(NoWay::Start(0)));
+        assert!(goals.check_path(&streets, at(-5.0), a).is_ok());
+        assert_eq!(goals.check_path(&streets, Vec3::X * 0.5, a), Err(NoPath::Start(0)));
     }
 }

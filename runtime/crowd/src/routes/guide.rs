@@ -12,19 +12,19 @@
 //! it crosses the line at a corner.
 
 use crate::Space;
-use crate::routes::goals::Goals;
-use crate::routes::path::{Cursor, Path};
-use crate::routes::streets::{Corner, MOST_CORNERS, Streets};
+use crate::routes::goals::GoalTable;
+use crate::routes::path::{RouteCursor, RoutePath};
+use crate::routes::streets::{MOST_CORNERS, RouteCorner, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::coming;
+use crate::steering::far_field::oncoming;
 use crate::steering::retreat::Gate;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// Inputs of an agent's path search.
 pub(crate) struct Guide<'a, V> {
     pub streets: Option<&'a Streets>,
-    pub goals: &'a Goals,
+    pub goals: &'a GoalTable,
     pub grid: &'a DensityGrid<V>,
     pub steering: &'a SteeringConfig,
 }
@@ -38,7 +38,7 @@ const EDGE_M: f32 = 1.0;
 
 impl<V: Space> Guide<'_, V> {
     /// Finds the aim of an agent at `x`.
-    pub fn look(&self, path: &Path<V>, cursor: &mut Cursor<V>, x: V, radius: f32) {
+    pub fn find_aim(&self, path: &RoutePath<V>, cursor: &mut RouteCursor<V>, x: V, radius: f32) {
         let (target, rest) = path.target(cursor.leg, x, radius);
         let before = cursor.aim;
         (cursor.aim, cursor.rest) = (target, rest);
@@ -66,7 +66,7 @@ impl<V: Space> Guide<'_, V> {
             num = streets.corners_ahead(me, (goal.xz(), costs, true), &mut corners);
         }
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
-        let coming = coming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
+        let coming = oncoming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
@@ -86,16 +86,16 @@ impl<V: Space> Guide<'_, V> {
                 coming * (left + self.steering.left_half_cost * in_left_half.max(0.0))
             };
             if sees_it {
-                let Some((at, out)) = crossing(from.xz(), straight_way, corner) else { continue };
-                let cost = straight_way.length() + on_the_left(out) + self.delay(from.xz(), at, along);
+                let Some((at, out)) = crossing_at_corner(from.xz(), straight_way, corner) else { continue };
+                let cost = straight_way.length() + on_the_left(out) + self.delay_at(from.xz(), at, along);
                 straight_on = straight_on.min(cost);
             }
             let beyond = if sees_it { 0.0 } else { 1.0 };
             for k in 0..num {
                 let at = corner.at + corner.out * (step * k as f32);
                 let longer = from.xz().distance(at) + at.distance(corner.next) - straight;
-                let delay = self.delay(from.xz(), at, along) + beyond * self.delay_beyond(at, along);
-                let mut cost = corner.way + longer + on_the_left(step * k as f32) + delay;
+                let delay = self.delay_at(from.xz(), at, along) + beyond * self.delay_beyond(at, along);
+                let mut cost = corner.distance_left + longer + on_the_left(step * k as f32) + delay;
                 if at.distance(before.to_world().xz()) < step {
                     cost -= self.steering.keep_aim_m;
                 }
@@ -114,7 +114,7 @@ impl<V: Space> Guide<'_, V> {
     }
 
     /// Next narrow place near by on the path of an agent at `x`.
-    pub fn gate(&self, path: &Path<V>, cursor: &Cursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
+    pub fn next_gate(&self, path: &RoutePath<V>, cursor: &RouteCursor<V>, x: V, radius: f32) -> Option<Gate<V>> {
         let (streets, costs) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n)))?;
         let (goal, _) = path.subgoal(cursor.leg);
         let from = x.to_world().xz();
@@ -122,7 +122,7 @@ impl<V: Space> Guide<'_, V> {
         let ways = ((from, radius, self.steering.corner_m), (goal.to_world().xz(), costs, false));
         let num = streets.corners_ahead(ways.0, ways.1, &mut corners);
         let widest = 2.0 * radius * self.steering.gate_diameters;
-        let is_gate = |c: &&Corner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
+        let is_gate = |c: &&RouteCorner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
         let corner = corners[..num].iter().flatten().find(is_gate)?;
         let across = corner.out.perp();
         let along = if (corner.next - from).dot(across) >= 0.0 { across } else { -across };
@@ -131,7 +131,7 @@ impl<V: Space> Guide<'_, V> {
     }
 
     /// Cost of the agents on the last metres of the path to a place, and of those that come from there (m).
-    fn delay(&self, from: Vec2, at: Vec2, along: Vec2) -> f32 {
+    fn delay_at(&self, from: Vec2, at: Vec2, along: Vec2) -> f32 {
         let steering = self.steering;
         let (toward, distance) = Space::unit_and_length(at - from);
         let direction = over_ground(along);
@@ -143,8 +143,8 @@ impl<V: Space> Guide<'_, V> {
             }
             let p = at - toward * back;
             let square = self.grid.square(over_ground::<V>(p) * self.grid.per_m());
-            let opposed = square.opposed(direction);
-            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num() - opposed);
+            let opposed = square.num_opposed(direction);
+            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num_agents() - opposed);
         }
         cost
     }
@@ -153,7 +153,7 @@ impl<V: Space> Guide<'_, V> {
     /// (m).
     fn delay_beyond(&self, at: Vec2, along: Vec2) -> f32 {
         let (place, direction) = (over_ground::<V>(at) * self.grid.per_m(), over_ground::<V>(along));
-        let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).opposed(direction));
+        let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).num_opposed(direction));
         // One is left out, which may be the agent itself.
         self.steering.beyond_cost_m * (opposed.sum::<f32>() - 1.0).max(0.0)
     }
@@ -161,7 +161,7 @@ impl<V: Space> Guide<'_, V> {
     /// True where others come along a straight line.
     fn is_anybody_coming(&self, x: V, way: Vec2) -> bool {
         let (ahead, length) = Space::unit_and_length(way);
-        coming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
+        oncoming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
     }
 }
 
@@ -170,7 +170,7 @@ fn over_ground<V: Space>(v: Vec2) -> V {
 }
 
 /// Point where a straight line crosses the line at a corner, and its distance from the corner; None where it does not.
-fn crossing(from: Vec2, way: Vec2, corner: &Corner) -> Option<(Vec2, f32)> {
+fn crossing_at_corner(from: Vec2, way: Vec2, corner: &RouteCorner) -> Option<(Vec2, f32)> {
     let (off, across) = (corner.at - from, way.perp_dot(corner.out));
     let (share, out) = (off.perp_dot(corner.out) / across, off.perp_dot(way) / across);
     let is_ahead = share > 0.0 && share < 1.0;

@@ -6,8 +6,8 @@ use throng_base::Id;
 
 /// An order to go somewhere. It holds until the next one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Go<V = Vec3> {
-    pub(crate) way: Way<V>,
+pub struct AgentOrder<V = Vec3> {
+    pub(crate) destination: OrderDestination<V>,
     pub(crate) at_end: AtEnd,
     pub(crate) arrival_m: f32,
     pub(crate) speed_mps: Option<f32>,
@@ -15,43 +15,43 @@ pub struct Go<V = Vec3> {
 
 /// Destination of an order.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Way<V> {
+pub(crate) enum OrderDestination<V> {
     /// A goal, reached round obstacles where the crowd knows its streets.
-    To(V),
+    ToGoal(V),
     /// Through subgoals.
-    Along(Vec<V>),
+    AlongSubgoals(Vec<V>),
     /// Along a route of the crowd.
     Route(usize),
 }
 
-impl<V> Go<V> {
-    fn new(way: Way<V>) -> Self {
-        Self { way, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
+impl<V> AgentOrder<V> {
+    fn new(way: OrderDestination<V>) -> Self {
+        Self { destination: way, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
     }
 
     /// Order to go to a goal (m): round obstacles where the crowd knows its streets, otherwise straight.
-    pub fn to(goal: V) -> Self {
-        Self::new(Way::To(goal))
+    pub fn to_goal(goal: V) -> Self {
+        Self::new(OrderDestination::ToGoal(goal))
     }
 
     /// Through subgoals, in order, as they are (m, >= 1).
-    pub fn along(subgoals: Vec<V>) -> Self {
-        Self::new(Way::Along(subgoals))
+    pub fn along_subgoals(subgoals: Vec<V>) -> Self {
+        Self::new(OrderDestination::AlongSubgoals(subgoals))
     }
 
     /// Along a route of [`crate::Setup::routes`] or [`crate::Crowd::add_route`], which says what is done at its end.
     pub fn on_route(number: usize) -> Self {
-        Self::new(Way::Route(number))
+        Self::new(OrderDestination::Route(number))
     }
 
     /// Sets the action at the end; by default [`AtEnd::Stay`].
-    pub fn then(mut self, at_end: AtEnd) -> Self {
+    pub fn then_at_end(mut self, at_end: AtEnd) -> Self {
         self.at_end = at_end;
         self
     }
 
     /// Sets the distance from the goal within which the agent has arrived (m, > 0); by default 0.5 m.
-    pub fn within(mut self, arrival_m: f32) -> Self {
+    pub fn with_arrival(mut self, arrival_m: f32) -> Self {
         self.arrival_m = arrival_m;
         self
     }
@@ -63,27 +63,29 @@ impl<V> Go<V> {
     }
 
     /// Converts it to another space.
-    pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> Go<W> {
-        let Self { way, at_end, arrival_m, speed_mps } = self;
+    pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> AgentOrder<W> {
+        let Self { destination: way, at_end, arrival_m, speed_mps } = self;
         let way = match way {
-            Way::To(goal) => Way::To(f(goal)),
-            Way::Along(subgoals) => Way::Along(subgoals.into_iter().map(f).collect()),
-            Way::Route(number) => Way::Route(number),
+            OrderDestination::ToGoal(goal) => OrderDestination::ToGoal(f(goal)),
+            OrderDestination::AlongSubgoals(subgoals) => {
+                OrderDestination::AlongSubgoals(subgoals.into_iter().map(f).collect())
+            }
+            OrderDestination::Route(number) => OrderDestination::Route(number),
         };
-        Go { way, at_end, arrival_m, speed_mps }
+        AgentOrder { destination: way, at_end, arrival_m, speed_mps }
     }
 }
 
 /// Progress of an agent. There is no status for an unreachable goal: [`crate::Crowd::order`] refuses such an order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Status {
+pub enum AgentStatus {
     /// Moving towards the goal.
     Going {
         /// Remaining distance along its route (m).
         left_m: f32,
     },
     /// At the end of its route, or at its place without an order.
-    There,
+    Arrived,
     /// No progress for some time, see [`crate::SteeringConfig::stuck_after_s`].
     Blocked {
         /// The nearest agent in front of it, if there is one within its sight.

@@ -7,7 +7,7 @@ use throng_base::maths;
 
 /// Something solid, from above.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Outline {
+pub(crate) enum ObstacleOutline {
     /// All points within `radius` of a line; a disc where its ends are one.
     Wall {
         /// First end (m).
@@ -21,12 +21,12 @@ pub(crate) enum Outline {
     Polygon(Vec<Vec2>),
 }
 
-impl Outline {
+impl ObstacleOutline {
     /// Outline of an obstacle; none of a moving one, and in the air none of an obstacle that can be passed above or
     /// below.
     ///
     /// - `heights`: lowest and highest position of agents in the air (m); `None` on the ground.
-    pub fn of(obstacle: &Obstacle, heights: Option<[f32; 2]>) -> Option<Self> {
+    pub fn from_obstacle(obstacle: &Obstacle, heights: Option<[f32; 2]>) -> Option<Self> {
         let spans = |low: Vec3, high: Vec3, radius: f32| {
             heights.is_none_or(|[lowest, highest]| {
                 low.y.min(high.y) - radius <= lowest && low.y.max(high.y) + radius >= highest
@@ -57,7 +57,7 @@ impl Outline {
     pub fn distance_of_line(&self, a: Vec2, b: Vec2) -> f32 {
         match self {
             Self::Wall { from, to, radius } => (line_to_line([a, b], [*from, *to]) - radius).max(0.0),
-            Self::Polygon(_) if self.holds(a) => 0.0,
+            Self::Polygon(_) if self.contains_point(a) => 0.0,
             Self::Polygon(corners) => edges(corners).map(|e| line_to_line([a, b], e)).fold(f32::INFINITY, f32::min),
         }
     }
@@ -72,7 +72,7 @@ impl Outline {
     }
 
     /// True where a place is in a polygon.
-    pub fn holds(&self, p: Vec2) -> bool {
+    pub fn contains_point(&self, p: Vec2) -> bool {
         matches!(self, Self::Polygon(corners) if is_inside(corners, p))
     }
 
@@ -146,15 +146,15 @@ mod tests {
         [-5.0f32..5.0, -5.0f32..5.0].prop_map(Vec2::from_array)
     }
 
-    fn outline() -> impl Strategy<Value = Outline> {
+    fn outline() -> impl Strategy<Value = ObstacleOutline> {
         prop_oneof![
-            (point(), point(), 0.0f32..1.0).prop_map(|(from, to, radius)| Outline::Wall { from, to, radius }),
-            (point(), 0.2f32..1.0).prop_map(|(c, radius)| Outline::Wall { from: c, to: c, radius }),
+            (point(), point(), 0.0f32..1.0).prop_map(|(from, to, radius)| ObstacleOutline::Wall { from, to, radius }),
+            (point(), 0.2f32..1.0).prop_map(|(c, radius)| ObstacleOutline::Wall { from: c, to: c, radius }),
             // A star about a centre is a simple polygon.
             (point(), prop::collection::vec(0.5f32..2.0, 3..8)).prop_map(|(c, reach)| {
                 let n = reach.len() as f32;
                 let corner = |(i, r): (usize, &f32)| c + Vec2::from_angle(TAU * i as f32 / n) * *r;
-                Outline::Polygon(reach.iter().enumerate().map(corner).collect())
+                ObstacleOutline::Polygon(reach.iter().enumerate().map(corner).collect())
             }),
         ]
     }
@@ -171,7 +171,7 @@ mod tests {
         fn points_around_a_corner_and_the_lines_between_them_keep_the_clearance(
             c in point(), radius in 0.0f32..2.0, clearance in 0.1f32..1.0,
         ) {
-            let disc = Outline::Wall { from: c, to: c, radius };
+            let disc = ObstacleOutline::Wall { from: c, to: c, radius };
             let around = disc.points_around(clearance);
             for i in 0..around.len() {
                 let line = disc.distance_of_line(around[i].0, around[(i + 1) % around.len()].0);
@@ -182,7 +182,8 @@ mod tests {
 
     #[test]
     fn inside_is_at_no_distance() {
-        let square = Outline::Polygon([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(Vec2::from_array).to_vec());
+        let square =
+            ObstacleOutline::Polygon([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(Vec2::from_array).to_vec());
         assert_eq!(square.distance(Vec2::new(1.0, 1.0)), 0.0);
         assert_eq!(square.distance(Vec2::new(7.0, 8.0)), 5.0);
         assert_eq!(square.distance_of_line(Vec2::new(-1.0, 2.0), Vec2::new(9.0, 2.0)), 0.0);

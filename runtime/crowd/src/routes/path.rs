@@ -1,7 +1,7 @@
 //! Prepared routes: lines across the path at each subgoal, and the goals of agents that find their own paths.
 
 use crate::error::check;
-use crate::space::solid::{Solid, is_inside};
+use crate::space::solid::{ConvexSolid, is_inside};
 use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
@@ -15,7 +15,7 @@ const STAY_M: f32 = 0.5;
 
 /// Position of an agent on its route.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Cursor<V> {
+pub(crate) struct RouteCursor<V> {
     /// The subgoal that it goes to.
     pub leg: u32,
     /// Remaining distance from its aim on (m).
@@ -29,9 +29,9 @@ pub(crate) struct Cursor<V> {
 /// Prepared route. Agents steer to the line across the path at each subgoal and not to the subgoal: they keep their
 /// distance from the line through the subgoals, and pass anywhere between the walls.
 #[derive(Clone, Debug)]
-pub(crate) struct Path<V> {
+pub(crate) struct RoutePath<V> {
     pub route: Route<V>,
-    legs: Vec<Leg<V>>,
+    legs: Vec<RouteLeg<V>>,
     /// Number of each subgoal among the goals of the crowd; none where there are no streets.
     pub goals: Vec<u32>,
     /// True for an agent that stays where it is, which does not plan paths.
@@ -42,7 +42,7 @@ pub(crate) struct Path<V> {
 
 /// A subgoal and what leads to it.
 #[derive(Clone, Copy, Debug)]
-struct Leg<V> {
+struct RouteLeg<V> {
     to: V,
     /// Unit vector from the subgoal before.
     along: V,
@@ -54,9 +54,9 @@ struct Leg<V> {
     rest: f32,
 }
 
-impl<V: Space> Leg<V> {
+impl<V: Space> RouteLeg<V> {
     /// A leg that is the only one: nothing is passed on it.
-    fn to(at: V) -> Self {
+    fn single_leg(at: V) -> Self {
         Self { to: at, along: V::default(), normal: V::default(), free: [0.0; 2], rest: 0.0 }
     }
 
@@ -77,15 +77,15 @@ impl<V: Space> Leg<V> {
     }
 }
 
-impl<V: Space> Path<V> {
+impl<V: Space> RoutePath<V> {
     /// The route of an agent that stays at a place.
-    pub fn staying(at: V) -> Self {
+    pub fn stay_path(at: V) -> Self {
         let route = Route { subgoals: vec![at], arrival_radius: STAY_M, at_end: AtEnd::Stay };
-        Self { route, legs: vec![Leg::to(at)], goals: Vec::new(), stays: true, owner: NONE }
+        Self { route, legs: vec![RouteLeg::single_leg(at)], goals: Vec::new(), stays: true, owner: NONE }
     }
 
     /// Makes it the route of an agent that stays at a place. Allocates nothing.
-    pub fn stay(&mut self, at: V) {
+    pub fn set_stay(&mut self, at: V) {
         self.lead_to(at, STAY_M, AtEnd::Stay);
         self.stays = true;
     }
@@ -96,7 +96,7 @@ impl<V: Space> Path<V> {
         self.route.subgoals.push(goal);
         (self.route.arrival_radius, self.route.at_end) = (arrival_radius, at_end);
         self.legs.clear();
-        self.legs.push(Leg::to(goal));
+        self.legs.push(RouteLeg::single_leg(goal));
         self.stays = false;
     }
 
@@ -117,7 +117,7 @@ impl<V: Space> Path<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] for a route without subgoals or with numbers that are out of range.
-    pub fn new(n: usize, route: &Route<V>, solids: &[Solid<V>]) -> Result<Self> {
+    pub fn new(n: usize, route: &Route<V>, solids: &[ConvexSolid<V>]) -> Result<Self> {
         let goals = &route.subgoals;
         check("route.subgoals", n, goals.len() as f32, !goals.is_empty(), "at least 1")?;
         goals.iter().try_for_each(|&g| Self::check_goal(n, g, route.arrival_radius))?;
@@ -129,7 +129,7 @@ impl<V: Space> Path<V> {
         }
         let num = points.len();
         let ahead = |i: usize| (points[(i + 1) % num] - points[i]).unit_and_length().0;
-        let mut legs: Vec<Leg<V>> = (0..num)
+        let mut legs: Vec<RouteLeg<V>> = (0..num)
             .map(|i| {
                 let out = if i + 1 < num || is_round { ahead(i) } else { V::default() };
                 let along = if i > 0 || is_round { ahead((i + num - 1) % num) } else { out };
@@ -137,7 +137,7 @@ impl<V: Space> Path<V> {
                 // Where the path turns back there is no line half-way.
                 let normal = if bend > 0.3 { normal } else { along };
                 let free = [-1.0, 1.0].map(|side| free_way(points[i], normal.right() * side, solids));
-                Leg { to: points[i], along, normal, free, rest: 0.0 }
+                RouteLeg { to: points[i], along, normal, free, rest: 0.0 }
             })
             .collect();
         for i in (0..num - 1).rev() {
@@ -152,7 +152,7 @@ impl<V: Space> Path<V> {
     }
 
     /// Cursor of an agent at `x`, on the leg that it is nearest to.
-    pub fn begin(&self, x: V) -> Cursor<V> {
+    pub fn begin_at(&self, x: V) -> RouteCursor<V> {
         let is_round = self.is_round();
         let first = usize::from(!is_round && self.legs.len() > 1);
         let mut best = (f32::INFINITY, 0);
@@ -167,7 +167,7 @@ impl<V: Space> Path<V> {
             }
         }
         let leg = best.1 as u32;
-        Cursor { leg, aim: self.legs[best.1].to, rest: self.legs[best.1].rest, look_at: 0.0 }
+        RouteCursor { leg, aim: self.legs[best.1].to, rest: self.legs[best.1].rest, look_at: 0.0 }
     }
 
     fn is_round(&self) -> bool {
@@ -180,7 +180,7 @@ impl<V: Space> Path<V> {
     }
 
     /// Advances to the next subgoals where the line at one is passed; true where it began again.
-    pub fn pass(&self, cursor: &mut Cursor<V>, x: V) -> bool {
+    pub fn pass_subgoals(&self, cursor: &mut RouteCursor<V>, x: V) -> bool {
         let mut again = false;
         for _ in 0..self.legs.len() {
             let at = cursor.leg as usize;
@@ -205,7 +205,7 @@ impl<V: Space> Path<V> {
             return (own.to, 0.0);
         }
         let goal = self.legs[last].to;
-        let crosses = |l: &Leg<V>| {
+        let crosses = |l: &RouteLeg<V>| {
             let (before, after) = ((x - l.to).dot(l.normal), (goal - l.to).dot(l.normal));
             if before >= 0.0 || after <= 0.0 {
                 return before >= 0.0 && after >= 0.0;
@@ -245,12 +245,12 @@ impl<V: Space> Path<V> {
     }
 
     /// Remaining distance (m).
-    pub fn left(&self, cursor: &Cursor<V>, x: V) -> f32 {
+    pub fn distance_left(&self, cursor: &RouteCursor<V>, x: V) -> f32 {
         (cursor.aim - x).length() + cursor.rest
     }
 
     /// True where an agent at `x` is at the end.
-    pub fn is_there(&self, cursor: &Cursor<V>, x: V) -> bool {
+    pub fn has_arrived(&self, cursor: &RouteCursor<V>, x: V) -> bool {
         let last = cursor.leg as usize + 1 >= self.legs.len();
         let near = self.route.arrival_radius;
         last && !self.is_round() && (self.goal() - x).length_squared() <= near * near
@@ -273,18 +273,18 @@ impl<V: Space> Path<V> {
 }
 
 /// True where a goal is in an obstacle.
-pub(crate) fn is_in<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[Solid<V>]) -> bool {
+pub(crate) fn is_in_solid<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[ConvexSolid<V>]) -> bool {
     let polygon = matches!(obstacle, Obstacle::Polygon { corners } if is_inside(corners, goal));
-    polygon || solids.iter().any(|s| s.away(goal).1 <= 0.0)
+    polygon || solids.iter().any(|s| s.direction_and_distance(goal).1 <= 0.0)
 }
 
 /// Free distance from a place along a unit vector (m).
-fn free_way<V: Space>(from: V, along: V, solids: &[Solid<V>]) -> f32 {
+fn free_way<V: Space>(from: V, along: V, solids: &[ConvexSolid<V>]) -> f32 {
     let mut way = 0.0;
     // Moves on by the distance of the nearest solid on any side, and repeats.
     while way < WIDEST_M && V::DIMENSIONS == 2 {
         let x = from + along * way;
-        let nearest = solids.iter().map(|s| s.away(x).1).fold(WIDEST_M, f32::min);
+        let nearest = solids.iter().map(|s| s.direction_and_distance(x).1).fold(WIDEST_M, f32::min);
         if nearest < 0.02 {
             return way;
         }
@@ -299,10 +299,10 @@ mod tests {
     use glam::Vec2;
     use proptest::prelude::*;
 
-    fn path(points: &[[f32; 2]], at_end: AtEnd) -> Path<Vec2> {
+    fn path(points: &[[f32; 2]], at_end: AtEnd) -> RoutePath<Vec2> {
         let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
-        let wall = |y: f32| Solid::Rod { from: Vec2::new(-99.0, y), to: Vec2::new(99.0, y), radius: 0.0 };
-        Path::new(0, &Route { subgoals, arrival_radius: 0.5, at_end }, &[wall(-5.0), wall(5.0)]).unwrap()
+        let wall = |y: f32| ConvexSolid::Capsule { from: Vec2::new(-99.0, y), to: Vec2::new(99.0, y), radius: 0.0 };
+        RoutePath::new(0, &Route { subgoals, arrival_radius: 0.5, at_end }, &[wall(-5.0), wall(5.0)]).unwrap()
     }
 
     proptest! {
@@ -312,8 +312,8 @@ mod tests {
             let at = Vec2::new(x, y);
             let many: Vec<[f32; 2]> = (0..num).map(|i| [-50.0 + 100.0 * i as f32 / (num - 1) as f32, 1.0]).collect();
             let path = path(&many, AtEnd::Stay);
-            let mut cursor = path.begin(Vec2::new(-50.0, 1.0));
-            path.pass(&mut cursor, at);
+            let mut cursor = path.begin_at(Vec2::new(-50.0, 1.0));
+            path.pass_subgoals(&mut cursor, at);
             prop_assert_eq!(path.target(cursor.leg, at, 0.3), (Vec2::new(50.0, 1.0), 0.0));
         }
     }
@@ -323,28 +323,28 @@ mod tests {
         let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 40.0]], AtEnd::Stay);
         let (aim, rest) = path.target(1, Vec2::new(4.0, -1.0), 0.3);
         assert!(aim.distance(Vec2::new(11.0f32.min(10.0 + 0.707), -0.707)) < 1e-3 && rest == 40.0, "{aim}");
-        let mut cursor = path.begin(Vec2::new(4.0, -1.0));
+        let mut cursor = path.begin_at(Vec2::new(4.0, -1.0));
         assert_eq!(cursor.leg, 1);
-        path.pass(&mut cursor, Vec2::new(11.2, -0.9));
+        path.pass_subgoals(&mut cursor, Vec2::new(11.2, -0.9));
         assert_eq!(cursor.leg, 2);
-        assert!(path.is_there(&cursor, Vec2::new(10.2, 39.8)) && !path.is_there(&cursor, Vec2::new(10.0, 39.0)));
+        assert!(path.has_arrived(&cursor, Vec2::new(10.2, 39.8)) && !path.has_arrived(&cursor, Vec2::new(10.0, 39.0)));
     }
 
     #[test]
     fn begins_again_at_the_first_point() {
         let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 4.0], [0.0, 4.0]], AtEnd::Again);
-        let mut cursor = path.begin(Vec2::new(0.2, 2.0));
+        let mut cursor = path.begin_at(Vec2::new(0.2, 2.0));
         assert_eq!(cursor.leg, 0, "on the way back to the first");
-        assert!(path.pass(&mut Cursor { leg: 3, ..cursor }, Vec2::new(-0.1, 4.0)));
-        assert!(!path.pass(&mut cursor, Vec2::new(0.3, 0.1)) && cursor.leg == 1);
+        assert!(path.pass_subgoals(&mut RouteCursor { leg: 3, ..cursor }, Vec2::new(-0.1, 4.0)));
+        assert!(!path.pass_subgoals(&mut cursor, Vec2::new(0.3, 0.1)) && cursor.leg == 1);
     }
 
     #[test]
     fn single_subgoal_is_straight_ahead() {
         let path = path(&[[3.0, 4.0]], AtEnd::Stay);
-        let cursor = path.begin(Vec2::ZERO);
+        let cursor = path.begin_at(Vec2::ZERO);
         assert_eq!(
-            (path.target(0, Vec2::ZERO, 0.3), path.left(&cursor, Vec2::ZERO)),
+            (path.target(0, Vec2::ZERO, 0.3), path.distance_left(&cursor, Vec2::ZERO)),
             ((Vec2::new(3.0, 4.0), 0.0), 5.0)
         );
     }

@@ -2,8 +2,8 @@
 //! Kim and Shin (2003b), eq. 3 and 4).
 
 use crate::Space;
-use crate::space::plan::Plan;
-use crate::space::solid::Solid;
+use crate::space::plan::MotionPlan;
+use crate::space::solid::ConvexSolid;
 use throng_base::simd::Lanes;
 
 /// Rounds of refinement of a first contact; each comes nearer to it from before.
@@ -36,9 +36,9 @@ pub(crate) struct Bound<V> {
     pub limit: f32,
 }
 
-impl<V: Space> From<&Plan<V>> for Bound<V> {
+impl<V: Space> From<&MotionPlan<V>> for Bound<V> {
     #[inline]
-    fn from(p: &Plan<V>) -> Self {
+    fn from(p: &MotionPlan<V>) -> Self {
         Self { start: p.start, position: p.position, velocity: p.velocity, radius: p.radius, limit: p.limit }
     }
 }
@@ -46,14 +46,14 @@ impl<V: Space> From<&Plan<V>> for Bound<V> {
 impl<V: Space> Bound<V> {
     /// The bound of an agent that follows a plan, made at a time of it.
     #[inline]
-    pub fn new(plan: &Plan<V>, time: f64) -> Self {
-        let (position, velocity) = plan.at(time);
+    pub fn new(plan: &MotionPlan<V>, time: f64) -> Self {
+        let (position, velocity) = plan.motion_at(time);
         Self { start: time, position, velocity, ..Self::from(plan) }
     }
 
     /// Centre and radius (time >= start).
     #[inline]
-    pub fn at(&self, time: f64) -> (V, f32) {
+    pub fn disc_at(&self, time: f64) -> (V, f32) {
         let dt = (time - self.start) as f32;
         (self.position + self.velocity * dt, self.radius + 0.5 * self.limit * dt * dt)
     }
@@ -72,22 +72,22 @@ impl<V: Space> Bound<V> {
         let growth = self.limit + other.limit;
         let rate = self.limit * age + other.limit * other_age;
         let radii = self.radius + other.radius + 0.5 * (self.limit * age * age + other.limit * other_age * other_age);
-        approach((apart, velocity), (radii, rate, growth), within)
+        first_approach((apart, velocity), (radii, rate, growth), within)
     }
 
     /// First contact of two bounds that are both made now, see [`Bound::first_contact`]: the other one is `offset`
     /// away, has a velocity and, together with this one, radii and growth.
     #[inline]
     pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: f32, within: f32) -> f32 {
-        approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
+        first_approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
     }
 
     /// Time at which a bound touches a static solid, see [`Bound::first_contact`].
-    pub fn first_contact_with(&self, solid: &Solid<V>, time: f64, within: f32) -> f32 {
+    pub fn first_contact_with(&self, solid: &ConvexSolid<V>, time: f64, within: f32) -> f32 {
         let age = (time - self.start) as f32;
         let centre = self.position + self.velocity * age;
-        creep(within, self.limit, |dt| {
-            let (away, distance) = solid.away(centre + self.velocity * dt);
+        first_zero(within, self.limit, |dt| {
+            let (away, distance) = solid.direction_and_distance(centre + self.velocity * dt);
             let grown = age + dt;
             let radius = self.radius + 0.5 * self.limit * grown * grown;
             (distance - radius, away.dot(self.velocity) - self.limit * grown)
@@ -103,7 +103,8 @@ impl<V: Space> Bound<V> {
         for axis in 0..V::DIMENSIONS {
             let low = x[axis] - self.radius - min[axis];
             let high = max[axis] - x[axis] - self.radius;
-            first = first.min(fall(low, v[axis], self.limit)).min(fall(high, -v[axis], self.limit));
+            first =
+                first.min(time_until_gone(low, v[axis], self.limit)).min(time_until_gone(high, -v[axis], self.limit));
         }
         first
     }
@@ -112,8 +113,8 @@ impl<V: Space> Bound<V> {
 /// First contact of two bounds that are apart, and move straight relative to each other; the sum of their radii grows at
 /// a rate, and that by `growth`.
 #[inline]
-fn approach<V: Space>((apart, velocity): (V, V), (radii, rate, growth): (f32, f32, f32), within: f32) -> f32 {
-    creep(within, growth, |dt| {
+fn first_approach<V: Space>((apart, velocity): (V, V), (radii, rate, growth): (f32, f32, f32), within: f32) -> f32 {
+    first_zero(within, growth, |dt| {
         let (toward, distance) = (apart + velocity * dt).unit_and_length();
         let radius = radii + (rate + 0.5 * growth * dt) * dt;
         (distance - radius, toward.dot(velocity) - rate - growth * dt)
@@ -122,7 +123,7 @@ fn approach<V: Space>((apart, velocity): (V, V), (radii, rate, growth): (f32, f3
 
 /// Time until a gap that changes at `rate`, less and less by `growth`, is gone.
 #[inline]
-pub(crate) fn fall(gap: f32, rate: f32, growth: f32) -> f32 {
+pub(crate) fn time_until_gone(gap: f32, rate: f32, growth: f32) -> f32 {
     if gap <= 0.0 {
         return 0.0;
     }
@@ -137,9 +138,9 @@ pub(crate) fn fall(gap: f32, rate: f32, growth: f32) -> f32 {
     }
 }
 
-/// Result of [`fall`] for eight, up to rounding (growth > 0).
+/// Result of [`time_until_gone`] for eight, up to rounding (growth > 0).
 #[inline(always)]
-pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
+pub(crate) fn time_until_gone_lanes<F: Lanes>(gap: F, rate: F, growth: F) -> F {
     let zero = F::splat(0.0);
     let gap = gap.max(zero);
     let root = (rate * rate + F::splat(2.0) * growth * gap).sqrt();
@@ -149,12 +150,12 @@ pub(crate) fn fall_each<F: Lanes>(gap: F, rate: F, growth: F) -> F {
 
 /// Follows tangents of a gap to its first zero. `gap` gives the gap and the rate at which its tangent changes now.
 #[inline]
-fn creep(within: f32, growth: f32, gap: impl Fn(f32) -> (f32, f32)) -> f32 {
+fn first_zero(within: f32, growth: f32, gap: impl Fn(f32) -> (f32, f32)) -> f32 {
     let mut dt = 0.0;
     for _ in 0..ROUNDS {
         let (left, rate) = gap(dt);
         // A little short, for what rounding may have added.
-        dt += 0.999 * fall(left, rate, growth);
+        dt += 0.999 * time_until_gone(left, rate, growth);
         if left < TOUCH || dt >= within {
             break;
         }
@@ -186,12 +187,12 @@ mod tests {
         prop_assert!(dt >= 0.0);
         for i in 0..(dt.min(5.0) * 1000.0) as usize {
             let t = 1000.0 + i as f64 * 1e-3;
-            let ((p, r), (q, s)) = (a.at(t), b.at(t));
+            let ((p, r), (q, s)) = (a.disc_at(t), b.disc_at(t));
             let gap = (p - q).length() - r - s;
             prop_assert!(gap > -1e-4, "gap {gap} m at {t}, contact found after {dt} s");
         }
-        let (p, r) = a.at(1000.0);
-        let (q, s) = b.at(1000.0);
+        let (p, r) = a.disc_at(1000.0);
+        let (q, s) = b.disc_at(1000.0);
         if (p - q).length() > r + s + 0.01 {
             prop_assert!(dt > 0.0, "no contact yet, but one was found at once");
         }
@@ -215,15 +216,15 @@ mod tests {
         ) {
             let (from, to) = (Vec2::from_array(from), Vec2::from_array(to));
             let solid = match kind {
-                0 => Solid::Ball { centre: from, radius: 0.4 },
-                1 => Solid::Rod { from, to, radius: 0.1 },
-                _ => Solid::Box { min: from.min(to), max: from.max(to) },
+                0 => ConvexSolid::Ball { centre: from, radius: 0.4 },
+                1 => ConvexSolid::Capsule { from, to, radius: 0.1 },
+                _ => ConvexSolid::Box { min: from.min(to), max: from.max(to) },
             };
             let dt = a.first_contact_with(&solid, 1000.0, 5.0);
             for i in 0..(dt.min(5.0) * 1000.0) as usize {
                 let t = 1000.0 + i as f64 * 1e-3;
-                let (p, r) = a.at(t);
-                prop_assert!(solid.away(p).1 - r > -1e-4, "inside at {t}, contact found after {dt} s");
+                let (p, r) = a.disc_at(t);
+                prop_assert!(solid.direction_and_distance(p).1 - r > -1e-4, "inside at {t}, contact found after {dt} s");
             }
         }
 
@@ -231,7 +232,7 @@ mod tests {
         fn exit_is_when_a_side_is_touched(a in bound::<Vec2>()) {
             let (min, max) = (Vec2::splat(-6.0), Vec2::splat(6.0));
             let dt = a.first_exit(min, max);
-            let (p, r) = a.at(a.start + f64::from(dt));
+            let (p, r) = a.disc_at(a.start + f64::from(dt));
             let gap = (p - min).min(max - p).min_element() - r;
             prop_assert!(gap.abs() < 1e-3, "gap {gap}");
         }

@@ -2,7 +2,7 @@
 //! compared.
 
 pub(crate) mod bound;
-pub(crate) mod kept;
-pub(crate) mod others;
+pub(crate) mod nearby_plans;
 pub(crate) mod reach;
 pub(crate) mod rule;
+pub(crate) mod saved_plans;

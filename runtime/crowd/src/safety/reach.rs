@@ -1,32 +1,32 @@
 //! Stop regions that a plan may reach: a coarse test that leaves few plans to compare exactly.
 
 use crate::Space;
-use crate::safety::others::Others;
-use crate::space::batch::bits;
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
-use crate::steering::neighbours::Row;
+use crate::safety::nearby_plans::NearbyPlans;
+use crate::space::batch::set_bits;
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
+use crate::steering::neighbours::NeighbourRow;
 use throng_base::simd::{LaneWork, Lanes, dispatch};
 
 /// Room for rounding (m).
 const ROOM: f32 = 0.01;
 
 /// A plan with any acceleration.
-pub(crate) struct Reach<'a, V> {
-    pub cells: &'a Cells<V>,
+pub(crate) struct PlanReach<'a, V> {
+    pub cells: &'a CellGrid<V>,
     /// Largest speed of any agent (m/s).
     pub fastest: f32,
     /// Start of the plan.
-    pub fresh: &'a Plan<V>,
+    pub fresh: &'a MotionPlan<V>,
     /// Largest length of the plan (s).
     pub length: f32,
     /// Largest distance of its stop region's edge from its centre (m).
     pub mine: f32,
 }
 
-impl<'a, V: Space> Reach<'a, V> {
+impl<'a, V: Space> PlanReach<'a, V> {
     /// For a plan of a length at most, made at its start.
-    pub fn new(cells: &'a Cells<V>, fastest: f32, fresh: &'a Plan<V>, length: f32) -> Self {
+    pub fn new(cells: &'a CellGrid<V>, fastest: f32, fresh: &'a MotionPlan<V>, length: f32) -> Self {
         let speed = fresh.velocity.length();
         let fastest = fastest.max(speed);
         let fast = (speed + fresh.limit * length).min(fastest);
@@ -35,8 +35,8 @@ impl<'a, V: Space> Reach<'a, V> {
     }
 
     /// Adds the neighbours whose stop regions it may reach, of rows that were found at its start.
-    pub fn find(&self, rows: &[Row], others: &mut Others) {
-        dispatch(Find { reach: self, rows, others });
+    pub fn find_neighbours(&self, rows: &[NeighbourRow], others: &mut NearbyPlans) {
+        dispatch(FindReachableJob { reach: self, rows, others });
     }
 }
 
@@ -51,27 +51,27 @@ fn extent<F: Lanes>(part: F, (limit, stopping): (F, F), time: F) -> F {
     (part.max(zero) + half * gain) * time + (part + gain).max(zero) * stopping
 }
 
-/// See [`Reach::find`].
-struct Find<'a, V> {
-    reach: &'a Reach<'a, V>,
-    rows: &'a [Row],
-    others: &'a mut Others,
+/// See [`PlanReach::find_neighbours`].
+struct FindReachableJob<'a, V> {
+    reach: &'a PlanReach<'a, V>,
+    rows: &'a [NeighbourRow],
+    others: &'a mut NearbyPlans,
 }
 
-impl<V: Space> LaneWork for Find<'_, V> {
+impl<V: Space> LaneWork for FindReachableJob<'_, V> {
     type Output = ();
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let &Reach { cells, fastest, fresh, length, .. } = self.reach;
+        let &PlanReach { cells, fastest, fresh, length, .. } = self.reach;
         let last = (fresh.velocity.length() + fresh.limit * length).min(fastest);
         let mine = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
         let (length, half_fastest) = (F::splat(length), F::splat(0.5 * fastest));
         for row in self.rows {
             let limit = F::load(&row.limit);
-            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&row.until));
+            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&row.until_end));
             let room = F::load(&row.gap) - F::splat(ROOM) - its;
-            for i in bits(row.there & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
+            for i in set_bits(row.present & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
                 self.others.push(&cells.plan(row.agents[i]));
             }
         }
@@ -81,7 +81,7 @@ impl<V: Space> LaneWork for Find<'_, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::safety::rule::{Candidate, clearance};
+    use crate::safety::rule::{PlanCandidate, clearance};
     use crate::steering::neighbours::tests::{NOW, crowd, rows_around};
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
@@ -89,33 +89,36 @@ mod tests {
 
     /// Samples the stop regions of the first of some plans, with some acceleration from now on, and of all plans that it is not
     /// compared with: they are apart.
-    fn leaves_out_only_who_is_apart<V: Space>(plans: &[Plan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
-        let fastest = plans.iter().flat_map(|p| [p.velocity, p.at(p.end).1]).map(V::length).fold(0.0, f32::max);
+    fn leaves_out_only_who_is_apart<V: Space>(plans: &[MotionPlan<V>], a: V, length: f32) -> Result<(), TestCaseError> {
+        let fastest = plans.iter().flat_map(|p| [p.velocity, p.motion_at(p.end).1]).map(V::length).fold(0.0, f32::max);
         let (cells, rows) = rows_around(plans);
-        let (position, velocity) = plans[0].at(NOW);
-        let fresh = Plan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
-        let reach = Reach::new(&cells, fastest, &fresh, length);
-        let mut others = Others::default();
-        reach.find(rows.all(), &mut others);
+        let (position, velocity) = plans[0].motion_at(NOW);
+        let fresh = MotionPlan { start: NOW, position, velocity, moving: f32::INFINITY, ..plans[0] };
+        let reach = PlanReach::new(&cells, fastest, &fresh, length);
+        let mut others = NearbyPlans::default();
+        reach.find_neighbours(rows.found_rows(), &mut others);
         others.prepare(position, NOW);
         for share in [0.3, 1.0] {
             // As candidates are made.
             let length = share * length;
             let a = ((velocity + a.at_most(fresh.limit) * length).at_most(fastest) - velocity) * length.recip();
-            let me =
-                Candidate::new(Plan { end: NOW + f64::from(length), acceleration: a.at_most(fresh.limit), ..fresh });
-            let compared = others.within(me.reach());
-            for row in rows.all() {
-                for i in bits(row.there) {
-                    let other: Plan<V> = cells.plan(row.agents[i]);
+            let me = PlanCandidate::new(MotionPlan {
+                end: NOW + f64::from(length),
+                acceleration: a.at_most(fresh.limit),
+                ..fresh
+            });
+            let compared = others.agents_within(me.reach());
+            for row in rows.found_rows() {
+                for i in set_bits(row.present) {
+                    let other: MotionPlan<V> = cells.plan(row.agents[i]);
                     if compared.contains(&other.index) {
                         continue;
                     }
                     for i in 0..=40 {
                         let time = NOW + f64::from(i) * 0.015;
-                        let still = |p: &Plan<V>| {
-                            let (position, velocity) = p.at(time.min(p.end));
-                            Plan { position, velocity, ..*p }
+                        let still = |p: &MotionPlan<V>| {
+                            let (position, velocity) = p.motion_at(time.min(p.end));
+                            MotionPlan { position, velocity, ..*p }
                         };
                         let clearance = clearance(&still(&me.plan), &still(&other));
                         prop_assert!(clearance > 0.0, "{} overlaps by {} m at {time}", other.index, -clearance);
@@ -150,7 +153,7 @@ mod tests {
             // As candidates are made: no faster at the end than the largest speed.
             let last = (velocity + Vec2::from_array(a).clamp_length_max(limit) * length).clamp_length_max(FASTEST);
             let acceleration = (last - velocity) / length;
-            let mut plan = Plan { velocity, acceleration, limit, moving: f32::INFINITY, ..Plan::default() };
+            let mut plan = MotionPlan { velocity, acceleration, limit, moving: f32::INFINITY, ..MotionPlan::default() };
             if brakes {
                 plan.brake();
             }

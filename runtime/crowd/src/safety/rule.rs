@@ -28,14 +28,14 @@
 //! agent that keeps its acceleration is never above that at both ends.
 //!
 //! A region that an external obstacle reserves is treated as a static obstacle: external obstacles keep out of
-//! [`Candidate::held`] in turn, which holds S_k(min(s, T_k)) for all s from now on.
+//! [`PlanCandidate::reserved_region`] in turn, which holds S_k(min(s, T_k)) for all s from now on.
 //!
 //! Moving obstacles do not yield; they are taken for agents that never brake, over the time of a plan and of braking
 //! after it, though not beyond the next point of their path. A trapped agent may still be struck.
 
 use crate::Space;
-use crate::space::plan::{Plan, stop};
-use crate::space::solid::Solid;
+use crate::space::plan::{MotionPlan, stopping_point};
+use crate::space::solid::ConvexSolid;
 use throng_base::ground::{Bounds2d, Capsule2d};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).
@@ -43,8 +43,8 @@ pub(crate) const MARGIN: f32 = 1e-4;
 
 /// A plan to be compared with others: both ends of its stop region now and at its end.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate<V> {
-    pub plan: Plan<V>,
+pub(crate) struct PlanCandidate<V> {
+    pub plan: MotionPlan<V>,
     /// Time until its end (s).
     pub length: f32,
     pub now: Segment<V>,
@@ -59,7 +59,7 @@ pub(crate) type Segment<V> = (V, V);
 
 /// Violation of the safety rule.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Violation<V> {
+pub(crate) struct SafetyViolation<V> {
     /// Unit vector away from the obstruction.
     pub away: V,
     /// Distance by which the stop region would have to be farther in that direction (m, > 0).
@@ -69,19 +69,19 @@ pub(crate) struct Violation<V> {
 /// Bound on how the end of a stop region swerves from the direction of the acceleration: the part of its second
 /// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
 #[inline]
-fn curve<V: Space>(plan: &Plan<V>) -> f32 {
+fn curve<V: Space>(plan: &MotionPlan<V>) -> f32 {
     if is_straight(plan) { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
 }
 
 /// True for an agent that brakes or starts from rest: both ends of its stop region move one way along one line, or stay.
 #[inline]
-fn is_straight<V: Space>(plan: &Plan<V>) -> bool {
+fn is_straight<V: Space>(plan: &MotionPlan<V>) -> bool {
     plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0
 }
 
-impl<V: Space> Candidate<V> {
+impl<V: Space> PlanCandidate<V> {
     #[inline]
-    pub fn new(plan: Plan<V>) -> Self {
+    pub fn new(plan: MotionPlan<V>) -> Self {
         let length = (plan.end - plan.start) as f32;
         let (now, end) = (plan.stop_region(0.0), plan.stop_region(length));
         Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
@@ -106,17 +106,17 @@ impl<V: Space> Candidate<V> {
     }
 }
 
-impl<V: Space> Candidate<V> {
+impl<V: Space> PlanCandidate<V> {
     /// Capsule of the ground that it takes until its end and for braking after it.
-    pub fn held(&self) -> Capsule2d {
+    pub fn reserved_region(&self) -> Capsule2d {
         let line = Capsule2d { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
         let off = line.distance_to(self.now.1.on_ground()).max(line.distance_to(self.end.0.on_ground()));
         Capsule2d { radius_m: self.plan.radius + off + self.swerve() + MARGIN, ..line }
     }
 
-    /// A box around [`Candidate::held`].
+    /// A box around [`PlanCandidate::reserved_region`].
     pub fn bounds(&self) -> Bounds2d {
-        self.held().bounds()
+        self.reserved_region().bounds()
     }
 
     /// Largest distance of the ends of its stop region from the lines between their positions now and at its end (m).
@@ -127,20 +127,20 @@ impl<V: Space> Candidate<V> {
 
 /// Violation of the rule between a plan and a region that an external obstacle reserves; `None` if there is none. An
 /// agent inside such a region already, because an obstacle that never yields has come, may leave it.
-pub(crate) fn violation_of_held<V: Space>(me: &Candidate<V>, ground: &Capsule2d) -> Option<Violation<V>> {
+pub(crate) fn violation_of_region<V: Space>(me: &PlanCandidate<V>, ground: &Capsule2d) -> Option<SafetyViolation<V>> {
     let Capsule2d { from, to, radius_m } = *ground;
-    let solid = Solid::Rod { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
-    let (away, distance) = solid.away(me.now.0);
+    let solid = ConvexSolid::Capsule { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
+    let (away, distance) = solid.direction_and_distance(me.now.0);
     if distance < me.plan.radius {
-        let gained = solid.away(me.end.1).1 - distance;
-        return (gained < 0.0).then_some(Violation { away, depth: -gained });
+        let gained = solid.direction_and_distance(me.end.1).1 - distance;
+        return (gained < 0.0).then_some(SafetyViolation { away, depth: -gained });
     }
     violation_of_solid(me, &solid)
 }
 
 /// Largest distance of the ends of a stop region from the present centre, within a time.
 #[inline]
-fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &Plan<V>, curve: f32) -> f32 {
+fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &MotionPlan<V>, curve: f32) -> f32 {
     let far = |x: V| (x - now.0).length_squared();
     let farthest = far(now.1).max(far(end.0)).max(far(end.1));
     farthest.sqrt() + 0.125 * within * within * (2.0 * plan.acceleration.length() + curve)
@@ -154,11 +154,14 @@ fn least<V: Space>(ends: (V, V), along: V) -> f32 {
 
 /// Violation of the rule between a plan and a solid that stands; `None` if it holds.
 #[inline]
-pub(crate) fn violation_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) -> Option<Violation<V>> {
+pub(crate) fn violation_of_solid<V: Space>(
+    me: &PlanCandidate<V>,
+    solid: &ConvexSolid<V>,
+) -> Option<SafetyViolation<V>> {
     let bend = 0.125 * me.length * me.length;
-    let mut best: Option<Violation<V>> = None;
+    let mut best: Option<SafetyViolation<V>> = None;
     for x in [me.end.1, me.now.0] {
-        let (n, distance) = solid.away(x);
+        let (n, distance) = solid.direction_and_distance(x);
         if distance <= 0.0 {
             continue;
         }
@@ -172,23 +175,23 @@ pub(crate) fn violation_of_solid<V: Space>(me: &Candidate<V>, solid: &Solid<V>) 
             return None;
         }
         if best.is_none_or(|b| violation < b.depth) {
-            best = Some(Violation { away: n, depth: violation });
+            best = Some(SafetyViolation { away: n, depth: violation });
         }
     }
-    best.or(Some(Violation { away: me.plan.velocity.unit_and_length().0 * -1.0, depth: me.plan.radius }))
+    best.or(Some(SafetyViolation { away: me.plan.velocity.unit_and_length().0 * -1.0, depth: me.plan.radius }))
 }
 
 /// Smallest displacement of the far end of the stop region at the end of a plan by a change of the acceleration by 1
 /// m/s2.
 #[inline]
-pub(crate) fn lever<V: Space>(me: &Candidate<V>) -> f32 {
+pub(crate) fn lever<V: Space>(me: &PlanCandidate<V>) -> f32 {
     let v = me.plan.velocity + me.plan.acceleration * me.length;
     me.length * (0.5 * me.length + 0.5 * v.length() / me.plan.limit)
 }
 
 /// Gap between two standing stop regions; below zero where they overlap. For agents that are moved elsewhere.
-pub(crate) fn clearance<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
-    let ends = |p: &Plan<V>| (p.position, stop(p.position, p.velocity, p.limit));
+pub(crate) fn clearance<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>) -> f32 {
+    let ends = |p: &MotionPlan<V>| (p.position, stopping_point(p.position, p.velocity, p.limit));
     let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
     // The distance of two segments is that of an end of one to the other, or that of their lines between the ends.
     let nearest = |from: V, to: V, x: V| {
@@ -212,17 +215,17 @@ pub(crate) fn clearance<V: Space>(a: &Plan<V>, b: &Plan<V>) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::safety::others::{Others, violation};
+    use crate::safety::nearby_plans::{NearbyPlans, find_violation};
     use glam::{Vec2, Vec3};
     use proptest::collection::vec;
     use proptest::prelude::*;
 
-    fn plan<V: Space>(index: u32) -> impl Strategy<Value = Plan<V>> {
+    fn plan<V: Space>(index: u32) -> impl Strategy<Value = MotionPlan<V>> {
         let vector = || [-2.0f32..2.0, -2.0f32..2.0, -2.0f32..2.0].prop_map(V::from_coordinates);
         (vector(), vector(), vector(), any::<bool>(), 0.02f64..0.4, 0.0f64..0.1, 0.1f32..0.5).prop_map(
             move |(position, v, a, brakes, length, age, radius)| {
                 let start = 100.0 - if index == 0 { 0.0 } else { age };
-                let mut plan = Plan {
+                let mut plan = MotionPlan {
                     start,
                     end: 100.0 + length,
                     position,
@@ -242,15 +245,15 @@ mod tests {
     }
 
     /// Samples the invariant: wherever no violation is found, or none is looked for, stop regions are apart at all times.
-    fn holds<V: Space>(me: &Plan<V>, other: &Plan<V>) -> Result<(), TestCaseError> {
-        if violation(&Candidate::new(*me), other).is_some() {
+    fn holds<V: Space>(me: &MotionPlan<V>, other: &MotionPlan<V>) -> Result<(), TestCaseError> {
+        if find_violation(&PlanCandidate::new(*me), other).is_some() {
             return Ok(());
         }
         for i in 0..=100 {
             let s = 100.0 + f64::from(i) * 0.0045;
-            let still = |p: &Plan<V>| {
-                let (position, velocity) = p.at(s.min(p.end));
-                Plan { position, velocity, ..*p }
+            let still = |p: &MotionPlan<V>| {
+                let (position, velocity) = p.motion_at(s.min(p.end));
+                MotionPlan { position, velocity, ..*p }
             };
             let clearance = clearance(&still(me), &still(other));
             prop_assert!(clearance > 0.0, "stop regions overlap by {} m after {} s", -clearance, s - 100.0);
@@ -259,18 +262,22 @@ mod tests {
     }
 
     /// The largest violation is found for any plans added before.
-    fn finds_the_worst<V: Space>(me: Plan<V>, before: &[Plan<V>], others: &[Plan<V>]) -> Result<(), TestCaseError> {
-        let me = Candidate::new(me);
-        let mut all = Others::default();
+    fn finds_the_worst<V: Space>(
+        me: MotionPlan<V>,
+        before: &[MotionPlan<V>],
+        others: &[MotionPlan<V>],
+    ) -> Result<(), TestCaseError> {
+        let me = PlanCandidate::new(me);
+        let mut all = NearbyPlans::default();
         for plans in [before, others] {
             all.clear();
             plans.iter().for_each(|p| all.push(p));
             all.prepare(me.plan.position, me.plan.start);
         }
-        let one_by_one = others.iter().filter_map(|o| violation(&me, o)).map(|l| l.depth).reduce(f32::max);
-        prop_assert_eq!(all.worst(&me).map(|l| l.depth), one_by_one);
+        let one_by_one = others.iter().filter_map(|o| find_violation(&me, o)).map(|l| l.depth).reduce(f32::max);
+        prop_assert_eq!(all.worst_violation(&me).map(|l| l.depth), one_by_one);
         all.leave_out_movers();
-        prop_assert_eq!(all.worst(&me).map(|l| l.depth), one_by_one, "all are agents");
+        prop_assert_eq!(all.worst_violation(&me).map(|l| l.depth), one_by_one, "all are agents");
         Ok(())
     }
 
@@ -289,13 +296,13 @@ mod tests {
 
         #[test]
         fn movers_can_be_left_out(me in plan::<Vec2>(0), others in vec(plan(2), 1..20), mover in plan(crate::NONE)) {
-            let me = Candidate::new(me);
-            let mut all = Others::default();
+            let me = PlanCandidate::new(me);
+            let mut all = NearbyPlans::default();
             others.iter().chain([&mover]).for_each(|p| all.push(p));
             all.prepare(me.plan.position, me.plan.start);
             all.leave_out_movers();
-            let agents = others.iter().filter_map(|o| violation(&me, o)).map(|l| l.depth).reduce(f32::max);
-            prop_assert_eq!(all.worst(&me).map(|l| l.depth), agents);
+            let agents = others.iter().filter_map(|o| find_violation(&me, o)).map(|l| l.depth).reduce(f32::max);
+            prop_assert_eq!(all.worst_violation(&me).map(|l| l.depth), agents);
         }
     }
 
@@ -305,8 +312,8 @@ mod tests {
         /// The region holds the agent until its end, and while it brakes at any time before.
         #[test]
         fn held_ground_holds_the_agent_whenever_it_brakes(me in plan::<Vec2>(0)) {
-            let candidate = Candidate::new(me);
-            let held = candidate.held();
+            let candidate = PlanCandidate::new(me);
+            let held = candidate.reserved_region();
             for i in 0..=50 {
                 let (x, stop) = me.stop_region(candidate.length * i as f32 / 50.0);
                 for share in [0.0, 0.5, 1.0] {
@@ -329,8 +336,8 @@ mod tests {
         #[test]
         fn stop_regions_stay_out_of_solids(me in plan::<Vec2>(0), from in [-3.0f32..3.0, -3.0f32..3.0], to in [-3.0f32..3.0, -3.0f32..3.0]) {
             let (from, to) = (Vec2::from_array(from), Vec2::from_array(to));
-            for solid in [Solid::Rod { from, to, radius: 0.1 }, Solid::Box { min: from.min(to), max: from.max(to) }] {
-                if violation_of_solid(&Candidate::new(me), &solid).is_some() {
+            for solid in [ConvexSolid::Capsule { from, to, radius: 0.1 }, ConvexSolid::Box { min: from.min(to), max: from.max(to) }] {
+                if violation_of_solid(&PlanCandidate::new(me), &solid).is_some() {
                     continue;
                 }
                 for i in 0..=100 {
@@ -338,7 +345,7 @@ mod tests {
                     let (p, q) = me.stop_region(s);
                     for j in 0..=10 {
                         let x = p + (q - p) * (j as f32 / 10.0);
-                        prop_assert!(solid.away(x).1 >= me.radius, "{x} at {s}");
+                        prop_assert!(solid.direction_and_distance(x).1 >= me.radius, "{x} at {s}");
                     }
                 }
             }
@@ -347,7 +354,7 @@ mod tests {
         #[test]
         fn stays_within_is_never_wrong(me in plan::<Vec2>(0)) {
             let (min, max) = (Vec2::splat(-2.5), Vec2::splat(2.5));
-            if Candidate::new(me).stays_within(min, max) {
+            if PlanCandidate::new(me).stays_within(min, max) {
                 for i in 0..=100 {
                     let (p, q) = me.stop_region((me.end - me.start) as f32 * i as f32 / 100.0);
                     let room = (p.min(q) - min).min(max - p.max(q)).min_element();
@@ -359,39 +366,39 @@ mod tests {
 
     #[test]
     fn walking_behind_and_passing_beside_are_safe() {
-        let me = Plan {
+        let me = MotionPlan {
             start: 100.0,
             end: 100.1,
             velocity: Vec2::new(1.3, 0.0),
             moving: f32::INFINITY,
             radius: 0.3,
             limit: 5.0,
-            ..Plan::default()
+            ..MotionPlan::default()
         };
-        let ahead = Plan { position: Vec2::new(0.85, 0.0), ..me };
-        let beside = Plan { position: Vec2::new(0.3, 0.61), velocity: Vec2::new(-1.3, 0.0), ..me };
-        let against = Plan { position: Vec2::new(0.9, 0.1), velocity: Vec2::new(-1.3, 0.0), ..me };
-        let is_free = |p: &Plan<Vec2>| violation(&Candidate::new(me), p).is_none();
+        let ahead = MotionPlan { position: Vec2::new(0.85, 0.0), ..me };
+        let beside = MotionPlan { position: Vec2::new(0.3, 0.61), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let against = MotionPlan { position: Vec2::new(0.9, 0.1), velocity: Vec2::new(-1.3, 0.0), ..me };
+        let is_free = |p: &MotionPlan<Vec2>| find_violation(&PlanCandidate::new(me), p).is_none();
         assert!(is_free(&ahead) && is_free(&beside) && !is_free(&against));
     }
 
     #[test]
     fn agents_within_rounding_margin_may_separate() {
-        let still = |index, x: f32| Plan {
+        let still = |index, x: f32| MotionPlan {
             start: 99.9,
             end: 100.2,
             position: Vec2::new(x, 0.0),
             radius: 0.3,
             limit: 5.0,
             index,
-            ..Plan::default()
+            ..MotionPlan::default()
         };
         let other = still(1, 0.600_05);
-        let wall = Solid::Rod { from: Vec2::new(0.300_05, -9.0), to: Vec2::new(0.300_05, 9.0), radius: 0.0 };
+        let wall = ConvexSolid::Capsule { from: Vec2::new(0.300_05, -9.0), to: Vec2::new(0.300_05, 9.0), radius: 0.0 };
         for (a, may) in [(Vec2::NEG_X, true), (Vec2::new(-1.0, 2.0), true), (Vec2::X, false)] {
-            let plan = Plan { start: 100.0, moving: f32::INFINITY, acceleration: a, ..still(0, 0.0) };
-            let candidate = Candidate::new(plan);
-            assert_eq!(violation(&candidate, &other).is_none(), may, "{a}");
+            let plan = MotionPlan { start: 100.0, moving: f32::INFINITY, acceleration: a, ..still(0, 0.0) };
+            let candidate = PlanCandidate::new(plan);
+            assert_eq!(find_violation(&candidate, &other).is_none(), may, "{a}");
             assert_eq!(violation_of_solid(&candidate, &wall).is_none(), may, "{a}");
         }
     }

@@ -2,15 +2,15 @@
 //! crossing is missed.
 
 use crate::Space;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 
 /// Shortest advance (s). What dips below a distance for less is less deep than rounding is.
 const LEAST_S: f64 = 1e-4;
 
 /// True where the positions of two plans are within a distance.
 #[inline]
-pub(crate) fn is_near<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, time: f64) -> bool {
-    (a.at(time).0 - b.at(time).0).length_squared() <= distance * distance
+pub(crate) fn is_near<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>, distance: f32, time: f64) -> bool {
+    (a.motion_at(time).0 - b.motion_at(time).0).length_squared() <= distance * distance
 }
 
 /// The first time after `from`, and not after `until`, at which two plans come within a distance, or no longer are.
@@ -18,8 +18,8 @@ pub(crate) fn is_near<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, time: f
 /// - `is_near`: they are within it at `from`.
 /// - returns the first time (of those that f64 can tell apart by 1e-9 s) at which [`is_near`] says the other.
 pub(crate) fn first_change<V: Space>(
-    a: &Plan<V>,
-    b: &Plan<V>,
+    a: &MotionPlan<V>,
+    b: &MotionPlan<V>,
     distance: f32,
     from: f64,
     until: f64,
@@ -30,17 +30,17 @@ pub(crate) fn first_change<V: Space>(
     let ends = [a, b].map(|p| p.start + f64::from(p.moving));
     while at < until {
         let piece = ends.iter().copied().filter(|e| *e > at).fold(until, f64::min);
-        let relative = |time: f64| a.at(time).1 - b.at(time).1;
+        let relative = |time: f64| a.motion_at(time).1 - b.motion_at(time).1;
         // The relative velocity changes linearly: it is greatest at an end of the piece. Just before its end, an agent
         // that comes to stand there still moves.
         let fastest = relative(at).length().max(relative(piece - 1e-9 * (1.0 + piece.abs())).length()) + 1e-6;
         let mut before = at;
         while at < piece {
-            let gap = (a.at(at).0 - b.at(at).0).length() - distance;
+            let gap = (a.motion_at(at).0 - b.motion_at(at).0).length() - distance;
             let advance = f64::from(gap.abs() / fastest).max(LEAST_S);
             at = (at + advance).min(piece);
             if is_near(a, b, distance, at) != near {
-                return Some(bisected(a, b, distance, (before, at), near));
+                return Some(bisect_change(a, b, distance, (before, at), near));
             }
             before = at;
         }
@@ -51,7 +51,7 @@ pub(crate) fn first_change<V: Space>(
 }
 
 /// Time between two others at which nearness changes.
-fn bisected<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, times: (f64, f64), near: bool) -> f64 {
+fn bisect_change<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>, distance: f32, times: (f64, f64), near: bool) -> f64 {
     let (mut before, mut after) = times;
     while after - before > 1e-9 {
         let middle = 0.5 * (before + after);
@@ -62,27 +62,27 @@ fn bisected<V: Space>(a: &Plan<V>, b: &Plan<V>, distance: f32, times: (f64, f64)
 
 /// The first time after `from`, and not after `until`, at which a plan leaves the square cell that it is in at `from`.
 pub(crate) fn leaves_cell<V: Space>(
-    plan: &Plan<V>,
+    plan: &MotionPlan<V>,
     cell: impl Fn(V) -> [i32; 2],
     side: f32,
     from: f64,
     until: f64,
 ) -> Option<f64> {
-    let here = cell(plan.at(from).0);
+    let here = cell(plan.motion_at(from).0);
     let mut at = from;
     let end = until.min(plan.start + f64::from(plan.moving)).max(from);
-    let fastest = plan.at(from).1.length().max(plan.at(end - 1e-9 * (1.0 + end.abs())).1.length()) + 1e-6;
+    let fastest = plan.motion_at(from).1.length().max(plan.motion_at(end - 1e-9 * (1.0 + end.abs())).1.length()) + 1e-6;
     while at < end {
-        let place = plan.at(at).0.on_ground();
+        let place = plan.motion_at(at).0.on_ground();
         let low = glam::Vec2::new(here[0] as f32, here[1] as f32) * side;
         let gap = (place - low).min(low + side - place).min_element();
         let before = at;
         at = (at + f64::from(gap.max(0.0) / fastest).max(LEAST_S)).min(end);
-        if cell(plan.at(at).0) != here {
+        if cell(plan.motion_at(at).0) != here {
             let (mut before, mut after) = (before, at);
             while after - before > 1e-9 {
                 let middle = 0.5 * (before + after);
-                if cell(plan.at(middle).0) == here { before = middle } else { after = middle }
+                if cell(plan.motion_at(middle).0) == here { before = middle } else { after = middle }
             }
             return Some(after);
         }

@@ -8,7 +8,7 @@
 pub(crate) mod crossing;
 
 use crate::Space;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
@@ -98,7 +98,7 @@ impl<V: Space> Senses<V> {
 
 /// Next sensed event of an agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Sensed {
+pub(crate) enum SensedEvent {
     Met(u32),
     CameTo(u32),
     WentFrom(u32),
@@ -110,10 +110,10 @@ pub(crate) enum Sensed {
 
 /// State of an agent that senses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Sensing {
+pub(crate) struct SensingState {
     pub sense: Sense,
     /// Next sensed event, if any, and its time (s).
-    pub next: Option<(f64, Sensed)>,
+    pub next: Option<(f64, SensedEvent)>,
     /// Start of the plan of the partner that it meets next (s).
     pub partner_start: f64,
     /// Time of the last change of its channels, and the number of changes in the crowd until then. The agent that
@@ -125,7 +125,7 @@ pub(crate) struct Sensing {
     pub timer: f64,
 }
 
-impl Default for Sensing {
+impl Default for SensingState {
     fn default() -> Self {
         Self {
             sense: Sense::default(),
@@ -143,7 +143,7 @@ impl Default for Sensing {
 pub(crate) struct Sensors<V> {
     pub senses: Senses<V>,
     /// State of each agent.
-    pub of: Vec<Sensing>,
+    pub states: Vec<SensingState>,
     /// Swept boxes of all agents that send or receive.
     pub boxes: BoxGrid,
     pub zones: BoxGrid,
@@ -152,7 +152,7 @@ pub(crate) struct Sensors<V> {
     /// True where events at which the engine stops are noted.
     pub stops: bool,
     /// Signals that were noted, in their order.
-    pub signals: std::collections::VecDeque<crate::Event>,
+    pub signals: std::collections::VecDeque<crate::CrowdEvent>,
 }
 
 impl<V: Space> Sensors<V> {
@@ -163,7 +163,7 @@ impl<V: Space> Sensors<V> {
         }
         Self {
             senses: senses.clone(),
-            of: vec![Sensing::default(); capacity],
+            states: vec![SensingState::default(); capacity],
             boxes: BoxGrid::with_capacity(capacity),
             zones,
             changes: 0,
@@ -173,19 +173,23 @@ impl<V: Space> Sensors<V> {
     }
 
     /// States of agents that sense anything or have a timer, for snapshots.
-    pub fn saved(&self) -> Vec<(u32, Sensing)> {
-        (0u32..).zip(&self.of).filter(|(_, own)| **own != Sensing::default()).map(|(m, own)| (m, *own)).collect()
+    pub fn saved(&self) -> Vec<(u32, SensingState)> {
+        (0u32..)
+            .zip(&self.states)
+            .filter(|(_, own)| **own != SensingState::default())
+            .map(|(m, own)| (m, *own))
+            .collect()
     }
 
     /// True for what a snapshot of this crowd may hold.
-    pub fn may_be(&self, saved: &[(u32, Sensing)], now: f64, is_there: impl Fn(u32) -> bool) -> bool {
-        let num = self.of.len() as u32;
-        let is_sensed = |what: Sensed| match what {
-            Sensed::Met(other) => other < num && self.senses.meet_m > 0.0,
-            Sensed::CameTo(zone) | Sensed::WentFrom(zone) => (zone as usize) < self.senses.zones.len(),
-            Sensed::Crossed { .. } => self.senses.cell_m > 0.0,
+    pub fn is_possible(&self, saved: &[(u32, SensingState)], now: f64, is_there: impl Fn(u32) -> bool) -> bool {
+        let num = self.states.len() as u32;
+        let is_sensed = |what: SensedEvent| match what {
+            SensedEvent::Met(other) => other < num && self.senses.meet_m > 0.0,
+            SensedEvent::CameTo(zone) | SensedEvent::WentFrom(zone) => (zone as usize) < self.senses.zones.len(),
+            SensedEvent::Crossed { .. } => self.senses.cell_m > 0.0,
         };
-        let is_next = |(time, what): (f64, Sensed)| (now..=1e10).contains(&time) && is_sensed(what);
+        let is_next = |(time, what): (f64, SensedEvent)| (now..=1e10).contains(&time) && is_sensed(what);
         saved.windows(2).all(|w| w[0].0 < w[1].0)
             && saved.iter().all(|(m, own)| {
                 *m < num
@@ -199,26 +203,26 @@ impl<V: Space> Sensors<V> {
 
     /// True where any agent can sense anything.
     pub fn is_on(&self) -> bool {
-        self.of.iter().any(|own| own.sense != Sense::default() || own.timer.is_finite())
+        self.states.iter().any(|own| own.sense != Sense::default() || own.timer.is_finite())
     }
 
     /// The cell, over the ground, of a place.
-    pub fn cell(&self, at: V) -> [i32; 2] {
+    pub fn cell_at(&self, at: V) -> [i32; 2] {
         let at = at.on_ground() / self.senses.cell_m;
         [at.x.floor() as i32, at.y.floor() as i32]
     }
 }
 
 /// A box, over the ground, around all of a plan from a time on.
-pub(crate) fn swept<V: Space>(plan: &Plan<V>, from: f64) -> Bounds2d {
-    let (first, last) = (plan.at(from).0.on_ground(), plan.at(plan.end).0.on_ground());
+pub(crate) fn swept_bounds<V: Space>(plan: &MotionPlan<V>, from: f64) -> Bounds2d {
+    let (first, last) = (plan.motion_at(from).0.on_ground(), plan.motion_at(plan.end).0.on_ground());
     let mut bounds = Bounds2d { min: first.min(last), max: first.max(last) };
     // Where a component of the velocity turns.
     let (velocity, acceleration) = (plan.velocity.on_ground(), plan.acceleration.on_ground());
     for axis in 0..2 {
         let turn = -velocity[axis] / acceleration[axis];
         if turn > (from - plan.start) as f32 && turn < ((plan.end - plan.start) as f32).min(plan.moving) {
-            let at = plan.after(turn).0.on_ground();
+            let at = plan.motion_after(turn).0.on_ground();
             bounds = bounds.union(Bounds2d { min: at, max: at });
         }
     }

@@ -10,14 +10,14 @@ pub(crate) type Eight = [f32; LANES];
 
 /// Vector of one lane.
 #[inline(always)]
-pub(crate) fn nth<V: Space>(of: &[Eight; 3], i: usize) -> V {
+pub(crate) fn nth_vector<V: Space>(of: &[Eight; 3], i: usize) -> V {
     let third = if V::DIMENSIONS == 3 { of[2][i] } else { 0.0 };
     V::from_coordinates([of[0][i], of[1][i], third])
 }
 
 /// Numbers of the bits that are set.
 #[inline(always)]
-pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
+pub(crate) fn set_bits(mut set: u8) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let first = set.trailing_zeros() as usize;
         set &= set.wrapping_sub(1);
@@ -27,12 +27,12 @@ pub(crate) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
 
 /// Eight vectors. Third coordinates are 0 in 2-D, and nothing is computed with them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Vectors<V, F> {
+pub(crate) struct VectorLanes<V, F> {
     c: [F; 3],
     space: PhantomData<V>,
 }
 
-impl<V: Space, F: Lanes> Vectors<V, F> {
+impl<V: Space, F: Lanes> VectorLanes<V, F> {
     /// Vectors of given coordinates.
     #[inline(always)]
     pub fn new(x: F, y: F, z: F) -> Self {
@@ -104,7 +104,7 @@ impl<V: Space, F: Lanes> Vectors<V, F> {
     }
 }
 
-impl<V: Space, F: Lanes> Add for Vectors<V, F> {
+impl<V: Space, F: Lanes> Add for VectorLanes<V, F> {
     type Output = Self;
     #[inline(always)]
     fn add(self, o: Self) -> Self {
@@ -112,7 +112,7 @@ impl<V: Space, F: Lanes> Add for Vectors<V, F> {
     }
 }
 
-impl<V: Space, F: Lanes> Sub for Vectors<V, F> {
+impl<V: Space, F: Lanes> Sub for VectorLanes<V, F> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, o: Self) -> Self {
@@ -120,7 +120,7 @@ impl<V: Space, F: Lanes> Sub for Vectors<V, F> {
     }
 }
 
-impl<V: Space, F: Lanes> Mul<F> for Vectors<V, F> {
+impl<V: Space, F: Lanes> Mul<F> for VectorLanes<V, F> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, by: F) -> Self {
@@ -130,60 +130,60 @@ impl<V: Space, F: Lanes> Mul<F> for Vectors<V, F> {
 
 /// Plans of eight agents.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Plans<V, F> {
-    pub position: Vectors<V, F>,
-    pub velocity: Vectors<V, F>,
-    pub acceleration: Vectors<V, F>,
+pub(crate) struct PlanLanes<V, F> {
+    pub position: VectorLanes<V, F>,
+    pub velocity: VectorLanes<V, F>,
+    pub acceleration: VectorLanes<V, F>,
     pub moving: F,
     pub limit: F,
 }
 
-impl<V: Space, F: Lanes> Plans<V, F> {
+impl<V: Space, F: Lanes> PlanLanes<V, F> {
     /// Positions and velocities, `after` seconds from the start of each.
     #[inline(always)]
-    pub fn after(&self, after: F) -> (Vectors<V, F>, Vectors<V, F>) {
+    pub fn motions_after(&self, after: F) -> (VectorLanes<V, F>, VectorLanes<V, F>) {
         let dt = after.min(self.moving);
         let position = self.position + (self.velocity + self.acceleration * (F::splat(0.5) * dt)) * dt;
-        let rest = Vectors::splat(V::default());
-        (position, Vectors::select_lt(after, self.moving, self.velocity + self.acceleration * dt, rest))
+        let rest = VectorLanes::splat(V::default());
+        (position, VectorLanes::select_lt(after, self.moving, self.velocity + self.acceleration * dt, rest))
     }
 
     /// Ends of the stop regions, `after` seconds from the start of each.
     #[inline(always)]
     pub fn stop_region(&self, after: F) -> Sides<V, F> {
-        let (x, v) = self.after(after);
+        let (x, v) = self.motions_after(after);
         [x, x + v * (v.length_squared().sqrt() * F::splat(0.5) / self.limit)]
     }
 }
 
 /// Ends of eight stop regions.
-pub(crate) type Sides<V, F> = [Vectors<V, F>; 2];
+pub(crate) type Sides<V, F> = [VectorLanes<V, F>; 2];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::plan::Plan;
+    use crate::space::plan::MotionPlan;
     use crate::steering::neighbours::tests::{NOW, crowd};
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
     use throng_base::simd::ArrayLanes;
 
-    fn same_as_one_by_one<V: Space>(plan: &Plan<V>, after: f32) -> Result<(), TestCaseError> {
+    fn same_as_one_by_one<V: Space>(plan: &MotionPlan<V>, after: f32) -> Result<(), TestCaseError> {
         let s = ArrayLanes::splat;
-        let plans = Plans {
-            position: Vectors::splat(plan.position),
-            velocity: Vectors::splat(plan.velocity),
-            acceleration: Vectors::splat(plan.acceleration),
+        let plans = PlanLanes {
+            position: VectorLanes::splat(plan.position),
+            velocity: VectorLanes::splat(plan.velocity),
+            acceleration: VectorLanes::splat(plan.acceleration),
             moving: s(plan.moving),
             limit: s(plan.limit),
         };
-        let first = |v: Vectors<V, ArrayLanes>| nth::<V>(&v.to_arrays(), 5);
-        let (x, v) = plans.after(s(after));
-        prop_assert_eq!((first(x), first(v)), plan.after(after));
+        let first = |v: VectorLanes<V, ArrayLanes>| nth_vector::<V>(&v.to_arrays(), 5);
+        let (x, v) = plans.motions_after(s(after));
+        prop_assert_eq!((first(x), first(v)), plan.motion_after(after));
         let [x, y] = plans.stop_region(s(after));
         prop_assert_eq!((first(x), first(y)), plan.stop_region(after));
         let (unit, length) = v.unit_and_length();
-        prop_assert_eq!((first(unit), length.to_array()[5]), plan.after(after).1.unit_and_length());
+        prop_assert_eq!((first(unit), length.to_array()[5]), plan.motion_after(after).1.unit_and_length());
         Ok(())
     }
 

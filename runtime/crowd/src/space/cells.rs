@@ -1,8 +1,8 @@
 //! The cells of space that agents are registered in, and the plans of all of them.
 
 use crate::Space;
-use crate::space::batch::{Plans, Vectors};
-use crate::space::plan::Plan;
+use crate::space::batch::{PlanLanes, VectorLanes};
+use crate::space::plan::MotionPlan;
 use std::marker::PhantomData;
 use throng_base::prefetch;
 use throng_base::simd::{LANES, Lanes};
@@ -17,7 +17,7 @@ const MAX_CELLS: usize = 1 << 22;
 /// are computed with.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub(crate) struct Kept {
+pub(crate) struct PackedPlan {
     /// Position and the time from the start after which it stands.
     position: [f32; 4],
     /// Velocity and radius.
@@ -28,9 +28,9 @@ pub(crate) struct Kept {
     pub end: f64,
 }
 
-impl Kept {
+impl PackedPlan {
     #[inline]
-    fn new<V: Space>(plan: &Plan<V>) -> Self {
+    fn new<V: Space>(plan: &MotionPlan<V>) -> Self {
         let row = |v: V, last: f32| {
             let [x, y, z] = v.coordinates();
             [x, y, z, last]
@@ -46,9 +46,9 @@ impl Kept {
 
     /// The plan of an agent.
     #[inline]
-    fn plan<V: Space>(&self, index: u32) -> Plan<V> {
+    fn unpack_plan<V: Space>(&self, index: u32) -> MotionPlan<V> {
         let vector = |[x, y, z, _]: [f32; 4]| V::from_coordinates([x, y, z]);
-        Plan {
+        MotionPlan {
             start: self.start,
             end: self.end,
             position: vector(self.position),
@@ -63,21 +63,21 @@ impl Kept {
 
     /// Eight plans side by side, and their radii.
     #[inline(always)]
-    pub fn side_by_side<V: Space, F: Lanes>(of: [&Self; LANES]) -> (Plans<V, F>, F) {
+    pub fn load_lanes<V: Space, F: Lanes>(of: [&Self; LANES]) -> (PlanLanes<V, F>, F) {
         let ([x, y, z, moving], [u, v, w, radius], [a, b, c, limit]) = (
             F::columns(of.map(|k| &k.position)),
             F::columns(of.map(|k| &k.velocity)),
             F::columns(of.map(|k| &k.acceleration)),
         );
-        let (position, velocity) = (Vectors::new(x, y, z), Vectors::new(u, v, w));
-        (Plans { position, velocity, acceleration: Vectors::new(a, b, c), moving, limit }, radius)
+        let (position, velocity) = (VectorLanes::new(x, y, z), VectorLanes::new(u, v, w));
+        (PlanLanes { position, velocity, acceleration: VectorLanes::new(a, b, c), moving, limit }, radius)
     }
 }
 
 /// Some of the agents of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(32))]
-struct Bunch {
+struct AgentBunch {
     agents: [u32; BUNCH],
     /// Number of agents in the cell, if this is its first bunch.
     len: u32,
@@ -90,22 +90,22 @@ struct Bunch {
 /// The grid is a torus: places beyond its extents share cells with places within. That costs a look at agents that are
 /// far away, but no place is ever outside, and there are at most 16 cells for each agent, or 1024.
 #[derive(Clone, Debug)]
-pub(crate) struct Cells<V> {
+pub(crate) struct CellGrid<V> {
     side: f32,
     per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
     num_cells: usize,
     /// The first bunch of every cell, and after them those that cells with many agents take.
-    bunches: Vec<Bunch>,
+    bunches: Vec<AgentBunch>,
     /// Bunches that no cell has.
     free: Vec<u32>,
     /// Packed plans, by agent.
-    plans: Vec<Kept>,
+    plans: Vec<PackedPlan>,
     space: PhantomData<V>,
 }
 
-impl<V: Space> Cells<V> {
+impl<V: Space> CellGrid<V> {
     /// Cells of a side for agents with numbers below `capacity`, most of them within `size`.
     pub fn new(side: f32, size: V, capacity: usize) -> Self {
         let mut bits = [0; 3];
@@ -126,9 +126,9 @@ impl<V: Space> Cells<V> {
             per_m: side.recip(),
             bits,
             num_cells,
-            bunches: vec![Bunch::default(); num_bunches],
+            bunches: vec![AgentBunch::default(); num_bunches],
             free: Vec::with_capacity(num_bunches - num_cells),
-            plans: vec![Kept::default(); capacity],
+            plans: vec![PackedPlan::default(); capacity],
             space: PhantomData,
         };
         cells.clear();
@@ -143,10 +143,10 @@ impl<V: Space> Cells<V> {
     }
 
     /// Plans of all agents, in an order in which to insert them gives the same cells.
-    pub fn plans(&self) -> Vec<Plan<V>> {
+    pub fn plans(&self) -> Vec<MotionPlan<V>> {
         let mut plans = Vec::new();
         for cell in 0..self.num_cells as u32 {
-            self.each(cell, |plan| plans.push(*plan));
+            self.for_each_in_cell(cell, |plan| plans.push(*plan));
         }
         plans
     }
@@ -200,7 +200,7 @@ impl<V: Space> Cells<V> {
 
     /// Calls `f` for the number of every cell around one, itself among them.
     #[inline]
-    pub fn around(&self, at: [i32; 3], mut f: impl FnMut(u32)) {
+    pub fn for_each_cell_around(&self, at: [i32; 3], mut f: impl FnMut(u32)) {
         let depth = if V::DIMENSIONS == 3 { 1 } else { 0 };
         for z in -depth..=depth {
             for y in -1..=1 {
@@ -213,13 +213,13 @@ impl<V: Space> Cells<V> {
 
     /// Plan of an agent (it is in a cell).
     #[inline]
-    pub fn plan(&self, agent: u32) -> Plan<V> {
-        self.kept(agent).plan(agent)
+    pub fn plan(&self, agent: u32) -> MotionPlan<V> {
+        self.packed_plan(agent).unpack_plan(agent)
     }
 
-    /// Plan of an agent in packed form, see [`Cells::plan`].
+    /// Plan of an agent in packed form, see [`CellGrid::plan`].
     #[inline]
-    pub fn kept(&self, agent: u32) -> &Kept {
+    pub fn packed_plan(&self, agent: u32) -> &PackedPlan {
         &self.plans[agent as usize]
     }
 
@@ -238,7 +238,7 @@ impl<V: Space> Cells<V> {
 
     /// Calls `f` for every agent of a cell.
     #[inline]
-    pub fn each(&self, cell: u32, mut f: impl FnMut(&Plan<V>)) {
+    pub fn for_each_in_cell(&self, cell: u32, mut f: impl FnMut(&MotionPlan<V>)) {
         self.each_bunch(cell, |agents, len| agents[..len].iter().for_each(|&m| f(&self.plan(m))));
     }
 
@@ -248,7 +248,7 @@ impl<V: Space> Cells<V> {
     #[inline]
     pub fn agents_around<'a>(&self, at: [i32; 3], room: &'a mut Vec<u32>) -> &'a [u32] {
         let mut num = 0;
-        self.around(at, |cell| {
+        self.for_each_cell_around(at, |cell| {
             self.each_bunch(cell, |agents, len| {
                 // Of a known size, so that it is copied at once; what is not there is overwritten by the next ones.
                 if room.len() < num + BUNCH {
@@ -261,36 +261,36 @@ impl<V: Space> Cells<V> {
         &room[..num]
     }
 
-    /// Memory for the numbers of all agents, see [`Cells::agents_around`].
-    pub fn room(capacity: usize) -> Vec<u32> {
+    /// Memory for the numbers of all agents, see [`CellGrid::agents_around`].
+    pub fn agent_buffer(capacity: usize) -> Vec<u32> {
         Vec::with_capacity(capacity + BUNCH)
     }
 
     /// Prefetches the plan of an agent.
     #[inline]
     pub fn prefetch(&self, agent: u32) {
-        prefetch(self.kept(agent));
+        prefetch(self.packed_plan(agent));
     }
 
     /// Prefetches the cells around one, without plans.
     #[inline]
     pub fn prefetch_cells(&self, at: [i32; 3]) {
-        self.around(at, |cell| prefetch(&self.bunches[cell as usize]));
+        self.for_each_cell_around(at, |cell| prefetch(&self.bunches[cell as usize]));
     }
 
     /// Prefetches the plans of agents in the cells around one: of the first few of each cell.
     #[inline]
     pub fn prefetch_plans(&self, at: [i32; 3]) {
-        self.around(at, |cell| {
+        self.for_each_cell_around(at, |cell| {
             let bunch = &self.bunches[cell as usize];
             bunch.agents.iter().take(bunch.len as usize).for_each(|&m| self.prefetch(m));
         });
     }
 
     /// Changes a plan, and the cell of its agent from `from` to `to`.
-    pub fn set(&mut self, from: u32, to: u32, plan: &Plan<V>) {
+    pub fn set(&mut self, from: u32, to: u32, plan: &MotionPlan<V>) {
         if from == to {
-            self.plans[plan.index as usize] = Kept::new(plan);
+            self.plans[plan.index as usize] = PackedPlan::new(plan);
         } else {
             self.remove(from, plan.index);
             self.insert(to, plan);
@@ -298,8 +298,8 @@ impl<V: Space> Cells<V> {
     }
 
     /// Registers an agent in a cell.
-    pub fn insert(&mut self, cell: u32, plan: &Plan<V>) {
-        self.plans[plan.index as usize] = Kept::new(plan);
+    pub fn insert(&mut self, cell: u32, plan: &MotionPlan<V>) {
+        self.plans[plan.index as usize] = PackedPlan::new(plan);
         let len = self.bunches[cell as usize].len as usize;
         let mut last = self.bunch(cell, len.saturating_sub(1));
         if len > 0 && len.is_multiple_of(BUNCH) {
@@ -341,7 +341,7 @@ impl<V: Space> Cells<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::space::batch::nth;
+    use crate::space::batch::nth_vector;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
     use throng_base::simd::ArrayLanes;
@@ -349,11 +349,11 @@ mod tests {
     proptest! {
         #[test]
         fn cells_equal_brute_force_lists(work in proptest::collection::vec((0u32..60, 0i32..3, 0..3), 1..300)) {
-            let mut cells = Cells::<Vec2>::new(1.0, Vec2::splat(4.0), 60);
+            let mut cells = CellGrid::<Vec2>::new(1.0, Vec2::splat(4.0), 60);
             let mut list = vec![None; 60];
             for (agent, x, kind) in work {
                 let to = cells.number([x, 0, 0]);
-                let plan = Plan { index: agent, limit: x as f32, ..Plan::default() };
+                let plan = MotionPlan { index: agent, limit: x as f32, ..MotionPlan::default() };
                 match (list[agent as usize], kind) {
                     (None, _) => {
                         cells.insert(to, &plan);
@@ -370,7 +370,7 @@ mod tests {
                 }
                 for cell in 0..cells.num_cells() as u32 {
                     let mut there = Vec::new();
-                    cells.each(cell, |p| there.push(p.index));
+                    cells.for_each_in_cell(cell, |p| there.push(p.index));
                     there.sort_unstable();
                     let want: Vec<u32> = (0..60).filter(|&m| list[m as usize] == Some(cell)).collect();
                     prop_assert_eq!(&there, &want);
@@ -394,14 +394,15 @@ mod tests {
             let (position, velocity, acceleration) = (vector(1.0), vector(2.0), vector(3.0));
             let (moving, radius, limit) = (4.0 + i as f32, 0.1 * i as f32, 6.0 - 0.5 * i as f32);
             let (start, end) = (1e6 + f64::from(i) * 1e-7, 2e6);
-            Plan { start, end, position, velocity, acceleration, moving, radius, limit, index: i }
+            MotionPlan { start, end, position, velocity, acceleration, moving, radius, limit, index: i }
         };
-        let kept: [Kept; LANES] = std::array::from_fn(|i| Kept::new(&plan(i as u32)));
-        let (plans, radius) = Kept::side_by_side::<V, ArrayLanes>(kept.each_ref());
+        let kept: [PackedPlan; LANES] = std::array::from_fn(|i| PackedPlan::new(&plan(i as u32)));
+        let (plans, radius) = PackedPlan::load_lanes::<V, ArrayLanes>(kept.each_ref());
         for i in 0..LANES {
             let want = plan(i as u32);
-            assert_eq!(kept[i].plan::<V>(want.index), want);
-            let vectors = [plans.position, plans.velocity, plans.acceleration].map(|v| nth::<V>(&v.to_arrays(), i));
+            assert_eq!(kept[i].unpack_plan::<V>(want.index), want);
+            let vectors =
+                [plans.position, plans.velocity, plans.acceleration].map(|v| nth_vector::<V>(&v.to_arrays(), i));
             assert_eq!(vectors, [want.position, want.velocity, want.acceleration]);
             let numbers = [plans.moving, plans.limit, radius].map(|n| n.to_array()[i]);
             assert_eq!(numbers, [want.moving, want.limit, want.radius]);
@@ -410,22 +411,22 @@ mod tests {
 
     #[test]
     fn each_plan_takes_one_cache_line() {
-        assert_eq!((size_of::<Kept>(), align_of::<Kept>()), (64, 64));
+        assert_eq!((size_of::<PackedPlan>(), align_of::<PackedPlan>()), (64, 64));
         are_kept::<Vec2>();
         are_kept::<Vec3>();
     }
 
     #[test]
     fn cells_around_one_are_all_different() {
-        let flat = Cells::<Vec2>::new(2.0, Vec2::splat(1.0), 4);
-        let deep = Cells::<Vec3>::new(2.0, Vec3::new(90.0, 1.0, 1.0), 4);
+        let flat = CellGrid::<Vec2>::new(2.0, Vec2::splat(1.0), 4);
+        let deep = CellGrid::<Vec3>::new(2.0, Vec3::new(90.0, 1.0, 1.0), 4);
         let mut seen = Vec::new();
-        flat.around([-1, 7, 0], |c| seen.push(c));
+        flat.for_each_cell_around([-1, 7, 0], |c| seen.push(c));
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), 9);
         seen.clear();
-        deep.around([-1, 7, 3], |c| seen.push(c));
+        deep.for_each_cell_around([-1, 7, 3], |c| seen.push(c));
         seen.sort_unstable();
         seen.dedup();
         assert_eq!(seen.len(), 27);

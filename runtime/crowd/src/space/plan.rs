@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 /// Motion of one agent from the event at which it was planned to the one that ends it, as agents near it may rely on.
 ///
 /// The acceleration is constant; where the agent brakes to rest, until it stands. All others keep out of the
-/// [`Plan::stop_region`] that it has until `end`, see [`crate::safety::rule`].
+/// [`MotionPlan::stop_region`] that it has until `end`, see [`crate::safety::rule`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Plan<V> {
+pub(crate) struct MotionPlan<V> {
     /// Event at which it was taken (s).
     pub start: f64,
     /// Latest time at which the agent acts (s).
@@ -29,10 +29,10 @@ pub(crate) struct Plan<V> {
     pub index: u32,
 }
 
-impl<V: Space> Plan<V> {
+impl<V: Space> MotionPlan<V> {
     /// Position and velocity, `after` seconds from the start.
     #[inline]
-    pub fn after(&self, after: f32) -> (V, V) {
+    pub fn motion_after(&self, after: f32) -> (V, V) {
         let dt = after.min(self.moving);
         let velocity = if after < self.moving { self.velocity + self.acceleration * dt } else { V::default() };
         (self.position + (self.velocity + self.acceleration * (0.5 * dt)) * dt, velocity)
@@ -40,8 +40,8 @@ impl<V: Space> Plan<V> {
 
     /// Position and velocity at a time, not before the start.
     #[inline]
-    pub fn at(&self, time: f64) -> (V, V) {
-        self.after((time - self.start) as f32)
+    pub fn motion_at(&self, time: f64) -> (V, V) {
+        self.motion_after((time - self.start) as f32)
     }
 
     /// Brakes from here on with all its force.
@@ -55,14 +55,14 @@ impl<V: Space> Plan<V> {
     /// around it, the stop region.
     #[inline]
     pub fn stop_region(&self, after: f32) -> (V, V) {
-        let (x, v) = self.after(after);
-        (x, stop(x, v, self.limit))
+        let (x, v) = self.motion_after(after);
+        (x, stopping_point(x, v, self.limit))
     }
 }
 
 /// Point at which an agent that brakes with all its force comes to rest.
 #[inline]
-pub(crate) fn stop<V: Space>(position: V, velocity: V, limit: f32) -> V {
+pub(crate) fn stopping_point<V: Space>(position: V, velocity: V, limit: f32) -> V {
     position + velocity * (velocity.length() * 0.5 / limit)
 }
 
@@ -73,17 +73,17 @@ mod tests {
 
     #[test]
     fn braking_ends_where_the_stop_region_says() {
-        let mut plan = Plan {
+        let mut plan = MotionPlan {
             position: Vec2::new(1.0, 2.0),
             velocity: Vec2::new(1.2, -0.5),
             limit: 5.0,
             radius: 0.3,
             end: 1.0,
-            ..Plan::default()
+            ..MotionPlan::default()
         };
-        let end = stop(plan.position, plan.velocity, plan.limit);
+        let end = stopping_point(plan.position, plan.velocity, plan.limit);
         plan.brake();
-        let (x, v) = plan.after(2.0);
+        let (x, v) = plan.motion_after(2.0);
         assert!((x - end).length() < 1e-6 && v == Vec2::ZERO, "{x} {end}");
         for i in 0..20 {
             let (from, to) = plan.stop_region(i as f32 * 0.02);

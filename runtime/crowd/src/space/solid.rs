@@ -6,7 +6,7 @@ use throng_base::Result;
 
 /// A convex body that stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Solid<V> {
+pub(crate) enum ConvexSolid<V> {
     /// Disc or ball.
     Ball {
         /// (m)
@@ -15,7 +15,7 @@ pub(crate) enum Solid<V> {
         radius: f32,
     },
     /// All points within `radius` of a line.
-    Rod {
+    Capsule {
         /// (m)
         from: V,
         /// (m)
@@ -32,13 +32,13 @@ pub(crate) enum Solid<V> {
     },
 }
 
-impl<V: Space> Solid<V> {
+impl<V: Space> ConvexSolid<V> {
     /// Unit vector from the nearest point of the body to `x`, and how far that is: below zero inside, but for boxes,
     /// where it is zero.
-    pub fn away(&self, x: V) -> (V, f32) {
+    pub fn direction_and_distance(&self, x: V) -> (V, f32) {
         let (from_it, radius) = match *self {
             Self::Ball { centre, radius } => (x - centre, radius),
-            Self::Rod { from, to, radius } => {
+            Self::Capsule { from, to, radius } => {
                 let along = to - from;
                 let square = along.length_squared().max(1e-12);
                 let share = ((x - from).dot(along) / square).clamp(0.0, 1.0);
@@ -59,7 +59,7 @@ impl<V: Space> Solid<V> {
     pub fn reach(&self, along: V) -> f32 {
         match *self {
             Self::Ball { centre, radius } => centre.dot(along) + radius,
-            Self::Rod { from, to, radius } => from.dot(along).max(to.dot(along)) + radius,
+            Self::Capsule { from, to, radius } => from.dot(along).max(to.dot(along)) + radius,
             Self::Box { min, max } => {
                 let (n, low, high) = (along.coordinates(), min.coordinates(), max.coordinates());
                 (0..3).map(|i| (n[i] * low[i]).max(n[i] * high[i])).sum()
@@ -75,7 +75,7 @@ impl<V: Space> Solid<V> {
         };
         match *self {
             Self::Ball { centre, radius } => around(centre, centre, radius),
-            Self::Rod { from, to, radius } => around(from, to, radius),
+            Self::Capsule { from, to, radius } => around(from, to, radius),
             Self::Box { min, max } => (min, max),
         }
     }
@@ -84,11 +84,11 @@ impl<V: Space> Solid<V> {
     pub fn touches(&self, min: V, max: V) -> bool {
         let half = (max - min) * 0.5;
         match *self {
-            Self::Ball { centre, radius } => Self::Box { min, max }.away(centre).1 <= radius,
-            Self::Rod { from, to, radius } => {
+            Self::Ball { centre, radius } => Self::Box { min, max }.direction_and_distance(centre).1 <= radius,
+            Self::Capsule { from, to, radius } => {
                 // The distance from a box to a point of a line is convex along it.
                 let solid = Self::Box { min, max };
-                let at = |share: f32| solid.away(from + (to - from) * share).1;
+                let at = |share: f32| solid.direction_and_distance(from + (to - from) * share).1;
                 let (mut low, mut high) = (0.0f32, 1.0f32);
                 for _ in 0..40 {
                     let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
@@ -108,13 +108,13 @@ impl<V: Space> Solid<V> {
 ///
 /// # Errors
 /// [`throng_base::Error::Value`] where it has no body.
-pub(crate) fn solids<V: Space>(n: usize, obstacle: &Obstacle<V>) -> Result<Vec<Solid<V>>> {
+pub(crate) fn solids<V: Space>(n: usize, obstacle: &Obstacle<V>) -> Result<Vec<ConvexSolid<V>>> {
     let within = |radius: f32| radius > 0.0 && radius < 1e6;
     match obstacle {
         &Obstacle::Ball { centre, radius } => {
             let expected = "above 0 and below 1e6, around a centre that is finite";
             check("obstacle.radius", n, radius, centre.is_finite() && within(radius), expected)?;
-            Ok(vec![Solid::Ball { centre, radius }])
+            Ok(vec![ConvexSolid::Ball { centre, radius }])
         }
         Obstacle::Mover { way, radius } => {
             check("obstacle.radius", n, *radius, within(*radius), "above 0 and below 1e6")?;
@@ -127,7 +127,7 @@ pub(crate) fn solids<V: Space>(n: usize, obstacle: &Obstacle<V>) -> Result<Vec<S
         &Obstacle::Wall { from, to, radius } => {
             let good = from.is_finite() && to.is_finite() && (0.0..1e6).contains(&radius);
             check("obstacle.radius", n, radius, good, "between 0 and 1e6, around ends that are finite")?;
-            Ok(vec![Solid::Rod { from, to, radius }])
+            Ok(vec![ConvexSolid::Capsule { from, to, radius }])
         }
         Obstacle::Polygon { corners } => {
             let num = corners.len() as f32;
@@ -135,14 +135,14 @@ pub(crate) fn solids<V: Space>(n: usize, obstacle: &Obstacle<V>) -> Result<Vec<S
             let good = corners.len() >= 3 && corners.iter().all(|c| c.is_finite());
             check("obstacle.corners", n, num, good, "at least 3 corners, all of them finite")?;
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-            Ok(ends.map(|(&from, &to)| Solid::Rod { from, to, radius: 0.0 }).collect())
+            Ok(ends.map(|(&from, &to)| ConvexSolid::Capsule { from, to, radius: 0.0 }).collect())
         }
         &Obstacle::Box { min, max } => {
             let size = (max - min).coordinates();
             let smallest = size.iter().take(V::DIMENSIONS).fold(f32::INFINITY, |a, &b| a.min(b));
             let good = min.is_finite() && max.is_finite() && smallest > 0.0;
             check("obstacle.max", n, smallest, good, "above min, both finite")?;
-            Ok(vec![Solid::Box { min, max }])
+            Ok(vec![ConvexSolid::Box { min, max }])
         }
     }
 }
@@ -164,12 +164,12 @@ mod tests {
     use glam::Vec2;
     use proptest::prelude::*;
 
-    fn solid() -> impl Strategy<Value = Solid<Vec2>> {
+    fn solid() -> impl Strategy<Value = ConvexSolid<Vec2>> {
         let point = || [-5.0f32..5.0, -5.0f32..5.0].prop_map(Vec2::from_array);
         (0..3, point(), point(), 0.0f32..1.0).prop_map(|(kind, a, b, radius)| match kind {
-            0 => Solid::Ball { centre: a, radius },
-            1 => Solid::Rod { from: a, to: b, radius },
-            _ => Solid::Box { min: a.min(b), max: a.max(b) },
+            0 => ConvexSolid::Ball { centre: a, radius },
+            1 => ConvexSolid::Capsule { from: a, to: b, radius },
+            _ => ConvexSolid::Box { min: a.min(b), max: a.max(b) },
         })
     }
 
@@ -178,7 +178,7 @@ mod tests {
         #[test]
         fn nearest_point_is_on_the_supporting_plane(s in solid(), x in [-9.0f32..9.0, -9.0f32..9.0]) {
             let x = Vec2::from_array(x);
-            let (away, distance) = s.away(x);
+            let (away, distance) = s.direction_and_distance(x);
             prop_assume!(distance > 0.01);
             prop_assert!((x.dot(away) - distance - s.reach(away)).abs() < 1e-3);
         }
@@ -187,8 +187,8 @@ mod tests {
         fn touches_what_holds_one_of_its_points(s in solid(), a in [-6.0f32..6.0, -6.0f32..6.0], size in 0.1f32..3.0) {
             let (min, max) = (Vec2::from_array(a), Vec2::from_array(a) + Vec2::splat(size));
             let points = (0..400).map(|i| min + Vec2::new((i % 20) as f32, (i / 20) as f32) * (size / 19.0));
-            let any = points.clone().any(|p| s.away(p).1 <= 0.0);
-            let near = points.clone().any(|p| s.away(p).1 <= 0.2 * size);
+            let any = points.clone().any(|p| s.direction_and_distance(p).1 <= 0.0);
+            let near = points.clone().any(|p| s.direction_and_distance(p).1 <= 0.2 * size);
             prop_assert!(!any || s.touches(min, max));
             prop_assert!(near || !s.touches(min, max));
         }
@@ -197,12 +197,12 @@ mod tests {
     #[test]
     fn all_of_a_long_wall_is_behind_the_plane_through_its_nearest_point() {
         for (from, to) in [([-500.0, -0.3], [500.0, -0.3]), ([-300.0, -400.0], [300.0, 400.0])] {
-            let wall = Solid::Rod { from: Vec2::from_array(from), to: Vec2::from_array(to), radius: 0.0 };
+            let wall = ConvexSolid::Capsule { from: Vec2::from_array(from), to: Vec2::from_array(to), radius: 0.0 };
             let along = (Vec2::from_array(to) - Vec2::from_array(from)).normalize();
             for i in 0..1000 {
                 let at = Vec2::from_array(from).lerp(Vec2::from_array(to), 0.3 + 0.000_41 * i as f32);
                 let x = at + along.perp() * 0.3002;
-                let (away, distance) = wall.away(x);
+                let (away, distance) = wall.direction_and_distance(x);
                 // Half of the margin that the rule of safety keeps against rounding.
                 assert!((x.dot(away) - wall.reach(away) - distance).abs() < 5e-5, "{x}: {away}, {distance} m");
             }

@@ -5,9 +5,9 @@
 //! direction to get there, and walks faster or slower: so members that are ahead wait.
 
 use crate::Space;
-use crate::space::solid::Solid;
-use crate::steering::bonds::MOST_COMPANIONS;
-use crate::steering::forces::Walker;
+use crate::space::solid::ConvexSolid;
+use crate::steering::forces::SteeredAgent;
+use crate::steering::relationships::MOST_COMPANIONS;
 
 /// Gap of two that walk abreast: more than that within which they repel each other (m).
 const BESIDE_M: f32 = 0.25;
@@ -53,8 +53,8 @@ pub(crate) struct Companion<V> {
 
 /// Surroundings ahead of a group.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ahead<'a, V> {
-    pub solids: &'a [Solid<V>],
+pub(crate) struct GroupAhead<'a, V> {
+    pub solids: &'a [ConvexSolid<V>],
     /// Numbers of the near ones.
     pub near: &'a [u32],
     /// Agents on a square metre, ahead and behind.
@@ -64,10 +64,10 @@ pub(crate) struct Ahead<'a, V> {
 }
 
 /// Steers an agent to its place in its group.
-pub(crate) fn keep_together<V: Space>(
-    (index, me): (u32, &mut Walker<V>),
+pub(crate) fn companion_force<V: Space>(
+    (index, me): (u32, &mut SteeredAgent<V>),
     others: &[Companion<V>],
-    ahead: &Ahead<'_, V>,
+    ahead: &GroupAhead<'_, V>,
 ) {
     let own = Companion { index, offset: V::default(), intent: me.desired, speed: me.speed };
     let mut all = [own; MOST_COMPANIONS + 1];
@@ -107,7 +107,7 @@ pub(crate) fn keep_together<V: Space>(
     let aside = middle.dot(right) + from_left * beside * (1.0 - file);
     let onward = middle.dot(along) + from_behind * behind * file + bent * BENT_M * outward;
     let pressed = share(ahead.density[0].max(ahead.density[1]), PRESSED_AT);
-    let weight = (me.left / NEAR_GOAL_M).clamp(0.0, 1.0) * (1.0 - pressed);
+    let weight = (me.distance_left / NEAR_GOAL_M).clamp(0.0, 1.0) * (1.0 - pressed);
     let speed = all.iter().fold(me.speed, |least, c| if c.speed > 0.0 { least.min(c.speed) } else { least });
     let pace = (1.0 + weight * PACE_PER_M * onward).clamp(1.0 - weight * (1.0 - PACE[0]), PACE[1]);
     let most = weight * MOST_ASIDE * speed;
@@ -119,13 +119,13 @@ pub(crate) fn keep_together<V: Space>(
 }
 
 /// Width of the path at the narrowest of some places ahead (m).
-fn free_width<V: Space>(middle: V, (along, right): (V, V), ahead: &Ahead<'_, V>) -> f32 {
+fn free_width<V: Space>(middle: V, (along, right): (V, V), ahead: &GroupAhead<'_, V>) -> f32 {
     let mut narrowest = f32::INFINITY;
     for far in LOOKS_AT_M {
         let at = middle + along * far;
         let mut free = [f32::INFINITY; 2];
         for &s in ahead.near {
-            let (away, distance) = ahead.solids[s as usize].away(at);
+            let (away, distance) = ahead.solids[s as usize].direction_and_distance(at);
             let side = away.dot(right);
             if side.abs() > 0.7 {
                 let free = &mut free[usize::from(side < 0.0)];

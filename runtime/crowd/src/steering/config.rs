@@ -5,32 +5,32 @@ use throng_base::Result;
 use throng_base::error::check_value;
 
 /// A number or numbers that can be out of a range.
-trait Numbers {
+trait CheckRange {
     /// The first number that is not between two others.
-    fn outside(&self, least: f32, most: f32) -> Option<f32>;
+    fn first_outside(&self, least: f32, most: f32) -> Option<f32>;
 }
 
-impl Numbers for f32 {
-    fn outside(&self, least: f32, most: f32) -> Option<f32> {
+impl CheckRange for f32 {
+    fn first_outside(&self, least: f32, most: f32) -> Option<f32> {
         (!(least..=most).contains(self)).then_some(*self)
     }
 }
 
-impl Numbers for f64 {
-    fn outside(&self, least: f32, most: f32) -> Option<f32> {
+impl CheckRange for f64 {
+    fn first_outside(&self, least: f32, most: f32) -> Option<f32> {
         (!(f64::from(least)..=f64::from(most)).contains(self)).then_some(*self as f32)
     }
 }
 
-impl Numbers for u32 {
-    fn outside(&self, least: f32, most: f32) -> Option<f32> {
-        (*self as f32).outside(least, most)
+impl CheckRange for u32 {
+    fn first_outside(&self, least: f32, most: f32) -> Option<f32> {
+        (*self as f32).first_outside(least, most)
     }
 }
 
-impl<const N: usize> Numbers for [f32; N] {
-    fn outside(&self, least: f32, most: f32) -> Option<f32> {
-        self.iter().find_map(|n| n.outside(least, most))
+impl<const N: usize> CheckRange for [f32; N] {
+    fn first_outside(&self, least: f32, most: f32) -> Option<f32> {
+        self.iter().find_map(|n| n.first_outside(least, most))
     }
 }
 
@@ -56,7 +56,7 @@ macro_rules! config_of_numbers {
             /// Every number is within its range.
             pub(crate) fn check(&self) -> Result<()> {
                 $(
-                    let outside = self.$name.outside($least, $most);
+                    let outside = self.$name.first_outside($least, $most);
                     let what = concat!("steering.", stringify!($name));
                     let expected = concat!("between ", stringify!($least), " and ", stringify!($most));
                     check_value(what, None, outside.map_or(f64::NAN, f64::from), outside.is_none(), expected)?;

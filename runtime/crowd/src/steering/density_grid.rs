@@ -27,7 +27,7 @@ pub(crate) struct DensityGrid<V> {
     bits: [u32; 3],
     squares: Vec<Square<V>>,
     /// A bit for each square, set where it is occupied: so few that they stay in the processor's caches, while of a
-    /// large crowd that is spread out hardly any square does. Not kept, see [`DensityGrid::mark`].
+    /// large crowd that is spread out hardly any square does. Not kept, see [`DensityGrid::mark_occupied`].
     #[serde(skip)]
     anybody: Vec<u64>,
     /// An empty square.
@@ -45,14 +45,14 @@ pub(crate) struct Square<V> {
 
 impl<V: Space> Square<V> {
     /// True if the sums can be those of as many agents, each no faster than `fastest`.
-    fn may_be(&self, fastest: f32) -> bool {
+    fn is_possible(&self, fastest: f32) -> bool {
         let most = |sum: V, each: f32| sum.is_finite() && sum.length() <= each * self.num * ROUNDING;
         (0.0..=MOST_IN).contains(&self.num) && most(self.velocity, fastest) && most(self.intent, 1.0)
     }
 
     /// Number of agents.
     #[inline]
-    pub fn num(&self) -> f32 {
+    pub fn num_agents(&self) -> f32 {
         self.num
     }
 
@@ -61,19 +61,19 @@ impl<V: Space> Square<V> {
     /// one that comes toward it, 0 for one that goes along. One is left out: a few agents are better considered one by
     /// one.
     #[inline]
-    pub fn against(&self, along_per_speed: V) -> f32 {
+    pub fn obstruction(&self, along_per_speed: V) -> f32 {
         (self.num - self.velocity.dot(along_per_speed) - 1.0).max(0.0)
     }
 
     /// Number of agents that want to go against a unit vector; one that wants to cross it, or to stay, counts as half.
     #[inline]
-    pub fn opposed(&self, along: V) -> f32 {
+    pub fn num_opposed(&self, along: V) -> f32 {
         0.5 * (self.num - self.intent.dot(along)).max(0.0)
     }
 
     /// Number of agents that want to go along a unit vector; one that wants to cross it, or to stay, counts as half.
     #[inline]
-    pub fn agreed(&self, along: V) -> f32 {
+    pub fn num_agreeing(&self, along: V) -> f32 {
         0.5 * (self.num + self.intent.dot(along)).max(0.0)
     }
 }
@@ -182,17 +182,17 @@ impl<V: Space> DensityGrid<V> {
     }
 
     /// True where it has the size of another one.
-    pub fn fits(&self, other: &Self) -> bool {
+    pub fn has_same_size(&self, other: &Self) -> bool {
         (self.per_m, self.bits, self.squares.len()) == (other.per_m, other.bits, other.squares.len())
     }
 
     /// True where agents that are no faster than `fastest` may have been added to it.
-    pub fn may_be(&self, fastest: f32) -> bool {
-        self.squares.iter().all(|s| s.may_be(fastest))
+    pub fn is_possible(&self, fastest: f32) -> bool {
+        self.squares.iter().all(|s| s.is_possible(fastest))
     }
 
     /// Marks the occupied squares of a restored grid.
-    pub fn mark(&mut self) {
+    pub fn mark_occupied(&mut self) {
         let word = |some: &[Square<V>]| (0..).zip(some).fold(0, |word, (i, s)| word | u64::from(s.num > 0.0) << i);
         self.anybody = self.squares.chunks(WORD).map(word).collect();
     }
@@ -220,10 +220,10 @@ mod tests {
             grid.add(corner + Vec2::from_array(inside), Vec2::ZERO, Vec2::ZERO);
             let middle = corner + 0.5;
             for at in [middle, middle + 0.49, middle - 0.49, middle + Vec2::new(0.49, -0.49)] {
-                prop_assert_eq!(grid.square(at).num(), 1.0);
+                prop_assert_eq!(grid.square(at).num_agents(), 1.0);
             }
             for beside in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y, Vec2::splat(7.0)] {
-                prop_assert_eq!(grid.square(middle + beside).num(), 0.0);
+                prop_assert_eq!(grid.square(middle + beside).num_agents(), 0.0);
             }
         }
     }
@@ -238,18 +238,18 @@ mod tests {
         grid.add(at, Vec2::ZERO, Vec2::NEG_X);
         let there = at * grid.per_m();
         let square = *grid.square(there);
-        assert_eq!(square.num(), 4.0);
-        assert!(square.against(Vec2::X / 1.3).abs() < 1e-5, "a standing agent is left out");
-        assert!((square.against(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
-        assert!((square.against(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 for each crossing agent, less one");
-        assert_eq!((square.agreed(Vec2::X), square.opposed(Vec2::X)), (3.0, 1.0));
-        assert_eq!((square.agreed(Vec2::Y), square.opposed(Vec2::Y)), (2.0, 2.0));
-        assert_eq!(grid.square(there + Vec2::X).num(), 0.0);
+        assert_eq!(square.num_agents(), 4.0);
+        assert!(square.obstruction(Vec2::X / 1.3).abs() < 1e-5, "a standing agent is left out");
+        assert!((square.obstruction(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
+        assert!((square.obstruction(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 for each crossing agent, less one");
+        assert_eq!((square.num_agreeing(Vec2::X), square.num_opposed(Vec2::X)), (3.0, 1.0));
+        assert_eq!((square.num_agreeing(Vec2::Y), square.num_opposed(Vec2::Y)), (2.0, 2.0));
+        assert_eq!(grid.square(there + Vec2::X).num_agents(), 0.0);
         let mut kept = DensityGrid { anybody: Vec::new(), ..grid.clone() };
-        kept.mark();
+        kept.mark_occupied();
         assert_eq!(kept.anybody, grid.anybody);
         grid.clear();
         assert!(grid.squares.iter().all(|s| *s == Square::default()) && grid.anybody.iter().all(|w| *w == 0));
-        assert_eq!(grid.square(there).num(), 0.0);
+        assert_eq!(grid.square(there).num_agents(), 0.0);
     }
 }

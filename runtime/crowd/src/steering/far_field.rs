@@ -3,11 +3,11 @@
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::sight::DIRECTIONS;
-use crate::{Field, Space};
+use crate::{ForceField, Space};
 
 /// Reaction of an agent to others that come toward it from afar.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Lean {
+pub(crate) struct FarFieldBias {
     /// Number of oncoming agents, without those farther still.
     pub coming: f32,
     /// Added to the scores of directions to the right.
@@ -21,7 +21,7 @@ pub(crate) struct Lean {
 ///
 /// - `left`: distance to its goal (m).
 #[inline]
-pub(crate) fn coming<V: Space>(
+pub(crate) fn oncoming<V: Space>(
     grid: &DensityGrid<V>,
     position: V,
     ahead: V,
@@ -29,13 +29,13 @@ pub(crate) fn coming<V: Space>(
     steering: &SteeringConfig,
 ) -> [f32; 2] {
     let (at, near) = (position * grid.per_m(), left * grid.per_m());
-    let opposed = |k: &f32| if *k <= near { grid.square(at + ahead * *k).opposed(ahead) } else { 0.0 };
+    let opposed = |k: &f32| if *k <= near { grid.square(at + ahead * *k).num_opposed(ahead) } else { 0.0 };
     [steering.ahead_places.iter().map(opposed).sum(), steering.far_places.iter().map(opposed).sum()]
 }
 
-/// Prefetches the squares that [`coming`] reads.
+/// Prefetches the squares that [`oncoming`] reads.
 #[inline]
-pub(crate) fn prefetch_coming<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) {
+pub(crate) fn prefetch_oncoming<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) {
     let at = position * grid.per_m();
     grid.prefetch(steering.ahead_places.iter().chain(&steering.far_places).map(|&k| at + ahead * k));
 }
@@ -44,41 +44,41 @@ pub(crate) fn prefetch_coming<V: Space>(grid: &DensityGrid<V>, position: V, ahea
 /// slide past each other instead of pressing, and agents that cross in one place go round it. Between walls, see
 /// [`crate::steering::keep_right`].
 #[inline]
-pub(crate) fn evades(field: &Field, coming: f32, steering: &SteeringConfig) -> f32 {
+pub(crate) fn evasion_bias(field: &ForceField, coming: f32, steering: &SteeringConfig) -> f32 {
     let share = (coming / steering.many_coming).min(1.0);
     field.evading * share * share * share
 }
 
 /// Number of near agents that come toward one that goes along a unit vector, or want to.
 #[inline]
-pub(crate) fn facing<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) -> f32 {
+pub(crate) fn num_facing<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) -> f32 {
     let at = position * grid.per_m();
-    steering.facing_places.map(|k| grid.square(at + ahead * k).opposed(ahead)).iter().sum()
+    steering.facing_places.map(|k| grid.square(at + ahead * k).num_opposed(ahead)).iter().sum()
 }
 
 /// View of an agent on the far field.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Far<'a, V> {
+pub(crate) struct FarFieldView<'a, V> {
     pub position: V,
     /// Candidate directions; the first one is the desired one.
     pub directions: &'a [V; DIRECTIONS],
     /// Desired speed (m/s).
     pub speed: f32,
     /// Distance to its goal, beyond which nothing matters (m).
-    pub left: f32,
+    pub distance_left: f32,
 }
 
-impl<V: Space> Far<'_, V> {
+impl<V: Space> FarFieldView<'_, V> {
     /// Preference of each direction, with its component to the right and the time for which it is free.
     ///
     /// Worse where others stand or come toward the agent, and where they want to go against it, even if they stand;
     /// better where they want to go its way. So agents with the same goal follow each other, and lanes form.
     ///
-    /// - `evades`: bonus of the right where there is room, see [`evades`].
+    /// - `evasion_bias`: bonus of the right where there is room, see [`evasion_bias`].
     #[inline]
-    pub fn prefer(
+    pub fn preferences(
         &self,
-        field: &Field,
+        field: &ForceField,
         grid: &DensityGrid<V>,
         evades: f32,
         side: &[f32; DIRECTIONS],
@@ -86,7 +86,7 @@ impl<V: Space> Far<'_, V> {
         steering: &SteeringConfig,
     ) -> [f32; DIRECTIONS] {
         let mut better = [0.0; DIRECTIONS];
-        let near = self.left * grid.per_m();
+        let near = self.distance_left * grid.per_m();
         if self.speed <= 0.0 || near < steering.lane_places[0] {
             return better;
         }
@@ -96,15 +96,16 @@ impl<V: Space> Far<'_, V> {
             for (better, &direction) in better.iter_mut().zip(self.directions) {
                 for (place, &k) in steering.lane_places.iter().enumerate().take_while(|(_, k)| **k <= near) {
                     let square = grid.square(at + direction * k);
-                    *better += field.lanes * (square.agreed(ahead).min(steering.most_agreed) - square.opposed(ahead));
+                    *better += field.lanes
+                        * (square.num_agreeing(ahead).min(steering.most_agreed) - square.num_opposed(ahead));
                     if place < steering.crowding_places as usize {
-                        *better -= field.crowding * square.against(direction * per_speed);
+                        *better -= field.crowding * square.obstruction(direction * per_speed);
                     }
                 }
             }
         }
         if evades > 0.0 {
-            let aside = evades * self.room(grid, at, steering.full_square);
+            let aside = evades * self.room_to_right(grid, at, steering.full_square);
             for i in 0..DIRECTIONS {
                 let open = if side[i] > 0.0 { (free[i] / steering.open_s).min(1.0) } else { 1.0 };
                 better[i] += aside * side[i] * open;
@@ -115,10 +116,10 @@ impl<V: Space> Far<'_, V> {
 
     /// Room to its right for turning aside (0 to 1).
     #[inline]
-    fn room(&self, grid: &DensityGrid<V>, at: V, full: [f32; 2]) -> f32 {
+    fn room_to_right(&self, grid: &DensityGrid<V>, at: V, full: [f32; 2]) -> f32 {
         let ahead = self.directions[0];
         let right = at + ahead.right();
-        let there = grid.square(right).num().max(grid.square(right + ahead).num());
+        let there = grid.square(right).num_agents().max(grid.square(right + ahead).num_agents());
         ((full[1] - there) / (full[1] - full[0])).clamp(0.0, 1.0)
     }
 }
@@ -136,14 +137,19 @@ mod tests {
     /// Preferences of an agent there that goes along X.
     fn prefer(grid: &DensityGrid<Vec2>, left: f32) -> [f32; DIRECTIONS] {
         let directions = Vec2::X.fan();
-        let far = Far { position: place(grid, Vec2::ZERO), directions: &directions, speed: 1.3, left };
+        let far = FarFieldView {
+            position: place(grid, Vec2::ZERO),
+            directions: &directions,
+            speed: 1.3,
+            distance_left: left,
+        };
         let side = directions.map(|d| d.dot(Vec2::X.right()));
-        let field = Field { lanes: 0.08, ..Field::default() };
-        let coming = coming(grid, far.position, Vec2::X, left, &SteeringConfig::DEFAULT).iter().sum();
-        far.prefer(
+        let field = ForceField { lanes: 0.08, ..ForceField::default() };
+        let coming = oncoming(grid, far.position, Vec2::X, left, &SteeringConfig::DEFAULT).iter().sum();
+        far.preferences(
             &field,
             grid,
-            evades(&field, coming, &SteeringConfig::DEFAULT),
+            evasion_bias(&field, coming, &SteeringConfig::DEFAULT),
             &side,
             &[9.0; DIRECTIONS],
             &SteeringConfig::DEFAULT,
@@ -167,16 +173,19 @@ mod tests {
     #[test]
     fn evades_many_from_afar_and_few_hardly() {
         let steering = SteeringConfig::default();
-        let field = Field::default();
+        let field = ForceField::default();
         let mut grid = DensityGrid::new(1.2, Vec2::splat(60.0), 100);
         for k in SteeringConfig::default().far_places {
             grid.add(place(&grid, Vec2::X * k), Vec2::NEG_X * 1.3, Vec2::NEG_X);
         }
         let at = place(&grid, Vec2::ZERO);
-        assert_eq!(coming(&grid, at, Vec2::X, 50.0, &steering), [0.0, 4.0]);
-        assert_eq!(coming(&grid, at, Vec2::X, 10.0, &steering), [0.0, 0.0], "its way ends before they come");
-        assert_eq!((evades(&field, 4.0, &steering), evades(&field, 9.0, &steering)), (field.evading, field.evading));
-        assert!(evades(&field, 1.0, &steering) < 0.02 * field.evading);
+        assert_eq!(oncoming(&grid, at, Vec2::X, 50.0, &steering), [0.0, 4.0]);
+        assert_eq!(oncoming(&grid, at, Vec2::X, 10.0, &steering), [0.0, 0.0], "its way ends before they come");
+        assert_eq!(
+            (evasion_bias(&field, 4.0, &steering), evasion_bias(&field, 9.0, &steering)),
+            (field.evading, field.evading)
+        );
+        assert!(evasion_bias(&field, 1.0, &steering) < 0.02 * field.evading);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use throng_base::Result;
 /// Force field that moves an agent: parameters of Kim, Kim and Shin (2003b), eq. 15 to 23, all per unit of mass.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Field {
+pub struct ForceField {
     /// Time in which the desired velocity is approached, tau in eq. 17 (s, 0.05 to 10).
     pub relaxation_s: f32,
     /// Distance within which it reacts to others; agents beyond the neighbouring cells are not seen at all (m, > 0).
@@ -58,14 +58,14 @@ pub struct Field {
     pub safety: f32,
 }
 
-impl Default for Field {
-    /// [`Field::COMMUTER`].
+impl Default for ForceField {
+    /// [`ForceField::COMMUTER`].
     fn default() -> Self {
         Self::COMMUTER
     }
 }
 
-impl Field {
+impl ForceField {
     /// A pedestrian of about 0.3 m radius and 1.3 m/s on its way.
     pub const COMMUTER: Self = Self {
         relaxation_s: 0.2,

@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 
 /// Estimate of a velocity that wanders, from observations at any times; the same for each axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Filter<V> {
+pub(crate) struct VelocityFilter<V> {
     /// (m/s)
     pub velocity: V,
     /// Variance of the estimate (m2/s2).
     pub variance: f32,
 }
 
-impl<V: Space> Filter<V> {
+impl<V: Space> VelocityFilter<V> {
     /// Adds an observation, `dt` after the one before.
     #[inline]
     pub fn observe(&mut self, velocity: V, dt: f32, steering: &SteeringConfig) {
@@ -32,7 +32,7 @@ mod tests {
     #[test]
     fn settles_on_constant_velocity_and_smooths_sway() {
         let steering = SteeringConfig::default();
-        let mut filter = Filter { velocity: Vec2::ZERO, variance: 1.0 };
+        let mut filter = VelocityFilter { velocity: Vec2::ZERO, variance: 1.0 };
         let mut sways = 0.0f32;
         for i in 0..200 {
             let sway = if i % 2 == 0 { 0.2 } else { -0.2 };

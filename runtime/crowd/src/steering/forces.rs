@@ -1,17 +1,17 @@
 //! The force field at one instant (Kim, Kim and Shin 2003b, section 2.2).
 
-use crate::space::solid::Solid;
+use crate::space::solid::ConvexSolid;
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::{Lean, coming, evades};
-use crate::steering::keep_right::{between_walls, keeps_right};
-use crate::steering::sight::{Seen, Sight};
-use crate::{Field, Forces, Interest, Space};
+use crate::steering::far_field::{FarFieldBias, evasion_bias, oncoming};
+use crate::steering::keep_right::{between_walls, right_bias};
+use crate::steering::sight::{DirectionalSight, SeenNeighbour};
+use crate::{ForceField, Forces, Interest, Space};
 use throng_base::simd::vectorize;
 
 /// The agent that the forces act on.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Walker<V> {
+pub(crate) struct SteeredAgent<V> {
     pub position: V,
     pub velocity: V,
     pub radius: f32,
@@ -22,7 +22,7 @@ pub(crate) struct Walker<V> {
     /// Desired speed.
     pub speed: f32,
     /// Distance to the goal.
-    pub left: f32,
+    pub distance_left: f32,
     /// True where it steps back, and keeps no room in front.
     pub retreats: bool,
     /// Offset from the centre of its bound to its position, x - x^ in eq. 23.
@@ -30,10 +30,10 @@ pub(crate) struct Walker<V> {
 }
 
 /// Surroundings that act on an agent.
-pub(crate) struct Surroundings<'a, V> {
-    pub seen: &'a [Seen<V>],
+pub(crate) struct ForceSurroundings<'a, V> {
+    pub seen: &'a [SeenNeighbour<V>],
     /// Static solids.
-    pub solids: &'a [Solid<V>],
+    pub solids: &'a [ConvexSolid<V>],
     /// Numbers of the near ones.
     pub near: &'a [u32],
     /// Numbers of the walls that it sees beside it, for [`between_walls`].
@@ -46,28 +46,32 @@ pub(crate) struct Surroundings<'a, V> {
 /// Forces on a walker.
 ///
 /// Differs from Kim, Kim and Shin (2003b): the turning force has a part that looks ahead, toward the direction that
-/// leads on fastest (see [`Sight`]), beside eq. 22, which includes near agents only; the weights of eq. 16 take the
+/// leads on fastest (see [`DirectionalSight`]), beside eq. 22, which includes near agents only; the weights of eq. 16 take the
 /// desired velocity where that is larger, so that agents that were stopped try to go on. New are the distance and the
-/// time that are kept behind agents in front (see [`pace`]), the preference for directions in which others want to go
+/// time that are kept behind agents in front (see [`following_speed`]), the preference for directions in which others want to go
 /// too, which makes lanes (see [`crate::steering::far_field`]), that agents keep to the right between walls (see
 /// [`crate::steering::keep_right`]), and that few agents step back before many in a jam (see
 /// [`crate::steering::retreat`]).
-pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundings<'_, V>) -> Forces<V> {
-    let &Surroundings { seen, solids, near, walls, grid, interests, steering } = around;
-    let mut sight = Sight::along(me.desired, me.speed, field.horizon_s, steering);
+pub(crate) fn sum_forces<V: Space>(
+    me: &SteeredAgent<V>,
+    field: &ForceField,
+    around: &ForceSurroundings<'_, V>,
+) -> Forces<V> {
+    let &ForceSurroundings { seen, solids, near, walls, grid, interests, steering } = around;
+    let mut sight = DirectionalSight::looking_along(me.desired, me.speed, field.horizon_s, steering);
     vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, contact_horizon(field, steering)));
     for &s in near {
         sight.see_solid(&solids[s as usize], me.position, me.radius);
     }
-    let [coming, farther] = coming(grid, me.position, me.desired, me.left, steering);
+    let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
     let between = looks_out
         .then(|| between_walls(solids, walls, (me.position, me.radius), me.desired.right(), steering))
         .flatten();
-    let to_the_right = if me.retreats { 0.0 } else { keeps_right(coming, between, steering) };
-    let evades = if between.is_some() { 0.0 } else { evades(field, coming + farther, steering) };
-    let lean = Lean { coming, to_the_right, evades };
-    let (heading, free) = sight.choose(field, me, grid, &lean);
+    let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
+    let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
+    let lean = FarFieldBias { coming, to_the_right, evades };
+    let (heading, free) = sight.choose_direction(field, me, grid, &lean);
     // Slower where the way is not free for long.
     let mut speed = me.speed * (free / steering.clear_s).min(1.0);
     if field.crowd_speed > 0.0 {
@@ -77,7 +81,7 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room behind agents in front; none to step aside, or to get in between agents that stand at their goals.
-    let room_kept = if me.retreats { 0.0 } else { (me.left / steering.pressing_m).min(1.0) };
+    let room_kept = if me.retreats { 0.0 } else { (me.distance_left / steering.pressing_m).min(1.0) };
     let ahead = heading.dot(me.desired).max(0.0);
     let headway = field.headway_m * room_kept * ahead * ahead;
     let mut f = Forces { driving, safety: me.off_centre * -field.safety, ..Forces::default() };
@@ -89,18 +93,23 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
     let far = felt_within(me, field);
     for other in seen {
         if other.distance - other.radii < far && other.distance > 0.0 {
-            feel(&mut f, me, field, other);
-            speed = speed.min(pace(heading, (headway, field.headway_s), steering.front_width, other));
+            add_neighbour_forces(&mut f, me, field, other);
+            speed = speed.min(following_speed(heading, (headway, field.headway_s), steering.front_width, other));
         }
         if !other.yields {
-            escape += dodge(me, field, other);
+            escape += dodge_mover(me, field, other);
         }
     }
     for &s in near {
-        let (away, distance) = solids[s as usize].away(me.position);
+        let (away, distance) = solids[s as usize].direction_and_distance(me.position);
         if distance - me.radius < far && distance > 0.0 {
             let offset = -away * distance;
-            feel(&mut f, me, field, &Seen { offset, velocity: V::default(), distance, radii: me.radius, yields: true });
+            add_neighbour_forces(
+                &mut f,
+                me,
+                field,
+                &SeenNeighbour { offset, velocity: V::default(), distance, radii: me.radius, yields: true },
+            );
         }
     }
     f.turning += (heading * speed - me.desired * me.speed) * rate;
@@ -113,14 +122,14 @@ pub(crate) fn forces<V: Space>(me: &Walker<V>, field: &Field, around: &Surroundi
 
 /// Gap within which others exert forces, beside being seen (m).
 #[inline]
-pub(crate) fn felt_within<V: Space>(me: &Walker<V>, field: &Field) -> f32 {
+pub(crate) fn felt_within<V: Space>(me: &SteeredAgent<V>, field: &ForceField) -> f32 {
     let behind_one = field.headway_m + field.headway_s * me.speed;
     field.turning_m.max(field.decelerating_m).max(field.repulsion_m).max(behind_one)
 }
 
 /// Time beyond which a contact does not matter (s).
 #[inline]
-pub(crate) fn contact_horizon(field: &Field, steering: &SteeringConfig) -> f32 {
+pub(crate) fn contact_horizon(field: &ForceField, steering: &SteeringConfig) -> f32 {
     field.horizon_s.max(steering.open_s).max(steering.clear_s)
 }
 
@@ -136,7 +145,7 @@ fn share_of_speed(density: f32) -> f32 {
 /// Largest speed along a heading behind another agent: with time to brake when that one does, and a distance left when both
 /// stand. So a dense group keeps gaps for others to pass, and those behind do not press.
 #[inline]
-fn pace<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other: &Seen<V>) -> f32 {
+fn following_speed<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other: &SeenNeighbour<V>) -> f32 {
     let along = other.offset.dot(heading);
     let beside = other.distance * other.distance - along * along;
     let wide = other.radii * front_width;
@@ -149,7 +158,12 @@ fn pace<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other:
 
 /// Adds the forces of one neighbour.
 #[inline]
-fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen<V>) {
+fn add_neighbour_forces<V: Space>(
+    f: &mut Forces<V>,
+    me: &SteeredAgent<V>,
+    field: &ForceField,
+    other: &SeenNeighbour<V>,
+) {
     let gap = other.distance - other.radii;
     let toward = other.offset * other.distance.recip();
     if gap < field.repulsion_m {
@@ -178,7 +192,7 @@ fn feel<V: Space>(f: &mut Forces<V>, me: &Walker<V>, field: &Field, other: &Seen
 }
 
 /// Acceleration that escapes a moving obstacle: it makes the nearest approach far enough.
-fn dodge<V: Space>(me: &Walker<V>, field: &Field, other: &Seen<V>) -> V {
+fn dodge_mover<V: Space>(me: &SteeredAgent<V>, field: &ForceField, other: &SeenNeighbour<V>) -> V {
     let relative = other.velocity - me.velocity;
     let time = -other.offset.dot(relative) / relative.length_squared().max(1e-12);
     if !(0.0..2.0 * field.horizon_s).contains(&time) {

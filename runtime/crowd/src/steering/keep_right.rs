@@ -1,12 +1,12 @@
 //! Between walls, agents keep to the right when a crowd comes.
 
 use crate::Space;
-use crate::space::solid::Solid;
+use crate::space::solid::ConvexSolid;
 use crate::steering::config::SteeringConfig;
 
 /// Position of an agent between the walls beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Between {
+pub(crate) struct WallGap {
     /// Position of its left side: below 0 as long as a part of it is in the left half, -1 at the wall on its left. With
     /// a single wall, the sign shows the half.
     pub place: f32,
@@ -16,7 +16,7 @@ pub(crate) struct Between {
 
 /// Distance up to which agents take a solid beside them for a wall: its length, as a lamp post is no wall and a long wall is
 /// one across a street; `None` in the air, where there is room above and below (m).
-pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConfig) -> Option<f32> {
+pub(crate) fn is_wall_within<V: Space>(solid: &ConvexSolid<V>, steering: &SteeringConfig) -> Option<f32> {
     let (min, max) = solid.extents();
     let length = (max - min).length();
     (V::DIMENSIONS == 2).then(|| {
@@ -35,16 +35,16 @@ pub(crate) fn is_wall_within<V: Space>(solid: &Solid<V>, steering: &SteeringConf
 /// - `right`: unit vector to its right.
 /// - `radius`: its own.
 pub(crate) fn between_walls<V: Space>(
-    solids: &[Solid<V>],
+    solids: &[ConvexSolid<V>],
     walls: &[u32],
     (position, radius): (V, f32),
     right: V,
     steering: &SteeringConfig,
-) -> Option<Between> {
+) -> Option<WallGap> {
     let (mut on_left, mut on_right) = (f32::INFINITY, f32::INFINITY);
     for &wall in walls {
         let solid = &solids[wall as usize];
-        let (away, distance) = solid.away(position);
+        let (away, distance) = solid.direction_and_distance(position);
         let side = away.dot(right);
         if is_wall_within(solid, steering).is_none_or(|within| distance > within) {
             continue;
@@ -66,15 +66,15 @@ pub(crate) fn between_walls<V: Space>(
         (false, true) => 1.0,
         (false, false) => return None,
     };
-    Some(Between { place, at_hand: on_left.min(on_right) < steering.wall_at_hand_m })
+    Some(WallGap { place, at_hand: on_left.min(on_right) < steering.wall_at_hand_m })
 }
 
 /// Added to the scores of directions to the right, if so many come toward an agent from afar.
 ///
 /// In the left half of the way between walls, the half of oncoming agents, it moves to the right half before they are
 /// there. So two columns form that pass each other; else both groups fill the whole width, and press.
-pub(crate) fn keeps_right(coming: f32, between: Option<Between>, steering: &SteeringConfig) -> f32 {
-    let Some(Between { place, at_hand }) = between.filter(|b| b.place < 0.0) else { return 0.0 };
+pub(crate) fn right_bias(coming: f32, between: Option<WallGap>, steering: &SteeringConfig) -> f32 {
+    let Some(WallGap { place, at_hand }) = between.filter(|b| b.place < 0.0) else { return 0.0 };
     let share = if at_hand { 1.0 } else { (steering.keep_right_afar * -place).min(1.0) };
     steering.keep_right * coming.min(1.0) * share
 }
@@ -87,13 +87,13 @@ mod tests {
     #[test]
     fn finds_half_of_corridor() {
         let steering = SteeringConfig::default();
-        let wall = |y: f32| Solid::Rod { from: Vec2::new(-9.0, y), to: Vec2::new(9.0, y), radius: 0.0 };
+        let wall = |y: f32| ConvexSolid::Capsule { from: Vec2::new(-9.0, y), to: Vec2::new(9.0, y), radius: 0.0 };
         let right = Vec2::X.right();
         let both = [wall(2.0 * right.y), wall(-2.0 * right.y)];
         let at = |to_the_right: f32, ahead: Vec2, walls: &[u32]| {
             between_walls(&both, walls, (right * to_the_right + Vec2::X, 0.0), ahead.right(), &steering)
         };
-        let place = |p, at_hand| Some(Between { place: p, at_hand });
+        let place = |p, at_hand| Some(WallGap { place: p, at_hand });
         assert_eq!(at(0.0, Vec2::X, &[0, 1]), place(0.0, false));
         assert_eq!(at(1.0, Vec2::X, &[0, 1]), place(0.5, true));
         assert_eq!(at(1.0, Vec2::NEG_X, &[0, 1]), place(-0.5, true), "its left on the way back");
@@ -106,9 +106,9 @@ mod tests {
         };
         assert!(side(0.2, 0.3) < 0.0 && side(0.4, 0.3) > 0.0, "a part of it is in the left half, or none");
         assert!(side(0.2, 1.1) > 0.0, "two have no room there");
-        let post = Solid::Ball { centre: right * 3.0, radius: 0.1 };
+        let post = ConvexSolid::Ball { centre: right * 3.0, radius: 0.1 };
         assert_eq!(between_walls(&[post], &[0], (Vec2::ZERO, 0.0), right, &steering), None, "a post is no wall");
-        let below = Solid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
+        let below = ConvexSolid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
         assert_eq!(
             between_walls(&[below], &[0], (Vec3::ZERO, 0.0), Vec3::Y, &steering),
             None,
@@ -119,11 +119,11 @@ mod tests {
     #[test]
     fn keeps_right_in_left_half_when_others_come() {
         let steering = SteeringConfig::default();
-        let keeps = |coming, place, at_hand| keeps_right(coming, Some(Between { place, at_hand }), &steering);
+        let keeps = |coming, place, at_hand| right_bias(coming, Some(WallGap { place, at_hand }), &steering);
         assert_eq!((keeps(3.0, -0.1, true), keeps(0.5, -0.1, true)), (steering.keep_right, 0.5 * steering.keep_right));
         assert!(keeps(3.0, -0.2, false) > 0.0 && keeps(3.0, -0.2, false) < steering.keep_right, "no wall is at hand");
         let calm =
-            [keeps(0.0, -1.0, true), keeps(3.0, 0.1, true), keeps(3.0, 0.1, false), keeps_right(3.0, None, &steering)];
+            [keeps(0.0, -1.0, true), keeps(3.0, 0.1, true), keeps(3.0, 0.1, false), right_bias(3.0, None, &steering)];
         assert_eq!(calm, [0.0; 4]);
     }
 }

@@ -1,6 +1,5 @@
 //! Steering of agents at events: a force field over near and far surroundings.
 
-pub(crate) mod bonds;
 pub(crate) mod company;
 pub(crate) mod config;
 pub(crate) mod density_grid;
@@ -10,5 +9,6 @@ pub(crate) mod filter;
 pub(crate) mod forces;
 pub(crate) mod keep_right;
 pub(crate) mod neighbours;
+pub(crate) mod relationships;
 pub(crate) mod retreat;
 pub(crate) mod sight;

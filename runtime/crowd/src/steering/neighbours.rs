@@ -1,10 +1,10 @@
 //! The neighbour query: agents registered near an agent, found once in each event, eight at a time.
 
 use crate::Space;
-use crate::space::batch::{Eight, Vectors, bits, nth};
-use crate::space::cells::{Cells, Kept};
-use crate::steering::forces::Walker;
-use crate::steering::sight::Seen;
+use crate::space::batch::{Eight, VectorLanes, nth_vector, set_bits};
+use crate::space::cells::{CellGrid, PackedPlan};
+use crate::steering::forces::SteeredAgent;
+use crate::steering::sight::SeenNeighbour;
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// About the time of the first contact: the agent that is nearest then is met early (s).
@@ -12,11 +12,11 @@ const SOON_S: f32 = 0.2;
 
 /// Eight neighbours, as an agent finds them at its event.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Found<V, F> {
+pub(crate) struct NeighbourLanes<V, F> {
     /// Offset from the deciding agent (m).
-    pub offset: Vectors<V, F>,
+    pub offset: VectorLanes<V, F>,
     /// (m/s)
-    pub velocity: Vectors<V, F>,
+    pub velocity: VectorLanes<V, F>,
     /// Distance of the centres (m).
     pub distance: F,
     /// Distance less the radii (m).
@@ -32,26 +32,26 @@ pub(crate) struct Found<V, F> {
     pub limit: F,
 }
 
-/// Data of eight neighbours or fewer, as in [`Found`], kept for a new plan: more is needed of few of them only, once
+/// Data of eight neighbours or fewer, as in [`NeighbourLanes`], kept for a new plan: more is needed of few of them only, once
 /// the length of the plan is known.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub(crate) struct Row {
+pub(crate) struct NeighbourRow {
     pub gap: Eight,
     pub toward: Eight,
     pub away: Eight,
     pub limit: Eight,
     /// Time until their plans end (s).
-    pub until: Eight,
+    pub until_end: Eight,
     pub agents: [u32; LANES],
     /// Bit i is set where lane i holds an agent.
-    pub there: u8,
+    pub present: u8,
 }
 
 /// Room for rows, which are written in place.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Rows {
-    rows: Vec<Row>,
+pub(crate) struct NeighbourRows {
+    rows: Vec<NeighbourRow>,
     len: usize,
     /// Row and place of the neighbour with the smallest gap a short time on.
     nearest: Option<(u32, usize)>,
@@ -59,15 +59,15 @@ pub(crate) struct Rows {
     least: f32,
 }
 
-impl Rows {
+impl NeighbourRows {
     /// Memory for so many.
     pub fn new(capacity: usize) -> Self {
-        Self { rows: vec![Row::default(); capacity], ..Self::default() }
+        Self { rows: vec![NeighbourRow::default(); capacity], ..Self::default() }
     }
 
     /// Rows that were found.
     #[inline]
-    pub fn all(&self) -> &[Row] {
+    pub fn found_rows(&self) -> &[NeighbourRow] {
         &self.rows[..self.len]
     }
 
@@ -85,23 +85,29 @@ impl Rows {
 
     /// Adds eight or fewer.
     #[inline(always)]
-    fn push<V: Space, F: Lanes>(&mut self, agents: [u32; LANES], there: u8, until: &Eight, found: &Found<V, F>) {
+    fn push<V: Space, F: Lanes>(
+        &mut self,
+        agents: [u32; LANES],
+        there: u8,
+        until: &Eight,
+        found: &NeighbourLanes<V, F>,
+    ) {
         let soon = found.gap + (found.away - found.toward) * F::splat(SOON_S);
         let nearer = there & soon.bits_lt(F::splat(self.least));
         if nearer != 0 {
             let soon = soon.to_array();
-            for i in bits(nearer) {
+            for i in set_bits(nearer) {
                 if soon[i] < self.least {
                     (self.least, self.nearest) = (soon[i], Some((self.len as u32, i)));
                 }
             }
         }
         if self.len == self.rows.len() {
-            self.rows.push(Row::default());
+            self.rows.push(NeighbourRow::default());
         }
         let row = &mut self.rows[self.len];
         self.len += 1;
-        (row.agents, row.there, row.until) = (agents, there, *until);
+        (row.agents, row.present, row.until_end) = (agents, there, *until);
         found.gap.store(&mut row.gap);
         found.toward.store(&mut row.toward);
         found.away.store(&mut row.away);
@@ -110,20 +116,20 @@ impl Rows {
 }
 
 /// A query for all agents registered in a cell and its neighbours.
-pub(crate) struct Look<'a, V> {
-    pub cells: &'a Cells<V>,
+pub(crate) struct NeighbourQuery<'a, V> {
+    pub cells: &'a CellGrid<V>,
     /// Coordinates of the cell.
     pub at: [i32; 3],
     pub time: f64,
     /// The agent that looks.
     pub agent: u32,
-    pub me: &'a Walker<V>,
-    pub heed: Heed,
+    pub me: &'a SteeredAgent<V>,
+    pub perception: PerceptionLimits,
 }
 
 /// Limits of the perception of an agent.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Heed {
+pub(crate) struct PerceptionLimits {
     /// Distance within which it sees others (m).
     pub perception: f32,
     /// Gap within which it feels others (m).
@@ -134,33 +140,38 @@ pub(crate) struct Heed {
     pub room: f32,
 }
 
-impl<V: Space> Look<'_, V> {
+impl<V: Space> NeighbourQuery<'_, V> {
     /// Finds the neighbours within sight that the agent reacts to: those near enough for forces, and those in front that it
-    /// may meet if it goes straight at them (see [`crate::steering::sight::Sight::see_all`]). For a new plan, `rows` are
+    /// may meet if it goes straight at them (see [`crate::steering::sight::DirectionalSight::see_all`]). For a new plan, `rows` are
     /// all others.
     ///
-    /// - `room`: see [`Cells::agents_around`].
-    pub fn around(&self, room: &mut Vec<u32>, seen: &mut Vec<Seen<V>>, rows: Option<&mut Rows>) {
+    /// - `room`: see [`CellGrid::agents_around`].
+    pub fn find_neighbours(
+        &self,
+        room: &mut Vec<u32>,
+        seen: &mut Vec<SeenNeighbour<V>>,
+        rows: Option<&mut NeighbourRows>,
+    ) {
         let around = self.cells.agents_around(self.at, room);
-        dispatch(Around { look: self, around, seen, rows });
+        dispatch(NeighbourJob { look: self, around, seen, rows });
     }
 
     #[inline(always)]
-    fn find<F: Lanes>(&self, kept: [&Kept; LANES]) -> Found<V, F> {
+    fn neighbour_lanes<F: Lanes>(&self, kept: [&PackedPlan; LANES]) -> NeighbourLanes<V, F> {
         let age: Eight = kept.map(|k| (self.time - k.start) as f32);
-        let (plans, radius) = Kept::side_by_side::<V, F>(kept);
-        let (position, velocity) = plans.after(F::load(&age));
-        let offset = position - Vectors::splat(self.me.position);
+        let (plans, radius) = PackedPlan::load_lanes::<V, F>(kept);
+        let (position, velocity) = plans.motions_after(F::load(&age));
+        let offset = position - VectorLanes::splat(self.me.position);
         let distance = offset.length_squared().sqrt();
         let per_distance = F::splat(1.0) / distance.max(F::splat(1e-6));
-        Found {
+        NeighbourLanes {
             offset,
             velocity,
             distance,
             gap: distance - radius - F::splat(self.me.radius),
-            toward: Vectors::splat(self.me.velocity).dot(offset) * per_distance,
+            toward: VectorLanes::splat(self.me.velocity).dot(offset) * per_distance,
             away: velocity.dot(offset) * per_distance,
-            ahead: Vectors::splat(self.me.desired).dot(offset),
+            ahead: VectorLanes::splat(self.me.desired).dot(offset),
             radius,
             limit: plans.limit,
         }
@@ -168,8 +179,8 @@ impl<V: Space> Look<'_, V> {
 
     /// Neighbours that the agent reacts to.
     #[inline(always)]
-    fn heeds<F: Lanes>(&self, f: &Found<V, F>) -> u8 {
-        let heed = &self.heed;
+    fn perceived_lanes<F: Lanes>(&self, f: &NeighbourLanes<V, F>) -> u8 {
+        let heed = &self.perception;
         let felt = f.gap.bits_lt(F::splat(heed.felt));
         // Straight at them it comes nearer with its desired speed, less their own speed away from it.
         let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) - f.away);
@@ -180,13 +191,13 @@ impl<V: Space> Look<'_, V> {
 
     /// Adds some of eight to the neighbours that are seen.
     #[inline(always)]
-    fn see<F: Lanes>(&self, f: &Found<V, F>, which: u8, seen: &mut Vec<Seen<V>>) {
+    fn add_seen<F: Lanes>(&self, f: &NeighbourLanes<V, F>, which: u8, seen: &mut Vec<SeenNeighbour<V>>) {
         let (offset, velocity) = (f.offset.to_arrays(), f.velocity.to_arrays());
         let (distance, radius) = (f.distance.to_array(), f.radius.to_array());
-        for i in bits(which) {
-            seen.push(Seen {
-                offset: nth(&offset, i),
-                velocity: nth(&velocity, i),
+        for i in set_bits(which) {
+            seen.push(SeenNeighbour {
+                offset: nth_vector(&offset, i),
+                velocity: nth_vector(&velocity, i),
                 distance: distance[i],
                 radii: self.me.radius + radius[i],
                 yields: true,
@@ -195,15 +206,15 @@ impl<V: Space> Look<'_, V> {
     }
 }
 
-/// See [`Look::around`].
-struct Around<'a, V> {
-    look: &'a Look<'a, V>,
+/// See [`NeighbourQuery::around`].
+struct NeighbourJob<'a, V> {
+    look: &'a NeighbourQuery<'a, V>,
     around: &'a [u32],
-    seen: &'a mut Vec<Seen<V>>,
-    rows: Option<&'a mut Rows>,
+    seen: &'a mut Vec<SeenNeighbour<V>>,
+    rows: Option<&'a mut NeighbourRows>,
 }
 
-impl<V: Space> LaneWork for Around<'_, V> {
+impl<V: Space> LaneWork for NeighbourJob<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -217,11 +228,11 @@ impl<V: Space> LaneWork for Around<'_, V> {
             let agents: [u32; LANES] = std::array::from_fn(|i| some.get(i).copied().unwrap_or(some[0]));
             let own = (0..LANES).fold(0u8, |own, i| own | u8::from(agents[i] == look.agent) << i);
             let there = (0xFFu32 >> (LANES - some.len())) as u8 & !own;
-            let kept = agents.map(|m| look.cells.kept(m));
-            let found = look.find::<F>(kept);
-            let heeded = there & look.heeds(&found);
+            let kept = agents.map(|m| look.cells.packed_plan(m));
+            let found = look.neighbour_lanes::<F>(kept);
+            let heeded = there & look.perceived_lanes(&found);
             if heeded != 0 {
-                look.see(&found, heeded, seen);
+                look.add_seen(&found, heeded, seen);
             }
             if let Some(rows) = &mut rows {
                 let until: Eight = kept.map(|k| (k.end - look.time) as f32);
@@ -234,24 +245,24 @@ impl<V: Space> LaneWork for Around<'_, V> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::space::plan::Plan;
+    use crate::space::plan::MotionPlan;
     use crate::steering::config::SteeringConfig;
-    use crate::steering::sight::Sight;
+    use crate::steering::sight::DirectionalSight;
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
 
-    const HEED: Heed = Heed { perception: 2.0, felt: 0.3, horizon: 1.0, room: 0.02 };
+    const PERCEPTION: PerceptionLimits = PerceptionLimits { perception: 2.0, felt: 0.3, horizon: 1.0, room: 0.02 };
 
     /// Time at which the tests look.
     pub(crate) const NOW: f64 = 10.0;
 
     /// Agents of different ages, radii and lengths of plans that go about and brake, for tests of code that reads rows.
-    pub(crate) fn crowd<V: Space>() -> impl Strategy<Value = Vec<Plan<V>>> {
+    pub(crate) fn crowd<V: Space>() -> impl Strategy<Value = Vec<MotionPlan<V>>> {
         let vector = || [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0].prop_map(V::from_coordinates);
         let times = (0.0f64..0.3, 0.01f64..0.5);
         let plan = (vector(), vector(), vector(), times, 0.1f32..0.4, any::<bool>()).prop_map(
             |(position, v, a, (age, until), radius, brakes)| {
-                let mut plan = Plan {
+                let mut plan = MotionPlan {
                     start: NOW - age,
                     end: NOW + until,
                     position,
@@ -260,7 +271,7 @@ pub(crate) mod tests {
                     moving: f32::INFINITY,
                     radius,
                     limit: 5.0,
-                    ..Plan::default()
+                    ..MotionPlan::default()
                 };
                 if brakes {
                     plan.brake();
@@ -275,8 +286,8 @@ pub(crate) mod tests {
     }
 
     /// Cells with agents in them.
-    fn cells_of<V: Space>(plans: &[Plan<V>]) -> Cells<V> {
-        let mut cells = Cells::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
+    fn cells_of<V: Space>(plans: &[MotionPlan<V>]) -> CellGrid<V> {
+        let mut cells = CellGrid::new(2.5, V::from_coordinates([9.0; 3]), plans.len());
         for plan in plans {
             cells.insert(cells.number(cells.coordinates(plan.position)), plan);
         }
@@ -284,57 +295,74 @@ pub(crate) mod tests {
     }
 
     /// Cells with agents in them, and what the first one finds around it.
-    pub(crate) fn rows_around<V: Space>(plans: &[Plan<V>]) -> (Cells<V>, Rows) {
+    pub(crate) fn rows_around<V: Space>(plans: &[MotionPlan<V>]) -> (CellGrid<V>, NeighbourRows) {
         let cells = cells_of(plans);
-        let (position, velocity) = plans[0].at(NOW);
-        let me = Walker { position, velocity, radius: plans[0].radius, limit: 5.0, ..Walker::default() };
+        let (position, velocity) = plans[0].motion_at(NOW);
+        let me = SteeredAgent { position, velocity, radius: plans[0].radius, limit: 5.0, ..SteeredAgent::default() };
         let at = cells.coordinates(plans[0].position);
-        let mut rows = Rows::default();
-        let look = Look { cells: &cells, at, time: NOW, agent: 0, me: &me, heed: HEED };
-        look.around(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
+        let mut rows = NeighbourRows::default();
+        let look = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: PERCEPTION };
+        look.find_neighbours(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
         (cells, rows)
     }
 
     /// All others are found where their plans say, and seen if they matter.
-    fn finds_everybody<V: Space>(plans: &[Plan<V>]) -> Result<(), TestCaseError> {
+    fn finds_everybody<V: Space>(plans: &[MotionPlan<V>]) -> Result<(), TestCaseError> {
         let cells = cells_of(plans);
-        let (position, velocity) = plans[0].at(NOW);
+        let (position, velocity) = plans[0].motion_at(NOW);
         let desired = V::from_coordinates([0.6, -0.8, 0.0]);
-        let me = Walker { position, velocity, radius: 0.3, limit: 5.0, desired, speed: 1.3, ..Walker::default() };
+        let me = SteeredAgent {
+            position,
+            velocity,
+            radius: 0.3,
+            limit: 5.0,
+            desired,
+            speed: 1.3,
+            ..SteeredAgent::default()
+        };
         let at = cells.coordinates(plans[0].position);
-        let see = |heed: Heed| {
-            let look = Look { cells: &cells, at, time: NOW, agent: 0, me: &me, heed };
-            let (mut rows, mut seen) = (Rows::default(), Vec::new());
-            look.around(&mut Vec::new(), &mut seen, Some(&mut rows));
+        let see = |heed: PerceptionLimits| {
+            let look = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: heed };
+            let (mut rows, mut seen) = (NeighbourRows::default(), Vec::new());
+            look.find_neighbours(&mut Vec::new(), &mut seen, Some(&mut rows));
             (rows, seen)
         };
-        let (rows, seen) = see(Heed { perception: 1e3, felt: 1e3, ..HEED });
-        let plans = rows.all().iter().flat_map(|r| bits(r.there).map(|i| cells.plan(r.agents[i])));
-        let found: Vec<Plan<V>> = plans.collect();
+        let (rows, seen) = see(PerceptionLimits { perception: 1e3, felt: 1e3, ..PERCEPTION });
+        let plans = rows.found_rows().iter().flat_map(|r| set_bits(r.present).map(|i| cells.plan(r.agents[i])));
+        let found: Vec<MotionPlan<V>> = plans.collect();
         let mut around = Vec::new();
-        cells.around(at, |cell| cells.each(cell, |p| around.push(p.index)));
+        cells.for_each_cell_around(at, |cell| cells.for_each_in_cell(cell, |p| around.push(p.index)));
         around.sort_unstable();
         let mut indices: Vec<u32> = found.iter().map(|p| p.index).chain([0]).collect();
         indices.sort_unstable();
         prop_assert_eq!(&indices, &around);
         prop_assert_eq!(seen.len(), found.len());
         for (plan, seen) in found.iter().zip(&seen) {
-            let (x, v) = plan.at(NOW);
+            let (x, v) = plan.motion_at(NOW);
             prop_assert_eq!((seen.offset, seen.velocity), (x - position, v));
             prop_assert_eq!((seen.distance, seen.radii), ((x - position).length(), 0.3 + plan.radius));
         }
-        heeds_who_matters(&me, &seen, &see(HEED).1)
+        heeds_who_matters(&me, &seen, &see(PERCEPTION).1)
     }
 
     /// A neighbour within sight that is skipped exerts no force, and is met before the horizon in no direction.
-    fn heeds_who_matters<V: Space>(me: &Walker<V>, all: &[Seen<V>], seen: &[Seen<V>]) -> Result<(), TestCaseError> {
-        prop_assert!(seen.iter().all(|s| s.distance < HEED.perception));
-        for other in all.iter().filter(|o| o.distance < HEED.perception) {
+    fn heeds_who_matters<V: Space>(
+        me: &SteeredAgent<V>,
+        all: &[SeenNeighbour<V>],
+        seen: &[SeenNeighbour<V>],
+    ) -> Result<(), TestCaseError> {
+        prop_assert!(seen.iter().all(|s| s.distance < PERCEPTION.perception));
+        for other in all.iter().filter(|o| o.distance < PERCEPTION.perception) {
             if !seen.iter().any(|s| (s.offset, s.velocity) == (other.offset, other.velocity)) {
-                prop_assert!(other.distance - other.radii > HEED.felt - 1e-5);
-                let mut sight = Sight::along(me.desired, me.speed, HEED.horizon, &SteeringConfig::DEFAULT);
+                prop_assert!(other.distance - other.radii > PERCEPTION.felt - 1e-5);
+                let mut sight =
+                    DirectionalSight::looking_along(me.desired, me.speed, PERCEPTION.horizon, &SteeringConfig::DEFAULT);
                 sight.see_all(&[*other], -me.radius, 0.01, f32::INFINITY);
-                prop_assert!(sight.soonest() > HEED.horizon, "{other:?} is met after {} s", sight.soonest());
+                prop_assert!(
+                    sight.earliest_contact() > PERCEPTION.horizon,
+                    "{other:?} is met after {} s",
+                    sight.earliest_contact()
+                );
             }
         }
         Ok(())

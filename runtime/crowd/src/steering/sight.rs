@@ -1,24 +1,24 @@
 //! Looking ahead: how long each of several directions is free, which speed it allows, and which one to take.
 
-use crate::space::solid::Solid;
+use crate::space::solid::ConvexSolid;
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
-use crate::steering::far_field::{Far, Lean, facing};
-use crate::steering::forces::{Walker, contact_horizon};
-use crate::{Field, Space};
+use crate::steering::far_field::{FarFieldBias, FarFieldView, num_facing};
+use crate::steering::forces::{SteeredAgent, contact_horizon};
+use crate::{ForceField, Space};
 
 /// Number of directions that are looked in.
 pub(crate) const DIRECTIONS: usize = 8;
 /// A time that stands for never (s).
 const NEVER: f32 = 1e3;
 /// Most steps towards a solid along one direction; at a wall, two are enough.
-const LOOKS: usize = 5;
+const MAX_STEPS_TO_SOLID: usize = 5;
 /// Room for rounding (m).
 pub(crate) const ROUNDING: f32 = 0.01;
 
 /// Another agent or moving obstacle as an agent sees it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Seen<V> {
+pub(crate) struct SeenNeighbour<V> {
     /// Offset from the seeing agent (m).
     pub offset: V,
     /// (m/s)
@@ -33,26 +33,26 @@ pub(crate) struct Seen<V> {
 
 /// View of an agent in each direction of [`Space::fan`], at its desired speed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sight<'a, V> {
+pub(crate) struct DirectionalSight<'a, V> {
     steering: &'a SteeringConfig,
     directions: [V; DIRECTIONS],
     /// Coordinates of the directions.
     axes: [[f32; DIRECTIONS]; 3],
     speed: f32,
-    /// Time to a contact below which that takes speed, see [`Field::horizon_s`] (s).
+    /// Time to a contact below which that takes speed, see [`ForceField::horizon_s`] (s).
     horizon: f32,
     /// Time until something is in the way (s).
     free: [f32; DIRECTIONS],
-    /// Share of the speed that is kept, see [`Sight::see`] (0 to 1).
+    /// Share of the speed that is kept, see [`DirectionalSight::see_agent`] (0 to 1).
     open: [f32; DIRECTIONS],
 }
 
-impl<'a, V: Space> Sight<'a, V> {
+impl<'a, V: Space> DirectionalSight<'a, V> {
     /// View along a unit vector, still empty.
     ///
-    /// - `horizon`: see [`Field::horizon_s`] (s).
+    /// - `horizon`: see [`ForceField::horizon_s`] (s).
     #[inline]
-    pub fn along(ahead: V, speed: f32, horizon: f32, steering: &'a SteeringConfig) -> Self {
+    pub fn looking_along(ahead: V, speed: f32, horizon: f32, steering: &'a SteeringConfig) -> Self {
         let directions = ahead.fan();
         let mut axes = [[0.0; DIRECTIONS]; 3];
         for (i, d) in directions.iter().enumerate() {
@@ -78,13 +78,13 @@ impl<'a, V: Space> Sight<'a, V> {
     /// Adds all agents that are not farther behind than `behind` and may be met before `latest`: the near ones first,
     /// as few of the others can be met before them in any direction.
     #[inline(always)]
-    pub fn see_all(&mut self, seen: &[Seen<V>], behind: f32, comfort: f32, latest: f32) {
+    pub fn see_all(&mut self, seen: &[SeenNeighbour<V>], behind: f32, comfort: f32, latest: f32) {
         let ahead = self.directions[0];
         let at_hand = self.steering.at_hand_radii;
-        let is_near = |other: &Seen<V>| other.distance < at_hand * other.radii;
+        let is_near = |other: &SeenNeighbour<V>| other.distance < at_hand * other.radii;
         for other in seen {
             if is_near(other) && other.offset.dot(ahead) > behind {
-                self.see(other, comfort);
+                self.see_agent(other, comfort);
             }
         }
         let most = |all: &[f32; DIRECTIONS]| all.iter().fold(0.0, |a: f32, &b| a.max(b));
@@ -95,7 +95,7 @@ impl<'a, V: Space> Sight<'a, V> {
             let closing = self.speed * other.distance - other.offset.dot(other.velocity);
             let soon = (other.distance - other.radii - comfort - ROUNDING) * other.distance < last * closing;
             if !is_near(other) && soon && other.offset.dot(ahead) > behind {
-                self.see(other, comfort);
+                self.see_agent(other, comfort);
             }
         }
     }
@@ -110,7 +110,7 @@ impl<'a, V: Space> Sight<'a, V> {
     /// in dense streams all do so all the time, into each other's ways. 1000 agents that walk one way, three on two
     /// square metres, progress with 1.11 m/s in place of 0.83 m/s.
     #[inline(always)]
-    pub fn see(&mut self, other: &Seen<V>, comfort: f32) {
+    pub fn see_agent(&mut self, other: &SeenNeighbour<V>, comfort: f32) {
         let radii = (other.radii + comfort).min(other.distance * self.steering.closest);
         let gap = other.distance * other.distance - radii * radii;
         let (toward, along) = (self.along_each(other.offset), self.along_each(other.velocity));
@@ -136,9 +136,9 @@ impl<'a, V: Space> Sight<'a, V> {
 
     /// Adds a static solid: steps to the plane that touches it at its nearest point, as it is convex and wholly beyond,
     /// and repeats from there.
-    pub fn see_solid(&mut self, solid: &Solid<V>, x: V, radius: f32) {
+    pub fn see_solid(&mut self, solid: &ConvexSolid<V>, x: V, radius: f32) {
         let reach = self.speed * self.horizon;
-        let (nearest, distance) = solid.away(x);
+        let (nearest, distance) = solid.direction_and_distance(x);
         if distance - radius > reach {
             return;
         }
@@ -146,7 +146,7 @@ impl<'a, V: Space> Sight<'a, V> {
             // An agent that it follows may be met before a wall, and yet take less of its speed.
             let farthest = reach.min(self.speed * free.max(*open * self.horizon));
             let (mut way, mut away, mut gap) = (0.0, nearest, distance - radius);
-            for _ in 0..LOOKS {
+            for _ in 0..MAX_STEPS_TO_SOLID {
                 let toward = -direction.dot(away);
                 if toward < self.steering.past_cosine {
                     break;
@@ -160,7 +160,7 @@ impl<'a, V: Space> Sight<'a, V> {
                 if way > farthest {
                     break;
                 }
-                let (next, distance) = solid.away(x + *direction * way);
+                let (next, distance) = solid.direction_and_distance(x + *direction * way);
                 (away, gap) = (next, distance - radius);
             }
         }
@@ -168,24 +168,35 @@ impl<'a, V: Space> Sight<'a, V> {
 
     /// Earliest contact in any direction (s).
     #[cfg(test)]
-    pub fn soonest(&self) -> f32 {
+    pub fn earliest_contact(&self) -> f32 {
         self.free.iter().fold(NEVER, |a, &b| a.min(b))
     }
 
     /// Direction to take, and the time for which it is free. A direction scores for the speed it allows, against
-    /// detours, for its preference by the far field (see [`Far`]) and for the present velocity. Of two sides the right
+    /// detours, for its preference by the far field (see [`FarFieldView`]) and for the present velocity. Of two sides the right
     /// one is a little better where the way is not free, and better anyway by the agent's `lean`.
     #[inline]
-    pub fn choose(&self, field: &Field, me: &Walker<V>, grid: &DensityGrid<V>, lean: &Lean) -> (V, f32) {
+    pub fn choose_direction(
+        &self,
+        field: &ForceField,
+        me: &SteeredAgent<V>,
+        grid: &DensityGrid<V>,
+        lean: &FarFieldBias,
+    ) -> (V, f32) {
         let steering = self.steering;
         let right = self.directions[0].right();
         let blocked = 1.0 - self.open[0];
         let (keep, side) = (self.along_each(me.velocity), self.along_each(right));
         let straight = self.along_each(self.directions[0]);
-        let far = Far { position: me.position, directions: &self.directions, speed: self.speed, left: me.left };
-        let mut scores = far.prefer(field, grid, lean.evades, &side, &self.free, steering);
+        let far = FarFieldView {
+            position: me.position,
+            directions: &self.directions,
+            speed: self.speed,
+            distance_left: me.distance_left,
+        };
+        let mut scores = far.preferences(field, grid, lean.evades, &side, &self.free, steering);
         let looks = blocked > 0.0 && lean.coming < 1.0;
-        let faced = if looks { lean.coming + facing(grid, me.position, self.directions[0], steering) } else { 1.0 };
+        let faced = if looks { lean.coming + num_facing(grid, me.position, self.directions[0], steering) } else { 1.0 };
         let among_own = steering.right_among_own;
         let to_the_right = lean.to_the_right + field.right * blocked * (among_own + (1.0 - among_own) * faced.min(1.0));
         for i in 0..DIRECTIONS {
@@ -218,14 +229,14 @@ mod tests {
     use glam::{Vec2, Vec3};
     use proptest::prelude::*;
 
-    fn seen(offset: Vec2, velocity: Vec2) -> Seen<Vec2> {
-        Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true }
+    fn seen(offset: Vec2, velocity: Vec2) -> SeenNeighbour<Vec2> {
+        SeenNeighbour { offset, velocity, distance: offset.length(), radii: 0.6, yields: true }
     }
 
     #[test]
     fn finds_time_of_contact_in_each_direction() {
-        let mut sight = Sight::along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
-        sight.see(&seen(Vec2::new(3.2, 0.0), Vec2::new(-1.3, 0.0)), 0.0);
+        let mut sight = DirectionalSight::looking_along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
+        sight.see_agent(&seen(Vec2::new(3.2, 0.0), Vec2::new(-1.3, 0.0)), 0.0);
         assert!((sight.free[0] - 1.0).abs() < 1e-5, "{:?}", sight.free);
         for (direction, free) in sight.directions.iter().zip(sight.free) {
             // Sampled: the first time at which the discs touch.
@@ -238,8 +249,8 @@ mod tests {
     #[test]
     fn loses_excess_speed_behind_others() {
         let open = |ahead: f32, velocity: f32| {
-            let mut sight = Sight::along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
-            sight.see(&seen(Vec2::new(ahead, 0.0), Vec2::X * velocity), 0.0);
+            let mut sight = DirectionalSight::looking_along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
+            sight.see_agent(&seen(Vec2::new(ahead, 0.0), Vec2::X * velocity), 0.0);
             sight.open[0]
         };
         // Met after 1 s, half the horizon: half of what it goes faster is lost.
@@ -252,13 +263,13 @@ mod tests {
 
     #[test]
     fn order_of_neighbours_and_walls_makes_no_difference() {
-        let wall = Solid::Rod { from: Vec2::new(1.8, -9.0), to: Vec2::new(1.8, 9.0), radius: 0.0 };
+        let wall = ConvexSolid::Capsule { from: Vec2::new(1.8, -9.0), to: Vec2::new(1.8, 9.0), radius: 0.0 };
         let ahead = seen(Vec2::new(0.75, 0.0), Vec2::X * 1.1);
-        let [mut one, mut other] = [Sight::along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT); 2];
-        one.see(&ahead, 0.0);
+        let [mut one, mut other] = [DirectionalSight::looking_along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT); 2];
+        one.see_agent(&ahead, 0.0);
         one.see_solid(&wall, Vec2::ZERO, 0.3);
         other.see_solid(&wall, Vec2::ZERO, 0.3);
-        other.see(&ahead, 0.0);
+        other.see_agent(&ahead, 0.0);
         assert_eq!((one.free, one.open), (other.free, other.open));
         assert!((one.open[0] - 1.5 / 1.3 / 2.0).abs() < 0.02, "the wall, not the agent before it: {:?}", one.open);
     }
@@ -266,11 +277,11 @@ mod tests {
     #[test]
     fn follows_slower_agent_and_goes_round_standing_one() {
         let grid = DensityGrid::new(1.2, Vec2::splat(10.0), 10);
-        let me = Walker { velocity: Vec2::X, left: 10.0, ..Walker::default() };
+        let me = SteeredAgent { velocity: Vec2::X, distance_left: 10.0, ..SteeredAgent::default() };
         let heading = |velocity: f32| {
-            let mut sight = Sight::along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
-            sight.see(&seen(Vec2::new(0.9, 0.0), Vec2::X * velocity), 0.0);
-            sight.choose(&Field::default(), &me, &grid, &Lean::default()).0
+            let mut sight = DirectionalSight::looking_along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
+            sight.see_agent(&seen(Vec2::new(0.9, 0.0), Vec2::X * velocity), 0.0);
+            sight.choose_direction(&ForceField::default(), &me, &grid, &FarFieldBias::default()).0
         };
         assert!(heading(1.2).x > 0.98 && heading(0.0).x < 0.95, "{} {}", heading(1.2), heading(0.0));
     }
@@ -279,15 +290,21 @@ mod tests {
     fn skipped_neighbours_do_not_matter<V: Space>(others: &[([f32; 3], [f32; 3])]) -> Result<(), TestCaseError> {
         let ahead = V::from_coordinates([0.6, -0.8, 0.0]);
         let (mut all, mut some) = (
-            Sight::along(ahead, 1.3, 2.0, &SteeringConfig::DEFAULT),
-            Sight::along(ahead, 1.3, 2.0, &SteeringConfig::DEFAULT),
+            DirectionalSight::looking_along(ahead, 1.3, 2.0, &SteeringConfig::DEFAULT),
+            DirectionalSight::looking_along(ahead, 1.3, 2.0, &SteeringConfig::DEFAULT),
         );
-        let seen: Vec<Seen<V>> = others
+        let seen: Vec<SeenNeighbour<V>> = others
             .iter()
             .map(|&(x, v)| (V::from_coordinates(x), V::from_coordinates(v)))
-            .map(|(offset, velocity)| Seen { offset, velocity, distance: offset.length(), radii: 0.6, yields: true })
+            .map(|(offset, velocity)| SeenNeighbour {
+                offset,
+                velocity,
+                distance: offset.length(),
+                radii: 0.6,
+                yields: true,
+            })
             .collect();
-        seen.iter().filter(|o| o.offset.dot(ahead) > -0.3).for_each(|o| all.see(o, 0.02));
+        seen.iter().filter(|o| o.offset.dot(ahead) > -0.3).for_each(|o| all.see_agent(o, 0.02));
         some.see_all(&seen, -0.3, 0.02, 2.0);
         prop_assert_eq!(all.free.map(|t| t.min(2.0)), some.free.map(|t| t.min(2.0)));
         prop_assert_eq!(all.open, some.open);
@@ -314,14 +331,14 @@ mod tests {
     #[test]
     fn chooses_free_direction() {
         let grid = DensityGrid::new(1.2, Vec2::splat(10.0), 10);
-        let field = Field::default();
-        let me = Walker { velocity: Vec2::X, left: 10.0, ..Walker::default() };
-        let mut sight = Sight::along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
-        assert!(sight.choose(&field, &me, &grid, &Lean::default()).0.distance(Vec2::X) < 1e-6);
+        let field = ForceField::default();
+        let me = SteeredAgent { velocity: Vec2::X, distance_left: 10.0, ..SteeredAgent::default() };
+        let mut sight = DirectionalSight::looking_along(Vec2::X, 1.3, 2.0, &SteeringConfig::DEFAULT);
+        assert!(sight.choose_direction(&field, &me, &grid, &FarFieldBias::default()).0.distance(Vec2::X) < 1e-6);
         // To the left (-y is to the left of +x: the right of (1, 0) is (0, 1)).
         for y in [0.0, 0.6, 1.2] {
-            sight.see(&seen(Vec2::new(1.0, y), Vec2::ZERO), 0.0);
+            sight.see_agent(&seen(Vec2::new(1.0, y), Vec2::ZERO), 0.0);
         }
-        assert!(sight.choose(&field, &me, &grid, &Lean::default()).0.y < -0.2);
+        assert!(sight.choose_direction(&field, &me, &grid, &FarFieldBias::default()).0.y < -0.2);
     }
 }

@@ -10,29 +10,30 @@ fn ground(x: f32, z: f32) -> Vec3 {
 }
 
 fn at(crowd: &Crowd, id: Id) -> Vec3 {
-    crowd.position(id, crowd.now()).unwrap()
+    crowd.position(id, crowd.time_s()).unwrap()
 }
 
 fn crowd(agents: Vec<Agent>, obstacles: Vec<Obstacle>) -> (Crowd, Vec<Id>) {
     let streets = Some(Streets::new(&obstacles, 0.4).unwrap());
-    let crowd = Crowd::on_ground(Setup { agents, obstacles, streets, ..Setup::default() }).unwrap();
+    let crowd = Crowd::on_ground(CrowdSetup { agents, obstacles, streets, ..CrowdSetup::default() }).unwrap();
     let ids = crowd.ids().collect();
     (crowd, ids)
 }
 
 #[test]
 fn interests_of_one_agent_draw_it_alone() {
-    let (mut crowd, ids) = crowd(vec![Agent::at(ground(0.0, 0.0)), Agent::at(ground(0.0, 8.0))], Vec::new());
+    let (mut crowd, ids) =
+        crowd(vec![Agent::standing_at(ground(0.0, 0.0)), Agent::standing_at(ground(0.0, 8.0))], Vec::new());
     for (k, &id) in ids.iter().enumerate() {
-        crowd.order(id, Go::to(ground(30.0, 8.0 * k as f32))).unwrap();
+        crowd.order(id, AgentOrder::to_goal(ground(30.0, 8.0 * k as f32))).unwrap();
     }
-    let window = PersonalInterest { at: InterestAt::Place(ground(10.0, 5.0)), strength: 2.0, reach: 8.0 };
+    let window = PersonalInterest { at: InterestLocation::Place(ground(10.0, 5.0)), strength: 2.0, reach: 8.0 };
     crowd.set_interest(ids[0], 0, Some(window)).unwrap();
     crowd.advance(7.0, &mut |_| {}).unwrap();
     let [drawn, other] = [0, 1].map(|k| at(&crowd, ids[k]).z - 8.0 * k as f32);
     assert!(drawn > 0.15 && other.abs() < 0.05, "{drawn} {other}");
     crowd.set_interest(ids[0], 0, None).unwrap();
-    let bad = |strength, reach, other| PersonalInterest { at: InterestAt::Agent(other), strength, reach };
+    let bad = |strength, reach, other| PersonalInterest { at: InterestLocation::Agent(other), strength, reach };
     assert!(crowd.set_interest(ids[0], 4, Some(window)).is_err());
     for interest in [bad(f32::NAN, 1.0, ids[1]), bad(1.0, 0.0, ids[1]), bad(1.0, 1.0, ids[0])] {
         assert!(crowd.set_interest(ids[0], 1, Some(interest)).is_err(), "{interest:?}");
@@ -43,10 +44,15 @@ fn interests_of_one_agent_draw_it_alone() {
 
 #[test]
 fn an_agent_follows_one_that_draws_it_until_that_one_leaves() {
-    let (mut crowd, ids) = crowd(vec![Agent::at(ground(0.0, 0.0)), Agent::at(ground(4.0, 0.0))], Vec::new());
-    crowd.order(ids[1], Go::to(ground(30.0, 0.0)).at_speed(0.7)).unwrap();
+    let (mut crowd, ids) =
+        crowd(vec![Agent::standing_at(ground(0.0, 0.0)), Agent::standing_at(ground(4.0, 0.0))], Vec::new());
+    crowd.order(ids[1], AgentOrder::to_goal(ground(30.0, 0.0)).at_speed(0.7)).unwrap();
     crowd
-        .set_interest(ids[0], 2, Some(PersonalInterest { at: InterestAt::Agent(ids[1]), strength: 9.0, reach: 20.0 }))
+        .set_interest(
+            ids[0],
+            2,
+            Some(PersonalInterest { at: InterestLocation::Agent(ids[1]), strength: 9.0, reach: 20.0 }),
+        )
         .unwrap();
     crowd.advance(10.0, &mut |_| {}).unwrap();
     let moved = at(&crowd, ids[0]).x;
@@ -75,7 +81,9 @@ fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, gr
     for (group, from) in ids.chunks(size).zip(starts.chunks(size)) {
         let to = if from[0].x < 0.0 { far } else { -far };
         for (&id, from) in group.iter().zip(from) {
-            crowd.order(id, Go::to(ground(to, from.z)).within(2.0).then(AtEnd::Leave)).unwrap();
+            crowd
+                .order(id, AgentOrder::to_goal(ground(to, from.z)).with_arrival(2.0).then_at_end(AtEnd::Leave))
+                .unwrap();
         }
         if grouped {
             crowd.set_companions(group).unwrap();
@@ -87,14 +95,14 @@ fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, gr
     let mut before = starts;
     for tick in 1..=10 * seconds {
         crowd.advance(0.1 * tick as f64, &mut |_| {}).unwrap();
-        let crossed = |c: &(&Id, &f32)| crowd.position(*c.0, crowd.now()).is_none_or(|p| p.x * c.1 < 0.0);
+        let crossed = |c: &(&Id, &f32)| crowd.position(*c.0, crowd.time_s()).is_none_or(|p| p.x * c.1 < 0.0);
         if ids.iter().zip(&signs).filter(crossed).count() * 10 < ids.len() * 9 {
             through = 0.1 * tick as f32;
         }
         for (g, group) in ids.chunks(size).enumerate() {
-            let there: Vec<Vec3> = group.iter().filter_map(|&id| crowd.position(id, crowd.now())).collect();
+            let there: Vec<Vec3> = group.iter().filter_map(|&id| crowd.position(id, crowd.time_s())).collect();
             for (m, &id) in group.iter().enumerate() {
-                if let Some(now) = crowd.position(id, crowd.now()) {
+                if let Some(now) = crowd.position(id, crowd.time_s()) {
                     way += (now.x - before[g * size + m].x).abs();
                     before[g * size + m] = now;
                     all += 1;
@@ -130,7 +138,7 @@ fn wall(z: f32) -> Obstacle {
 fn group(size: usize, width: f32, grouped: bool) -> Together {
     let start = |k: usize| {
         let z = if width.is_finite() { 0.2 * (k % 2) as f32 } else { 1.2 * k as f32 };
-        Agent { speed: 1.1 + 0.1 * k as f32, ..Agent::at(ground(-20.0 - 1.0 * k as f32, z)) }
+        Agent { speed: 1.1 + 0.1 * k as f32, ..Agent::standing_at(ground(-20.0 - 1.0 * k as f32, z)) }
     };
     let walls = if width.is_finite() { vec![wall(-0.5 * width - 0.1), wall(0.5 * width + 0.1)] } else { Vec::new() };
     let (mut crowd, ids) = crowd((0..size).map(start).collect(), walls);
@@ -144,7 +152,7 @@ fn head_on(size: usize, num: usize, grouped: bool) -> Together {
         let (side, i) = (if i < num { -1.0 } else { 1.0 }, i % num);
         let x = 6.0 + 1.3 * (i / 5) as f32 + 0.2 * shares.next();
         let z = -3.0 + 1.3 * (i % 5) as f32 + 0.2 * shares.next();
-        Agent::at(ground(side * x, z))
+        Agent::standing_at(ground(side * x, z))
     });
     let (mut crowd, ids) = crowd(agents.collect(), vec![wall(-4.1), wall(4.1)]);
     walk(&mut crowd, &ids, size, 30.0, 60, grouped)
@@ -155,7 +163,7 @@ fn door(size: usize, num: usize, width: f32, grouped: bool, seed: u64) -> Togeth
     let mut shares = Shares(seed);
     let agents = (0..num).map(|i| {
         let (x, z) = (3.0 + 1.2 * (i / 6) as f32 + 0.2 * shares.next(), -3.0 + 1.2 * (i % 6) as f32);
-        Agent::at(ground(-x, z))
+        Agent::standing_at(ground(-x, z))
     });
     let jamb = |z: f32, to: f32| Obstacle::Wall { from: ground(0.0, z), to: ground(0.0, to), radius: 0.05 };
     let half = 0.5 * width + 0.05;
@@ -202,7 +210,7 @@ fn groups_hardly_lessen_the_flow_through_a_door() {
 
 #[test]
 fn companions_are_named_until_they_part_or_leave() {
-    let agents = (0..5).map(|k| Agent::at(ground(k as f32, 0.0))).collect();
+    let agents = (0..5).map(|k| Agent::standing_at(ground(k as f32, 0.0))).collect();
     let (mut crowd, ids) = crowd(agents, Vec::new());
     let of = |crowd: &Crowd, n: usize| crowd.companions(ids[n]).map(Id::index).collect::<Vec<_>>();
     assert!(of(&crowd, 0).is_empty());
@@ -224,7 +232,7 @@ fn bound(num: usize) -> Engine<Vec2> {
     let ids: Vec<Id> = crowd.ids().collect();
     ids.chunks(3).for_each(|group| crowd.set_companions(group).unwrap());
     for (k, &id) in ids.iter().enumerate().filter(|(k, _)| k % 5 == 0) {
-        let at = InterestAt::Agent(ids[(k + num / 2) % num]);
+        let at = InterestLocation::Agent(ids[(k + num / 2) % num]);
         crowd.set_interest(id, k % 4, Some(PersonalInterest { at, strength: 0.8, reach: 60.0 })).unwrap();
     }
     crowd

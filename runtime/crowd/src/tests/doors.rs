@@ -27,12 +27,12 @@ fn rooms(is_closed_off: bool) -> Crowd {
         wall([0.0, -0.3], [0.0, end]),
     ];
     let streets = Streets::new(&walls, 0.4).unwrap();
-    Crowd::on_ground(Setup::in_streets(&streets, 12)).unwrap()
+    Crowd::on_ground(CrowdSetup::in_streets(&streets, 12)).unwrap()
 }
 
 fn enter(crowd: &mut Crowd, num: usize) -> Vec<Id> {
     let at = |i: usize| ground(-6.0 + 1.2 * (i / 4) as f32, -4.0 + 1.2 * (i % 4) as f32);
-    (0..num).map(|i| crowd.spawn(Agent::at(at(i))).unwrap()).collect()
+    (0..num).map(|i| crowd.spawn(Agent::standing_at(at(i))).unwrap()).collect()
 }
 
 fn goal(i: usize) -> Vec3 {
@@ -40,11 +40,11 @@ fn goal(i: usize) -> Vec3 {
 }
 
 fn at(crowd: &Crowd, id: Id) -> Vec3 {
-    crowd.position(id, crowd.now()).unwrap()
+    crowd.position(id, crowd.time_s()).unwrap()
 }
 
 fn run(crowd: &mut Crowd, seconds: f64) {
-    crowd.advance(crowd.now() + seconds, &mut |_| {}).unwrap();
+    crowd.advance(crowd.time_s() + seconds, &mut |_| {}).unwrap();
 }
 
 #[test]
@@ -52,40 +52,40 @@ fn those_on_their_way_turn_round_when_a_door_closes_and_back_when_it_opens() {
     let mut crowd = rooms(false);
     let id = enter(&mut crowd, 1)[0];
     crowd.set_open(DOOR, true).unwrap();
-    crowd.order(id, Go::to(ground(3.0, -1.0))).unwrap();
-    let short = crowd.way_left(id).unwrap();
+    crowd.order(id, AgentOrder::to_goal(ground(3.0, -1.0))).unwrap();
+    let short = crowd.distance_left(id).unwrap();
     run(&mut crowd, 2.0);
     crowd.set_open(DOOR, false).unwrap();
     run(&mut crowd, 1.0);
-    let round = crowd.way_left(id).unwrap();
+    let round = crowd.distance_left(id).unwrap();
     assert!(short < 10.5 && round > 10.5, "{short} m through the door, {round} m round the wall");
     assert!(crowd.desired_direction(id).unwrap().z > 0.7, "round the end of the wall");
     crowd.set_open(DOOR, true).unwrap();
     run(&mut crowd, 1.0);
-    assert!(crowd.way_left(id).unwrap() < 8.0);
+    assert!(crowd.distance_left(id).unwrap() < 8.0);
     run(&mut crowd, 8.0);
-    assert_eq!(crowd.status(id).unwrap(), Status::There);
+    assert_eq!(crowd.status(id).unwrap(), AgentStatus::Arrived);
 }
 
 #[test]
 fn all_wait_before_a_closed_door_that_is_the_only_way_and_go_on_when_it_opens() {
     let mut crowd = rooms(true);
     let ids = enter(&mut crowd, 12);
-    let lost = crowd.order(ids[0], Go::to(goal(0)));
+    let lost = crowd.order(ids[0], AgentOrder::to_goal(goal(0)));
     assert!(matches!(lost.unwrap_err().into(), throng_base::Error::NoPath { .. }), "a wall for all that it knows");
     crowd.set_open(DOOR, true).unwrap();
     crowd.set_open(DOOR, false).unwrap();
     for (i, &id) in ids.iter().enumerate() {
-        crowd.order(id, Go::to(goal(i))).unwrap();
+        crowd.order(id, AgentOrder::to_goal(goal(i))).unwrap();
     }
     run(&mut crowd, 12.0);
     let near = |&&id: &&Id| at(&crowd, id).distance(ground(0.0, -1.0)) < 3.0;
     assert_eq!(ids.iter().filter(near).count(), 12, "they wait before it");
     assert!(ids.iter().all(|&id| at(&crowd, id).x < -0.3), "nobody went through");
-    assert!(ids.iter().all(|&id| crowd.way_left(id).unwrap() < 30.0), "a closed door is no way");
+    assert!(ids.iter().all(|&id| crowd.distance_left(id).unwrap() < 30.0), "a closed door is no way");
     crowd.set_open(DOOR, true).unwrap();
     run(&mut crowd, 20.0);
-    assert!(ids.iter().all(|&id| crowd.status(id).unwrap() == Status::There));
+    assert!(ids.iter().all(|&id| crowd.status(id).unwrap() == AgentStatus::Arrived));
 }
 
 /// Doors that open and close all the time, while agents go to and fro.
@@ -94,7 +94,7 @@ fn busy(crowd: &mut Crowd, ids: &[Id], round: usize) {
     for (i, &id) in ids.iter().enumerate() {
         let there = goal((i + round) % 12);
         let to = if (i + round / 6).is_multiple_of(2) { there } else { ground(-there.x, there.z) };
-        let _ = crowd.order(id, Go::to(to).at_speed(1.0 + 0.05 * i as f32));
+        let _ = crowd.order(id, AgentOrder::to_goal(to).at_speed(1.0 + 0.05 * i as f32));
     }
     run(crowd, 0.9);
 }
@@ -125,7 +125,7 @@ fn snapshots_go_on_the_same_with_the_doors_of_then() {
 #[test]
 fn moving_obstacles_are_no_doors() {
     let obstacles = vec![Obstacle::Mover { way: vec![(0.0, Vec3::ZERO)], radius: 1.0 }];
-    let mut crowd = Crowd::on_ground(Setup { obstacles, ..Setup::default() }).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup { obstacles, ..CrowdSetup::default() }).unwrap();
     assert!(crowd.set_open(0, true).is_err());
 }
 
@@ -133,19 +133,19 @@ fn moving_obstacles_are_no_doors() {
 /// room (s).
 fn through_a_door(shift: f32) -> f64 {
     let walls = vec![wall([0.0, -12.0], [0.0, -0.65]), wall([0.0, 0.65], [0.0, 12.0])];
-    let streets = Streets::with(&walls, None, 0.45, 0.3).unwrap();
-    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets, 24)).unwrap();
+    let streets = Streets::with_limits(&walls, None, 0.45, 0.3).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets, 24)).unwrap();
     for side in [-1.0, 1.0] {
         for i in 0..12 {
             let at = ground(side * (1.5 + shift + 1.1 * (i / 4) as f32), -1.8 + shift + 1.1 * (i % 4) as f32);
-            let id = crowd.spawn(Agent { radius: 0.3, ..Agent::at(at) }).unwrap();
-            crowd.order(id, Go::to(ground(-side * 8.0, at.z)).then(AtEnd::Leave)).unwrap();
+            let id = crowd.spawn(Agent { radius: 0.3, ..Agent::standing_at(at) }).unwrap();
+            crowd.order(id, AgentOrder::to_goal(ground(-side * 8.0, at.z)).then_at_end(AtEnd::Leave)).unwrap();
         }
     }
-    while crowd.num_agents() > 0 && crowd.now() < 300.0 {
+    while crowd.num_agents() > 0 && crowd.time_s() < 300.0 {
         run(&mut crowd, 1.0);
     }
-    crowd.now()
+    crowd.time_s()
 }
 
 #[test]

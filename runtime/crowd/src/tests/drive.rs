@@ -6,8 +6,8 @@ use throng_base::Executor;
 
 /// The interface of [`Crowd`] on an engine of either space.
 pub(crate) trait Drive<V> {
-    fn advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&Event)) -> Result<(), CrowdError>;
-    fn par_advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&Event)) -> Result<(), CrowdError>;
+    fn advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&CrowdEvent)) -> Result<(), CrowdError>;
+    fn par_advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&CrowdEvent)) -> Result<(), CrowdError>;
     fn position(&self, id: Id, time_s: f64) -> Option<V>;
     fn velocity(&self, id: Id, time_s: f64) -> Option<V>;
     fn next_event(&self, id: Id) -> Option<f64>;
@@ -29,24 +29,24 @@ impl Executor for Threads {
 }
 
 impl<V: Space> Drive<V> for Engine<V> {
-    fn advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&Event)) -> Result<(), CrowdError> {
+    fn advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&CrowdEvent)) -> Result<(), CrowdError> {
         drive(self, on_event, |e| e.run(until_s))
     }
 
-    fn par_advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&Event)) -> Result<(), CrowdError> {
+    fn par_advance(&mut self, until_s: f64, on_event: &mut dyn FnMut(&CrowdEvent)) -> Result<(), CrowdError> {
         drive(self, on_event, |e| e.run_parallel(until_s, &Threads(3)))
     }
 
     fn position(&self, id: Id, time_s: f64) -> Option<V> {
-        self.plan(id).map(|p| p.at(time_s).0)
+        self.plan(id).map(|p| p.motion_at(time_s).0)
     }
 
     fn velocity(&self, id: Id, time_s: f64) -> Option<V> {
-        self.plan(id).map(|p| p.at(time_s).1)
+        self.plan(id).map(|p| p.motion_at(time_s).1)
     }
 
     fn next_event(&self, id: Id) -> Option<f64> {
-        self.plan(id).map(|p| self.due(&p))
+        self.plan(id).map(|p| self.due_time(&p))
     }
 
     fn last_event(&self, id: Id) -> Option<f64> {
@@ -63,7 +63,7 @@ impl<V: Space> Drive<V> for Engine<V> {
 /// Advances time, see [`Crowd::advance`].
 pub(super) fn drive<V: Space>(
     engine: &mut Engine<V>,
-    on_event: &mut dyn FnMut(&Event),
+    on_event: &mut dyn FnMut(&CrowdEvent),
     run: impl Fn(&mut Engine<V>) -> Result<bool, CrowdError>,
 ) -> Result<(), CrowdError> {
     loop {
@@ -86,8 +86,11 @@ impl Shares {
 }
 
 /// An order to go along a route.
-pub(super) fn along<V: Space>(route: Route<V>, speed: f32) -> Go<V> {
-    Go::along(route.subgoals).within(route.arrival_radius).then(route.at_end).at_speed(speed)
+pub(super) fn along<V: Space>(route: Route<V>, speed: f32) -> AgentOrder<V> {
+    AgentOrder::along_subgoals(route.subgoals)
+        .with_arrival(route.arrival_radius)
+        .then_at_end(route.at_end)
+        .at_speed(speed)
 }
 
 pub(super) fn to<V: Space>(goal: V) -> Route<V> {
@@ -95,10 +98,10 @@ pub(super) fn to<V: Space>(goal: V) -> Route<V> {
 }
 
 /// Agents on a jittered lattice that want to go to the other side of it.
-pub(crate) fn crossing<V: Space>(num: usize, spacing: f32) -> Setup<V> {
+pub(crate) fn crossing<V: Space>(num: usize, spacing: f32) -> CrowdSetup<V> {
     let mut shares = Shares(3);
     let across = (num as f32).powf(1.0 / V::DIMENSIONS as f32).ceil() as usize;
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for i in 0..num {
         let at = [i % across, i / across % across, i / across / across];
         let c = at.map(|c| (c as f32 - 0.5 * across as f32 + 0.3 * shares.next()) * spacing);

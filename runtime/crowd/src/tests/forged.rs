@@ -3,7 +3,7 @@
 use super::drive::{Drive, Shares, crossing, to};
 use crate::error::CrowdError;
 use crate::events::engine::Engine;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 use crate::*;
 use glam::{Vec2, Vec3};
 
@@ -13,7 +13,7 @@ const HEADER: usize = 44;
 const ROUNDING_M: f32 = 2e-4;
 
 /// A dense crowd between two walls and around a pillar.
-fn dense<V: Space>(num: usize, spacing: f32) -> Setup<V> {
+fn dense<V: Space>(num: usize, spacing: f32) -> CrowdSetup<V> {
     let mut setup = crossing::<V>(num, spacing);
     let corner = |x: f32, y: f32| V::from_coordinates([x, y, 0.0]);
     let high = 20.0;
@@ -32,7 +32,7 @@ fn deepest<V: Space>(crowd: &Engine<V>) -> f32 {
     for (i, a) in all.iter().enumerate() {
         assert!(a.position.is_finite() && a.velocity.is_finite());
         let others = all[..i].iter().map(|b| a.radius + b.radius - (a.position - b.position).length());
-        let solids = crowd.scenery.solids.iter().map(|s| a.radius - s.away(a.position).1);
+        let solids = crowd.scenery.solids.iter().map(|s| a.radius - s.direction_and_distance(a.position).1);
         depth = others.chain(solids).fold(depth, f32::max);
     }
     depth
@@ -45,11 +45,11 @@ fn corrected(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// Flips bits, overwrites floats and copies parts of the state over others; returns how many mutants were taken.
-fn mutants<V: Space>(setup: &Setup<V>, num: usize, seed: u64) -> usize {
+fn mutants<V: Space>(setup: &CrowdSetup<V>, num: usize, seed: u64) -> usize {
     let mut crowd = Engine::new(setup.clone()).unwrap();
     let ids: Vec<Id> = crowd.ids().collect();
     crowd.set_companions(&ids[..3]).unwrap();
-    let at = InterestAt::Agent(ids[1]);
+    let at = InterestLocation::Agent(ids[1]);
     crowd.set_interest(ids[5], 1, Some(PersonalInterest { at, strength: 1.0, reach: 5.0 })).unwrap();
     crowd.advance(1.3, &mut |_| {}).unwrap();
     let kept = crowd.bytes();
@@ -106,7 +106,7 @@ fn a_forged_snapshot_is_refused_or_nobody_overlaps() {
 }
 
 /// Result of restoring a snapshot in which an agent is elsewhere.
-fn moved(change: impl FnOnce(&Engine<Vec2>, &mut Plan<Vec2>)) -> Result<(), String> {
+fn moved(change: impl FnOnce(&Engine<Vec2>, &mut MotionPlan<Vec2>)) -> Result<(), String> {
     let setup = dense::<Vec2>(16, 1.2);
     let mut crowd = Engine::new(setup.clone()).unwrap();
     crowd.advance(0.5, &mut |_| {}).unwrap();
@@ -122,7 +122,7 @@ fn moved(change: impl FnOnce(&Engine<Vec2>, &mut Plan<Vec2>)) -> Result<(), Stri
 fn agents_that_overlap_or_stand_in_obstacles_are_refused() {
     assert_eq!(moved(|_, _| ()), Ok(()));
     // On top of another agent, which moves: at the present, not at the start of its plan.
-    let onto = moved(|crowd, p| *p = Plan { index: 5, ..crowd.cells.plan(6) });
+    let onto = moved(|crowd, p| *p = MotionPlan { index: 5, ..crowd.cells.plan(6) });
     assert!(onto.as_ref().is_err_and(|e| e.contains("overlap")), "{onto:?}");
     let pillar = |crowd: &Engine<Vec2>| match crowd.scenery.obstacles[2] {
         Obstacle::Ball { centre, .. } => centre,
@@ -138,7 +138,7 @@ fn agents_that_overlap_or_stand_in_obstacles_are_refused() {
     });
     assert!(against.is_err(), "{against:?}");
     // It says that it brakes, and does not.
-    let far = |crowd: &Engine<Vec2>, p: &mut Plan<Vec2>| {
+    let far = |crowd: &Engine<Vec2>, p: &mut MotionPlan<Vec2>| {
         (p.position, p.velocity, p.acceleration) = (Vec2::new(12.0, 12.0), Vec2::new(1.0, 0.0), Vec2::new(1.0, 0.0));
         (p.start, p.end) = (crowd.now, crowd.now + 0.1);
     };
@@ -151,7 +151,7 @@ fn agents_that_overlap_or_stand_in_obstacles_are_refused() {
 /// Every snapshot of a crowd itself is accepted, dense or not.
 #[test]
 fn no_true_snapshot_is_refused() {
-    fn check<V: Space>(mut setup: Setup<V>, far: f32) {
+    fn check<V: Space>(mut setup: CrowdSetup<V>, far: f32) {
         // Far from the origin, rounding is coarser.
         let by = V::from_coordinates([far; 3]);
         setup.agents.iter_mut().for_each(|a| a.position += by);
@@ -194,7 +194,7 @@ fn orders_after_a_snapshot_are_forgotten_in_the_same_crowd() {
     }
     crowd.advance(1.5, &mut |_| {}).unwrap();
     let seen = |crowd: &Engine<Vec2>| {
-        let one = |&id: &Id| (crowd.way_left(id), crowd.desired_direction(id), crowd.status(id));
+        let one = |&id: &Id| (crowd.distance_left(id), crowd.desired_direction(id), crowd.status(id));
         (crowd.hash(), ids.iter().map(one).collect::<Vec<_>>(), crowd.bytes())
     };
     let (kept, before) = (crowd.bytes(), seen(&crowd));

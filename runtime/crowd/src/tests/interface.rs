@@ -20,43 +20,46 @@ fn other(e: CrowdError) -> Error {
 
 #[test]
 fn orders_lead_round_corners_and_stay_until_changed() {
-    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
-    let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), 4)).unwrap();
+    let id = crowd.spawn(Agent::standing_at(ground(-5.0, 0.0))).unwrap();
     crowd.advance(2.0, &mut |_| {}).unwrap();
-    assert_eq!(crowd.status(id).unwrap(), Status::There, "it has no order yet");
+    assert_eq!(crowd.status(id).unwrap(), AgentStatus::Arrived, "it has no order yet");
     assert!(crowd.position(id, 2.0).unwrap().distance(ground(-5.0, 0.0)) < 0.1);
-    crowd.order(id, Go::to(ground(5.0, 0.0))).unwrap();
-    let left = crowd.way_left(id).unwrap();
-    assert!(left > 11.0 && crowd.status(id).unwrap() == Status::Going { left_m: left }, "{left} m round the block");
+    crowd.order(id, AgentOrder::to_goal(ground(5.0, 0.0))).unwrap();
+    let left = crowd.distance_left(id).unwrap();
+    assert!(
+        left > 11.0 && crowd.status(id).unwrap() == AgentStatus::Going { left_m: left },
+        "{left} m round the block"
+    );
     crowd.advance(20.0, &mut |_| {}).unwrap();
-    assert_eq!(crowd.status(id).unwrap(), Status::There);
-    crowd.order(id, Go::to(ground(-5.0, 0.0)).then(AtEnd::Leave).at_speed(2.0)).unwrap();
+    assert_eq!(crowd.status(id).unwrap(), AgentStatus::Arrived);
+    crowd.order(id, AgentOrder::to_goal(ground(-5.0, 0.0)).then_at_end(AtEnd::Leave).at_speed(2.0)).unwrap();
     crowd.advance(40.0, &mut |_| {}).unwrap();
     assert!(matches!(other(crowd.status(id).unwrap_err()), Error::Gone(gone) if gone == id));
 }
 
 #[test]
 fn impossible_orders_are_refused_and_change_nothing() {
-    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
-    let id = crowd.spawn(Agent::at(ground(-5.0, 0.0))).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), 4)).unwrap();
+    let id = crowd.spawn(Agent::standing_at(ground(-5.0, 0.0))).unwrap();
     let hash = crowd.hash();
-    let no_way = other(crowd.order(id, Go::to(ground(0.0, 0.0))).unwrap_err());
+    let no_way = other(crowd.order(id, AgentOrder::to_goal(ground(0.0, 0.0))).unwrap_err());
     assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == id));
-    let fast = crowd.order(id, Go::to(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
+    let fast = crowd.order(id, AgentOrder::to_goal(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
     assert!(matches!(other(fast), Error::Value { what: "speed", who: Some(who), .. } if who == id));
-    let route = crowd.order(id, Go::on_route(7)).unwrap_err();
+    let route = crowd.order(id, AgentOrder::on_route(7)).unwrap_err();
     assert!(matches!(other(route), Error::Index { what: "route", got: 7, .. }));
-    assert!(crowd.order(id, Go::along(vec![ground(0.0, 1.0)])).is_err(), "in the block");
-    let lost = crowd.spawn(Agent { route: Some(1), ..Agent::at(ground(-9.0, 0.0)) }).unwrap_err();
+    assert!(crowd.order(id, AgentOrder::along_subgoals(vec![ground(0.0, 1.0)])).is_err(), "in the block");
+    let lost = crowd.spawn(Agent { route: Some(1), ..Agent::standing_at(ground(-9.0, 0.0)) }).unwrap_err();
     assert!(matches!(other(lost), Error::Index { what: "route", got: 1, .. }));
     assert_eq!(crowd.hash(), hash);
 }
 
 #[test]
 fn placed_agents_go_on_with_their_order_from_there() {
-    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
-    let [a, b] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
-    crowd.order(a, Go::to(ground(5.0, 0.0))).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), 4)).unwrap();
+    let [a, b] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::standing_at(ground(x, 0.0))).unwrap());
+    crowd.order(a, AgentOrder::to_goal(ground(5.0, 0.0))).unwrap();
     crowd.advance(1.0, &mut |_| {}).unwrap();
     let hash = crowd.hash();
     assert!(matches!(other(crowd.place(a, ground(-8.2, 0.0)).unwrap_err()), Error::Occupied { who, .. } if who == a));
@@ -64,18 +67,18 @@ fn placed_agents_go_on_with_their_order_from_there() {
     crowd.place(a, ground(0.0, 9.0)).unwrap();
     assert_eq!(crowd.position(a, 1.0), Some(ground(0.0, 9.0)));
     crowd.advance(15.0, &mut |_| {}).unwrap();
-    assert_eq!([crowd.status(a).unwrap(), crowd.status(b).unwrap()], [Status::There; 2]);
+    assert_eq!([crowd.status(a).unwrap(), crowd.status(b).unwrap()], [AgentStatus::Arrived; 2]);
 }
 
 #[test]
 fn who_is_there_stays_where_it_is_put() {
-    let mut crowd = Crowd::on_ground(Setup::in_streets(&streets(), 4)).unwrap();
-    let [idle, there] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
-    crowd.order(there, Go::to(ground(-8.0, 2.0))).unwrap();
+    let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), 4)).unwrap();
+    let [idle, there] = [-5.0, -8.0].map(|x| crowd.spawn(Agent::standing_at(ground(x, 0.0))).unwrap());
+    crowd.order(there, AgentOrder::to_goal(ground(-8.0, 2.0))).unwrap();
     crowd.advance(5.0, &mut |_| {}).unwrap();
     for (id, x) in [(idle, 5.0), (there, 8.0)] {
         crowd.place(id, ground(x, 0.0)).unwrap();
-        assert_eq!(crowd.status(id).unwrap(), Status::There);
+        assert_eq!(crowd.status(id).unwrap(), AgentStatus::Arrived);
     }
     crowd.advance(15.0, &mut |_| {}).unwrap();
     for (id, x) in [(idle, 5.0), (there, 8.0)] {
@@ -85,7 +88,7 @@ fn who_is_there_stays_where_it_is_put() {
 
 #[test]
 fn blocked_agents_name_who_is_in_front() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     setup.config.capacity = 2;
     (setup.config.largest_radius_m, setup.config.largest_speed_mps) = (0.3, 1.3);
     for z in [-0.4, 0.4] {
@@ -93,22 +96,22 @@ fn blocked_agents_name_who_is_in_front() {
     }
     setup.obstacles.push(Obstacle::Wall { from: ground(3.5, -0.4), to: ground(3.5, 0.4), radius: 0.0 });
     let mut crowd = Crowd::on_ground(setup).unwrap();
-    let [a, b] = [0.0, 3.0].map(|x| crowd.spawn(Agent::at(ground(x, 0.0))).unwrap());
+    let [a, b] = [0.0, 3.0].map(|x| crowd.spawn(Agent::standing_at(ground(x, 0.0))).unwrap());
     // Too narrow to pass, and the other one cannot go on.
-    crowd.order(a, Go::to(ground(9.0, 0.0))).unwrap();
-    crowd.order(b, Go::to(ground(3.0, 0.0)).within(0.01).at_speed(0.0)).unwrap();
+    crowd.order(a, AgentOrder::to_goal(ground(9.0, 0.0))).unwrap();
+    crowd.order(b, AgentOrder::to_goal(ground(3.0, 0.0)).with_arrival(0.01).at_speed(0.0)).unwrap();
     crowd.advance(30.0, &mut |_| {}).unwrap();
-    assert_eq!(crowd.status(a).unwrap(), Status::Blocked { by: Some(b) });
+    assert_eq!(crowd.status(a).unwrap(), AgentStatus::Blocked { by: Some(b) });
 }
 
 #[test]
 fn air_and_ground_have_the_same_interface() {
     for (in_air, goal) in [(false, Vec3::new(4.0, 0.0, 3.0)), (true, Vec3::new(4.0, 5.0, 3.0))] {
-        let mut setup = Setup { fields: vec![Field::COMMUTER, Field::BIRD], ..Setup::default() };
-        setup.agents.push(Agent { field: usize::from(in_air), ..Agent::at(Vec3::new(0.0, 0.0, 0.0)) });
+        let mut setup = CrowdSetup { fields: vec![ForceField::COMMUTER, ForceField::BIRD], ..CrowdSetup::default() };
+        setup.agents.push(Agent { field: usize::from(in_air), ..Agent::standing_at(Vec3::new(0.0, 0.0, 0.0)) });
         let mut crowd = if in_air { Crowd::in_air(setup) } else { Crowd::on_ground(setup) }.unwrap();
         let id = crowd.ids().next().unwrap();
-        crowd.order(id, Go::to(goal)).unwrap();
+        crowd.order(id, AgentOrder::to_goal(goal)).unwrap();
         crowd.par_advance(15.0, &Inline, &mut |_| {}).unwrap();
         assert!(crowd.position(id, 15.0).unwrap().distance(goal) < 0.5);
         assert!(crowd.forces(id).is_some() && crowd.bound(id, 15.0).is_some());
@@ -117,11 +120,11 @@ fn air_and_ground_have_the_same_interface() {
 
 #[test]
 fn every_flipped_bit_of_a_snapshot_is_refused() {
-    let mut setup = Setup::in_streets(&streets(), 3);
-    setup.agents.push(Agent::at(ground(-5.0, 0.0)));
+    let mut setup = CrowdSetup::in_streets(&streets(), 3);
+    setup.agents.push(Agent::standing_at(ground(-5.0, 0.0)));
     let mut crowd = Crowd::on_ground(setup.clone()).unwrap();
     let id = crowd.ids().next().unwrap();
-    crowd.order(id, Go::to(ground(5.0, 0.0))).unwrap();
+    crowd.order(id, AgentOrder::to_goal(ground(5.0, 0.0))).unwrap();
     crowd.advance(3.0, &mut |_| {}).unwrap();
     let mut kept = Vec::new();
     crowd.save(&mut kept);
@@ -157,20 +160,21 @@ fn doors_open_and_close_and_never_on_anybody() {
         wall([4.0, 0.7], [4.0, 3.0]),
         wall([4.0, -0.7], [4.0, 0.7]),
     ];
-    let agents = (0..6).map(|i| Agent::at(Vec3::new(-2.0 + (i / 3) as f32, 0.0, (i % 3) as f32 - 1.0))).collect();
-    let mut crowd = Crowd::on_ground(Setup { agents, obstacles, ..Setup::default() }).unwrap();
+    let agents =
+        (0..6).map(|i| Agent::standing_at(Vec3::new(-2.0 + (i / 3) as f32, 0.0, (i % 3) as f32 - 1.0))).collect();
+    let mut crowd = Crowd::on_ground(CrowdSetup { agents, obstacles, ..CrowdSetup::default() }).unwrap();
     let ids: Vec<Id> = crowd.ids().collect();
     for &id in &ids {
-        crowd.order(id, Go::to(Vec3::new(9.0, 0.0, 0.0)).within(3.0)).unwrap();
+        crowd.order(id, AgentOrder::to_goal(Vec3::new(9.0, 0.0, 0.0)).with_arrival(3.0)).unwrap();
     }
     crowd.advance(15.0, &mut |_| {}).unwrap();
-    let inside = |crowd: &Crowd| ids.iter().filter(|&&id| crowd.position(id, crowd.now()).unwrap().x < 3.9).count();
+    let inside = |crowd: &Crowd| ids.iter().filter(|&&id| crowd.position(id, crowd.time_s()).unwrap().x < 3.9).count();
     assert_eq!(inside(&crowd), 6, "nobody goes through a closed door");
     crowd.set_open(5, true).unwrap();
     let mut refused = 0;
     let mut bytes = Vec::new();
     while inside(&crowd) > 3 {
-        crowd.advance(crowd.now() + 0.1, &mut |_| {}).unwrap();
+        crowd.advance(crowd.time_s() + 0.1, &mut |_| {}).unwrap();
         crowd.save(&mut bytes);
         refused += usize::from(matches!(crowd.set_open(5, false), Err(CrowdError::Inside { obstacle: 5, .. })));
         crowd.set_open(5, true).unwrap();
@@ -180,10 +184,10 @@ fn doors_open_and_close_and_never_on_anybody() {
     }
     assert!(refused > 0, "somebody stood in it");
     while crowd.set_open(5, false).is_err() {
-        crowd.advance(crowd.now() + 0.1, &mut |_| {}).unwrap();
+        crowd.advance(crowd.time_s() + 0.1, &mut |_| {}).unwrap();
     }
     let left = inside(&crowd);
-    crowd.advance(crowd.now() + 10.0, &mut |_| {}).unwrap();
+    crowd.advance(crowd.time_s() + 10.0, &mut |_| {}).unwrap();
     assert_eq!(inside(&crowd), left);
     assert!(crowd.set_open(6, true).is_err());
 }

@@ -6,7 +6,7 @@ use crate::*;
 use glam::Vec2;
 
 /// An agent that goes from a place through some others, and leaves at the last one.
-fn add(setup: &mut Setup<Vec2>, from: Vec2, through: &[Vec2]) {
+fn add(setup: &mut CrowdSetup<Vec2>, from: Vec2, through: &[Vec2]) {
     setup.agents.push(Agent { position: from, route: Some(setup.routes.len()), ..Agent::default() });
     setup.routes.push(Route { subgoals: through.to_vec(), arrival_radius: 1.0, at_end: AtEnd::Leave });
 }
@@ -26,7 +26,7 @@ struct Report {
     trembling: f32,
 }
 
-fn run(setup: Setup<Vec2>, seconds: usize) -> Report {
+fn run(setup: CrowdSetup<Vec2>, seconds: usize) -> Report {
     let mut crowd = Engine::new(setup).unwrap();
     let mut report = Report { deepest: f32::NEG_INFINITY, ..Report::default() };
     for second in 0..seconds {
@@ -67,7 +67,7 @@ fn corridor(sides: [f32; 2]) -> Vec<Obstacle<Vec2>> {
 
 #[test]
 fn two_groups_pass_in_a_narrow_corridor() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     let mut shares = Shares(5);
     for side in [-1.0f32, 1.0] {
         for i in 0..20 {
@@ -86,7 +86,7 @@ fn two_groups_pass_in_a_narrow_corridor() {
 fn smaller_group_steps_back_in_a_corridor() {
     let mut left_over = 0;
     for seed in 100..112 {
-        let mut setup = Setup::default();
+        let mut setup = CrowdSetup::default();
         let mut shares = Shares(seed);
         for (side, num) in [(-1.0f32, 8), (1.0, 30)] {
             for i in 0..num {
@@ -107,7 +107,7 @@ fn two_crowds_pass_in_narrow_corridors() {
     // Width, agents of either crowd, and how far the corridor is to the side of where cells are parted. The last ones are
     // there after 110 s.
     for (width, num, aside) in [(2.2f32, 40, 0.0), (2.8, 60, 0.0), (3.3, 50, 0.0), (3.3, 50, 0.9), (4.4, 100, 0.0)] {
-        let mut setup = Setup::default();
+        let mut setup = CrowdSetup::default();
         let mut shares = Shares(7);
         let columns = width as usize;
         let apart = (width - 0.7) / (columns - 1) as f32;
@@ -127,7 +127,7 @@ fn two_crowds_pass_in_narrow_corridors() {
 }
 
 /// Agents of a row, each `apart` from the next, in rows as far apart; wanted along X, `far`.
-fn rows(setup: &mut Setup<Vec2>, num: usize, (width, apart): (f32, f32), (side, begin, far): (f32, f32, f32)) {
+fn rows(setup: &mut CrowdSetup<Vec2>, num: usize, (width, apart): (f32, f32), (side, begin, far): (f32, f32, f32)) {
     let mut shares = Shares(11);
     let columns = (width / apart) as usize;
     for i in 0..num {
@@ -139,18 +139,18 @@ fn rows(setup: &mut Setup<Vec2>, num: usize, (width, apart): (f32, f32), (side, 
 }
 
 /// Mean progress of all agents that are still there, from the start on (m/s).
-fn progress(setup: Setup<Vec2>, seconds: f64) -> f32 {
+fn progress(setup: CrowdSetup<Vec2>, seconds: f64) -> f32 {
     let mut crowd = Engine::new(setup).unwrap();
-    let before: Vec<f32> = crowd.ids().map(|id| crowd.way_left(id).unwrap()).collect();
+    let before: Vec<f32> = crowd.ids().map(|id| crowd.distance_left(id).unwrap()).collect();
     crowd.advance(seconds, &mut |_| {}).unwrap();
-    let gained: f32 = crowd.ids().map(|id| before[id.index()] - crowd.way_left(id).unwrap()).sum();
+    let gained: f32 = crowd.ids().map(|id| before[id.index()] - crowd.distance_left(id).unwrap()).sum();
     gained / crowd.num_agents() as f32 / seconds as f32
 }
 
 #[test]
 fn one_way_crowd_keeps_its_speed() {
     // Three on two square metres, from rest.
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     rows(&mut setup, 300, (6.0, 0.816), (1.0, 0.0, 100.0));
     setup.obstacles = corridor([-3.3, 3.3]);
     // If all turned to where the way is free longest, 0.95 m/s.
@@ -160,7 +160,7 @@ fn one_way_crowd_keeps_its_speed() {
 
 #[test]
 fn two_crowds_pass_side_by_side_in_a_street() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for side in [-1.0f32, 1.0] {
         rows(&mut setup, 240, (10.0, 1.0), (side, 2.0, 60.0));
     }
@@ -172,7 +172,7 @@ fn two_crowds_pass_side_by_side_in_a_street() {
 
 #[test]
 fn rows_before_a_gap_go_through() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for (x, y) in [(-3.0, -0.3), (-3.0, 0.301), (-3.55, -0.6), (-3.55, 0.001), (-3.55, 0.602)] {
         add(&mut setup, Vec2::new(x, y), &[Vec2::new(-1.0, 0.0), Vec2::new(1.0, 0.0), Vec2::new(8.0, 0.0)]);
     }
@@ -182,7 +182,7 @@ fn rows_before_a_gap_go_through() {
 
 #[test]
 fn dense_packing_of_two_crowds_dissolves() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for i in 0..48 {
         let (row, column) = (i / 8, i % 8);
         let from = Vec2::new(column as f32 + 0.5 * (row % 2) as f32, row as f32 * 0.8661) * 0.6005;
@@ -197,7 +197,7 @@ fn dense_packing_of_two_crowds_dissolves() {
 #[test]
 fn agent_touching_long_wall_walks_on() {
     for x in [17.92, 111.3, -203.7] {
-        let mut setup = Setup::default();
+        let mut setup = CrowdSetup::default();
         let from = Vec2::new(x, 0.000_15);
         add(&mut setup, from, &[from + Vec2::new(-10.0, 0.3)]);
         setup.obstacles = vec![wall([-500.0, -0.3], [500.0, -0.3], 0.0)];
@@ -207,7 +207,7 @@ fn agent_touching_long_wall_walks_on() {
 
 #[test]
 fn agents_at_their_goals_make_way() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     // A ring of goals with gaps of 0.3 m; the last agent has to get in between standing ones.
     for i in 0..12 {
         let goal = Vec2::from_angle(i as f32 * std::f32::consts::TAU / 12.0) * 1.75;
@@ -217,10 +217,10 @@ fn agents_at_their_goals_make_way() {
     }
     let mut crowd = Engine::new(setup).unwrap();
     let mut arrived = [false; 12];
-    let mut note = |e: &Event| arrived[e.agent.index()] |= e.kind == EventKind::Arrived;
+    let mut note = |e: &CrowdEvent| arrived[e.agent.index()] |= e.kind == CrowdEventKind::Arrived;
     crowd.advance(25.0, &mut note).unwrap();
     assert_eq!(arrived, [true; 12]);
-    let left = crowd.ids().map(|id| crowd.way_left(id).unwrap()).fold(0.0, f32::max);
+    let left = crowd.ids().map(|id| crowd.distance_left(id).unwrap()).fold(0.0, f32::max);
     assert!(left < 0.5, "all are at their places: {left} m");
 }
 
@@ -233,7 +233,7 @@ fn nobody_circles_where_a_route_turns_back() {
         // Tied to the way near its corners, as scenes do.
         let tie = |from: Vec2, to: Vec2| from + (to - from).normalize() * 1.016;
         let through = [begin, tie(corner, begin), corner, tie(corner, tip), tie(tip, corner), tip, tie(tip, end), end];
-        let mut setup = Setup::default();
+        let mut setup = CrowdSetup::default();
         add(&mut setup, begin, &through);
         setup.agents[0].radius = 0.508;
         left_over += run(setup, 58).left_over;
@@ -243,7 +243,7 @@ fn nobody_circles_where_a_route_turns_back() {
 
 /// Two crowds head-on in a corridor of 10 m; each agent has so many points on its route. Mean progress of all (m/s).
 fn with_points(num: usize) -> f32 {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for side in [-1.0f32, 1.0] {
         rows(&mut setup, 150, (10.0, 1.0), (side, 2.0, 40.0));
     }
@@ -276,7 +276,7 @@ fn two_ways_use_the_width_of_a_bend() {
         wall([-60.0, 4.0], [-4.0, 4.0], 0.0),
         wall([-4.0, 4.0], [-4.0, 60.0], 0.0),
     ];
-    let mut setup = Setup { obstacles, ..Setup::default() };
+    let mut setup = CrowdSetup { obstacles, ..CrowdSetup::default() };
     let mut shares = Shares(5);
     for i in 0..240 {
         let (row, column) = ((i / 2 / 6) as f32, (i / 2 % 6) as f32);

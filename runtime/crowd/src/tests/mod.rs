@@ -13,7 +13,7 @@ mod wake;
 
 use crate::events::engine::Engine;
 use crate::safety::rule::clearance;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 use crate::*;
 use drive::*;
 use glam::{Vec2, Vec3};
@@ -21,12 +21,12 @@ use throng_base::Error;
 
 /// The invariant of the safety rule, at one time.
 fn check_stop_regions<V: Space>(crowd: &Engine<V>, time: f64) {
-    let plans: Vec<Plan<V>> = crowd
+    let plans: Vec<MotionPlan<V>> = crowd
         .ids()
         .map(|id| {
             let plan = crowd.cells.plan(id.index);
-            let (position, velocity) = plan.at(time);
-            Plan { position, velocity, ..plan }
+            let (position, velocity) = plan.motion_at(time);
+            MotionPlan { position, velocity, ..plan }
         })
         .collect();
     for (i, a) in plans.iter().enumerate() {
@@ -43,7 +43,7 @@ fn check_stop_regions<V: Space>(crowd: &Engine<V>, time: f64) {
     }
 }
 
-fn stop_regions_stay_apart<V: Space>(setup: Setup<V>, seconds: f64) {
+fn stop_regions_stay_apart<V: Space>(setup: CrowdSetup<V>, seconds: f64) {
     let mut crowd = Engine::new(setup).unwrap();
     let mut decisions = 0;
     while crowd.now < seconds {
@@ -69,7 +69,7 @@ fn stop_regions_of_balls_are_apart_at_all_times() {
 fn two_agents_meeting_head_on_pass() {
     // From afar, and from where they touch already.
     for apart in [6.0f32, 0.3003] {
-        let mut setup = Setup::default();
+        let mut setup = CrowdSetup::default();
         for side in [-1.0f32, 1.0] {
             let position = Vec2::new(side * apart, 0.0);
             setup.agents.push(Agent { position, route: Some(setup.routes.len()), ..Agent::default() });
@@ -77,7 +77,7 @@ fn two_agents_meeting_head_on_pass() {
         }
         let mut crowd = Engine::new(setup).unwrap();
         let mut arrived = 0;
-        crowd.advance(14.0, &mut |e| arrived += usize::from(e.kind == EventKind::Arrived)).unwrap();
+        crowd.advance(14.0, &mut |e| arrived += usize::from(e.kind == CrowdEventKind::Arrived)).unwrap();
         assert_eq!(arrived, 2, "{apart} m apart");
     }
 }
@@ -205,7 +205,7 @@ fn agents_enter_leave_and_come_again() {
 
 #[test]
 fn routes_end_as_they_say() {
-    let mut setup = Setup::default();
+    let mut setup = CrowdSetup::default();
     for (i, at_end) in [AtEnd::Stay, AtEnd::Leave, AtEnd::Again].into_iter().enumerate() {
         let y = i as f32 * 3.0;
         let subgoals = vec![Vec2::new(0.0, y), Vec2::new(4.0, y)];
@@ -217,7 +217,7 @@ fn routes_end_as_they_say() {
     let mut arrived = [0; 3];
     crowd
         .advance(15.0, &mut |e| {
-            if e.kind == EventKind::Arrived {
+            if e.kind == CrowdEventKind::Arrived {
                 arrived[e.agent.index()] += 1;
             }
         })
@@ -249,7 +249,7 @@ fn nobody_goes_through_walls() {
             let x = crowd.position(*id, crowd.now).unwrap();
             let r = crowd.agent(*id).unwrap().radius;
             for solid in &crowd.scenery.solids {
-                assert!(solid.away(x).1 >= r, "{x} is in {solid:?}");
+                assert!(solid.direction_and_distance(x).1 >= r, "{x} is in {solid:?}");
             }
         }
     }
@@ -261,11 +261,11 @@ fn nobody_goes_through_walls() {
 fn agent_in_the_open_avoids_moving_obstacle() {
     let still = Agent { position: Vec2::new(0.0, 0.05), speed: 1.0, ..Agent::default() };
     let way = vec![(0.0, Vec2::new(-8.0, 0.0)), (10.0, Vec2::new(8.0, 0.0))];
-    let setup = Setup {
+    let setup = CrowdSetup {
         agents: vec![still],
         routes: vec![to(Vec2::ZERO)],
         obstacles: vec![Obstacle::Mover { way, radius: 0.8 }],
-        ..Setup::default()
+        ..CrowdSetup::default()
     };
     let mut crowd = Engine::new(setup).unwrap();
     let id = crowd.ids().next().unwrap();
@@ -284,7 +284,7 @@ fn agent_in_the_open_avoids_moving_obstacle() {
 #[test]
 fn impossible_starts_are_named() {
     let good = || crossing::<Vec2>(4, 2.0);
-    let error = |setup: Setup<Vec2>| Engine::new(setup).unwrap_err();
+    let error = |setup: CrowdSetup<Vec2>| Engine::new(setup).unwrap_err();
     let mut s = good();
     s.agents[2].position = s.agents[1].position + Vec2::splat(0.1);
     assert!(matches!(error(s), CrowdError::Overlap { first, second, .. } if (first.index, second.index) == (1, 2)));
@@ -354,7 +354,7 @@ fn bounds_hold_agents_until_their_next_event() {
 #[test]
 fn interests_attract_and_repel() {
     let end = |strength| {
-        let mut setup = Setup { agents: vec![Agent { speed: 0.0, ..Agent::default() }], ..Setup::default() };
+        let mut setup = CrowdSetup { agents: vec![Agent { speed: 0.0, ..Agent::default() }], ..CrowdSetup::default() };
         setup.routes.push(to(Vec2::ZERO));
         setup.config.largest_speed_mps = 1.0;
         setup.interests.push(Interest { position: Vec2::new(3.0, 0.0), strength, reach: 6.0 });
@@ -372,7 +372,7 @@ fn forces_add_up_to_the_terms_of_the_field() {
     let id = crowd.ids().nth(20).unwrap();
     let (f, m) = (crowd.forces(id).unwrap(), crowd.agent(id).unwrap());
     let desired = crowd.desired_direction(id).unwrap();
-    let driving = (desired * m.speed - m.velocity) / Field::default().relaxation_s;
+    let driving = (desired * m.speed - m.velocity) / ForceField::default().relaxation_s;
     assert!((f.driving - driving).length() < 1e-3, "first term of eq. 17: {} {driving}", f.driving);
     assert_eq!(f.taken, crowd.acceleration(id, crowd.last_event(id).unwrap()).unwrap());
     assert!(f.taken.length() <= m.acceleration * 1.0001);

@@ -21,7 +21,7 @@ fn sensing(num: usize, spacing: f32, scheme: Scheme) -> Crowd {
     setup.senses = Senses { meet_m: MEET_M, zones: zones(), cell_m: CELL_M };
     let mut crowd = Crowd::on_ground(setup).unwrap();
     let sense = Sense { tells: 1, hears: 1, once: 1, zones: true, cells: true, arrivals: true };
-    crowd.ids().collect::<Vec<_>>().into_iter().for_each(|id| crowd.sense(id, sense).unwrap());
+    crowd.ids().collect::<Vec<_>>().into_iter().for_each(|id| crowd.set_senses(id, sense).unwrap());
     crowd
 }
 
@@ -60,24 +60,24 @@ fn told_is_true(num: usize, spacing: f32, scheme: Scheme, seconds: f64) {
         let mut now = before.clone();
         while let Some(signal) = crowd.advance_to_signal(time, &mut |_| {}).unwrap() {
             assert!(
-                signal.time >= last && signal.time <= time && crowd.now() == signal.time,
+                signal.time >= last && signal.time <= time && crowd.time_s() == signal.time,
                 "{signal:?} after {last}"
             );
             last = signal.time;
             let m = signal.agent.index();
             match signal.kind {
-                EventKind::Met { other } => {
+                CrowdEventKind::Met { other } => {
                     assert!(m < other.index());
                     now.near.retain(|p| *p != (m, other.index()));
                     now.near.push((m, other.index()));
                 }
-                EventKind::CameTo { zone } => now.zones.push((m, zone)),
-                EventKind::WentFrom { zone } => {
+                CrowdEventKind::CameTo { zone } => now.zones.push((m, zone)),
+                CrowdEventKind::WentFrom { zone } => {
                     let count = now.zones.len();
                     now.zones.retain(|z| *z != (m, zone));
                     assert_eq!(now.zones.len() + 1, count, "agent {m} was in zone {zone}");
                 }
-                EventKind::Crossed { from, to } => {
+                CrowdEventKind::Crossed { from, to } => {
                     assert_eq!(now.cells[m], from, "agent {m} at {time}");
                     now.cells[m] = to;
                 }
@@ -141,9 +141,9 @@ fn signals_do_not_depend_on_stops_nor_on_snapshots() {
 }
 
 fn standing(places: &[f32]) -> Crowd {
-    let agents = places.iter().map(|&x| Agent::at(Vec3::new(x, 0.0, 0.0))).collect();
+    let agents = places.iter().map(|&x| Agent::standing_at(Vec3::new(x, 0.0, 0.0))).collect();
     let senses = Senses { meet_m: 2.0, ..Senses::default() };
-    Crowd::on_ground(Setup { agents, senses, ..Setup::default() }).unwrap()
+    Crowd::on_ground(CrowdSetup { agents, senses, ..CrowdSetup::default() }).unwrap()
 }
 
 #[test]
@@ -153,18 +153,18 @@ fn news_go_along_a_row_at_one_instant() {
     let mut knows = [false; 5];
     let sense = |knows: bool| Sense { tells: u32::from(knows), hears: u32::from(!knows), ..Sense::default() };
     for &id in &ids {
-        crowd.sense(id, sense(false)).unwrap();
+        crowd.set_senses(id, sense(false)).unwrap();
     }
     assert_eq!(crowd.advance_to_signal(1.0, &mut |_| {}).unwrap(), None);
     knows[1] = true;
-    crowd.sense(ids[1], sense(true)).unwrap();
-    while let Some(Event { time, agent, kind }) = crowd.advance_to_signal(9.0, &mut |_| {}).unwrap() {
-        let EventKind::Met { other } = kind else { panic!("{kind:?}") };
+    crowd.set_senses(ids[1], sense(true)).unwrap();
+    while let Some(CrowdEvent { time, agent, kind }) = crowd.advance_to_signal(9.0, &mut |_| {}).unwrap() {
+        let CrowdEventKind::Met { other } = kind else { panic!("{kind:?}") };
         assert_eq!(time, 1.0, "at once");
         assert_ne!(knows[agent.index()], knows[other.index()]);
         for id in [agent, other] {
             knows[id.index()] = true;
-            crowd.sense(id, sense(true)).unwrap();
+            crowd.set_senses(id, sense(true)).unwrap();
         }
     }
     assert_eq!(knows, [true, true, true, true, false], "3.5 m is too far");
@@ -179,7 +179,7 @@ fn timers_wake_once_and_in_their_order() {
     assert!(crowd.set_timer(ids[0], Some(-1.0)).is_err() && crowd.set_timer(ids[0], Some(f64::NAN)).is_err());
     let mut woken = Vec::new();
     while let Some(event) = crowd.advance_to_signal(3.0, &mut |_| {}).unwrap() {
-        assert_eq!((event.time, event.kind), (0.75, EventKind::Timer));
+        assert_eq!((event.time, event.kind), (0.75, CrowdEventKind::Timer));
         woken.push(event.agent);
     }
     assert_eq!(woken, ids);
@@ -191,14 +191,14 @@ fn two_who_walk_towards_each_other_meet_when_they_have_to() {
     let mut crowd = standing(&[0.0, 20.0]);
     let ids: Vec<Id> = crowd.ids().collect();
     for (k, &id) in ids.iter().enumerate() {
-        crowd.sense(id, Sense { tells: 2, hears: 2, once: 2, ..Sense::default() }).unwrap();
+        crowd.set_senses(id, Sense { tells: 2, hears: 2, once: 2, ..Sense::default() }).unwrap();
         let to = Vec3::new(if k == 0 { 20.0 } else { 0.0 }, 0.0, 0.6 * k as f32 - 0.3);
-        crowd.order(id, Go::to(to)).unwrap();
+        crowd.order(id, AgentOrder::to_goal(to)).unwrap();
     }
     let event = crowd.advance_to_signal(30.0, &mut |_| {}).unwrap().unwrap();
     let at = |id| crowd.position(id, event.time).unwrap();
     assert!((at(ids[0]).distance(at(ids[1])) - 2.0).abs() < 1e-4, "{event:?}");
-    assert_eq!(event.kind, EventKind::Met { other: ids[1] });
+    assert_eq!(event.kind, CrowdEventKind::Met { other: ids[1] });
     assert_eq!(crowd.advance_to_signal(30.0, &mut |_| {}).unwrap(), None, "once");
 }
 
@@ -211,7 +211,7 @@ fn senses_out_of_range_are_refused() {
         Senses { zones: vec![Zone { centre: Vec3::NAN, radius: 1.0 }], ..Senses::default() },
         Senses { zones: vec![Zone { centre: Vec3::ZERO, radius: 0.0 }], ..Senses::default() },
     ] {
-        let e = Crowd::on_ground(Setup { senses, ..Setup::default() }).unwrap_err().to_string();
+        let e = Crowd::on_ground(CrowdSetup { senses, ..CrowdSetup::default() }).unwrap_err().to_string();
         assert!(e.contains("senses"), "{e}");
     }
 }
@@ -223,24 +223,24 @@ fn level_channels_reach_all_who_are_near_though_masks_stay() {
     let ids: Vec<Id> = crowd.ids().collect();
     let told = |crowd: &mut Crowd, until: f64| {
         let mut all = Vec::new();
-        while let Some(Event { time, agent, kind }) = crowd.advance_to_signal(until, &mut |_| {}).unwrap() {
-            let EventKind::Met { other } = kind else { panic!("{kind:?}") };
+        while let Some(CrowdEvent { time, agent, kind }) = crowd.advance_to_signal(until, &mut |_| {}).unwrap() {
+            let CrowdEventKind::Met { other } = kind else { panic!("{kind:?}") };
             all.push((time, agent.index(), other.index()));
         }
         all
     };
     let sense = |tells: u32, hears: u32| Sense { tells, hears, ..Sense::default() };
     for &id in &ids[1..] {
-        crowd.sense(id, sense(0, 1)).unwrap();
+        crowd.set_senses(id, sense(0, 1)).unwrap();
     }
     assert!(told(&mut crowd, 1.0).is_empty());
-    crowd.sense(ids[0], sense(1, 0)).unwrap();
+    crowd.set_senses(ids[0], sense(1, 0)).unwrap();
     assert_eq!(told(&mut crowd, 2.0), [(1.0, 0, 1), (1.0, 0, 2)]);
-    crowd.sense(ids[0], sense(1, 0)).unwrap();
+    crowd.set_senses(ids[0], sense(1, 0)).unwrap();
     assert!(told(&mut crowd, 3.0).is_empty(), "nothing has changed");
     // All begin at one time, in any order.
-    ids.iter().for_each(|&id| crowd.sense(id, sense(0, 0)).unwrap());
-    [2, 0, 1].iter().for_each(|&i| crowd.sense(ids[i], sense(1, 1)).unwrap());
+    ids.iter().for_each(|&id| crowd.set_senses(id, sense(0, 0)).unwrap());
+    [2, 0, 1].iter().for_each(|&i| crowd.set_senses(ids[i], sense(1, 1)).unwrap());
     let all = told(&mut crowd, 4.0);
     let mut pairs: Vec<_> = all.iter().map(|a| (a.1, a.2)).collect();
     pairs.sort_unstable();

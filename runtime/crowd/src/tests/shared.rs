@@ -9,18 +9,18 @@ use proptest::prelude::*;
 use throng_base::{Comm, LocalComm, SingleRank};
 
 /// State after some time, and how many agents were handed over and overlapped.
-fn shared<V: Space>(setup: &Setup<V>, num_ranks: usize, times: &[f64]) -> (Vec<u8>, u64, u64) {
+fn shared<V: Space>(setup: &CrowdSetup<V>, num_ranks: usize, times: &[f64]) -> (Vec<u8>, u64, u64) {
     let mut all = LocalComm::run(num_ranks, |comm| {
         let mut part = SharedEngine::new(Engine::new(setup.clone()).unwrap(), comm).unwrap();
         let mut overlaps = 0;
         for &time in times {
             part.advance(time, comm).unwrap();
-            overlaps += part.overlaps();
+            overlaps += part.num_overlapping();
             let all = comm.sum(part.num_own() as u64).unwrap();
             assert!(all <= setup.agents.len() as u64, "everybody is one rank's");
         }
         let handed_over = part.handed_over;
-        (part.gather(comm).unwrap().map(|engine| engine.bytes()), handed_over, overlaps)
+        (part.gather_crowd(comm).unwrap().map(|engine| engine.bytes()), handed_over, overlaps)
     });
     let handed_over = all.iter().map(|a| a.1).sum();
     let overlaps = all.iter().map(|a| a.2).sum();
@@ -29,7 +29,7 @@ fn shared<V: Space>(setup: &Setup<V>, num_ranks: usize, times: &[f64]) -> (Vec<u
 }
 
 /// All saved state of a crowd is the same at every number of ranks; returns how many agents were handed over.
-fn equals_one_process<V: Space>(setup: &Setup<V>, num_ranks: &[usize], times: &[f64]) -> u64 {
+fn equals_one_process<V: Space>(setup: &CrowdSetup<V>, num_ranks: &[usize], times: &[f64]) -> u64 {
     let mut alone = Engine::new(setup.clone()).unwrap();
     times.iter().for_each(|&time| alone.advance(time, &mut |_| {}).unwrap());
     let mut handed_over = 0;
@@ -74,7 +74,7 @@ fn agents_that_are_woken_act_as_in_one_process() {
         let all = LocalComm::run(4, |comm| {
             let mut part = SharedEngine::new(start.clone(), comm).unwrap();
             part.advance(until, comm).unwrap();
-            let mut whole = part.gather(comm).unwrap()?;
+            let mut whole = part.gather_crowd(comm).unwrap()?;
             let bytes = whole.bytes();
             whole.advance(6.0, &mut |_| {}).unwrap();
             Some((bytes, whole.bytes()))

@@ -6,7 +6,7 @@ use crate::*;
 use glam::{Vec2, Vec3};
 
 /// Agents in each other's way that are fast and brake slowly, so that the motion of others matters.
-fn packed<V: Space>(num: usize) -> Setup<V> {
+fn packed<V: Space>(num: usize) -> CrowdSetup<V> {
     let mut setup = crossing(num, 1.3);
     setup.config.largest_speed_mps = 2.0;
     setup.agents.iter_mut().for_each(|a| (a.acceleration, a.speed) = (0.6, 1.9));

@@ -104,7 +104,7 @@ impl Followers {
         let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
         let t = agent % num;
         let shown = outside.shown[agent];
-        let Some(at) = outside.ids[agent].and_then(|id| outside.crowd.position(id, outside.crowd.now())) else {
+        let Some(at) = outside.ids[agent].and_then(|id| outside.crowd.position(id, outside.crowd.time_s())) else {
             return Ok(());
         };
         let troop = &mut self.troops[t];
@@ -126,7 +126,7 @@ impl Followers {
             return Ok(());
         }
         // The choice differs between agents and changes with time.
-        let turn = agent + (outside.crowd.now() * 0.37) as usize;
+        let turn = agent + (outside.crowd.time_s() * 0.37) as usize;
         troop.order_activity(row, Some(Performance { activity: all[turn % all.len()], heading }))
     }
 

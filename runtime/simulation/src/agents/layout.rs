@@ -8,13 +8,13 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::Result;
-use throng_crowd::{Agent, AtEnd, CrowdConfig, Obstacle, Route, Setup, Space, Zone};
+use throng_crowd::{Agent, AtEnd, CrowdConfig, CrowdSetup, Obstacle, Route, Space, Zone};
 
 /// Starts, paths and goals of all agents of a scene.
 #[derive(Clone, Debug)]
 pub struct CrowdLayout<V> {
     /// Setup of the crowd engine.
-    pub setup: Setup<V>,
+    pub setup: CrowdSetup<V>,
     /// Group of each agent in the scene.
     pub groups: Vec<usize>,
     /// Corners of each agent's path from its start to its goal, both included (m).
@@ -51,11 +51,11 @@ impl<V: Space> CrowdLayout<V> {
             obstacle_keys.push(format!("environment.doors[{i}]"));
         }
         let mut layout = Self {
-            setup: Setup {
+            setup: CrowdSetup {
                 fields: vec![scene.agents.field],
                 obstacles,
                 config: CrowdConfig { scheme: scene.agents.engine, ..CrowdConfig::default() },
-                ..Setup::default()
+                ..CrowdSetup::default()
             },
             groups: Vec::new(),
             paths: Vec::new(),

@@ -2,21 +2,21 @@
 
 use super::layout::CrowdLayout;
 use throng_base::Error;
-use throng_crowd::{CrowdError, NoWay, Space};
+use throng_crowd::{CrowdError, NoPath, Space};
 
 impl<V: Space> CrowdLayout<V> {
     /// Error for two points without a path between them.
-    pub(super) fn no_path_error(&self, m: usize, why: NoWay, from: V, to: V) -> Error {
+    pub(super) fn no_path_error(&self, m: usize, why: NoPath, from: V, to: V) -> Error {
         let key = |obstacle: usize| &self.obstacle_keys[obstacle];
         let who = self.agent_label(m);
         let place = |at: V| format!("{:.2?}", &at.coordinates()[..V::DIMENSIONS]);
         let message = match why {
-            NoWay::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
-            NoWay::Goal(s) => {
+            NoPath::Start(s) => format!("{who} starts in `{}`, at {}", key(s), place(from)),
+            NoPath::Goal(s) => {
                 let radius = self.scene.groups[self.groups[m]].radius_m[1];
                 format!("the goal {} of {who} is in `{}` or nearer than {radius:.2} m to it", place(to), key(s))
             }
-            NoWay::Separated => {
+            NoPath::Separated => {
                 let gap = self.map.widest_gap(self.walls_and_doors().0, self.heights(), from, to);
                 let gap = gap.map_or("there is no gap in the obstacles".to_owned(), |[wide, needed]| {
                     format!("the widest gap is about {wide:.2} m, and {needed:.2} m are needed for the largest `radius_m` and 0.15 m at each side")

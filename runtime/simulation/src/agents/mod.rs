@@ -27,7 +27,7 @@ use throng_base::ground::ReservedRegion;
 use throng_base::maths;
 use throng_base::{Executor, Result};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{Crowd, CrowdError, Event as CrowdEvent, EventKind, Id, Space};
+use throng_crowd::{Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, Space};
 
 /// All agents of a scene: their crowd, paths, brains, and the bodies that follow them.
 #[derive(Clone, Debug)]
@@ -131,7 +131,7 @@ impl<V: Space> SceneAgents<V> {
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the events that there are, and as [`SceneAgents::advance`].
     pub fn raise_event(&mut self, event: &str) -> Result<()> {
-        let now = self.stage.crowd.now();
+        let now = self.stage.crowd.time_s();
         match &mut self.brains {
             Some(minds) => {
                 minds.clear_turns();
@@ -245,7 +245,7 @@ impl<V: Space> MotionKind for SceneAgents<V> {
     /// Reserves ground for agents on the ground; agents in the air need none.
     fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
         if V::DIMENSIONS == 2 {
-            for (body, ground) in self.stage.ids.iter().filter_map(|id| self.stage.crowd.held((*id)?)) {
+            for (body, ground) in self.stage.ids.iter().filter_map(|id| self.stage.crowd.body_and_region((*id)?)) {
                 out.bodies.push(body);
                 out.ground.push(ground);
             }
@@ -253,7 +253,7 @@ impl<V: Space> MotionKind for SceneAgents<V> {
     }
 
     fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
-        self.stage.crowd.mind(others);
+        self.stage.crowd.set_external_obstacles(others);
     }
 
     fn save(&self, out: &mut Vec<u8>) {
@@ -270,14 +270,14 @@ impl<V: Space> MotionKind for SceneAgents<V> {
 
     fn root(&self, number: usize) -> Option<Planar> {
         match self.followers_of(number) {
-            Some(f) => self.position(number, self.crowd().now()).map(|_| f.root(number)),
+            Some(f) => self.position(number, self.crowd().time_s()).map(|_| f.root(number)),
             None => self.disc(number).map(|d| d.root),
         }
     }
 
     fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         let followers = self.followers_of(number)?;
-        self.position(number, self.crowd().now()).map(|_| followers.pose(number))
+        self.position(number, self.crowd().time_s()).map(|_| followers.pose(number))
     }
 
     fn contacts(&self, number: usize) -> Contacts {
@@ -353,7 +353,7 @@ pub struct Disc {
 impl<V: Space> SceneAgents<V> {
     /// An agent as it is now; `None` where it has left (agent < num_agents).
     pub fn disc(&self, agent: usize) -> Option<Disc> {
-        let now = self.crowd().now();
+        let now = self.crowd().time_s();
         let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
         let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, ground_coordinates);
         let (centre, radius) = (world_vector(at), self.layout().setup.agents[agent].radius);
@@ -401,12 +401,12 @@ pub(crate) fn advance_crowd(
 }
 
 /// Character event of a crowd event; `None` for events that only concern the engine.
-pub(crate) fn character_event(kind: EventKind) -> Option<CharacterEvent> {
+pub(crate) fn character_event(kind: CrowdEventKind) -> Option<CharacterEvent> {
     match kind {
-        EventKind::Arrived => Some(CharacterEvent::Arrived),
-        EventKind::Left => Some(CharacterEvent::Left),
-        EventKind::Stuck => Some(CharacterEvent::Stuck),
-        EventKind::Struck { obstacle } => Some(CharacterEvent::RunInto { obstacle }),
+        CrowdEventKind::Arrived => Some(CharacterEvent::Arrived),
+        CrowdEventKind::Left => Some(CharacterEvent::Left),
+        CrowdEventKind::Stuck => Some(CharacterEvent::Stuck),
+        CrowdEventKind::Struck { obstacle } => Some(CharacterEvent::RunInto { obstacle }),
         _ => None,
     }
 }

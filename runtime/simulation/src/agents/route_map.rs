@@ -3,7 +3,7 @@
 use crate::scene::GroupConfig;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use throng_crowd::{NoWay, Obstacle, Space, Streets};
+use throng_crowd::{NoPath, Obstacle, Space, Streets};
 
 /// Clearance of paths from walls beyond the largest radius of agents (m).
 const MARGIN_M: f32 = 0.15;
@@ -36,7 +36,7 @@ impl RouteMap {
         let radius = of_agents.map(|g| g.radius_m[1]).fold(0.01, f32::max);
         let clearance = radius + MARGIN_M;
         let streets = |of: &[Obstacle]| -> throng_base::Result<Option<Streets>> {
-            let streets = Streets::with(of, heights, clearance, radius)?;
+            let streets = Streets::with_limits(of, heights, clearance, radius)?;
             Ok(Some(streets).filter(|s| !s.is_open()))
         };
         let free = streets(&obstacles[..first_door])?;
@@ -47,8 +47,8 @@ impl RouteMap {
     /// Corners of the shortest path from one point to another, both included.
     ///
     /// # Errors
-    /// [`NoWay`].
-    pub fn shortest_path<V: Space>(&self, from: V, to: V) -> Result<Vec<V>, NoWay> {
+    /// [`NoPath`].
+    pub fn shortest_path<V: Space>(&self, from: V, to: V) -> Result<Vec<V>, NoPath> {
         let Some(streets) = &self.streets else { return Ok(vec![from, to]) };
         Ok(streets.corners(from.to_world(), to.to_world())?.into_iter().map(V::from_world).collect())
     }
@@ -65,7 +65,7 @@ impl RouteMap {
         let obstacles: Vec<Obstacle> = obstacles.iter().map(|o| o.clone().map(V::to_world)).collect();
         let heights = (V::DIMENSIONS == 3).then_some(heights);
         let leads = |clearance: f32| {
-            let streets = Streets::with(&obstacles, heights, clearance, 0.0);
+            let streets = Streets::with_limits(&obstacles, heights, clearance, 0.0);
             streets.is_ok_and(|s| s.corners(from.to_world(), to.to_world()).is_ok())
         };
         let (mut low, mut high) = (NARROWEST_M, self.clearance);

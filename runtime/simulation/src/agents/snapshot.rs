@@ -64,7 +64,7 @@ impl<V: Space> SceneAgents<V> {
         self.check(&saved).map_err(|why| refused_snapshot(KIND.what, why))?;
         self.stage.crowd.load(&saved.crowd.0).map_err(throng_base::Error::from)?;
         let outside = &mut self.stage;
-        if outside.crowd.now() != time_s {
+        if outside.crowd.time_s() != time_s {
             return Err(refused_snapshot(KIND.what, "its crowd is at another time"));
         }
         // Each member of the crowd is exactly one agent.

@@ -10,7 +10,8 @@ use std::time::Instant;
 use throng_base::Result;
 use throng_core::blend::ActivityId;
 use throng_crowd::{
-    AtEnd, Crowd, CrowdError, Event, EventKind, Go, Id, InterestAt, PersonalInterest, Route, Sense, Space,
+    AgentOrder, AtEnd, Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, InterestLocation, PersonalInterest, Route,
+    Sense, Space,
 };
 
 /// Most positions that are tried for an agent that enters.
@@ -107,26 +108,26 @@ impl<V: Space> CrowdStage<V> {
     }
 
     /// Signal to the brains for an event of the engine; `None` for events that do not concern them.
-    pub fn brain_signal(&self, event: &Event) -> Option<Signal> {
+    pub fn brain_signal(&self, event: &CrowdEvent) -> Option<Signal> {
         let agent = self.agent_of[event.agent.index()];
         Some(match event.kind {
-            EventKind::Met { other } => {
+            CrowdEventKind::Met { other } => {
                 let other = self.agent_of[other.index()];
                 Signal::Met(agent.min(other), agent.max(other))
             }
-            EventKind::CameTo { zone } => Signal::CameTo(agent, zone as u16),
-            EventKind::WentFrom { zone } => Signal::WentFrom(agent, zone as u16),
-            EventKind::Crossed { .. } => Signal::Crossed(agent),
-            EventKind::Arrived => Signal::Arrived(agent),
-            EventKind::Left => Signal::Left(agent),
-            EventKind::Stuck => Signal::Stuck(agent),
-            EventKind::Timer => Signal::Timer(agent),
+            CrowdEventKind::CameTo { zone } => Signal::CameTo(agent, zone as u16),
+            CrowdEventKind::WentFrom { zone } => Signal::WentFrom(agent, zone as u16),
+            CrowdEventKind::Crossed { .. } => Signal::Crossed(agent),
+            CrowdEventKind::Arrived => Signal::Arrived(agent),
+            CrowdEventKind::Left => Signal::Left(agent),
+            CrowdEventKind::Stuck => Signal::Stuck(agent),
+            CrowdEventKind::Timer => Signal::Timer(agent),
             _ => return None,
         })
     }
 
     /// Gives an order; false where no path leads there.
-    fn order(&mut self, agent: u32, order: Go) -> Result<bool> {
+    fn order(&mut self, agent: u32, order: AgentOrder) -> Result<bool> {
         let m = agent as usize;
         let Some(id) = self.present_id(agent) else { return Ok(false) };
         self.sent[m] += 1;
@@ -147,7 +148,7 @@ impl<V: Space> CrowdStage<V> {
     }
 
     fn current_position(&self, agent: u32) -> Option<V> {
-        self.crowd.position(self.ids[agent as usize]?, self.crowd.now()).map(V::from_world)
+        self.crowd.position(self.ids[agent as usize]?, self.crowd.time_s()).map(V::from_world)
     }
 
     fn agent_ref(&self, agent: u32) -> AgentRef {
@@ -166,7 +167,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     }
 
     fn velocity(&self, agent: u32) -> Vec3 {
-        let velocity = |id| self.crowd.velocity(id, self.crowd.now());
+        let velocity = |id| self.crowd.velocity(id, self.crowd.time_s());
         self.ids[agent as usize].and_then(velocity).unwrap_or_default()
     }
 
@@ -178,12 +179,12 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
             way.extend([from, V::from_world(at)]);
             self.layout.arrivals[agent as usize] = arrival_m;
         }
-        self.order(agent, Go::to(at).within(arrival_m).then(then))
+        self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))
     }
 
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
         let then = if again { AtEnd::Again } else { AtEnd::Stay };
-        self.order(agent, Go::along(points.to_vec()).within(1.0).then(then))
+        self.order(agent, AgentOrder::along_subgoals(points.to_vec()).with_arrival(1.0).then_at_end(then))
     }
 
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
@@ -198,7 +199,8 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         if let Some(speed) = speed {
             self.set_speed(agent, speed)?;
         }
-        self.order(agent, Go::along(subgoals).within(arrival_radius).then(at_end)).map(|_| ())
+        self.order(agent, AgentOrder::along_subgoals(subgoals).with_arrival(arrival_radius).then_at_end(at_end))
+            .map(|_| ())
     }
 
     fn resume_route(&mut self, agent: u32) -> Result<()> {
@@ -206,7 +208,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
             Some(happening) => self.follow_happening(agent, happening),
             None => {
                 let Some(route) = self.layout.setup.agents[agent as usize].route else { return Ok(()) };
-                self.order(agent, Go::on_route(route)).map(|_| ())
+                self.order(agent, AgentOrder::on_route(route)).map(|_| ())
             }
         }
     }
@@ -306,19 +308,19 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         // Meetings count when two come near; news pass wherever two are.
         let (zones, cells) = (self.layout.senses_zones, self.layout.senses_cells);
         let sense = Sense { tells, hears, once: 1 << 31, zones, cells, arrivals: true };
-        self.crowd.sense(id, sense).map_err(|e| self.layout.explain_crowd_error(&e))
+        self.crowd.set_senses(id, sense).map_err(|e| self.layout.explain_crowd_error(&e))
     }
 
     fn set_timer(&mut self, agent: u32, time_s: Option<f64>) -> Result<()> {
         let Some(id) = self.present_id(agent) else { return Ok(()) };
-        let now = self.crowd.now();
+        let now = self.crowd.time_s();
         self.crowd.set_timer(id, time_s.map(|t| t.max(now))).map_err(|e| self.layout.explain_crowd_error(&e))
     }
 
     fn set_interest(&mut self, agent: u32, n: usize, interest: Option<(Vec3, f32, f32)>) -> Result<()> {
         let Some(id) = self.present_id(agent) else { return Ok(()) };
         let interest =
-            interest.map(|(at, strength, reach)| PersonalInterest { at: InterestAt::Place(at), strength, reach });
+            interest.map(|(at, strength, reach)| PersonalInterest { at: InterestLocation::Place(at), strength, reach });
         self.crowd.set_interest(id, n, interest).map_err(|e| self.layout.explain_crowd_error(&e))
     }
 

@@ -65,7 +65,7 @@ impl Troop {
     /// # Errors
     /// [`Error::Gone`], [`Error::Full`].
     pub fn add_body(&mut self, crowd: &Crowd, agent: Id, ahead: Vec2, num_bodies: usize) -> Result<()> {
-        let now = crowd.now();
+        let now = crowd.time_s();
         let motion = crowd.position(agent, now).zip(crowd.velocity(agent, now));
         let (at, velocity) = motion.map(|(at, v)| (at.xz(), v.xz())).ok_or(Error::Gone(agent))?;
         let ahead = if velocity.length() > SLOW_MPS { velocity } else { ahead };
@@ -137,7 +137,7 @@ impl Troop {
 
     /// Advances all bodies to the current positions of their agents.
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Executor) -> Result<()> {
-        let now = crowd.now();
+        let now = crowd.time_s();
         let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
         let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
         run_each(run, self.agents.chunks(PART).zip(told), |(agents, (controls, still))| {

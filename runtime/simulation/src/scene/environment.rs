@@ -6,7 +6,7 @@ use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_base::ground::{Capsule2d, ReservedRegion};
-use throng_crowd::{Field, Obstacle, Scheme};
+use throng_crowd::{ForceField, Obstacle, Scheme};
 
 /// Environment of a scene: space, obstacles, doors, ground and world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -101,12 +101,12 @@ pub struct AgentsConfig {
     pub routes: bool,
     /// Parameters of the force field; those left out have their defaults.
     #[cfg_attr(feature = "schema", schemars(with = "std::collections::BTreeMap<String, f32>"))]
-    pub field: Field,
+    pub field: ForceField,
 }
 
 impl Default for AgentsConfig {
     fn default() -> Self {
-        Self { engine: Scheme::default(), telling_m: 2.0, cell_m: 0.0, routes: true, field: Field::default() }
+        Self { engine: Scheme::default(), telling_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
     }
 }
 

@@ -66,7 +66,7 @@ fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
 /// Centre and radius of the time-varying bound of an agent; none for other characters and after it has left (m).
 pub fn agent_bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
     let (crowd, id) = engine(simulation, who)?;
-    crowd.bound(id, crowd.now())
+    crowd.bound(id, crowd.time_s())
 }
 
 /// Corners of an agent's route, from its start to its goal; none for other characters (m).
@@ -89,15 +89,15 @@ pub fn agent_details(simulation: &Simulation, who: usize) -> Option<AgentDetails
     // The agent was registered at the position of its last event.
     let (side, then) = (crowd.cell_side(), crowd.position(id, events[0])?);
     Some(AgentDetails {
-        velocity: crowd.velocity(id, crowd.now())?,
+        velocity: crowd.velocity(id, crowd.time_s())?,
         radius: agent.radius,
-        bound_radius: crowd.bound(id, crowd.now())?.1,
+        bound_radius: crowd.bound(id, crowd.time_s())?.1,
         forces: [f.driving, f.interaction, f.decelerating, f.damping, f.turning, f.safety],
         taken: f.taken,
         limit: agent.acceleration,
         speed: agent.speed,
         desired: crowd.desired_direction(id)?,
-        route_left: crowd.way_left(id)?,
+        route_left: crowd.distance_left(id)?,
         events,
         stop: [from, to],
         cell: (then / side).floor() * side,

@@ -3,7 +3,7 @@
 use super::rates::EventRates;
 use glam::Vec3;
 use std::collections::VecDeque;
-use throng_runtime::crowd::{EventKind, Id};
+use throng_runtime::crowd::{CrowdEventKind, Id};
 use throng_runtime::simulation::scenario::{Turn, TurnKind};
 
 /// Events of a kind that are kept.
@@ -137,20 +137,20 @@ impl AgentEventKind {
     /// The kind of an event and the other party; none for an unknown kind.
     ///
     /// - `agent`: number of an agent by its name in the engine; none where it has left.
-    pub fn from_engine_event(kind: &EventKind, agent: impl Fn(Id) -> Option<usize>) -> Option<(Self, OtherParty)> {
+    pub fn from_engine_event(kind: &CrowdEventKind, agent: impl Fn(Id) -> Option<usize>) -> Option<(Self, OtherParty)> {
         let with = |other: Id| agent(other).map_or(OtherParty::None, OtherParty::Agent);
         Some(match *kind {
-            EventKind::Resetting => (Self::Resetting, OtherParty::None),
-            EventKind::Colliding { other } => (Self::Colliding, with(other)),
-            EventKind::Meeting { obstacle } => (Self::Meeting, OtherParty::Obstacle(obstacle)),
-            EventKind::Entering => (Self::Entering, OtherParty::None),
-            EventKind::Leaving => (Self::Leaving, OtherParty::None),
-            EventKind::Contacting { other } => (Self::Contacting, with(other)),
-            EventKind::Separating { other } => (Self::Separating, with(other)),
-            EventKind::Arrived => (Self::Arrived, OtherParty::None),
-            EventKind::Left => (Self::Left, OtherParty::None),
-            EventKind::Struck { obstacle } => (Self::Struck, OtherParty::Obstacle(obstacle)),
-            EventKind::Stuck => (Self::Stuck, OtherParty::None),
+            CrowdEventKind::Resetting => (Self::Resetting, OtherParty::None),
+            CrowdEventKind::Colliding { other } => (Self::Colliding, with(other)),
+            CrowdEventKind::Meeting { obstacle } => (Self::Meeting, OtherParty::Obstacle(obstacle)),
+            CrowdEventKind::Entering => (Self::Entering, OtherParty::None),
+            CrowdEventKind::Leaving => (Self::Leaving, OtherParty::None),
+            CrowdEventKind::Contacting { other } => (Self::Contacting, with(other)),
+            CrowdEventKind::Separating { other } => (Self::Separating, with(other)),
+            CrowdEventKind::Arrived => (Self::Arrived, OtherParty::None),
+            CrowdEventKind::Left => (Self::Left, OtherParty::None),
+            CrowdEventKind::Struck { obstacle } => (Self::Struck, OtherParty::Obstacle(obstacle)),
+            CrowdEventKind::Stuck => (Self::Stuck, OtherParty::None),
             _ => return None,
         })
     }

@@ -4,7 +4,7 @@ use crate::run::figures::{AgentFigures, ThingFigures};
 use crate::run::meter::{AgentSample, DiscOverlapMeter, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
-use throng_runtime::crowd::{AtEnd, Counts, Space};
+use throng_runtime::crowd::{AtEnd, EventCounts, Space};
 use throng_runtime::simulation::agents::{self as crowd, HandlingCounts, ground_coordinates};
 use throng_runtime::simulation::scene::SceneMeasureConfig;
 use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
@@ -139,7 +139,7 @@ impl<V: Space> AgentWatch<V> {
 
     /// Observes all of them.
     pub fn observe(&mut self, agents: &crowd::SceneAgents<V>) {
-        let (layout, time_s) = (agents.layout(), agents.crowd().now());
+        let (layout, time_s) = (agents.layout(), agents.crowd().time_s());
         let at = |m: usize| agents.position(m, time_s);
         let all = || self.agents.iter().copied();
         self.places.clear();
@@ -155,7 +155,7 @@ impl<V: Space> AgentWatch<V> {
             at: at(m),
             path: &layout.paths[m],
             path_number: agents.num_orders(m),
-            remaining_m: agents.id(m).and_then(|id| agents.crowd().way_left(id)).unwrap_or(0.0),
+            remaining_m: agents.id(m).and_then(|id| agents.crowd().distance_left(id)).unwrap_or(0.0),
             arrival_m: layout.arrivals[m],
             is_loop: agents.num_orders(m) == 0 && layout.at_end(m) == Some(AtEnd::Again),
         };
@@ -213,7 +213,7 @@ impl<V: Space> AgentWatch<V> {
             max_overlap_m: self.overlaps.max_m,
             progress_mps: self.progress.progress_mps(),
             progress_by_10s_mps: self.progress.progress_by_10s_mps(),
-            stuck_at_end: self.progress.stuck_at(agents.crowd().now()),
+            stuck_at_end: self.progress.stuck_at(agents.crowd().time_s()),
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
             informed: agents.brains().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
@@ -229,7 +229,7 @@ impl<V: Space> AgentWatch<V> {
     fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::SceneAgents<V>) {
         for &m in &self.agents {
             let Some(pose) = sim.joint_positions(first + m) else { continue };
-            let Some(at) = agents.position(m, agents.crowd().now()) else { continue };
+            let Some(at) = agents.position(m, agents.crowd().time_s()) else { continue };
             let hips = pose[Joint::Hips.index()];
             let off = f64::from(ground_coordinates(at).distance(Vec2::new(hips.x, hips.z)));
             self.hips_off_max_m = Some(self.hips_off_max_m.map_or(off, |most| most.max(off)));
@@ -238,7 +238,7 @@ impl<V: Space> AgentWatch<V> {
 }
 
 /// Number of events of a crowd; in a stepped engine, the number of decisions.
-fn num_events(c: &Counts) -> u64 {
+fn num_events(c: &EventCounts) -> u64 {
     if c.steps > 0 {
         return c.decisions;
     }

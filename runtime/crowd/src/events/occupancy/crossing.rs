@@ -1,7 +1,7 @@
 //! When a bound enters and leaves cells (Kim, Kim and Shin 2003a, section 2.2).
 
 use crate::Space;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 use serde::{Deserialize, Serialize};
 
 /// A bound enters or leaves the cells behind a face.
@@ -21,7 +21,7 @@ impl Crossing {
 }
 
 /// Cells that a disc or ball occupies.
-pub(crate) fn range<V: Space>(side: f32, plan: &Plan<V>) -> ([i32; 3], [i32; 3]) {
+pub(crate) fn range<V: Space>(side: f32, plan: &MotionPlan<V>) -> ([i32; 3], [i32; 3]) {
     let x = plan.position.coordinates();
     let (mut low, mut high) = ([0; 3], [0; 3]);
     for axis in 0..V::DIMENSIONS {
@@ -47,7 +47,7 @@ pub(crate) fn range<V: Space>(side: f32, plan: &Plan<V>) -> ([i32; 3], [i32; 3])
 /// The next face of the cells it occupies that the growing bound of a plan crosses, `from` seconds after its start or later.
 pub(crate) fn next_crossing<V: Space>(
     side: f32,
-    plan: &Plan<V>,
+    plan: &MotionPlan<V>,
     (low, high): ([i32; 3], [i32; 3]),
     from: f32,
 ) -> Crossing {

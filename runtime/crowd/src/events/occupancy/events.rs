@@ -6,8 +6,8 @@ use crate::events::engine::Engine;
 use crate::events::occupancy::Occupancy;
 use crate::events::schemes::SchemeRef;
 use crate::safety::bound::{Bound, narrowest_cell};
-use crate::space::plan::Plan;
-use crate::{Agent, CrowdError, EventKind, NONE, Space};
+use crate::space::plan::MotionPlan;
+use crate::{Agent, CrowdError, CrowdEventKind, NONE, Space};
 
 /// Gap between two that touch (m).
 pub(crate) const CONTACT: f32 = 0.02;
@@ -31,7 +31,7 @@ impl<V: Space> Engine<V> {
             let plan = self.cells.plan(agent);
             let occupant = o.occupants[agent as usize];
             let cause = self.states[agent as usize].cause;
-            self.watch(agent, self.partner(cause))?;
+            self.note_for_watchdog(agent, self.partner(cause))?;
             let crossing = plan.start + f64::from(occupant.crossing.after);
             if crossing <= plan.end.min(occupant.meeting.0) {
                 self.cross(o, &plan);
@@ -57,7 +57,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Lists an agent that entered, if there are lists.
-    pub(crate) fn list(&mut self, plan: &Plan<V>) {
+    pub(crate) fn list(&mut self, plan: &MotionPlan<V>) {
         if let Some(occupancy) = &mut self.occupancy {
             occupancy.list(&self.cells, plan);
         }
@@ -80,10 +80,10 @@ impl<V: Space> Engine<V> {
     }
 
     /// A bound enters or leaves cells; in those it enters it may meet other bounds.
-    fn cross(&mut self, o: &mut Occupancy, plan: &Plan<V>) {
+    fn cross(&mut self, o: &mut Occupancy, plan: &MotionPlan<V>) {
         let entered = o.cross(&self.cells, plan);
-        let kind = if entered.is_some() { EventKind::Entering } else { EventKind::Leaving };
-        self.tell(plan.index, kind);
+        let kind = if entered.is_some() { CrowdEventKind::Entering } else { CrowdEventKind::Leaving };
+        self.report_event(plan.index, kind);
         if let Some((low, high)) = entered {
             self.look(o, plan, low, high);
         }
@@ -105,7 +105,7 @@ impl<V: Space> Engine<V> {
     /// A resetting or colliding event, or one with an obstacle.
     fn act(&mut self, o: &mut Occupancy, agent: u32, cause: Cause) {
         let partner = self.partner(cause);
-        self.tell(agent, self.kind(cause));
+        self.report_event(agent, self.kind(cause));
         // An agent that was renewed just now waits as long as the others.
         let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.scenery.interval);
         let renewed = partner.filter(|p| !waits(p));
@@ -118,7 +118,7 @@ impl<V: Space> Engine<V> {
         let Some(partner) = partner else { return };
         let are_there = [agent, partner].iter().all(|&m| self.states[m as usize].cell != NONE);
         if are_there && self.are_in_contact(agent, partner) && o.contacts.join(agent, partner) {
-            self.tell(agent, EventKind::Contacting { other: self.id(partner) });
+            self.report_event(agent, CrowdEventKind::Contacting { other: self.id(partner) });
         }
     }
 
@@ -150,7 +150,7 @@ impl<V: Space> Engine<V> {
     /// Two that were in contact move relative to each other. Where that splits a group, its parts look for each other.
     fn separate(&mut self, o: &mut Occupancy, agent: u32, other: u32) {
         o.contacts.part(agent, other);
-        self.tell(agent, EventKind::Separating { other: self.id(other) });
+        self.report_event(agent, CrowdEventKind::Separating { other: self.id(other) });
         let mut n = 0;
         while let Some(m) = o.contacts.changed(n) {
             let plan = self.cells.plan(m);
@@ -171,14 +171,14 @@ impl<V: Space> Engine<V> {
     }
 
     /// Sets the next event of an agent: of what it knows, the first.
-    fn wait(&mut self, o: &Occupancy, plan: &Plan<V>) {
+    fn wait(&mut self, o: &Occupancy, plan: &MotionPlan<V>) {
         let occupant = &o.occupants[plan.index as usize];
         let crossing = plan.start + f64::from(occupant.crossing.after);
         self.queue.set(plan.index, plan.end.min(occupant.meeting.0).min(crossing).max(self.now));
     }
 
     /// Looks for the first contact in all cells that a bound occupies.
-    fn look_anew(&self, o: &mut Occupancy, plan: &Plan<V>) {
+    fn look_anew(&self, o: &mut Occupancy, plan: &MotionPlan<V>) {
         let occupant = &mut o.occupants[plan.index as usize];
         occupant.meeting = (f64::INFINITY, Cause::Region);
         let (low, high) = (occupant.low, occupant.high);
@@ -186,7 +186,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Looks for contacts in some cells that are before the one that is known, and before the end of the plan.
-    fn look(&self, o: &mut Occupancy, plan: &Plan<V>, low: [i32; 3], high: [i32; 3]) {
+    fn look(&self, o: &mut Occupancy, plan: &MotionPlan<V>, low: [i32; 3], high: [i32; 3]) {
         let (bound, me) = (Bound::from(plan), plan.index);
         let Some(occupant) = o.occupants.get(me as usize) else { return };
         let earliest = occupant.asked.max(plan.start) + f64::from(self.scenery.interval);
@@ -211,7 +211,7 @@ impl<V: Space> Engine<V> {
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
                 for x in low[0]..=high[0] {
-                    let near = self.scenery.near(self.cells.number([x, y, z]));
+                    let near = self.scenery.solids_near(self.cells.number([x, y, z]));
                     let first = decider.first_obstacle(&bound, near, (Cause::Region, within));
                     if first.1 < within {
                         note(first.1, first.0);
@@ -224,7 +224,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// True where a contact of bounds is there, and not only was expected.
-    fn is_actual(&self, plan: &Plan<V>, cause: Cause) -> bool {
+    fn is_actual(&self, plan: &MotionPlan<V>, cause: Cause) -> bool {
         let Some(other) = self.partner(cause) else { return !matches!(cause, Cause::Agent(_)) };
         let within = EARLY * self.scenery.interval;
         let other = Bound::from(&self.cells.plan(other));
@@ -234,9 +234,9 @@ impl<V: Space> Engine<V> {
     /// True where two touch, and their plans move them alike as long as both are known.
     fn are_in_contact(&self, a: u32, b: u32) -> bool {
         let (a, b) = (self.cells.plan(a), self.cells.plan(b));
-        let ((x, v), (y, w)) = (a.at(self.now), b.at(self.now));
+        let ((x, v), (y, w)) = (a.motion_at(self.now), b.motion_at(self.now));
         let end = a.end.min(b.end).max(self.now);
-        let last = (a.at(end).1 - b.at(end).1).length();
+        let last = (a.motion_at(end).1 - b.motion_at(end).1).length();
         (x - y).length() <= a.radius + b.radius + CONTACT && (v - w).length().max(last) <= REST
     }
 }

@@ -7,9 +7,9 @@ pub(crate) mod events;
 use self::contacts::Contacts;
 use self::crossing::{Crossing, next_crossing, range};
 use crate::events::decide::{Cause, Decider};
-use crate::safety::bound::{Bound, WIDEST, fall};
-use crate::space::cells::Cells;
-use crate::space::plan::Plan;
+use crate::safety::bound::{Bound, WIDEST, time_until_gone};
+use crate::space::cells::CellGrid;
+use crate::space::plan::MotionPlan;
 use crate::{NONE, Space};
 use serde::{Deserialize, Serialize};
 
@@ -93,7 +93,7 @@ impl Occupancy {
     }
 
     /// Makes the lists of what was read.
-    pub fn relink<V: Space>(&mut self, cells: &Cells<V>) {
+    pub fn relink<V: Space>(&mut self, cells: &CellGrid<V>) {
         self.clear(cells.num_cells());
         for agent in 0..self.occupants.len() as u32 {
             let o = self.occupants[agent as usize];
@@ -110,11 +110,11 @@ impl Occupancy {
         other: &Self,
         side: f32,
         now: f64,
-        plan: impl Fn(u32) -> Option<&'a Plan<V>>,
+        plan: impl Fn(u32) -> Option<&'a MotionPlan<V>>,
     ) -> bool {
         let is_good = |(agent, o): (u32, &Occupant)| {
             let Some(plan) = plan(agent) else { return *o == Occupant::default() };
-            let (centre, radius) = Bound::from(plan).at(now);
+            let (centre, radius) = Bound::from(plan).disc_at(now);
             let (x, c) = (centre.coordinates(), &o.crossing);
             let reaches = |i: usize| {
                 let (from, to) = ((x[i] - radius) / side, (x[i] + radius) / side);
@@ -136,7 +136,7 @@ impl Occupancy {
     }
 
     /// Lists an agent in the cells that the bound at the start of its plan occupies, and in no others.
-    pub fn list<V: Space>(&mut self, cells: &Cells<V>, plan: &Plan<V>) {
+    pub fn list<V: Space>(&mut self, cells: &CellGrid<V>, plan: &MotionPlan<V>) {
         let (low, high) = range(cells.side(), plan);
         let mut o = self.occupants[plan.index as usize];
         if o.is_listed {
@@ -161,7 +161,7 @@ impl Occupancy {
     }
 
     /// Takes an agent out of all lists (it has no contact).
-    pub fn remove<V: Space>(&mut self, cells: &Cells<V>, agent: u32) {
+    pub fn remove<V: Space>(&mut self, cells: &CellGrid<V>, agent: u32) {
         let o = self.occupants[agent as usize];
         if o.is_listed {
             each_cell(o.low, o.high, |at| self.unlink(cells, agent, at));
@@ -170,7 +170,7 @@ impl Occupancy {
     }
 
     /// Lets an agent cross the face that it comes to. Gives the cells it enters, if it does.
-    pub fn cross<V: Space>(&mut self, cells: &Cells<V>, plan: &Plan<V>) -> Option<([i32; 3], [i32; 3])> {
+    pub fn cross<V: Space>(&mut self, cells: &CellGrid<V>, plan: &MotionPlan<V>) -> Option<([i32; 3], [i32; 3])> {
         let mut o = self.occupants[plan.index as usize];
         let Crossing { after, axis, is_upper, enters } = o.crossing;
         let axis = axis as usize;
@@ -193,7 +193,7 @@ impl Occupancy {
 
     /// Calls `f` once for every agent in one of the cells.
     #[inline]
-    pub fn each<V: Space>(&self, cells: &Cells<V>, low: [i32; 3], high: [i32; 3], mut f: impl FnMut(u32)) {
+    pub fn each<V: Space>(&self, cells: &CellGrid<V>, low: [i32; 3], high: [i32; 3], mut f: impl FnMut(u32)) {
         each_cell(low, high, |at| {
             let mut entry = self.first[cells.number(at) as usize];
             while entry != NONE {
@@ -209,7 +209,7 @@ impl Occupancy {
     }
 
     /// Lists are in the order of numbers.
-    fn link<V: Space>(&mut self, cells: &Cells<V>, agent: u32, at: [i32; 3]) {
+    fn link<V: Space>(&mut self, cells: &CellGrid<V>, agent: u32, at: [i32; 3]) {
         let (entry, cell) = (entry(agent, at), cells.number(at) as usize);
         let (mut previous, mut next) = (NONE, self.first[cell]);
         while next != NONE && next < entry {
@@ -226,7 +226,7 @@ impl Occupancy {
         }
     }
 
-    fn unlink<V: Space>(&mut self, cells: &Cells<V>, agent: u32, at: [i32; 3]) {
+    fn unlink<V: Space>(&mut self, cells: &CellGrid<V>, agent: u32, at: [i32; 3]) {
         let Link { next, previous } = self.links[entry(agent, at) as usize];
         if next != NONE {
             self.links[next as usize].previous = previous;
@@ -242,9 +242,9 @@ impl Occupancy {
 impl Occupancy {
     /// When the bound of a new plan is as wide as a cell, or touches another one in a cell that it occupies.
     #[inline]
-    pub fn first_meeting<V: Space>(&self, at: &Decider<'_, V>, fresh: &Plan<V>) -> (Cause, f32) {
+    pub fn first_meeting<V: Space>(&self, at: &Decider<'_, V>, fresh: &MotionPlan<V>) -> (Cause, f32) {
         let (bound, side) = (Bound::from(fresh), at.cells.side());
-        let mut first = (Cause::Region, fall(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
+        let mut first = (Cause::Region, time_until_gone(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
         let (low, high) = range(side, fresh);
         self.each(at.cells, low, high, |other| {
             if other != fresh.index && !self.contacts.are_together(fresh.index, other) {

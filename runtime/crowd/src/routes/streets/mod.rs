@@ -13,12 +13,12 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use crate::routes::outline::Outline;
+use crate::routes::outline::ObstacleOutline;
 use crate::{AtEnd, NONE, Obstacle, Route};
 use glam::{Vec2, Vec3, Vec3Swizzles};
-use near::Edges;
-pub(crate) use search::Open;
-use search::length;
+use near::EdgeGrid;
+pub(crate) use search::OpenPoint;
+use search::path_length;
 use serde::Serialize;
 use throng_base::error::check_value;
 use throng_base::{Error, Result};
@@ -27,11 +27,11 @@ use throng_base::{Error, Result};
 #[derive(Clone, Debug)]
 pub struct Streets {
     obstacles: Vec<Obstacle>,
-    outlines: Vec<Outline>,
+    outlines: Vec<ObstacleOutline>,
     /// Obstacle that each outline is of.
     owners: Vec<usize>,
     bounds: Vec<(Vec2, Vec2)>,
-    edges: Edges,
+    edges: EdgeGrid,
     /// Lowest and highest that agents are (m).
     heights: Option<[f32; 2]>,
     clearance: f32,
@@ -57,46 +57,46 @@ type Doors = u64;
 
 /// Distances of a goal from all points of some streets: the points that see it, and the next point of the others.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Costs {
+pub(crate) struct GoalCosts {
     goal: Vec2,
     /// Points that see the goal, how far they are (m), and the doors in between.
     seen: Vec<(u32, f32, Doors)>,
     /// (points)
-    of: Vec<Cost>,
+    points: Vec<PointCost>,
     /// Distance of the goal from obstacles, if that is less than the clearance (m).
     pub near: f32,
 }
 
-impl Costs {
+impl GoalCosts {
     /// Memory for so many points.
     pub(crate) fn with_capacity(num_points: usize) -> Self {
-        Self { seen: Vec::with_capacity(num_points), of: Vec::with_capacity(num_points), ..Self::default() }
+        Self { seen: Vec::with_capacity(num_points), points: Vec::with_capacity(num_points), ..Self::default() }
     }
 }
 
 /// Distance of a goal from a point.
 #[derive(Clone, Copy, Debug)]
-struct Cost {
+struct PointCost {
     /// (m)
-    way: f32,
+    length: f32,
     /// Point to go on by; [`NONE`] where the goal is seen.
     next: u32,
     /// Closed doors on the way.
     closed: u32,
 }
 
-impl Cost {
-    const NO_WAY: Self = Self { way: f32::INFINITY, next: NONE, closed: 0 };
+impl PointCost {
+    const NO_PATH: Self = Self { length: f32::INFINITY, next: NONE, closed: 0 };
 
     /// Length of a path that is equally costly (m).
     fn key(&self) -> f32 {
-        self.way + CLOSED_M * self.closed as f32
+        self.length + CLOSED_M * self.closed as f32
     }
 }
 
 /// A corner on the way to a goal, as seen from somewhere.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Corner {
+pub(crate) struct RouteCorner {
     /// A point beside the corner (m).
     pub at: Vec2,
     /// Unit vector away from the corner, across the path.
@@ -109,7 +109,7 @@ pub(crate) struct Corner {
     pub next: Vec2,
     pub rest: f32,
     /// Length of the path to the goal by this corner (m).
-    pub way: f32,
+    pub distance_left: f32,
 }
 
 /// Largest free distance across the path that a corner is given (m).
@@ -125,7 +125,7 @@ pub(crate) const MOST_CORNERS: usize = 6;
 
 /// Reason why there is no path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoWay {
+pub enum NoPath {
     /// The start is in that obstacle.
     Start(usize),
     /// The goal is in that obstacle, or too near to it.
@@ -144,7 +144,7 @@ impl Streets {
     /// [`Error::Value`] for a clearance out of range, an obstacle that is not finite, and more than 4000 corners (a box has
     /// four, a wall two, a ball one).
     pub fn new(obstacles: &[Obstacle], clearance_m: f32) -> Result<Self> {
-        Self::with(obstacles, None, clearance_m, 0.5 * clearance_m)
+        Self::with_limits(obstacles, None, clearance_m, 0.5 * clearance_m)
     }
 
     /// Streets with all settings, see [`Streets::new`].
@@ -155,14 +155,20 @@ impl Streets {
     ///
     /// # Errors
     /// As [`Streets::new`].
-    pub fn with(obstacles: &[Obstacle], heights: Option<[f32; 2]>, clearance_m: f32, nearest_m: f32) -> Result<Self> {
+    pub fn with_limits(
+        obstacles: &[Obstacle],
+        heights: Option<[f32; 2]>,
+        clearance_m: f32,
+        nearest_m: f32,
+    ) -> Result<Self> {
         let good = clearance_m > 0.0 && clearance_m < 1e6;
         check_value("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
         let good = (0.0..=clearance_m).contains(&nearest_m);
         check_value("nearest_m", None, nearest_m, good, "between 0 and the clearance")?;
-        let all = obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, Outline::of(o, heights)?)));
+        let all =
+            obstacles.iter().enumerate().filter_map(|(n, o)| Some((n, ObstacleOutline::from_obstacle(o, heights)?)));
         let (owners, outlines): (Vec<_>, Vec<_>) = all.unzip();
-        let bounds: Vec<_> = outlines.iter().map(Outline::bounds).collect();
+        let bounds: Vec<_> = outlines.iter().map(ObstacleOutline::bounds).collect();
         let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
         let expected = "one with coordinates that are finite";
         check_value("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
@@ -171,7 +177,7 @@ impl Streets {
         let mut streets = Self {
             obstacles: obstacles.to_vec(),
             doors: vec![0; outlines.len()],
-            edges: Edges::new(&outlines, &bounds),
+            edges: EdgeGrid::new(&outlines, &bounds),
             outlines,
             owners,
             bounds,
@@ -195,13 +201,14 @@ impl Streets {
         self.at_doors.clear();
         self.seen.clear();
         let outlines = self.outlines.iter().zip(&self.doors);
-        let of = |(s, &own): (&Outline, &Doors)| s.points_around(self.clearance).into_iter().map(move |p| (p, own));
+        let of =
+            |(s, &own): (&ObstacleOutline, &Doors)| s.points_around(self.clearance).into_iter().map(move |p| (p, own));
         let around: Vec<_> = outlines.flat_map(of).collect();
         let mut number = 0;
         for (i, &((p, corner), own)) in around.iter().enumerate() {
             number += u32::from(i > 0 && around[i - 1].0.1 != corner);
             if let Some(doors) = self.doors_between(p, p, self.clearance) {
-                self.join(p, (p - corner).normalize_or_zero(), number, [doors, own]);
+                self.join_points(p, (p - corner).normalize_or_zero(), number, [doors, own]);
             }
         }
     }
@@ -244,7 +251,7 @@ impl Streets {
             self.make_graph();
         } else {
             for n in 0..self.points.len() {
-                self.around[n].1 = self.free_way(self.points[n], self.around[n].0);
+                self.around[n].1 = self.free_distance(self.points[n], self.around[n].0);
             }
         }
         Ok(is_new)
@@ -288,10 +295,10 @@ impl Streets {
     /// clearance; the legs of an end that is nearer to an obstacle keep as much as that end has.
     ///
     /// # Errors
-    /// [`NoWay`].
-    pub fn corners(&self, from: Vec3, to: Vec3) -> std::result::Result<Vec<Vec3>, NoWay> {
+    /// [`NoPath`].
+    pub fn corners(&self, from: Vec3, to: Vec3) -> std::result::Result<Vec<Vec3>, NoPath> {
         let flat = self.flat_corners(from.xz(), to.xz())?;
-        let all = length(&flat).max(1e-6);
+        let all = path_length(&flat).max(1e-6);
         let mut gone = 0.0;
         let legs = std::iter::once(0.0).chain(flat.windows(2).map(|w| w[0].distance(w[1])));
         let raise = |(p, leg): (&Vec2, f32)| {
@@ -303,51 +310,51 @@ impl Streets {
 
     /// Distances of both ends of a path from obstacles, less a small margin, so that rounding does not close the path
     /// out (m).
-    fn check_ends(&self, from: Vec2, to: Vec2) -> std::result::Result<[f32; 2], NoWay> {
+    fn check_ends(&self, from: Vec2, to: Vec2) -> std::result::Result<[f32; 2], NoPath> {
         let stands = |i: &usize| self.doors[*i] == 0 || self.doors[*i] & self.closed != 0;
         let all = 0..self.outlines.len();
         if let Some(i) = all.clone().filter(stands).find(|&i| self.outlines[i].distance(from) <= 0.0) {
-            return Err(NoWay::Start(self.owners[i]));
+            return Err(NoPath::Start(self.owners[i]));
         }
         if let Some(i) = all.clone().find(|&i| self.outlines[i].distance(to) < self.nearest) {
-            return Err(NoWay::Goal(self.owners[i]));
+            return Err(NoPath::Goal(self.owners[i]));
         }
         let at_start = all.filter(stands).map(|i| self.outlines[i].distance(from)).fold(self.clearance, f32::min);
-        Ok([at_start * 0.999, self.near(to)])
+        Ok([at_start * 0.999, self.outlines_near(to)])
     }
 
     /// Distance of a goal from all outlines, if that is less than the clearance, less a small margin (m).
-    fn near(&self, goal: Vec2) -> f32 {
+    fn outlines_near(&self, goal: Vec2) -> f32 {
         self.outlines.iter().map(|s| s.distance(goal)).fold(self.clearance, f32::min) * 0.999
     }
 
     /// Checks that a path leads from a place to a goal, be it through closed doors. Allocates nothing.
-    pub(crate) fn check_way(&self, from: Vec2, goal: &Costs) -> std::result::Result<(), NoWay> {
+    pub(crate) fn check_path(&self, from: Vec2, goal: &GoalCosts) -> std::result::Result<(), NoPath> {
         let [at_start, at_goal] = self.check_ends(from, goal.goal)?;
-        let leads = |n: usize| goal.of[n].way.is_finite() && self.sees(from, n, at_start).is_some();
+        let leads = |n: usize| goal.points[n].length.is_finite() && self.sees_point(from, n, at_start).is_some();
         let straight = self.doors_between(from, goal.goal, at_start.min(at_goal)).is_some();
-        if straight || (0..self.points.len()).any(leads) { Ok(()) } else { Err(NoWay::Separated) }
+        if straight || (0..self.points.len()).any(leads) { Ok(()) } else { Err(NoPath::Separated) }
     }
 
     /// Adds a point, joined with all that it sees.
-    fn join(&mut self, p: Vec2, out: Vec2, corner: u32, at_doors: [Doors; 2]) {
+    fn join_points(&mut self, p: Vec2, out: Vec2, corner: u32, at_doors: [Doors; 2]) {
         let new = self.points.len();
         let is_taut = |n: usize, d: f32| corner == self.around[n].2 || (self.points[n] - p).dot(out).abs() <= TAUT * d;
         let taut = (0..new).filter(|&n| is_taut(n, p.distance(self.points[n])));
         let sees: Vec<_> =
-            taut.filter_map(|n| self.sees(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors))).collect();
+            taut.filter_map(|n| self.sees_point(p, n, self.clearance).map(|(d, doors)| (n as u32, d, doors))).collect();
         for &(n, distance, doors) in &sees {
             self.seen[n as usize].push((new as u32, distance, doors));
         }
         self.seen.push(sees.into_iter().rev().collect());
-        let free = self.free_way(p, out);
+        let free = self.free_distance(p, out);
         self.points.push(p);
         self.around.push((out, free, corner));
         self.at_doors.push(at_doors);
     }
 
     /// Distance of a point that is seen with a clearance and that paths may lead to, and the doors in between.
-    fn sees(&self, p: Vec2, n: usize, clearance: f32) -> Option<(f32, Doors)> {
+    fn sees_point(&self, p: Vec2, n: usize, clearance: f32) -> Option<(f32, Doors)> {
         let (q, (out, ..)) = (self.points[n], self.around[n]);
         let distance = p.distance(q);
         let is_taut = (p - q).dot(out).abs() <= TAUT * distance || distance < 2.0 * self.clearance;
@@ -366,7 +373,7 @@ impl Streets {
     }
 
     /// Free distance from a point along a unit vector, less the clearance (m).
-    fn free_way(&self, from: Vec2, along: Vec2) -> f32 {
+    fn free_distance(&self, from: Vec2, along: Vec2) -> f32 {
         let mut way = 0.0;
         while way < WIDEST_M {
             let x = from + along * way;
@@ -409,7 +416,7 @@ impl Streets {
     /// Doors that are nearer to a straight line than a clearance; `None` if anything else is.
     fn doors_between(&self, a: Vec2, b: Vec2, clearance: f32) -> Option<Doors> {
         let mut all = 0;
-        let is_free = self.edges.near(&self.outlines, [a, b], clearance, |n| {
+        let is_free = self.edges.find_near(&self.outlines, [a, b], clearance, |n| {
             all |= self.doors[n];
             self.doors[n] != 0
         });

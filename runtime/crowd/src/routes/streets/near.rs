@@ -1,6 +1,6 @@
 //! Search for outlines near a straight line: their edges, in a grid.
 
-use crate::routes::outline::{Outline, line_to_line};
+use crate::routes::outline::{ObstacleOutline, line_to_line};
 use glam::Vec2;
 
 /// Most rows and columns.
@@ -12,8 +12,8 @@ const SLACK: f32 = 1e-5;
 
 /// Edges of outlines, by where they are.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Edges {
-    all: Vec<Edge>,
+pub(super) struct EdgeGrid {
+    all: Vec<OutlineEdge>,
     low: Vec2,
     /// Size of a cell (m).
     cell: Vec2,
@@ -22,13 +22,13 @@ pub(super) struct Edges {
     /// Largest coordinate of an edge (m).
     farthest: f32,
     /// Edges that reach into each cell.
-    edges: Lists,
+    edges: CellLists,
     /// Polygons that may hold a place in each cell.
-    polygons: Lists,
+    polygons: CellLists,
 }
 
 #[derive(Clone, Debug)]
-struct Edge {
+struct OutlineEdge {
     ends: [Vec2; 2],
     /// (m)
     radius: f32,
@@ -37,30 +37,30 @@ struct Edge {
 
 /// A list of numbers for each cell, one after the other.
 #[derive(Clone, Debug, Default)]
-struct Lists {
+struct CellLists {
     /// (cells + 1)
     first: Vec<u32>,
-    of: Vec<u32>,
+    numbers: Vec<u32>,
 }
 
-impl Lists {
+impl CellLists {
     fn new(mut pairs: Vec<(u32, u32)>, cells: usize) -> Self {
         pairs.sort_unstable();
         let first = (0..=cells).map(|c| pairs.partition_point(|p| (p.0 as usize) < c) as u32).collect();
-        Self { first, of: pairs.into_iter().map(|p| p.1).collect() }
+        Self { first, numbers: pairs.into_iter().map(|p| p.1).collect() }
     }
 
-    fn of(&self, cell: usize) -> &[u32] {
-        &self.of[self.first[cell] as usize..self.first[cell + 1] as usize]
+    fn list_of(&self, cell: usize) -> &[u32] {
+        &self.numbers[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
 }
 
-impl Edges {
+impl EdgeGrid {
     /// - `bounds`: of each outline.
-    pub fn new(outlines: &[Outline], bounds: &[(Vec2, Vec2)]) -> Self {
+    pub fn new(outlines: &[ObstacleOutline], bounds: &[(Vec2, Vec2)]) -> Self {
         let mut all = Vec::new();
         for (outline, o) in (0..).zip(outlines) {
-            all.extend(o.edges().map(|(ends, radius)| Edge { ends, radius, outline }));
+            all.extend(o.edges().map(|(ends, radius)| OutlineEdge { ends, radius, outline }));
         }
         let side = if all.len() <= FEW { 1 } else { (all.len() as f32).sqrt().ceil() as usize }.min(MOST_SIDE);
         let (low, high) = bounds.iter().fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
@@ -75,24 +75,24 @@ impl Edges {
                 true
             });
         }
-        edges.edges = Lists::new(std::mem::take(&mut pairs), side * side);
+        edges.edges = CellLists::new(std::mem::take(&mut pairs), side * side);
         for (n, (low, high)) in (0..).zip(bounds) {
-            if matches!(outlines[n as usize], Outline::Polygon(_)) {
-                let [from, to] = [edges.place(*low), edges.place(*high)];
+            if matches!(outlines[n as usize], ObstacleOutline::Polygon(_)) {
+                let [from, to] = [edges.cell_at(*low), edges.cell_at(*high)];
                 let cells = (from[1]..=to[1]).flat_map(|row| (from[0]..=to[0]).map(move |c| row * side + c));
                 pairs.extend(cells.map(|cell| (cell as u32, n)));
             }
         }
-        edges.polygons = Lists::new(pairs, side * side);
+        edges.polygons = CellLists::new(pairs, side * side);
         edges.all = all;
         edges
     }
 
     /// Calls `found` for outlines that are nearer to a straight line than a clearance, some more than once, until it returns
     /// false; false then.
-    pub fn near(
+    pub fn find_near(
         &self,
-        outlines: &[Outline],
+        outlines: &[ObstacleOutline],
         [a, b]: [Vec2; 2],
         clearance: f32,
         mut found: impl FnMut(usize) -> bool,
@@ -100,14 +100,14 @@ impl Edges {
         if self.all.is_empty() {
             return true;
         }
-        let [column, row] = self.place(a);
-        let mut around = self.polygons.of(row * self.side + column).iter().map(|&n| n as usize);
-        if !around.all(|n| clearance <= 0.0 || !outlines[n].holds(a) || found(n)) {
+        let [column, row] = self.cell_at(a);
+        let mut around = self.polygons.list_of(row * self.side + column).iter().map(|&n| n as usize);
+        if !around.all(|n| clearance <= 0.0 || !outlines[n].contains_point(a) || found(n)) {
             return false;
         }
         self.cells_along([a, b], clearance, |cell| {
-            self.edges.of(cell).iter().all(|&n| {
-                let Edge { ends, radius, outline } = &self.all[n as usize];
+            self.edges.list_of(cell).iter().all(|&n| {
+                let OutlineEdge { ends, radius, outline } = &self.all[n as usize];
                 let (low, high) = (a.min(b) - clearance - *radius, a.max(b) + clearance + *radius);
                 let is_far = ends[0].max(ends[1]).cmplt(low).any() || ends[0].min(ends[1]).cmpgt(high).any();
                 is_far || (line_to_line([a, b], *ends) - radius).max(0.0) >= clearance || found(*outline as usize)
@@ -116,7 +116,7 @@ impl Edges {
     }
 
     /// Column and row of a place, the nearest ones outside.
-    fn place(&self, at: Vec2) -> [usize; 2] {
+    fn cell_at(&self, at: Vec2) -> [usize; 2] {
         ((at - self.low) / self.cell).to_array().map(|v| (v as usize).min(self.side - 1))
     }
 
@@ -127,7 +127,7 @@ impl Edges {
         }
         let (low, high) = (a.min(b), a.max(b));
         let reach = radius + SLACK * self.farthest.max(low.abs().max(high.abs()).max_element());
-        let (first, last) = (self.place(low - reach), self.place(high + reach));
+        let (first, last) = (self.cell_at(low - reach), self.cell_at(high + reach));
         for column in first[0]..=last[0] {
             // The part of the line within reach of the column; the outermost ones have no end.
             let left = if column == 0 { f32::NEG_INFINITY } else { self.low.x + self.cell.x * column as f32 - reach };
@@ -139,7 +139,7 @@ impl Edges {
             };
             let is_steep = high.x - low.x < 1e-6 * self.farthest.max(1.0);
             let [one, other] = if is_steep { [low.y, high.y] } else { [height(left), height(right)] };
-            let rows = |y: f32| self.place(Vec2::new(self.low.x, y))[1];
+            let rows = |y: f32| self.cell_at(Vec2::new(self.low.x, y))[1];
             for row in rows(one.min(other) - reach)..=rows(one.max(other) + reach) {
                 if !visit(row * self.side + column) {
                     return false;

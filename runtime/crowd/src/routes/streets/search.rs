@@ -1,13 +1,13 @@
 //! The shortest paths over the graph.
 
-use super::{CLOSED_M, Corner, Cost, Costs, Doors, MOST_CORNERS, NoWay, Streets, TAUT};
+use super::{CLOSED_M, Doors, GoalCosts, MOST_CORNERS, NoPath, PointCost, RouteCorner, Streets, TAUT};
 use crate::NONE;
 use glam::Vec2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Both ends of a path, with the points that they see, the distances, and the doors in between.
-struct Ends {
+struct RouteEnds {
     from: Vec2,
     to: Vec2,
     start: Vec<Option<(f32, Doors)>>,
@@ -18,7 +18,7 @@ struct Ends {
 
 /// Point that waits to be expanded; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Open {
+pub(crate) struct OpenPoint {
     /// Estimated length of the whole path (m).
     estimate: f32,
     /// Straight distance to the goal (m).
@@ -28,78 +28,78 @@ pub(crate) struct Open {
     n: usize,
 }
 
-impl Ord for Open {
+impl Ord for OpenPoint {
     fn cmp(&self, other: &Self) -> Ordering {
         let order = other.estimate.total_cmp(&self.estimate).then(other.left.total_cmp(&self.left));
         order.then(other.length.total_cmp(&self.length))
     }
 }
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenPoint {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Open {
+impl PartialEq for OpenPoint {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Open {}
+impl Eq for OpenPoint {}
 
 impl Streets {
-    pub(super) fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoWay> {
+    pub(super) fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoPath> {
         let [at_start, at_goal] = self.check_ends(from, to)?;
         if self.is_clear(from, to, at_start.min(at_goal)) {
             return Ok(vec![from, to]);
         }
         let straight = self.doors_between(from, to, at_start.min(at_goal));
-        let sees = |p, clearance| (0..self.points.len()).map(|n| self.sees(p, n, clearance)).collect();
-        let ends = Ends { from, to, start: sees(from, at_start), goal: sees(to, at_goal), straight };
-        self.search(&ends).ok_or(NoWay::Separated)
+        let sees = |p, clearance| (0..self.points.len()).map(|n| self.sees_point(p, n, clearance)).collect();
+        let ends = RouteEnds { from, to, start: sees(from, at_start), goal: sees(to, at_goal), straight };
+        self.search_route(&ends).ok_or(NoPath::Separated)
     }
 
     /// Finds out from where a goal is seen, and how far it is from all points.
     ///
-    /// - `open`: memory for [`Streets::find_ways`].
-    pub(crate) fn find_costs(&self, goal: Vec2, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
-        (costs.goal, costs.near) = (goal, self.near(goal));
+    /// - `open`: memory for [`Streets::find_paths`].
+    pub(crate) fn find_costs(&self, goal: Vec2, costs: &mut GoalCosts, open: &mut BinaryHeap<OpenPoint>) {
+        (costs.goal, costs.near) = (goal, self.outlines_near(goal));
         costs.seen.clear();
-        let seen = |n: usize| self.sees(goal, n, costs.near).map(|(far, doors)| (n as u32, far, doors));
+        let seen = |n: usize| self.sees_point(goal, n, costs.near).map(|(far, doors)| (n as u32, far, doors));
         costs.seen.extend((0..self.points.len()).filter_map(seen));
-        self.find_ways(costs, open);
+        self.find_paths(costs, open);
     }
 
     /// Computes the distances of a goal from all points, with the present doors: Dijkstra (1959), from the goal on.
     /// Equal paths are resolved by the numbers of points.
-    pub(crate) fn find_ways(&self, costs: &mut Costs, open: &mut BinaryHeap<Open>) {
+    pub(crate) fn find_paths(&self, costs: &mut GoalCosts, open: &mut BinaryHeap<OpenPoint>) {
         open.clear();
-        let Costs { of, seen, .. } = costs;
+        let GoalCosts { points: of, seen, .. } = costs;
         of.clear();
-        of.resize(self.points.len(), Cost::NO_WAY);
+        of.resize(self.points.len(), PointCost::NO_PATH);
         for &(n, way, doors) in &*seen {
-            self.reach(n, Cost { way, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
+            self.reach_point(n, PointCost { length: way, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
         }
-        while let Some(Open { length, n, .. }) = open.pop() {
+        while let Some(OpenPoint { length, n, .. }) = open.pop() {
             let at = of[n];
             if at.key() < length {
                 continue;
             }
             for &(next, far, doors) in &self.seen[n] {
                 let closed = at.closed + self.num_closed(doors, self.at_doors[n][0]);
-                self.reach(next, Cost { way: at.way + far, next: n as u32, closed }, of, open);
+                self.reach_point(next, PointCost { length: at.length + far, next: n as u32, closed }, of, open);
             }
         }
     }
 
     /// Notes a path to a point if it is the best one so far.
-    fn reach(&self, n: u32, then: Cost, of: &mut [Cost], open: &mut BinaryHeap<Open>) {
+    fn reach_point(&self, n: u32, then: PointCost, of: &mut [PointCost], open: &mut BinaryHeap<OpenPoint>) {
         let (key, at) = (then.key(), n as usize);
         if key < of[at].key() && !self.is_idle(at) {
             of[at] = then;
-            open.push(Open { estimate: key, left: n as f32, length: key, n: at });
+            open.push(OpenPoint { estimate: key, left: n as f32, length: key, n: at });
         }
     }
 
@@ -110,8 +110,8 @@ impl Streets {
     pub(crate) fn corners_ahead(
         &self,
         (from, radius, longer): (Vec2, f32, f32),
-        (goal, costs, through): (Vec2, &Costs, bool),
-        out: &mut [Option<Corner>; MOST_CORNERS],
+        (goal, costs, through): (Vec2, &GoalCosts, bool),
+        out: &mut [Option<RouteCorner>; MOST_CORNERS],
     ) -> usize {
         let mut num = 0;
         let mut most = f32::INFINITY;
@@ -119,7 +119,7 @@ impl Streets {
         let mut last = (f32::NEG_INFINITY, 0);
         while num < MOST_CORNERS {
             let mut best = (most, NONE);
-            for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.of).zip(&self.around)) {
+            for (n, ((p, cost), (away, ..))) in (0u32..).zip(self.points.iter().zip(&costs.points).zip(&self.around)) {
                 // The straight line is no longer than any path.
                 let is_closed = cost.closed > 0 && !through;
                 let cost = cost.key();
@@ -149,12 +149,13 @@ impl Streets {
             let (away, free, number) = self.around[n];
             // Follows the path to where it leaves this corner.
             let mut on = n;
-            while costs.of[on].next != NONE && self.around[on].2 == number {
-                on = costs.of[on].next as usize;
+            while costs.points[on].next != NONE && self.around[on].2 == number {
+                on = costs.points[on].next as usize;
             }
             let (next, rest) =
-                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.of[on].way) };
-            out[num] = Some(Corner { at: self.points[n], out: away, free, number, next, rest, way });
+                if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.points[on].length) };
+            out[num] =
+                Some(RouteCorner { at: self.points[n], out: away, free, number, next, rest, distance_left: way });
             num += 1;
             most = most.min(way + longer);
         }
@@ -163,7 +164,7 @@ impl Streets {
 
     /// A* from the start to the goal, which do not see each other. Equal lengths are resolved by the order in which points
     /// were joined.
-    fn search(&self, ends: &Ends) -> Option<Vec<Vec2>> {
+    fn search_route(&self, ends: &RouteEnds) -> Option<Vec<Vec2>> {
         let (goal, start) = (self.points.len(), self.points.len() + 1);
         let place = |n: usize| match n {
             _ if n == goal => ends.to,
@@ -174,13 +175,13 @@ impl Streets {
         let mut previous = vec![usize::MAX; start + 1];
         let mut open = BinaryHeap::new();
         best[start] = 0.0;
-        open.push(Open {
+        open.push(OpenPoint {
             estimate: ends.from.distance(ends.to),
             left: ends.from.distance(ends.to),
             length: 0.0,
             n: start,
         });
-        while let Some(Open { length, n, .. }) = open.pop() {
+        while let Some(OpenPoint { length, n, .. }) = open.pop() {
             if n == goal {
                 let mut way = vec![ends.to];
                 let mut at = previous[goal];
@@ -200,7 +201,7 @@ impl Streets {
                 if then < best[next] && (next >= goal || !self.is_idle(next)) {
                     (best[next], previous[next]) = (then, n);
                     let left = place(next).distance(ends.to);
-                    open.push(Open { estimate: then + left, left, length: then, n: next });
+                    open.push(OpenPoint { estimate: then + left, left, length: then, n: next });
                 }
             };
             if n == start {
@@ -223,6 +224,6 @@ impl Streets {
 }
 
 /// Length of a path (m).
-pub(super) fn length(way: &[Vec2]) -> f32 {
+pub(super) fn path_length(way: &[Vec2]) -> f32 {
     way.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

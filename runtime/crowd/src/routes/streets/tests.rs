@@ -1,7 +1,7 @@
 //! Paths over the ground.
 
 use super::*;
-use crate::routes::streets::search::length;
+use crate::routes::streets::search::path_length;
 use proptest::prelude::*;
 use std::collections::BinaryHeap;
 use std::f32::consts::{FRAC_PI_2, SQRT_2};
@@ -15,7 +15,7 @@ fn wall(from: [f32; 2], to: [f32; 2]) -> Obstacle {
 }
 
 fn streets(obstacles: Vec<Obstacle>, clearance: f32, nearest: f32) -> Streets {
-    Streets::with(&obstacles, None, clearance, nearest).unwrap()
+    Streets::with_limits(&obstacles, None, clearance, nearest).unwrap()
 }
 
 /// Length of the shortest path over a fine grid whose steps keep the clearance: brute force.
@@ -82,8 +82,8 @@ fn ways_are_as_short_as_over_a_grid_and_keep_the_clearance() {
                 assert!(map.is_clear(leg[0], leg[1], 0.399), "scene {s}: {leg:?}");
             }
             let brute = over_grid(&map, from, to, 6.0, 0.1).expect("a way over the grid");
-            assert!(length(&way) <= 1.01 * brute, "scene {s}: {} against {brute}", length(&way));
-            assert!(length(&way) >= 0.95 * brute, "scene {s}: {} against {brute}", length(&way));
+            assert!(path_length(&way) <= 1.01 * brute, "scene {s}: {} against {brute}", path_length(&way));
+            assert!(path_length(&way) >= 0.95 * brute, "scene {s}: {} against {brute}", path_length(&way));
         }
     }
 }
@@ -95,7 +95,7 @@ fn way_round_a_wall_end_is_nearly_shortest() {
     let reach = SQRT_2;
     let way = map.flat_corners(Vec2::new(-reach, 0.0), Vec2::new(reach, 0.0)).unwrap();
     let exact = 2.0 * 1.0 + FRAC_PI_2;
-    assert!(length(&way) >= exact && length(&way) < 1.05 * exact, "{} against {exact}", length(&way));
+    assert!(path_length(&way) >= exact && path_length(&way) < 1.05 * exact, "{} against {exact}", path_length(&way));
 }
 
 #[test]
@@ -114,12 +114,12 @@ fn narrow_gaps_and_goals_in_walls_are_refused() {
     let wide = streets(gap(0.6).into_iter().chain(around()).collect(), 0.5, 0.4).flat_corners(from, to);
     assert!(wide.unwrap().len() > 2);
     let narrow = streets(gap(0.4).into_iter().chain(around()).collect(), 0.5, 0.4).flat_corners(from, to);
-    assert_eq!(narrow, Err(NoWay::Separated));
+    assert_eq!(narrow, Err(NoPath::Separated));
     let block = Obstacle::Polygon { corners: [[2.0, 0.0], [4.0, 0.0], [4.0, 2.0], [2.0, 2.0]].map(ground).to_vec() };
     let map = streets(vec![block], 0.5, 0.3);
-    assert_eq!(map.flat_corners(from, to), Err(NoWay::Goal(0)));
-    assert_eq!(map.flat_corners(to, from), Err(NoWay::Start(0)));
-    assert_eq!(map.flat_corners(from, Vec2::new(4.2, 1.0)), Err(NoWay::Goal(0)), "too near");
+    assert_eq!(map.flat_corners(from, to), Err(NoPath::Goal(0)));
+    assert_eq!(map.flat_corners(to, from), Err(NoPath::Start(0)));
+    assert_eq!(map.flat_corners(from, Vec2::new(4.2, 1.0)), Err(NoPath::Goal(0)), "too near");
     assert!(map.flat_corners(from, Vec2::new(4.4, 1.0)).is_ok(), "nearer than the clearance, but not too near");
     assert!(map.flat_corners(Vec2::new(4.2, 1.0), from).is_ok(), "an agent at the wall gets away from it");
 }
@@ -148,7 +148,7 @@ fn more_corners_than_a_graph_has_room_for_are_refused() {
     let map = Streets::new(&boxes.iter().map(block).collect::<Vec<_>>(), 0.4).unwrap();
     let way = map.corners(ground([-2.0, -2.0]), ground([180.0, 180.0])).unwrap();
     let flat: Vec<Vec2> = way.iter().map(|p| p.xz()).collect();
-    assert!(length(&flat) < 182.0 * 2.0 && length(&flat) > 182.0 * SQRT_2, "{}", length(&flat));
+    assert!(path_length(&flat) < 182.0 * 2.0 && path_length(&flat) > 182.0 * SQRT_2, "{}", path_length(&flat));
 }
 
 /// Two rooms with a door between them, and a path round the wall or none.
@@ -165,11 +165,11 @@ fn ways_lead_through_open_doors_and_round_closed_ones() {
     let open = map.flat_corners(from, to).unwrap();
     // As if the door were not there.
     let without = streets(rooms(8.0)[..2].to_vec(), 0.4, 0.3).flat_corners(from, to).unwrap();
-    assert!((length(&open) - length(&without)).abs() < 1e-3, "{open:?} {without:?}");
-    assert!(length(&open) < 0.7 * length(&closed));
+    assert!((path_length(&open) - path_length(&without)).abs() < 1e-3, "{open:?} {without:?}");
+    assert!(path_length(&open) < 0.7 * path_length(&closed));
     map.set_open(2, false).unwrap();
     let again = map.flat_corners(from, to).unwrap();
-    assert!((length(&again) - length(&closed)).abs() < 1e-3, "{again:?} {closed:?}");
+    assert!((path_length(&again) - path_length(&closed)).abs() < 1e-3, "{again:?} {closed:?}");
     assert!(map.set_open(3, true).is_err());
 }
 
@@ -179,7 +179,7 @@ fn ways_lead_to_a_closed_door_where_no_other_leads_on() {
     let around = room.windows(2).map(|w| wall(w[0], w[1]));
     let mut map = streets(rooms(9.0).into_iter().chain(around).collect(), 0.4, 0.3);
     let (from, to) = (Vec2::new(-3.0, 4.0), Vec2::new(3.0, 1.0));
-    assert_eq!(map.flat_corners(from, to), Err(NoWay::Separated));
+    assert_eq!(map.flat_corners(from, to), Err(NoPath::Separated));
     map.set_open(2, true).unwrap();
     let open = map.flat_corners(from, to).unwrap();
     map.set_open(2, false).unwrap();
@@ -204,12 +204,12 @@ fn ways_lead_to_a_closed_door_where_no_other_leads_on() {
 #[test]
 fn ways_in_the_air_pass_above_what_is_low_and_rise_evenly() {
     let column = |x: f32, high: f32| Obstacle::Wall { from: Vec3::X * x, to: Vec3::new(x, high, 0.0), radius: 1.0 };
-    let streets = Streets::with(&[column(5.0, 3.0), column(0.0, 30.0)], Some([5.0, 20.0]), 1.5, 1.0).unwrap();
+    let streets = Streets::with_limits(&[column(5.0, 3.0), column(0.0, 30.0)], Some([5.0, 20.0]), 1.5, 1.0).unwrap();
     let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
     let way = streets.corners(from, to).unwrap();
     assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");
     assert!(way.windows(2).all(|w| w[0].y < w[1].y), "{way:?}");
-    assert_eq!(streets.corners(from, Vec3::new(0.0, 9.0, 0.5)), Err(NoWay::Goal(1)));
+    assert_eq!(streets.corners(from, Vec3::new(0.0, 9.0, 0.5)), Err(NoPath::Goal(1)));
 }
 
 fn many_outlines() -> impl Strategy<Value = Vec<Obstacle>> {
@@ -246,13 +246,13 @@ proptest! {
                 _ => Vec2::from(to),
             };
             let mut found = vec![false; map.outlines.len()];
-            map.edges.near(&map.outlines, [from, to], clearance, |n| {
+            map.edges.find_near(&map.outlines, [from, to], clearance, |n| {
                 found[n] = true;
                 true
             });
             let near: Vec<bool> = map.outlines.iter().map(|o| o.distance_of_line(from, to) < clearance).collect();
             prop_assert_eq!(&found, &near, "{} {}", from, to);
-            let is_free = map.edges.near(&map.outlines, [from, to], clearance, |_| false);
+            let is_free = map.edges.find_near(&map.outlines, [from, to], clearance, |_| false);
             prop_assert_eq!(is_free, !near.contains(&true));
         }
     }

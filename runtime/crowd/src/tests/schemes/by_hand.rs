@@ -5,7 +5,7 @@ use super::*;
 use crate::safety::bound::WIDEST;
 
 /// A row of agents that stand and touch; one is sent away after a while.
-fn row() -> Setup<Vec2> {
+fn row() -> CrowdSetup<Vec2> {
     let mut setup = pair(Scheme::Occupancy, 0.005, 0.0);
     setup.fields = vec![driven()];
     setup.config.largest_speed_mps = 1.3;
@@ -35,7 +35,7 @@ fn group_in_contact_has_no_collisions_until_one_leaves() {
     // The third of five leaves upward: the group splits into two of two and one alone.
     let away = Route { subgoals: vec![Vec2::new(0.9, 30.0)], arrival_radius: 0.3, at_end: AtEnd::Stay };
     let route = crowd.add_route(away).unwrap();
-    crowd.order(ids[2], &Go::on_route(route).at_speed(1.3)).unwrap();
+    crowd.order(ids[2], &AgentOrder::on_route(route).at_speed(1.3)).unwrap();
     crowd.advance(9.0, &mut |_| ()).unwrap();
     assert_eq!(crowd.counts.separating, 2, "{:?}", crowd.counts);
     let contacts = &occupancy(&crowd).contacts;
@@ -57,8 +57,8 @@ fn bounds_of_standing_agents_meet_as_solved_by_hand() {
         setup.config.cell_side_m = 4.0;
         let mut crowd = Engine::new(setup).unwrap();
         let mut times = Vec::new();
-        let note = &mut |e: &Event| {
-            if matches!(e.kind, EventKind::Colliding { .. }) {
+        let note = &mut |e: &CrowdEvent| {
+            if matches!(e.kind, CrowdEventKind::Colliding { .. }) {
                 times.push(e.time);
             }
         };
@@ -92,7 +92,7 @@ fn bound_enters_and_leaves_cells_as_solved_by_hand() {
     crowd.advance(3.0, &mut |e| times.push((e.kind, e.time))).unwrap();
     // 0.5 - 0.2 = t + 0.1 t^2, and 0.5 + 0.2 = t - 0.1 t^2.
     let (enters, leaves) = ((1.12f64.sqrt() - 1.0) / 0.2, (1.0 - 0.72f64.sqrt()) / 0.2);
-    for (kind, want) in [(EventKind::Entering, enters), (EventKind::Leaving, leaves)] {
+    for (kind, want) in [(CrowdEventKind::Entering, enters), (CrowdEventKind::Leaving, leaves)] {
         let got = times.iter().find(|e| e.0 == kind).unwrap();
         assert!((got.1 - want).abs() < 1e-3, "{kind:?} at {want} in {times:?}");
     }

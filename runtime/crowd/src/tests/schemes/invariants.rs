@@ -13,12 +13,12 @@ fn registration_holds<V: Space>() {
         for (n, (id, bound)) in bounds.iter().enumerate() {
             let at = crowd.cells.coordinates(bound.position);
             assert_eq!(crowd.states[id.index()].cell, crowd.cells.number(at), "registered where its centre was");
-            let (x, radius) = bound.at(crowd.now);
+            let (x, radius) = bound.disc_at(crowd.now);
             let room = (x - crowd.cells.centre(at) + half).min(crowd.cells.centre(at) + half - x).coordinates();
             let least = room.iter().take(V::DIMENSIONS).fold(f32::INFINITY, |a, &b| a.min(b));
             assert!(least >= radius - 1e-3, "bound of {id:?} is {} m out of its region", radius - least);
             for (other, b) in &bounds[..n] {
-                let (y, s) = b.at(crowd.now);
+                let (y, s) = b.disc_at(crowd.now);
                 let far = crowd.cells.coordinates(b.position);
                 let is_near = (0..3).all(|i| (at[i] - far[i]).abs() <= 1);
                 let touches = (x - y).length() < radius + s - 1e-3;
@@ -100,7 +100,7 @@ pub(super) fn contacts_are_true<V: Space>(crowd: &Engine<V>) -> usize {
     for a in crowd.ids() {
         for b in o.contacts.of(a.index) {
             let (p, q) = (crowd.cells.plan(a.index), crowd.cells.plan(b));
-            let ((x, v), (y, w)) = (p.at(crowd.now), q.at(crowd.now));
+            let ((x, v), (y, w)) = (p.motion_at(crowd.now), q.motion_at(crowd.now));
             let gap = (x - y).length() - p.radius - q.radius;
             assert!(gap <= CONTACT + 0.01 && (v - w).length() <= 2.0 * REST, "{gap} m, {} m/s", (v - w).length());
             num_contacts += 1;

@@ -22,8 +22,8 @@ const SCHEMES: &[Scheme] = &[
 ];
 
 /// Two groups that walk through each other, past a pillar, some of them to a stop before a wall.
-fn meeting<V: Space>(scheme: Scheme, rows: usize) -> Setup<V> {
-    let mut setup = Setup { config: CrowdConfig { scheme, ..CrowdConfig::default() }, ..Setup::default() };
+fn meeting<V: Space>(scheme: Scheme, rows: usize) -> CrowdSetup<V> {
+    let mut setup = CrowdSetup { config: CrowdConfig { scheme, ..CrowdConfig::default() }, ..CrowdSetup::default() };
     for i in 0..8 * rows {
         let (side, row, column) = (i % 2, i / 2 % 4, i / 8);
         let sign = if side == 0 { 1.0 } else { -1.0 };
@@ -46,7 +46,7 @@ fn meeting<V: Space>(scheme: Scheme, rows: usize) -> Setup<V> {
     setup
 }
 
-fn pair(scheme: Scheme, gap: f32, speed: f32) -> Setup<Vec2> {
+fn pair(scheme: Scheme, gap: f32, speed: f32) -> CrowdSetup<Vec2> {
     let x = 0.3 + 0.5 * gap;
     let agent = |sign: f32, route| Agent {
         position: Vec2::new(sign * x, 0.5),
@@ -60,17 +60,17 @@ fn pair(scheme: Scheme, gap: f32, speed: f32) -> Setup<Vec2> {
         arrival_radius: 0.1,
         at_end: AtEnd::Stay,
     };
-    Setup {
+    CrowdSetup {
         agents: vec![agent(-1.0, 0), agent(1.0, 1)],
         routes: vec![route(-1.0), route(1.0)],
         config: CrowdConfig { scheme, ..CrowdConfig::default() },
-        ..Setup::default()
+        ..CrowdSetup::default()
     }
 }
 
 /// A field with nothing but driving.
-fn driven() -> Field {
-    Field {
+fn driven() -> ForceField {
+    ForceField {
         repulsion: 0.0,
         braking: 0.0,
         damping: 0.0,
@@ -80,7 +80,7 @@ fn driven() -> Field {
         relaxation_s: 0.4,
         // No agent is seen.
         perception_m: 1e-3,
-        ..Field::default()
+        ..ForceField::default()
     }
 }
 
@@ -115,16 +115,16 @@ fn no_agent_acts_twice_within_the_smallest_interval() {
         let mut of_pair: BTreeMap<(Id, Id), [f64; 2]> = BTreeMap::new();
         let (mut least, mut least_of_pair) = (f64::INFINITY, f64::INFINITY);
         let mut crossings = 0;
-        let note = &mut |e: &Event| match e.kind {
-            EventKind::Resetting | EventKind::Colliding { .. } | EventKind::Meeting { .. } => {
+        let note = &mut |e: &CrowdEvent| match e.kind {
+            CrowdEventKind::Resetting | CrowdEventKind::Colliding { .. } | CrowdEventKind::Meeting { .. } => {
                 least = least.min(e.time - last.insert(e.agent, e.time).unwrap_or(-1.0));
-                if let EventKind::Colliding { other } = e.kind {
+                if let CrowdEventKind::Colliding { other } = e.kind {
                     let pair = of_pair.entry((e.agent.min(other), e.agent.max(other))).or_insert([-1.0; 2]);
                     least_of_pair = least_of_pair.min(e.time - pair[0]);
                     *pair = [pair[1], e.time];
                 }
             }
-            EventKind::Entering | EventKind::Leaving => crossings += 1,
+            CrowdEventKind::Entering | CrowdEventKind::Leaving => crossings += 1,
             _ => (),
         };
         crowd.advance(10.0, note).unwrap();
@@ -257,7 +257,7 @@ fn every_scheme_brings_agents_to_their_goals() {
         let mut crowd = Engine::new(meeting::<Vec2>(scheme, 2)).unwrap();
         crowd.advance(15.0, &mut |_| ()).unwrap();
         let ids: Vec<Id> = crowd.ids().collect();
-        ids.iter().map(|&id| crowd.way_left(id).unwrap()).sum::<f32>() / ids.len() as f32
+        ids.iter().map(|&id| crowd.distance_left(id).unwrap()).sum::<f32>() / ids.len() as f32
     };
     let left: Vec<f32> = SCHEMES.iter().map(|&s| left(s)).collect();
     assert!(left.iter().all(|&l| l < 1.5), "way left in each scheme: {left:?}");

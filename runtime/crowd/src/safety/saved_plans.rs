@@ -5,10 +5,10 @@
 //! compared step by step, with steps so short that no stop region moves farther than the room there is.
 
 use crate::Space;
-use crate::safety::others::violation;
-use crate::safety::rule::{Candidate, MARGIN, clearance, violation_of_solid};
-use crate::space::plan::Plan;
-use crate::space::solid::Solid;
+use crate::safety::nearby_plans::find_violation;
+use crate::safety::rule::{MARGIN, PlanCandidate, clearance, violation_of_solid};
+use crate::space::plan::MotionPlan;
+use crate::space::solid::ConvexSolid;
 
 /// Shortest step, as a displacement of the stop regions (m).
 const STEP_M: f32 = 2e-4;
@@ -16,31 +16,31 @@ const STEP_M: f32 = 2e-4;
 const ROUNDING: f32 = 1e-3;
 
 /// Room that rounding may have cost (m).
-fn rounding<V: Space>(plan: &Plan<V>) -> f32 {
+fn rounding<V: Space>(plan: &MotionPlan<V>) -> f32 {
     MARGIN + 8.0 * f32::EPSILON * plan.position.length()
 }
 
 /// Plan of the agent as if it stood still from a time on, at most from the end of its plan.
-fn still<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
-    let (position, velocity) = plan.at(time.min(plan.end));
-    Plan { position, velocity, ..*plan }
+fn standing_plan<V: Space>(plan: &MotionPlan<V>, time: f64) -> MotionPlan<V> {
+    let (position, velocity) = plan.motion_at(time.min(plan.end));
+    MotionPlan { position, velocity, ..*plan }
 }
 
 /// The plan from a time on.
-fn from<V: Space>(plan: &Plan<V>, time: f64) -> Plan<V> {
+fn plan_from<V: Space>(plan: &MotionPlan<V>, time: f64) -> MotionPlan<V> {
     let moving = (plan.moving - (time - plan.start) as f32).max(0.0);
-    Plan { start: time, moving, ..still(plan, time) }
+    MotionPlan { start: time, moving, ..standing_plan(plan, time) }
 }
 
 /// Largest speed of the ends of its stop region, from a time on (m/s).
-fn pace<V: Space>(plan: &Plan<V>, time: f64) -> f32 {
+fn max_end_speed<V: Space>(plan: &MotionPlan<V>, time: f64) -> f32 {
     // The speed of a parabola is largest at an end; the far end moves at |v| (1 + |a| / A) at most.
-    let speed = still(plan, time).velocity.length().max(still(plan, plan.end).velocity.length());
+    let speed = standing_plan(plan, time).velocity.length().max(standing_plan(plan, plan.end).velocity.length());
     speed * (1.0 + plan.acceleration.length() / plan.limit)
 }
 
 /// False where `moving` says that an agent brakes, and it does not.
-pub(crate) fn is_motion<V: Space>(plan: &Plan<V>) -> bool {
+pub(crate) fn is_motion<V: Space>(plan: &MotionPlan<V>) -> bool {
     if plan.moving == f32::INFINITY {
         return true;
     }
@@ -51,7 +51,7 @@ pub(crate) fn is_motion<V: Space>(plan: &Plan<V>) -> bool {
 }
 
 /// True where the stop region stays within a box along the axes until the plan's end.
-pub(crate) fn is_within<V: Space>(plan: &Plan<V>, min: V, max: V) -> bool {
+pub(crate) fn is_within<V: Space>(plan: &MotionPlan<V>, min: V, max: V) -> bool {
     let room = V::from_coordinates([rounding(plan); 3]);
     let (min, max) = (min - room, max + room);
     if plan.moving < f32::INFINITY {
@@ -60,30 +60,30 @@ pub(crate) fn is_within<V: Space>(plan: &Plan<V>, min: V, max: V) -> bool {
         let free = (from.min(to) - min).min(max - from.max(to)).coordinates();
         return free.iter().take(V::DIMENSIONS).all(|&f| f >= plan.radius);
     }
-    Candidate::new(*plan).stays_within(min, max)
+    PlanCandidate::new(*plan).stays_within(min, max)
 }
 
 /// True where two never overlap, from a time on and until both have acted again and come to rest.
-pub(crate) fn are_apart<V: Space>(a: &Plan<V>, b: &Plan<V>, now: f64) -> bool {
-    if violation(&Candidate::new(from(a, now)), b).is_none() {
+pub(crate) fn are_apart<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>, now: f64) -> bool {
+    if find_violation(&PlanCandidate::new(plan_from(a, now)), b).is_none() {
         return true;
     }
-    let (least, pace) = (-rounding(a).max(rounding(b)), pace(a, now) + pace(b, now));
-    each_step(now, a.end.max(b.end), pace, |time| clearance(&still(a, time), &still(b, time)), least)
+    let (least, pace) = (-rounding(a).max(rounding(b)), max_end_speed(a, now) + max_end_speed(b, now));
+    each_step(now, a.end.max(b.end), pace, |time| clearance(&standing_plan(a, time), &standing_plan(b, time)), least)
 }
 
 /// True where an agent never is in a solid, from a time on and until it has acted again and come to rest.
-pub(crate) fn is_clear_of<V: Space>(plan: &Plan<V>, solid: &Solid<V>, now: f64) -> bool {
-    if violation_of_solid(&Candidate::new(from(plan, now)), solid).is_none() {
+pub(crate) fn is_clear_of<V: Space>(plan: &MotionPlan<V>, solid: &ConvexSolid<V>, now: f64) -> bool {
+    if violation_of_solid(&PlanCandidate::new(plan_from(plan, now)), solid).is_none() {
         return true;
     }
     let least = -rounding(plan);
     let room = |time: f64| {
-        let (from, to) = still(plan, time).stop_region(0.0);
+        let (from, to) = standing_plan(plan, time).stop_region(0.0);
         let (ahead, length) = (to - from).unit_and_length();
         let (mut at, mut least) = (0.0, f32::INFINITY);
         loop {
-            let room = solid.away(from + ahead * at).1 - plan.radius;
+            let room = solid.direction_and_distance(from + ahead * at).1 - plan.radius;
             least = least.min(room);
             if at >= length || room < -1.0 {
                 return least;
@@ -91,7 +91,7 @@ pub(crate) fn is_clear_of<V: Space>(plan: &Plan<V>, solid: &Solid<V>, now: f64) 
             at = (at + room.max(STEP_M)).min(length);
         }
     };
-    each_step(now, plan.end, pace(plan, now), room, least)
+    each_step(now, plan.end, max_end_speed(plan, now), room, least)
 }
 
 /// True where there is room at every time; each step ends before the motion can have used the room up.

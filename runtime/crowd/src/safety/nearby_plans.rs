@@ -1,42 +1,42 @@
 //! The plans that a plan is compared with, eight at a time: violations of the rule of `rule.rs`.
 
-use crate::safety::rule::{Candidate, MARGIN, Violation};
-use crate::space::batch::{Eight, Plans, Sides, Vectors, bits, nth};
-use crate::space::plan::Plan;
+use crate::safety::rule::{MARGIN, PlanCandidate, SafetyViolation};
+use crate::space::batch::{Eight, PlanLanes, Sides, VectorLanes, nth_vector, set_bits};
+use crate::space::plan::MotionPlan;
 use crate::{NONE, Space};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Plans of eight, each number of all of them side by side.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-struct Block {
+struct PlanBlock {
     start: [f64; LANES],
     end: [f64; LANES],
     index: [u32; LANES],
     moving: Eight,
     radius: Eight,
     limit: Eight,
-    axes: [Axis; 3],
+    axes: [AxisLanes; 3],
 }
 
 /// Coordinate of eight motions along one axis.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
-struct Axis {
+struct AxisLanes {
     position: Eight,
     velocity: Eight,
     acceleration: Eight,
 }
 
-impl Block {
+impl PlanBlock {
     /// Plans of all of them.
     #[inline(always)]
-    fn plans<V: Space, F: Lanes>(&self) -> Plans<V, F> {
+    fn plans<V: Space, F: Lanes>(&self) -> PlanLanes<V, F> {
         let [x, y, z] = &self.axes;
-        Plans {
-            position: Vectors::load_each([&x.position, &y.position, &z.position]),
-            velocity: Vectors::load_each([&x.velocity, &y.velocity, &z.velocity]),
-            acceleration: Vectors::load_each([&x.acceleration, &y.acceleration, &z.acceleration]),
+        PlanLanes {
+            position: VectorLanes::load_each([&x.position, &y.position, &z.position]),
+            velocity: VectorLanes::load_each([&x.velocity, &y.velocity, &z.velocity]),
+            acceleration: VectorLanes::load_each([&x.acceleration, &y.acceleration, &z.acceleration]),
             moving: F::load(&self.moving),
             limit: F::load(&self.limit),
         }
@@ -44,7 +44,7 @@ impl Block {
 
     /// Writes a plan into a lane.
     #[inline]
-    fn put<V: Space>(&mut self, i: usize, plan: &Plan<V>) {
+    fn put_plan<V: Space>(&mut self, i: usize, plan: &MotionPlan<V>) {
         (self.start[i], self.end[i]) = (plan.start, plan.end);
         let (x, v, a) = (plan.position.coordinates(), plan.velocity.coordinates(), plan.acceleration.coordinates());
         for axis in 0..V::DIMENSIONS {
@@ -59,15 +59,15 @@ impl Block {
 /// Plans of eight others, as they are at an event.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-struct Pack {
-    plans: Block,
+struct PlanPack {
+    plans: PlanBlock,
     /// Time from the start of each plan to now, and from now to its end (s).
     age: Eight,
-    until: Eight,
+    until_end: Eight,
     /// Ends of the stop region now and at the end (m).
     now: [[Eight; 3]; 2],
     end: [[Eight; 3]; 2],
-    /// Bound of each plan's swerve, see [`Candidate::curve`].
+    /// Bound of each plan's swerve, see [`PlanCandidate::curve`].
     curve: Eight,
     /// 1 for a plan whose stop region is on a line, otherwise 0.
     straight: Eight,
@@ -77,12 +77,12 @@ struct Pack {
 
 /// Plans that a plan may be in conflict with.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Others {
-    packs: Vec<Pack>,
+pub(crate) struct NearbyPlans {
+    packs: Vec<PlanPack>,
     len: usize,
 }
 
-impl Others {
+impl NearbyPlans {
     /// Memory for so many.
     pub fn new(capacity: usize) -> Self {
         Self { packs: Vec::with_capacity(capacity.div_ceil(LANES)), len: 0 }
@@ -93,21 +93,21 @@ impl Others {
         self.len = 0;
     }
 
-    /// Adds a plan; see [`Others::prepare`].
+    /// Adds a plan; see [`NearbyPlans::prepare`].
     #[inline]
-    pub fn push<V: Space>(&mut self, plan: &Plan<V>) {
+    pub fn push<V: Space>(&mut self, plan: &MotionPlan<V>) {
         let (pack, place) = (self.len / LANES, self.len % LANES);
         if pack == self.packs.len() {
-            self.packs.push(Pack::default());
+            self.packs.push(PlanPack::default());
         }
-        self.packs[pack].plans.put(place, plan);
+        self.packs[pack].plans.put_plan(place, plan);
         self.len += 1;
     }
 
     /// Prepares all plans that were added for comparison with plans that start at a place and time.
     pub fn prepare<V: Space>(&mut self, position: V, time: f64) {
         let used = self.len.div_ceil(LANES);
-        dispatch(Prepare { packs: &mut self.packs[..used], position, time });
+        dispatch(PreparePlansJob { packs: &mut self.packs[..used], position, time });
         let last = self.len % LANES;
         if last > 0 {
             self.packs[used - 1].free[last..].fill(f32::INFINITY);
@@ -124,36 +124,36 @@ impl Others {
     }
 
     /// The largest violation of a plan.
-    pub fn worst<V: Space>(&self, me: &Candidate<V>) -> Option<Violation<V>> {
-        dispatch(Worst { packs: &self.packs[..self.len.div_ceil(LANES)], me })
+    pub fn worst_violation<V: Space>(&self, me: &PlanCandidate<V>) -> Option<SafetyViolation<V>> {
+        dispatch(WorstViolationJob { packs: &self.packs[..self.len.div_ceil(LANES)], me })
     }
 
     /// Numbers of the agents that a plan with such a reach is compared with.
     #[cfg(test)]
-    pub fn within(&self, reach: f32) -> Vec<u32> {
+    pub fn agents_within(&self, reach: f32) -> Vec<u32> {
         let all = self.packs[..self.len.div_ceil(LANES)].iter();
         all.flat_map(|p| (0..LANES).filter(move |&i| p.free[i] < reach).map(|i| p.plans.index[i])).collect()
     }
 }
 
 /// Violation of the rule between a plan and another agent's, if there is one.
-pub(crate) fn violation<V: Space>(me: &Candidate<V>, other: &Plan<V>) -> Option<Violation<V>> {
-    let mut pack = Pack::default();
-    pack.plans.put(0, other);
+pub(crate) fn find_violation<V: Space>(me: &PlanCandidate<V>, other: &MotionPlan<V>) -> Option<SafetyViolation<V>> {
+    let mut pack = PlanPack::default();
+    pack.plans.put_plan(0, other);
     let (position, time) = (me.plan.position, me.plan.start);
-    dispatch(Prepare { packs: std::slice::from_mut(&mut pack), position, time });
+    dispatch(PreparePlansJob { packs: std::slice::from_mut(&mut pack), position, time });
     pack.free[1..].fill(f32::INFINITY);
-    dispatch(Worst { packs: std::slice::from_ref(&pack), me })
+    dispatch(WorstViolationJob { packs: std::slice::from_ref(&pack), me })
 }
 
-/// See [`Others::prepare`].
-struct Prepare<'a, V> {
-    packs: &'a mut [Pack],
+/// See [`NearbyPlans::prepare`].
+struct PreparePlansJob<'a, V> {
+    packs: &'a mut [PlanPack],
     position: V,
     time: f64,
 }
 
-impl<V: Space> LaneWork for Prepare<'_, V> {
+impl<V: Space> LaneWork for PreparePlansJob<'_, V> {
     type Output = ();
 
     #[inline(always)]
@@ -163,7 +163,7 @@ impl<V: Space> LaneWork for Prepare<'_, V> {
             let block = &pack.plans;
             let age: Eight = std::array::from_fn(|i| (self.time - block.start[i]) as f32);
             let until: Eight = std::array::from_fn(|i| (block.end[i] - self.time) as f32);
-            (pack.age, pack.until) = (age, until);
+            (pack.age, pack.until_end) = (age, until);
             let plans = block.plans::<V, F>();
             let (age, until) = (F::load(&age), F::load(&until));
             let (now, end) = (plans.stop_region(age), plans.stop_region(age + until));
@@ -176,7 +176,7 @@ impl<V: Space> LaneWork for Prepare<'_, V> {
             let [a, b, c] = [now[1] - now[0], end[0] - now[0], end[1] - now[0]];
             let farthest = a.length_squared().max(b.length_squared()).max(c.length_squared()).sqrt();
             let reach = farthest + F::splat(0.125) * until * until * (F::splat(2.0) * sway.sqrt() + curve);
-            let distance = (now[0] - Vectors::splat(self.position)).length_squared().sqrt();
+            let distance = (now[0] - VectorLanes::splat(self.position)).length_squared().sqrt();
             (distance - F::load(&pack.plans.radius) - reach).store(&mut pack.free);
             curve.store(&mut pack.curve);
             straight.store(&mut pack.straight);
@@ -188,30 +188,30 @@ impl<V: Space> LaneWork for Prepare<'_, V> {
     }
 }
 
-/// See [`Others::worst`].
-struct Worst<'a, V> {
-    packs: &'a [Pack],
-    me: &'a Candidate<V>,
+/// See [`NearbyPlans::worst_violation`].
+struct WorstViolationJob<'a, V> {
+    packs: &'a [PlanPack],
+    me: &'a PlanCandidate<V>,
 }
 
-impl<V: Space> LaneWork for Worst<'_, V> {
-    type Output = Option<Violation<V>>;
+impl<V: Space> LaneWork for WorstViolationJob<'_, V> {
+    type Output = Option<SafetyViolation<V>>;
 
     #[inline(always)]
-    fn run<F: Lanes>(self) -> Option<Violation<V>> {
+    fn run<F: Lanes>(self) -> Option<SafetyViolation<V>> {
         let (me, reach) = (self.me, F::splat(self.me.reach()));
-        let mut worst: Option<Violation<V>> = None;
+        let mut worst: Option<SafetyViolation<V>> = None;
         for pack in self.packs {
             let near = F::load(&pack.free).bits_lt(reach);
             if near == 0 {
                 continue;
             }
-            let Some((violation, normal)) = Pair::<V, F>::new(me, pack).violation(near) else { continue };
+            let Some((violation, normal)) = PlanPairLanes::<V, F>::new(me, pack).violation(near) else { continue };
             let violated = near & F::splat(0.0).bits_lt(violation);
             let (violation, normal) = (violation.to_array(), normal.to_arrays());
-            for i in bits(violated) {
+            for i in set_bits(violated) {
                 if worst.is_none_or(|w| violation[i] > w.depth) {
-                    worst = Some(Violation { away: nth(&normal, i), depth: violation[i] });
+                    worst = Some(SafetyViolation { away: nth_vector(&normal, i), depth: violation[i] });
                 }
             }
         }
@@ -220,15 +220,15 @@ impl<V: Space> LaneWork for Worst<'_, V> {
 }
 
 /// A plan and those of eight others: their stop regions at three times, and how far they may go astray between.
-struct Pair<V, F> {
+struct PlanPairLanes<V, F> {
     mine: [Sides<V, F>; 3],
     its: [Sides<V, F>; 3],
     /// Sums of the radii, and room for rounding.
     radii: F,
     /// Part of the second derivatives that counts.
     bend: F,
-    my_acceleration: Vectors<V, F>,
-    its_acceleration: Vectors<V, F>,
+    my_acceleration: VectorLanes<V, F>,
+    its_acceleration: VectorLanes<V, F>,
     my_curve: F,
     its_curve: F,
     /// Factors: 0 where a stop region is on a line, otherwise 1.
@@ -236,35 +236,35 @@ struct Pair<V, F> {
     its_bends: F,
 }
 
-impl<V: Space, F: Lanes> Pair<V, F> {
+impl<V: Space, F: Lanes> PlanPairLanes<V, F> {
     #[inline(always)]
-    fn new(me: &Candidate<V>, pack: &Pack) -> Self {
-        let (length, until) = (F::splat(me.length), F::load(&pack.until));
+    fn new(me: &PlanCandidate<V>, pack: &PlanPack) -> Self {
+        let (length, until) = (F::splat(me.length), F::load(&pack.until_end));
         let (early, late) = (length.min(until), length.max(until));
         let plans = pack.plans.plans::<V, F>();
-        let my_plan = Plans {
-            position: Vectors::splat(me.plan.position),
-            velocity: Vectors::splat(me.plan.velocity),
-            acceleration: Vectors::splat(me.plan.acceleration),
+        let my_plan = PlanLanes {
+            position: VectorLanes::splat(me.plan.position),
+            velocity: VectorLanes::splat(me.plan.velocity),
+            acceleration: VectorLanes::splat(me.plan.acceleration),
             moving: F::splat(me.plan.moving),
             limit: F::splat(me.plan.limit),
         };
-        let my_end = [Vectors::splat(me.end.0), Vectors::splat(me.end.1)];
-        let its_end = [Vectors::load(&pack.end[0]), Vectors::load(&pack.end[1])];
+        let my_end = [VectorLanes::splat(me.end.0), VectorLanes::splat(me.end.1)];
+        let its_end = [VectorLanes::load(&pack.end[0]), VectorLanes::load(&pack.end[1])];
         // Positions of both at the earlier of the two ends.
         let (mine, its) = (my_plan.stop_region(early), plans.stop_region(F::load(&pack.age) + early));
         let mine = [
-            Vectors::select_lt(until, length, mine[0], my_end[0]),
-            Vectors::select_lt(until, length, mine[1], my_end[1]),
+            VectorLanes::select_lt(until, length, mine[0], my_end[0]),
+            VectorLanes::select_lt(until, length, mine[1], my_end[1]),
         ];
         let its = [
-            Vectors::select_lt(length, until, its[0], its_end[0]),
-            Vectors::select_lt(length, until, its[1], its_end[1]),
+            VectorLanes::select_lt(length, until, its[0], its_end[0]),
+            VectorLanes::select_lt(length, until, its[1], its_end[1]),
         ];
         let longest = early.max(late - early);
         Self {
-            mine: [[Vectors::splat(me.now.0), Vectors::splat(me.now.1)], mine, my_end],
-            its: [[Vectors::load(&pack.now[0]), Vectors::load(&pack.now[1])], its, its_end],
+            mine: [[VectorLanes::splat(me.now.0), VectorLanes::splat(me.now.1)], mine, my_end],
+            its: [[VectorLanes::load(&pack.now[0]), VectorLanes::load(&pack.now[1])], its, its_end],
             radii: F::splat(me.plan.radius) + F::load(&pack.plans.radius) + F::splat(MARGIN),
             bend: F::splat(0.125) * longest * longest,
             my_acceleration: my_plan.acceleration,
@@ -278,7 +278,7 @@ impl<V: Space, F: Lanes> Pair<V, F> {
 
     /// Missing distance along a normal.
     #[inline(always)]
-    fn along(&self, n: Vectors<V, F>) -> F {
+    fn missing_along(&self, n: VectorLanes<V, F>) -> F {
         let [m0, m1, m2] = [least(&self.mine[0], n), least(&self.mine[1], n), least(&self.mine[2], n)];
         let [o0, o1, o2] = [most(&self.its[0], n), most(&self.its[1], n), most(&self.its[2], n)];
         let (zero, two) = (F::splat(0.0), F::splat(2.0));
@@ -305,35 +305,35 @@ impl<V: Space, F: Lanes> Pair<V, F> {
     /// motion is nearest, and the line of centres. Or the whole sweep of the one is apart from the whole sweep of the
     /// other: so agents that touch may separate.
     #[inline(always)]
-    fn violation(&self, some: u8) -> Option<(F, Vectors<V, F>)> {
+    fn violation(&self, some: u8) -> Option<(F, VectorLanes<V, F>)> {
         let zero = F::splat(0.0);
         let first = middle(&self.mine[0]) - middle(&self.its[0]);
         let way = middle(&self.mine[2]) - middle(&self.its[2]) - first;
         let share = -first.dot(way) / way.length_squared().max(F::splat(1e-12));
         let (nearest, distance) = (first + way * share.max(zero).min(F::splat(1.0))).unit_and_length();
-        let violation = F::select_lt(F::splat(1e-3), distance, self.along(nearest), F::splat(f32::INFINITY));
+        let violation = F::select_lt(F::splat(1e-3), distance, self.missing_along(nearest), F::splat(f32::INFINITY));
         if some & zero.bits_lt(violation) == 0 {
             return None;
         }
         let centres = (self.mine[0][0] - self.its[0][0]).unit_and_length().0;
-        let other = self.along(centres);
-        Some((other.min(violation), Vectors::select_lt(other, violation, centres, nearest)))
+        let other = self.missing_along(centres);
+        Some((other.min(violation), VectorLanes::select_lt(other, violation, centres, nearest)))
     }
 }
 
 /// Smallest extent of stop regions along some directions.
 #[inline(always)]
-fn least<V: Space, F: Lanes>(sides: &Sides<V, F>, along: Vectors<V, F>) -> F {
+fn least<V: Space, F: Lanes>(sides: &Sides<V, F>, along: VectorLanes<V, F>) -> F {
     along.dot(sides[0]).min(along.dot(sides[1]))
 }
 
 /// Largest extent of stop regions along some directions.
 #[inline(always)]
-fn most<V: Space, F: Lanes>(sides: &Sides<V, F>, along: Vectors<V, F>) -> F {
+fn most<V: Space, F: Lanes>(sides: &Sides<V, F>, along: VectorLanes<V, F>) -> F {
     along.dot(sides[0]).max(along.dot(sides[1]))
 }
 
 #[inline(always)]
-fn middle<V: Space, F: Lanes>(sides: &Sides<V, F>) -> Vectors<V, F> {
+fn middle<V: Space, F: Lanes>(sides: &Sides<V, F>) -> VectorLanes<V, F> {
     (sides[0] + sides[1]) * F::splat(0.5)
 }

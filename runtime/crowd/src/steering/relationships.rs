@@ -16,7 +16,7 @@ pub(crate) const MOST_COMPANIONS: usize = 3;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PersonalInterest<V = Vec3> {
     /// Location of the interest.
-    pub at: InterestAt<V>,
+    pub at: InterestLocation<V>,
     /// c_int in eq. 17 at its place, less with the distance: above 0 attracts, below 0 repels (m/s2).
     pub strength: f32,
     /// Distance within which it has an effect (m, > 0).
@@ -25,7 +25,7 @@ pub struct PersonalInterest<V = Vec3> {
 
 /// Location of a [`PersonalInterest`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum InterestAt<V = Vec3> {
+pub enum InterestLocation<V = Vec3> {
     /// (m)
     Place(V),
     /// Wherever another agent is, as long as it is in the crowd.
@@ -36,8 +36,8 @@ impl<V> PersonalInterest<V> {
     /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> PersonalInterest<W> {
         let at = match self.at {
-            InterestAt::Place(at) => InterestAt::Place(f(at)),
-            InterestAt::Agent(id) => InterestAt::Agent(id),
+            InterestLocation::Place(at) => InterestLocation::Place(f(at)),
+            InterestLocation::Agent(id) => InterestLocation::Agent(id),
         };
         PersonalInterest { at, strength: self.strength, reach: self.reach }
     }
@@ -46,13 +46,13 @@ impl<V> PersonalInterest<V> {
 /// Relationships of one agent.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "V: Space")]
-pub(crate) struct Bond<V> {
+pub(crate) struct AgentRelationships<V> {
     pub interests: [Option<PersonalInterest<V>>; MOST_INTERESTS],
     /// Companions, in the order of numbers; [`NONE`] after the last.
     pub companions: [u32; MOST_COMPANIONS],
 }
 
-impl<V> Bond<V> {
+impl<V> AgentRelationships<V> {
     /// Cares for nothing.
     pub const NONE: Self = Self { interests: [const { None }; MOST_INTERESTS], companions: [NONE; MOST_COMPANIONS] };
 
@@ -64,8 +64,8 @@ impl<V> Bond<V> {
     /// Agents at any distance that it looks at.
     pub fn agents(&self) -> impl Iterator<Item = u32> + Clone + '_ {
         let of = |interest: &PersonalInterest<V>| match interest.at {
-            InterestAt::Agent(id) => Some(id.index),
-            InterestAt::Place(_) => None,
+            InterestLocation::Agent(id) => Some(id.index),
+            InterestLocation::Place(_) => None,
         };
         self.companions().chain(self.interests.iter().flatten().filter_map(of))
     }
@@ -73,21 +73,21 @@ impl<V> Bond<V> {
 
 /// Relationships of all agents.
 #[derive(Clone, Debug)]
-pub(crate) struct Bonds<V> {
-    of: Vec<Bond<V>>,
+pub(crate) struct RelationshipTable<V> {
+    agents: Vec<AgentRelationships<V>>,
     /// True once any agent had a relationship.
     is_any: bool,
 }
 
-impl<V: Space> Bonds<V> {
+impl<V: Space> RelationshipTable<V> {
     pub fn new(capacity: usize) -> Self {
-        Self { of: vec![Bond::NONE; capacity], is_any: false }
+        Self { agents: vec![AgentRelationships::NONE; capacity], is_any: false }
     }
 
     /// Relationships of an agent; none where no agent has any.
     #[inline]
-    pub fn of(&self, agent: u32) -> Option<&Bond<V>> {
-        self.is_any.then(|| &self.of[agent as usize])
+    pub fn relationships_of(&self, agent: u32) -> Option<&AgentRelationships<V>> {
+        self.is_any.then(|| &self.agents[agent as usize])
     }
 
     /// Sets one of the interests of an agent.
@@ -99,13 +99,13 @@ impl<V: Space> Bonds<V> {
         if let Some(PersonalInterest { at, strength, reach }) = interest {
             let expected = "above 0 and below 1e6, with a strength and position that are finite, and not itself";
             let somewhere = match at {
-                InterestAt::Place(at) => at.is_finite(),
-                InterestAt::Agent(other) => other.index != id.index,
+                InterestLocation::Place(at) => at.is_finite(),
+                InterestLocation::Agent(other) => other.index != id.index,
             };
             let good = strength.is_finite() && somewhere && reach > 0.0 && reach < 1e6;
             check_value("interest.reach", Some(id), reach, good, expected)?;
         }
-        self.of[id.index()].interests[n] = interest;
+        self.agents[id.index()].interests[n] = interest;
         self.is_any = true;
         Ok(())
     }
@@ -120,22 +120,22 @@ impl<V: Space> Bonds<V> {
         let twice = (0..ids.len()).find(|&n| ids[..n].contains(&ids[n]));
         let who = twice.map(|n| ids[n]);
         check_value("number of companions", who, ids.len() as f64, twice.is_none(), "each of them once")?;
-        ids.iter().for_each(|id| self.part(id.index));
+        ids.iter().for_each(|id| self.leave_group(id.index));
         for id in ids {
             let mut others = [NONE; MOST_COMPANIONS];
             ids.iter().filter(|o| *o != id).zip(&mut others).for_each(|(o, place)| *place = o.index);
             others.sort_unstable();
-            self.of[id.index()].companions = others;
+            self.agents[id.index()].companions = others;
         }
         self.is_any = true;
         Ok(())
     }
 
     /// Removes an agent from its group.
-    fn part(&mut self, agent: u32) {
-        let others = std::mem::replace(&mut self.of[agent as usize].companions, [NONE; MOST_COMPANIONS]);
+    fn leave_group(&mut self, agent: u32) {
+        let others = std::mem::replace(&mut self.agents[agent as usize].companions, [NONE; MOST_COMPANIONS]);
         for other in others.into_iter().filter(|&o| o != NONE) {
-            let its = &mut self.of[other as usize].companions;
+            let its = &mut self.agents[other as usize].companions;
             its.iter_mut().filter(|c| **c == agent).for_each(|c| *c = NONE);
             its.sort_unstable();
         }
@@ -144,20 +144,20 @@ impl<V: Space> Bonds<V> {
     /// Forgets an agent that leaves.
     pub fn forget(&mut self, agent: u32) {
         if self.is_any {
-            self.part(agent);
-            self.of[agent as usize] = Bond::NONE;
+            self.leave_group(agent);
+            self.agents[agent as usize] = AgentRelationships::NONE;
         }
     }
 
     /// The acceleration by the interests of an agent.
     ///
     /// - `place`: where another agent is, as long as it is in the crowd.
-    pub fn pull(&self, (agent, position): (u32, V), place: impl Fn(Id) -> Option<V>) -> V {
+    pub fn interest_acceleration(&self, (agent, position): (u32, V), place: impl Fn(Id) -> Option<V>) -> V {
         let mut pull = V::default();
-        for interest in self.of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
+        for interest in self.relationships_of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
             let at = match interest.at {
-                InterestAt::Place(at) => Some(at),
-                InterestAt::Agent(id) => place(id),
+                InterestLocation::Place(at) => Some(at),
+                InterestLocation::Agent(id) => place(id),
             };
             let Some(at) = at else { continue };
             let (toward, distance) = (at - position).unit_and_length();
@@ -167,25 +167,29 @@ impl<V: Space> Bonds<V> {
     }
 
     /// Relationships of agents that have any, for snapshots.
-    pub fn saved(&self) -> Vec<(u32, Bond<V>)> {
-        (0u32..).zip(&self.of).filter(|(_, bond)| **bond != Bond::NONE).map(|(m, bond)| (m, *bond)).collect()
+    pub fn saved(&self) -> Vec<(u32, AgentRelationships<V>)> {
+        (0u32..)
+            .zip(&self.agents)
+            .filter(|(_, bond)| **bond != AgentRelationships::NONE)
+            .map(|(m, bond)| (m, *bond))
+            .collect()
     }
 
     /// Restores the relationships of a snapshot.
-    pub fn take_over(&mut self, saved: &[(u32, Bond<V>)]) {
-        self.of.fill(Bond::NONE);
-        saved.iter().for_each(|(m, bond)| self.of[*m as usize] = *bond);
+    pub fn restore_saved(&mut self, saved: &[(u32, AgentRelationships<V>)]) {
+        self.agents.fill(AgentRelationships::NONE);
+        saved.iter().for_each(|(m, bond)| self.agents[*m as usize] = *bond);
         self.is_any = !saved.is_empty();
     }
 
     /// True for what a snapshot of this crowd may hold.
-    pub fn may_be(&self, saved: &[(u32, Bond<V>)], is_there: impl Fn(u32) -> bool) -> bool {
-        let num = self.of.len();
+    pub fn is_possible(&self, saved: &[(u32, AgentRelationships<V>)], is_there: impl Fn(u32) -> bool) -> bool {
+        let num = self.agents.len();
         let is_known = |m: u32| (m as usize) < num;
         let bond = |m: u32| saved.binary_search_by_key(&m, |s| s.0).ok().map(|n| &saved[n].1);
         let is_place = |i: &PersonalInterest<V>| match i.at {
-            InterestAt::Place(at) => at.is_finite(),
-            InterestAt::Agent(_) => true,
+            InterestLocation::Place(at) => at.is_finite(),
+            InterestLocation::Agent(_) => true,
         };
         let is_interest = |i: &PersonalInterest<V>| i.strength.is_finite() && i.reach > 0.0 && is_place(i);
         saved.windows(2).all(|w| w[0].0 < w[1].0)
@@ -207,8 +211,8 @@ impl<V: Space> Bonds<V> {
                 add(n as u64 | u64::from(interest.strength.to_bits()) << 32);
                 add(u64::from(interest.reach.to_bits()));
                 match interest.at {
-                    InterestAt::Place(at) => at.coordinates().iter().for_each(|c| add(u64::from(c.to_bits()))),
-                    InterestAt::Agent(id) => add(u64::from(id.index) << 32 | u64::from(id.generation)),
+                    InterestLocation::Place(at) => at.coordinates().iter().for_each(|c| add(u64::from(c.to_bits()))),
+                    InterestLocation::Agent(id) => add(u64::from(id.index) << 32 | u64::from(id.generation)),
                 }
             }
         }
