@@ -13,11 +13,13 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// README, changelog, guides, and the READMEs of crates.
+/// README, changelog, guides, design records, and the READMEs of crates.
 fn guides() -> Vec<PathBuf> {
     let mut out = vec![root().join("README.md"), root().join("CHANGELOG.md")];
-    let docs = std::fs::read_dir(root().join("docs")).expect("docs").map(|e| e.expect("an entry").path());
-    out.extend(docs.filter(|p| p.extension().is_some_and(|e| e == "md")));
+    for folder in ["docs", "docs/decisions"] {
+        let files = std::fs::read_dir(root().join(folder)).expect(folder).map(|e| e.expect("an entry").path());
+        out.extend(files.filter(|p| p.extension().is_some_and(|e| e == "md")));
+    }
     out.extend(crates().into_iter().map(|c| c.join("README.md")));
     // Workspaces of their own.
     out.extend(["bevy/README.md", "research/README.md", "research/NOTES.md"].map(|file| root().join(file)));
