@@ -16,13 +16,13 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, Order, PolicyCharacters, Spawn};
-use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, Go, Setup};
-use throng_runtime::policy::{BestActionJob, Goal, LookAheadJob, RankedActions};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyOrder, PolicyCharacters, Spawn};
+use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, AgentOrder, CrowdSetup};
+use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::sparring::{Sparring, SparringConfig};
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, Cast, Inline, Planar};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
 
 /// Configs of the bundles: names of files, and what is baked into them.
 const BUNDLES: [(&str, &str); 3] = [
@@ -260,7 +260,7 @@ fn report(case: &Case, input: &Input<'_>) -> Outcome<()> {
 fn bake(folder: &Path) -> Outcome<()> {
     for (name, config) in BUNDLES {
         let config = BuildConfig::parse(config, &folder.join(name).with_extension("toml"))?;
-        pipeline::build(&config, &folder.join(name).with_extension("throng"), &Cache::none(), &Silent)?;
+        pipeline::build(&config, &folder.join(name).with_extension("throng"), &Cache::disabled(), &Silent)?;
     }
     Ok(())
 }
@@ -297,8 +297,8 @@ fn policy_characters(input: &Input<'_>, config: CharactersConfig) -> Outcome<Pol
     for i in 0..NUM_PEOPLE {
         let place = on_square(i, NUM_PEOPLE, 2.0);
         let heading = random.between(-3.0, 3.0);
-        let id = people.spawn(Spawn::standing(Planar::new(place.x, place.y, heading)))?;
-        people.order(id, approach.aim(Vec3::new(-place.x, 0.0, -place.y)))?;
+        let id = people.spawn(Spawn::standing_at(Planar::new(place.x, place.y, heading)))?;
+        people.order(id, approach.order_towards(Vec3::new(-place.x, 0.0, -place.y)))?;
     }
     Ok(people)
 }
@@ -323,7 +323,7 @@ fn look_ahead(input: &Input<'_>) -> Outcome<u64> {
     let mut ranked = vec![RankedActions::NONE; states.len()];
     let weights = vec![1.0; states.len()];
     counted_region(&mut || {
-        let goals = [Goal { policy: &bundle.policies()[0], weights: &weights, targets: &targets }];
+        let goals = [LookAheadGoal { policy: &bundle.policies()[0], weights: &weights, targets: &targets }];
         Ok(LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run()?)
     })?;
     Ok(states.len() as u64)
@@ -363,14 +363,14 @@ fn walkers(input: &Input<'_>) -> Outcome<u64> {
 fn crowd(input: &Input<'_>) -> Outcome<u64> {
     let capacity = 4 * NUM_PEOPLE;
     let config = CrowdConfig { capacity, largest_radius_m: 0.3, largest_speed_mps: 2.0, ..CrowdConfig::default() };
-    let mut crowd = Crowd::on_ground(Setup { config, ..Setup::default() })?;
+    let mut crowd = Crowd::on_ground(CrowdSetup { config, ..CrowdSetup::default() })?;
     let mut random = Random(4);
     for i in 0..capacity {
         let place = on_square(i, capacity, 1.5);
         let at = |place: Vec2| Vec3::new(place.x, 0.0, place.y);
         let speed = random.between(0.9, 1.5);
-        let id = crowd.spawn(Agent { speed, ..Agent::at(at(place)) })?;
-        crowd.order(id, Go::along(vec![at(-place), at(place)]).then(AtEnd::Again))?;
+        let id = crowd.spawn(Agent { speed, ..Agent::standing_at(at(place)) })?;
+        crowd.order(id, AgentOrder::along_subgoals(vec![at(-place), at(place)]).then_at_end(AtEnd::Again))?;
     }
     let step_s = f64::from(DT_S);
     let begin_s = input.num_before() as f64 * step_s;
@@ -388,7 +388,7 @@ fn rules(input: &Input<'_>) -> Outcome<u64> {
         Ok((0..num_steps).try_for_each(|_| simulation.step(f64::from(DT_S)))?)
     };
     step(&mut simulation, input.num_before())?;
-    let count = |simulation: &Simulation| simulation.minds().map_or(0, |minds| minds.evaluations());
+    let count = |simulation: &Simulation| simulation.brains().map_or(0, |minds| minds.evaluations());
     let before = count(&simulation);
     counted_region(&mut || step(&mut simulation, input.num_steps))?;
     Ok(count(&simulation) - before)
@@ -398,11 +398,11 @@ fn rules(input: &Input<'_>) -> Outcome<u64> {
 fn sparring(input: &Input<'_>) -> Outcome<u64> {
     let num_pairs = 8;
     let mut sparring = Sparring::with_capacity(&input.open("boxing")?, num_pairs, SparringConfig::default())?;
-    let order = (0..3).fold(Order::IDLE, |order, policy| order.and(policy, 1.0));
+    let order = (0..3).fold(PolicyOrder::IDLE, |order, policy| order.with_policy(policy, 1.0));
     for pair in 0..num_pairs {
         let middle = Planar::new(4.0 * pair as f32, 0.0, pair as f32);
         let sides = [Planar::new(0.0, -0.6, 0.0), Planar::new(0.0, 0.6, std::f32::consts::PI)];
-        let first = sparring.spawn(sides.map(|side| Spawn::standing(middle.compose(side))))?;
+        let first = sparring.spawn(sides.map(|side| Spawn::standing_at(middle.compose(side))))?;
         for id in [first, sparring.opponent(first)?] {
             sparring.order(id, order)?;
         }
@@ -412,7 +412,7 @@ fn sparring(input: &Input<'_>) -> Outcome<u64> {
     Ok((2 * num_pairs * input.num_steps) as u64)
 }
 
-fn step(cast: &mut impl Cast, num_steps: usize) -> Outcome<()> {
+fn step(cast: &mut impl CharacterGroup, num_steps: usize) -> Outcome<()> {
     Ok((0..num_steps).try_for_each(|_| cast.step(DT_S, &Inline))?)
 }
 

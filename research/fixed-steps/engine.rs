@@ -5,7 +5,7 @@
 
 use crate::events::decide::{Decider, Decision};
 use crate::events::engine::Engine;
-use crate::senses::Sensing;
+use crate::senses::SensingState;
 use crate::space::plan::Plan;
 use crate::{CrowdConfig, CrowdError, NONE, Scheme, Space};
 use serde::{Deserialize, Serialize};
@@ -130,8 +130,8 @@ impl<V: Space> Engine<V> {
 
     /// What an agent does if nothing but the forces moves it (Kim, Kim and Shin 2003b, eq. 14), no faster than any other scheme lets it.
     fn desired_motion(&mut self, agent: u32, step: f32) -> Decision<V> {
-        let Self { scenery, cells, states, grid, outsiders, bonds, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, outsiders, bonds, time: self.now };
+        let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, external_obstacles: outsiders, relationships: relationships, time: self.now };
         let desired = decider.desired_motion(agent, None, scratch);
         let fresh = desired.fresh;
         let fastest = scenery.fastest;
@@ -139,7 +139,7 @@ impl<V: Space> Engine<V> {
         let acceleration = ((end - fresh.velocity) * step.recip()).at_most(fresh.limit);
         let plan = Plan { end: self.now + f64::from(step), acceleration, ..fresh };
         let mut state = desired.state;
-        let struck_by = decider.struck(&plan);
+        let struck_by = decider.striking_obstacle(&plan);
         state.is_struck = struck_by != NONE;
         Decision { leaves: decider.leaves(&state), plan, state, struck_by }
     }
@@ -155,7 +155,7 @@ impl<V: Space> Engine<V> {
         for d in &fixed.decisions {
             let agent = d.plan.index;
             if self.states[agent as usize].cell != NONE {
-                fixed.ends[agent as usize] = self.cells.plan(agent).after(step).0;
+                fixed.ends[agent as usize] = self.cells.plan(agent).motion_after(step).0;
             }
         }
     }
@@ -169,8 +169,8 @@ impl<V: Space> Engine<V> {
         let (me, end) = (self.cells.plan(agent), fixed.ends[agent as usize]);
         let mut deepest = TOO_DEEP;
         let mut found = None;
-        self.cells.around(self.cells.coordinates(me.position), |cell| {
-            self.cells.each(cell, |other| {
+        self.cells.for_each_cell_around(self.cells.coordinates(me.position), |cell| {
+            self.cells.for_each_in_cell(cell, |other| {
                 if other.index < from || other.index == agent {
                     return;
                 }
@@ -185,9 +185,9 @@ impl<V: Space> Engine<V> {
                 }
             });
         });
-        for &s in self.scenery.near(self.states[agent as usize].cell) {
+        for &s in self.scenery.solids_near(self.states[agent as usize].cell) {
             let solid = &self.scenery.solids[s as usize];
-            let (distance, (away, before)) = (solid.away(end).1, solid.away(me.position));
+            let (distance, (away, before)) = (solid.direction_and_distance(end).1, solid.direction_and_distance(me.position));
             if me.radius - distance > deepest && distance < before {
                 deepest = me.radius - distance;
                 found = Some((-away, NONE));
@@ -210,7 +210,7 @@ impl<V: Space> Engine<V> {
                     plan.acceleration += toward * -plan.acceleration.dot(toward).max(0.0);
                     let cell = self.states[m as usize].cell;
                     self.cells.set(cell, cell, &plan);
-                    fixed.ends[m as usize] = plan.after(step).0;
+                    fixed.ends[m as usize] = plan.motion_after(step).0;
                 }
             }
             if is_free {
@@ -224,8 +224,8 @@ impl<V: Space> Engine<V> {
     /// Looks for everybody, as after a step of everybody.
     fn look_about_all(&mut self) {
         for agent in 0..self.states.len() as u32 {
-            if self.sensors.of[agent as usize] != Sensing::default() {
-                self.look_about(agent);
+            if self.sensors.states[agent as usize] != SensingState::default() {
+                self.sense_neighbours(agent);
             }
         }
     }
