@@ -178,7 +178,7 @@ const DT_S: f32 = 1.0 / 60.0;
 /// Characters and walkers of a case.
 const NUM_PEOPLE: usize = 64;
 
-/// The result of most of what is done here.
+/// A value, or any error.
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
 /// Work that is counted.
@@ -199,7 +199,7 @@ struct Input<'a> {
 
 impl Input<'_> {
     fn open(&self, name: &str) -> Outcome<Bundle> {
-        Ok(Bundle::open(&self.bundles.join(name).with_extension("throng"))?)
+        Ok(Bundle::open(self.bundles.join(name).with_extension("throng"))?)
     }
 
     /// Steps until everybody is at it (at least 1).
