@@ -106,7 +106,8 @@ impl Checker {
         let Some(local) = self.core_within_reach(problem, s, pair.part, time_s, limit) else { return false };
         match &problem.solids[s].solid.shape {
             SolidShape::Mesh(mesh) => {
-                self.sample_cache.is_nearer(problem, (s, pair.part), time_s, mesh, &local, (limit + radius, whole))
+                let slot = self.sample_cache.slot(problem, s, pair.part, time_s);
+                self.sample_cache.is_nearer(slot, mesh, &local, limit + radius, whole)
             }
             shape => shape.is_nearer(&local, limit + radius),
         }

@@ -42,28 +42,26 @@ impl SampleCache {
         self.samples.resize(problem.solids.len() * problem.parts.len() * STRETCHES, NEVER);
     }
 
-    /// True where a core, in the frame of the mesh, is nearer than `limit` (m).
-    ///
-    /// - `whole`: false tests only the triangle that was near last; a result of `false` then proves nothing.
-    pub fn is_nearer(
-        &mut self,
-        problem: &Problem,
-        (solid, part): (usize, usize),
-        time_s: f64,
-        mesh: &TriangleMesh,
-        core: &Segment,
-        (limit, whole): (f64, bool),
-    ) -> bool {
+    /// Number of the sample for a part and a solid at a time of the problem.
+    pub fn slot(&self, problem: &Problem, solid: usize, part: usize, time_s: f64) -> usize {
         let share = (time_s - problem.init.time_s) / (problem.goal.time_s - problem.init.time_s);
         let stretch = ((share * STRETCHES as f64) as usize).min(STRETCHES - 1);
-        let look = &mut self.samples[(solid * problem.parts.len() + part) * STRETCHES + stretch];
+        (solid * problem.parts.len() + part) * STRETCHES + stretch
+    }
+
+    /// True where a core, in the frame of the mesh, is nearer than `limit` (m).
+    ///
+    /// - `slot`: number of the sample; see [`SampleCache::slot`].
+    /// - `whole`: false tests only the triangle that was near last; a result of `false` then proves nothing.
+    pub fn is_nearer(&mut self, slot: usize, mesh: &TriangleMesh, core: &Segment, limit: f64, whole: bool) -> bool {
+        let sample = &mut self.samples[slot];
         // No point of a segment moves farther than its ends.
-        let moved = look.core.a.distance(core.a).max(look.core.b.distance(core.b));
-        let free_m = look.free_m - moved;
+        let moved = sample.core.a.distance(core.a).max(sample.core.b.distance(core.b));
+        let free_m = sample.free_m - moved;
         if free_m >= limit {
             return false;
         }
-        if mesh.is_triangle_nearer(look.near, core, limit) {
+        if mesh.is_triangle_nearer(sample.near, core, limit) {
             return true;
         }
         if !whole {
@@ -71,11 +69,11 @@ impl SampleCache {
         }
         match mesh.first_nearer(core, limit) {
             Some(near) => {
-                look.near = near;
+                sample.near = near;
                 true
             }
             None => {
-                (look.core, look.free_m) = (*core, limit);
+                (sample.core, sample.free_m) = (*core, limit);
                 false
             }
         }

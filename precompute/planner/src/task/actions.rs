@@ -195,7 +195,7 @@ fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config
         let mut others = hand_targets(&second.grips, &place, &stage.actors[who], second.limb, at_s);
         rank_by_next_steps(stage, step, second.limb, object, &mut others);
         return Ok((
-            both_hands::grab_with_both(stage, step, (second.limb, object), [&hands, &others], config)?,
+            both_hands::grab_with_both(stage, step, second.limb, object, [&hands, &others], config)?,
             Vec::new(),
         ));
     }
@@ -321,13 +321,13 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, confi
     allow_step_contacts(stage, step, &name, true);
     let both = stage.held_by_both(who, limb, [at_s - 1e-3, at_s]);
     let until_s = if both.is_some() { both_hands::held_until_s(stage, step, object) } else { at_s };
-    hands.iter().for_each(|goal| allow_neighbours(stage, (who, limb), object, &goal.object, [at_s, until_s]));
+    hands.iter().for_each(|goal| allow_neighbours(stage, who, limb, object, &goal.object, [at_s, until_s]));
     let laid = placement_after_release(stage, &to, object, at_s)?;
     let then = |goal: &HandTarget| laid(goal);
     let change =
         (step.action != TaskAction::Carry).then_some(PlacementChange { thing: object, placement_after: &then });
     let (mut plans, given) = match both {
-        Some((_, _, second)) => both_hands::bring_with_both(stage, step, (second, object), &hands, change, config)?,
+        Some((_, _, second)) => both_hands::bring_with_both(stage, step, second, object, &hands, change, config)?,
         None => visit_first_goal(stage, LimbVisit::with_held_object(step, &hands), &hands, change, config)?,
     };
     if let (TaskAction::HandOver, Some(receiver)) = (step.action, &step.receiver) {

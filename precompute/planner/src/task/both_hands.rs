@@ -38,6 +38,8 @@ struct HandPair {
     who: usize,
     lead: Limb,
     second: SecondHand,
+    /// Number of the thing.
+    object: usize,
 }
 
 /// End of a limb's path.
@@ -48,6 +50,17 @@ enum LimbGoal {
     Clip,
 }
 
+/// Path of a limb that is to be planned.
+#[derive(Clone, Copy)]
+struct LimbPath {
+    /// Number of the character.
+    who: usize,
+    limb: Limb,
+    /// Times of its beginning and end (s).
+    window_s: [f64; 2],
+    goal: LimbGoal,
+}
+
 /// Moves both hands to a thing, which they take at one moment; they keep it in the trunk's frame until something is done with
 /// it.
 ///
@@ -55,7 +68,8 @@ enum LimbGoal {
 pub(super) fn grab_with_both(
     stage: &mut TaskStage<'_>,
     step: &TaskStep,
-    (follow, object): (Limb, usize),
+    follow: Limb,
+    object: usize,
     hands: [&[HandTarget]; 2],
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<PlanOutcome>, StepFailure> {
@@ -76,8 +90,9 @@ pub(super) fn grab_with_both(
     pairs.sort_by_key(|[i, k]| (firsts[*i].rank + others[*k].rank, i + k));
     first_success(stage, pairs.into_iter().take(2 * TRIES), None, |stage, [i, k]| {
         let (first, other) = (firsts[i], others[k]);
-        let pair = HandPair { who, lead, second: SecondHand { limb: follow, grip: first.hand.to_local(other.hand) } };
-        take_with_both(stage, step, pair, object, [&first, &other], config)
+        let second = SecondHand { limb: follow, grip: first.hand.to_local(other.hand) };
+        let pair = HandPair { who, lead, second, object };
+        take_with_both(stage, step, pair, [&first, &other], config)
     })
 }
 
@@ -85,23 +100,22 @@ fn take_with_both(
     stage: &mut TaskStage<'_>,
     step: &TaskStep,
     pair: HandPair,
-    object: usize,
     [first, other]: [&HandTarget; 2],
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<PlanOutcome>, StepFailure> {
-    let HandPair { who, lead, second } = pair;
+    let HandPair { who, lead, second, object } = pair;
     let [from_s, at_s, _] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
-    let mut plans =
-        vec![plan_limb_path(stage, (who, lead), [from_s, at_s], LimbGoal::Hand(first.hand), &there, None, config)?];
+    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: LimbGoal::Hand(first.hand) };
+    let mut plans = vec![plan_limb_path(stage, path, &there, None, config)?];
     let there = stage.surroundings_of_limb(who, second.limb, [from_s, at_s]);
-    let one =
-        plan_limb_path(stage, (who, second.limb), [from_s, at_s], LimbGoal::Hand(other.hand), &there, None, config);
+    let path = LimbPath { limb: second.limb, goal: LimbGoal::Hand(other.hand), ..path };
+    let one = plan_limb_path(stage, path, &there, None, config);
     plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
     for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
         stage.pins.push(Pin { character: who, limb, time_s: at_s, target });
     }
-    allow_neighbours(stage, (who, lead), object, &first.object, [at_s, held_until_s(stage, step, object)]);
+    allow_neighbours(stage, who, lead, object, &first.object, [at_s, held_until_s(stage, step, object)]);
     let offset = first.hand.to_local(first.object);
     let at = ThingPlacement::OnJoint {
         character: who,
@@ -119,13 +133,14 @@ fn take_with_both(
 pub(super) fn bring_with_both(
     stage: &mut TaskStage<'_>,
     step: &TaskStep,
-    (second, object): (SecondHand, usize),
+    second: SecondHand,
+    object: usize,
     hands: &[HandTarget],
     change: Option<PlacementChange<'_>>,
     config: &CorrectConfig<'_>,
 ) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
-    let pair = HandPair { who: step.character, lead: step.limb, second };
-    let HandPair { who, lead, second } = pair;
+    let (who, lead) = (step.character, step.limb);
+    let pair = HandPair { who, lead, second, object };
     let [from_s, at_s, to_s] = step.times_s;
     for limb in [lead, second.limb] {
         check_free(stage, who, limb, [from_s, to_s])?;
@@ -158,8 +173,7 @@ pub(super) fn bring_with_both(
     let tries = [OFF_M, f64::INFINITY].into_iter().flat_map(|off_m| all().map(move |(g, s)| (g, s, off_m)));
     first_success(stage, tries, wrong, |stage, (goal, seed, off_m)| {
         let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
-        let plans =
-            bring_to_goal(stage, step, pair, object, (goal, off_m), change, &CorrectConfig { budget, ..*config })?;
+        let plans = bring_to_goal(stage, step, pair, goal, off_m, change, &CorrectConfig { budget, ..*config })?;
         Ok((plans, *goal))
     })
 }
@@ -168,25 +182,18 @@ fn bring_to_goal(
     stage: &mut TaskStage<'_>,
     step: &TaskStep,
     pair: HandPair,
-    object: usize,
-    (goal, off_m): (&HandTarget, f64),
+    goal: &HandTarget,
+    off_m: f64,
     change: Option<PlacementChange<'_>>,
     config: &CorrectConfig<'_>,
 ) -> Result<Vec<PlanOutcome>, StepFailure> {
-    let HandPair { who, lead, second } = pair;
+    let HandPair { who, lead, second, object } = pair;
     let [from_s, at_s, to_s] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
     let there = LimbSurroundings { level: LimbVisit::with_held_object(step, &[*goal]).level, ..there };
     let tether = pair_tether(stage, pair);
-    let mut plans = vec![plan_limb_path(
-        stage,
-        (who, lead),
-        [from_s, at_s],
-        LimbGoal::Hand(goal.hand),
-        &there,
-        Some(tether),
-        config,
-    )?];
+    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: LimbGoal::Hand(goal.hand) };
+    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether), config)?];
     follow_first_hand(stage, pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
@@ -196,9 +203,10 @@ fn bring_to_goal(
     stage.placements[object].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     end_hold_contacts(stage, pair, at_s + CONTACT_S);
     let back = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, to_s]), second.limb);
-    plans.push(plan_limb_path(stage, (who, lead), [at_s, to_s], LimbGoal::Clip, &back, None, config)?);
+    let path = LimbPath { window_s: [at_s, to_s], goal: LimbGoal::Clip, ..path };
+    plans.push(plan_limb_path(stage, path, &back, None, config)?);
     let back = stage.surroundings_of_limb(who, second.limb, [at_s, to_s]);
-    let one = plan_limb_path(stage, (who, second.limb), [at_s, to_s], LimbGoal::Clip, &back, None, config);
+    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None, config);
     plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
     Ok(plans)
 }
@@ -206,13 +214,12 @@ fn bring_to_goal(
 /// Plans and writes the path of a limb to an end.
 fn plan_limb_path(
     stage: &mut TaskStage<'_>,
-    (who, limb): (usize, Limb),
-    window_s: [f64; 2],
-    end: LimbGoal,
+    path: LimbPath,
     around: &LimbSurroundings,
     tether: Option<Tether>,
     config: &CorrectConfig<'_>,
 ) -> Result<PlanOutcome, StepFailure> {
+    let LimbPath { who, limb, window_s, goal: end } = path;
     let others = stage.other_bodies(who);
     let spec = ProblemSpec { tether, ..stage.limb_spec(who, limb, around, &others) };
     let present = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
@@ -256,14 +263,14 @@ pub(super) fn hold_until_end(stage: &mut TaskStage<'_>, step: &TaskStep) {
     let name = &stage.task.things[thing].name;
     let own = kept.contacts.iter_mut().filter(|c| c.0 == who && c.1 == lead && c.2.part.as_ref() == Some(name));
     own.filter_map(|c| c.2.window_s.as_mut()).filter(|w| w[1] >= from_s).for_each(|w| w[1] = f64::INFINITY);
-    if from_s < end_s && hold_pose(&mut kept, HandPair { who, lead, second }, [from_s, end_s]).is_ok() {
+    if from_s < end_s && hold_pose(&mut kept, HandPair { who, lead, second, object: thing }, [from_s, end_s]).is_ok() {
         *stage = kept;
     }
 }
 
 /// Keeps the pose of the first arm, while the second one follows.
 fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2]) -> Result<(), StepFailure> {
-    let HandPair { who, lead, second } = pair;
+    let HandPair { who, lead, second, .. } = pair;
     let actor = &stage.actors[who];
     let rate_hz = actor.clip.rate_hz;
     let frames = ((until_s - at_s) * rate_hz).round() as usize;
@@ -272,7 +279,7 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     }
     let pose = actor.motion.limb_pose(Linkage::limb(lead), at_s);
     let kept = vec![pose; frames + 1];
-    write_frames(stage, (who, lead), [at_s, until_s], &kept)?;
+    write_frames(stage, who, lead, [at_s, until_s], &kept)?;
     let around = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, until_s]), second.limb);
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, lead, &around, &others);
@@ -305,7 +312,7 @@ fn follow_first_hand(
     window_s: [f64; 2],
     most_off_m: f64,
 ) -> Result<(), StepFailure> {
-    let HandPair { who, lead, second: SecondHand { limb, grip } } = pair;
+    let HandPair { who, lead, second: SecondHand { limb, grip }, .. } = pair;
     let around = stage.surroundings_of_limb(who, limb, window_s);
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, limb, &around, &others);
@@ -327,13 +334,14 @@ fn follow_first_hand(
     if off_m > most_off_m {
         return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
     }
-    write_frames(stage, (who, limb), window_s, &poses)
+    write_frames(stage, who, limb, window_s, &poses)
 }
 
 /// Writes poses into a clip.
 fn write_frames(
     stage: &mut TaskStage<'_>,
-    (who, limb): (usize, Limb),
+    who: usize,
+    limb: Limb,
     window_s: [f64; 2],
     frames: &[LimbPose],
 ) -> Result<(), StepFailure> {

@@ -153,7 +153,7 @@ fn plan_visit(
     let LimbVisit { who, limb, times_s, hold_s, .. } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
-        allow_neighbours(stage, (who, limb), change.thing, &goal.object, [at_s; 2]);
+        allow_neighbours(stage, who, limb, change.thing, &goal.object, [at_s; 2]);
         stage.placements[change.thing].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     }
     let back = stage.surroundings_of_limb(who, limb, [at_s, to_s]);
@@ -180,7 +180,8 @@ fn plan_visit(
 /// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
 pub(super) fn allow_neighbours(
     stage: &mut TaskStage<'_>,
-    (who, limb): (usize, Limb),
+    who: usize,
+    limb: Limb,
     thing: usize,
     place: &Rigid,
     [at_s, until_s]: [f64; 2],
