@@ -79,12 +79,17 @@ fn hermite(knots: &[(f64, f64)], slopes: &[f64], t: f64) -> f64 {
         return knots[0].1;
     }
     let (a, Some(b)) = (knots[next - 1], knots.get(next)) else { return knots[next - 1].1 };
+    hermite_piece([a, *b], [slopes[next - 1], slopes[next]], t)
+}
+
+/// Value at time `t` of Hermite's cubic between two knots, each a time and a value, with given rates at them.
+pub fn hermite_piece([a, b]: [(f64, f64); 2], rates: [f64; 2], t: f64) -> f64 {
     let h = b.0 - a.0;
     let u = (t - a.0) / h;
     let (u2, u3) = (u * u, u * u * u);
     a.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
         + b.1 * (3.0 * u2 - 2.0 * u3)
-        + h * (slopes[next - 1] * (u3 - 2.0 * u2 + u) + slopes[next] * (u3 - u2))
+        + h * (rates[0] * (u3 - 2.0 * u2 + u) + rates[1] * (u3 - u2))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! A smooth curve through knots, with given rates at its ends.
 
+use super::super::track::hermite_piece;
+
 /// A cubic spline: continuous in value, rate and acceleration, with given rates at both ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
@@ -34,13 +36,7 @@ impl Spline {
     /// Value at a time; extrapolated by the outer pieces.
     pub fn value_at(&self, t: f64) -> f64 {
         let i = self.knots.partition_point(|k| k.0 <= t).clamp(1, self.knots.len() - 1) - 1;
-        let (a, b) = (self.knots[i], self.knots[i + 1]);
-        let h = b.0 - a.0;
-        let u = (t - a.0) / h;
-        let (u2, u3) = (u * u, u * u * u);
-        a.1 * (2.0 * u3 - 3.0 * u2 + 1.0)
-            + b.1 * (3.0 * u2 - 2.0 * u3)
-            + h * (self.rates[i] * (u3 - 2.0 * u2 + u) + self.rates[i + 1] * (u3 - u2))
+        hermite_piece([self.knots[i], self.knots[i + 1]], [self.rates[i], self.rates[i + 1]], t)
     }
 }
 

@@ -5,18 +5,17 @@ use super::super::attitude::Attitude;
 use super::super::foot::FootShape;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
 use super::super::side::{LateralSide, forward, leftward};
-use super::super::walk::arms::{self, ArmInput};
-use super::super::walk::assemble::{drift, knees, speed};
+use super::super::walk::assemble::{ClipSignals, knees};
 use super::super::walk::footsteps::{self, Footsteps};
-use super::super::walk::pelvis::{self, Pelvis, PelvisInput};
-use super::super::walk::trunk::{self, TrunkPose};
+use super::super::walk::pelvis::{Pelvis, PelvisInput};
+use super::super::walk::trunk::TrunkPose;
 use super::desk::SEAT;
 use super::hands::{self, HandFrame};
 use super::posture::{KeyedHandPose, KeyedPosture};
 use super::script::MotionScript;
 use super::seat::SeatedShare;
 use glam::{DQuat, DVec3};
-use rand::{Rng, RngExt};
+use rand::Rng;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::Clip;
 
@@ -57,7 +56,8 @@ fn seated_at(script: &MotionScript, t: f64) -> SeatedShare {
 
 /// Makes a clip of a set from a script.
 pub fn clip(
-    (set, name): (&str, String),
+    set: &str,
+    name: String,
     script: &MotionScript,
     skeleton: &Skeleton,
     cfg: &SynthConfig,
@@ -105,28 +105,17 @@ fn poses(
     variation: f64,
     rng: &mut impl Rng,
 ) -> Vec<BodyPose> {
-    let (times, dt) = (&samples.times, samples.dt);
     let keyed = KeyedSamples::sample_script(script, samples);
-    let input = PelvisInput::new(steps, skeleton, times, dt);
-    let speed = speed(&input.mass, dt);
-    let mut pelvis = pelvis::follow_feet(&input, &speed);
-    move_hips(&mut pelvis, &input, &keyed);
-    let drift = drift(steps.duration, times, dt, &speed, variation, rng);
-    let mut trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
-    for (i, pose) in trunk.iter_mut().enumerate() {
-        bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
-    }
-    let arms = arms::swing(&ArmInput {
-        apart: &pelvis.apart,
-        speed: &speed,
-        trunk: &trunk,
-        drift: &drift,
-        liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
-        dt,
-    });
+    let bend_all = |trunk: &mut [TrunkPose]| {
+        for (i, pose) in trunk.iter_mut().enumerate() {
+            bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
+        }
+    };
+    let move_pelvis = |pelvis: &mut Pelvis, input: &PelvisInput| move_hips(pelvis, input, &keyed);
+    let s = ClipSignals::new(steps, skeleton, samples, variation, rng, move_pelvis, bend_all);
     let keys = |i: usize| [&keyed.hands[0][i], &keyed.hands[1][i]];
-    let whole = |i: usize| pose(&pelvis, &trunk[i], arms[i], input.feet[i], keys(i), i, skeleton);
-    (0..times.len()).map(whole).collect()
+    let whole = |i: usize| pose(&s.pelvis, &s.trunk[i], s.arms[i], s.feet[i], keys(i), i, skeleton);
+    (0..samples.times.len()).map(whole).collect()
 }
 
 /// Turns and moves the hips as keyed, over the feet, and then towards the seat.

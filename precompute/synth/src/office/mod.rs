@@ -55,7 +55,7 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
         let scripts = pair_scripts(what, cfg.variation, &mut rng);
         for (script, who) in scripts.iter().zip(["a", "b"]) {
             let name = format!("office_pair_{number:02}_{who}");
-            set.clips.push(assemble::clip(("office", name), script, &set.skeleton, cfg, &mut rng));
+            set.clips.push(assemble::clip("office", name, script, &set.skeleton, cfg, &mut rng));
         }
     }
     set
@@ -77,7 +77,7 @@ fn fill_clips(
         let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let script = write(wanted, rng);
         spent += script.duration();
-        set.clips.push(assemble::clip(("office", format!("{name}_{number:02}")), &script, &set.skeleton, cfg, rng));
+        set.clips.push(assemble::clip("office", format!("{name}_{number:02}"), &script, &set.skeleton, cfg, rng));
         number += 1;
     }
     spent

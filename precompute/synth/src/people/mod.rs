@@ -34,7 +34,7 @@ pub fn people(cfg: &SynthConfig) -> ClipSet {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let script = act.script(cfg.variation, &mut rng);
         let name = format!("people_{}_{number:02}", act.tag());
-        let clip = assemble::clip(("people", name), &script, &set.skeleton, cfg, &mut rng);
+        let clip = assemble::clip("people", name, &script, &set.skeleton, cfg, &mut rng);
         spent += clip.num_frames() as f64 / clip.rate_hz;
         set.clips.push(clip);
     }

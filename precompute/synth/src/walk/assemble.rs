@@ -16,11 +16,11 @@ use throng_core::{Planar, Skeleton};
 use throng_motion::clip::Clip;
 
 /// All signals of a clip at the working rate.
-struct ClipSignals {
-    feet: Vec<[FootPose; 2]>,
-    pelvis: Pelvis,
-    trunk: Vec<TrunkPose>,
-    arms: Vec<[ArmPose; 2]>,
+pub struct ClipSignals {
+    pub feet: Vec<[FootPose; 2]>,
+    pub pelvis: Pelvis,
+    pub trunk: Vec<TrunkPose>,
+    pub arms: Vec<[ArmPose; 2]>,
 }
 
 /// Makes a clip from its footsteps.
@@ -42,32 +42,42 @@ pub fn poses(
     variation: f64,
     rng: &mut impl Rng,
 ) -> Vec<BodyPose> {
-    let signals = signals(steps, skeleton, &samples.times, samples.dt, variation, rng);
+    let signals = ClipSignals::new(steps, skeleton, samples, variation, rng, |_, _| {}, |_| {});
     (0..samples.times.len()).map(|i| pose(&signals, i)).collect()
 }
 
-fn signals(
-    steps: &Footsteps,
-    skeleton: &Skeleton,
-    times: &[f64],
-    dt: f64,
-    variation: f64,
-    rng: &mut impl Rng,
-) -> ClipSignals {
-    let input = PelvisInput::new(steps, skeleton, times, dt);
-    let speed = speed(&input.mass, dt);
-    let pelvis = pelvis::follow_feet(&input, &speed);
-    let drift = drift(steps.duration, times, dt, &speed, variation, rng);
-    let trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
-    let arms = arms::swing(&ArmInput {
-        apart: &pelvis.apart,
-        speed: &speed,
-        trunk: &trunk,
-        drift: &drift,
-        liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
-        dt,
-    });
-    ClipSignals { feet: input.feet, pelvis, trunk, arms }
+impl ClipSignals {
+    /// Signals of a body over its feet.
+    ///
+    /// - `move_hips`: moves the pelvis before the trunk balances over it.
+    /// - `bend`: bends the trunk before the arms swing at it.
+    pub fn new(
+        steps: &Footsteps,
+        skeleton: &Skeleton,
+        samples: &Samples,
+        variation: f64,
+        rng: &mut impl Rng,
+        move_hips: impl FnOnce(&mut Pelvis, &PelvisInput),
+        bend: impl FnOnce(&mut [TrunkPose]),
+    ) -> Self {
+        let (times, dt) = (&samples.times, samples.dt);
+        let input = PelvisInput::new(steps, skeleton, times, dt);
+        let speed = speed(&input.mass, dt);
+        let mut pelvis = pelvis::follow_feet(&input, &speed);
+        move_hips(&mut pelvis, &input);
+        let drift = drift(steps.duration, times, dt, &speed, variation, rng);
+        let mut trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
+        bend(&mut trunk);
+        let arms = arms::swing(&ArmInput {
+            apart: &pelvis.apart,
+            speed: &speed,
+            trunk: &trunk,
+            drift: &drift,
+            liveliness: [0, 1].map(|_| 1.0 + variation * rng.random_range(-0.08..0.08)),
+            dt,
+        });
+        Self { feet: input.feet, pelvis, trunk, arms }
+    }
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
