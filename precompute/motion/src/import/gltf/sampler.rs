@@ -94,24 +94,22 @@ impl Keys {
     }
 
     pub fn vector(&self, seconds: f64) -> DVec3 {
-        let at = self.key_position(seconds);
-        let value = |key: usize| self.number(key).truncate();
-        match self.interpolation {
-            _ if at.share == 0.0 => value(at.key),
-            Interpolation::Step => value(at.key),
-            Interpolation::Linear => value(at.key).lerp(value(at.key + 1), at.share),
-            Interpolation::CubicSpline => self.spline(&at).truncate(),
-        }
+        self.sample(seconds, DVec4::truncate, DVec3::lerp)
     }
 
     pub fn rotation(&self, seconds: f64) -> DQuat {
+        self.sample(seconds, |v| DQuat::from_vec4(v).normalize(), DQuat::slerp)
+    }
+
+    /// The value at a time, made of numbers by `value` and mixed by `mix` where keys are connected by straight lines.
+    fn sample<V>(&self, seconds: f64, value: impl Fn(DVec4) -> V, mix: impl FnOnce(V, V, f64) -> V) -> V {
         let at = self.key_position(seconds);
-        let value = |key: usize| DQuat::from_vec4(self.number(key)).normalize();
+        let of_key = |key: usize| value(self.number(key));
         match self.interpolation {
-            _ if at.share == 0.0 => value(at.key),
-            Interpolation::Step => value(at.key),
-            Interpolation::Linear => value(at.key).slerp(value(at.key + 1), at.share),
-            Interpolation::CubicSpline => DQuat::from_vec4(self.spline(&at)).normalize(),
+            _ if at.share == 0.0 => of_key(at.key),
+            Interpolation::Step => of_key(at.key),
+            Interpolation::Linear => mix(of_key(at.key), of_key(at.key + 1), at.share),
+            Interpolation::CubicSpline => value(self.spline(&at)),
         }
     }
 

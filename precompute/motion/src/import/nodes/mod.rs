@@ -177,13 +177,8 @@ impl RigScene<'_> {
         let world = person.world(self, |node| self.nodes[node].local)?;
         let mut sink = FrameSink::new(rest.joints.clone(), rest.joints.len());
         sink.begin_frame();
-        let mut turned: Vec<(DVec3, DQuat)> = Vec::new();
-        for (j, joint) in rest.joints.iter().enumerate() {
-            turned.push((world[j].affine.translation, world[j].rotation * rest.rotations[j].inverse()));
-            let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
-            sink.translations[j] = by.inverse() * (turned[j].0 - at);
-            sink.rotations[j] = by.inverse() * turned[j].1;
-        }
+        let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
+        rest.pose_joints(&world, &mut turned, &mut sink);
         if !sink.end_frame() {
             return Err("it has too many joints".into());
         }
@@ -251,13 +246,7 @@ impl RigScene<'_> {
             let local = |node: usize| animation.local(node, seconds, self.nodes[node].local);
             let world = person.world(self, local).map_err(|e| fail(e, "Export it again"))?;
             sink.begin_frame();
-            for (j, joint) in rest.joints.iter().enumerate() {
-                let WorldTransform { affine, rotation } = world[j];
-                turned[j] = (affine.translation, rotation * rest.rotations[j].inverse());
-                let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
-                sink.translations[j] = by.inverse() * (turned[j].0 - at);
-                sink.rotations[j] = by.inverse() * turned[j].1;
-            }
+            rest.pose_joints(&world, &mut turned, &mut sink);
             if !sink.end_frame() {
                 return Err(too_many());
             }
@@ -314,6 +303,19 @@ struct RestSkeleton {
 }
 
 impl RestSkeleton {
+    /// Writes a pose into `sink`: the place of each joint, and its turn from rest, as its parent sees them.
+    ///
+    /// - `world`: transforms of all joints, in the scene.
+    /// - `turned`: overwritten by the place of each joint, and its turn from rest, in the scene (joints.len()).
+    fn pose_joints(&self, world: &[WorldTransform], turned: &mut [(DVec3, DQuat)], sink: &mut FrameSink) {
+        for (j, joint) in self.joints.iter().enumerate() {
+            turned[j] = (world[j].affine.translation, world[j].rotation * self.rotations[j].inverse());
+            let (at, by) = joint.parent.map_or((DVec3::ZERO, DQuat::IDENTITY), |p| turned[p]);
+            sink.translations[j] = by.inverse() * (turned[j].0 - at);
+            sink.rotations[j] = by.inverse() * turned[j].1;
+        }
+    }
+
     /// The pose in which skins were bound, as far as the file has it; else the pose without animation.
     fn new(scene: &RigScene<'_>, person: &ScenePerson) -> Result<Self, String> {
         let world = person.world(scene, |node| scene.nodes[node].local)?;
