@@ -225,12 +225,13 @@ mod tests {
     use throng_bake::policy::made_up::SyntheticProblem;
     use throng_bake::policy::{Approach, PolicyConfig, solve_behaviours};
     use throng_motion::progress::Silent;
+    use throng_runtime::base::SingleRank;
 
     /// The policy of a behaviour in a made-up problem.
     fn solved(small: &SyntheticProblem, behaviour: &Approach) -> PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
-        let tables = solve_behaviours(small.model(), &[behaviour], &cfg, &mut rng, &Silent);
+        let tables = solve_behaviours(small.model(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank);
         tables.expect("it converges").table(0).expect("sound tables")
     }
 

@@ -12,6 +12,7 @@ use throng_precompute::policy::{
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Joint;
+use throng_runtime::base::SingleRank;
 use throng_runtime::policy::{
     BestActionJob, LookAheadGoal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
 };
@@ -51,14 +52,15 @@ fn blows(rng: &mut Pcg64) -> (ActionModel, Hit, TargetGrid) {
 /// The policy on the finest grid everywhere.
 fn finest(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> Solution {
     let cfg = PolicyConfig::default();
-    let mut solution = value_iteration(model, behaviour, &cfg, &Silent).expect("it converges");
-    bake(model, &mut solution, &cfg).expect("it converges");
+    let mut solution = value_iteration(model, behaviour, &cfg, &Silent, &SingleRank).expect("it converges");
+    bake(model, &mut solution, &cfg, &SingleRank).expect("it converges");
     solution
 }
 
 fn tables(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let cfg = PolicyConfig { compare_samples: 500, ..PolicyConfig::default() };
-    solve_behaviours(model.clone(), &[behaviour], &cfg, &mut Pcg64::seed_from_u64(3), &Silent).expect("it converges")
+    solve_behaviours(model.clone(), &[behaviour], &cfg, &mut Pcg64::seed_from_u64(3), &Silent, &SingleRank)
+        .expect("it converges")
 }
 
 /// Root mean square distance of what is interpolated at the finest cells from the values there.
@@ -194,7 +196,7 @@ fn the_report_says_what_the_values_say() {
     let cfg = PolicyConfig { compare_samples: 20_000, ..PolicyConfig::default() };
     let solve = |behaviour: &dyn PolicyBehaviour| {
         let mut rng = Pcg64::seed_from_u64(3);
-        solve_behaviours(model.clone(), &[behaviour], &cfg, &mut rng, &Silent).expect("it converges")
+        solve_behaviours(model.clone(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank).expect("it converges")
     };
     let compact = solve(&Compact { behaviour: &hit, grid, adaptive });
     let whole = solve(&Compact { behaviour: &hit, grid, adaptive: None });

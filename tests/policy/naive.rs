@@ -9,6 +9,7 @@ use throng_precompute::policy::{
 };
 use throng_precompute::progress::Silent;
 use throng_runtime::Planar;
+use throng_runtime::base::SingleRank;
 use throng_runtime::policy::{
     COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid,
 };
@@ -232,7 +233,8 @@ impl<'a> Naive<'a> {
 }
 
 pub fn solved(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> PolicyTables {
-    solve_behaviours(model.clone(), &[behaviour], cfg, &mut Pcg64::seed_from_u64(3), &Silent).expect("it converges")
+    solve_behaviours(model.clone(), &[behaviour], cfg, &mut Pcg64::seed_from_u64(3), &Silent, &SingleRank)
+        .expect("it converges")
 }
 
 /// Angles of reward and geometry are within 4e-6 rad, exponentials within 1e-5: what that makes of values.

@@ -97,7 +97,7 @@ fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Ve
             let name = if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
             let name = if config.clips.is_empty() { name } else { format!("{tag}:{name}") };
             check(clip, range).map_err(|why| format!("`{name}`: {why}"))?;
-            found.push(activity((name, tag), (number, clip), range, config));
+            found.push(activity(name, tag, number, clip, range, config));
         }
     }
     if found.is_empty() {
@@ -138,8 +138,10 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
 }
 
 fn activity(
-    (name, tag): (String, &str),
-    (number, clip): (u32, &Clip),
+    name: String,
+    tag: &str,
+    number: u32,
+    clip: &Clip,
     range: &FrameRange,
     config: &ActivityConfig,
 ) -> ActivityMeta {

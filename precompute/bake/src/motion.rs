@@ -3,8 +3,7 @@
 mod shard;
 mod streamed;
 
-pub(crate) use shard::bake;
-pub use shard::{Shard, ShardReport};
+pub use shard::{Shard, ShardReport, bake_shard};
 
 use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;

@@ -4,7 +4,7 @@ use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
-pub use crate::motion::{Shard, ShardReport};
+pub use crate::motion::{Shard, ShardReport, bake_shard};
 use crate::parts::{Attempts, RequiredParts};
 use crate::patch::{self, PatchConfig, RawPatches, TileConfig};
 use crate::policy::{BehaviourKind, PolicyBehaviourConfig, RawPolicy};
@@ -51,22 +51,6 @@ pub fn build_possible(
     progress: &dyn Progress,
 ) -> Result<BuildReport, BuildError> {
     build_shared(cfg, RequiredParts::Possible, out, cache, progress, &SingleRank)
-}
-
-/// Does the share of one of several processes in a build: reads its files into the cache and, once the cache has those
-/// of all others, makes its clips. `parts` must be that of the build that will use them.
-///
-/// # Errors
-/// Errors of the stages from import to annotate; [`BuildError::Config`] for synthetic motion.
-pub fn bake_shard(
-    cfg: &BuildConfig,
-    parts: RequiredParts,
-    shard: Shard,
-    cache: &Cache,
-    progress: &dyn Progress,
-) -> Result<ShardReport, BuildError> {
-    cfg.check()?;
-    motion::bake(cfg, parts, shard, cache, progress)
 }
 
 /// Path at which a cache keeps a bundle of [`build_possible`] that is made to be run or viewed; `None` if nothing is
@@ -118,7 +102,7 @@ pub fn build_shared(
             let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
                 cluster::group(clips, features.get()?, &cfg.cluster, p, comm)
             })?;
-            let patches = bake_patches(cfg, clips, (&groups, groups.key), units, &mut attempts, &s)?;
+            let patches = bake_patches(cfg, clips, &groups, groups.key, units, &mut attempts, &s)?;
             patches.map(|patches| (groups, patches))
         }
         None => None,
@@ -134,7 +118,7 @@ pub fn build_shared(
     drop(features);
     let (graph, graph_report) = &connected;
     let (stops, stops_report) = s.run("stops", |_| stops::find_stops(clips, graph, comm))?;
-    let policies = bake_policies(cfg, clips, (graph, graph_key), &mut attempts, &s)?;
+    let policies = bake_policies(cfg, clips, graph, graph_key, &mut attempts, &s)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
@@ -227,7 +211,8 @@ fn shows_walking(clips: &ClipSet) -> bool {
 fn bake_patches(
     cfg: &BuildConfig,
     clips: &ClipSet,
-    (groups, key): (&cluster::PoseGroups, CacheKey),
+    groups: &cluster::PoseGroups,
+    key: CacheKey,
     units: &UnitSet,
     attempts: &mut Attempts,
     s: &Stages<'_>,
@@ -293,7 +278,8 @@ fn find_activities(
 fn bake_policies(
     cfg: &BuildConfig,
     clips: &ClipSet,
-    (graph, key): (&graph::RawMotionGraph, CacheKey),
+    graph: &graph::RawMotionGraph,
+    key: CacheKey,
     attempts: &mut Attempts,
     s: &Stages<'_>,
 ) -> Result<Vec<RawPolicy>, BuildError> {

@@ -12,6 +12,7 @@ use throng_bake::policy::{
 use throng_core::Planar;
 use throng_core::policy::{COMBINE_SUM, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_motion::progress::Silent;
+use throng_runtime::base::SingleRank;
 
 /// Two blows an action, at made-up places of different heights.
 struct Blows;
@@ -34,7 +35,7 @@ impl PolicyBehaviour for Blows {
 fn solved(model: ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let mut rng = Pcg64::seed_from_u64(1);
     let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-    solve_behaviours(model, &[behaviour], &cfg, &mut rng, &Silent).expect("it converges")
+    solve_behaviours(model, &[behaviour], &cfg, &mut rng, &Silent, &SingleRank).expect("it converges")
 }
 
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {

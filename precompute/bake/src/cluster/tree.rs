@@ -71,13 +71,7 @@ impl ClusterItem {
             if (distance + a.radius + b.radius) * (1.0 + SLACK) < limit {
                 continue;
             }
-            // The wider ball is refined; two single frames have been compared.
-            let parts = if a.radius >= b.radius { self.parts(i) } else { None };
-            match (parts, other.parts(j)) {
-                (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
-                (None, Some(parts)) => pairs.extend(parts.map(|j| (i, j))),
-                (None, None) => pairs.extend(self.parts(i).into_iter().flatten().map(|i| (i, j))),
-            }
+            self.refine_pair(other, i, j, &mut pairs);
         }
         true
     }
@@ -99,14 +93,20 @@ impl ClusterItem {
                 }
                 continue;
             }
-            let parts = if a.radius >= b.radius { self.parts(i) } else { None };
-            match (parts, self.parts(j)) {
-                (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
-                (None, Some(parts)) => pairs.extend(parts.map(|j| (i, j))),
-                (None, None) => pairs.extend(self.parts(i).into_iter().flatten().map(|i| (i, j))),
-            }
+            self.refine_pair(self, i, j, &mut pairs);
         }
         largest
+    }
+
+    /// Replaces a compared pair, of ball `i` of this tree and ball `j` of `other`, by pairs with the parts of the wider
+    /// one; by none if both are single frames.
+    fn refine_pair(&self, other: &Self, i: usize, j: usize, pairs: &mut Vec<(usize, usize)>) {
+        let parts = if self.balls[i].radius >= other.balls[j].radius { self.parts(i) } else { None };
+        match (parts, other.parts(j)) {
+            (Some(parts), _) => pairs.extend(parts.map(|i| (i, j))),
+            (None, Some(parts)) => pairs.extend(parts.map(|j| (i, j))),
+            (None, None) => pairs.extend(self.parts(i).into_iter().flatten().map(|i| (i, j))),
+        }
     }
 }
 

@@ -49,11 +49,6 @@ impl UnitSet {
         toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
     }
 
-    /// Number of the unit of that name.
-    pub fn unit_named(&self, name: &str) -> Option<usize> {
-        self.units.iter().position(|u| u.name == name)
-    }
-
     fn check(&self) -> Result<(), BuildError> {
         if self.units.len() > MAX_UNITS {
             return Err(BuildError::key("units", format!("expected {MAX_UNITS} at most, found {}", self.units.len())));
@@ -188,6 +183,5 @@ mod tests {
         assert_eq!(set.units[0].symmetry, 1);
         let again = UnitSet::parse(&set.to_toml().unwrap(), Path::new("x.toml")).unwrap();
         assert_eq!(again, set);
-        assert_eq!((set.unit_named("a"), set.unit_named("b")), (Some(0), None));
     }
 }

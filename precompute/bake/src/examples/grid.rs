@@ -43,6 +43,15 @@ pub struct WeightTable {
     pub max_error: f64,
 }
 
+/// Box of the parameters that a table covers: the least and the greatest value along each axis, in the axis's unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterBounds {
+    /// Least value along each axis.
+    pub low: Vec<f64>,
+    /// Greatest value along each axis.
+    pub high: Vec<f64>,
+}
+
 /// Error of a table that would exceed its limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableTooLarge {
@@ -64,10 +73,11 @@ pub struct TableTooLarge {
 /// [`TableTooLarge`] if it takes more than `max_bytes` or [`MAX_KNOTS`], or if no division that is tried is fine enough.
 pub fn tabulate(
     basis: &CardinalBasis,
-    (low, high): (Vec<f64>, Vec<f64>),
+    bounds: ParameterBounds,
     tolerance: f64,
     max_bytes: u64,
 ) -> Result<WeightTable, TableTooLarge> {
+    let ParameterBounds { low, high } = bounds;
     let mut grid = Grid { knots: vec![2; low.len()], low: low.clone(), high: high.clone() };
     let lines = SampleLines::new(basis, &low, &high);
     let mut share = tolerance;

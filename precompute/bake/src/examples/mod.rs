@@ -23,7 +23,7 @@ pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolation
 
 use cardinal::{CardinalBasis, CardinalFault};
 use cycle::Cycle;
-use grid::WeightTable;
+use grid::{ParameterBounds, WeightTable};
 use posture::Postures;
 use select::ExampleCandidate;
 use serde::{Deserialize, Serialize};
@@ -209,8 +209,9 @@ fn space(
     let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
     let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
         .map_err(|fault| cardinal_fault(name, config, &chosen, &fault, &warnings.messages[told..]))?;
-    let table = grid::tabulate(&basis, extent(config, &points), config.weight_tolerance, config.max_weight_bytes)
-        .map_err(|large| too_large(config, &large))?;
+    let table =
+        grid::tabulate(&basis, parameter_bounds(config, &points), config.weight_tolerance, config.max_weight_bytes)
+            .map_err(|large| too_large(config, &large))?;
     check_weights(config, &points, &table)?;
     let cycles: Vec<&Cycle<'_>> = chosen.iter().map(|c| &c.cycle).collect();
     let postures = posture::tabulate(&cycles, &clips.skeleton, config.phases).map_err(|t| {
@@ -255,7 +256,7 @@ fn space(
 }
 
 /// Parameter box: that of the config, otherwise the examples' extent.
-fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+fn parameter_bounds(config: &BlendConfig, points: &[Vec<f64>]) -> ParameterBounds {
     let along = |(k, a): (usize, &AxisConfig)| {
         let values = || points.iter().map(move |p| p[k]);
         let [low, high] =
@@ -263,7 +264,8 @@ fn extent(config: &BlendConfig, points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
         // Rounded as in the bundle.
         (f64::from(low as f32), f64::from(high as f32))
     };
-    config.axes.iter().enumerate().map(along).unzip()
+    let (low, high) = config.axes.iter().enumerate().map(along).unzip();
+    ParameterBounds { low, high }
 }
 
 /// Checks that weights can be stored: far from all examples, hyperplanes rise without bound.

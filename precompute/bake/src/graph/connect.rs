@@ -64,8 +64,14 @@ pub fn connect(
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
     let features = &features::extract_at(clips, &frames, features, comm)?;
     let outcomes = matches::motion_outcomes(&events, clips, config.outcome_horizon_s);
-    let (graph, threshold) =
-        GraphSearch::new(clips, &events, features, &outcomes, config, rate_hz, (progress, comm))?.run()?;
+    let limits = LinkLimits {
+        error: config.max_error.max(config.threshold.unwrap_or(0.0)) as f32,
+        min_jump: (config.min_jump_s * rate_hz).round() as u32,
+        points_per_kind: POINTS_PER_KIND,
+        points_per_event: POINTS_PER_EVENT,
+    };
+    let finder = LinkFinder::new(&events, features, &outcomes, limits, config, progress, comm)?;
+    let (graph, threshold) = GraphSearch::new(clips, &events, &outcomes, finder, config, rate_hz, comm)?.run()?;
     let report = report::report(&graph, clips, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
@@ -170,11 +176,11 @@ impl<'a> GraphSearch<'a> {
     fn new(
         clips: &'a ClipSet,
         events: &'a [EventFrame],
-        features: &'a features::Features,
         outcomes: &'a [MotionOutcome],
+        finder: LinkFinder<'a>,
         config: &'a MotionGraphConfig,
         rate_hz: f64,
-        (progress, comm): (&dyn Progress, &'a dyn Comm),
+        comm: &'a dyn Comm,
     ) -> Result<Self, BuildError> {
         let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
@@ -186,11 +192,6 @@ impl<'a> GraphSearch<'a> {
             let way = matches::displacement(clips, &starts, events[i].clip, from, to);
             worth[n] = frames[n] + (f64::from(way.x.hypot(way.z)) * rate_hz).round() as u32;
         }
-        let limit = config.max_error.max(config.threshold.unwrap_or(0.0)) as f32;
-        let min_jump = (config.min_jump_s * rate_hz).round() as u32;
-        let limits =
-            LinkLimits { error: limit, min_jump, points_per_kind: POINTS_PER_KIND, points_per_event: POINTS_PER_EVENT };
-        let finder = LinkFinder::new(events, features, outcomes, limits, config, progress, comm)?;
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
         let (alive, arrivals) = (Vec::new(), IncomingLinks::new(&[], &SingleRank)?);

@@ -39,13 +39,25 @@ impl TransitionLink {
         self.to as usize
     }
 
-    /// Sort key of links, better first: the bits of the distance, which is not negative, and the event.
-    pub fn rank(&self) -> (u32, usize) {
-        (self.error.to_bits(), self.event())
+    /// Sort key of the link, better first.
+    pub fn rank(&self) -> LinkRank {
+        LinkRank { error_bits: self.error.to_bits(), event: self.event() }
     }
+}
 
-    fn from_rank((error, event): (u32, usize)) -> Self {
-        Self::new(event, f32::from_bits(error))
+/// Sort key of links, better first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct LinkRank {
+    /// Bits of the distance of the poses, which is not negative.
+    error_bits: u32,
+    /// Event whose motion follows.
+    event: usize,
+}
+
+impl LinkRank {
+    /// The link that has this key.
+    fn link(self) -> TransitionLink {
+        TransitionLink::new(self.event, f32::from_bits(self.error_bits))
     }
 }
 
@@ -275,7 +287,7 @@ impl<'a> LinkFinder<'a> {
                     nearest.pop();
                 }
                 if nearest.len() == num_nearest {
-                    limit = nearest.peek().map_or(0.0, |&worst| TransitionLink::from_rank(worst).error);
+                    limit = nearest.peek().map_or(0.0, |worst| worst.link().error);
                 }
             }
             if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE }
@@ -283,10 +295,8 @@ impl<'a> LinkFinder<'a> {
         let mut choice = LinkChoice::new(&self.of_kinds[i], self.outcomes, self.config);
         others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Once a better link leads to a place, others to it are skipped without computing their distance.
-        let take_before = |gap: f32, choice: &mut LinkChoice<'_>, known: &mut BinaryHeap<Reverse<(u32, usize)>>| {
-            while let Some(link) =
-                known.peek().map(|k| TransitionLink::from_rank(k.0)).filter(|l| squared_reach(l.error) < gap)
-            {
+        let take_before = |gap: f32, choice: &mut LinkChoice<'_>, known: &mut BinaryHeap<Reverse<LinkRank>>| {
+            while let Some(link) = known.peek().map(|k| k.0.link()).filter(|l| squared_reach(l.error) < gap) {
                 known.pop();
                 if link.error <= threshold && choice.accepts(link.event()) && self.is_possible(i, &link) {
                     choice.push(link);
@@ -301,7 +311,7 @@ impl<'a> LinkFinder<'a> {
             }
         }
         take_before(f32::INFINITY, &mut choice, known);
-        nearest.drain().map(TransitionLink::from_rank).chain(choice.chosen().iter().copied()).collect()
+        nearest.drain().map(LinkRank::link).chain(choice.chosen().iter().copied()).collect()
     }
 
     /// Nearest possible link to an event of a tree.
@@ -334,9 +344,9 @@ fn scatter_to_all<T>(num_events: usize, own: &[usize], of_own: Vec<Vec<T>>) -> V
 struct LinkSearch {
     walk: PointTreeWalk,
     /// Ranks of the nearest possible links, worst on top.
-    nearest: BinaryHeap<(u32, usize)>,
+    nearest: BinaryHeap<LinkRank>,
     /// Ranks of links with known distance, best on top.
-    known: BinaryHeap<Reverse<(u32, usize)>>,
+    known: BinaryHeap<Reverse<LinkRank>>,
     /// Squared distances of points, with their events.
     others: Vec<(f32, usize)>,
 }

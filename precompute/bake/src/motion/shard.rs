@@ -75,18 +75,19 @@ const REFUSED: &str = "refused";
 
 /// Reads the files of a shard into the cache and, once those of all shards are there, makes its clips. In whatever
 /// order and however often shards run, the cache holds the same bytes in the end, and [`crate::pipeline::build`] finds
-/// them.
+/// them. `parts` must be that of the build that will use them.
 ///
 /// # Errors
-/// [`BuildError::Config`] for synthetic motion; the first output that the cache cannot store; the first bad file if
+/// [`BuildError::Key`] for synthetic motion and for values out of their range; the first output that the cache cannot store; the first bad file if
 /// `import.strict` is set; those of the stages from import to annotate.
-pub(crate) fn bake(
+pub fn bake_shard(
     cfg: &BuildConfig,
     parts: RequiredParts,
     shard: Shard,
     cache: &Cache,
     progress: &dyn Progress,
 ) -> Result<ShardReport, BuildError> {
+    cfg.check()?;
     if cfg.synth.is_some() {
         return Err(BuildError::key(
             "synth",

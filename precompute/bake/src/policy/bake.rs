@@ -5,7 +5,7 @@ use super::model::ActionModel;
 use super::solve::{Solution, stage_error, tolerance};
 use crate::share::share_rows;
 use rayon::prelude::*;
-use throng_base::{Comm, SingleRank};
+use throng_base::Comm;
 use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
 
@@ -16,18 +16,12 @@ use throng_motion::error::BuildError;
 /// and the stored value is the residual kept in `solution.record`. If the solver's arithmetic leaves it above the
 /// tolerance, the scores become the values and the pass is repeated.
 ///
-/// # Errors
-/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual if `cfg.max_sweeps` do
-/// not suffice.
-pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig) -> Result<Vec<u8>, BuildError> {
-    shared_bake(model, solution, cfg, &SingleRank)
-}
-
-/// Bakes with several processes, each of which ranks a block of the states; see [`bake`].
+/// - `comm`: processes that bake together; each ranks a block of the states.
 ///
 /// # Errors
-/// As [`bake`]; [`throng_base::Error::Rank`].
-pub(super) fn shared_bake(
+/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual if `cfg.max_sweeps` do
+/// not suffice; [`throng_base::Error::Rank`].
+pub fn bake(
     model: &ActionModel,
     solution: &mut Solution,
     cfg: &PolicyConfig,

@@ -8,6 +8,7 @@ use glam::Vec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::time::Instant;
+use throng_base::SingleRank;
 use throng_core::Planar;
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
@@ -76,7 +77,7 @@ impl SyntheticProblem {
     pub(crate) fn solve_timed(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
-        let tables = super::solve_behaviours(self.model(), &[behaviour], &cfg, &mut rng, &Silent);
+        let tables = super::solve_behaviours(self.model(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank);
         tables.expect("it converges").table(0).expect("sound tables")
     }
 
@@ -145,6 +146,6 @@ impl SyntheticProblem {
     /// As [`value_iteration`].
     pub fn solve(&self, model: &ActionModel, epsilon: f64) -> Result<Solution, BuildError> {
         let cfg = PolicyConfig { epsilon, ..PolicyConfig::default() };
-        value_iteration(model, &self.behaviour()?, &cfg, &Silent)
+        value_iteration(model, &self.behaviour()?, &cfg, &Silent, &SingleRank)
     }
 }

@@ -30,4 +30,4 @@ pub use follow::{ActionSelection, PlayedAction, PolicySituation, collect_rewards
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve, solve_behaviours};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
-pub use solve::{Solution, shared_value_iteration, tolerance, value_iteration};
+pub use solve::{Solution, tolerance, value_iteration};

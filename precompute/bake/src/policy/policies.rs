@@ -1,18 +1,18 @@
 //! Policy stage: all behaviours solved, baked and compared.
 
 use super::adapt::{AdaptiveReport, adapt};
-use super::bake::{best_actions, shared_bake};
+use super::bake::{bake, best_actions};
 use super::behaviour::{Approach, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
 use super::model::ActionModel;
 use super::promise::{Promise, promise};
-use super::solve::{Solution, shared_value_iteration};
+use super::solve::{Solution, value_iteration};
 use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
-use throng_base::{Comm, SingleRank};
+use throng_base::Comm;
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
@@ -135,7 +135,7 @@ pub fn solve(
     let made: Vec<Box<dyn PolicyBehaviour>> =
         behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
     let made: Vec<&dyn PolicyBehaviour> = made.iter().map(|b| &**b).collect();
-    solve_shared(model, &made, cfg, rng, progress, comm)
+    solve_behaviours(model, &made, cfg, rng, progress, comm)
 }
 
 /// Makes the behaviour of a config; the only list of kinds.
@@ -175,16 +175,6 @@ pub fn solve_behaviours(
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
     progress: &dyn Progress,
-) -> Result<PolicyTables, BuildError> {
-    solve_shared(model, behaviours, cfg, rng, progress, &SingleRank)
-}
-
-fn solve_shared(
-    model: ActionModel,
-    behaviours: &[&dyn PolicyBehaviour],
-    cfg: &PolicyConfig,
-    rng: &mut Pcg64,
-    progress: &dyn Progress,
     comm: &dyn Comm,
 ) -> Result<PolicyTables, BuildError> {
     let mut policies: Vec<RawPolicy> = Vec::new();
@@ -194,7 +184,7 @@ fn solve_shared(
             let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
             return Err(BuildError::key("name", why).within_key(&key));
         }
-        policies.push(solve_one(&model, behaviour, cfg, rng, (progress, comm)).map_err(|e| e.within_key(&key))?);
+        policies.push(solve_one(&model, behaviour, cfg, rng, progress, comm).map_err(|e| e.within_key(&key))?);
     }
     let ActionModel { action_offsets, action_segments, action_errors, .. } = model;
     Ok(PolicyTables { action_offsets, action_segments, action_errors, policies })
@@ -205,11 +195,12 @@ fn solve_one(
     behaviour: &dyn PolicyBehaviour,
     cfg: &PolicyConfig,
     rng: &mut Pcg64,
-    (progress, comm): (&dyn Progress, &dyn Comm),
+    progress: &dyn Progress,
+    comm: &dyn Comm,
 ) -> Result<RawPolicy, BuildError> {
     let begin = Instant::now();
-    let mut solution = shared_value_iteration(model, behaviour, cfg, progress, comm)?;
-    let mut best = shared_bake(model, &mut solution, cfg, comm)?;
+    let mut solution = value_iteration(model, behaviour, cfg, progress, comm)?;
+    let mut best = bake(model, &mut solution, cfg, comm)?;
     behaviour.check_values(&solution.values)?;
     let mut adaptive = None;
     if let Some(config) = behaviour.spec().adaptive {

@@ -7,7 +7,7 @@ use super::pairs::{BackupPairs, MAX_PLANE, RowShape};
 use super::sweep::Sweeper;
 use crate::share::share_rows;
 use std::time::Instant;
-use throng_base::{Comm, SingleRank};
+use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Progress;
@@ -57,28 +57,17 @@ pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
 ///
 /// In a space-time grid, values stay 0 here.
 ///
+/// - `comm`: processes that solve together: each backs up a block of the states, and all have all values after every
+///   sweep. The values are those of one process.
+///
 /// # Errors
 /// [`BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
-/// [`BuildError::Stopped`].
+/// [`BuildError::Stopped`]; [`throng_base::Error::Rank`].
 ///
 /// # Source
 /// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
 /// of random updates.
 pub fn value_iteration(
-    model: &ActionModel,
-    behaviour: &dyn PolicyBehaviour,
-    cfg: &PolicyConfig,
-    progress: &dyn Progress,
-) -> Result<Solution, BuildError> {
-    shared_value_iteration(model, behaviour, cfg, progress, &SingleRank)
-}
-
-/// Solves with several processes: each backs up a block of the states, and all have all values after every sweep. The
-/// values are those of one process; see [`value_iteration`].
-///
-/// # Errors
-/// As [`value_iteration`]; [`throng_base::Error::Rank`].
-pub fn shared_value_iteration(
     model: &ActionModel,
     behaviour: &dyn PolicyBehaviour,
     cfg: &PolicyConfig,
@@ -102,7 +91,7 @@ pub fn shared_value_iteration(
     solution.setup_s = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
     let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
-    let values = iterate(&mut sweeper, (tolerance, cfg.max_sweeps), &mut solution, progress, comm)?;
+    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress, comm)?;
     solution.sweep_s = begin.elapsed().as_secs_f64();
     drop(sweeper);
     if solution.residual > tolerance {
@@ -152,7 +141,8 @@ const LANES_TO_SPARE: usize = 2;
 /// Alternates full sweeps and sweeps over the greedy policy. Returns the values measured by the last full sweep.
 fn iterate(
     sweeper: &mut Sweeper,
-    (tolerance, max_sweeps): (f32, u32),
+    tolerance: f32,
+    max_sweeps: u32,
     solution: &mut Solution,
     progress: &dyn Progress,
     comm: &dyn Comm,

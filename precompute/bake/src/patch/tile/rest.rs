@@ -20,7 +20,16 @@ const SWAY_M: f32 = 0.4;
 /// Longest time from rest to rest, except in tagged ranges (frames).
 const MAX_FRAMES: usize = 120;
 /// Largest distance from begin to end of a tagged range (m, rad).
-const RETURN: (f32, f32) = (0.3, 0.35);
+const RETURN: RestTolerance = RestTolerance { reach_m: 0.3, turn_rad: 0.35 };
+
+/// Largest edit that brings a motion to the place and heading of rest where it should end.
+#[derive(Clone, Copy)]
+struct RestTolerance {
+    /// Largest offset (m).
+    reach_m: f32,
+    /// Largest turn (rad).
+    turn_rad: f32,
+}
 
 /// Pose groups of rest at begin and end, and number of heading steps.
 type RestChange = (u32, u32, usize);
@@ -68,9 +77,9 @@ fn offer_standing_from(
         }
         if end - start >= search.min_frames && groups.contains(&track.groups[end]) && track.is_standing(end) {
             let travelled = track.travelled[end] - track.travelled[start];
-            let reach = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
-            let turn = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
-            offer_run(search, clip, &(start..end), (reach, turn), found);
+            let reach_m = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
+            let turn_rad = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
+            offer_run(search, clip, &(start..end), RestTolerance { reach_m, turn_rad }, found);
         }
     }
 }
@@ -83,7 +92,7 @@ fn behaviours(search: &TileSearch, groups: &[u32], clip: usize, found: &mut BTre
         let Some(first) = range.clone().find(rests) else { continue };
         let near = |f: &usize| {
             let moved = track.places[first].to_local(track.places[*f]);
-            moved.x.hypot(moved.z) <= RETURN.0 && wrap_angle(moved.heading).abs() <= RETURN.1
+            moved.x.hypot(moved.z) <= RETURN.reach_m && wrap_angle(moved.heading).abs() <= RETURN.turn_rad
         };
         let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < search.source.run_end(clip, first));
         let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
@@ -98,11 +107,12 @@ fn offer_run(
     search: &TileSearch,
     clip: usize,
     range: &FrameRange,
-    (reach, turn): (f32, f32),
+    tolerance: RestTolerance,
     found: &mut BTreeMap<RestChange, BestCandidates>,
 ) {
     let track = &search.source.tracks[clip];
     let moved = track.places[range.start].to_local(track.places[range.end]);
+    let RestTolerance { reach_m: reach, turn_rad: turn } = tolerance;
     let num = search.config.rest_headings;
     let steps = (moved.heading / TAU * num as f32).round();
     let missing = Planar::new(-moved.x, -moved.z, steps * TAU / num as f32 - moved.heading);

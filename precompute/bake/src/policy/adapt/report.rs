@@ -11,6 +11,7 @@ use super::{bytes_per_cell, solution_bytes, with_shapes};
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
+use throng_base::SingleRank;
 use throng_core::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
@@ -71,7 +72,7 @@ impl AdaptiveReport {
         let num_states = model.num_states().max(1);
         let counts = uniform_counts(&grid, solution_bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
         let uniform = RegriddedBehaviour { behaviour, grid: grid.with_counts(counts) };
-        let mut uniform = value_iteration(model, &uniform, cfg, &Silent)?;
+        let mut uniform = value_iteration(model, &uniform, cfg, &Silent, &SingleRank)?;
         uniform.record.num_choices = finest.record.num_choices;
         let fitted = with_shapes(finest, &GridShapes::single(&grid, counts), &vec![0; num_states]);
         let queries = RandomQueries::new(model, finest, cfg.compare_samples, rng)?;

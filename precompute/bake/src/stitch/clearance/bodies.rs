@@ -138,7 +138,8 @@ impl FrameBodies {
     ///
     /// - `depth_m`: allowed depth of bodies in units (m).
     pub fn new(
-        (frames, code): (&[FrameRow], &RotationCode),
+        frames: &[FrameRow],
+        code: &RotationCode,
         contacts: &[Contacts],
         skeleton: &Skeleton,
         depth_m: f32,

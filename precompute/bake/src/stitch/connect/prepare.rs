@@ -313,7 +313,7 @@ impl<'a> Stitcher<'a> {
     pub fn bodies(&self) -> &FrameBodies {
         let l = &self.placer.library;
         self.found.bodies.get_or_init(|| {
-            FrameBodies::new((l.frames, l.rotation_code), l.contacts, l.skeleton, self.placer.config.penetration_m)
+            FrameBodies::new(l.frames, l.rotation_code, l.contacts, l.skeleton, self.placer.config.penetration_m)
         })
     }
 

@@ -92,8 +92,10 @@ impl<'a> Placer<'a> {
     /// Overlap of two instances, side a first; `None` for two tiles.
     pub fn pair(&self, fitted: &[FittedPatch], i: u32, j: u32) -> Option<(u32, u32, RelativePlacement)> {
         let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
-        let here = |i: u32| (fitted[i as usize].patch, fitted[i as usize].placement);
-        let (ij, ji) = (RelativePlacement::new(here(i), here(j)), RelativePlacement::new(here(j), here(i)));
+        let [first, second] = [i, j].map(|i| &fitted[i as usize]);
+        let relation =
+            |a: &FittedPatch, b: &FittedPatch| RelativePlacement::new(a.patch, a.placement, b.patch, b.placement);
+        let (ij, ji) = (relation(first, second), relation(second, first));
         let first = match (tile(i), tile(j)) {
             (true, true) => return None,
             (true, false) => true,
@@ -124,7 +126,7 @@ impl<'a> Placer<'a> {
         u: u32,
     ) -> Option<(u32, u32, RelativePlacement)> {
         let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
-        let relation = || RelativePlacement::new((f.patch, f.placement), (p.unit as u32, p.placement));
+        let relation = || RelativePlacement::new(f.patch, f.placement, p.unit as u32, p.placement);
         (!f.units.contains(&u)).then(|| (i, u, relation()))
     }
 

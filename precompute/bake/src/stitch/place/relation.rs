@@ -21,7 +21,7 @@ pub(in crate::stitch) struct RelativePlacement {
 
 impl RelativePlacement {
     /// The relation of `b` at `at_b` to `a` at `at_a`.
-    pub fn new((a, at_a): (u32, Placement), (b, at_b): (u32, Placement)) -> Self {
+    pub fn new(a: u32, at_a: Placement, b: u32, at_b: Placement) -> Self {
         let r = at_a.to_local(at_b);
         let metres = |v: f32| (v / STEP_M).round() as i32;
         let turn = ((r.heading / TAU * TURN as f32).round() as i32).rem_euclid(TURN);
@@ -45,7 +45,7 @@ mod tests {
     fn pairs_that_stand_alike_anywhere_are_one_relation() {
         let pair = |at: Placement| {
             let b = at.compose(Placement::new(1.2344, -0.7, 2.0, 3.0));
-            RelativePlacement::new((3, at), (4, b))
+            RelativePlacement::new(3, at, 4, b)
         };
         let here = pair(Placement::IDENTITY);
         assert_eq!(here, pair(Placement::new(70.0, 2.1, -31.0, 1.0)));

@@ -18,7 +18,7 @@ fn crate_behind() -> DistanceField {
 /// A body in the T-pose, its arms along x.
 fn bodies(contacts: Contacts, depth_m: f32) -> FrameBodies {
     let row = FrameRow { height: 0.95, planar: [0.0; 3], rotations: [0; ROTATION_BYTES] };
-    FrameBodies::new((&[row], &RotationCode::of_rest_pose()), &[contacts], &Skeleton::default(), depth_m)
+    FrameBodies::new(&[row], &RotationCode::of_rest_pose(), &[contacts], &Skeleton::default(), depth_m)
 }
 
 /// How far a unit is from what the spheres may be deep in it, below 0 where the body collides (m).

@@ -209,7 +209,7 @@ impl<'k> World<'k> {
             let hit = |link: u32| Some(CollisionSpan { first: (link % 30) as u16, last: (link % 30) as u16 });
             let kinds = [instances[a].patch, instances[b].patch];
             let crossing = out.crossings.len() as u32;
-            let relation = RelativePlacement::new((kinds[0], Placement::IDENTITY), (kinds[1], Placement::IDENTITY));
+            let relation = RelativePlacement::new(kinds[0], Placement::IDENTITY, kinds[1], Placement::IDENTITY);
             out.crossings.push(Arc::new(CrossingJoints::new(&patches, relation, &table, &out.situations[a], hit)));
             overlaps[a].push(InstanceOverlap { other: b as u32, side: 0, pair: crossing, crossing });
             overlaps[b].push(InstanceOverlap { other: a as u32, side: 1, pair: crossing, crossing });
