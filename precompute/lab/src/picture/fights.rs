@@ -114,7 +114,7 @@ fn draw_moments(record: &FightRecord, radius_m: f32) -> Picture {
             let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
             let Some(frame) = nearest_frame(&record.frames, time_s) else { continue };
             let area = Area::new(edge + column as f32 * cell, y, cell, height);
-            let panel = draw_moment(frame, event, (record, &blows), radius_m, (area.size, px_per_m));
+            let panel = draw_moment(frame, event, record, &blows, radius_m, area.size, px_per_m);
             page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
             let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
             let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
@@ -168,9 +168,11 @@ fn nearest_frame(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
 fn draw_moment(
     frame: &FightFrame,
     event: &LandedBlow,
-    (record, blows): (&FightRecord, &[LandedBlow]),
+    record: &FightRecord,
+    blows: &[LandedBlow],
     radius_m: f32,
-    (size, px_per_m): (Vec2, f32),
+    size: Vec2,
+    px_per_m: f32,
 ) -> Picture {
     let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
     let ground_y = size.y - 0.16 * px_per_m;

@@ -34,7 +34,8 @@ const VIEW_ANGLES: (f32, f32) = (0.8 * PI, 0.6);
 pub(super) fn inhabited_sheet(
     title: &str,
     figures: &SceneFigures,
-    (picture, record): (&PictureConfig, &WorldRecord),
+    picture: &PictureConfig,
+    record: &WorldRecord,
     groups: &[(String, Vec<JointPositions>)],
     geometry: &PlacedGeometry,
 ) -> Picture {

@@ -57,7 +57,7 @@ pub fn scene_sheet(
         let of = |g: &SceneGroup| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
         let groups: Vec<_> =
             sim.groups().iter().filter(|g| g.character_group == world.character_group).map(of).collect();
-        sheets.push(inhabited_sheet(&title, figures, (&scene.picture, world), &groups, &stands));
+        sheets.push(inhabited_sheet(&title, figures, &scene.picture, world, &groups, &stands));
     }
     for paths in &record.paths {
         let (g, group) = (&report.groups[paths.group], &sim.groups()[paths.group]);
@@ -65,7 +65,7 @@ pub fn scene_sheet(
         let title = title(g, all.len());
         let centre = scene.groups[group.number].paths.as_ref().map_or([0.0; 2], |p| p.centre);
         let styles = walk_styles(compiled, PATH_M, APART_M)?;
-        sheets.push(walkers_sheet((&title, centre), &g.figures, (paths, &poses(all)), (&styles, PATH_M)));
+        sheets.push(walkers_sheet(&title, centre, &g.figures, paths, &poses(all), &styles, PATH_M));
     }
     if let Some(agents) = &record.agents {
         sheets.push(crowd_sheet(&report.scene, &report.total, agents));

@@ -29,10 +29,13 @@ const OVERVIEW_M: f32 = 34.0;
 /// - `styles`: a path in several styles; may be empty.
 /// - `length_m`: length of that path (m).
 pub(super) fn walkers_sheet(
-    (title, centre): (&str, [f32; 2]),
+    title: &str,
+    centre: [f32; 2],
     figures: &SceneFigures,
-    (record, poses): (&PathsRecord, &[JointPositions]),
-    (styles, length_m): (&[StyleWalk], f32),
+    record: &PathsRecord,
+    poses: &[JointPositions],
+    styles: &[StyleWalk],
+    length_m: f32,
 ) -> Picture {
     let mut pictures = vec![overview(title, centre, figures, poses)];
     if !styles.is_empty() {

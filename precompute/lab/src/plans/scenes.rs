@@ -66,6 +66,14 @@ pub fn find_scene(name: &str) -> SceneResult<Option<PlanScene>> {
 }
 
 impl PlanScene {
+    /// A standing character whose hand moves from the middle space between the boards of the shelf to the upper one.
+    fn between_boards(solids: Vec<MovingSolid>) -> SceneResult<Self> {
+        let who = SceneActor::standing(STATIC_S);
+        let (low, high) =
+            (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
+        Ok(Self { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+    }
+
     /// The planning problem of the scene.
     pub fn problem(&self) -> SceneResult<Problem> {
         Ok(Problem::new(&ProblemSpec { admit_ends: true, ..self.actor.spec(self.ends, &self.solids, &self.allowed) })?)
@@ -154,46 +162,40 @@ fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
         .collect()
 }
 
+/// Heights of the boards of the shelf (m).
+const BOARD_HEIGHTS_M: [f64; 3] = [1.05, 1.35, 1.65];
+
+/// Boards of a shelf in front of the body.
+fn shelf_boards() -> Vec<MovingSolid> {
+    let size = DVec3::new(1.2, 0.02, 0.4);
+    let board = |(i, y)| solid(&format!("board {i}"), SolidShape::cuboid(size), DVec3::new(0.6, y, 0.62));
+    BOARD_HEIGHTS_M.into_iter().enumerate().map(board).collect()
+}
+
 /// An arm of seven degrees of freedom moves through shelves with objects, 26 000 triangles, for comparison with planners
 /// without time.
 fn arm_static() -> SceneResult<PlanScene> {
-    let who = SceneActor::standing(STATIC_S);
-    let (mut triangles, mut solids) = (Vec::new(), Vec::new());
-    for (i, y) in [1.05, 1.35, 1.65].into_iter().enumerate() {
-        solids.push(solid(
-            &format!("board {i}"),
-            SolidShape::cuboid(DVec3::new(1.2, 0.02, 0.4)),
-            DVec3::new(0.6, y, 0.62),
-        ));
+    let (mut triangles, mut solids) = (Vec::new(), shelf_boards());
+    for y in BOARD_HEIGHTS_M {
         for k in 0..3 {
             let at = DVec3::new(0.25 + 0.35 * f64::from(k), y + 0.07, 0.6).as_vec3();
             triangles.extend(ball(27, 0.05).into_iter().map(|t| t.map(|p| p + at)));
         }
     }
     solids.push(solid("things", SolidShape::Mesh(Arc::new(TriangleMesh::new(triangles)?)), DVec3::ZERO));
-    let (low, high) = (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
-    Ok(PlanScene { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+    PlanScene::between_boards(solids)
 }
 
 /// An arm moves between the ends of `arm-static`, among 40 balls and the boards.
 fn spheres() -> SceneResult<PlanScene> {
-    let who = SceneActor::standing(STATIC_S);
-    let mut solids = Vec::new();
-    for (i, y) in [1.05, 1.35, 1.65].into_iter().enumerate() {
-        solids.push(solid(
-            &format!("board {i}"),
-            SolidShape::cuboid(DVec3::new(1.2, 0.02, 0.4)),
-            DVec3::new(0.6, y, 0.62),
-        ));
-    }
+    let mut solids = shelf_boards();
     for k in 0..40u32 {
         // Spread evenly over a box in front of the body by golden steps.
         let [a, b, c] = [0.618_034, 0.754_878, 0.569_840].map(|g: f64| (f64::from(k) * g).fract());
         let at = DVec3::new(0.05 + 1.1 * a, 0.95 + 0.9 * b, 0.55 + 0.3 * c);
         solids.push(solid(&format!("ball {k}"), SolidShape::ball(0.03), at));
     }
-    let (low, high) = (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
-    Ok(PlanScene { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+    PlanScene::between_boards(solids)
 }
 
 /// A hand reaches through a ring of 20 000 triangles that moves.

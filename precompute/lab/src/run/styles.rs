@@ -30,13 +30,14 @@ pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result
         return Ok(Vec::new());
     };
     let shown = scene.scene().picture.shown.iter().enumerate();
-    shown.map(|(i, style)| walk_style(scene, bundle, (i, style), length_m, apart_m)).collect()
+    shown.map(|(i, style)| walk_style(scene, bundle, i, style, length_m, apart_m)).collect()
 }
 
 fn walk_style(
     scene: &CompiledScene,
     bundle: &Bundle,
-    (i, style): (usize, &PictureStyle),
+    i: usize,
+    style: &PictureStyle,
     length_m: f32,
     apart_m: f32,
 ) -> Result<StyleWalk, BuildError> {

@@ -59,7 +59,7 @@ pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
     header(&mut page, unit, strip.title, strip.subtitle);
     let poses = layout.poses(strip.frames);
     for (row, &area) in layout.rows.iter().enumerate() {
-        draw_row(&mut page, &layout, (row, area), strip.frames, &poses);
+        draw_row(&mut page, &layout, row, area, strip.frames, &poses);
     }
     draw_labels(&mut page, &layout, strip.frames, &poses);
     gait::draw(&mut page, &layout, strip.frames);
@@ -134,7 +134,8 @@ fn steady_heading(frames: &[StripFrame], frame: usize) -> f32 {
 fn draw_row(
     page: &mut Picture,
     layout: &StripLayout,
-    (row, area): (usize, Area),
+    row: usize,
+    area: Area,
     frames: &[StripFrame],
     poses: &[Option<StripPose<'_>>],
 ) {

@@ -48,7 +48,7 @@ impl DiscOverlapMeter {
 
     /// Observes overlaps with obstacles, in the same frame.
     pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
-        let all = places.iter().flat_map(|&p| obstacles.iter().map(move |o| overlap_depth(p, o)));
+        let all = places.iter().flat_map(|&(at, radius)| obstacles.iter().map(move |o| overlap_depth(at, radius, o)));
         for deep in all.filter(|d| *d > 0.0) {
             self.over_1mm += u64::from(deep > 1e-3);
             self.over_1cm += u64::from(deep > 1e-2);
@@ -58,7 +58,7 @@ impl DiscOverlapMeter {
 }
 
 /// Depth of a disc or ball in a static obstacle; below zero outside (m).
-fn overlap_depth<V: Space>((at, radius): (V, f32), obstacle: &Obstacle<V>) -> f64 {
+fn overlap_depth<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f64 {
     let line = |from: V, to: V| {
         let along = to - from;
         let share = ((at - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
