@@ -46,6 +46,19 @@ pub struct PanelEntry {
     pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Vec<ViewerCommand>),
 }
 
+/// Says that no character is selected, and offers a button that selects the first one.
+///
+/// - `hint`: how to select one otherwise, up to the "or" before the button.
+/// - `has_characters`: false leaves the button out.
+fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands: &mut Vec<ViewerCommand>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.weak(hint);
+        if has_characters && ui.small_button("select character 0").clicked() {
+            commands.push(ViewerCommand::SelectCharacter(Some(0)));
+        }
+    });
+}
+
 /// All panels, in the order of their tabs.
 pub const PANELS: &[PanelEntry] = &[
     PanelEntry {

@@ -58,7 +58,8 @@ impl ChoiceRecord {
     pub fn observe(
         &mut self,
         characters: &Characters,
-        (targets, threats): (&[Vec3], &[Vec3]),
+        targets: &[Vec3],
+        threats: &[Vec3],
         weights: &Arc<[f32]>,
         step: u32,
     ) {

@@ -184,7 +184,7 @@ impl CrowdSimulation {
         self.move_characters(bundle, dt)?;
         let wall_s = begin.elapsed().as_secs_f64();
         let a = &mut self.around;
-        a.choices.observe(&self.characters, (&a.targets, &[]), &a.weights, a.step);
+        a.choices.observe(&self.characters, &a.targets, &[], &a.weights, a.step);
         let figures = StepFigures { wall_s, ..self.measure(dt) };
         self.around.step += 1;
         if self.config.targets == TargetMode::Wander {

@@ -36,7 +36,7 @@ pub(super) fn lay_out(
         if o.trails {
             trail(out, run, i, palette);
         }
-        cues::body(&mut out.shapes, o, (root, pose), moment.contacts[i], palette);
+        cues::body(&mut out.shapes, o, root, pose, moment.contacts[i], palette);
     }
 }
 

@@ -59,7 +59,7 @@ fn draw_cues(out: &mut StageLayout, model: &Model, bundle: &OpenBundle, row: u32
     }
     let root = out.instances[0].root;
     let pose = &out.poses[..NUM_JOINTS];
-    cues::body(&mut out.shapes, o, (root, pose), bundle.tables().contacts()[row as usize], palette);
+    cues::body(&mut out.shapes, o, root, pose, bundle.tables().contacts()[row as usize], palette);
 }
 
 /// Planar root between a row and the next.

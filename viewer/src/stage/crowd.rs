@@ -59,8 +59,8 @@ pub(super) fn lay_out(
         if characters.level(c) == DetailLevel::Record {
             continue;
         }
-        let body = (characters.root(c), characters.pose(c));
-        cues::body(&mut out.shapes, o, body, characters.contacts(c), palette);
+        let (root, pose) = (characters.root(c), characters.pose(c));
+        cues::body(&mut out.shapes, o, root, pose, characters.contacts(c), palette);
     }
     if o.targets {
         targets(out, run, selected, palette);

@@ -15,7 +15,8 @@ use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 pub(super) fn body(
     shapes: &mut ShapeList,
     o: Overlays,
-    (root, pose): (Planar, &[Mat3x4]),
+    root: Planar,
+    pose: &[Mat3x4],
     planted: Contacts,
     palette: &StagePalette,
 ) {

@@ -41,9 +41,9 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {
                 Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
-                None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, (g, who), palette)),
+                None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, g, who, palette)),
             };
-            character(out, model, simulation, (who, colour), &brush);
+            character(out, model, simulation, who, colour, &brush);
         }
     }
     bout::lay_out(out, run, selected, palette);
@@ -67,7 +67,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
             crowd::trajectory(out, &chooser, palette);
         }
         if let (Some(root), Some(pose)) = (simulation.root(who), simulation.pose(who)) {
-            cues::body(&mut out.shapes, o, (root, pose), simulation.contacts(who), palette);
+            cues::body(&mut out.shapes, o, root, pose, simulation.contacts(who), palette);
         }
     }
 }
@@ -86,7 +86,8 @@ fn character(
     out: &mut StageLayout,
     model: &Model,
     simulation: &Simulation,
-    (who, colour): (usize, Rgba),
+    who: usize,
+    colour: Rgba,
     brush: &Brush<'_>,
 ) {
     let Some(root) = simulation.root(who) else { return };
@@ -107,7 +108,7 @@ fn character(
 }
 
 /// Colour by the group, the clip or the speed; opponents differ, and inhabitants of worlds show their activity.
-fn colour(colouring: Colouring, scene: &SceneDocument, (group, who): (usize, usize), palette: &StagePalette) -> Rgba {
+fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize, palette: &StagePalette) -> Rgba {
     let simulation = scene.run().simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
     match (colouring, simulation.locate(who)) {

@@ -4,7 +4,7 @@ use super::{behaviours, target};
 use crate::command::{SceneCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
-use crate::panels::words;
+use crate::panels::{offer_first_character, words};
 use crate::run::RunInput;
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 use std::path::PathBuf;
@@ -61,12 +61,7 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
     ui.strong("Selected");
     let Some((who, text)) = who.and_then(|who| Some((who, words::character(simulation, who)?))) else {
-        ui.horizontal_wrapped(|ui| {
-            ui.weak("Click a character or an agent in the 3-D view, or");
-            if ui.small_button("select character 0").clicked() {
-                commands.push(ViewerCommand::SelectCharacter(Some(0)));
-            }
-        });
+        offer_first_character(ui, "Click a character or an agent in the 3-D view, or", true, commands);
         return;
     };
     ui.label(text);

@@ -2,6 +2,7 @@
 
 use crate::command::{SteerCommand, ViewerCommand};
 use crate::model::Model;
+use crate::panels::offer_first_character;
 use crate::run::{CrowdRun, MAX_TARGET_M, RunInput, TargetMode};
 use eframe::egui::{DragValue, Ui};
 use glam::Vec3;
@@ -10,12 +11,7 @@ use glam::Vec3;
 pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Vec<ViewerCommand>) {
     ui.strong("Target");
     let Some(c) = model.selection.character else {
-        ui.horizontal_wrapped(|ui| {
-            ui.weak("Click a character in the 3-D view, or");
-            if ui.small_button("select character 0").clicked() {
-                commands.push(ViewerCommand::SelectCharacter(Some(0)));
-            }
-        });
+        offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
         return;
     };
     let (root, target) = (run.characters().root(c), run.targets()[c]);

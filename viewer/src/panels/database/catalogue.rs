@@ -102,10 +102,7 @@ impl ClipCatalogue {
         let matches = |e: &CatalogueClip| words.iter().all(|w| e.haystack.contains(w));
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| matches(&self.entries[i])).collect();
         if let Some(field) = ClipColumn::ALL.get(sort.column) {
-            out.sort_by(|&a, &b| {
-                let order = compare(&self.entries[a], &self.entries[b], *field);
-                if sort.descending { order.reverse() } else { order }
-            });
+            out.sort_by(|&a, &b| sort.directed(compare(&self.entries[a], &self.entries[b], *field)));
         }
         out
     }

@@ -146,10 +146,7 @@ impl HitCollection {
     pub fn select(&self, filter: HitFilter, sort: TableSort) -> Vec<usize> {
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| filter.admits(&self.entries[i])).collect();
         if let Some(field) = HitColumn::ALL.get(sort.column) {
-            out.sort_by(|&a, &b| {
-                let order = compare(&self.entries[a], &self.entries[b], *field);
-                if sort.descending { order.reverse() } else { order }
-            });
+            out.sort_by(|&a, &b| sort.directed(compare(&self.entries[a], &self.entries[b], *field)));
         }
         out
     }

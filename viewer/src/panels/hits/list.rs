@@ -28,10 +28,12 @@ pub struct HitListResponse {
 /// - `selected`: number of the hit that stands out; `scrolls` brings it into sight.
 pub fn show(
     ui: &mut Ui,
-    (bundle, hits): (&OpenBundle, &HitCollection),
+    bundle: &OpenBundle,
+    hits: &HitCollection,
     shown: &[usize],
     sort: &mut TableSort,
-    (selected, scrolls): (Option<usize>, bool),
+    selected: Option<usize>,
+    scrolls: bool,
 ) -> HitListResponse {
     let table = RowTable {
         click: RowClick::Does("Show"),

@@ -121,14 +121,14 @@ fn show_hits(
         Panel::right("list of hits").default_size(400.0).min_size(200.0).frame(Frame::NONE.inner_margin(4)).show(
             ui,
             |ui| {
-                let listed = list::show(ui, (bundle, hits), &shown, &mut state.sort, (standing_out, scrolls));
+                let listed = list::show(ui, bundle, hits, &shown, &mut state.sort, standing_out, scrolls);
                 chosen = listed.chosen;
                 state.hovered = listed.hovered.map(|i| (i, true));
             },
         );
     }
     CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
-        let clicked = views(ui, model, (bundle, hits), &shown, state, standing_out);
+        let clicked = views(ui, model, bundle, hits, &shown, state, standing_out);
         chosen = chosen.or(clicked);
     });
     if let Some(e) = chosen.map(|i| hits.entries[i]) {
@@ -230,7 +230,8 @@ fn summary(ui: &mut Ui, hits: &HitCollection, shown: &[usize], ranges: Option<Hi
 fn views(
     ui: &mut Ui,
     model: &Model,
-    (bundle, hits): (&OpenBundle, &HitCollection),
+    bundle: &OpenBundle,
+    hits: &HitCollection,
     shown: &[usize],
     state: &mut HitsPanelState,
     standing_out: Option<usize>,

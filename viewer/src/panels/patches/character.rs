@@ -4,7 +4,7 @@ use super::PatchesPanelState;
 use crate::command::{ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::panels::words;
+use crate::panels::{offer_first_character, words};
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
@@ -24,12 +24,7 @@ pub fn show(
     population(ui, world, state, commands);
     let run = world.run();
     let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
-        ui.horizontal_wrapped(|ui| {
-            ui.weak("Click a character in the 3-D view, or");
-            if run.num_characters() > 0 && ui.small_button("select character 0").clicked() {
-                commands.push(ViewerCommand::SelectCharacter(Some(0)));
-            }
-        });
+        offer_first_character(ui, "Click a character in the 3-D view, or", run.num_characters() > 0, commands);
         return;
     };
     ui.horizontal_wrapped(|ui| {

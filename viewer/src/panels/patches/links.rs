@@ -22,7 +22,8 @@ pub fn show(
     ui: &mut Ui,
     model: &Model,
     world: &WorldDocument,
-    (instance, facts): (u32, &InstanceFacts),
+    instance: u32,
+    facts: &InstanceFacts,
     commands: &mut Vec<ViewerCommand>,
 ) {
     let (graph, selected) = (world.graph(), model.selection.world.link);

@@ -51,8 +51,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
                 state.facts = is_known.then(|| (key, InstanceFacts::count_cells(world, instance)));
             }
             if let Some((_, facts)) = &state.facts {
-                facts::show(ui, model, world, (instance, facts), commands);
-                links::show(ui, model, world, (instance, facts), commands);
+                facts::show(ui, model, world, instance, facts, commands);
+                links::show(ui, model, world, instance, facts, commands);
             }
             show_reason(ui, model, state, instance);
         }

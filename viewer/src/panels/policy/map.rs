@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState,
         let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Values around the character"));
         own.heats.truncate(1);
-        paint(ui, shown, own, (0, shown.slice), rect, response)
+        paint(ui, shown, own, 0, shown.slice, rect, response)
     };
     let range = own.heats.first().map_or([0.0, 1.0], |h| h.range);
     ui.horizontal_wrapped(|ui| {
@@ -86,12 +86,14 @@ pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState,
 
 /// Paints one height into a part of the screen; returns the scale of its arrows.
 ///
-/// - `at`: number of the picture that is recorded, and the height.
+/// - `at`: number of the picture that is recorded.
+/// - `height`: number of the height.
 pub fn paint(
     ui: &Ui,
     shown: &PolicyMapInput<'_>,
     own: &mut PolicyPanelState,
-    (at, height): (usize, u32),
+    at: usize,
+    height: u32,
     rect: Rect,
     response: Response,
 ) -> f32 {

@@ -82,7 +82,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: 
         map::show(ui, &shown, state, commands);
     }
     ui.separator();
-    why::show(ui, model, state, (chooser.as_ref(), why.as_ref()), commands);
+    why::show(ui, model, state, chooser.as_ref(), why.as_ref(), commands);
 }
 
 /// Time left from which on a blow is none that is coming (s).

@@ -50,7 +50,7 @@ pub fn show(
             own.slices = false;
         }
         let map = tile.with_min_y(tile.top() + TITLE);
-        arrow_scale = arrow_scale.min(paint(ui, shown, own, (k as usize, k), map, response));
+        arrow_scale = arrow_scale.min(paint(ui, shown, own, k as usize, k, map, response));
     }
     arrow_scale
 }

@@ -5,7 +5,7 @@ use crate::bundle::OpenBundle;
 use crate::command::ViewerCommand;
 use crate::model::Model;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
-use crate::panels::words;
+use crate::panels::{offer_first_character, words};
 use crate::run::{ActionCandidate, ChoiceReason, PolicyChooser};
 use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
@@ -26,17 +26,13 @@ pub fn show(
     ui: &mut Ui,
     model: &Model,
     own: &mut PolicyPanelState,
-    (chooser, why): (Option<&PolicyChooser<'_>>, Option<&ChoiceReason>),
+    chooser: Option<&PolicyChooser<'_>>,
+    why: Option<&ChoiceReason>,
     commands: &mut Vec<ViewerCommand>,
 ) {
     ui.strong("Why this action?");
     let Some(character) = model.selection.character else {
-        ui.horizontal_wrapped(|ui| {
-            ui.label("Click a character in the 3-D view, or");
-            if ui.small_button("select character 0").clicked() {
-                commands.push(ViewerCommand::SelectCharacter(Some(0)));
-            }
-        });
+        offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
         return;
     };
     let Some(chooser) = chooser else {

@@ -8,17 +8,29 @@ use throng_runtime::{Joint, Skeleton};
 
 /// Levels of detail that are made of capsules.
 pub(super) const LEVELS: usize = 3;
-/// Points of a ring and rings of each end, by level of detail.
-const DETAIL: [(usize, usize); LEVELS] = [(12, 3), (7, 1), (3, 1)];
+/// Fineness of a capsule's mesh.
+#[derive(Clone, Copy)]
+struct CapsuleDetail {
+    /// Number of points of a ring.
+    segments: usize,
+    /// Number of rings of each end.
+    end_rings: usize,
+}
+
+/// Fineness by level of detail.
+const DETAIL: [CapsuleDetail; LEVELS] = [
+    CapsuleDetail { segments: 12, end_rings: 3 },
+    CapsuleDetail { segments: 7, end_rings: 1 },
+    CapsuleDetail { segments: 3, end_rings: 1 },
+];
 
 /// The body at one level of detail.
 pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
     let mut mesh = BodyMesh::default();
-    let (segments, end_rings) = DETAIL[level];
     let scale = skeleton.leg_length() / Skeleton::default().leg_length();
     for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028) {
         let side = BodySide::of_joint(limb.joint);
-        capsule(&limb, limb.radius * scale, side, (segments, end_rings), &mut mesh);
+        capsule(&limb, limb.radius * scale, side, DETAIL[level], &mut mesh);
     }
     mesh
 }
@@ -92,13 +104,8 @@ fn limb_style(joint: Joint) -> (f32, SurfacePart) {
     }
 }
 
-fn capsule(
-    limb: &LimbCapsule,
-    radius: f32,
-    side: BodySide,
-    (segments, end_rings): (usize, usize),
-    mesh: &mut BodyMesh,
-) {
+fn capsule(limb: &LimbCapsule, radius: f32, side: BodySide, detail: CapsuleDetail, mesh: &mut BodyMesh) {
+    let CapsuleDetail { segments, end_rings } = detail;
     // Feet do not sink into the ground.
     let lift = |p: Vec3| if limb.part == SurfacePart::Shoe { p.with_y(p.y.max(radius)) } else { p };
     let (from, to) = (lift(limb.from), lift(limb.to));

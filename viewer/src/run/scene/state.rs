@@ -64,7 +64,7 @@ impl SceneRunState {
             if is_at_start {
                 c.weights = Arc::clone(&weights);
             }
-            c.observe(simulation, (&targets, &threats), 0);
+            c.observe(simulation, &targets, &threats, 0);
             c.weights = weights;
         }
         state.feet.observe_simulation(simulation, 0..simulation.num_characters(), 0.0);
@@ -85,7 +85,7 @@ impl SceneRunState {
         self.trace_agent_brains();
         let simulation = &mut self.simulation;
         for (c, (targets, threats)) in self.choosing.iter_mut().zip(&before) {
-            c.observe(simulation, (targets, threats), step);
+            c.observe(simulation, targets, threats, step);
         }
         self.feet.clear();
         let dt_s = (simulation.time_s() - was_s) as f32;
@@ -177,13 +177,13 @@ impl ChoosingGroup {
         })
     }
 
-    fn observe(&mut self, simulation: &Simulation, about: (&[Vec3], &[Vec3]), step: u32) {
+    fn observe(&mut self, simulation: &Simulation, targets: &[Vec3], threats: &[Vec3], step: u32) {
         let characters = match &simulation.character_groups()[self.cast] {
             AnyCharacterGroup::Policy(p) => p.practice().characters(),
             AnyCharacterGroup::Sparring(s) => s.sparring().characters(),
             _ => return,
         };
-        self.choices.observe(characters, about, &self.weights, step);
+        self.choices.observe(characters, targets, threats, &self.weights, step);
     }
 }
 

@@ -78,7 +78,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
         OverlayScope::All => selected == Some(who) || count < MAX_LINES,
     };
     if let (Some(event), Some(first)) = (look.message, first_agent(simulation)) {
-        spread::lay_out(&mut out.shapes, run, (first, event), selected, brush);
+        spread::lay_out(&mut out.shapes, run, first, event, selected, brush);
     }
     let mut count = 0;
     for (g, group) in simulation.groups().iter().enumerate() {

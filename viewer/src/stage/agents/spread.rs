@@ -28,7 +28,8 @@ pub(in crate::stage) fn colour(minds: &AgentBrains, agent: usize, event: usize, 
 pub(super) fn lay_out(
     shapes: &mut ShapeList,
     run: &SceneRun,
-    (first, event): (usize, usize),
+    first: usize,
+    event: usize,
     selected: Option<usize>,
     brush: &Brush<'_>,
 ) {

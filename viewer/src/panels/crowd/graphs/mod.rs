@@ -33,19 +33,14 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
         let entry = scene.run().entry(first + agent, level);
         let graph = now.and_then(|now| Some((now, simulation.scene().graphs.get(now.graph)?)));
         match graph {
-            Some((now, graph)) => show_graph(ui, (level, now), graph, entry),
+            Some((now, graph)) => show_graph(ui, level, now, graph, entry),
             None => drop(ui.weak(format!("{}: no graph in this state", LEVELS[level]))),
         }
     }
 }
 
 /// Shows one graph, and how the agent came to its state.
-fn show_graph(
-    ui: &mut Ui,
-    (level, now): (usize, CurrentState<'_>),
-    graph: &StateGraphConfig,
-    entry: Option<StateEntry>,
-) {
+fn show_graph(ui: &mut Ui, level: usize, now: CurrentState<'_>, graph: &StateGraphConfig, entry: Option<StateEntry>) {
     let since = entry.and_then(|e| e.since_s).map_or_else(String::new, |s| format!(", since {s:.1} s"));
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;

@@ -26,7 +26,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
                 turn(boxes[to], out.iter().zip(edges).filter(|(_, e)| **e == (Some(to), to)).count())
             }
             Some(from) => {
-                let all = BENDS.iter().map(|bend| arc((boxes[from], boxes[to]), *bend));
+                let all = BENDS.iter().map(|bend| arc(boxes[from], boxes[to], *bend));
                 let cost = |c: &EdgeCurve| cost(c, (from, to), boxes, within, &out);
                 // Of equally cheap curves, the first one.
                 all.reduce(|best, next| if cost(&next) < cost(&best) { next } else { best }).unwrap_or_default()
@@ -38,7 +38,7 @@ pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) ->
 }
 
 /// A curve that bends to its left.
-fn arc((from, to): (Rect, Rect), bend: f32) -> EdgeCurve {
+fn arc(from: Rect, to: Rect, bend: f32) -> EdgeCurve {
     let (a, b) = (from.center(), to.center());
     let along = (b - a).normalized();
     // A quadratic curve reaches only half as far as its control point.

@@ -60,7 +60,7 @@ impl TableCell {
             (false, true) => visuals.weak_text_color(),
             (false, false) => visuals.text_color(),
         };
-        paint_text(ui, rect, is_number, (&self.text, self.ending), TextStyle::Body.resolve(ui.style()), colour);
+        paint_text(ui, rect, is_number, &self.text, self.ending, TextStyle::Body.resolve(ui.style()), colour);
     }
 }
 
@@ -69,7 +69,8 @@ pub(super) fn paint_text(
     ui: &Ui,
     rect: Rect,
     is_number: bool,
-    (text, ending): (&str, bool),
+    text: &str,
+    ending: bool,
     font: FontId,
     colour: Color32,
 ) {

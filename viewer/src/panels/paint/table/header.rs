@@ -4,6 +4,7 @@ use super::cell::paint_text;
 use super::column::ColumnPlace;
 use super::{RowTable, place_rect};
 use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+use std::cmp::Ordering;
 
 /// By which column rows are sorted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +18,11 @@ pub struct TableSort {
 impl TableSort {
     /// No sorting: rows stay in their order.
     pub const NONE: Self = Self { column: usize::MAX, descending: false };
+
+    /// Order of two rows whose values in the column have the order `ascending`.
+    pub fn directed(self, ascending: Ordering) -> Ordering {
+        if self.descending { ascending.reverse() } else { ascending }
+    }
 
     /// Sorted by a column; by the same column again in reverse.
     pub fn toggled(self, column: usize) -> Self {
@@ -41,7 +47,7 @@ pub(super) fn show(ui: &mut Ui, table: &RowTable<'_>, id: Id, row: Rect, places:
         if let Some(sort) = sorted {
             paint_sort_mark(ui, rect, sort.descending, colour);
         }
-        paint_text(ui, rect, column.is_number, (column.title, false), FontId::proportional(11.5), colour);
+        paint_text(ui, rect, column.is_number, column.title, false, FontId::proportional(11.5), colour);
         let response = match table.sort {
             Some(sort) => {
                 let name = || WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.title));
