@@ -63,20 +63,6 @@ pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     pose_all(range, tick);
 }
 
-/// The first entry of the list, where choices are not made range by range.
-pub(crate) fn advance_all(
-    blocks: &mut [MotionBlock],
-    passed: &mut PassedHits,
-    first: usize,
-    count: usize,
-    tick: &CharactersTick<'_>,
-) {
-    let mut laps = Laps::start(tick.clock);
-    passed.clear();
-    advance_time(blocks, passed, first, count, tick);
-    laps.end(StepPhase::Advance);
-}
-
 /// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
 pub(crate) fn pose_all(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     let reaction = reaction::ReactionStep::new(&tick.config.reaction, tick.dt_s);
@@ -124,14 +110,17 @@ struct PoseOutput<'a> {
     records: &'a mut [PoseInstance],
 }
 
-/// Moves time on, turns the path of characters with bent actions, and notes the hits that are passed.
-fn advance_time(
+/// The first entry of the list: moves time on, turns the path of characters with bent actions, and notes the hits that are
+/// passed.
+pub(crate) fn advance_all(
     blocks: &mut [MotionBlock],
     passed: &mut PassedHits,
     first: usize,
     count: usize,
     tick: &CharactersTick<'_>,
 ) {
+    let mut laps = Laps::start(tick.clock);
+    passed.clear();
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
@@ -156,6 +145,7 @@ fn advance_time(
         }
         b.age_s[lane] += tick.dt_s;
     }
+    laps.end(StepPhase::Advance);
 }
 
 /// Samples a block, displaces struck characters, locks feet and writes its poses.
