@@ -5,98 +5,61 @@ use glam::Vec3;
 /// Joints of the database skeleton.
 pub const NUM_JOINTS: usize = 22;
 
-/// The joints of the database skeleton, parents before children.
-#[allow(missing_docs)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-#[repr(u8)]
-pub enum Joint {
-    Hips = 0,
-    Spine,
-    Chest,
-    UpperChest,
-    Neck,
-    Head,
-    LeftClavicle,
-    LeftUpperArm,
-    LeftForearm,
-    LeftHand,
-    RightClavicle,
-    RightUpperArm,
-    RightForearm,
-    RightHand,
-    LeftThigh,
-    LeftShin,
-    LeftFoot,
-    LeftToe,
-    RightThigh,
-    RightShin,
-    RightFoot,
-    RightToe,
+/// Declares the joints, in the order of their indices, with their names in snake_case.
+macro_rules! joints {
+    ($($joint:ident $name:literal,)+) => {
+        /// The joints of the database skeleton, parents before children.
+        #[allow(missing_docs)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        #[repr(u8)]
+        pub enum Joint {
+            $($joint,)+
+        }
+
+        impl Joint {
+            /// Every joint, in index order.
+            pub const ALL: [Self; NUM_JOINTS] = [$(Self::$joint,)+];
+
+            /// The joint's name in snake_case, as profiles, configs and reports write it.
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$joint => $name,)+
+                }
+            }
+        }
+    };
+}
+
+joints! {
+    Hips "hips",
+    Spine "spine",
+    Chest "chest",
+    UpperChest "upper_chest",
+    Neck "neck",
+    Head "head",
+    LeftClavicle "left_clavicle",
+    LeftUpperArm "left_upper_arm",
+    LeftForearm "left_forearm",
+    LeftHand "left_hand",
+    RightClavicle "right_clavicle",
+    RightUpperArm "right_upper_arm",
+    RightForearm "right_forearm",
+    RightHand "right_hand",
+    LeftThigh "left_thigh",
+    LeftShin "left_shin",
+    LeftFoot "left_foot",
+    LeftToe "left_toe",
+    RightThigh "right_thigh",
+    RightShin "right_shin",
+    RightFoot "right_foot",
+    RightToe "right_toe",
 }
 
 impl Joint {
-    /// Every joint, in index order.
-    pub const ALL: [Self; NUM_JOINTS] = {
-        use Joint::*;
-        [
-            Hips,
-            Spine,
-            Chest,
-            UpperChest,
-            Neck,
-            Head,
-            LeftClavicle,
-            LeftUpperArm,
-            LeftForearm,
-            LeftHand,
-            RightClavicle,
-            RightUpperArm,
-            RightForearm,
-            RightHand,
-            LeftThigh,
-            LeftShin,
-            LeftFoot,
-            LeftToe,
-            RightThigh,
-            RightShin,
-            RightFoot,
-            RightToe,
-        ]
-    };
-
     /// Index in pose arrays.
     pub const fn index(self) -> usize {
         self as usize
-    }
-
-    /// The joint's name in snake_case, as profiles, configs and reports write it.
-    pub const fn name(self) -> &'static str {
-        use Joint::*;
-        match self {
-            Hips => "hips",
-            Spine => "spine",
-            Chest => "chest",
-            UpperChest => "upper_chest",
-            Neck => "neck",
-            Head => "head",
-            LeftClavicle => "left_clavicle",
-            LeftUpperArm => "left_upper_arm",
-            LeftForearm => "left_forearm",
-            LeftHand => "left_hand",
-            RightClavicle => "right_clavicle",
-            RightUpperArm => "right_upper_arm",
-            RightForearm => "right_forearm",
-            RightHand => "right_hand",
-            LeftThigh => "left_thigh",
-            LeftShin => "left_shin",
-            LeftFoot => "left_foot",
-            LeftToe => "left_toe",
-            RightThigh => "right_thigh",
-            RightShin => "right_shin",
-            RightFoot => "right_foot",
-            RightToe => "right_toe",
-        }
     }
 
     /// The joint of that snake_case name.

@@ -76,7 +76,9 @@ impl ActivitySet {
     pub(crate) fn from_sections(
         activities: &[ActivityMeta],
         clips: &[ClipRecord],
-        (frames, contacts, code): (&Table<FrameRow>, &Table<Contacts>, &[RotationCode; 1]),
+        frames: &Table<FrameRow>,
+        contacts: &Table<Contacts>,
+        code: &[RotationCode; 1],
         skeleton: &Skeleton,
         rate_hz: f32,
     ) -> Self {

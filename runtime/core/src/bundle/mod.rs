@@ -287,8 +287,8 @@ impl Bundle {
             return ActivitySet::default();
         }
         let code = [*self.rotation_code()];
-        let (clips, motion) = (self.clips(), (self.frames(), self.contacts(), &code));
-        ActivitySet::from_sections(&meta.activities, clips, motion, self.skeleton(), meta.rate_hz as f32)
+        let (frames, contacts, rate_hz) = (self.frames(), self.contacts(), meta.rate_hz as f32);
+        ActivitySet::from_sections(&meta.activities, self.clips(), frames, contacts, &code, self.skeleton(), rate_hz)
     }
 
     /// A hash of the whole content. All bytes are read when it is asked for the first time.

@@ -1,13 +1,12 @@
 //! State of eight characters, laid out so that one load fetches a value of all eight.
 
-use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::reaction::Reaction;
 use crate::contacts::Contacts;
 use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::pose::{FootLock, Lane, Lane3, get_lane, planar_of_lane, set_lane};
+use crate::pose::{FootLock, Lane, Lane3, Lanewise, get_lane, lanewise_fields, planar_of_lane, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -264,5 +263,44 @@ impl MotionBlock {
     /// Replaces it; the heading is wrapped.
     pub fn set_clip_to_world(&mut self, lane: usize, to: Planar) {
         set_lane(&mut self.clip_to_world, lane, Vec3::new(to.x, to.z, wrap_angle(to.heading)));
+    }
+}
+
+lanewise_fields!(Offsets { rotation, rotation_velocity, root, root_velocity });
+lanewise_fields!(MotionBlock {
+    name,
+    segment,
+    first,
+    length,
+    time,
+    clip_to_world,
+    root,
+    lift,
+    drift,
+    turn,
+    drift_from,
+    bend,
+    pace,
+    wait,
+    blocked,
+    age_s,
+    num_choices,
+    choice_state,
+    choice_root,
+    contacts,
+    change
+});
+
+impl Lanewise for BodyBlock {
+    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
+        let Self { awake: _, unused: _, feet, offsets, reaction, fill: _ } = self;
+        feet.copy_lane(lane, &from.feet, from_lane);
+        offsets.copy_lane(lane, &from.offsets, from_lane);
+        reaction.copy_lane(lane, &from.reaction, from_lane);
+    }
+
+    fn is_near(&self, lane: usize) -> bool {
+        let Self { awake, unused: _, feet, offsets, reaction, fill: _ } = self;
+        *awake <= 1 && feet.is_near(lane) && offsets.is_near(lane) && reaction.is_near(lane)
     }
 }

@@ -95,7 +95,7 @@ impl PassedHits {
 
     /// Adds the hits of a segment after `from` and up to `to` (frames since the segment's start).
     #[inline]
-    pub fn add_passed(&mut self, r: &MotionSet, character: u32, segment: u32, (from, to): (f32, f32), place: Planar) {
+    pub fn add_passed(&mut self, r: &MotionSet, character: u32, segment: u32, from: f32, to: f32, place: Planar) {
         let start = r.graph.segments[segment as usize].start;
         let offset = |hit: u32| (r.hits[hit as usize].frame - start) as f32;
         for hit in r.hits_after(segment, from).take_while(|&hit| offset(hit) <= to) {

@@ -7,6 +7,7 @@ use super::blow::PassedHits;
 use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
+use super::step::CharactersTick;
 use super::transition::{self, SegmentChange};
 use super::{ActionChoice, CharactersConfig, pace};
 use crate::planar::{Planar, wrap_angle};
@@ -58,16 +59,15 @@ struct PendingChoices {
 ///
 /// - `first`: number of the range's first character, on which random choices depend.
 /// - `passed`: receives the hits at the start of new segments.
-/// - `orders`: of all characters.
 pub(crate) fn choose_all(
-    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
+    blocks: &mut [MotionBlock],
+    bodies: &mut [BodyBlock],
     passed: &mut PassedHits,
     first: usize,
     count: usize,
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
-    orders: &[PolicyOrder],
+    tick: &CharactersTick<'_>,
 ) {
+    let CharactersTick { motion_set, config, orders, .. } = *tick;
     let mut pending = PendingChoices {
         len: 0,
         characters: [0; BATCH],
@@ -93,7 +93,7 @@ pub(crate) fn choose_all(
             continue;
         }
         select_actions(&mut pending, blocks, motion_set, config);
-        apply_choices(&pending, (blocks, bodies), passed, first, motion_set, config);
+        apply_choices(&pending, blocks, bodies, passed, first, motion_set, config);
     }
 }
 
@@ -180,7 +180,8 @@ fn select_actions(
 /// Starts the chosen segments.
 fn apply_choices(
     pending: &PendingChoices,
-    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
+    blocks: &mut [MotionBlock],
+    bodies: &mut [BodyBlock],
     passed: &mut PassedHits,
     first: usize,
     motion_set: &MotionSet,
@@ -252,7 +253,7 @@ pub(crate) fn begin_segment(
     }
     b.num_choices[lane] = b.num_choices[lane].wrapping_add(1);
     if !passed.is_off() {
-        passed.add_passed(motion_set, begin.at as u32, id, (0.0, b.time[lane]), b.clip_to_world(lane));
+        passed.add_passed(motion_set, begin.at as u32, id, 0.0, b.time[lane], b.clip_to_world(lane));
     }
     if new.start == from {
         return None;
@@ -272,7 +273,8 @@ pub(crate) fn draw_random(b: &MotionBlock, lane: usize, config: &CharactersConfi
 
 /// Starts a segment now, from where the character stands (segment exists).
 pub(crate) fn play_segment(
-    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
+    blocks: &mut [MotionBlock],
+    bodies: &mut [BodyBlock],
     character: usize,
     segment: u32,
     motion_set: &MotionSet,

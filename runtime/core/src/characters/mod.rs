@@ -10,7 +10,6 @@ mod config;
 mod control;
 mod decay;
 mod detail;
-mod lanes;
 #[cfg(any(test, feature = "made-up"))]
 pub mod made_up;
 mod motion_set;
@@ -32,7 +31,7 @@ use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 pub use crate::pose::FootLockConfig;
-use crate::pose::{LocalTransform, Mat3x4};
+use crate::pose::{LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
 use crate::skeleton::{Joint, NUM_JOINTS};
 pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
@@ -52,7 +51,7 @@ pub use reaction::ReactionConfig;
 pub use sample_job::SampleJob;
 pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
-use step::{CharacterRange, CharactersTick, RANGE_BLOCKS};
+use step::{CharacterRange, CharactersTick};
 use throng_base::error::{check_index, check_length, check_value};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
@@ -140,10 +139,9 @@ impl Characters {
     /// # Errors
     /// [`Error::Value`] for a setting or capacity out of its range.
     pub fn with_capacity(motion_set: &MotionSet, config: CharactersConfig, capacity: usize) -> Result<Self> {
-        const RANGE: usize = RANGE_BLOCKS * LANES;
         config.check()?;
         CAPACITY.check_count("capacity", capacity)?;
-        let ranges = (0..capacity).step_by(RANGE).map(|first| RANGE.min(capacity - first));
+        let ranges = (0..capacity).step_by(RANGE_LEN).map(|first| RANGE_LEN.min(capacity - first));
         let passed: Vec<_> = ranges.map(|count| PassedHits::new(count, motion_set)).collect();
         let num_blocks = capacity.div_ceil(LANES);
         Ok(Self {
@@ -214,7 +212,7 @@ impl Characters {
         let config = self.config;
         let tick = CharactersTick { dt_s, motion_set, config: &config, orders, clock: clock.as_ref() };
         let n = self.num_characters;
-        let num_ranges = n.div_ceil(RANGE_BLOCKS * LANES);
+        let num_ranges = n.div_ceil(RANGE_LEN);
         if let Some(detail) = &self.detail {
             for (at, (level, block)) in self.levels.iter_mut().zip(&self.blocks[..n.div_ceil(LANES)]).enumerate() {
                 *level = detail.level(block, (n - at * LANES).min(LANES));
@@ -231,7 +229,7 @@ impl Characters {
                 });
                 let mut laps = Laps::start(tick.clock);
                 let choices = avoid::ChoiceInputs { motion_set, config: &config, avoid, orders, num_characters: n };
-                avoid::choose_avoiding(avoiding, (&mut self.blocks, &mut self.bodies), &mut self.passed, &choices);
+                avoid::choose_avoiding(avoiding, &mut self.blocks, &mut self.bodies, &mut self.passed, &choices);
                 self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
                 laps.end(StepPhase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
@@ -244,13 +242,12 @@ impl Characters {
 
     /// The parts of a step that threads may share.
     fn ranges(&mut self) -> impl Iterator<Item = CharacterRange<'_>> {
-        const COUNT: usize = RANGE_BLOCKS * LANES;
         let n = self.num_characters;
         let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
         let bodies = self.bodies.chunks_mut(RANGE_BLOCKS).zip(self.levels.chunks(RANGE_BLOCKS));
-        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(COUNT * NUM_JOINTS);
-        let mut locals = self.locals.chunks_mut(COUNT * NUM_JOINTS);
-        let mut instances = self.instances.chunks_mut(COUNT);
+        let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(RANGE_LEN * NUM_JOINTS);
+        let mut locals = self.locals.chunks_mut(RANGE_LEN * NUM_JOINTS);
+        let mut instances = self.instances.chunks_mut(RANGE_LEN);
         let parts = blocks.zip(bodies).zip(&mut self.passed).zip(matrices).enumerate();
         parts.map(move |(i, (((blocks, (bodies, levels)), passed), matrices))| {
             let (first, count) = range_span(i, n);
@@ -324,7 +321,7 @@ impl Characters {
         check_index("segment", None, segment as usize, self.num_segments)?;
         let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
         let laid = before.0.segment[character % LANES] == block::SCHEDULED;
-        control::play_segment((&mut self.blocks, &mut self.bodies), character, segment, motion_set, &self.config);
+        control::play_segment(&mut self.blocks, &mut self.bodies, character, segment, motion_set, &self.config);
         if !self.reserve_path(motion_set, character) {
             (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
             self.reserve_path(motion_set, character);
@@ -490,6 +487,6 @@ fn segments_into_states(motion_set: &MotionSet) -> Vec<u32> {
 
 /// First character of a range, and how many it has.
 fn range_span(index: usize, num_characters: usize) -> (usize, usize) {
-    let first = index * RANGE_BLOCKS * LANES;
-    (first, (num_characters - first).min(RANGE_BLOCKS * LANES))
+    let first = index * RANGE_LEN;
+    (first, (num_characters - first).min(RANGE_LEN))
 }

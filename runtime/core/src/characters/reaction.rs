@@ -6,7 +6,9 @@
 //! and the neck bend, arms follow the trunk, and the legs reach from the hips to where the feet were.
 
 use super::anatomy::Anatomy;
-use crate::pose::{Lane, Lane3, ModelPose, PARENTS, PlacementLanes, get_lane, load, move_leg, set_lane, store};
+use crate::pose::{
+    Lane, Lane3, ModelPose, PARENTS, PlacementLanes, get_lane, lanewise_fields, load, move_leg, set_lane, store,
+};
 use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
@@ -401,3 +403,6 @@ pub(crate) mod tests {
         assert!(end.distance(want) < 0.01, "{end} {want}");
     }
 }
+
+lanewise_fields!(ReactionSpring { place, velocity, force });
+lanewise_fields!(Reaction { active, trunk, head });

@@ -1,13 +1,12 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::transition::{self, SegmentChange};
 use super::{Characters, CharactersConfig};
 use crate::patch::Placement;
 use crate::planar::Planar;
-use crate::pose::set_lane;
+use crate::pose::{Lanewise, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
@@ -160,7 +159,7 @@ impl Characters {
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
         let chose = b.segment[lane] != SCHEDULED;
         let body = &mut self.bodies[character / LANES];
-        change_to_clip((b, body), lane, scheduled_clip, motion_set, &self.config);
+        change_to_clip(b, body, lane, scheduled_clip, motion_set, &self.config);
         self.num_choosers -= usize::from(chose);
         Ok(())
     }
@@ -210,7 +209,8 @@ impl Characters {
 
 /// Changes to a scheduled clip at the end of what is played.
 fn change_to_clip(
-    (b, body): (&mut MotionBlock, &mut BodyBlock),
+    b: &mut MotionBlock,
+    body: &mut BodyBlock,
     lane: usize,
     scheduled_clip: &ScheduledClip,
     motion_set: &MotionSet,

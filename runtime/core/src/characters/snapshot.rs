@@ -2,11 +2,10 @@
 
 use super::Characters;
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::step::{self, CharactersTick};
-use crate::pose::Mat3x4;
+use crate::pose::{Lanewise, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;

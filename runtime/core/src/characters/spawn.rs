@@ -1,12 +1,11 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
-use super::lanes::Lanewise;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharacterStart, Characters, CharactersConfig};
 use crate::planar::Planar;
-use crate::pose::{FootLock, LocalTransform, Mat3x4, set_lane};
+use crate::pose::{FootLock, Lanewise, LocalTransform, Mat3x4, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 use throng_base::simd::LANES;

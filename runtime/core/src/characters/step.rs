@@ -16,14 +16,11 @@ use super::times::{Laps, PhaseClock, StepPhase};
 use super::{CharactersConfig, PolicyOrder};
 use crate::contacts::Contacts;
 use crate::pose::{
-    FrameCursor, FramePosition, LocalTransform, LockStep, Mat3x4, PlacementLanes, lock_foot, sample_pose, shared,
-    to_model, write_locals, write_matrices,
+    FrameCursor, FramePosition, LocalTransform, LockStep, Mat3x4, PlacementLanes, PlantedParts, lock_foot, sample_pose,
+    shared, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, dispatch};
-
-/// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
-pub(crate) const RANGE_BLOCKS: usize = 16;
 
 /// Inputs of one tick, shared by all ranges.
 pub(crate) struct CharactersTick<'a> {
@@ -60,40 +57,25 @@ pub(crate) struct CharacterRange<'a> {
 pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     advance_all(range.blocks, range.passed, range.first, range.count, tick);
     let mut laps = Laps::start(tick.clock);
-    let state = (&mut *range.blocks, &mut *range.bodies);
-    control::choose_all(state, range.passed, range.first, range.count, tick.motion_set, tick.config, tick.orders);
+    control::choose_all(range.blocks, range.bodies, range.passed, range.first, range.count, tick);
     range.passed.sort();
     laps.end(StepPhase::Control);
     pose_all(range, tick);
 }
 
-/// The first entry of the list, where choices are not made range by range.
-pub(crate) fn advance_all(
-    blocks: &mut [MotionBlock],
-    passed: &mut PassedHits,
-    first: usize,
-    count: usize,
-    tick: &CharactersTick<'_>,
-) {
-    let mut laps = Laps::start(tick.clock);
-    passed.clear();
-    advance_time(blocks, passed, first, count, tick);
-    laps.end(StepPhase::Advance);
-}
-
 /// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
 pub(crate) fn pose_all(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
-    let decay = reaction::ReactionStep::new(&tick.config.reaction, tick.dt_s);
+    let reaction = reaction::ReactionStep::new(&tick.config.reaction, tick.dt_s);
     let lock = LockStep::new(&tick.config.foot_lock, tick.dt_s);
-    dispatch(PoseAllJob { range, tick, steps: (decay, lock) });
+    dispatch(PoseAllJob { range, tick, reaction, lock });
 }
 
 /// The arguments of [`pose_all`].
 struct PoseAllJob<'a, 't> {
     range: CharacterRange<'a>,
     tick: &'a CharactersTick<'t>,
-    /// Steps of reactions and of foot locks.
-    steps: (reaction::ReactionStep, LockStep),
+    reaction: reaction::ReactionStep,
+    lock: LockStep,
 }
 
 impl LaneWork for PoseAllJob<'_, '_> {
@@ -108,11 +90,11 @@ impl LaneWork for PoseAllJob<'_, '_> {
             let Some(matrices) = poses.next() else { break };
             let first = i * LANES;
             let records = instances.get_mut(first..count.min(first + LANES)).unwrap_or_default();
-            let to = PoseOutput { level: levels[i], records };
-            detail::set_awake(to.level, block, body, self.tick.motion_set, half_life_s);
+            detail::set_awake(levels[i], block, body, self.tick.motion_set, half_life_s);
             let locals = locals.get_mut(first * NUM_JOINTS..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            pose_block::<F>((block, body), matrices, &mut locals[..len], to, self.tick, &self.steps);
+            let to = PoseOutput { level: levels[i], matrices, locals: &mut locals[..len], records };
+            pose_block::<F>(block, body, to, self.tick, &self.reaction, &self.lock);
         }
     }
 }
@@ -120,18 +102,25 @@ impl LaneWork for PoseAllJob<'_, '_> {
 /// Outputs of a block.
 struct PoseOutput<'a> {
     level: DetailLevel,
+    /// (characters * NUM_JOINTS)
+    matrices: &'a mut [Mat3x4],
+    /// (characters * NUM_JOINTS, or 0)
+    locals: &'a mut [LocalTransform],
     /// (characters, or 0)
     records: &'a mut [PoseInstance],
 }
 
-/// Moves time on, turns the path of characters with bent actions, and notes the hits that are passed.
-fn advance_time(
+/// The first entry of the list: moves time on, turns the path of characters with bent actions, and notes the hits that are
+/// passed.
+pub(crate) fn advance_all(
     blocks: &mut [MotionBlock],
     passed: &mut PassedHits,
     first: usize,
     count: usize,
     tick: &CharactersTick<'_>,
 ) {
+    let mut laps = Laps::start(tick.clock);
+    passed.clear();
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
@@ -151,22 +140,23 @@ fn advance_time(
             // Where nothing follows, it stays at the end.
             b.time[lane] = b.time[lane].min(b.length[lane] as f32);
         } else if !passed.is_off() {
-            let (span, place) = ((from, b.time[lane]), b.clip_to_world(lane));
-            passed.add_passed(tick.motion_set, (first + character) as u32, b.segment[lane], span, place);
+            let (to, place) = (b.time[lane], b.clip_to_world(lane));
+            passed.add_passed(tick.motion_set, (first + character) as u32, b.segment[lane], from, to, place);
         }
         b.age_s[lane] += tick.dt_s;
     }
+    laps.end(StepPhase::Advance);
 }
 
 /// Samples a block, displaces struck characters, locks feet and writes its poses.
 #[inline(always)]
 fn pose_block<F: Lanes>(
-    (block, body): (&mut MotionBlock, &mut BodyBlock),
-    matrices: &mut [Mat3x4],
-    locals: &mut [LocalTransform],
+    block: &mut MotionBlock,
+    body: &mut BodyBlock,
     to: PoseOutput<'_>,
     tick: &CharactersTick<'_>,
-    (decay, lock_step): &(reaction::ReactionStep, LockStep),
+    reaction_step: &reaction::ReactionStep,
+    lock_step: &LockStep,
 ) {
     let r = tick.motion_set;
     let mut laps = Laps::start(tick.clock);
@@ -197,24 +187,24 @@ fn pose_block<F: Lanes>(
     let mut model = to_model(shared(&r.skeleton), local);
     laps.end(StepPhase::Sample);
     if tick.config.reaction.enabled && reaction::any_lane_reacts::<F>(&body.reaction) {
-        reaction::react_lanes(&r.anatomy, &tick.config.reaction, decay, &place, &mut body.reaction, &mut model);
+        reaction::react_lanes(&r.anatomy, &tick.config.reaction, reaction_step, &place, &mut body.reaction, &mut model);
     }
     laps.end(StepPhase::Reaction);
     if tick.config.foot_lock.enabled && to.level == DetailLevel::Full {
         let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
         let parts = [
-            (planted(Contacts::LEFT_HEEL), planted(Contacts::LEFT_TOE)),
-            (planted(Contacts::RIGHT_HEEL), planted(Contacts::RIGHT_TOE)),
+            PlantedParts { heel: planted(Contacts::LEFT_HEEL), toe: planted(Contacts::LEFT_TOE) },
+            PlantedParts { heel: planted(Contacts::RIGHT_HEEL), toe: planted(Contacts::RIGHT_TOE) },
         ];
-        for (foot, planted) in parts.into_iter().enumerate() {
+        for (foot, planted) in parts.iter().enumerate() {
             let lock = &mut body.feet[foot];
             lock_foot(&r.anatomy.legs[foot], lock_step, planted, &place, lock, &mut model);
         }
     }
     laps.end(StepPhase::FootLock);
-    write_matrices(&model, matrices);
-    if !locals.is_empty() {
-        write_locals(shared(&r.skeleton), &model, locals.len() / NUM_JOINTS, locals);
+    write_matrices(&model, to.matrices);
+    if !to.locals.is_empty() {
+        write_locals(shared(&r.skeleton), &model, to.locals.len() / NUM_JOINTS, to.locals);
     }
     laps.end(StepPhase::Poses);
 }

@@ -120,10 +120,10 @@ impl PolicyTable {
     /// - `target`: relative to the grid's centre.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, state: u32, target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
-        let actions = (self.actions.segments_of(state), self.actions.errors_of(state));
+        let (segments, errors) = (self.actions.segments_of(state), self.actions.errors_of(state));
         if self.grid.is_space_time() {
             let scores = scores.as_flattened_mut();
-            for (score, (&segment, &error)) in scores.iter_mut().zip(actions.0.iter().zip(actions.1)) {
+            for (score, (&segment, &error)) in scores.iter_mut().zip(segments.iter().zip(errors)) {
                 let left = self.reward.after_transition(error);
                 *score += weight * left * self.score_in_space_time(segment, target);
             }
@@ -131,17 +131,18 @@ impl PolicyTable {
         }
         let query = self.query(target);
         match (self.grid.is_polar(), self.is_adaptive()) {
-            (true, false) => self.add_scores_of::<F, true, false>(actions, &query, weight, scores),
-            (false, false) => self.add_scores_of::<F, false, false>(actions, &query, weight, scores),
-            (true, true) => self.add_scores_of::<F, true, true>(actions, &query, weight, scores),
-            (false, true) => self.add_scores_of::<F, false, true>(actions, &query, weight, scores),
+            (true, false) => self.add_scores_of::<F, true, false>(segments, errors, &query, weight, scores),
+            (false, false) => self.add_scores_of::<F, false, false>(segments, errors, &query, weight, scores),
+            (true, true) => self.add_scores_of::<F, true, true>(segments, errors, &query, weight, scores),
+            (false, true) => self.add_scores_of::<F, false, true>(segments, errors, &query, weight, scores),
         }
     }
 
     #[inline(always)]
     fn add_scores_of<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
-        (segments, errors): (&[u32], &[f32]),
+        segments: &[u32],
+        errors: &[f32],
         query: &LookAheadQuery,
         weight: f32,
         scores: &mut [[f32; LANES]],
@@ -152,13 +153,13 @@ impl PolicyTable {
         let (whole, rest) = segments.as_chunks::<LANES>();
         let (whole_errors, rest_errors) = errors.as_chunks::<LANES>();
         for ((segments, errors), scores) in whole.iter().zip(whole_errors).zip(&mut *scores) {
-            self.add_group::<F, POLAR, ADAPTIVE>((segments, errors), query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(segments, errors, query, &targets, weight, scores);
         }
         if let (Some(&last), Some(scores)) = (rest.last(), scores.get_mut(whole.len())) {
             let (mut segments, mut errors) = ([last; LANES], [0.0; LANES]);
             segments[..rest.len()].copy_from_slice(rest);
             errors[..rest.len()].copy_from_slice(rest_errors);
-            self.add_group::<F, POLAR, ADAPTIVE>((&segments, &errors), query, &targets, weight, scores);
+            self.add_group::<F, POLAR, ADAPTIVE>(&segments, &errors, query, &targets, weight, scores);
         }
     }
 
@@ -166,7 +167,8 @@ impl PolicyTable {
     #[inline(always)]
     fn add_group<F: Lanes, const POLAR: bool, const ADAPTIVE: bool>(
         &self,
-        (segments, errors): (&[u32; LANES], &[f32; LANES]),
+        segments: &[u32; LANES],
+        errors: &[f32; LANES],
         query: &LookAheadQuery,
         targets: &TargetLanes<F>,
         weight: f32,

@@ -7,6 +7,7 @@
 
 use super::hierarchy::ModelPose;
 use super::lanes::{Lane, Lane3, load, store};
+use super::lanewise::lanewise_fields;
 use super::leg::{LegJoints, NO_CORRECTION, move_leg, turn_foot};
 use super::placement::PlacementLanes;
 use throng_base::maths;
@@ -75,6 +76,8 @@ pub(crate) struct FootLock {
     pub toe_down: Lane,
 }
 
+lanewise_fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down });
+
 impl FootLock {
     pub const ZERO: Self = Self {
         correction: [[0.0; LANES]; 3],
@@ -136,12 +139,19 @@ impl LockStep {
     }
 }
 
-/// Updates the lock of one foot and moves the leg. `heel` and `toe` are 1 where that part is planted, else 0.
+/// Which parts of a foot the motion plants, in each lane: 1 where it does, else 0.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlantedParts {
+    pub heel: Lane,
+    pub toe: Lane,
+}
+
+/// Updates the lock of one foot and moves the leg.
 #[inline(always)]
 pub(crate) fn lock_foot<F: Lanes>(
     leg: &LegJoints,
     step: &LockStep,
-    planted: (Lane, Lane),
+    planted: &PlantedParts,
     place: &PlacementLanes<F>,
     lock: &mut FootLock,
     pose: &mut ModelPose<F>,
@@ -152,7 +162,7 @@ pub(crate) fn lock_foot<F: Lanes>(
     store(&mut lock.turn, turn);
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
-    (lock.heel_down, lock.toe_down) = planted;
+    (lock.heel_down, lock.toe_down) = (planted.heel, planted.toe);
     if correction.dot(correction).any_gt(F::splat(NO_CORRECTION)) {
         move_leg(leg, place.vector_to_model(correction), pose);
     }
@@ -166,14 +176,14 @@ pub(crate) fn lock_foot<F: Lanes>(
 fn update<F: Lanes>(
     leg: &LegJoints,
     step: &LockStep,
-    (heel, toe_planted): (Lane, Lane),
+    planted: &PlantedParts,
     lock: &FootLock,
     ankle: V<F>,
     toe: V<F>,
     ground: F,
 ) -> (V<F>, V<F>) {
     let (half, one) = (F::splat(0.5), F::splat(1.0));
-    let (heel, toe_planted) = (F::load(&heel), F::load(&toe_planted));
+    let (heel, toe_planted) = (F::load(&planted.heel), F::load(&planted.toe));
     // A part holds where it was planted at both steps.
     let (hold_heel, hold_toe) = (heel * F::load(&lock.heel_down), toe_planted * F::load(&lock.toe_down));
     let held = hold_heel.max(hold_toe);
@@ -225,13 +235,13 @@ mod tests {
         let step = |i: i32| {
             let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
             let (ankle, toe) = (V::<ArrayLanes>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
-            let planted = ([0.0; LANES], [planted; LANES]);
-            let (new, turn) = update(&leg, &lock_step, planted, &lock, ankle, toe, ArrayLanes::splat(0.0));
+            let planted = PlantedParts { heel: [0.0; LANES], toe: [planted; LANES] };
+            let (new, turn) = update(&leg, &lock_step, &planted, &lock, ankle, toe, ArrayLanes::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, ankle);
             store(&mut lock.toe, toe);
-            (lock.heel_down, lock.toe_down) = planted;
+            (lock.heel_down, lock.toe_down) = (planted.heel, planted.toe);
             height + (new.y + turn.y).to_array()[3]
         };
         (0..30).map(step).collect()
@@ -261,13 +271,13 @@ mod tests {
             let ankle = Vec3::new(speed_mps * time, 0.1, 0.0);
             let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, leg.toe_height - 0.1, 0.14);
             let (a, t) = (V::<ArrayLanes>::splat(ankle), V::splat(toe));
-            let planted = ([heel; LANES], [ball; LANES]);
-            let (new, turn) = update(&leg, &lock_step, planted, &lock, a, t, ArrayLanes::splat(0.0));
+            let planted = PlantedParts { heel: [heel; LANES], toe: [ball; LANES] };
+            let (new, turn) = update(&leg, &lock_step, &planted, &lock, a, t, ArrayLanes::splat(0.0));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, a);
             store(&mut lock.toe, t);
-            (lock.heel_down, lock.toe_down) = planted;
+            (lock.heel_down, lock.toe_down) = (planted.heel, planted.toe);
             let [new, turn] = [new, turn].map(|v| Vec3::from_array([v.x, v.y, v.z].map(|x| x.to_array()[3])));
             [ankle + new, toe + new + turn]
         };

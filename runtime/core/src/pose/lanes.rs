@@ -4,6 +4,11 @@ use crate::planar::Planar;
 use glam::Vec3;
 use throng_base::simd::{LANES, Lanes, V};
 
+/// Blocks of eight that one thread handles together: their state and poses fit the cache of a core.
+pub(crate) const RANGE_BLOCKS: usize = 16;
+/// Characters of [`RANGE_BLOCKS`].
+pub(crate) const RANGE_LEN: usize = RANGE_BLOCKS * LANES;
+
 /// A number of each of eight characters.
 pub(crate) type Lane = [f32; LANES];
 /// A vector of each of eight characters: x, y, z.

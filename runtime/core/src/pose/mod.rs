@@ -4,15 +4,17 @@
 mod foot_lock;
 mod hierarchy;
 mod lanes;
+mod lanewise;
 mod leg;
 mod matrix;
 mod placement;
 mod sample;
 
 pub use foot_lock::FootLockConfig;
-pub(crate) use foot_lock::{FootLock, LockStep, lock_foot};
+pub(crate) use foot_lock::{FootLock, LockStep, PlantedParts, lock_foot};
 pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_locals, write_matrices};
-pub(crate) use lanes::{Lane, Lane3, get_lane, load, planar_of_lane, set_lane, store};
+pub(crate) use lanes::{Lane, Lane3, RANGE_BLOCKS, RANGE_LEN, get_lane, load, planar_of_lane, set_lane, store};
+pub(crate) use lanewise::{Lanewise, lanewise_fields};
 pub(crate) use leg::{LegJoints, bent_middle, move_leg};
 pub use matrix::{LocalTransform, Mat3x4};
 pub(crate) use placement::PlacementLanes;

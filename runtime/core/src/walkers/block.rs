@@ -3,7 +3,8 @@
 use crate::blend::MAX_AXES;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{Lane, Lane3};
+use crate::pose::{Lane, Lane3, Lanewise, lanewise_fields, planar_of_lane, set_lane};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
 
@@ -63,15 +64,6 @@ impl WalkerFoot {
         let is_cosine = |of: &Lane| of[lane].abs() <= 1.0 + ROUNDING;
         is_share(&self.step) && is_share(&self.down) && is_cosine(&self.bent) && self.turn.iter().all(is_cosine)
     }
-
-    /// Every number of the lanes.
-    fn all_lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
-        let one =
-            [&mut self.down, &mut self.rise, &mut self.rise_rate, &mut self.height, &mut self.bent, &mut self.step];
-        let three = [&mut self.offset, &mut self.offset_rate, &mut self.heel, &mut self.ball];
-        let three = three.into_iter().chain([&mut self.below, &mut self.below_rate]);
-        one.into_iter().chain(&mut self.turn).chain(three.flatten())
-    }
 }
 
 /// The state of eight walkers.
@@ -110,6 +102,26 @@ pub(crate) struct WalkerBlock {
     pub feet: [WalkerFoot; 2],
 }
 
+lanewise_fields!(WalkerFoot {
+    offset,
+    offset_rate,
+    turn,
+    heel,
+    ball,
+    down,
+    rise,
+    rise_rate,
+    height,
+    below,
+    below_rate,
+    bent,
+    step
+});
+lanewise_fields!(WalkerBlock {
+    root, aim, speed, turning, travel, phase, base, base_rate, drop, drop_rate, placed, contacts, feet;
+    parameters, parameter_rates, asked
+});
+
 impl WalkerBlock {
     pub const ZERO: Self = Self {
         root: [[0.0; LANES]; 3],
@@ -132,48 +144,25 @@ impl WalkerBlock {
 
     /// Planar root of one lane at the last step.
     pub fn root(&self, lane: usize) -> Planar {
-        Planar::new(self.root[0][lane], self.root[1][lane], self.root[2][lane])
-    }
-
-    /// Every number of the lanes, foot by foot.
-    fn all_lanes(&mut self) -> impl Iterator<Item = &mut Lane> {
-        let own = [&mut self.aim, &mut self.speed, &mut self.turning, &mut self.phase, &mut self.drop];
-        let own = own.into_iter().chain([&mut self.drop_rate, &mut self.base, &mut self.base_rate, &mut self.placed]);
-        own.chain(&mut self.root).chain(&mut self.travel).chain(self.feet.iter_mut().flat_map(WalkerFoot::all_lanes))
-    }
-
-    /// Copies a lane of a block.
-    pub fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        let mut from = *from;
-        for (to, from) in self.all_lanes().zip(from.all_lanes()) {
-            to[lane] = from[from_lane];
-        }
-        self.parameters[lane] = from.parameters[from_lane];
-        self.parameter_rates[lane] = from.parameter_rates[from_lane];
-        self.asked[lane] = from.asked[from_lane];
-        self.contacts[lane] = from.contacts[from_lane];
+        planar_of_lane(&self.root, lane)
     }
 
     /// True where a walker's numbers can be: shares and cosines within their ranges, everything finite and below 1e7.
     pub fn is_sound(&self, lane: usize) -> bool {
-        let points = [self.parameters[lane], self.parameter_rates[lane], self.asked[lane]];
-        let mut own = *self;
-        let is_near = points.iter().flatten().copied().chain(own.all_lanes().map(|of| of[lane])).all(|v| v.abs() < 1e7);
         let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
-        is_near && is_share(&self.phase) && is_share(&self.placed) && self.feet.iter().all(|foot| foot.is_sound(lane))
+        self.is_near(lane)
+            && is_share(&self.phase)
+            && is_share(&self.placed)
+            && self.feet.iter().all(|foot| foot.is_sound(lane))
     }
 
     /// Moves the root of a lane elsewhere and clears the state of its feet.
     pub fn place_root(&mut self, lane: usize, root: Planar) {
-        for (axis, value) in self.root.iter_mut().zip([root.x, root.z, root.heading]) {
-            axis[lane] = value;
-        }
+        set_lane(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
         self.aim[lane] = root.heading;
         self.turning[lane] = 0.0;
         self.contacts[lane] = Contacts::NONE;
-        for (foot, mut free) in self.feet.iter_mut().zip([WalkerFoot::ZERO; 2]) {
-            foot.all_lanes().zip(free.all_lanes()).for_each(|(to, from)| to[lane] = from[lane]);
-        }
+        self.feet.copy_lane(lane, &[WalkerFoot::ZERO; 2], lane);
     }
 }
 

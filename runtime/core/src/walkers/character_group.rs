@@ -5,6 +5,7 @@ use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
+use crate::pose::Lanewise;
 use crate::skeleton::NUM_JOINTS;
 use crate::walkers::block::WalkerBlock;
 use serde::{Deserialize, Serialize};

@@ -2,11 +2,11 @@
 
 use super::body::LaneBody;
 use crate::blend::{BlendedPosture, channel};
-use crate::planar::{Planar, wrap_angle};
+use crate::planar::wrap_angle;
 use crate::pose::get_lane;
 use crate::skeleton::Joint;
 use crate::walkers::spring::DampedSpring;
-use glam::{Quat, Vec2, Vec3};
+use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 
@@ -68,13 +68,14 @@ impl Gaze {
 
     /// Follows a point and turns a posture towards it.
     ///
-    /// - `point`: in the world, from the ground below the root (m).
+    /// - `point`: from the ground below the root, in the facing frame (m).
     /// - `still`: how little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
     pub fn turn_posture(
         &mut self,
         eyes: &Eyes,
-        (point, root): (Option<Vec3>, Planar),
-        (body, lane): (&LaneBody, usize),
+        point: Option<Vec3>,
+        body: &LaneBody,
+        lane: usize,
         still: f32,
         posture: &mut BlendedPosture,
     ) {
@@ -82,8 +83,7 @@ impl Gaze {
         let chest = CHEST * (1.0 - still);
         let forward = direction(maths::rotate(trunk.rotations[5], Vec3::Z));
         let to = point.and_then(|p| {
-            let at = root.inverse_transform_point(Vec2::new(p.x, p.z));
-            let to = Vec3::new(at.x, p.y, at.y) - trunk.head(self.off, chest, forward);
+            let to = p - trunk.head(self.off, chest, forward);
             let [yaw, pitch] = direction(to);
             let seen = yaw.abs() < RANGE[0] && pitch.abs() < RANGE[1] && to.length() > NEAR_M;
             seen.then(|| [wrap_angle(yaw - forward[0]), pitch - forward[1]])

@@ -19,7 +19,7 @@ use crate::blend::HeightField;
 use crate::blend::MAX_AXES;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{LocalTransform, Mat3x4};
+use crate::pose::{LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use block::WalkerBlock;
@@ -31,14 +31,11 @@ use glam::Vec3;
 use perform::PerformanceState;
 pub use perform::{Performance, PerformancePart, PerformanceProgress};
 use serde::{Deserialize, Serialize};
-use step::{RANGE_BLOCKS, WalkerRange, WalkersTick};
+use step::{WalkerRange, WalkersTick};
 use throng_base::limits::CAPACITY;
 use throng_base::maths;
 use throng_base::simd::LANES;
 use throng_base::{Executor, Hash128, Id, Result, run_each};
-
-/// Walkers of a range, which one thread handles.
-const RANGE: usize = RANGE_BLOCKS * LANES;
 
 /// Characters that follow trajectories with blended bodies, eight to a block. A [`Cast`](crate::Cast): they enter and
 /// leave, and are ordered about with [`Control`].
@@ -264,11 +261,11 @@ impl Walkers {
     fn advance(&mut self, dt_s: f32, run: &dyn Executor) {
         let tick = WalkersTick::new(&self.space, &self.config, dt_s, &self.ground);
         let stride = self.space.stride();
-        let mut locals = self.locals.chunks_mut(RANGE * NUM_JOINTS);
+        let mut locals = self.locals.chunks_mut(RANGE_LEN * NUM_JOINTS);
         let parts = self.state.blocks.chunks_mut(RANGE_BLOCKS).zip(self.bodies.chunks(RANGE_BLOCKS));
-        let parts = parts.zip(self.state.orders.chunks_mut(RANGE)).zip(self.weights.chunks_mut(RANGE * stride));
-        let parts = parts.zip(self.roots.chunks_mut(RANGE)).zip(self.model.chunks_mut(RANGE));
-        let parts = parts.zip(self.state.acts.chunks_mut(RANGE));
+        let parts = parts.zip(self.state.orders.chunks_mut(RANGE_LEN)).zip(self.weights.chunks_mut(RANGE_LEN * stride));
+        let parts = parts.zip(self.roots.chunks_mut(RANGE_LEN)).zip(self.model.chunks_mut(RANGE_LEN));
+        let parts = parts.zip(self.state.acts.chunks_mut(RANGE_LEN));
         let ranges = parts.map(|((((((blocks, bodies), controls), weights), roots), model), acts)| {
             let locals = locals.next().unwrap_or_default();
             WalkerRange { blocks, bodies, controls, acts, weights, roots, model, locals }

@@ -165,7 +165,8 @@ impl PerformanceState {
         &mut self,
         stage: &PerformanceInputs<'_>,
         control: &Control,
-        (block, lane): (&WalkerBlock, usize),
+        block: &WalkerBlock,
+        lane: usize,
     ) -> bool {
         let Some(activity) = stage.activities.get(ActivityId(self.activity)) else {
             *self = Self::default();

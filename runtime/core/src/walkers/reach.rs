@@ -36,7 +36,8 @@ pub(crate) fn lower_body<F: Lanes>(
     body: &LaneBody,
     soles: &[SolePose<F>; 2],
     importance: [F; 2],
-    ([drop_before, drop_rate], spring): ([&mut Lane; 2], &DampedSpring),
+    [drop_before, drop_rate]: [&mut Lane; 2],
+    spring: &DampedSpring,
     sunk: F,
     pose: &mut ModelPose<F>,
 ) {
@@ -111,7 +112,8 @@ pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePo
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
     side: usize,
-    (foot, sole): (&mut WalkerFoot, &mut SolePose<F>),
+    foot: &mut WalkerFoot,
+    sole: &mut SolePose<F>,
     change: F,
     pose: &ModelPose<F>,
 ) {

@@ -24,12 +24,10 @@ use crate::pose::{
     Lane, LanePose, LocalTransform, Mat3x4, ModelPose, PlacementLanes, load, to_model, write_locals, write_matrices,
 };
 use crate::skeleton::NUM_JOINTS;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
 
-/// Blocks of a range: 128 characters, whose state and poses fit the cache of a core.
-pub(crate) const RANGE_BLOCKS: usize = 16;
 /// Speed of a blend up to which its steps keep their own time (m/s).
 const STRIDING_MPS: f32 = 0.4;
 /// Time of a step that a foot takes by itself (s, of the database skeleton).
@@ -124,7 +122,7 @@ pub(crate) fn step(range: WalkerRange<'_>, tick: &WalkersTick<'_>) {
             let mut led = act.acting.steering_order(control, &tick.stage);
             tick.steering.steer(block, body, lane, &mut led);
             control.position = None;
-            act.has_ended = act.acting.advance(&tick.stage, control, (block, lane));
+            act.has_ended = act.acting.advance(&tick.stage, control, block, lane);
         }
         range.roots[c] = block.root(lane);
     }
@@ -158,7 +156,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 space.blend_posture::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
                 let (act, look_at) = (&mut acts[from + lane], controls[from + lane].look_at);
-                let share = act.overlay_posture(self.tick, look_at, (block, body, lane), &mut postures[lane]);
+                let share = act.overlay_posture(self.tick, look_at, block, body, lane, &mut postures[lane]);
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
             let hands = Hands::from_orders(&controls[from..from + count], block);
@@ -185,15 +183,21 @@ impl WalkerActivity {
         &mut self,
         tick: &WalkersTick<'_>,
         look_at: Option<Vec3>,
-        (block, body, lane): (&WalkerBlock, &LaneBody, usize),
+        block: &WalkerBlock,
+        body: &LaneBody,
+        lane: usize,
         posture: &mut BlendedPosture,
     ) -> f32 {
         let share =
             if self.acting.is_idle() { 0.0 } else { self.acting.overlay_posture(tick.stage.activities, posture) };
         if look_at.is_some() || !self.gaze.is_off() {
             let root = block.root(lane);
-            let point = look_at.map(|p| p - Vec3::Y * block.base[lane]);
-            self.gaze.turn_posture(&tick.eyes, (point, root), (body, lane), share, posture);
+            let point = look_at.map(|p| {
+                let p = p - Vec3::Y * block.base[lane];
+                let at = root.inverse_transform_point(Vec2::new(p.x, p.z));
+                Vec3::new(at.x, p.y, at.y)
+            });
+            self.gaze.turn_posture(&tick.eyes, point, body, lane, share, posture);
         }
         share
     }
@@ -289,11 +293,11 @@ fn retarget_postures<F: Lanes>(
         raise_heel(body, side, sole, &mut bearing[side], &model);
     }
     let sunk = hands.map_or(F::splat(0.0), |hands| hands.hips_sink(body, &model));
-    lower_body(body, &soles, importance, ([&mut block.drop, &mut block.drop_rate], &tick.drop), sunk, &mut model);
+    lower_body(body, &soles, importance, [&mut block.drop, &mut block.drop_rate], &tick.drop, sunk, &mut model);
     let pace = F::load(&body.pace);
     let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
     for (side, sole) in soles.iter_mut().enumerate() {
-        slow_knee(body, side, (&mut block.feet[side], sole), knee_rate * F::splat(tick.dt_s), &model);
+        slow_knee(body, side, &mut block.feet[side], sole, knee_rate * F::splat(tick.dt_s), &model);
         release_foot(&mut block.feet[side], &mut bearing[side], is_stretched(body, side, sole, &model));
         reach_foot(body, side, sole, &mut model);
     }

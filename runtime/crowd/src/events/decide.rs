@@ -1,5 +1,6 @@
 //! Decision of an agent at its event.
 
+use super::safety::PlanAim;
 use crate::events::schemes::{FirstContact, SchemeRef};
 use crate::routes::guide::Guide;
 use crate::routes::path::RouteCursor;
@@ -149,10 +150,10 @@ impl<V: Space> Decider<'_, V> {
         let region = (centre - half, centre + half);
         let fresh = MotionPlan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
-        self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
+        self.look_around(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.solids_near(state.cell);
         let sees_outsiders = self.sees_external_obstacles(&walker, scratch);
-        let f = self.forces_from((agent, &walker), &state, near, scratch);
+        let f = self.forces_from(agent, &walker, &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
@@ -175,11 +176,13 @@ impl<V: Space> Decider<'_, V> {
         let desired = acceleration * (self.scenery.fields[state.field as usize].relaxation_s / length).min(1.0);
         self.collect_nearby_plans(&fresh, length, scratch);
         let fastest = self.max_speed(&state);
-        let mut taken = self.find_safe_plan(&fresh, (desired, fastest), length, region, near, scratch);
+        let aim = PlanAim { acceleration: desired, fastest, length };
+        let mut taken = self.find_safe_plan(&fresh, &aim, region, near, scratch);
         if taken.is_none() && !self.scenery.movers.is_empty() {
             // It may be too late to avoid a moving obstacle: get out of its way as far as other agents allow.
             scratch.others.leave_out_movers();
-            taken = self.find_safe_plan(&fresh, (desired, fastest), self.scenery.interval, region, near, scratch);
+            let aim = PlanAim { length: self.scenery.interval, ..aim };
+            taken = self.find_safe_plan(&fresh, &aim, region, near, scratch);
         }
         let plan = match taken {
             Some(plan) => plan,
@@ -206,7 +209,8 @@ impl<V: Space> Decider<'_, V> {
 
     fn forces_from(
         &self,
-        (agent, walker): (u32, &SteeredAgent<V>),
+        agent: u32,
+        walker: &SteeredAgent<V>,
         state: &AgentState<V>,
         near: &[u32],
         scratch: &DecisionScratch<V>,
@@ -223,7 +227,7 @@ impl<V: Space> Decider<'_, V> {
             steering: &scenery.steering,
         };
         let mut f = sum_forces(walker, &scenery.fields[state.field as usize], &around);
-        f.interaction += self.relationships.interest_acceleration((agent, walker.position), |id| {
+        f.interaction += self.relationships.interest_acceleration(agent, walker.position, |id| {
             let state = &self.states[id.index()];
             let is_there = state.cell != NONE && state.generation == id.generation;
             is_there.then(|| self.cells.plan(id.index).motion_at(self.time).0)
@@ -242,10 +246,10 @@ impl<V: Space> Decider<'_, V> {
         self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
-        self.look_around((agent, at), &walker, &state, None, scratch);
+        self.look_around(agent, at, &walker, &state, None, scratch);
         self.sees_external_obstacles(&walker, scratch);
         let near = self.scenery.solids_near(state.cell);
-        let f = self.forces_from((agent, &walker), &state, near, scratch);
+        let f = self.forces_from(agent, &walker, &state, near, scratch);
         Forces { taken: plan.acceleration, ..f }
     }
 
@@ -321,7 +325,8 @@ impl<V: Space> Decider<'_, V> {
         let between = between_walls(
             &self.scenery.solids,
             walls,
-            (walker.position, walker.radius),
+            walker.position,
+            walker.radius,
             walker.desired.right(),
             steering,
         );
@@ -331,10 +336,10 @@ impl<V: Space> Decider<'_, V> {
         let way = blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
             let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
-            gate.retreat_direction((walker.position, walker.radius), self.time, self.grid, steering)
+            gate.retreat_direction(walker.position, walker.radius, self.time, self.grid, steering)
         });
         let yields = way.is_some();
-        if let Some(way) = way.or_else(|| blocked.random_retreat_direction((agent, self.time), self.grid, steering)) {
+        if let Some(way) = way.or_else(|| blocked.random_retreat_direction(agent, self.time, self.grid, steering)) {
             *walker =
                 SteeredAgent { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
         }
@@ -370,7 +375,7 @@ impl<V: Space> Decider<'_, V> {
                 .map(|along| grid.density(walker.position, along, &steering.density_places)),
             coming: oncoming(grid, walker.position, walker.desired, walker.distance_left, steering)[0],
         };
-        companion_force((agent, walker), &others[..num], &ahead);
+        companion_force(agent, walker, &others[..num], &ahead);
         num > 0
     }
 
@@ -378,7 +383,8 @@ impl<V: Space> Decider<'_, V> {
     /// cells, and, if the scheme asks for it, which of them it meets first.
     fn look_around(
         &self,
-        (agent, at): (u32, [i32; 3]),
+        agent: u32,
+        at: [i32; 3],
         me: &SteeredAgent<V>,
         state: &AgentState<V>,
         aim: Option<(SchemeRef<'_>, &mut FirstContact<V>)>,

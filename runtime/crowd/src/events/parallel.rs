@@ -107,7 +107,7 @@ impl<V: Space> Engine<V> {
         while let Some((time, _)) = self.queue.first(until_s) {
             done = match self.is_full() {
                 true => Ok(false),
-                false => self.run_window((time, until_s), &mut windows, run).map(|()| true),
+                false => self.run_window(time, until_s, &mut windows, run).map(|()| true),
             };
             if !matches!(done, Ok(true)) {
                 break;
@@ -123,7 +123,8 @@ impl<V: Space> Engine<V> {
     /// Processes all events from a time to the end of a window, which is not after another time.
     fn run_window(
         &mut self,
-        (time, until_s): (f64, f64),
+        time: f64,
+        until_s: f64,
         windows: &mut EventWindows<V>,
         run: &dyn Executor,
     ) -> Result<(), CrowdError> {

@@ -9,6 +9,17 @@ use crate::space::plan::MotionPlan;
 /// Speed that every agent may reach while it yields, whatever its desired speed (m/s).
 const SLOWEST_MPS: f32 = 0.5;
 
+/// The motion that a new plan is wanted to have.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlanAim<V> {
+    /// (m/s^2)
+    pub acceleration: V,
+    /// Largest speed at the end of the plan (m/s).
+    pub fastest: f32,
+    /// Time until the plan ends (s).
+    pub length: f32,
+}
+
 impl<V: Space> Decider<'_, V> {
     /// Finds the plans that a plan of a length has to be compared with.
     pub(super) fn collect_nearby_plans(&self, fresh: &MotionPlan<V>, length: f32, scratch: &mut DecisionScratch<V>) {
@@ -30,16 +41,15 @@ impl<V: Space> Decider<'_, V> {
     pub(super) fn find_safe_plan(
         &self,
         fresh: &MotionPlan<V>,
-        (desired, fastest): (V, f32),
-        length: f32,
+        aim: &PlanAim<V>,
         region: (V, V),
         near: &[u32],
         scratch: &DecisionScratch<V>,
     ) -> Option<MotionPlan<V>> {
         let (shortest, steering) = (self.scenery.interval, &self.scenery.steering);
-        let (mut a, mut length) = (desired, length);
+        let (mut a, mut length) = (aim.acceleration, aim.length);
         for attempt in 0..steering.plan_tries {
-            let candidate = self.candidate(fresh, (a, fastest), length);
+            let candidate = self.candidate(fresh, a, aim.fastest, length);
             if !candidate.stays_within(region.0, region.1) {
                 if length <= shortest {
                     break;
@@ -61,7 +71,7 @@ impl<V: Space> Decider<'_, V> {
         }
         let stop = fresh.velocity * -shortest.recip();
         for share in [0.5, 1.0] {
-            let candidate = self.candidate(fresh, (stop * share, fastest), shortest);
+            let candidate = self.candidate(fresh, stop * share, aim.fastest, shortest);
             let is_safe =
                 candidate.stays_within(region.0, region.1) && self.worst_violation(&candidate, near, scratch).is_none();
             if is_safe {
@@ -79,7 +89,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// A plan within the limits of acceleration and speed.
     #[inline]
-    fn candidate(&self, fresh: &MotionPlan<V>, (a, fastest): (V, f32), length: f32) -> PlanCandidate<V> {
+    fn candidate(&self, fresh: &MotionPlan<V>, a: V, fastest: f32, length: f32) -> PlanCandidate<V> {
         let a = a.at_most(fresh.limit);
         let a = ((fresh.velocity + a * length).at_most(fastest) - fresh.velocity) * length.recip();
         PlanCandidate::new(MotionPlan {

@@ -219,7 +219,7 @@ impl<V: Space> SharedEngine<V> {
                 break;
             }
             self.refresh_grid_until(first, comm)?;
-            self.run_window((first, until_s), comm)?;
+            self.run_window(first, until_s, comm)?;
         }
         self.engine.now = until_s;
         Ok(())
@@ -241,7 +241,7 @@ impl<V: Space> SharedEngine<V> {
     }
 
     /// Processes all events from a time to the end of a window, which is not after another time.
-    fn run_window(&mut self, (time, until_s): (f64, f64), comm: &dyn Comm) -> Result<(), CrowdError> {
+    fn run_window(&mut self, time: f64, until_s: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
         let end = (time + WINDOW * f64::from(self.engine.scenery.interval)).min(until_s);
         let mut items = Vec::new();
         while let Some((time, agent)) = self.engine.queue.first(end) {

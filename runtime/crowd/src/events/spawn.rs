@@ -27,7 +27,7 @@ impl<V: Space> Engine<V> {
         check_agent(id.index(), &agent, self.scenery.paths.len(), self.scenery.fields.len())?;
         agent.route.map_or(Ok(()), |route| self.check_shared(id, route))?;
         self.check_limits(id, &agent)?;
-        let plan = self.standing_plan(index, agent.position, agent.velocity, (agent.radius, agent.acceleration));
+        let plan = self.standing_plan(index, agent.position, agent.velocity, agent.radius, agent.acceleration);
         self.scenery.check_place(id, agent.position)?;
         self.check_clearance(id, &plan)?;
         let route = match agent.route {
@@ -59,7 +59,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// A plan of an agent that appears now, and decides at once.
-    fn standing_plan(&self, index: u32, position: V, velocity: V, (radius, limit): (f32, f32)) -> MotionPlan<V> {
+    fn standing_plan(&self, index: u32, position: V, velocity: V, radius: f32, limit: f32) -> MotionPlan<V> {
         let (acceleration, moving) = (V::default(), f32::INFINITY);
         MotionPlan { start: self.now, end: self.now, position, velocity, acceleration, moving, radius, limit, index }
     }
@@ -153,7 +153,7 @@ impl<V: Space> Engine<V> {
         throng_base::error::check_value("position", Some(id), far, good, "finite and within 1e5 m")?;
         self.scenery.check_place(id, position)?;
         let old = self.cells.plan(id.index);
-        let plan = self.standing_plan(id.index, position, V::default(), (old.radius, old.limit));
+        let plan = self.standing_plan(id.index, position, V::default(), old.radius, old.limit);
         self.check_clearance(id, &plan)?;
         let state = self.states[id.index()];
         let path = &self.scenery.paths[state.route as usize];
@@ -209,9 +209,7 @@ impl<V: Space> Engine<V> {
                 self.check_shared(id, *number)?;
                 *number
             }
-            OrderDestination::ToGoal(goal) => {
-                self.lead_agent_to(id, position, (*goal, order.arrival_m, order.at_end))?
-            }
+            OrderDestination::ToGoal(goal) => self.lead_agent_to(id, position, *goal, order.arrival_m, order.at_end)?,
             OrderDestination::AlongSubgoals(subgoals) => {
                 let subgoals = subgoals.clone();
                 let route = Route { subgoals, arrival_radius: order.arrival_m, at_end: order.at_end };
@@ -328,12 +326,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.
-    fn lead_agent_to(
-        &mut self,
-        id: Id,
-        from: V,
-        (goal, arrival_m, at_end): (V, f32, AtEnd),
-    ) -> Result<usize, CrowdError> {
+    fn lead_agent_to(&mut self, id: Id, from: V, goal: V, arrival_m: f32, at_end: AtEnd) -> Result<usize, CrowdError> {
         let own = self.own_routes[id.index()];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
         RoutePath::check_goal(number, goal, arrival_m)?;

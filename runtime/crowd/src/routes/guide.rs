@@ -14,7 +14,7 @@
 use crate::Space;
 use crate::routes::goals::GoalTable;
 use crate::routes::path::{RouteCursor, RoutePath};
-use crate::routes::streets::{MOST_CORNERS, RouteCorner, Streets};
+use crate::routes::streets::{CornerQuery, MOST_CORNERS, RouteCorner, Streets};
 use crate::steering::config::SteeringConfig;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::far_field::oncoming;
@@ -55,15 +55,15 @@ impl<V: Space> Guide<'_, V> {
         let goal = goal.to_world();
         let mut corners = [None; MOST_CORNERS];
         let longer = self.steering.detour_m;
-        let me = (from.xz(), radius, longer);
-        let mut num = streets.corners_ahead(me, (goal.xz(), costs, false), &mut corners);
+        let query = CornerQuery { from: from.xz(), radius, goal: goal.xz(), costs, longer, through: false };
+        let mut num = streets.corners_ahead(&query, &mut corners);
         // Where all paths lead through closed doors, the agent waits before one.
         let through = num == 0 && !sees_it;
         if through {
             if streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), true) {
                 return;
             }
-            num = streets.corners_ahead(me, (goal.xz(), costs, true), &mut corners);
+            num = streets.corners_ahead(&CornerQuery { through: true, ..query }, &mut corners);
         }
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
         let coming = oncoming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
@@ -119,8 +119,9 @@ impl<V: Space> Guide<'_, V> {
         let (goal, _) = path.subgoal(cursor.leg);
         let from = x.to_world().xz();
         let mut corners = [None; MOST_CORNERS];
-        let ways = ((from, radius, self.steering.corner_m), (goal.to_world().xz(), costs, false));
-        let num = streets.corners_ahead(ways.0, ways.1, &mut corners);
+        let longer = self.steering.corner_m;
+        let query = CornerQuery { from, radius, goal: goal.to_world().xz(), costs, longer, through: false };
+        let num = streets.corners_ahead(&query, &mut corners);
         let widest = 2.0 * radius * self.steering.gate_diameters;
         let is_gate = |c: &&RouteCorner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
         let corner = corners[..num].iter().flatten().find(is_gate)?;

@@ -72,14 +72,14 @@ impl<V: Space> Bound<V> {
         let growth = self.limit + other.limit;
         let rate = self.limit * age + other.limit * other_age;
         let radii = self.radius + other.radius + 0.5 * (self.limit * age * age + other.limit * other_age * other_age);
-        first_approach((apart, velocity), (radii, rate, growth), within)
+        first_approach(apart, velocity, radii, rate, growth, within)
     }
 
     /// First contact of two bounds that are both made now, see [`Bound::first_contact`]: the other one is `offset`
     /// away, has a velocity and, together with this one, radii and growth.
     #[inline]
     pub fn first_meeting(&self, offset: V, velocity: V, radii: f32, growth: f32, within: f32) -> f32 {
-        first_approach((offset, velocity - self.velocity), (radii, 0.0, growth), within)
+        first_approach(offset, velocity - self.velocity, radii, 0.0, growth, within)
     }
 
     /// Time at which a bound touches a static solid, see [`Bound::first_contact`].
@@ -113,7 +113,7 @@ impl<V: Space> Bound<V> {
 /// First contact of two bounds that are apart, and move straight relative to each other; the sum of their radii grows at
 /// a rate, and that by `growth`.
 #[inline]
-fn first_approach<V: Space>((apart, velocity): (V, V), (radii, rate, growth): (f32, f32, f32), within: f32) -> f32 {
+fn first_approach<V: Space>(apart: V, velocity: V, radii: f32, rate: f32, growth: f32, within: f32) -> f32 {
     first_zero(within, growth, |dt| {
         let (toward, distance) = (apart + velocity * dt).unit_and_length();
         let radius = radii + (rate + 0.5 * growth * dt) * dt;

@@ -45,7 +45,7 @@ impl<'a, V: Space> PlanReach<'a, V> {
 ///
 /// - `stopping`: half the time in which it stops from the largest speed that it can have at the end (s).
 #[inline(always)]
-fn extent<F: Lanes>(part: F, (limit, stopping): (F, F), time: F) -> F {
+fn extent<F: Lanes>(part: F, limit: F, stopping: F, time: F) -> F {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let gain = limit * time;
     (part.max(zero) + half * gain) * time + (part + gain).max(zero) * stopping
@@ -65,13 +65,14 @@ impl<V: Space> LaneWork for FindReachableJob<'_, V> {
     fn run<F: Lanes>(self) {
         let &PlanReach { cells, fastest, fresh, length, .. } = self.reach;
         let last = (fresh.velocity.length() + fresh.limit * length).min(fastest);
-        let mine = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
+        let (own_limit, own_stopping) = (F::splat(fresh.limit), F::splat(0.5 * last / fresh.limit));
         let (length, half_fastest) = (F::splat(length), F::splat(0.5 * fastest));
         for row in self.rows {
             let limit = F::load(&row.limit);
-            let its = extent(-F::load(&row.away), (limit, half_fastest / limit), F::load(&row.until_end));
+            let its = extent(-F::load(&row.away), limit, half_fastest / limit, F::load(&row.until_end));
             let room = F::load(&row.gap) - F::splat(ROOM) - its;
-            for i in set_bits(row.present & room.bits_lt(extent(F::load(&row.toward), mine, length))) {
+            let own = extent(F::load(&row.toward), own_limit, own_stopping, length);
+            for i in set_bits(row.present & room.bits_lt(own)) {
                 self.others.push(&cells.plan(row.agents[i]));
             }
         }
@@ -161,7 +162,7 @@ mod tests {
                 let part = velocity.dot(direction);
                 let s = ArrayLanes::splat;
                 let last = (velocity.length() + limit * length).min(FASTEST);
-                let most = extent(s(part), (s(limit), s(0.5 * last / limit)), s(length)).to_array()[0];
+                let most = extent(s(part), s(limit), s(0.5 * last / limit), s(length)).to_array()[0];
                 for i in 0..=50 {
                     let (from, to) = plan.stop_region(length * i as f32 / 50.0);
                     prop_assert!(from.dot(direction).max(to.dot(direction)) <= most + 1e-5, "{from} {to} {direction}: {most}");

@@ -65,7 +65,8 @@ pub(crate) struct GroupAhead<'a, V> {
 
 /// Steers an agent to its place in its group.
 pub(crate) fn companion_force<V: Space>(
-    (index, me): (u32, &mut SteeredAgent<V>),
+    index: u32,
+    me: &mut SteeredAgent<V>,
     others: &[Companion<V>],
     ahead: &GroupAhead<'_, V>,
 ) {
@@ -88,7 +89,7 @@ pub(crate) fn companion_force<V: Space>(
     let middle = all.iter().fold(V::default(), |sum, c| sum + c.offset) * (num as f32).recip();
     let (beside, behind) = (2.0 * me.radius + BESIDE_M, 2.0 * me.radius + BEHIND_M);
     let needs = beside * (num - 1) as f32;
-    let width = free_width(me.position + middle, (along, right), ahead);
+    let width = free_width(me.position + middle, along, right, ahead);
     let narrow = ((needs + 2.0 * me.radius + 0.2 - width) / (0.5 * needs)).clamp(0.0, 1.0);
     let share = |of: f32, [from, to]: [f32; 2]| ((of - from) / (to - from)).clamp(0.0, 1.0);
     let file = narrow.max(share(ahead.coming, COMING)).max(share(ahead.density[0], FILES_AT));
@@ -119,7 +120,7 @@ pub(crate) fn companion_force<V: Space>(
 }
 
 /// Width of the path at the narrowest of some places ahead (m).
-fn free_width<V: Space>(middle: V, (along, right): (V, V), ahead: &GroupAhead<'_, V>) -> f32 {
+fn free_width<V: Space>(middle: V, along: V, right: V, ahead: &GroupAhead<'_, V>) -> f32 {
     let mut narrowest = f32::INFINITY;
     for far in LOOKS_AT_M {
         let at = middle + along * far;

@@ -65,9 +65,8 @@ pub(crate) fn sum_forces<V: Space>(
     }
     let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
-    let between = looks_out
-        .then(|| between_walls(solids, walls, (me.position, me.radius), me.desired.right(), steering))
-        .flatten();
+    let between =
+        looks_out.then(|| between_walls(solids, walls, me.position, me.radius, me.desired.right(), steering)).flatten();
     let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
     let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
     let lean = FarFieldBias { coming, to_the_right, evades };
@@ -94,7 +93,7 @@ pub(crate) fn sum_forces<V: Space>(
     for other in seen {
         if other.distance - other.radii < far && other.distance > 0.0 {
             add_neighbour_forces(&mut f, me, field, other);
-            speed = speed.min(following_speed(heading, (headway, field.headway_s), steering.front_width, other));
+            speed = speed.min(following_speed(heading, headway, field.headway_s, steering.front_width, other));
         }
         if !other.yields {
             escape += dodge_mover(me, field, other);
@@ -145,7 +144,7 @@ fn share_of_speed(density: f32) -> f32 {
 /// Largest speed along a heading behind another agent: with time to brake when that one does, and a distance left when both
 /// stand. So a dense group keeps gaps for others to pass, and those behind do not press.
 #[inline]
-fn following_speed<V: Space>(heading: V, (room, time): (f32, f32), front_width: f32, other: &SeenNeighbour<V>) -> f32 {
+fn following_speed<V: Space>(heading: V, room: f32, time: f32, front_width: f32, other: &SeenNeighbour<V>) -> f32 {
     let along = other.offset.dot(heading);
     let beside = other.distance * other.distance - along * along;
     let wide = other.radii * front_width;

@@ -37,7 +37,8 @@ pub(crate) fn is_wall_within<V: Space>(solid: &ConvexSolid<V>, steering: &Steeri
 pub(crate) fn between_walls<V: Space>(
     solids: &[ConvexSolid<V>],
     walls: &[u32],
-    (position, radius): (V, f32),
+    position: V,
+    radius: f32,
     right: V,
     steering: &SteeringConfig,
 ) -> Option<WallGap> {
@@ -91,7 +92,7 @@ mod tests {
         let right = Vec2::X.right();
         let both = [wall(2.0 * right.y), wall(-2.0 * right.y)];
         let at = |to_the_right: f32, ahead: Vec2, walls: &[u32]| {
-            between_walls(&both, walls, (right * to_the_right + Vec2::X, 0.0), ahead.right(), &steering)
+            between_walls(&both, walls, right * to_the_right + Vec2::X, 0.0, ahead.right(), &steering)
         };
         let place = |p, at_hand| Some(WallGap { place: p, at_hand });
         assert_eq!(at(0.0, Vec2::X, &[0, 1]), place(0.0, false));
@@ -101,19 +102,14 @@ mod tests {
         assert_eq!((at(1.0, Vec2::Y, &[0, 1]), at(1.0, Vec2::X, &[])), (None, None), "no wall is beside it");
         assert_eq!(at(30.0, Vec2::X, &[0, 1]), None, "they are far away");
         let side = |to_the_right: f32, radius: f32| {
-            between_walls(&both, &[0, 1], (right * to_the_right, radius), right, &steering)
-                .map_or(f32::NAN, |b| b.place)
+            between_walls(&both, &[0, 1], right * to_the_right, radius, right, &steering).map_or(f32::NAN, |b| b.place)
         };
         assert!(side(0.2, 0.3) < 0.0 && side(0.4, 0.3) > 0.0, "a part of it is in the left half, or none");
         assert!(side(0.2, 1.1) > 0.0, "two have no room there");
         let post = ConvexSolid::Ball { centre: right * 3.0, radius: 0.1 };
-        assert_eq!(between_walls(&[post], &[0], (Vec2::ZERO, 0.0), right, &steering), None, "a post is no wall");
+        assert_eq!(between_walls(&[post], &[0], Vec2::ZERO, 0.0, right, &steering), None, "a post is no wall");
         let below = ConvexSolid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
-        assert_eq!(
-            between_walls(&[below], &[0], (Vec3::ZERO, 0.0), Vec3::Y, &steering),
-            None,
-            "birds go above or below"
-        );
+        assert_eq!(between_walls(&[below], &[0], Vec3::ZERO, 0.0, Vec3::Y, &steering), None, "birds go above or below");
     }
 
     #[test]

@@ -152,7 +152,7 @@ impl<V: Space> RelationshipTable<V> {
     /// The acceleration by the interests of an agent.
     ///
     /// - `place`: where another agent is, as long as it is in the crowd.
-    pub fn interest_acceleration(&self, (agent, position): (u32, V), place: impl Fn(Id) -> Option<V>) -> V {
+    pub fn interest_acceleration(&self, agent: u32, position: V, place: impl Fn(Id) -> Option<V>) -> V {
         let mut pull = V::default();
         for interest in self.relationships_of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
             let at = match interest.at {

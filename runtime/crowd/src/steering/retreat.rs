@@ -43,7 +43,8 @@ impl<V: Space> Gate<V> {
     /// then the other one.
     pub fn retreat_direction(
         &self,
-        (position, radius): (V, f32),
+        position: V,
+        radius: f32,
         time: f64,
         grid: &DensityGrid<V>,
         steering: &SteeringConfig,
@@ -98,7 +99,8 @@ impl<V: Space> BlockedAgent<V> {
     /// jam comes loose.
     pub fn random_retreat_direction(
         &self,
-        (agent, time): (u32, f64),
+        agent: u32,
+        time: f64,
         grid: &DensityGrid<V>,
         steering: &SteeringConfig,
     ) -> Option<V> {
@@ -169,7 +171,7 @@ mod tests {
         let (at, turn_s) = (Vec2::new(0.6, 0.6), steering.gate_turn_s);
         let gate = |along| Gate { at, along };
         let back = |along: Vec2, far: f32, time: f64, grid: &DensityGrid<Vec2>| {
-            gate(along).retreat_direction((at - along * far, 0.3), time, grid, &steering)
+            gate(along).retreat_direction(at - along * far, 0.3, time, grid, &steering)
         };
         grid.add(at - Vec2::X, Vec2::ZERO, Vec2::X);
         for time in [0.0, turn_s] {
@@ -191,9 +193,9 @@ mod tests {
         let waits = |waited| BlockedAgent { waited, ..blocked(Vec2::ZERO, Vec2::X) };
         let mut grid = DensityGrid::new(1.2, Vec2::splat(60.0), 100);
         let alone = waits(10.0);
-        assert!((0..1000).all(|agent| alone.random_retreat_direction((agent, 1.0), &grid, &steering).is_none()));
+        assert!((0..1000).all(|agent| alone.random_retreat_direction(agent, 1.0, &grid, &steering).is_none()));
         (0..4).for_each(|_| grid.add(Vec2::ZERO, Vec2::ZERO, Vec2::X));
-        let back = |agent, time, waited| waits(waited).random_retreat_direction((agent, time), &grid, &steering);
+        let back = |agent, time, waited| waits(waited).random_retreat_direction(agent, time, &grid, &steering);
         let ways: Vec<Vec2> = (0..1000).filter_map(|agent| back(agent, 1.0, 10.0)).collect();
         assert!((ways.len() as f32 - 1000.0 * steering.jam_share).abs() < 50.0, "{}", ways.len());
         let to_the_right = ways.iter().filter(|w| w.dot(Vec2::X.right()) > 0.0).count();

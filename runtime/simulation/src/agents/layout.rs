@@ -172,7 +172,7 @@ impl<V: Space> CrowdLayout<V> {
         let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
         let (subgoals, at_end) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> = self.map.random_points(start, (from, to, *num), rng);
+                let mut all: Vec<V> = self.map.random_points(start, from, to, *num, rng);
                 all.push(start);
                 (all, AtEndConfig::Again)
             }
@@ -204,7 +204,8 @@ impl<V: Space> CrowdLayout<V> {
         m: usize,
         from: V,
         goal: &GoalConfig,
-        (arrival_radius, at_end): (f32, AtEndConfig),
+        arrival_radius: f32,
+        at_end: AtEndConfig,
     ) -> Result<Route<V>> {
         let to = goal_position(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
         let way = self.path_through(m, from, &[to])?;

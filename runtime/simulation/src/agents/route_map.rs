@@ -85,7 +85,9 @@ impl RouteMap {
     pub fn random_points<V: Space>(
         &self,
         start: V,
-        (from, to, num): (&[f32], &[f32], usize),
+        from: &[f32],
+        to: &[f32],
+        num: usize,
         rng: &mut Pcg64Mcg,
     ) -> Vec<V> {
         const TRIES: usize = 200;

@@ -192,8 +192,8 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         let Some(from) = self.current_position(agent) else { return Ok(()) };
         let scene = self.layout.scene();
         let h = &scene.happenings[usize::from(happening)];
-        let (goal, how, speed): (GoalConfig, _, _) = (h.goal.clone(), (h.arrival_m, h.at_end), h.speed_mps);
-        let route = self.layout.new_path(m, from, &goal, how)?;
+        let (goal, speed): (GoalConfig, _) = (h.goal.clone(), h.speed_mps);
+        let route = self.layout.new_path(m, from, &goal, h.arrival_m, h.at_end)?;
         let Route { subgoals, arrival_radius, at_end } = route.map(V::to_world);
         self.ordered_happenings[m] = Some(happening);
         if let Some(speed) = speed {
@@ -245,7 +245,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         side: u32,
     ) -> std::result::Result<(Vec3, f32), StanceError> {
         let from = self.position(agent).unwrap_or_default();
-        self.things.stance(self.agent_ref(agent), motion, handling, (from, side))
+        self.things.stance(self.agent_ref(agent), motion, handling, from, side)
     }
 
     fn begin_handling(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {

@@ -305,7 +305,8 @@ impl Things {
         who: AgentRef,
         motion: Option<u16>,
         handling: Handling,
-        (from, side): (Vec3, u32),
+        from: Vec3,
+        side: u32,
     ) -> Result<(Vec3, f32), StanceError> {
         let (grasp, stand_m) = self.choose_grasp(who, motion, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
@@ -351,7 +352,7 @@ impl Things {
             thing.handling = None;
             if is_done && grasp.activity.is_none() && thing.waits_for(agent, &handling) {
                 let off_m = thing.at.distance(handling.at);
-                thing.change_hands(agent, &handling, (grasp.side, off_m), &mut self.counts);
+                thing.change_hands(agent, &handling, grasp.side, off_m, &mut self.counts);
             }
         }
         thing.keeper == Some(agent)
@@ -441,7 +442,7 @@ impl Things {
                 if is_due && thing.waits_for(agent, &handling) {
                     let off_m = hand_of(agent, grasp.side).map_or(0.0, |hand| hand.palm.distance(handling.at));
                     match grasp.activity.is_none() || off_m <= GRASP_TOLERANCE_M {
-                        true => thing.change_hands(agent, &handling, (grasp.side, off_m), handled),
+                        true => thing.change_hands(agent, &handling, grasp.side, off_m, handled),
                         false => thing.is_missed = true,
                     }
                 }
@@ -521,13 +522,7 @@ impl ThingState {
     /// Closes a hand around the thing, or opens it.
     ///
     /// - `off_m`: distance of the palm from the place of the thing (m).
-    fn change_hands(
-        &mut self,
-        agent: u32,
-        handling: &Handling,
-        (side, off_m): (u8, f32),
-        handled: &mut HandlingCounts,
-    ) {
+    fn change_hands(&mut self, agent: u32, handling: &Handling, side: u8, off_m: f32, handled: &mut HandlingCounts) {
         handled.count_grasp(handling.puts, off_m);
         if handling.puts {
             // The hand is wholly at the place.

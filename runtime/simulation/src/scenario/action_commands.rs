@@ -207,7 +207,7 @@ impl AgentBrains {
             (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
         }
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
-            return self.use_hands(stage, agent, (claims, motion), &said);
+            return self.use_hands(stage, agent, claims, motion, &said);
         }
         if let ActionClaim::Queue(into) = claims {
             let held = self.scenario.slots.get(mind.slot as usize).map(|slot| slot.place);

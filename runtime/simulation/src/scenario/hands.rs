@@ -93,7 +93,8 @@ impl AgentBrains {
         &mut self,
         stage: &mut impl ScenarioStage,
         agent: u32,
-        (claims, motion): (ActionClaim, Option<u16>),
+        claims: ActionClaim,
+        motion: Option<u16>,
         said: &ActionArguments,
     ) -> Result<bool> {
         let (ActionClaim::Take(thing) | ActionClaim::Put(thing)) = claims else { return Ok(false) };

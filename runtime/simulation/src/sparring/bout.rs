@@ -203,7 +203,7 @@ impl Sparring {
                 if let Some(dt_s) = dt_s {
                     let first = 2 * (part * PART + i);
                     let poses = [0, 1].map(|k| WorldPose::new(&model[k * NUM_JOINTS..], roots[k]));
-                    touch.solve_displacements(body, limbs, (&poses, [first, first + 1].map(&contacts)), config, dt_s);
+                    touch.solve_displacements(body, limbs, &poses, [first, first + 1].map(&contacts), config, dt_s);
                 }
                 for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
                     touch.apply_to_pose(k, roots[k], model, locals.next().unwrap_or_default());

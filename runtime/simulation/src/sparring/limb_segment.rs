@@ -184,7 +184,8 @@ pub(super) fn solve_two_bones(
     shoulder: Vec3,
     [elbow, wrist]: [Vec3; 2],
     shape: &LimbShape,
-    (out, soft): (Vec3, f32),
+    out: Vec3,
+    soft: f32,
 ) -> [Vec3; 2] {
     let [l1, l2] = shape.lengths;
     let way = wrist - shoulder;

@@ -100,14 +100,14 @@ impl LimbOffset {
     fn keep_lengths(&mut self, shape: &LimbShape, before: f32, most: f32, out: Vec3) {
         let [shoulder, elbow, wrist] = self.displaced_positions();
         let soft = self.bend_share();
-        let mut ends = solve_two_bones(shoulder, [elbow, wrist], shape, (out, soft));
+        let mut ends = solve_two_bones(shoulder, [elbow, wrist], shape, out, soft);
         let angle = elbow_angle([shoulder, ends[0], ends[1]]);
         let slow = angle.clamp(before - most, before + most);
         if slow != angle {
             let [l1, l2] = shape.lengths;
             let distance = (l1 * l1 + l2 * l2 - 2.0 * l1 * l2 * maths::cos(slow)).max(0.0).sqrt();
             let wrist = shoulder + (ends[1] - shoulder).normalize_or_zero() * distance;
-            ends = solve_two_bones(shoulder, [ends[0], wrist], shape, (out, soft));
+            ends = solve_two_bones(shoulder, [ends[0], wrist], shape, out, soft);
         }
         self.off = [ends[0] - self.was[1], ends[1] - self.was[2]];
     }
@@ -160,12 +160,13 @@ impl LimbTouch {
 
     /// Computes the displacements of all limbs in a step.
     ///
-    /// - `poses`: poses of the motion, with the planted parts of their feet.
+    /// - `poses`: poses of the motion; `contacts`: planted parts of their feet.
     pub fn solve_displacements(
         &mut self,
         body: &SparringBody,
         shapes: &[LimbShape; NUM_LIMBS],
-        (poses, contacts): (&[WorldPose<'_>; 2], [Contacts; 2]),
+        poses: &[WorldPose<'_>; 2],
+        contacts: [Contacts; 2],
         config: &TouchConfig,
         dt_s: f32,
     ) {
@@ -265,7 +266,7 @@ impl LimbTouch {
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
                 if limb.is_displaced() {
                     // A fading displacement does not keep the lengths of bones: the elbow has to be found again.
-                    ends = solve_two_bones(b[0], ends, &shapes[l], (out[k][l], limb.bend_share()));
+                    ends = solve_two_bones(b[0], ends, &shapes[l], out[k][l], limb.bend_share());
                 }
                 let foot = if l < LEGS { Vec3::ZERO } else { scene.toes[k][l - LEGS] - now[k][l][2] };
                 LimbSegment { ends, foot, freedom: ways[k][l], moved: false }
@@ -275,7 +276,7 @@ impl LimbTouch {
         let mut near = [[NearObstacles::default(); NUM_LIMBS]; 2];
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
-            near[k][l] = NearObstacles::find_near(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
+            near[k][l] = NearObstacles::find_near(&rods[k][l], base[k][l][0], &shapes[l], &obstacles[k ^ 1], first);
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
         let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
@@ -309,7 +310,7 @@ impl LimbTouch {
             }
             for k in 0..2 {
                 for (l, rod) in rods[k].iter_mut().enumerate().filter(|(_, rod)| rod.moved) {
-                    rod.ends = solve_two_bones(base[k][l][0], rod.ends, &shapes[l], (out[k][l], 1.0));
+                    rod.ends = solve_two_bones(base[k][l][0], rod.ends, &shapes[l], out[k][l], 1.0);
                 }
             }
         }
@@ -420,7 +421,8 @@ impl NearObstacles {
         rod: &LimbSegment,
         root: Vec3,
         shape: &LimbShape,
-        (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize),
+        obstacles: &[Capsule; NUM_OBSTACLES],
+        first: usize,
     ) -> Self {
         let fore = rod.bounding_ball(shape);
         let upper = BoundingBall::around_segment([root, rod.ends[0]], shape.upper_radius);

@@ -4,7 +4,6 @@ use super::super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::super::blow::PassedHits;
 use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
-use super::super::step::RANGE_BLOCKS;
 use super::super::transition::{self, SegmentChange};
 use super::super::{ActionChoice, CharactersConfig, PolicyOrder, pace};
 use super::path::{self, SegmentPlan};
@@ -12,6 +11,7 @@ use super::steer::{self, NUM_DIRECTIONS, SteeringQuery};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::planar::Planar;
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
+use crate::pose::RANGE_LEN;
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use throng_base::maths;
@@ -44,7 +44,8 @@ pub(crate) struct ChoiceInputs<'a> {
 /// Lets every character that has reached the end of its segment choose, one after the other in the order of time.
 pub(crate) fn choose_avoiding(
     avoiding: &mut PathAvoidance,
-    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
+    blocks: &mut [MotionBlock],
+    bodies: &mut [BodyBlock],
     passed: &mut [PassedHits],
     step: &ChoiceInputs<'_>,
 ) {
@@ -59,7 +60,7 @@ pub(crate) fn choose_avoiding(
         push_due(avoiding, b, at);
     }
     while let Some((ago, Reverse(at))) = avoiding.due.pop() {
-        choose_one(avoiding, (blocks, bodies), passed, step, at as usize, f32::from_bits(ago));
+        choose_one(avoiding, blocks, bodies, passed, step, at as usize, f32::from_bits(ago));
         push_due(avoiding, &blocks[at as usize / LANES], at as usize);
     }
 }
@@ -81,7 +82,8 @@ fn push_due(avoiding: &mut PathAvoidance, b: &MotionBlock, at: usize) {
 /// Makes one choice.
 fn choose_one(
     avoiding: &mut PathAvoidance,
-    (blocks, bodies): (&mut [MotionBlock], &mut [BodyBlock]),
+    blocks: &mut [MotionBlock],
+    bodies: &mut [BodyBlock],
     passed: &mut [PassedHits],
     step: &ChoiceInputs<'_>,
     at: usize,
@@ -129,7 +131,7 @@ fn choose_one(
             plan
         }
     };
-    let range = &mut passed[at / (RANGE_BLOCKS * LANES)];
+    let range = &mut passed[at / RANGE_LEN];
     let begin = control::SegmentBegin { at, state, root, plan, left: ago };
     let change = control::begin_segment(b, &begin, range, motion_set);
     avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));

@@ -48,7 +48,8 @@ pub(crate) fn range<V: Space>(side: f32, plan: &MotionPlan<V>) -> ([i32; 3], [i3
 pub(crate) fn next_crossing<V: Space>(
     side: f32,
     plan: &MotionPlan<V>,
-    (low, high): ([i32; 3], [i32; 3]),
+    low: [i32; 3],
+    high: [i32; 3],
     from: f32,
 ) -> Crossing {
     let (x, v) = (plan.position.coordinates(), plan.velocity.coordinates());

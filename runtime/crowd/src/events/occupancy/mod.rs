@@ -155,7 +155,7 @@ impl Occupancy {
             each_cell(low, high, |at| self.link(cells, plan.index, at));
         }
         (o.is_listed, o.low, o.high) = (true, low, high);
-        o.crossing = next_crossing(cells.side(), plan, (o.low, o.high), 0.0);
+        o.crossing = next_crossing(cells.side(), plan, o.low, o.high, 0.0);
         o.meeting = (f64::INFINITY, Cause::Region);
         self.occupants[plan.index as usize] = o;
     }
@@ -186,7 +186,7 @@ impl Occupancy {
             each_cell(low, high, |at| self.unlink(cells, plan.index, at));
             if is_upper { o.high[axis] -= 1 } else { o.low[axis] += 1 }
         }
-        o.crossing = next_crossing(cells.side(), plan, (o.low, o.high), after);
+        o.crossing = next_crossing(cells.side(), plan, o.low, o.high, after);
         self.occupants[plan.index as usize] = o;
         enters.then_some((low, high))
     }

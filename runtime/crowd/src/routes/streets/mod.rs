@@ -17,6 +17,7 @@ use crate::routes::outline::ObstacleOutline;
 use crate::{AtEnd, NONE, Obstacle, Route};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use near::EdgeGrid;
+pub(crate) use search::CornerQuery;
 pub(crate) use search::OpenPoint;
 use search::path_length;
 use serde::Serialize;

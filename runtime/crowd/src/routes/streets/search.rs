@@ -49,6 +49,23 @@ impl PartialEq for OpenPoint {
 
 impl Eq for OpenPoint {}
 
+/// A search for the corners past which an agent may go to a goal.
+#[derive(Clone, Copy)]
+pub(crate) struct CornerQuery<'a> {
+    /// Where the agent is (m).
+    pub from: Vec2,
+    /// Its radius (m).
+    pub radius: f32,
+    /// (m)
+    pub goal: Vec2,
+    /// Costs of the ways to the goal.
+    pub costs: &'a GoalCosts,
+    /// Detour compared with the best corner up to which one is taken (m).
+    pub longer: f32,
+    /// Closed doors are passed, as none leads round them; otherwise they are walls.
+    pub through: bool,
+}
+
 impl Streets {
     pub(super) fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoPath> {
         let [at_start, at_goal] = self.check_ends(from, to)?;
@@ -104,15 +121,13 @@ impl Streets {
     }
 
     /// The corners by which shortest paths lead from a place to a goal, the best first, one point of each corner; those that
-    /// are more than `longer` longer than the best are left out. Returns their number; none where nothing leads there.
-    ///
-    /// - `through`: closed doors are passed, as none leads round them; otherwise they are walls.
+    /// are much longer than the best are left out. Returns their number; none where nothing leads there.
     pub(crate) fn corners_ahead(
         &self,
-        (from, radius, longer): (Vec2, f32, f32),
-        (goal, costs, through): (Vec2, &GoalCosts, bool),
+        query: &CornerQuery<'_>,
         out: &mut [Option<RouteCorner>; MOST_CORNERS],
     ) -> usize {
+        let CornerQuery { from, radius, goal, costs, longer, through } = *query;
         let mut num = 0;
         let mut most = f32::INFINITY;
         // Points in the order of their paths, equal ones in that of their numbers.

@@ -52,13 +52,7 @@ fn step_on(
     config: &TouchConfig,
 ) -> [[Mat3x4; NUM_JOINTS]; 2] {
     let (body, arms) = shapes();
-    touch.solve_displacements(
-        &body,
-        &arms,
-        (&[0, 1].map(|k| WorldPose::new(poses[k], roots[k])), contacts),
-        config,
-        DT,
-    );
+    touch.solve_displacements(&body, &arms, &[0, 1].map(|k| WorldPose::new(poses[k], roots[k])), contacts, config, DT);
     [0, 1].map(|k| {
         let mut pose = *poses[k];
         touch.apply_to_pose(k, roots[k], &mut pose, &mut []);
@@ -388,7 +382,8 @@ fn local_transforms_build_the_displaced_pose() {
     touch.solve_displacements(
         &body,
         &arms,
-        (&roots.map(|root| WorldPose::new(&rest, root)), [BOTH; 2]),
+        &roots.map(|root| WorldPose::new(&rest, root)),
+        [BOTH; 2],
         &config().touch,
         DT,
     );
@@ -415,7 +410,8 @@ fn rotations_of_displaced_arms_lead_to_where_the_joints_are() {
         touch.solve_displacements(
             &body,
             &arms,
-            (&roots.map(|root| WorldPose::new(&rest, root)), [BOTH; 2]),
+            &roots.map(|root| WorldPose::new(&rest, root)),
+            [BOTH; 2],
             &config().touch,
             DT,
         );
@@ -445,7 +441,8 @@ fn arms_without_length_do_no_harm() {
             touch.solve_displacements(
                 &body,
                 &arms,
-                (&roots.map(|root| WorldPose::new(&pose, root)), [BOTH; 2]),
+                &roots.map(|root| WorldPose::new(&pose, root)),
+                [BOTH; 2],
                 &config().touch,
                 DT,
             );
