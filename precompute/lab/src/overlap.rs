@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
+use throng_geometry::nearest_points;
 use throng_runtime::skeleton::Skeleton;
-use throng_runtime::sparring::nearest_points;
 use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
 use throng_runtime::{Joint, Planar, PosedBody};
 

@@ -4,7 +4,8 @@ use super::camera::PictureCamera;
 use super::colour::Colour;
 use super::solid::{RoundCone, SurfaceHit};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{self, BoundingBox, UnitGeometry};
+use throng_bake::environment::{self, UnitGeometry};
+use throng_geometry::BoundingBox;
 use throng_runtime::patch::Placement;
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.

@@ -36,7 +36,7 @@
 use crate::Space;
 use crate::space::plan::{MotionPlan, stopping_point};
 use crate::space::solid::ConvexSolid;
-use throng_base::ground::{Bounds2d, Capsule2d};
+use throng_geometry::{Bounds2d, Capsule2d};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).
 pub(crate) const MARGIN: f32 = 1e-4;

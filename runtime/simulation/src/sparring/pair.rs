@@ -2,11 +2,11 @@
 
 use super::body::{SparringBody, WorldPose};
 use super::config::SeparationConfig;
-use super::distance::overlap_depth;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::contacts::Contacts;
+use throng_geometry::overlap_depth;
 
 /// Time constant of the speed of separation (s).
 const ADAPT_S: f32 = 0.15;

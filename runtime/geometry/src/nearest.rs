@@ -1,12 +1,12 @@
-//! Distances between segments, on which all tests of capsules are based.
+//! Nearest points of segments, in `f32`.
 
-use super::body::Capsule;
 use glam::Vec3;
 
 /// Nearest points of two segments, on the first and on the second (m).
 ///
 /// # Source
 /// Ericson, *Real-Time Collision Detection*, 2005, section 5.1.9.
+#[inline]
 pub fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
     let (d1, d2, r) = (q1 - p1, q2 - p2, p1 - p2);
     let (a, e, f) = (d1.length_squared().max(1e-12), d2.length_squared().max(1e-12), d2.dot(r));
@@ -17,12 +17,6 @@ pub fn nearest_points([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [Vec3; 2] {
     let clamped = t.clamp(0.0, 1.0);
     let s = if t == clamped { s } else { ((b * clamped - c) / a).clamp(0.0, 1.0) };
     [p1 + d1 * s, p2 + d2 * clamped]
-}
-
-/// Overlap depth of two capsules; negative where they are apart (m).
-pub(crate) fn overlap_depth(a: &Capsule, b: &Capsule) -> f32 {
-    let [p, q] = nearest_points(a.ends, b.ends);
-    a.radius + b.radius - (p - q).length()
 }
 
 #[cfg(test)]
@@ -71,7 +65,5 @@ mod tests {
         let b = [Vec3::new(0.5, 0.3, 0.0), Vec3::new(4.0, 0.3, 0.0)];
         let [p, q] = nearest_points(a, b);
         assert!((p.distance(q) - 0.3).abs() < 1e-6, "{p} {q}");
-        let capsules = [a, b].map(|ends| Capsule { ends, radius: 0.2 });
-        assert!((overlap_depth(&capsules[0], &capsules[1]) - 0.1).abs() < 1e-6);
     }
 }

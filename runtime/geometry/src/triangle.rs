@@ -1,6 +1,6 @@
 //! Distance between a segment and a triangle.
 
-use super::segment::Segment;
+use crate::segment::Segment;
 use glam::DVec3;
 
 /// Squared distance between a segment and a triangle, which may be a line or a point (m^2).
@@ -37,6 +37,7 @@ pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
 ///
 /// - `over`: one over the square of the segment's length; 0 for a point.
 /// - `square_limit`: (m^2)
+#[inline]
 pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit: f64) -> bool {
     let along = s.b - s.a;
     let middle = (a + b + c) * (1.0 / 3.0);
@@ -49,8 +50,8 @@ pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit:
 
 #[cfg(test)]
 mod tests {
-    use super::super::segment::tests::{least, points};
     use super::*;
+    use crate::segment::tests::{least, points};
     use proptest::prelude::*;
 
     proptest! {

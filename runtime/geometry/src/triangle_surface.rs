@@ -1,17 +1,18 @@
-//! Triangles with a tree over them.
+//! Surfaces of triangles with a tree over them.
 
-use super::bounds::{BoundingBox, BoundsTree};
-use super::solid::{SurfacePoint, distance_outside};
+use crate::bounds::{BoundingBox, BoundsTree};
+use crate::surface::{SurfacePoint, distance_outside};
 use glam::Vec3;
 
-/// A surface of triangles, without an inside.
+/// A surface of triangles, without an inside, that is searched from points; [`TriangleMesh`](crate::TriangleMesh) is searched
+/// from segments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Triangles {
+pub struct TriangleSurface {
     corners: Vec<[Vec3; 3]>,
     tree: BoundsTree,
 }
 
-impl Triangles {
+impl TriangleSurface {
     /// Surface of triangles; those without an area are kept as segments or points.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
         let bounds: Vec<BoundingBox> = corners.iter().map(|t| BoundingBox::around_points(*t)).collect();
@@ -114,7 +115,7 @@ mod tests {
         fn distance_is_that_to_densely_sampled_triangles(
             corners in prop::collection::vec([vector(), vector(), vector()], 1..12), p in vector()
         ) {
-            let surface = Triangles::new(corners.clone());
+            let surface = TriangleSurface::new(corners.clone());
             let n = 60;
             let mut sampled = f32::INFINITY;
             for [a, b, c] in &corners {
