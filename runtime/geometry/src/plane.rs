@@ -1,5 +1,6 @@
 //! Boxes, capsules and segments in the plane, which is mostly the ground.
 
+use crate::nearest::distance_to_segment;
 use glam::Vec2;
 
 /// A box along the axes.
@@ -80,14 +81,40 @@ pub fn segment_distance_squared(from: Vec2, to: Vec2) -> f32 {
     (from + way * share).length_squared()
 }
 
-/// Squared distance between two line segments (m2).
+/// Squared distance between two line segments; 0 where they cross (m^2).
 fn distance_between_segments_squared(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
-    let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
-    if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {
+    if segments_cross(a, b) {
         return 0.0;
     }
     let to_line = |p: Vec2, l: [Vec2; 2]| segment_distance_squared(l[0] - p, l[1] - p);
     to_line(a[0], b).min(to_line(a[1], b)).min(to_line(b[0], a)).min(to_line(b[1], a))
+}
+
+/// Distance between two segments in the plane; 0 where they cross (m).
+#[inline]
+pub fn segment_distance_2d(a: [Vec2; 2], b: [Vec2; 2]) -> f32 {
+    if segments_cross(a, b) {
+        return 0.0;
+    }
+    let ends = a.map(|p| distance_to_segment(p, b)).into_iter().chain(b.map(|p| distance_to_segment(p, a)));
+    ends.fold(f32::INFINITY, f32::min)
+}
+
+/// True where two segments cross at a point that is an end of neither.
+#[inline]
+fn segments_cross(a: [Vec2; 2], b: [Vec2; 2]) -> bool {
+    let side = |l: [Vec2; 2], p: Vec2| (l[1] - l[0]).perp_dot(p - l[0]);
+    side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0
+}
+
+/// True where a point is within a polygon: a ray from it crosses the outline an odd number of times.
+///
+/// - `corners`: in order around it (m).
+#[inline]
+pub fn polygon_contains(corners: impl Iterator<Item = Vec2> + Clone, p: Vec2) -> bool {
+    let crosses =
+        |(a, b): &(Vec2, Vec2)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
+    corners.clone().zip(corners.cycle().skip(1)).filter(crosses).count() % 2 == 1
 }
 
 #[cfg(test)]
@@ -105,6 +132,23 @@ mod tests {
             prop_assert!(gap >= 0.0 || a.intersects(&b), "{gap} m apart, and not seen");
             prop_assert!(gap <= 0.02 || !a.intersects(&b), "{gap} m apart, but seen");
             prop_assert!(!a.intersects(&b) || a.bounds().intersects(&b.bounds()));
+        }
+
+        #[test]
+        fn distances_of_segments_are_those_of_a_dense_sampling(a in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0], b in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0]) {
+            let [a, b] = [a, b].map(|v| [Vec2::new(v[0], v[1]), Vec2::new(v[2], v[3])]);
+            let sampled = (0..=400).map(|i| distance_to_segment(a[0].lerp(a[1], i as f32 / 400.0), b)).fold(f32::INFINITY, f32::min);
+            let found = segment_distance_2d(a, b);
+            prop_assert!(found <= sampled + 1e-5 && sampled <= found + 0.02, "{found} {sampled}");
+            prop_assert!((found * found - distance_between_segments_squared(a, b)).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn inside_of_a_polygon_with_a_notch() {
+        let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]].map(Vec2::from_array);
+        for (p, inside) in [([1.0, 1.0], true), ([2.0, 2.0], false), ([3.6, 3.0], true), ([5.0, 1.0], false)] {
+            assert_eq!(polygon_contains(corners.iter().copied(), Vec2::from_array(p)), inside, "{p:?}");
         }
     }
 }

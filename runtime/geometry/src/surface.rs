@@ -1,5 +1,6 @@
 //! Nearest surface points of boxes and bars, in `f32`.
 
+use crate::nearest::nearest_on_segment;
 use glam::Vec3;
 
 /// Distance from a surface below which rounding decides the direction away from it (m).
@@ -40,7 +41,7 @@ pub(crate) fn distance_outside(p: Vec3, point: Vec3, otherwise: Vec3) -> Surface
 
 /// Nearest surface point of a bar: all points within a radius of a segment.
 pub fn nearest_on_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
-    let axis = nearest_on_axis(p, from, to);
+    let axis = nearest_on_segment(p, [from, to]);
     let away = p - axis;
     let d = away.length();
     let normal = if d > AT_SURFACE {
@@ -49,12 +50,4 @@ pub fn nearest_on_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoin
         (to - from).try_normalize().map_or(Vec3::Y, |v| v.any_orthonormal_vector())
     };
     SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
-}
-
-/// Nearest point of a segment.
-pub fn nearest_on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let along = to - from;
-    let length2 = along.length_squared();
-    let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    from + along * t
 }

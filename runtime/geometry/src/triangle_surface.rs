@@ -1,6 +1,7 @@
 //! Surfaces of triangles with a tree over them.
 
 use crate::bounds::{BoundingBox, BoundsTree};
+use crate::nearest::nearest_on_segment;
 use crate::surface::{SurfacePoint, distance_outside};
 use glam::Vec3;
 
@@ -90,12 +91,7 @@ fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
 
 /// Nearest point of the three edges, for triangles so thin that rounding decides.
 fn nearest_on_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
-    let on = |a: Vec3, b: Vec3| {
-        let d = b - a;
-        let length2 = d.length_squared();
-        if length2 > 0.0 { a + d * ((p - a).dot(d) / length2).clamp(0.0, 1.0) } else { a }
-    };
-    let edges = [on(a, b), on(b, c), on(c, a)];
+    let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(p, edge));
     edges.into_iter().min_by(|q, r| q.distance(p).total_cmp(&r.distance(p))).unwrap_or(a)
 }
 

@@ -3,7 +3,7 @@
 use super::{UnitShape, mesh};
 use glam::{Quat, Vec3};
 use throng_base::maths;
-use throng_geometry::{BoundingBox, SurfacePoint, TriangleSurface, nearest_on_axis, nearest_on_bar, nearest_on_box};
+use throng_geometry::{BoundingBox, SurfacePoint, TriangleSurface, nearest_on_bar, nearest_on_box, nearest_on_segment};
 use throng_motion::error::BuildError;
 
 /// A piece of geometry in its unit's frame.
@@ -73,7 +73,7 @@ impl UnitSolid {
                 let over = (local.abs() - *half).max_element();
                 if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
             }
-            Self::Bar { from, to, radius } => (p - nearest_on_axis(p, *from, *to)).length() - radius,
+            Self::Bar { from, to, radius } => (p - nearest_on_segment(p, [*from, *to])).length() - radius,
             Self::Mesh(triangles) => triangles.distance(p, limit),
         };
         if distance < limit { distance } else { f32::INFINITY }
