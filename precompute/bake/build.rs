@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 /// Files that decide the versions of other crates and how they are compiled.
 const CRATES: [&str; 2] = ["../../Cargo.lock", "../../Cargo.toml"];
 /// Sources of the stages, relative to this crate's folder; files that a packaged crate lacks are skipped.
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 8] = [
     "src",
     "../motion/src",
     "../synth/src",
+    "../../runtime/geometry/src",
     "../../runtime/base/src",
     "../../runtime/core/src",
     "../../runtime/world/src",

@@ -6,7 +6,7 @@ use throng_planner::limits::{Coordinates, JointLimits, PoseSampler, Style, Swing
 use throng_planner::linkage::LimbPose;
 use throng_planner::planner::seeded_rng;
 use throng_planner::problem::{CollisionTarget, LimbState, Problem};
-use throng_planner::shape::{Segment, SolidShape};
+use throng_runtime::geometry::{Segment, SolidShape};
 
 /// A problem at its beginning. Metres, radians; Y is up; quaternions are x, y, z, w.
 #[derive(Clone, Debug, Serialize)]

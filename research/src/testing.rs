@@ -9,7 +9,7 @@ use throng_planner::linkage::{Limb, LimbPose, Linkage};
 use throng_planner::problem::{LimbState, MovingSolid};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
-use throng_planner::shape::SolidShape;
+use throng_runtime::geometry::SolidShape;
 use throng_planner::track::RigidPath;
 
 /// Somebody who stands at the origin and looks along +Z.

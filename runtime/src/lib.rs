@@ -7,6 +7,7 @@
 pub use throng_core::*;
 #[cfg(feature = "crowd")]
 pub use throng_crowd as crowd;
+pub use throng_geometry as geometry;
 #[cfg(feature = "simulation")]
 pub use throng_simulation::{self as simulation, sparring};
 #[cfg(feature = "world")]

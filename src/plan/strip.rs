@@ -3,13 +3,14 @@
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_planner::rotation::Rigid;
-use throng_planner::shape::SolidShape;
 use throng_planner::task::{ActorClip, Task, TaskGaze, TaskOutcome};
-use throng_precompute::environment::{Triangles, UnitSolid};
+use throng_precompute::environment::UnitSolid;
 use throng_precompute::picture::{
     self, BodyColours, BodyFigure, Colour, Picture, WorldFigure, WorldMoment, WorldStrip,
 };
 use throng_runtime::Joint;
+use throng_runtime::geometry::SolidShape;
+use throng_runtime::geometry::TriangleSurface;
 
 /// Number of moments side by side.
 const COLUMNS: usize = 10;
@@ -131,7 +132,7 @@ fn solid(shape: &SolidShape, at: &Rigid) -> UnitSolid {
         }
         SolidShape::Mesh(mesh) => {
             let placed = mesh.corners().iter().map(|t| t.map(|c| point(c.as_dvec3())));
-            UnitSolid::Mesh(Triangles::new(placed.collect()))
+            UnitSolid::Mesh(TriangleSurface::new(placed.collect()))
         }
     }
 }

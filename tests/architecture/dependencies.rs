@@ -26,7 +26,7 @@ const FAMILIES: [(&str, &[&str]); 8] = [
     ("fuzz", &["runtime", "precompute"]),
 ];
 /// Agents without bodies know nothing of bundles, worlds and scenes: they may need these at most.
-const CROWD_MAY_USE: [&str; 1] = ["throng-base"];
+const CROWD_MAY_USE: [&str; 2] = ["throng-base", "throng-geometry"];
 
 fn is_ours(name: &str) -> bool {
     name.starts_with("throng")

@@ -3,8 +3,9 @@
 use super::inhabitants::open;
 use super::made_up_world::{GIVE, SIDE, SIT};
 use glam::Vec2;
-use throng_runtime::base::ground::{Capsule2d, ReservedRegion};
+use throng_runtime::base::ground::ReservedRegion;
 use throng_runtime::characters::CharactersConfig;
+use throng_runtime::geometry::Capsule2d;
 use throng_runtime::planar::wrap_angle;
 use throng_runtime::world::inhabitants::{
     InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,

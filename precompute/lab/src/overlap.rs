@@ -2,8 +2,8 @@
 
 use glam::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
+use throng_geometry::segment_distance;
 use throng_runtime::skeleton::Skeleton;
-use throng_runtime::sparring::nearest_points;
 use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
 use throng_runtime::{Joint, Planar, PosedBody};
 
@@ -88,12 +88,6 @@ pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
     let heads = 2.0 * HEAD_RADIUS_M - head_a.distance(head_b);
     let head_trunk = segment_distance([head_a; 2], trunk_b).min(segment_distance([head_b; 2], trunk_a));
     discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
-}
-
-/// Distance between two segments (m).
-pub(crate) fn segment_distance(a: [Vec3; 2], b: [Vec3; 2]) -> f32 {
-    let [p, q] = nearest_points(a, b);
-    p.distance(q)
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 
 use crate::frames::runs;
 use crate::histogram::Histogram;
-use crate::overlap::segment_distance;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
+use throng_geometry::segment_distance;
 use throng_runtime::sparring::{Sparring, StruckPart};
 use throng_runtime::{Bundle, CharacterGroup, Joint, NUM_JOINTS};
 

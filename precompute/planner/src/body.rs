@@ -1,8 +1,8 @@
 //! A body as capsules, each fixed to a joint.
 
-use crate::shape::Segment;
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
+use throng_geometry::Segment;
 
 /// A capsule of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -24,7 +24,6 @@ pub mod recheck;
 pub mod rotation;
 pub mod search;
 pub mod setup;
-pub mod shape;
 pub mod smooth;
 pub mod stiff_mesh;
 pub mod task;

@@ -3,10 +3,10 @@
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
 use crate::rotation::Rigid;
-use crate::shape::{Segment, SolidShape};
 use crate::track::{MotionTrack, RigidPath};
 use glam::DVec3;
 use throng_core::Joint;
+use throng_geometry::{Segment, SolidShape};
 
 /// A point of the search space c^P x [t_init, t_goal].
 #[derive(Clone, Copy, Debug, PartialEq)]

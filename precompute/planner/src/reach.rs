@@ -56,8 +56,8 @@ mod tests {
     use super::*;
     use crate::rotation::rotation_about;
     use crate::setup::ProblemSpec;
-    use crate::shape::SolidShape;
     use crate::testing::{TestCharacter, solid};
+    use throng_geometry::SolidShape;
 
     #[test]
     fn a_target_is_reached_past_what_is_in_the_way_or_says_what_is() {

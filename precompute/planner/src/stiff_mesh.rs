@@ -1,10 +1,10 @@
 //! The mesh that a character wears, in rigid pieces: each triangle goes with the joint that carries most of it.
 
 use crate::body::{BodyCapsule, BodyCapsules};
-use crate::shape::{MeshError, Segment, TriangleMesh};
 use glam::{DVec3, Mat4, Quat, Vec3};
 use std::sync::Arc;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_geometry::{MeshError, Segment, TriangleMesh};
 use throng_motion::wearer::SkinnedFigure;
 
 /// Share of a piece's corners that a capsule holds across, and the shares between which it lies along.

@@ -7,11 +7,11 @@ use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{LimbState, MovingSolid, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
-use crate::shape::SolidShape;
 use crate::track::RigidPath;
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 use rand_pcg::Pcg64Mcg;
 use throng_core::{NUM_JOINTS, Skeleton};
+use throng_geometry::{SolidShape, TriangleMesh};
 
 /// A character that stands at the origin and looks along +Z.
 pub struct TestCharacter {
@@ -76,4 +76,18 @@ pub fn stuck(s: &TestCharacter) -> Problem {
     let [front, back] =
         [("front", 1.0), ("back", -1.0)].map(|(name, side)| plate(name, [0.0, side * 1.16], [4.0, 2.0]));
     s.problem(ends, &[left, front, back]).expect("a problem")
+}
+
+/// A hilly sheet, `n` by `n` squares of two triangles, 2 m wide.
+pub fn hills(n: usize) -> TriangleMesh {
+    let at = |i: usize, j: usize| {
+        let (x, z) = (2.0 * i as f32 / n as f32 - 1.0, 2.0 * j as f32 / n as f32 - 1.0);
+        Vec3::new(x, 0.2 * (3.0 * x).sin() * (4.0 * z).cos(), z)
+    };
+    let squares = (0..n * n).map(|k| (k % n, k / n));
+    let corners = squares.flat_map(|(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    TriangleMesh::new(corners.collect()).expect("a mesh")
 }

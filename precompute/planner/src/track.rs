@@ -1,8 +1,8 @@
 //! Motion as a function of time, with bounds on its speed over any stretch.
 
 use crate::rotation::Rigid;
-use crate::shape::Segment;
 use std::sync::Arc;
+use throng_geometry::Segment;
 
 /// Times of samples.
 #[derive(Clone, Debug, PartialEq)]

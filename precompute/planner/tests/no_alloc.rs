@@ -7,6 +7,7 @@ mod counting;
 use counting::allocations;
 use glam::{DQuat, DVec3};
 use throng_core::{NUM_JOINTS, Skeleton};
+use throng_geometry::SolidShape;
 use throng_planner::body::BodyCapsules;
 use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
@@ -15,7 +16,6 @@ use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
-use throng_planner::shape::SolidShape;
 use throng_planner::track::RigidPath;
 
 fn table() -> Problem {

@@ -10,7 +10,8 @@ use crate::space::plan::MotionPlan;
 use crate::{Agent, AtEnd, CrowdSetup, Forces, Id, PersonalInterest, Route, Sense};
 use glam::{Vec2, Vec3};
 use throng_base::Executor;
-use throng_base::ground::{Capsule2d, ExternalObstacle, ReservedRegion};
+use throng_base::ground::{ExternalObstacle, ReservedRegion};
+use throng_geometry::Capsule2d;
 
 /// Agents that act at their own events and never overlap.
 ///

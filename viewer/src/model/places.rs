@@ -74,7 +74,7 @@ fn task_points(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
 /// Corners of boxes around the units of a world, and its characters (m).
 fn world_points(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     let of_units = world.placed().iter().flat_map(|p| {
-        let b = world.kit().geometries[p.unit].bounds.transformed(p.placement);
+        let b = world.kit().geometries[p.unit].bounds.mapped(|c| p.placement.transform_point(c));
         [b.min, b.max]
     });
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))

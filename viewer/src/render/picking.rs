@@ -2,6 +2,7 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
+use throng_runtime::geometry::nearest_on_segment;
 use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Nearest intersection of a ray with a character.
@@ -96,11 +97,8 @@ fn radius(joint: Joint) -> f32 {
 /// Distance along a ray to a capsule; 0 where it starts inside.
 fn intersect_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
     let axis = b - a;
-    let closest = |p: Vec3| {
-        let t = if axis.length_squared() > 1e-12 { (p - a).dot(axis) / axis.length_squared() } else { 0.0 };
-        p - (a + axis * t.clamp(0.0, 1.0))
-    };
-    if closest(ray.origin).length_squared() <= radius * radius {
+    let from_axis = ray.origin - nearest_on_segment(ray.origin, [a, b]);
+    if from_axis.length_squared() <= radius * radius {
         return Some(0.0);
     }
     let spheres = [a, b].into_iter().filter_map(|c| intersect_sphere(ray, c, radius));

@@ -5,6 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
+use throng_runtime::geometry::{RayCrossing, ray_crossing};
 use throng_runtime::patch::Placement;
 
 /// Corners around a bar, and rings of each of its ends.
@@ -130,25 +131,15 @@ impl SolidMesh {
         let local = Ray { origin: back * (ray.origin - at), direction: back * ray.direction };
         let corner = |i: u32| Vec3::from(self.vertices[i as usize].position);
         let met =
-            self.indices.chunks_exact(3).filter_map(|t| intersect_triangle(&local, [0, 1, 2].map(|k| corner(t[k]))));
+            self.indices.chunks_exact(3).filter_map(|t| intersect_triangle(&local, &[0, 1, 2].map(|k| corner(t[k]))));
         met.min_by(f32::total_cmp)
     }
 }
 
 /// Distance along a ray to a triangle, hit from outside.
-fn intersect_triangle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<f32> {
-    let (ab, ac) = (b - a, c - a);
-    let across = ray.direction.cross(ac);
-    let size = ab.dot(across);
-    if size <= 1e-12 {
-        return None;
-    }
-    let from = ray.origin - a;
-    let u = from.dot(across) / size;
-    let over = from.cross(ab);
-    let v = ray.direction.dot(over) / size;
-    let t = ac.dot(over) / size;
-    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+fn intersect_triangle(ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
+    let RayCrossing { det, u, v, t } = ray_crossing(ray.origin, ray.direction, corners);
+    (det > 1e-12 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
 }
 
 #[cfg(test)]

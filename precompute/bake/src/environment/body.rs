@@ -1,10 +1,10 @@
 //! Body as spheres along its limbs, to test whether a pose fits among units.
 
-use super::bounds::BoundingBox;
 use super::{PlacedGeometry, UnitGeometry};
 use glam::{Quat, Vec3};
 use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::BoundingBox;
 
 /// Number of spheres of a body.
 pub const NUM_SPHERES: usize = 31;
@@ -158,7 +158,7 @@ impl PosedSpheres {
     /// - `unit`: placement of the unit in the pose's frame.
     /// - `tolerance`: (m, >= 0)
     pub fn penetration(&self, unit: Placement, geometry: &UnitGeometry, tolerance: f32) -> Option<Penetration> {
-        if !geometry.bounds.transformed(unit).overlaps(&self.bounds) {
+        if !geometry.bounds.mapped(|p| unit.transform_point(p)).overlaps(&self.bounds) {
             return None;
         }
         let mut deepest: Option<Penetration> = None;

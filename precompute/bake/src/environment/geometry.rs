@@ -1,10 +1,10 @@
 //! Geometry of a unit object, computed once.
 
-use super::bounds::{BoundingBox, BoundsTree};
 use super::mesh::MAX_TRIANGLES;
 use super::{UnitObject, UnitSet, UnitSolid};
 use glam::Vec3;
 use std::sync::Arc;
+use throng_geometry::{BoundingBox, BoundsTree};
 use throng_motion::error::BuildError;
 
 /// Height of a default region above the shapes, enough to hold the hips of a character on them (m).

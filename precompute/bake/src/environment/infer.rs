@@ -11,9 +11,7 @@ mod plates;
 mod report;
 
 use super::placed::PlacedGeometry;
-use super::{
-    BoundingBox, EnvironmentFile, GeometryTouchConfig, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries,
-};
+use super::{EnvironmentFile, GeometryTouchConfig, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries};
 use bars::InferredBar;
 use glam::Vec3;
 use places::TouchKind;
@@ -21,6 +19,7 @@ use plates::InferredPlate;
 pub use report::InferReport;
 use std::path::Path;
 use throng_core::Skeleton;
+use throng_geometry::BoundingBox;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
 use throng_motion::error::BuildError;

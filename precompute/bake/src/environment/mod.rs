@@ -6,7 +6,6 @@
 
 mod belong;
 mod body;
-mod bounds;
 mod check;
 mod contacts;
 mod file;
@@ -16,12 +15,10 @@ mod mesh;
 mod placed;
 mod solid;
 mod touch;
-mod triangles;
 mod unit;
 
 pub use belong::UnitMembership;
 pub use body::{BodySpheres, NUM_SPHERES, Penetration, PosedSpheres, Sphere};
-pub use bounds::{BoundingBox, BoundsTree};
 pub use contacts::annotate_in;
 pub use file::{EnvironmentFile, PlacementPattern};
 pub use geometry::{NearestUnitPoint, UnitGeometry, geometries};
@@ -30,7 +27,6 @@ pub(crate) use mesh::buffer_files;
 pub use placed::{PlacedGeometry, TouchedSurface};
 pub use solid::UnitSolid;
 pub use touch::GeometryTouchConfig;
-pub use triangles::Triangles;
 pub use unit::{TileEdges, UnitObject, UnitRegion, UnitSet, UnitShape};
 
 use serde::{Deserialize, Serialize};

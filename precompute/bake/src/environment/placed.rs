@@ -1,11 +1,11 @@
 //! Geometry of placed units and the ground.
 
-use super::bounds::{BoundingBox, BoundsTree};
 use super::geometry::{ROUNDING, UnitGeometry};
 use super::{Environment, PlacedUnit};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_core::patch::Placement;
+use throng_geometry::{BoundingBox, BoundsTree};
 
 /// The geometry of an environment: placed units, and the ground y = 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,8 @@ impl PlacedGeometry {
     ///
     /// - `geometries`: of every unit of the set that the environment's numbers index.
     pub fn new(environment: &Environment, geometries: &[Arc<UnitGeometry>]) -> Self {
-        let of = |u: &PlacedUnit| geometries[u.unit].bounds.transformed(u.placement).expanded(ROUNDING);
+        let of =
+            |u: &PlacedUnit| geometries[u.unit].bounds.mapped(|p| u.placement.transform_point(p)).expanded(ROUNDING);
         let bounds: Vec<BoundingBox> = environment.units.iter().map(of).collect();
         Self {
             name: environment.name.clone(),

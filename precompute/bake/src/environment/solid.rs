@@ -1,14 +1,10 @@
 //! Pieces of geometry, with their distance from points.
 
-use super::bounds::BoundingBox;
-use super::triangles::Triangles;
 use super::{UnitShape, mesh};
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_geometry::{BoundingBox, SurfacePoint, TriangleSurface, nearest_on_bar, nearest_on_box, nearest_on_segment};
 use throng_motion::error::BuildError;
-
-/// Distance from a surface below which rounding decides the direction away from it (m).
-const AT_SURFACE: f32 = 1e-6;
 
 /// A piece of geometry in its unit's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,18 +28,7 @@ pub enum UnitSolid {
         radius: f32,
     },
     /// A surface of triangles.
-    Mesh(Triangles),
-}
-
-/// Surface point of a solid that is nearest to a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfacePoint {
-    /// Distance, negative inside boxes and bars (m).
-    pub distance: f32,
-    /// The nearest point of the surface (m).
-    pub point: Vec3,
-    /// Direction away from the solid there. Unit.
-    pub normal: Vec3,
+    Mesh(TriangleSurface),
 }
 
 impl UnitSolid {
@@ -64,7 +49,7 @@ impl UnitSolid {
             UnitShape::Bar { from, to, radius } => {
                 Self::Bar { from: Vec3::from(*from), to: Vec3::from(*to), radius: *radius }
             }
-            UnitShape::Mesh { file } => Self::Mesh(Triangles::new(mesh::read(file)?)),
+            UnitShape::Mesh { file } => Self::Mesh(TriangleSurface::new(mesh::read(file)?)),
         })
     }
 
@@ -88,7 +73,7 @@ impl UnitSolid {
                 let over = (local.abs() - *half).max_element();
                 if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
             }
-            Self::Bar { from, to, radius } => (p - nearest_on_axis(p, *from, *to)).length() - radius,
+            Self::Bar { from, to, radius } => (p - nearest_on_segment(p, [*from, *to])).length() - radius,
             Self::Mesh(triangles) => triangles.distance(p, limit),
         };
         if distance < limit { distance } else { f32::INFINITY }
@@ -109,49 +94,6 @@ impl UnitSolid {
         };
         (found.distance < limit).then_some(found)
     }
-}
-
-/// Nearest surface point of a box around the origin along the axes.
-fn nearest_on_box(p: Vec3, half: Vec3) -> SurfacePoint {
-    let over = p.abs() - half;
-    let sign = |v: f32| if v < 0.0 { -1.0 } else { 1.0 };
-    if over.max_element() > 0.0 {
-        let away = std::array::from_fn(|k| if over[k] > 0.0 { sign(p[k]) } else { 0.0 });
-        return distance_outside(p, p.clamp(-half, half), Vec3::from_array(away));
-    }
-    let axis = (0..3).fold(0, |best, k| if over[k] > over[best] { k } else { best });
-    let mut normal = Vec3::ZERO;
-    normal[axis] = sign(p[axis]);
-    SurfacePoint { distance: over[axis], point: p - normal * over[axis], normal }
-}
-
-/// Surface point for a point outside; `otherwise` is the direction if both are too close to tell.
-pub(super) fn distance_outside(p: Vec3, point: Vec3, otherwise: Vec3) -> SurfacePoint {
-    let d = p - point;
-    let distance = d.length();
-    let normal = if distance > AT_SURFACE { d / distance } else { otherwise.normalize_or(Vec3::Y) };
-    SurfacePoint { distance, point, normal }
-}
-
-/// Nearest surface point of a bar: all points within a radius of a segment.
-fn nearest_on_bar(p: Vec3, from: Vec3, to: Vec3, radius: f32) -> SurfacePoint {
-    let axis = nearest_on_axis(p, from, to);
-    let away = p - axis;
-    let d = away.length();
-    let normal = if d > AT_SURFACE {
-        away / d
-    } else {
-        (to - from).try_normalize().map_or(Vec3::Y, |v| v.any_orthonormal_vector())
-    };
-    SurfacePoint { distance: d - radius, point: axis + normal * radius, normal }
-}
-
-/// Nearest point of a segment.
-fn nearest_on_axis(p: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let along = to - from;
-    let length2 = along.length_squared();
-    let t = if length2 > 0.0 { ((p - from).dot(along) / length2).clamp(0.0, 1.0) } else { 0.0 };
-    from + along * t
 }
 
 #[cfg(test)]

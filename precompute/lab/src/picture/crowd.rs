@@ -11,8 +11,8 @@ use super::sprite;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_geometry::Capsule2d;
 use throng_runtime::Planar;
-use throng_runtime::reserve::Capsule2d;
 
 /// Whether a character has reached its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

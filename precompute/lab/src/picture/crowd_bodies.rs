@@ -8,7 +8,8 @@ use super::world::{WorldCamera, WorldFigure, WorldSheet, world_sheet};
 use crate::run::{AgentsRecord, JointPositions};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
-use throng_bake::environment::{Triangles, UnitSolid};
+use throng_bake::environment::UnitSolid;
+use throng_geometry::TriangleSurface;
 use throng_runtime::Joint;
 use throng_runtime::crowd::Obstacle;
 
@@ -108,7 +109,7 @@ fn prism(corners: &[Vec3], height: f32) -> Option<UnitSolid> {
     let next = corners.iter().skip(1).chain([&first]);
     let sides = corners.iter().zip(next).flat_map(|(&a, &b)| [[a, b, b + up], [a, b + up, a + up]]);
     let top = corners.windows(2).map(|w| [first + up, w[0] + up, w[1] + up]);
-    Some(UnitSolid::Mesh(Triangles::new(sides.chain(top).collect())))
+    Some(UnitSolid::Mesh(TriangleSurface::new(sides.chain(top).collect())))
 }
 
 /// Points of a circle on the ground.

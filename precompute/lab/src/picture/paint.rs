@@ -7,7 +7,7 @@ use super::piece::PicturePiece;
 use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
-use throng_bake::environment::BoundingBox;
+use throng_geometry::BoundingBox;
 use tiny_skia::PremultipliedColorU8;
 
 /// Number of rays along each side of a pixel.

@@ -4,7 +4,8 @@ use super::camera::PictureCamera;
 use super::colour::Colour;
 use super::solid::{RoundCone, SurfaceHit};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{self, BoundingBox, UnitGeometry};
+use throng_bake::environment::{self, UnitGeometry};
+use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
 use throng_runtime::patch::Placement;
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
@@ -82,25 +83,14 @@ impl PicturePiece {
 }
 
 /// Distance along a line to a triangle, and the normal that faces against the line's direction.
-///
-/// # Source
-/// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
-fn intersect_face(&[a, b, c]: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
-    let (ab, ac) = (b - a, c - a);
-    let across = direction.cross(ac);
-    let det = ab.dot(across);
-    if det.abs() < 1e-12 {
+fn intersect_face(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
+    let RayCrossing { det, u, v, t } = ray_crossing(origin, direction, corners);
+    if det.abs() < 1e-12 || u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
         return None;
     }
-    let from = origin - a;
-    let u = from.dot(across) / det;
-    let q = from.cross(ab);
-    let v = direction.dot(q) / det;
-    if u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
-        return None;
-    }
-    let normal = ab.cross(ac).normalize_or_zero();
-    Some((ac.dot(q) / det, if normal.dot(direction) > 0.0 { -normal } else { normal }))
+    let [a, b, c] = *corners;
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    Some((t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
 }
 
 /// Adds the pieces of a placed unit.

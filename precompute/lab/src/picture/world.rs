@@ -9,7 +9,8 @@ use super::paint::draw_pieces;
 use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{BoundingBox, PlacedGeometry, UnitGeometry, UnitSolid};
+use throng_bake::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
+use throng_geometry::BoundingBox;
 use throng_runtime::Joint;
 use throng_runtime::patch::Placement;
 

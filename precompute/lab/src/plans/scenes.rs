@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::error::Error;
 use std::sync::Arc;
+use throng_geometry::{SolidShape, TriangleMesh};
 use throng_motion::Clip;
 use throng_planner::body::BodyCapsules;
 use throng_planner::collide::Checker;
@@ -12,7 +13,6 @@ use throng_planner::linkage::{Limb, LimbPose, Linkage};
 use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::{Rigid, rotation_about, rotation_between};
 use throng_planner::setup::{AllowedContact, ProblemSpec};
-use throng_planner::shape::{SolidShape, TriangleMesh};
 use throng_planner::track::RigidPath;
 use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 use throng_synth::{SynthConfig, SynthSet, make_set};

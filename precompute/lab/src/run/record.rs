@@ -3,9 +3,9 @@
 use super::report::SceneRunConfig;
 use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_geometry::Capsule2d;
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::crowd::{Obstacle, Space};
-use throng_runtime::reserve::Capsule2d;
 use throng_runtime::simulation::agents::{SceneAgents, world_vector};
 use throng_runtime::simulation::scene::SiteConfig;
 use throng_runtime::simulation::{AnyCharacterGroup, Simulation, SimulationEvent};

@@ -10,6 +10,7 @@ use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::share_along;
 
 /// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins and
 /// forearms at their end.
@@ -101,8 +102,7 @@ pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit) -> Vec<
         let limb = LIMBS.into_iter().find(|l| Some(l.0) == above);
         let Some((limb, end, at_begin)) = limb else { continue };
         let (Some(from), Some(to)) = (roles.get(limb), roles.get(end)) else { continue };
-        let way = world[to].0 - world[from].0;
-        let along = ((world[joint].0 - world[from].0).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        let along = share_along(world[joint].0, [world[from].0, world[to].0]);
         let axis = fit.t_pose_offset(limb, end).normalize_or(Vec3::X);
         let (of, share) = if at_begin { (limb, along - 1.0) } else { (end, along) };
         out.push(MovedJoint { joint, drive: JointDrive::Twist(TwistShare { limb, source: of, axis, share }) });

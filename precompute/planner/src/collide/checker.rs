@@ -4,9 +4,9 @@ use super::sample_cache::SampleCache;
 use crate::linkage::LimbPose;
 use crate::problem::{CollisionHit, CollisionPair, CollisionTarget, LimbState, Problem};
 use crate::rotation::Rigid;
-use crate::shape::{Segment, SolidShape};
 use glam::DVec3;
 use throng_base::maths;
+use throng_geometry::{Segment, SolidShape};
 
 /// Tolerated excess of limits on an edge between two poses that are within them (rad).
 pub(super) const LIMIT_TOLERANCE: f64 = 1e-3;

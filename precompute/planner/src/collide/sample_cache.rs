@@ -2,8 +2,8 @@
 //! are the same with and without it, but mostly cost one distance in place of a search.
 
 use crate::problem::Problem;
-use crate::shape::{Segment, TriangleMesh};
 use glam::DVec3;
+use throng_geometry::{Segment, TriangleMesh};
 
 /// Number of time intervals of a problem; one sample is cached for each of them.
 const STRETCHES: usize = 64;

@@ -2,7 +2,6 @@ use super::*;
 use crate::linkage::LimbPose;
 use crate::problem::{LimbState, MovingSolid, Problem};
 use crate::rotation::{Rigid, exp};
-use crate::shape::{SolidShape, TriangleMesh};
 use crate::testing::{TestCharacter, solid};
 use crate::track::RigidPath;
 use glam::{DVec3, Vec3};
@@ -11,6 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
 use throng_base::maths::slerp;
+use throng_geometry::{SolidShape, TriangleMesh};
 
 const PAPER: EdgeCheck = EdgeCheck::Bisection { resolution_rad: 0.05 };
 
@@ -24,7 +24,7 @@ fn between(a: &LimbState, b: &LimbState, share: f64) -> LimbState {
 
 /// Balls, boxes and a sheet around the left arm, still and moving.
 fn things(rng: &mut Pcg64Mcg) -> Vec<MovingSolid> {
-    let sheet = Arc::new(crate::shape::tests::hills(10));
+    let sheet = Arc::new(crate::testing::hills(10));
     (0..4)
         .map(|i| {
             let mut v = |most: f64| DVec3::from_array(std::array::from_fn(|_| rng.random_range(-most..most)));
@@ -33,7 +33,7 @@ fn things(rng: &mut Pcg64Mcg) -> Vec<MovingSolid> {
                 0 => SolidShape::ball(size.x),
                 1 => SolidShape::cuboid(2.0 * size),
                 2 => SolidShape::Mesh(sheet.clone()),
-                _ => SolidShape::Round { core: crate::shape::Segment::new(v(0.3), v(0.3)), radius: 0.01 },
+                _ => SolidShape::Round { core: throng_geometry::Segment::new(v(0.3), v(0.3)), radius: 0.01 },
             };
             let middle = DVec3::new(0.9, 1.4, 0.4);
             let mut place = || Rigid { position: middle + v(0.6), rotation: exp(v(1.2)) };

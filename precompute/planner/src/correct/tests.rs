@@ -3,11 +3,11 @@ use crate::linkage::Limb;
 use crate::problem::MovingSolid;
 use crate::recheck::Recheck;
 use crate::setup::AllowedContact;
-use crate::shape::SolidShape;
 use crate::testing::solid;
 use crate::{body::BodyCapsules, limits::BodyLimits};
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
+use throng_geometry::SolidShape;
 use throng_synth::{SynthConfig, SynthSet, make_set};
 
 struct Walk {
@@ -91,7 +91,7 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
     let hand = walk.joint(Joint::LeftHand, 5.0);
     let hips = walk.joint(Joint::Hips, 5.0);
     let aside = (hand - hips).with_y(0.0).normalize();
-    let post = SolidShape::Round { core: crate::shape::Segment::new(DVec3::ZERO, DVec3::Y * 2.0), radius: 0.03 };
+    let post = SolidShape::Round { core: throng_geometry::Segment::new(DVec3::ZERO, DVec3::Y * 2.0), radius: 0.03 };
     let solids = [solid("post", post, (hand + aside * 0.04).with_y(0.0))];
     let allowed = only_the(limb, "post");
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..walk.spec(limb) };
@@ -165,7 +165,7 @@ fn a_leg_steps_over_a_bar() {
     let foot = walk.joint(Joint::LeftFoot, time_s);
     let ahead = (walk.joint(Joint::LeftFoot, time_s + 0.04) - foot).with_y(0.0).normalize();
     let across = ahead.cross(DVec3::Y) * 0.12;
-    let bar = SolidShape::Round { core: crate::shape::Segment::new(-across, across), radius: 0.015 };
+    let bar = SolidShape::Round { core: throng_geometry::Segment::new(-across, across), radius: 0.015 };
     let solids = [solid("bar", bar, foot.with_y(foot.y - 0.05))];
     let allowed = only_the(limb, "bar");
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..walk.spec(limb) };

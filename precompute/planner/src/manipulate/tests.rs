@@ -3,11 +3,11 @@ use crate::driven::DrivenMotion;
 use crate::problem::MovingSolid;
 use crate::rotation::{angle_between, rotation_about};
 use crate::setup::{AllowedContact, HeldCapsule};
-use crate::shape::SolidShape;
 use crate::testing::TestCharacter;
 use crate::track::RigidPath;
 use glam::{DVec3, Quat};
 use throng_core::{Joint, NUM_JOINTS};
+use throng_geometry::SolidShape;
 
 /// Two seconds of somebody who stands, arm before the body.
 fn still(s: &TestCharacter) -> (Clip, DrivenMotion) {
@@ -46,7 +46,7 @@ fn a_moving_cup_is_grasped_in_its_moment_and_carried_away() {
     let targets = [unreachable, object.place_at(1.4).compose(grip())];
     let held = [HeldCapsule {
         name: "cup in hand".into(),
-        core: crate::shape::Segment::new(DVec3::X * 0.1, DVec3::X * 0.1),
+        core: throng_geometry::Segment::new(DVec3::X * 0.1, DVec3::X * 0.1),
         radius: 0.04,
     }];
     // What was grasped is in the hand.

@@ -1,11 +1,11 @@
 use super::*;
 use crate::problem::{LimbState, MovingSolid};
 use crate::rotation::{Rigid, angle_between};
-use crate::shape::SolidShape;
 use crate::testing::{TestCharacter, solid, stuck};
 use crate::track::RigidPath;
 use glam::DVec3;
 use throng_base::maths::slerp;
+use throng_geometry::SolidShape;
 
 /// A hand below a table that has to come above it: the straight way leads through the plate.
 fn table() -> Problem {

@@ -1,8 +1,8 @@
 //! Distances by search: the distance from a convex shape is convex along a segment, and so is its least over another one.
 
 use crate::problem::MovingSolid;
-use crate::shape::SolidShape;
 use glam::{DVec3, Vec3};
+use throng_geometry::SolidShape;
 
 /// A capsule in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,13 +7,13 @@ use crate::planner::{Budget, LimbPlanner, PlanConfig};
 use crate::problem::{LimbState, Problem};
 use crate::rotation::{Rigid, exp};
 use crate::setup::ProblemSpec;
-use crate::shape::{Segment, SolidShape};
 use crate::testing::{TestCharacter, solid};
 use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
+use throng_geometry::{Segment, SolidShape};
 
 /// A still clip of 60 frames with the arm somewhere.
 fn clip(s: &TestCharacter, arm: &LimbPose) -> Clip {
@@ -39,7 +39,7 @@ fn planned(s: &TestCharacter) -> (Clip, Clip, Vec<MovingSolid>, Problem) {
         shape: SolidShape::ball(0.08),
         path: crate::track::RigidPath::from_keys(&keys),
     };
-    let hills = SolidShape::Mesh(Arc::new(crate::shape::tests::hills(30)));
+    let hills = SolidShape::Mesh(Arc::new(crate::testing::hills(30)));
     let solids = vec![ball, solid("hills", hills, hand - DVec3::Y * 0.45 + DVec3::Z * 1.1)];
     let problem = Problem::new(&ProblemSpec { solids: &solids, ..spec }).expect("a problem");
     let mut planner = LimbPlanner::new();
@@ -130,7 +130,7 @@ proptest! {
         prop_assert!((capsule_distance(&core, &other) - gap).abs() < 1e-6);
         let place = Rigid { position: p(6), rotation: exp(DVec3::from(turn)) };
         let local = s.map(|x| place.local_point(x));
-        let hills = SolidShape::Mesh(Arc::new(crate::shape::tests::hills(8)));
+        let hills = SolidShape::Mesh(Arc::new(crate::testing::hills(8)));
         for shape in [SolidShape::ball(0.1), SolidShape::cuboid(DVec3::new(0.2, 0.3, 0.1)), hills] {
             let gap = shape.distance(&local, 9.0) - 0.04;
             let solid = MovingSolid { name: String::new(), shape, path: crate::track::RigidPath::Still(place) };

@@ -10,13 +10,13 @@ use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{
     BodyPart, CollisionPair, CollisionTarget, EXTERNAL_STEP_S, LimbPart, MovingSolid, PlacedSolid, Problem, TetherTrack,
 };
-use crate::shape::Segment;
 use crate::track::MotionTrack;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
+use throng_geometry::Segment;
 
 /// Interval at which the driven part is checked for collisions (s).
 const DRIVEN_STEP_S: f64 = 1.0 / 60.0;

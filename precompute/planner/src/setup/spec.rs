@@ -5,9 +5,9 @@ use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
 use crate::linkage::Linkage;
 use crate::problem::{LimbState, MovingSolid, UprightConstraint};
-use crate::shape::Segment;
 use glam::DVec3;
 use throng_core::{Joint, Skeleton};
+use throng_geometry::Segment;
 
 /// Another character.
 #[derive(Clone, Copy, Debug)]

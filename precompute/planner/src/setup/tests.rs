@@ -1,10 +1,10 @@
 use super::*;
 use crate::problem::{MovingSolid, Problem};
 use crate::rotation::Rigid;
-use crate::shape::{Segment, SolidShape};
 use crate::testing::{TestCharacter, solid};
 use crate::track::RigidPath;
 use glam::DVec3;
+use throng_geometry::{Segment, SolidShape};
 
 fn somebody() -> (TestCharacter, [(crate::linkage::LimbPose, f64); 2]) {
     let s = TestCharacter::standing();

@@ -44,7 +44,7 @@ fn ends_have_the_velocity_of_the_motion_around_them() {
     let middle = motion.limb_pose(linkage, 0.5);
     let free = Problem::new(&spec).expect("a problem");
     let hand = free.place_chain(&crate::problem::LimbState { pose: middle, time_s: 0.5 })[2].position;
-    let solids = [crate::testing::solid("lamp", crate::shape::SolidShape::ball(0.06), hand)];
+    let solids = [crate::testing::solid("lamp", throng_geometry::SolidShape::ball(0.06), hand)];
     let problem = Problem::new(&ProblemSpec { solids: &solids, ..spec }).expect("a problem");
     for seed in 0..5 {
         let mut planner = LimbPlanner::new();

@@ -8,7 +8,6 @@ use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
 use crate::rotation::{Rigid, exp, rotation_about};
-use crate::shape::{Segment, SolidShape};
 use crate::stiff_mesh::StiffMesh;
 use crate::track::RigidPath as Motion;
 use glam::DVec3;
@@ -17,6 +16,7 @@ use std::sync::Arc;
 use throng_base::Result;
 use throng_base::text::TomlSource;
 use throng_core::{Joint, Skeleton};
+use throng_geometry::{Segment, SolidShape};
 use throng_motion::import::ImportConfig;
 use throng_motion::wearer::SkinnedFigure;
 

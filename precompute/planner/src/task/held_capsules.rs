@@ -1,7 +1,7 @@
 //! Capsules around shapes, of which held objects are made.
 
-use crate::shape::{Segment, SolidShape};
 use glam::DVec3;
+use throng_geometry::{Segment, SolidShape};
 
 /// Most capsules across the middle side of a box.
 const MAX_COLUMNS: usize = 8;

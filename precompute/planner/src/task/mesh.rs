@@ -1,12 +1,12 @@
 //! Meshes of tasks: OBJ and glTF files.
 
 use super::obj;
-use crate::shape::{SolidShape, TriangleMesh};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use throng_base::file::{MAX_TEXT_BYTES, read_file};
+use throng_geometry::{SolidShape, TriangleMesh};
 use throng_motion::import::gltf;
 
 /// Reads a mesh.

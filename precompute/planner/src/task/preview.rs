@@ -15,11 +15,11 @@ use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec};
-use crate::shape::SolidShape;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 use throng_core::{Contacts, Joint};
+use throng_geometry::SolidShape;
 
 /// Facts about one step before any search. The names of the fields are keys of JSON reports.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]

@@ -11,7 +11,6 @@ use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::problem::{EXTERNAL_STEP_S, LimbState, MovingSolid, Problem};
 use crate::rotation::{Rigid, rotation_about};
 use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, UprightConstraint};
-use crate::shape::SolidShape;
 use crate::stiff_mesh::StiffMesh;
 use crate::track::{MotionTrack, RigidPath as Motion, SampleTimes};
 use glam::{DVec3, Quat};
@@ -19,6 +18,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::SolidShape;
 use throng_motion::Clip;
 
 /// Number of turns that are tried for something upright whose turn is open.
@@ -387,7 +387,7 @@ impl<'a> TaskStage<'a> {
                 }
                 at => {
                     let path = self.thing_path(i);
-                    let solid = |s: &crate::shape::SolidShape| MovingSolid {
+                    let solid = |s: &throng_geometry::SolidShape| MovingSolid {
                         name: thing.name.clone(),
                         shape: s.clone(),
                         path: path.clone(),

@@ -13,7 +13,7 @@ use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodi
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::pose::{LocalTransform, Mat3x4};
-use crate::reserve::{Capsule2d, ReservedRegion};
+use crate::reserve::ReservedRegion;
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
@@ -21,6 +21,7 @@ use throng_base::error::{check_index, check_value};
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
+use throng_geometry::Capsule2d;
 
 /// Distance from the target within which a character has arrived (m).
 pub const ARRIVED_M: f32 = 0.5;

@@ -8,8 +8,8 @@ mod path;
 
 use glam::Vec2;
 pub use path::{PathNode, TimedPath};
-use throng_base::ground::BoxGrid;
-pub use throng_base::ground::{Bounds2d, Capsule2d, ExternalObstacle, ExternalObstacles, ReservedRegion};
+pub use throng_base::ground::{ExternalObstacle, ExternalObstacles, ReservedRegion};
+use throng_geometry::{Bounds2d, BoxGrid, Capsule2d};
 
 const NONE: u32 = u32::MAX;
 

@@ -1,7 +1,7 @@
 //! Predicted path: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
 
 use glam::Vec2;
-use throng_base::ground::{Capsule2d, segment_distance_squared};
+use throng_geometry::{Capsule2d, segment_distance_squared};
 
 /// A place at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Zeroable)]

@@ -21,8 +21,9 @@ use crate::steering::retreat::{BlockedAgent, CorridorHalf};
 use crate::steering::sight::{ROUNDING, SeenNeighbour};
 use crate::{AtEnd, Forces, NONE, Space};
 use serde::{Deserialize, Serialize};
-use throng_base::ground::{Bounds2d, ExternalObstacles};
+use throng_base::ground::ExternalObstacles;
 use throng_base::simd::LANES;
+use throng_geometry::Bounds2d;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
 const LOOK_AGAIN_S: f32 = 0.25;

@@ -6,7 +6,7 @@ use crate::senses::crossing::{first_change, is_near, leaves_cell};
 use crate::senses::{Sense, SensedEvent, SensingState, swept_bounds};
 use crate::space::plan::MotionPlan;
 use crate::{CrowdEventKind, Id, NONE, Space};
-use throng_base::ground::Bounds2d;
+use throng_geometry::Bounds2d;
 
 impl<V: Space> Engine<V> {
     /// Sets the senses of an agent.

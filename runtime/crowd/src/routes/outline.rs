@@ -4,6 +4,7 @@ use crate::Obstacle;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::f32::consts::TAU;
 use throng_base::maths;
+use throng_geometry::{polygon_contains, segment_distance_2d};
 
 /// Something solid, from above.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,9 +57,11 @@ impl ObstacleOutline {
     /// Smallest distance of a straight line; 0 where it comes inside (m).
     pub fn distance_of_line(&self, a: Vec2, b: Vec2) -> f32 {
         match self {
-            Self::Wall { from, to, radius } => (line_to_line([a, b], [*from, *to]) - radius).max(0.0),
+            Self::Wall { from, to, radius } => (segment_distance_2d([a, b], [*from, *to]) - radius).max(0.0),
             Self::Polygon(_) if self.contains_point(a) => 0.0,
-            Self::Polygon(corners) => edges(corners).map(|e| line_to_line([a, b], e)).fold(f32::INFINITY, f32::min),
+            Self::Polygon(corners) => {
+                edges(corners).map(|e| segment_distance_2d([a, b], e)).fold(f32::INFINITY, f32::min)
+            }
         }
     }
 
@@ -73,7 +76,7 @@ impl ObstacleOutline {
 
     /// True where a place is in a polygon.
     pub fn contains_point(&self, p: Vec2) -> bool {
-        matches!(self, Self::Polygon(corners) if is_inside(corners, p))
+        matches!(self, Self::Polygon(corners) if polygon_contains(corners.iter().copied(), p))
     }
 
     /// Corners that ways may lead round (m): one of a disc, two of a wall.
@@ -110,31 +113,6 @@ impl ObstacleOutline {
 /// Lines from each corner to the next.
 fn edges(corners: &[Vec2]) -> impl Iterator<Item = [Vec2; 2]> + '_ {
     (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]])
-}
-
-/// True where a ray from a point crosses the outline an odd number of times.
-fn is_inside(corners: &[Vec2], p: Vec2) -> bool {
-    let crosses =
-        |[a, b]: &[Vec2; 2]| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
-    edges(corners).filter(crosses).count() % 2 == 1
-}
-
-fn point_to_line(p: Vec2, [a, b]: [Vec2; 2]) -> f32 {
-    let along = b - a;
-    let square = along.length_squared();
-    let share = if square > 0.0 { ((p - a).dot(along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    p.distance(a + share * along)
-}
-
-/// Smallest distance of two lines; 0 where they cross.
-pub(crate) fn line_to_line(one: [Vec2; 2], other: [Vec2; 2]) -> f32 {
-    let side = |[a, b]: [Vec2; 2], p: Vec2| (b - a).perp_dot(p - a);
-    let apart = |l: [Vec2; 2], m: [Vec2; 2]| side(l, m[0]) * side(l, m[1]) < 0.0;
-    if apart(one, other) && apart(other, one) {
-        return 0.0;
-    }
-    let ends = one.map(|p| point_to_line(p, other)).into_iter().chain(other.map(|p| point_to_line(p, one)));
-    ends.fold(f32::INFINITY, f32::min)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::space::solid::{ConvexSolid, is_inside};
 use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
+use throng_geometry::distance_to_segment;
 
 /// Largest extent of a line across the path to either side (m).
 const WIDEST_M: f32 = 20.0;
@@ -159,9 +160,7 @@ impl<V: Space> RoutePath<V> {
         for (i, leg) in self.legs.iter().enumerate().skip(first) {
             let from =
                 if i > 0 || is_round { self.legs[(i + self.legs.len() - 1) % self.legs.len()].to } else { leg.to };
-            let along = leg.to - from;
-            let share = ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            let distance = (x - (from + along * share)).length();
+            let distance = distance_to_segment(x, [from, leg.to]);
             if distance < best.0 - 1e-4 {
                 best = (distance, i);
             }

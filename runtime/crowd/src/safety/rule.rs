@@ -36,7 +36,7 @@
 use crate::Space;
 use crate::space::plan::{MotionPlan, stopping_point};
 use crate::space::solid::ConvexSolid;
-use throng_base::ground::{Bounds2d, Capsule2d};
+use throng_geometry::{Bounds2d, Capsule2d, share_along};
 
 /// Margin against rounding, whose error is smaller within 500 m of the origin (m).
 pub(crate) const MARGIN: f32 = 1e-4;
@@ -194,10 +194,7 @@ pub(crate) fn clearance<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>) -> f32 {
     let ends = |p: &MotionPlan<V>| (p.position, stopping_point(p.position, p.velocity, p.limit));
     let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
     // The distance of two segments is that of an end of one to the other, or that of their lines between the ends.
-    let nearest = |from: V, to: V, x: V| {
-        let along = to - from;
-        ((x - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0)
-    };
+    let nearest = |from: V, to: V, x: V| share_along(x, [from, to]);
     let apart = |s: f32, t: f32| (a0 + (a1 - a0) * s - b0 - (b1 - b0) * t).length();
     let mut least = apart(0.0, nearest(b0, b1, a0))
         .min(apart(1.0, nearest(b0, b1, a1)))

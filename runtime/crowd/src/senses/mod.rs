@@ -13,7 +13,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::error::check_value;
-use throng_base::ground::{Bounds2d, BoxGrid};
+use throng_geometry::{Bounds2d, BoxGrid};
 
 /// Zones, cells and distances that agents of a crowd may sense.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,7 +9,8 @@ pub(crate) mod solid;
 use glam::{Vec2, Vec3};
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
-use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
+use std::ops::{AddAssign, Neg, SubAssign};
+use throng_geometry::Vector;
 
 mod sealed {
     /// Seal: no other crate can implement a space.
@@ -29,9 +30,7 @@ pub trait Space:
     + Sync
     + Serialize
     + DeserializeOwned
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<f32, Output = Self>
+    + Vector
     + Neg<Output = Self>
     + AddAssign
     + SubAssign
@@ -62,9 +61,6 @@ pub trait Space:
 
     /// Coordinates; the third is 0 in 2-D.
     fn coordinates(self) -> [f32; 3];
-
-    /// Scalar product.
-    fn dot(self, other: Self) -> f32;
 
     /// Smaller of each coordinate.
     fn min(self, other: Self) -> Self;
@@ -164,11 +160,6 @@ impl Space for Vec2 {
     }
 
     #[inline]
-    fn dot(self, other: Self) -> f32 {
-        Vec2::dot(self, other)
-    }
-
-    #[inline]
     fn min(self, other: Self) -> Self {
         Vec2::min(self, other)
     }
@@ -208,11 +199,6 @@ impl Space for Vec3 {
     #[inline]
     fn coordinates(self) -> [f32; 3] {
         self.to_array()
-    }
-
-    #[inline]
-    fn dot(self, other: Self) -> f32 {
-        Vec3::dot(self, other)
     }
 
     #[inline]

@@ -5,8 +5,9 @@ use super::story::DoorConfig;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_base::ground::{Capsule2d, ReservedRegion};
+use throng_base::ground::ReservedRegion;
 use throng_crowd::{ForceField, Obstacle, Scheme};
+use throng_geometry::Capsule2d;
 
 /// Environment of a scene: space, obstacles, doors, ground and world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -7,6 +7,7 @@ use throng_base::maths;
 use throng_core::planar::Planar;
 use throng_core::pose::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::Capsule;
 
 /// Struck part of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -88,22 +89,6 @@ pub const NUM_CORE: usize = 5;
 const WAIST: usize = 3;
 const FOREARM: usize = 6;
 const THIGH: usize = 11;
-
-/// Capsule between two points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capsule {
-    /// Ends of its axis (m).
-    pub ends: [Vec3; 2],
-    /// Radius (m).
-    pub radius: f32,
-}
-
-impl Capsule {
-    /// Length of its axis (m).
-    pub fn length(&self) -> f32 {
-        self.ends[0].distance(self.ends[1])
-    }
-}
 
 /// Capsule that is attached to joints.
 #[derive(Clone, Copy, Debug)]

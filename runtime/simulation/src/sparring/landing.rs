@@ -2,10 +2,10 @@
 
 use super::body::{NUM_CAPSULES, SparringBody, StruckPart, WorldPose};
 use super::config::SparringConfig;
-use super::distance::nearest_points;
 use throng_base::Id;
 use throng_core::characters::Blow;
 use throng_core::skeleton::Joint;
+use throng_geometry::nearest_points;
 
 /// Blow that met the opponent's body.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! Geometry of limbs that touch: forearms and shins as segments of fixed length (Müller et al. 2007, position based
 //! dynamics), and reaching limbs of two bones.
 
-use super::body::Capsule;
-use super::distance::nearest_points;
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_geometry::Capsule;
+use throng_geometry::nearest_points;
 
 /// Overlap below which a limb counts as free (m).
 const ENOUGH_M: f32 = 1e-3;

@@ -7,7 +7,6 @@
 mod body;
 mod bout;
 mod config;
-mod distance;
 mod landing;
 mod limb_segment;
 mod pair;
@@ -20,10 +19,9 @@ mod target;
 mod tests;
 mod touch;
 
-pub use body::{BodyShape, Capsule, NUM_CAPSULES, NUM_CORE, SparringBody, StruckPart, WorldPose};
+pub use body::{BodyShape, NUM_CAPSULES, NUM_CORE, SparringBody, StruckPart, WorldPose};
 pub use bout::{Sparring, SparringFigures};
 pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig, StaggerConfig, TouchConfig};
-pub use distance::nearest_points;
 pub use landing::BlowLanding;
 pub use practice::{PracticeConfig, PracticeFigures, TargetHit, TargetPractice};
 pub use tally::BlowTally;

@@ -2,11 +2,11 @@
 
 use super::body::{SparringBody, WorldPose};
 use super::config::SeparationConfig;
-use super::distance::overlap_depth;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_core::contacts::Contacts;
+use throng_geometry::overlap_depth;
 
 /// Time constant of the speed of separation (s).
 const ADAPT_S: f32 = 0.15;
@@ -100,9 +100,7 @@ fn core_overlap(body: &SparringBody, [a, b]: [&WorldPose<'_>; 2], margin_m: f32)
     for p in &a {
         for q in &b {
             // Spheres around the capsules first: most pairs are far apart.
-            let gap = (p.ends[0] + p.ends[1]).distance(q.ends[0] + q.ends[1]) * 0.5;
-            let reach = p.radius + q.radius + 0.5 * (p.length() + q.length());
-            if gap - reach < -deepest {
+            if p.bounding_gap(q) < -deepest {
                 deepest = deepest.max(overlap_depth(p, q));
             }
         }

@@ -6,9 +6,8 @@
 //! weight stays where it came down and is only an obstacle for others. Blows are tested against the motion without these
 //! displacements.
 
-use super::body::{Capsule, NUM_CORE, SparringBody, WorldPose};
+use super::body::{NUM_CORE, SparringBody, WorldPose};
 use super::config::{TouchConfig, check_within};
-use super::distance::nearest_points;
 use super::limb_segment::{
     BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, rotation_between, separate_segments,
     solve_two_bones, swing_rotation,
@@ -20,6 +19,8 @@ use throng_base::maths;
 use throng_core::pose::{LocalTransform, Mat3x4};
 use throng_core::skeleton::{Joint, Skeleton};
 use throng_core::{Contacts, Planar};
+use throng_geometry::Capsule;
+use throng_geometry::nearest_points;
 
 /// Approximate length of a piece of a limb's path, except for very fast arms (m).
 const PIECE_M: f32 = 0.06;

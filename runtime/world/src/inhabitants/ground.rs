@@ -6,7 +6,8 @@ use super::reservations::InstanceGround;
 use crate::WorldGraph;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use throng_base::ground::{BoxGrid, Capsule2d, ExternalObstacle, ReservedRegion};
+use throng_base::ground::{ExternalObstacle, ReservedRegion};
+use throng_geometry::{BoxGrid, Capsule2d};
 
 /// Radius of an inhabitant's disc, as others see it (m).
 const BODY_RADIUS_M: f32 = throng_core::stops::BODY_RADIUS_M;

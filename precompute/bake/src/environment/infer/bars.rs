@@ -1,9 +1,10 @@
 //! Bars inferred from places that hands held.
 
-use super::super::{BoundingBox, UnitShape};
+use super::super::UnitShape;
 use super::InferredPiece;
 use super::places::InferredTouch;
 use glam::Vec3;
+use throng_geometry::BoundingBox;
 
 /// Largest distance of a hand on a bar from its axis (m).
 const NEAR: f32 = 0.05;

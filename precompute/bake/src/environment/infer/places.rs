@@ -1,9 +1,9 @@
 //! Places that stay fixed in the world while the body moves over, under or around them.
 
-use super::super::BoundingBox;
 use super::super::touch::{PARTS, SkinPoints};
 use glam::{Quat, Vec3};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::BoundingBox;
 use throng_motion::annotate::contacts::{detect_contacts, hysteresis, speeds};
 use throng_motion::annotate::{ContactConfig, GroundShape};
 use throng_motion::clip::{Clip, FrameRange, runs_where};

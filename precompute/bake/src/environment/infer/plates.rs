@@ -1,9 +1,10 @@
 //! Level plates inferred under feet and seats.
 
-use super::super::{BoundingBox, UnitShape};
+use super::super::UnitShape;
 use super::places::{InferredTouch, TouchKind};
 use super::{InferredPiece, round_to_mm};
 use glam::Vec3;
+use throng_geometry::BoundingBox;
 
 /// Largest height that counts as the ground (m).
 pub const ON_GROUND: f32 = 0.05;

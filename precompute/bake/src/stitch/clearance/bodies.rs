@@ -1,13 +1,14 @@
 //! Bodies of all frames as spheres, computed once: whether a frame collides depends only on its placement.
 
 use super::field::{DistanceField, FieldAnswer};
-use crate::environment::{BodySpheres, BoundingBox, NUM_SPHERES, Sphere};
+use crate::environment::{BodySpheres, NUM_SPHERES, Sphere};
 use crate::stitch::sets::rows::set_bits;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use throng_core::format::{FrameRow, RotationCode};
 use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, Skeleton};
+use throng_geometry::BoundingBox;
 use throng_motion::clip::joint_transforms;
 
 /// Number of spheres, padded to whole vector registers.

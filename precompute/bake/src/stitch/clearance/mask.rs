@@ -6,7 +6,6 @@ use super::field::DistanceField;
 use super::link_clearance::{EarlierMask, LinkClearance, ObstacleMask};
 use super::sampler::{CollisionSampler, LinkSamples};
 use super::swept::SweptSquares;
-use crate::environment::BoundingBox;
 use crate::stitch::place::paths::LinkRoots;
 use crate::stitch::sets::bits::{num_words, set_bit};
 use glam::Vec3;
@@ -14,6 +13,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
+use throng_geometry::BoundingBox;
 
 /// A unit as an obstacle to a patch's motion.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ impl<'a> MotionObstacle<'a> {
         if self.unit.geometry.bounds.is_empty() {
             return ObstacleMask::default();
         }
-        let near = self.bodies.root_bounds(&self.unit.geometry.bounds.transformed(self.at));
+        let near = self.bodies.root_bounds(&self.unit.geometry.bounds.mapped(|p| self.at.transform_point(p)));
         let num_links = self.paths.num_links();
         let Some(swept) = swept else {
             // Each root is sampled once, as a link of one frame.

@@ -4,11 +4,11 @@
 use super::bodies::FrameBodies;
 use super::collision_span::nearest_sampled;
 use super::field::DistanceField;
-use crate::environment::BoundingBox;
 use crate::stitch::place::paths::LinkRoots;
 use crate::stitch::sets::rows::set_bits;
 use rayon::prelude::*;
 use throng_core::patch::Placement;
+use throng_geometry::BoundingBox;
 
 /// Squares along each side of the grid.
 const SIDE: usize = 128;

@@ -1,11 +1,11 @@
 //! Joint tables: places at which motion of one patch may continue as motion of another in a given relative placement
 //! (Lee, Choi and Lee 2006, section 5).
 
-use crate::environment::BoundingBox;
 use crate::stitch::place::paths::{JoinSpots, JoinTolerance};
 use crate::stitch::place::relation::RelativePlacement;
 use rayon::prelude::*;
 use throng_core::patch::{CellRecord, PatchTables, Placement};
+use throng_geometry::BoundingBox;
 use throng_world::JointRecord;
 
 /// Joints of all pairs of instances in one relation, indexed from either side.

@@ -1,7 +1,7 @@
 //! Search for overlapping boxes.
 
-use crate::environment::BoundingBox;
 use glam::Vec3;
+use throng_geometry::BoundingBox;
 
 /// All (i, j) for which `a[i]` and `b[j]` overlap, ascending. Boxes may be inverted by shrinking.
 pub(in crate::stitch) fn overlapping_pairs(a: &[BoundingBox], b: &[BoundingBox]) -> Vec<(u32, u32)> {

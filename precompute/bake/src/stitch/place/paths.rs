@@ -1,9 +1,9 @@
 //! Positions of a patch's motion, by frame and by cell, sorted for fast neighbour queries.
 
-use crate::environment::BoundingBox;
 use crate::stitch::library::Library;
 use throng_core::patch::{KIND_TILE, LinkRecord, NONE, PatchTables, Placement};
 use throng_core::planar::wrap_angle;
+use throng_geometry::BoundingBox;
 
 /// Roots of all frames of all links of a patch, in its frame; y is the height of the clip's ground.
 ///

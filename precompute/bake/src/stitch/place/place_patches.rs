@@ -4,10 +4,11 @@ use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
 use super::near::overlapping_pairs;
 use super::relation::RelativePlacement;
 use super::solids;
-use crate::environment::{BoundingBox, Environment, PlacedUnit};
+use crate::environment::{Environment, PlacedUnit};
 use crate::stitch::config::StitchConfig;
 use crate::stitch::library::{Library, STAGE, UnitPattern, refusal_error};
 use throng_core::patch::PatchTables;
+use throng_geometry::BoundingBox;
 use throng_motion::error::BuildError;
 
 /// Placed patches, with their overlaps and obstacles.
@@ -73,12 +74,12 @@ impl<'a> Placer<'a> {
     /// Bounds of the bodies in an instance.
     pub fn instance_bounds(&self, fitted: &FittedPatch) -> BoundingBox {
         let p = &self.patches.patches[fitted.patch as usize];
-        BoundingBox { min: p.min.into(), max: p.max.into() }.transformed(fitted.placement)
+        BoundingBox { min: p.min.into(), max: p.max.into() }.mapped(|p| fitted.placement.transform_point(p))
     }
 
     /// Bounds of a placed unit.
     pub fn pattern_bounds(&self, unit: &PlacedUnit) -> BoundingBox {
-        self.library.geometries[unit.unit].bounds.transformed(unit.placement)
+        self.library.geometries[unit.unit].bounds.mapped(|p| unit.placement.transform_point(p))
     }
 
     /// Overlapping pairs with at least one block; a tile is side a, and of two blocks that of the lower patch.

@@ -1,11 +1,12 @@
 //! Overlapping units, which make an environment invalid.
 
 use super::near::overlapping_pairs;
-use crate::environment::{BoundingBox, Environment, UnitObject, UnitShape};
+use crate::environment::{Environment, UnitObject, UnitShape};
 use crate::stitch::library::{Library, refusal_error, turn_difference};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::patch::Placement;
+use throng_geometry::BoundingBox;
 use throng_motion::error::BuildError;
 
 /// Largest distance of copies of a unit in the same place (m).

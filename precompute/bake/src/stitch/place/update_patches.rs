@@ -5,8 +5,9 @@ use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
 use super::place_patches::{PlacedPatches, Placer};
 use super::relation::RelativePlacement;
 use super::solids;
-use crate::environment::{BoundingBox, Environment};
+use crate::environment::Environment;
 use throng_core::patch::NONE;
+use throng_geometry::BoundingBox;
 
 /// Updated placed patches, with their unchanged part.
 #[derive(Clone, Debug, PartialEq)]

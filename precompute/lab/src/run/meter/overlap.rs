@@ -1,5 +1,6 @@
 //! Measures overlaps of agents.
 
+use throng_geometry::distance_to_segment;
 use throng_runtime::crowd::{Obstacle, Space};
 
 /// Overlaps of pairs, counted over frames.
@@ -59,18 +60,13 @@ impl DiscOverlapMeter {
 
 /// Depth of a disc or ball in a static obstacle; below zero outside (m).
 fn overlap_depth<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f64 {
-    let line = |from: V, to: V| {
-        let along = to - from;
-        let share = ((at - from).dot(along) / along.length_squared().max(1e-12)).clamp(0.0, 1.0);
-        (at - (from + along * share)).length()
-    };
     let apart = match obstacle {
         &Obstacle::Ball { centre, radius } => (at - centre).length() - radius,
-        &Obstacle::Wall { from, to, radius } => line(from, to) - radius,
+        &Obstacle::Wall { from, to, radius } => distance_to_segment(at, [from, to]) - radius,
         &Obstacle::Box { min, max } => (at - Space::min(Space::max(at, min), max)).length(),
         Obstacle::Polygon { corners } => {
             let next = corners.iter().cycle().skip(1);
-            corners.iter().zip(next).map(|(&a, &b)| line(a, b)).fold(f32::INFINITY, f32::min)
+            corners.iter().zip(next).map(|(&a, &b)| distance_to_segment(at, [a, b])).fold(f32::INFINITY, f32::min)
         }
         _ => f32::INFINITY,
     };

@@ -92,7 +92,7 @@ fn meshes_are_closed_or_said_to_be_open() {
         std::fs::write(&path, text).expect("a file");
         mesh::read_mesh(&path, unit_m, open)
     };
-    let size = |shape: crate::shape::SolidShape| shape.ball_around().1 * 2.0;
+    let size = |shape: throng_geometry::SolidShape| shape.ball_around().1 * 2.0;
     let diagonal = size(read(CUBE, 0.01, false).expect("a mesh"));
     assert!((diagonal - 0.03f64.sqrt() * 0.1).abs() < 1e-6, "{diagonal}");
     let holed = CUBE.replace("f 4 1 5 8\n", "");

@@ -44,7 +44,7 @@ fn what_somebody_wears_is_in_the_way() {
     let nearest = |at: glam::DVec3| {
         let far = |solid: &&crate::problem::MovingSolid| {
             let p = solid.path.place_at(1.0).local_point(at);
-            solid.shape.distance(&crate::shape::Segment::new(p, p), 9.0)
+            solid.shape.distance(&throng_geometry::Segment::new(p, p), 9.0)
         };
         pieces.iter().map(far).fold(9.0, f64::min)
     };

@@ -1,10 +1,10 @@
 //! Paths on the ground past obstacles.
 
 use crate::rotation::Rigid;
-use crate::shape::{Segment, SolidShape};
 use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
+use throng_geometry::{Segment, SolidShape};
 
 /// Side of a cell of the ground (m).
 const CELL_M: f64 = 0.1;

@@ -7,7 +7,6 @@ use crate::ik::IkError;
 use crate::linkage::Limb;
 use crate::problem::Problem;
 use crate::rotation::{Rigid, rotation_about, wrap_angle};
-use crate::shape::SolidShape;
 use crate::task::lean::{BendingTrunk, RootPose, SPARE_M};
 use crate::task::preview::{object_target, reachable_poses, surroundings_at_target};
 use crate::task::stage::{TaskStage, ThingPlacement};
@@ -15,6 +14,7 @@ use crate::task::step::TaskStep;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
 use throng_core::{Joint, NUM_JOINTS};
+use throng_geometry::SolidShape;
 
 /// Best distance from the target, step of distances, and number of steps to either side (m).
 const BEST_M: f64 = 0.5;

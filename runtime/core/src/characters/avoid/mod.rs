@@ -15,9 +15,7 @@ use super::Characters;
 use super::block::MotionBlock;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{
-    Capsule2d, ExternalObstacle, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath,
-};
+use crate::reserve::{ExternalObstacle, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use std::cmp::Reverse;
@@ -25,6 +23,7 @@ use std::collections::BinaryHeap;
 use throng_base::Result;
 use throng_base::error::check_value;
 use throng_base::simd::LANES;
+use throng_geometry::Capsule2d;
 
 pub(crate) use choose::{ChoiceInputs, choose_avoiding};
 pub(crate) use path::SegmentPlan;

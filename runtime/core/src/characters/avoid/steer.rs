@@ -1,10 +1,11 @@
 //! Steering: the direction that turns least from the target and does not run into others soon.
 
 use super::AvoidConfig;
-use crate::reserve::{Bounds2d, PathReservations};
+use crate::reserve::PathReservations;
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use throng_base::maths;
+use throng_geometry::{Bounds2d, Capsule2d, distance_to_segment};
 
 /// Directions that are weighed, to the left of the target (rad): both sides, less and less towards it.
 const TURNS: [f32; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.65, 0.65, -0.95, 0.95, -1.3, 1.3, -1.8, 1.8];
@@ -139,11 +140,7 @@ fn time_to(other: &NearbyCharacter, velocity: Vec2) -> f32 {
 fn walls_ahead(chooser: &SteeringQuery, velocity: Vec2, book: &PathReservations, config: &AvoidConfig) -> f32 {
     const PLACES: usize = 4;
     let nearest = |place: Vec2| {
-        let gap = |w: &crate::reserve::Capsule2d| {
-            let way = w.to - w.from;
-            let share = ((place - w.from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            place.distance(w.from + way * share) - w.radius_m
-        };
+        let gap = |w: &Capsule2d| distance_to_segment(place, [w.from, w.to]) - w.radius_m;
         book.walls().map(gap).fold(f32::INFINITY, f32::min)
     };
     let times = (1..=PLACES).map(|k| config.horizon_s * k as f32 / (2 * PLACES) as f32);

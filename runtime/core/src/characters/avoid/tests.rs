@@ -7,11 +7,11 @@ use crate::characters::{
 };
 use crate::format::{AlignedBytes, FormatError, FrameRow};
 use crate::planar::Planar;
-use crate::reserve::Capsule2d;
 use crate::stops::SweepNode;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use throng_base::{Error, Executor, Id, Inline};
+use throng_geometry::Capsule2d;
 
 /// Radius of every character's disc in the made-up bundle (m).
 const RADIUS_M: f32 = 0.3;

@@ -1,7 +1,8 @@
 //! Search for outlines near a straight line: their edges, in a grid.
 
-use crate::routes::outline::{ObstacleOutline, line_to_line};
+use crate::routes::outline::ObstacleOutline;
 use glam::Vec2;
+use throng_geometry::segment_distance_2d;
 
 /// Most rows and columns.
 const MOST_SIDE: usize = 128;
@@ -110,7 +111,9 @@ impl EdgeGrid {
                 let OutlineEdge { ends, radius, outline } = &self.all[n as usize];
                 let (low, high) = (a.min(b) - clearance - *radius, a.max(b) + clearance + *radius);
                 let is_far = ends[0].max(ends[1]).cmplt(low).any() || ends[0].min(ends[1]).cmpgt(high).any();
-                is_far || (line_to_line([a, b], *ends) - radius).max(0.0) >= clearance || found(*outline as usize)
+                is_far
+                    || (segment_distance_2d([a, b], *ends) - radius).max(0.0) >= clearance
+                    || found(*outline as usize)
             })
         })
     }

@@ -1,4 +1,4 @@
-//! Segments, the cores of capsules.
+//! Segments, the cores of capsules, in `f64`.
 
 use glam::DVec3;
 
@@ -18,21 +18,25 @@ impl Segment {
     }
 
     /// Midpoint (m).
+    #[inline]
     pub fn middle(&self) -> DVec3 {
         0.5 * (self.a + self.b)
     }
 
     /// Half length (m).
+    #[inline]
     pub fn half_length(&self) -> f64 {
         0.5 * (self.b - self.a).length()
     }
 
     /// The segment with both ends mapped.
+    #[inline]
     pub fn map(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
         Self { a: f(self.a), b: f(self.b) }
     }
 
     /// Interpolates both ends.
+    #[inline]
     pub fn lerp(&self, to: &Self, share: f64) -> Self {
         Self { a: self.a + (to.a - self.a) * share, b: self.b + (to.b - self.b) * share }
     }
@@ -41,11 +45,13 @@ impl Segment {
     ///
     /// # Source
     /// Ericson 2005, *Real-Time Collision Detection*, section 5.1.9.
+    #[inline]
     pub fn distance(&self, other: &Self) -> f64 {
         self.square_distance(other).sqrt()
     }
 
     /// The square of [`Segment::distance`] (m^2).
+    #[inline]
     pub fn square_distance(&self, other: &Self) -> f64 {
         const POINT: f64 = 1e-18;
         let (d1, d2, r) = (self.b - self.a, other.b - other.a, self.a - other.a);

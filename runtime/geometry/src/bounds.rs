@@ -1,7 +1,6 @@
 //! Axis-aligned boxes, and a tree of them for nearest and overlap queries.
 
 use glam::Vec3;
-use throng_core::patch::Placement;
 
 /// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,12 +55,12 @@ impl BoundingBox {
         (self.min - p).max(p - self.max).max(Vec3::ZERO).length()
     }
 
-    /// Box around this one, transformed by a placement.
-    pub fn transformed(&self, at: Placement) -> Self {
+    /// Box around this one, its corners mapped by a rigid transformation.
+    pub fn mapped(&self, map: impl Fn(Vec3) -> Vec3) -> Self {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        Self::around_points(self.corners().map(|c| at.transform_point(c)))
+        Self::around_points(self.corners().map(map))
     }
 
     /// Corners: x varies fastest, then y, then z.
@@ -223,13 +222,13 @@ mod tests {
         }
 
         #[test]
-        fn placed_bounds_hold_the_placed_box(
+        fn mapped_bounds_hold_the_mapped_box(
             a in point(), b in point(), at in point(), heading in -4.0f32..4.0, t in prop::array::uniform3(0.0f32..1.0)
         ) {
             let bounds = BoundingBox::around_points([a, b]);
             let inside = bounds.min + (bounds.max - bounds.min) * Vec3::from(t);
-            let at = Placement::new(at.x, at.y, at.z, heading);
-            prop_assert!(bounds.transformed(at).expanded(1e-4).contains(at.transform_point(inside)));
+            let map = |p: Vec3| at + glam::Quat::from_rotation_y(heading) * p;
+            prop_assert!(bounds.mapped(map).expanded(1e-4).contains(map(inside)));
         }
     }
 

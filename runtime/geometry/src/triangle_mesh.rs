@@ -1,8 +1,8 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
-use super::segment::Segment;
-use super::tree::BoxTree;
-use super::triangle::{is_farther, square_distance};
+use crate::segment::Segment;
+use crate::triangle::{is_farther, square_distance};
+use crate::triangle_tree::BoxTree;
 use glam::{DVec3, Vec3};
 
 /// Reason why triangles are not a mesh.
@@ -131,13 +131,13 @@ impl TriangleMesh {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
-    use super::super::segment::tests::points;
+mod tests {
     use super::*;
+    use crate::segment::tests::points;
     use proptest::prelude::*;
 
     /// A hilly sheet, `n` by `n` squares of two triangles, 2 m wide.
-    pub fn hills(n: usize) -> TriangleMesh {
+    fn hills(n: usize) -> TriangleMesh {
         let at = |i: usize, j: usize| {
             let (x, z) = (2.0 * i as f32 / n as f32 - 1.0, 2.0 * j as f32 / n as f32 - 1.0);
             Vec3::new(x, 0.2 * (3.0 * x).sin() * (4.0 * z).cos(), z)

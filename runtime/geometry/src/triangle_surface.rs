@@ -1,17 +1,19 @@
-//! Triangles with a tree over them.
+//! Surfaces of triangles with a tree over them.
 
-use super::bounds::{BoundingBox, BoundsTree};
-use super::solid::{SurfacePoint, distance_outside};
+use crate::bounds::{BoundingBox, BoundsTree};
+use crate::nearest::nearest_on_segment;
+use crate::surface::{SurfacePoint, distance_outside};
 use glam::Vec3;
 
-/// A surface of triangles, without an inside.
+/// A surface of triangles, without an inside, that is searched from points; [`TriangleMesh`](crate::TriangleMesh) is searched
+/// from segments.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Triangles {
+pub struct TriangleSurface {
     corners: Vec<[Vec3; 3]>,
     tree: BoundsTree,
 }
 
-impl Triangles {
+impl TriangleSurface {
     /// Surface of triangles; those without an area are kept as segments or points.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
         let bounds: Vec<BoundingBox> = corners.iter().map(|t| BoundingBox::around_points(*t)).collect();
@@ -89,12 +91,7 @@ fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
 
 /// Nearest point of the three edges, for triangles so thin that rounding decides.
 fn nearest_on_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
-    let on = |a: Vec3, b: Vec3| {
-        let d = b - a;
-        let length2 = d.length_squared();
-        if length2 > 0.0 { a + d * ((p - a).dot(d) / length2).clamp(0.0, 1.0) } else { a }
-    };
-    let edges = [on(a, b), on(b, c), on(c, a)];
+    let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(p, edge));
     edges.into_iter().min_by(|q, r| q.distance(p).total_cmp(&r.distance(p))).unwrap_or(a)
 }
 
@@ -114,7 +111,7 @@ mod tests {
         fn distance_is_that_to_densely_sampled_triangles(
             corners in prop::collection::vec([vector(), vector(), vector()], 1..12), p in vector()
         ) {
-            let surface = Triangles::new(corners.clone());
+            let surface = TriangleSurface::new(corners.clone());
             let n = 60;
             let mut sampled = f32::INFINITY;
             for [a, b, c] in &corners {

@@ -1,6 +1,6 @@
 //! A tree of boxes over triangles; a node has four boxes, which are tested together.
 
-use super::segment::Segment;
+use crate::segment::Segment;
 use glam::{Vec3, Vec4};
 
 /// Bit that marks an index as a triangle's, not a node's.

@@ -1,7 +1,7 @@
-//! Distance between a segment and a triangle.
+//! Triangles: their distance from segments, and where rays cross their planes.
 
-use super::segment::Segment;
-use glam::DVec3;
+use crate::segment::Segment;
+use glam::{DVec3, Vec3};
 
 /// Squared distance between a segment and a triangle, which may be a line or a point (m^2).
 ///
@@ -37,6 +37,7 @@ pub fn square_distance(s: &Segment, &[a, b, c]: &[DVec3; 3]) -> f64 {
 ///
 /// - `over`: one over the square of the segment's length; 0 for a point.
 /// - `square_limit`: (m^2)
+#[inline]
 pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit: f64) -> bool {
     let along = s.b - s.a;
     let middle = (a + b + c) * (1.0 / 3.0);
@@ -47,10 +48,38 @@ pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit:
     rest > 0.0 && rest * rest >= square_limit * line.length_squared()
 }
 
+/// Crossing of a ray and the plane of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayCrossing {
+    /// Volume of the parallelepiped of the two edges at the first corner and the reversed direction: above 0 where the ray
+    /// comes from the side from which the corners run counter-clockwise. The other fields mean nothing near 0.
+    pub det: f32,
+    /// Share of the edge from the first corner to the second.
+    pub u: f32,
+    /// Share of the edge from the first corner to the third.
+    pub v: f32,
+    /// Distance along the ray, in lengths of its direction.
+    pub t: f32,
+}
+
+/// Crossing of a ray and the plane of a triangle, in `f32`; it is inside where `u`, `v` and `1 - u - v` are at least 0.
+///
+/// # Source
+/// Möller and Trumbore, *Fast, Minimum Storage Ray/Triangle Intersection*, 1997.
+#[inline]
+pub fn ray_crossing(origin: Vec3, direction: Vec3, &[a, b, c]: &[Vec3; 3]) -> RayCrossing {
+    let (ab, ac) = (b - a, c - a);
+    let across = direction.cross(ac);
+    let det = ab.dot(across);
+    let from = origin - a;
+    let over = from.cross(ab);
+    RayCrossing { det, u: from.dot(across) / det, v: direction.dot(over) / det, t: ac.dot(over) / det }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::super::segment::tests::{least, points};
     use super::*;
+    use crate::segment::tests::{least, points};
     use proptest::prelude::*;
 
     proptest! {
@@ -66,6 +95,15 @@ mod tests {
             for limit in [0.5 * found, 1.001 * found + 1e-9] {
                 prop_assert!(!is_farther(&s, over, &[a, b, c], limit * limit) || limit <= found, "{found} {limit}");
             }
+        }
+    }
+    #[test]
+    fn a_ray_crosses_where_it_was_aimed() {
+        let corners = [Vec3::new(1.0, 0.0, 2.0), Vec3::new(3.0, 0.0, 2.0), Vec3::new(1.0, 4.0, 2.0)];
+        let aim = corners[0] + 0.25 * (corners[1] - corners[0]) + 0.5 * (corners[2] - corners[0]);
+        for (origin, det) in [(aim + 3.0 * Vec3::Z, 8.0), (aim - 3.0 * Vec3::Z, -8.0)] {
+            let direction = (aim - origin).normalize();
+            assert_eq!(ray_crossing(origin, direction, &corners), RayCrossing { det, u: 0.25, v: 0.5, t: 3.0 });
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Distance between a segment and a box.
 
-use super::segment::Segment;
+use crate::segment::Segment;
 use glam::DVec3;
 
 /// Distance from a segment to a box around the origin; 0 inside (m).
@@ -47,8 +47,8 @@ pub fn segment_cuboid(s: &Segment, half: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::segment::tests::{least, points};
     use super::*;
+    use crate::segment::tests::{least, points};
     use proptest::prelude::*;
 
     proptest! {

@@ -1,15 +1,8 @@
 //! Shapes, and their distances to segments.
 
-mod cuboid;
-mod mesh;
-mod segment;
-mod tree;
-mod triangle;
-
-pub use mesh::{MeshError, TriangleMesh};
-pub use segment::Segment;
-
-use cuboid::segment_cuboid;
+use crate::cuboid::segment_cuboid;
+use crate::segment::Segment;
+use crate::triangle_mesh::TriangleMesh;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -46,6 +39,7 @@ impl SolidShape {
     }
 
     /// Distance to a segment, where it is below `limit`, else infinite; negative within a ball, 0 within a box (m).
+    #[inline]
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
         let d = match self {
             Self::Round { core, radius } => s.distance(core) - radius,
@@ -56,6 +50,7 @@ impl SolidShape {
     }
 
     /// True where a segment is nearer than `limit` (m).
+    #[inline]
     pub fn is_nearer(&self, s: &Segment, limit: f64) -> bool {
         match self {
             Self::Mesh(mesh) => mesh.is_nearer(s, limit),
@@ -82,9 +77,4 @@ impl SolidShape {
             Self::Mesh(_) => true,
         }
     }
-}
-
-#[cfg(test)]
-pub(crate) mod tests {
-    pub use super::mesh::tests::hills;
 }
