@@ -169,12 +169,33 @@ pub(super) fn swing_rotation(
 
 /// Nearest points of two axes, and the displacement of the first one, if they are nearer than allowed (m).
 fn penetration(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
+    let limit_m = allowed_m - ENOUGH_M;
+    if are_surely_apart(a, b, limit_m) {
+        return None;
+    }
     let [p, q] = nearest_points(a, b);
     let way = p - q;
     let distance = way.length();
-    // Crossing axes separate in the direction from which the arm came.
-    let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
-    (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
+    (distance < limit_m).then(|| {
+        // Crossing axes separate in the direction from which the arm came.
+        let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
+        (p, q, out * (allowed_m - distance))
+    })
+}
+
+/// True where two axes are at least `limit_m` apart along the line between their middles; false says nothing. This takes
+/// a fraction of what their nearest points take, and holds for most axes that are apart.
+///
+/// Along this line, the axes are as far apart as their middles, less half of the extent of each. A margin covers rounding:
+/// where the test holds, the distance of the computed [`nearest_points`] is not below the limit either, for axes up to
+/// 10 m long.
+fn are_surely_apart([a0, a1]: [Vec3; 2], [b0, b1]: [Vec3; 2], limit_m: f32) -> bool {
+    let limit_m = limit_m + 1e-5 + 1e-6 * (a0.x.abs() + a0.y.abs() + a0.z.abs());
+    // Twice the vector between the middles.
+    let between = (a0 - b0) + (a1 - b1);
+    let square = between.length_squared();
+    let gap = square - between.dot(a1 - a0).abs() - between.dot(b1 - b0).abs();
+    gap > 0.0 && gap * gap >= 4.0 * limit_m * limit_m * square
 }
 
 /// Positions of middle and end as near to `ends` as a limb of these lengths can reach (m).
@@ -236,4 +257,49 @@ pub(super) fn rotation_between(from: Vec3, to: Vec3) -> Quat {
     }
     let axis = from.cross(to);
     maths::normalize_or_identity(Quat::from_xyzw(axis.x, axis.y, axis.z, w))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector(most: f32) -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-most..most).prop_map(Vec3::from_array)
+    }
+
+    /// Two axes near each other, any distance from the origin: crossing, parallel, and without length too (m).
+    fn axes() -> impl Strategy<Value = [[Vec3; 2]; 2]> {
+        let far = prop_oneof![Just(0.0f32), 0.0f32..10.0, 0.0f32..1e3, 0.0f32..2e6];
+        let length = || prop_oneof![Just(0.0f32), 0.0f32..1e-3, 0.0f32..0.5, 0.0f32..5.0];
+        let directions = (vector(1.0), vector(1.0), vector(1.0), vector(1.0), any::<bool>());
+        (far, directions, length(), length(), 0.0f32..1.0).prop_map(
+            |(far, (from, u, v, to, are_parallel), a, b, apart)| {
+                let start = from * far;
+                let v = if are_parallel { u } else { v };
+                let other = start + to * apart;
+                [[start - u * a, start + u * a], [other - v * b, other + v * b]]
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        #[test]
+        fn axes_that_are_surely_apart_are_no_nearer_than_the_limit([a, b] in axes(), limit_m in 0.0f32..0.5) {
+            let [p, q] = nearest_points(a, b);
+            prop_assert!(!are_surely_apart(a, b, limit_m) || (p - q).length() >= limit_m);
+            // The limit where a wrong answer is likeliest.
+            let just_above = (p - q).length() * 1.0001;
+            prop_assert!(!are_surely_apart(a, b, just_above), "{a:?} {b:?}");
+        }
+    }
+
+    #[test]
+    fn most_axes_that_are_apart_are_known_to_be_so() {
+        let forearm = [Vec3::new(0.2, 1.3, 0.3), Vec3::new(0.1, 1.4, 0.6)];
+        let trunk = [Vec3::new(0.0, 1.0, 0.9), Vec3::new(0.0, 1.4, 0.9)];
+        assert!(are_surely_apart(forearm, trunk, 0.15));
+        assert!(!are_surely_apart(forearm, trunk, 0.35), "{:?}", nearest_points(forearm, trunk));
+    }
 }

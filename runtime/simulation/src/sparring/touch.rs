@@ -115,9 +115,18 @@ impl LimbOffset {
 
     /// Turns the whole limb about its root out of remaining obstacles, which turns no elbow.
     fn swing_out(&mut self, shape: &LimbShape, core: &[Capsule], give_m: f32) {
+        let mut num_clear = 0;
         for capsule in core.iter().cycle().take(SWINGS * core.len()) {
             let [root, middle, end] = self.displaced_positions();
-            let Some(turn) = swing_rotation(root, [middle, end], shape, capsule, give_m) else { continue };
+            let Some(turn) = swing_rotation(root, [middle, end], shape, capsule, give_m) else {
+                num_clear += 1;
+                // A limb that has left all capsules where it is now leaves them in later rounds too.
+                if num_clear == core.len() {
+                    break;
+                }
+                continue;
+            };
+            num_clear = 0;
             let turned = [middle, end].map(|p| root + maths::rotate(turn, p - root));
             self.off = [turned[0] - self.was[1], turned[1] - self.was[2]];
         }
@@ -199,7 +208,18 @@ impl LimbTouch {
                 .filter(|(_, way)| **way == LimbFreedom::Free)
                 .map(|((limb, now), _)| now[2].distance(limb.was[2]));
             let pieces = ((fastest.fold(0.0, f32::max) / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
-            let scene = TouchScene { shapes, cores, now: &now, toes: &toes, freedoms: &ways, give_m: config.give_m };
+            let obstacles = [0, 1].map(|k| limb_obstacles(&now[k], shapes, &cores[k]));
+            let obstacle_balls =
+                obstacles.map(|all| all.map(|capsule| BoundingBall::around_segment(capsule.ends, capsule.radius)));
+            let scene = TouchScene {
+                shapes,
+                obstacles: &obstacles,
+                obstacle_balls: &obstacle_balls,
+                now: &now,
+                toes: &toes,
+                freedoms: &ways,
+                give_m: config.give_m,
+            };
             for piece in 1..=pieces {
                 self.advance_piece(&scene, piece as f32 / pieces as f32);
             }
@@ -255,7 +275,7 @@ impl LimbTouch {
 
     /// Advances the motion by a piece of the step, and moves limbs out of obstacles.
     fn advance_piece(&mut self, scene: &TouchScene<'_>, share: f32) {
-        let &TouchScene { shapes, now, freedoms: ways, give_m, .. } = scene;
+        let &TouchScene { shapes, obstacles, now, freedoms: ways, give_m, .. } = scene;
         let free = |k: usize| (0..NUM_LIMBS).filter(move |l| ways[k][*l] == LimbFreedom::Free);
         let base: LimbPositions = std::array::from_fn(|k| {
             std::array::from_fn(|l| std::array::from_fn(|i| self.limbs[k][l].was[i].lerp(now[k][l][i], share)))
@@ -273,14 +293,14 @@ impl LimbTouch {
                 LimbSegment { ends, foot, freedom: ways[k][l], moved: false }
             })
         });
-        let obstacles = [0, 1].map(|k| limb_obstacles(&now[k], shapes, &scene.cores[k]));
+        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
         let mut near = [[NearObstacles::default(); NUM_LIMBS]; 2];
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
-            near[k][l] = NearObstacles::find_near(&rods[k][l], base[k][l][0], &shapes[l], &obstacles[k ^ 1], first);
+            let upper = BoundingBall::around_segment([base[k][l][0], rods[k][l].ends[0]], shapes[l].upper_radius);
+            near[k][l] = NearObstacles::find_near(&balls[k][l], &upper, &scene.obstacle_balls[k ^ 1], first);
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
-        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
         let meet = |a: usize, b: usize| {
             let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [LimbFreedom::Free; 2];
             are_alike && balls[0][a].is_near(&balls[1][b])
@@ -365,7 +385,9 @@ impl LimbTouch {
 /// Inputs of the displacement of two characters' limbs.
 struct TouchScene<'a> {
     shapes: &'a [LimbShape; NUM_LIMBS],
-    cores: &'a [[Capsule; NUM_CORE + 1]; 2],
+    /// Obstacles that each of the two is for the other one, and balls around them.
+    obstacles: &'a [[Capsule; NUM_OBSTACLES]; 2],
+    obstacle_balls: &'a [[BoundingBall; NUM_OBSTACLES]; 2],
     now: &'a LimbPositions,
     toes: &'a [[Vec3; 2]; 2],
     freedoms: &'a [[LimbFreedom; NUM_LIMBS]; 2],
@@ -417,21 +439,18 @@ struct NearObstacles {
 }
 
 impl NearObstacles {
+    /// - `fore`, `upper`: balls around the two bones of the limb.
     /// - `first`: number of the first obstacle that is tested.
     fn find_near(
-        rod: &LimbSegment,
-        root: Vec3,
-        shape: &LimbShape,
-        obstacles: &[Capsule; NUM_OBSTACLES],
+        fore: &BoundingBall,
+        upper: &BoundingBall,
+        obstacles: &[BoundingBall; NUM_OBSTACLES],
         first: usize,
     ) -> Self {
-        let fore = rod.bounding_ball(shape);
-        let upper = BoundingBall::around_segment([root, rod.ends[0]], shape.upper_radius);
         let mut near = Self::default();
-        for (i, capsule) in obstacles.iter().enumerate().skip(first) {
-            let ball = BoundingBall::around_segment(capsule.ends, capsule.radius);
-            near.fore |= u32::from(fore.is_near(&ball)) << i;
-            near.upper |= u32::from(upper.is_near(&ball)) << i;
+        for (i, ball) in obstacles.iter().enumerate().skip(first) {
+            near.fore |= u32::from(fore.is_near(ball)) << i;
+            near.upper |= u32::from(upper.is_near(ball)) << i;
         }
         near
     }
