@@ -53,13 +53,13 @@ pub fn run(args: &Args) -> CommandResult {
     let scene = recording.scene()?;
     crate::run::ensure_scene(&scene, &args.cache)?;
     let sim = recording.replay(&scene.open()?, args.at)?;
-    let Some(minds) = sim.brains() else {
+    let Some(brains) = sim.brains() else {
         return fail("the scene says no more than goals: nobody has anything in mind");
     };
     match (&args.message, args.agent) {
-        (Some(event), _) => print_event_spread(minds, event, args.json),
+        (Some(event), _) => print_event_spread(brains, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {
-            let why = minds.explain(agent, sim.time_s());
+            let why = brains.explain(agent, sim.time_s());
             if args.json { output::json(&why) } else { output::text(explanation_text(&why)) }
         }
         (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),
@@ -67,8 +67,8 @@ pub fn run(args: &Args) -> CommandResult {
     }
 }
 
-fn print_event_spread(minds: &AgentBrains, event: &str, json: bool) -> CommandResult {
-    let learnt = minds.event_learners(event)?;
+fn print_event_spread(brains: &AgentBrains, event: &str, json: bool) -> CommandResult {
+    let learnt = brains.event_learners(event)?;
     if json {
         let learnt = learnt.into_iter().map(|(agent, known)| InformedAgent { agent, known }).collect();
         return output::json(&EventSpreadReport { event: event.into(), learnt });

@@ -131,7 +131,15 @@ impl<V: Space> Engine<V> {
     /// What an agent does if nothing but the forces moves it (Kim, Kim and Shin 2003b, eq. 14), no faster than any other scheme lets it.
     fn desired_motion(&mut self, agent: u32, step: f32) -> Decision<V> {
         let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, external_obstacles: outsiders, relationships: relationships, time: self.now };
+        let decider = Decider {
+            scenery,
+            cells,
+            states,
+            grid,
+            external_obstacles: outsiders,
+            relationships: relationships,
+            time: self.now,
+        };
         let desired = decider.desired_motion(agent, None, scratch);
         let fresh = desired.fresh;
         let fastest = scenery.fastest;
@@ -187,7 +195,8 @@ impl<V: Space> Engine<V> {
         });
         for &s in self.scenery.solids_near(self.states[agent as usize].cell) {
             let solid = &self.scenery.solids[s as usize];
-            let (distance, (away, before)) = (solid.direction_and_distance(end).1, solid.direction_and_distance(me.position));
+            let (distance, (away, before)) =
+                (solid.direction_and_distance(end).1, solid.direction_and_distance(me.position));
             if me.radius - distance > deepest && distance < before {
                 deepest = me.radius - distance;
                 found = Some((-away, NONE));

@@ -333,7 +333,7 @@ fn what_two_cannot_do_is_refused_and_changes_nothing() {
     value(people.order_meeting([ids[0]; 2], GIVE, 1.0), "other");
     value(people.order_meeting(ids, SIT, 1.0), "tag");
     value(people.order_meeting(ids, GIVE, f32::NAN), "seconds");
-    value(people.order(ids[0], InhabitantGoal::Meet { tag: GIVE, seconds: 1.0 }), "wish");
+    value(people.order(ids[0], InhabitantGoal::Meet { tag: GIVE, seconds: 1.0 }), "goal");
     value(people.order(ids[0], InhabitantGoal::Perform { tag: GIVE, seconds: 1.0 }), "tag");
     assert!(people.order_meeting([ids[0], Id::first(7)], GIVE, 1.0).is_err());
     assert_eq!(people.hash(), before);

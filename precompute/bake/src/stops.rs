@@ -51,7 +51,7 @@ pub struct StopsReport {
     /// Longest time to come to a stand (s).
     pub stop_worst_s: f64,
     /// Distance to a stand, 95th percentile (m).
-    pub stop_way_p95_m: f64,
+    pub stop_path_p95_m: f64,
 }
 
 /// Computes the stop tables of a graph.
@@ -320,7 +320,7 @@ fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, ways: &[Vec<Vec2>]) -
         slowing_states: moving.iter().filter(|&&s| slows(s)).count(),
         stop_p95_s,
         stop_worst_s,
-        stop_way_p95_m: p95(&way)[0],
+        stop_path_p95_m: p95(&way)[0],
     }
 }
 

@@ -177,9 +177,9 @@ impl Simulation {
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
         let mut moves_itself = ReservedRegion::default();
         scene.scene().environment.reserve_movers(0.0, &mut moves_itself);
-        let minds_own =
+        let has_own_clock =
             matches!(sim.character_groups.as_slice(), [AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)]);
-        if sim.character_groups.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
+        if sim.character_groups.len() > 1 || !has_own_clock && !moves_itself.bodies.is_empty() {
             sim.reserved = vec![ReservedRegion::default(); sim.character_groups.len() + 1];
         }
         sim.resolve_start_conflicts()?;

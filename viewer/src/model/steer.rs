@@ -151,9 +151,9 @@ impl Model {
             if s.waited >= PATCH_EVERY {
                 s.waited = 0;
                 let place = at + way * distance_ahead(PATCH_AHEAD_M, held);
-                let wish = Some(InhabitantGoal::GoNear { place, within_m: PATCH_WITHIN_M });
+                let goal = Some(InhabitantGoal::GoNear { place, within_m: PATCH_WITHIN_M });
                 // Where no place is near, at an edge of the world, it goes on as it did.
-                _ = world.give_order(character, wish);
+                _ = world.give_order(character, goal);
             }
         } else if let Some((_, run)) = self.document.crowd_mut() {
             let to = at + way * distance_ahead(AHEAD_M, held);

@@ -43,8 +43,8 @@ impl Model {
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
             WorldCommand::ForgetRefused => world.forget_refused(),
-            WorldCommand::Order { character, goal: wish } => {
-                if let Err(why) = world.give_order(character, wish) {
+            WorldCommand::Order { character, goal } => {
+                if let Err(why) = world.give_order(character, goal) {
                     self.complain(format!("Character {character}: {why}"));
                 }
             }

@@ -123,8 +123,8 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
 /// Goal of an inhabitant, as text.
 ///
 /// - `tags`: names of the link tags of the bundle.
-pub fn goal(wish: InhabitantGoal, tags: &[String]) -> String {
-    match wish {
+pub fn goal(goal: InhabitantGoal, tags: &[String]) -> String {
+    match goal {
         InhabitantGoal::Roam => "roam".to_owned(),
         InhabitantGoal::GoTo { instance } => format!("go to patch {instance}"),
         InhabitantGoal::GoToPlace { place } => {

@@ -40,7 +40,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {
-                Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
+                Some((brains, agent, event)) => agents::colour_by_message(brains, agent, event, &brush),
                 None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, (g, who), palette)),
             };
             character(out, model, simulation, (who, colour), &brush);
@@ -76,9 +76,9 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
 /// message.
 fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a AgentBrains, usize, usize)> {
     let event = model.selection.scene.message?;
-    let minds = simulation.brains().filter(|m| event < m.event_names().len())?;
-    let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < minds.len())?;
-    Some((minds, agent, event))
+    let brains = simulation.brains().filter(|m| event < m.event_names().len())?;
+    let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < brains.len())?;
+    Some((brains, agent, event))
 }
 
 /// A body, a disc on the ground, or a ball in the air.

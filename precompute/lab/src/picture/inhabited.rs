@@ -47,7 +47,7 @@ pub(super) fn inhabited_sheet(
     let bodies: Vec<WorldFigure> = groups.iter().enumerate().flat_map(of_group).collect();
     let f = figures.world.clone().unwrap_or_default();
     let subtitle = format!(
-        "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} wishes fulfilled and {:.0} m travelled a \
+        "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} goals fulfilled and {:.0} m travelled a \
          minute and character; planted feet slip {:.0} mm/s (95th percentile)",
         figures.simulated_s,
         figures.character_overlaps.unwrap_or(0),

@@ -131,7 +131,7 @@ fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
             &*provide_from_memory(&sources),
         )
         .unwrap();
-        (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
+        (plan.performers[0].measured_clips.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
     };
     let two = plan(&[&slow, &slow]);
     assert_eq!(two.0, [0, 1]);

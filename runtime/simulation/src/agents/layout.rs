@@ -112,7 +112,7 @@ impl<V: Space> CrowdLayout<V> {
     /// Sets what agents sense, as far as a scenario needs it.
     pub(super) fn set_senses(&mut self, scenario: &Scenario) {
         let (agents, places) = (&self.scene.agents, &self.scene.places);
-        self.setup.senses.meet_m = if scenario.senses_meetings() { agents.telling_m } else { 0.0 };
+        self.setup.senses.meet_m = if scenario.senses_meetings() { agents.meeting_m } else { 0.0 };
         (self.senses_zones, self.senses_cells) = (scenario.senses_zones, scenario.senses_cells);
         let zone = |site: &SiteConfig| Zone { centre: to_point(&site.at), radius: site.radius_m };
         self.setup.senses.zones = if self.senses_zones { places.iter().map(zone).collect() } else { Vec::new() };

@@ -94,7 +94,7 @@ pub struct AgentsConfig {
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub engine: Scheme,
     /// Distance between the centres of two agents at which they tell each other news, and `meets` happens (m, 0.1 to 100).
-    pub telling_m: f32,
+    pub meeting_m: f32,
     /// Side of the smallest cells with blackboards; 0 for none (m, 0 to 1000).
     pub cell_m: f32,
     /// Whether paths lead around fixed obstacles; otherwise agents go straight and only avoid them.
@@ -106,7 +106,7 @@ pub struct AgentsConfig {
 
 impl Default for AgentsConfig {
     fn default() -> Self {
-        Self { engine: Scheme::default(), telling_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
+        Self { engine: Scheme::default(), meeting_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
     }
 }
 

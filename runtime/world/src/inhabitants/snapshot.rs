@@ -77,8 +77,8 @@ impl Inhabitants {
                 "a character goes where no step leads",
             )?;
             check(
-                state.wish.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
-                "a wish has no target",
+                state.goal.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
+                "a goal has no target",
             )?;
             new_chains.set(c, chain);
             let mut are_free = true;

@@ -155,8 +155,8 @@ pub fn click(
     let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
         if let Some((_, place)) = world.pick(ray) {
-            let wish = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
-            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal: wish }));
+            let goal = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
+            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal }));
         }
         return;
     }

@@ -138,13 +138,13 @@ impl SceneRunState {
                 self.simulation.raise_event(name)?;
                 self.trace_agent_brains();
             }
-            RunInput::Goal { character, goal: wish } => {
+            RunInput::Goal { character, goal } => {
                 let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
                 if let Some(AnyCharacterGroup::Patches(people)) =
                     group.map(|g| g.character_group).map(|c| self.simulation.character_group_mut(c))
                 {
-                    people.order_goal(number, *wish)?;
+                    people.order_goal(number, *goal)?;
                 }
             }
         }

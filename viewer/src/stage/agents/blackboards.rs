@@ -17,11 +17,11 @@ const MAX_CELLS: usize = 2000;
 
 /// Entries on the blackboards of cells, of the selected levels.
 pub fn posted<'a>(
-    minds: &'a AgentBrains,
+    brains: &'a AgentBrains,
     look: &SceneViewOptions,
 ) -> impl Iterator<Item = (BlackboardCell, BlackboardPost)> + 'a {
     let boards = look.blackboards;
-    let of_cells = minds.posts().filter_map(|p| Some((BlackboardCell::from_cell(&p.cell?), p)));
+    let of_cells = brains.posts().filter_map(|p| Some((BlackboardCell::from_cell(&p.cell?), p)));
     of_cells.filter(move |(cell, _)| match boards {
         BlackboardFilter::Nothing => false,
         BlackboardFilter::All => true,
@@ -30,7 +30,7 @@ pub fn posted<'a>(
 }
 
 /// The smallest cell with an entry at a place on the ground.
-pub fn cell_at(minds: &AgentBrains, look: &SceneViewOptions, at: Vec3) -> Option<BlackboardCell> {
+pub fn cell_at(brains: &AgentBrains, look: &SceneViewOptions, at: Vec3) -> Option<BlackboardCell> {
     let is_in = |(cell, p): &(BlackboardCell, BlackboardPost)| {
         let c = p
             .cell
@@ -38,7 +38,7 @@ pub fn cell_at(minds: &AgentBrains, look: &SceneViewOptions, at: Vec3) -> Option
             .filter(|c| (Vec2::from(c.middle) - Vec2::new(at.x, at.z)).abs().max_element() * 2.0 <= c.side_m);
         c.map(|_| *cell)
     };
-    posted(minds, look).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
+    posted(brains, look).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
 }
 
 /// The colour of a message.
@@ -53,8 +53,8 @@ pub(in crate::stage) fn lay_out(
     look: &SceneViewOptions,
     brush: &Brush<'_>,
 ) {
-    let Some(minds) = simulation.brains().filter(|_| !brush.in_the_air) else { return };
-    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(minds, look).take(MAX_CELLS).collect();
+    let Some(brains) = simulation.brains().filter(|_| !brush.in_the_air) else { return };
+    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(brains, look).take(MAX_CELLS).collect();
     // From large to small, so that the small ones lie on the large ones.
     all.sort_by_key(|(cell, p)| (std::cmp::Reverse(cell.level), cell.at, p.event));
     for same in all.chunk_by(|a, b| a.0 == b.0) {

@@ -219,7 +219,7 @@ pub(super) fn scene(num: usize, more: &str) -> Scene {
     Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-pub(super) fn minds(scene: &Scene) -> AgentBrains {
+pub(super) fn brains(scene: &Scene) -> AgentBrains {
     let scenario = Scenario::new(scene, &ActionRegistry::default()).unwrap_or_else(|e| panic!("{e}")).expect("a story");
     let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
     AgentBrains::new(Arc::new(scenario), scene.seed, &doors)
@@ -227,15 +227,15 @@ pub(super) fn minds(scene: &Scene) -> AgentBrains {
 
 /// A scene that has run on paper.
 pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: f64) -> (AgentBrains, Paper) {
-    let mut minds = minds(&scene(num, more));
+    let mut brains = brains(&scene(num, more));
     let mut stage = Paper::new(num);
-    Lives::begin(&mut minds, &mut stage);
-    play(&mut minds, &mut stage, script, until_s);
-    (minds, stage)
+    Lives::begin(&mut brains, &mut stage);
+    play(&mut brains, &mut stage, script, until_s);
+    (brains, stage)
 }
 
-pub(super) fn explained(minds: &AgentBrains, agent: usize) -> Explanation {
-    minds.explain(agent, 0.0)
+pub(super) fn explained(brains: &AgentBrains, agent: usize) -> Explanation {
+    brains.explain(agent, 0.0)
 }
 
 /// The error of a scene that is refused.

@@ -5,7 +5,7 @@ use super::super::action_registry::{ActionArguments, ActionCommand, ActionRegist
 use super::super::language::{ExpressionNode, ExpressionTree, parse_expression};
 use super::super::perceive::hashed_chance;
 use super::random::script;
-use super::{Lives, Paper, ScenarioStage, Signal, minds, play, scene};
+use super::{Lives, Paper, ScenarioStage, Signal, brains, play, scene};
 use crate::scene::{ActionConfig, Scene, StateConfig, StoryBehaviour, WordConfig};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -244,7 +244,7 @@ impl Plain {
 
     fn learn(&mut self, a: u32, about: About) {
         let known = self.people[a as usize].news.contains(&about.event);
-        if known && ["told", "read"].contains(&about.how) {
+        if known && ["passed_on", "read"].contains(&about.how) {
             return;
         }
         let person = &mut self.people[a as usize];
@@ -669,12 +669,15 @@ impl Lives for Plain {
                 self.touch(a);
                 self.touch(b);
                 for (from, to) in [(a, b), (b, a)] {
-                    for e in self.scene.events.clone().into_iter().filter(|e| e.told_on) {
+                    for e in self.scene.events.clone().into_iter().filter(|e| e.passed_on) {
                         let is_fresh =
                             self.happened.get(&e.name).is_some_and(|t| now - t <= e.fresh_s.unwrap_or(NEVER));
                         let has = |p: u32| self.people[p as usize].news.contains(&e.name);
                         if is_fresh && has(from) && !has(to) {
-                            self.learn(to, About { event: e.name, how: "told", other: Some(from), ..About::default() });
+                            self.learn(
+                                to,
+                                About { event: e.name, how: "passed_on", other: Some(from), ..About::default() },
+                            );
                         }
                     }
                 }
@@ -737,7 +740,7 @@ proptest! {
     ) {
         let scene = scene(num, &super::random::lively(period, rate, probability));
         let script = script(num as u32, seed, 20.0);
-        let (mut fast, mut slow) = (minds(&scene), Plain::new(&scene));
+        let (mut fast, mut slow) = (brains(&scene), Plain::new(&scene));
         let (mut a, mut b) = (Paper::new(num), Paper::new(num));
         Lives::begin(&mut fast, &mut a);
         slow.begin(&mut b);
