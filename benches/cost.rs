@@ -412,8 +412,8 @@ fn sparring(input: &Input<'_>) -> Outcome<u64> {
     Ok((2 * num_pairs * input.num_steps) as u64)
 }
 
-fn step(cast: &mut impl CharacterGroup, num_steps: usize) -> Outcome<()> {
-    Ok((0..num_steps).try_for_each(|_| cast.step(DT_S, &Inline))?)
+fn step(character_group: &mut impl CharacterGroup, num_steps: usize) -> Outcome<()> {
+    Ok((0..num_steps).try_for_each(|_| character_group.step(DT_S, &Inline))?)
 }
 
 /// A point of a square grid around the origin: number and count of points, and the distance of neighbours.

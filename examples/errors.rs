@@ -35,7 +35,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     println!("{bad}");
 
     // No more room, and the id of a walker that has left.
-    let full = walkers.spawn(WalkerStart::default()).expect_err("a full cast");
+    let full = walkers.spawn(WalkerStart::default()).expect_err("a full group");
     walkers.despawn(id)?;
     let gone = walkers.status(id).expect_err("an id that has left");
     assert!(matches!((&full, &gone), (Error::Full { capacity: 1 }, Error::Gone(_))));

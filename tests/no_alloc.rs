@@ -75,14 +75,16 @@ fn steps_allocate_nothing() {
 fn characters_that_make_way_allocate_nothing() {
     let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
     let tables = common::tables();
-    let mut cast = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
+    let mut character_group = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
     for i in 0..144 {
         let root = Planar::new(0.8 * (i % 12) as f32, 0.8 * (i / 12) as f32, i as f32);
-        let id = cast.spawn(Spawn::standing_at(root)).expect("there is room");
-        cast.order(id, PolicyOrder::towards(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z))).expect("an order");
+        let id = character_group.spawn(Spawn::standing_at(root)).expect("there is room");
+        character_group
+            .order(id, PolicyOrder::towards(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z)))
+            .expect("an order");
     }
-    let n = allocations(|| (0..600).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step")));
-    let blocked = (0..144).filter(|&c| cast.characters().num_blocked_choices(c) > 0).count();
+    let n = allocations(|| (0..600).for_each(|_| character_group.step(1.0 / 60.0, &Inline).expect("a step")));
+    let blocked = (0..144).filter(|&c| character_group.characters().num_blocked_choices(c) > 0).count();
     assert!(blocked > 3, "{blocked} in each other's way prove little");
     assert_eq!(n, 0);
 }

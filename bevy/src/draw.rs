@@ -203,9 +203,9 @@ fn show_far(
 /// Records of this update, by place.
 fn upload(crowds: Query<(&Crowd, &Drawn)>, mut buffers: ResMut<Assets<ShaderBuffer>>) {
     for (crowd, drawn) in &crowds {
-        let (Some(cast), Some(mut buffer)) = (crowd.cast(), buffers.get_mut(&drawn.records)) else { continue };
+        let (Some(group), Some(mut buffer)) = (crowd.character_group(), buffers.get_mut(&drawn.records)) else { continue };
         let mut records = vec![Instance::default(); crowd.capacity().max(1)];
-        for (id, record) in cast.ids().iter().zip(cast.instances()) {
+        for (id, record) in group.ids().iter().zip(group.instances()) {
             records[id.index()] = *record;
         }
         buffer.data = Some(bytemuck::cast_slice(&records).to_vec());

@@ -44,7 +44,7 @@ pub fn open(
         }
         let Some(ThrongBundle(bundle)) = bundles.get(crowd.bundle()) else { continue };
         let done = match &mut crowd.live {
-            Some(live) => live.cast.adopt(bundle).map(|adopted| {
+            Some(live) => live.group.adopt(bundle).map(|adopted| {
                 live.bundle = bundle.clone();
                 live.generation += 1;
                 CrowdMessage::Adopted { crowd: entity, adopted }
@@ -73,8 +73,8 @@ pub fn enter(
     // Those who come first come together.
     let mut gathering = Vec::new();
     for (entity, mut crowd) in &mut crowds {
-        if let Some(live) = crowd.live.as_mut().filter(|live| live.cast.ids().is_empty()) {
-            live.cast.gather();
+        if let Some(live) = crowd.live.as_mut().filter(|live| live.group.ids().is_empty()) {
+            live.group.gather();
             gathering.push(entity);
         }
     }
@@ -82,7 +82,7 @@ pub fn enter(
         let done = match crowds.get_mut(character.crowd).map(|(_, crowd)| crowd.into_inner().live.as_mut()) {
             Ok(None) => continue,
             Ok(Some(live)) => live
-                .cast
+                .group
                 .spawn(Spawn::standing(planar(transform)))
                 .inspect(|id| live.entities[id.index()] = entity)
                 .map_err(|e| e.to_string()),
@@ -100,7 +100,7 @@ pub fn enter(
         if let Ok((_, mut crowd)) = crowds.get_mut(entity)
             && let Some(live) = &mut crowd.live
         {
-            live.cast.settle();
+            live.group.settle();
         }
     }
 }
@@ -124,7 +124,7 @@ pub fn order(
         let ordered = live
             .bundle
             .find_policy(&aim.behaviour)
-            .and_then(|policy| live.cast.order(entered.id, Order::aim(policy, at)));
+            .and_then(|policy| live.group.order(entered.id, Order::aim(policy, at)));
         if let Err(why) = ordered {
             fail(&mut told, entity, why.to_string());
         }
@@ -164,11 +164,11 @@ pub fn step(
             full_m: near_m,
             posed_m: near_m + MARGIN_M,
         });
-        if let Err(why) = live.cast.set_detail(detail).and_then(|()| live.cast.step(dt_s, &run)) {
+        if let Err(why) = live.group.set_detail(detail).and_then(|()| live.group.step(dt_s, &run)) {
             fail(&mut told, entity, why.to_string());
             continue;
         }
-        for (id, record) in live.cast.ids().iter().zip(live.cast.instances()) {
+        for (id, record) in live.group.ids().iter().zip(live.group.instances()) {
             if let Ok(mut transform) = transforms.get_mut(live.entities[id.index()]) {
                 transform.translation = Vec3::new(record.x, record.y, record.z);
                 transform.rotation = Quat::from_rotation_y(record.heading);
@@ -184,7 +184,7 @@ pub fn leave(event: On<Remove, Entered>, entered: Query<&Entered>, mut crowds: Q
         && let Some(live) = &mut crowd.live
     {
         // It is there: ids are given here alone, and taken here once.
-        _ = live.cast.despawn(entered.id);
+        _ = live.group.despawn(entered.id);
     }
 }
 

@@ -103,12 +103,12 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     if simulation.root(who).is_none() {
         return Some(format!("{who} · {name} · has left"));
     }
-    let (cast, member) = simulation.locate(who);
+    let (character_group, member) = simulation.locate(who);
     let away = |target: Vec3| {
         let root = simulation.root(who)?.translation();
         Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))
     };
-    let what = match cast {
+    let what = match character_group {
         AnyCharacterGroup::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
         AnyCharacterGroup::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
         AnyCharacterGroup::Patches(inhabited) => inhabitant_activity(&inhabited.state(member)),

@@ -256,8 +256,8 @@ impl SceneRecorder {
             }
         }
         if let Some(agents) = &mut record.agents {
-            for cast in sim.character_groups() {
-                match cast {
+            for character_group in sim.character_groups() {
+                match character_group {
                     AnyCharacterGroup::Ground(a) => agents.observe(a, time_s, self.seconds),
                     AnyCharacterGroup::Air(a) => agents.observe(a, time_s, self.seconds),
                     _ => {}
@@ -279,8 +279,8 @@ impl SceneRecorder {
                 .map_or(Vec::new(), |r| r.walls().copied().collect());
         }
         if let Some(agents) = &mut self.record.agents {
-            for cast in sim.character_groups() {
-                match cast {
+            for character_group in sim.character_groups() {
+                match character_group {
                     AnyCharacterGroup::Ground(a) => agents.keep_paths(a),
                     AnyCharacterGroup::Air(a) => agents.keep_paths(a),
                     _ => {}

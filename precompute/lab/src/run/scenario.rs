@@ -111,12 +111,12 @@ fn measure_in_pool(
             break;
         }
     }
-    let spent = sim.character_groups().iter().find_map(|cast| match cast {
+    let spent = sim.character_groups().iter().find_map(|group| match group {
         AnyCharacterGroup::Ground(agents) => agents.timings(),
         AnyCharacterGroup::Air(agents) => agents.timings(),
         _ => None,
     });
-    let counts = sim.character_groups().iter().find_map(|cast| match cast {
+    let counts = sim.character_groups().iter().find_map(|group| match group {
         AnyCharacterGroup::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
         AnyCharacterGroup::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
         _ => None,

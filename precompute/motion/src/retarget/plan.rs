@@ -121,7 +121,7 @@ impl RetargetPlan {
     /// Errors of [`super::onto`] and of `lender`.
     pub fn new(
         sources: &[RetargetSource],
-        lender: &ClipProvider<'_>,
+        provider: &ClipProvider<'_>,
         cfg: &RetargetConfig,
         warnings: &mut Warnings,
     ) -> Result<Self, BuildError> {
@@ -129,7 +129,7 @@ impl RetargetPlan {
         let groups = group_by_skeleton(sources);
         let measured = |clips: &Vec<usize>| {
             let (measured_clips, mut performer) = (select_measured_clips(clips, sources), None);
-            lender(&measured_clips, &mut |sources| {
+            provider(&measured_clips, &mut |sources| {
                 performer = Some(SkeletonGroup::new(measured_clips.clone(), sources))
             })?;
             Ok(performer)
@@ -158,12 +158,12 @@ impl RetargetPlan {
     }
 
     /// The floor that the first clips of a source skeleton show.
-    pub fn find_floor(&self, performer: usize, lender: &ClipProvider<'_>) -> Result<Floor, BuildError> {
+    pub fn find_floor(&self, performer: usize, provider: &ClipProvider<'_>) -> Result<Floor, BuildError> {
         let (p, mut floor) = (&self.performers[performer], Floor::default());
         if !self.align_ground {
             return Ok(floor);
         }
-        lender(&p.measured_clips, &mut |sources| {
+        provider(&p.measured_clips, &mut |sources| {
             floor.slope = p.slope(sources, None, &self.skeleton);
             if ground::is_steep(floor.slope) {
                 let turn = ground::upright_turn(floor.slope);
@@ -176,11 +176,11 @@ impl RetargetPlan {
     }
 
     /// Sets the floor of a source skeleton; where it was tilted, the body is measured again, upright.
-    pub fn set_floor(&mut self, performer: usize, floor: Floor, lender: &ClipProvider<'_>) -> Result<(), BuildError> {
+    pub fn set_floor(&mut self, performer: usize, floor: Floor, provider: &ClipProvider<'_>) -> Result<(), BuildError> {
         let p = &mut self.performers[performer];
         if let Some(turn) = floor.turn {
             let mut turned = None;
-            lender(&p.measured_clips, &mut |sources| turned = Some(p.turned(turn, sources)))?;
+            provider(&p.measured_clips, &mut |sources| turned = Some(p.turned(turn, sources)))?;
             turned.into_iter().for_each(|turned| *p = turned);
         }
         p.floor = floor;

@@ -56,14 +56,14 @@ impl SampleCache {
     ) -> bool {
         let share = (time_s - problem.init.time_s) / (problem.goal.time_s - problem.init.time_s);
         let stretch = ((share * STRETCHES as f64) as usize).min(STRETCHES - 1);
-        let look = &mut self.samples[(solid * problem.parts.len() + part) * STRETCHES + stretch];
+        let sample = &mut self.samples[(solid * problem.parts.len() + part) * STRETCHES + stretch];
         // No point of a segment moves farther than its ends.
-        let moved = look.core.a.distance(core.a).max(look.core.b.distance(core.b));
-        let free_m = look.free_m - moved;
+        let moved = sample.core.a.distance(core.a).max(sample.core.b.distance(core.b));
+        let free_m = sample.free_m - moved;
         if free_m >= limit {
             return false;
         }
-        if mesh.is_triangle_nearer(look.near, core, limit) {
+        if mesh.is_triangle_nearer(sample.near, core, limit) {
             return true;
         }
         if !whole {
@@ -71,11 +71,11 @@ impl SampleCache {
         }
         match mesh.first_nearer(core, limit) {
             Some(near) => {
-                look.near = near;
+                sample.near = near;
                 true
             }
             None => {
-                (look.core, look.free_m) = (*core, limit);
+                (sample.core, sample.free_m) = (*core, limit);
                 false
             }
         }

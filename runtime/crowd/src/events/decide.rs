@@ -343,7 +343,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// Steers an agent to its place in its group; true where it has one.
     fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
-        let Some(bond) = self.relationships.relationships_of(agent).filter(|b| b.companions[0] != NONE) else {
+        let Some(relationship) = self.relationships.relationships_of(agent).filter(|b| b.companions[0] != NONE) else {
             return false;
         };
         if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
@@ -352,7 +352,7 @@ impl<V: Space> Decider<'_, V> {
         let mut others =
             [Companion { index: NONE, offset: V::default(), intent: V::default(), speed: 0.0 }; MOST_COMPANIONS];
         let mut num = 0;
-        for index in bond.companions() {
+        for index in relationship.companions() {
             let its = &self.states[index as usize];
             // Companions that have arrived, or have no goal, are not waited for.
             if !its.is_there {
@@ -386,19 +386,19 @@ impl<V: Space> Decider<'_, V> {
     ) {
         scratch.seen.clear();
         let field = &self.scenery.fields[state.field as usize];
-        let heed = PerceptionLimits {
+        let limits = PerceptionLimits {
             perception: field.perception_m,
             felt: felt_within(me, field),
             horizon: contact_horizon(field, &self.scenery.steering),
             room: field.comfort_m + ROUNDING,
         };
-        let look = NeighbourQuery { cells: self.cells, at, time: self.time, agent, me, perception: heed };
+        let query = NeighbourQuery { cells: self.cells, at, time: self.time, agent, me, perception: limits };
         let DecisionScratch { room, seen, rows, .. } = &mut *scratch;
         match aim {
-            None => look.find_neighbours(room, seen, None),
-            Some((SchemeRef { lists: Some(_) }, _)) => look.find_neighbours(room, seen, Some(rows)),
+            None => query.find_neighbours(room, seen, None),
+            Some((SchemeRef { lists: Some(_) }, _)) => query.find_neighbours(room, seen, Some(rows)),
             Some((SchemeRef { lists: None }, meeting)) => {
-                look.find_neighbours(room, seen, Some(rows));
+                query.find_neighbours(room, seen, Some(rows));
                 meeting.find_among(self.cells, rows);
             }
         }

@@ -198,8 +198,10 @@ impl<V: Space> Engine<V> {
             let agents = [item.agent, item.partner];
             let here = agents.iter().copied().filter(|&m| m != NONE);
             // Some agents look at others that are far away.
-            let afar =
-                here.clone().filter_map(|m| self.relationships.relationships_of(m)).flat_map(|bond| bond.agents());
+            let afar = here
+                .clone()
+                .filter_map(|m| self.relationships.relationships_of(m))
+                .flat_map(|relationship| relationship.agents());
             let afar = afar.filter(|&m| self.states[m as usize].cell != NONE);
             let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).motion_at(item.time).0));
             for at in cells.clone() {

@@ -1,11 +1,11 @@
 //! Tests of whole crowds.
 
-mod bonds;
 mod doors;
 pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
+mod relationships;
 mod schemes;
 mod senses;
 mod shared;

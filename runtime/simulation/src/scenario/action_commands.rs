@@ -153,21 +153,21 @@ impl AgentBrains {
             home: Vec3::from_array(brain.home),
             chance: [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32],
         };
-        let deed = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if let Some(speed) = deed.speed_mps {
+        let command = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if let Some(speed) = command.speed_mps {
             stage.set_speed(agent, speed)?;
         }
         let brain = &mut self.brains[m];
         if !is_again {
-            brain.most = self.now + deed.most_s;
+            brain.most = self.now + command.most_s;
         }
-        brain.again = if deed.again_s > 0.0 { self.now + deed.again_s } else { f64::INFINITY };
-        let goes = match deed.walk {
-            WalkCommand::Keep => return self.stand_until(agent, deed.stay_s),
+        brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
+        let goes = match command.walk {
+            WalkCommand::Keep => return self.stand_until(agent, command.stay_s),
             WalkCommand::Halt => {
                 stage.order_halt(agent)?;
-                stage.show_activity(agent, motion, deed.faces);
-                return if deed.stay_s > 0.0 { self.stand_until(agent, deed.stay_s) } else { Ok(true) };
+                stage.show_activity(agent, motion, command.faces);
+                return if command.stay_s > 0.0 { self.stand_until(agent, command.stay_s) } else { Ok(true) };
             }
             WalkCommand::To { at, arrival_m } if position.distance(at) <= arrival_m => {
                 self.brains[m].phase = ActionPhase::Walking;
@@ -238,16 +238,16 @@ impl AgentBrains {
             home: Vec3::from_array(brain.home),
             chance: [0.0; 2],
         };
-        let deed: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if deed.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
+        let command: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if command.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
             // The route begins again.
             return Ok(false);
         }
-        if deed.stay_s <= 0.0 {
+        if command.stay_s <= 0.0 {
             return Ok(true);
         }
-        stage.show_activity(agent, motion, deed.faces);
-        self.stand_until(agent, deed.stay_s)
+        stage.show_activity(agent, motion, command.faces);
+        self.stand_until(agent, command.stay_s)
     }
 
     /// Evaluates the arguments of an action.
@@ -368,11 +368,11 @@ impl AgentBrains {
 
     /// Changes the liking of an agent for another one; replaces the oldest of four relationships.
     fn change_relationship(&mut self, agent: u32, other: u32, by: f32) {
-        let bonds = &mut self.relationships[agent as usize];
-        let old = bonds.iter().position(|b| b.0 == other);
-        let liking = old.map_or(0.0, |i| bonds[i].1) + by;
-        bonds[..=old.unwrap_or(3)].rotate_right(1);
-        bonds[0] = (other, liking.clamp(-2.0, 2.0));
+        let relationships = &mut self.relationships[agent as usize];
+        let old = relationships.iter().position(|b| b.0 == other);
+        let liking = old.map_or(0.0, |i| relationships[i].1) + by;
+        relationships[..=old.unwrap_or(3)].rotate_right(1);
+        relationships[0] = (other, liking.clamp(-2.0, 2.0));
     }
 
     /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.

@@ -141,9 +141,9 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
 impl AgentBrains {
     /// Friendship of one agent for another (-1 to 1).
     pub(super) fn friendship(&self, of: u32, to: u32) -> f32 {
-        let bonds = self.relationships.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
-        let bond = bonds.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
-        (self.relation_value(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
+        let relationships = self.relationships.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
+        let relationship = relationships.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
+        (self.relation_value(of, Party::Agent(to), |r| r.friendship) + relationship).clamp(-1.0, 1.0)
     }
 
     /// Curiosity of an agent about another one, or about a place (-1 to 1).

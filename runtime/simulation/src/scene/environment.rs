@@ -35,14 +35,14 @@ impl EnvironmentConfig {
 
     /// Fixed obstacles on the ground as capsules (none in the air).
     pub(crate) fn walls(&self) -> Vec<Capsule2d> {
-        let rod = |from, to, radius_m| Capsule2d { from, to, radius_m };
+        let capsule = |from, to, radius_m| Capsule2d { from, to, radius_m };
         let around = |corners: &[Vec2]| -> Vec<Capsule2d> {
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-            ends.map(|(&from, &to)| rod(from, to, 0.0)).collect()
+            ends.map(|(&from, &to)| capsule(from, to, 0.0)).collect()
         };
         let of = |obstacle: Obstacle<Vec2>| match obstacle {
-            Obstacle::Ball { centre, radius } => vec![rod(centre, centre, radius)],
-            Obstacle::Wall { from, to, radius } => vec![rod(from, to, radius)],
+            Obstacle::Ball { centre, radius } => vec![capsule(centre, centre, radius)],
+            Obstacle::Wall { from, to, radius } => vec![capsule(from, to, radius)],
             Obstacle::Polygon { corners } => around(&corners),
             Obstacle::Box { min, max } => around(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)]),
             _ => Vec::new(),

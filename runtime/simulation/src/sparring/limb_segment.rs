@@ -142,9 +142,9 @@ pub(super) fn separate_segments(
             [false, false] => continue,
         };
         if let Some((at_a, at_b, by)) = penetration(p, q, allowed_m) {
-            for (rod, at, is_foot, share) in [(&mut *a, at_a, of_a, share[0]), (&mut *b, at_b, of_b, share[1])] {
+            for (segment, at, is_foot, share) in [(&mut *a, at_a, of_a, share[0]), (&mut *b, at_b, of_b, share[1])] {
                 if share != 0.0 {
-                    rod.shift_point(if is_foot { rod.ends[1] } else { at }, by * share);
+                    segment.shift_point(if is_foot { segment.ends[1] } else { at }, by * share);
                 }
             }
             any = true;
@@ -162,8 +162,8 @@ pub(super) fn swing_rotation(
     capsule: &Capsule,
     give_m: f32,
 ) -> Option<Quat> {
-    let rod = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
-    let (at, _, by) = penetration(rod.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
+    let segment = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
+    let (at, _, by) = penetration(segment.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
     Some(rotation_between(at - root, at + by - root))
 }
 

@@ -259,7 +259,7 @@ impl LimbTouch {
             std::array::from_fn(|l| std::array::from_fn(|i| self.limbs[k][l].was[i].lerp(now[k][l][i], share)))
         });
         let out = base.each_ref().map(bend_directions);
-        let mut rods: [[LimbSegment; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
+        let mut segments: [[LimbSegment; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
             std::array::from_fn(|l| {
                 let (b, limb) = (&base[k][l], &self.limbs[k][l]);
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
@@ -275,10 +275,11 @@ impl LimbTouch {
         let mut near = [[NearObstacles::default(); NUM_LIMBS]; 2];
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
-            near[k][l] = NearObstacles::find_near(&rods[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
+            near[k][l] =
+                NearObstacles::find_near(&segments[k][l], base[k][l][0], &shapes[l], (&obstacles[k ^ 1], first));
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
-        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
+        let balls = segments.each_ref().map(|segments| [0, 1, 2, 3].map(|l| segments[l].bounding_ball(&shapes[l])));
         let meet = |a: usize, b: usize| {
             let are_alike = a.min(b) >= LEGS || [ways[0][a], ways[1][b]] == [LimbFreedom::Free; 2];
             are_alike && balls[0][a].is_near(&balls[1][b])
@@ -287,19 +288,19 @@ impl LimbTouch {
             let mut any = false;
             for (a, b) in (0..NUM_LIMBS).flat_map(|a| (0..NUM_LIMBS).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b))
             {
-                let [first, second] = &mut rods;
+                let [first, second] = &mut segments;
                 any |= separate_segments(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
             }
             for k in 0..2 {
                 for l in free(k) {
-                    let (rod, shape, near) = (&mut rods[k][l], &shapes[l], near[k][l]);
+                    let (segment, shape, near) = (&mut segments[k][l], &shapes[l], near[k][l]);
                     // The order is legs, upper arms, core: the last one counts most.
                     for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
                         if i >= FOR_UPPER && near.upper >> i & 1 == 1 {
-                            any |= rod.lift_out_of(base[k][l][0], shape, capsule, give_m);
+                            any |= segment.lift_out_of(base[k][l][0], shape, capsule, give_m);
                         }
                         if near.fore >> i & 1 == 1 {
-                            any |= rod.leave_capsule(shape, capsule, give_m);
+                            any |= segment.leave_capsule(shape, capsule, give_m);
                         }
                     }
                 }
@@ -308,15 +309,15 @@ impl LimbTouch {
                 break;
             }
             for k in 0..2 {
-                for (l, rod) in rods[k].iter_mut().enumerate().filter(|(_, rod)| rod.moved) {
-                    rod.ends = solve_two_bones(base[k][l][0], rod.ends, &shapes[l], (out[k][l], 1.0));
+                for (l, segment) in segments[k].iter_mut().enumerate().filter(|(_, segment)| segment.moved) {
+                    segment.ends = solve_two_bones(base[k][l][0], segment.ends, &shapes[l], (out[k][l], 1.0));
                 }
             }
         }
         for k in 0..2 {
             for l in 0..NUM_LIMBS {
-                if rods[k][l].moved {
-                    self.limbs[k][l].off = [0, 1].map(|i| rods[k][l].ends[i] - base[k][l][i + 1]);
+                if segments[k][l].moved {
+                    self.limbs[k][l].off = [0, 1].map(|i| segments[k][l].ends[i] - base[k][l][i + 1]);
                 }
             }
         }
@@ -417,13 +418,13 @@ struct NearObstacles {
 impl NearObstacles {
     /// - `first`: number of the first obstacle that is tested.
     fn find_near(
-        rod: &LimbSegment,
+        segment: &LimbSegment,
         root: Vec3,
         shape: &LimbShape,
         (obstacles, first): (&[Capsule; NUM_OBSTACLES], usize),
     ) -> Self {
-        let fore = rod.bounding_ball(shape);
-        let upper = BoundingBall::around_segment([root, rod.ends[0]], shape.upper_radius);
+        let fore = segment.bounding_ball(shape);
+        let upper = BoundingBall::around_segment([root, segment.ends[0]], shape.upper_radius);
         let mut near = Self::default();
         for (i, capsule) in obstacles.iter().enumerate().skip(first) {
             let ball = BoundingBall::around_segment(capsule.ends, capsule.radius);

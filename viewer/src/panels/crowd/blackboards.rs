@@ -25,14 +25,15 @@ pub fn show(
         ui.horizontal_wrapped(|ui| {
             ui.label("cells").on_hover_text("Cells on whose boards something is written are tinted on the floor");
             let named = (0..levels).map(|l| (BlackboardFilter::Level(l), format!("{} m", side_m * (1 << l) as f32)));
-            for (boards, text) in [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())]
-                .into_iter()
-                .chain(named)
+            for (blackboards, text) in
+                [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())]
+                    .into_iter()
+                    .chain(named)
             {
-                let r = ui.selectable_label(now.blackboards == boards, &text);
+                let r = ui.selectable_label(now.blackboards == blackboards, &text);
                 r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("board cells: {text}")));
                 if r.clicked() {
-                    commands.push(options_command(model, |l| (l.blackboards, l.cell) = (boards, None)));
+                    commands.push(options_command(model, |l| (l.blackboards, l.cell) = (blackboards, None)));
                 }
             }
         });
@@ -59,12 +60,12 @@ pub fn show(
     });
 }
 
-fn is_listed(entry: &BlackboardPost, boards: BlackboardFilter, cell: Option<BlackboardCell>) -> bool {
+fn is_listed(entry: &BlackboardPost, blackboards: BlackboardFilter, cell: Option<BlackboardCell>) -> bool {
     match (entry.cell.map(|c| BlackboardCell::from_cell(&c)), cell) {
         (None, None) => true,
         (None, Some(_)) => false,
         (Some(of), Some(cell)) => of == cell,
-        (Some(of), None) => match boards {
+        (Some(of), None) => match blackboards {
             BlackboardFilter::Nothing => false,
             BlackboardFilter::All => true,
             BlackboardFilter::Level(level) => of.level == level,
@@ -123,7 +124,7 @@ mod tests {
         let cell = |level, middle| Some(BlackboardArea { level, middle, side_m: 4.0 * (1 << level) as f32 });
         let entry = |cell| BlackboardPost { event: 0, cell, by: None, since_s: 0.0, until_s: 9.0 };
         let all = [entry(None), entry(cell(0, [2.0, -2.0])), entry(cell(0, [6.0, -2.0])), entry(cell(2, [8.0, 8.0]))];
-        let listed = |boards, cell| all.map(|e| is_listed(&e, boards, cell));
+        let listed = |blackboards, cell| all.map(|e| is_listed(&e, blackboards, cell));
         assert_eq!(listed(BlackboardFilter::All, None), [true; 4]);
         assert_eq!(listed(BlackboardFilter::Nothing, None), [true, false, false, false]);
         assert_eq!(listed(BlackboardFilter::Level(2), None), [true, false, false, true]);

@@ -20,9 +20,9 @@ pub fn posted<'a>(
     brains: &'a AgentBrains,
     look: &SceneViewOptions,
 ) -> impl Iterator<Item = (BlackboardCell, BlackboardPost)> + 'a {
-    let boards = look.blackboards;
+    let blackboards = look.blackboards;
     let of_cells = brains.posts().filter_map(|p| Some((BlackboardCell::from_cell(&p.cell?), p)));
-    of_cells.filter(move |(cell, _)| match boards {
+    of_cells.filter(move |(cell, _)| match blackboards {
         BlackboardFilter::Nothing => false,
         BlackboardFilter::All => true,
         BlackboardFilter::Level(level) => cell.level == level,

@@ -133,8 +133,8 @@ impl DistanceField {
     /// - `limit`: excesses above [`Self::MARGIN_M`] less this are not distinguished (m).
     /// - returns less than any distance if only the exact geometry can tell.
     pub fn excess_estimate(&self, cell: u32, limit: f32) -> f32 {
-        let is_told = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
-        if is_told { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
+        let is_known = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
+        if is_known { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
     }
 
     /// Excess of a point's distance from the unit over `limit`, as far as the grid can tell.
