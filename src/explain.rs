@@ -74,17 +74,17 @@ fn print_event_spread(brains: &AgentBrains, event: &str, json: bool) -> CommandR
         return output::json(&EventSpreadReport { event: event.into(), learnt });
     }
     let mut text = String::new();
-    let mut told: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
-    learnt.iter().enumerate().for_each(|(i, (_, known))| told.entry(known.from).or_default().push(i));
-    let told_by = |from: Option<usize>| told.get(&from).into_iter().flatten().rev().copied();
+    let mut informed: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    learnt.iter().enumerate().for_each(|(i, (_, known))| informed.entry(known.from).or_default().push(i));
+    let informed_by = |from: Option<usize>| informed.get(&from).into_iter().flatten().rev().copied();
     // Depth first, from the agents that learnt of it from no other agent.
-    let mut open: Vec<(usize, usize)> = told_by(None).map(|i| (i, 0)).collect();
+    let mut open: Vec<(usize, usize)> = informed_by(None).map(|i| (i, 0)).collect();
     while let Some((i, depth)) = open.pop() {
         let (agent, known) = &learnt[i];
         let [x, z] = known.at;
         let (indent, how, time_s) = ("  ".repeat(depth), &known.how, known.time_s);
         _ = writeln!(text, "{indent}{agent}  {time_s:.2} s at {x:.1}, {z:.1} ({how})");
-        open.extend(told_by(Some(*agent)).map(|n| (n, depth + 1)));
+        open.extend(informed_by(Some(*agent)).map(|n| (n, depth + 1)));
     }
     if text.is_empty() {
         text = format!("nobody knows of `{event}`\n");

@@ -5,7 +5,7 @@ use crate::look::CrowdLook;
 use bevy::prelude::*;
 use std::borrow::Cow;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters};
-use throng_runtime::{Adopted, Bundle, Id};
+use throng_runtime::{AdoptReport, Bundle, Id};
 
 /// Room for characters of one bundle. Those who belong to it are despawned with it.
 #[derive(Component, Debug)]
@@ -69,7 +69,7 @@ impl Crowd {
 
     /// The same, to give orders, push, place, or load a snapshot of the same characters. Entities come and go by
     /// [`Character`] alone.
-    pub fn cast_mut(&mut self) -> Option<&mut PolicyCharacters> {
+    pub fn character_group_mut(&mut self) -> Option<&mut PolicyCharacters> {
         self.live.as_mut().map(|live| &mut live.group)
     }
 
@@ -146,7 +146,7 @@ pub enum CrowdMessage {
         /// The entity of the [`Crowd`].
         crowd: Entity,
         /// How far poses were apart.
-        adopted: Adopted,
+        adopted: AdoptReport,
     },
     /// A bundle, an order or a look is of no use; what there was goes on.
     Failed {

@@ -3,7 +3,7 @@
 use crate::crowd::{Crowd, Entered};
 use crate::step::Eye;
 use bevy::prelude::*;
-use throng_runtime::{Cast, Joint, Mat3x4, NUM_JOINTS};
+use throng_runtime::{CharacterGroup, Joint, Mat3x4, NUM_JOINTS};
 
 /// Who has joints keeps them this much farther away, so that they do not come and go at a border (m).
 const KEPT_M: f32 = 1.0;

@@ -11,7 +11,7 @@ use throng_bevy::{
 };
 use throng_core::characters::made_up;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
-use throng_runtime::{Bundle, Cast, Inline, Joint, Planar, glam};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Joint, Planar, glam};
 
 const FILE: &str = "people.throng";
 
@@ -25,7 +25,7 @@ struct Stage {
     app: App,
     folder: tempfile::TempDir,
     read: MessageCursor<CrowdMessage>,
-    told: Vec<CrowdMessage>,
+    messages: Vec<CrowdMessage>,
 }
 
 impl Stage {
@@ -41,25 +41,25 @@ impl Stage {
         app.finish();
         app.cleanup();
         let read = app.world().resource::<Messages<CrowdMessage>>().get_cursor();
-        Self { app, folder, read, told: Vec::new() }
+        Self { app, folder, read, messages: Vec::new() }
     }
 
     fn update(&mut self) {
         self.app.update();
         let messages = self.app.world().resource::<Messages<CrowdMessage>>();
-        self.told.extend(self.read.read(messages).cloned());
+        self.messages.extend(self.read.read(messages).cloned());
     }
 
     /// Until something is told that one waits for.
     fn wait(&mut self, what: &str, is_it: impl Fn(&CrowdMessage) -> bool) -> CrowdMessage {
         for _ in 0..20_000 {
             self.update();
-            if let Some(at) = self.told.iter().position(&is_it) {
-                return self.told.remove(at);
+            if let Some(at) = self.messages.iter().position(&is_it) {
+                return self.messages.remove(at);
             }
             std::thread::sleep(Duration::from_millis(1));
         }
-        panic!("{what}: {:?}", self.told);
+        panic!("{what}: {:?}", self.messages);
     }
 
     fn wait_until_open(&mut self) {
@@ -93,7 +93,7 @@ impl Stage {
     }
 
     fn character_group(&self, crowd: Entity) -> &PolicyCharacters {
-        self.app.world().get::<Crowd>(crowd).and_then(Crowd::group).expect("it is open")
+        self.app.world().get::<Crowd>(crowd).and_then(Crowd::character_group).expect("it is open")
     }
 
     fn place(&self, entity: Entity) -> Vec3 {
@@ -118,15 +118,15 @@ fn people_walk_as_they_do_without_bevy() {
     let config =
         CharactersConfig { avoid: Some(AvoidConfig::default()), instances: true, ..CharactersConfig::default() };
     let mut rust = PolicyCharacters::with_capacity(&bundle, 40, config).expect("room");
-    rust.gather();
+    rust.hold_entrants();
     for k in 0..40 {
         let at = start(k);
         // As exactly as a quaternion tells it.
         let ahead = Quat::from_rotation_y(0.1 * k as f32) * Vec3::Z;
-        rust.spawn(Spawn::standing(Planar::new(at.x, at.z, ahead.x.atan2(ahead.z)))).expect("room");
+        rust.spawn(Spawn::standing_at(Planar::new(at.x, at.z, ahead.x.atan2(ahead.z)))).expect("room");
     }
-    rust.settle();
-    let order = bundle.policy("approach").expect("a policy").aim(glam::Vec3::from_array(TARGET.to_array()));
+    rust.release_entrants();
+    let order = bundle.policy("approach").expect("a policy").order_towards(glam::Vec3::from_array(TARGET.to_array()));
     rust.ids().to_vec().into_iter().for_each(|id| rust.order(id, order).expect("an order"));
     let mut step = |stage: &Stage| {
         rust.step(stage.app.world().resource::<Time>().delta_secs(), &Inline).expect("a step");

@@ -319,16 +319,16 @@ mod tests {
         unsafe { register_simulation(LiveSimulation::characters(group), &raw mut sim) }.ok().expect("a handle");
         let helper = || {
             throng_simulation_announce(sim);
-            let (tell, told) = mpsc::channel();
+            let (tell, status) = mpsc::channel();
             std::thread::spawn(move || tell.send(throng_simulation_help(sim)));
             std::thread::sleep(Duration::from_millis(50));
-            told
+            status
         };
-        let has_gone = |told: mpsc::Receiver<ThrongStatus>| told.recv_timeout(Duration::from_secs(20)).is_ok();
-        let told = helper();
+        let has_gone = |status: mpsc::Receiver<ThrongStatus>| status.recv_timeout(Duration::from_secs(20)).is_ok();
+        let status = helper();
         let busy = with_simulation(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
-        assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(told));
-        let told = helper();
-        assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(told));
+        assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(status));
+        let status = helper();
+        assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(status));
     }
 }

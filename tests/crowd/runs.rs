@@ -49,9 +49,9 @@ fn ways_around_walls_are_walked_without_touching_them() {
     }
     assert!(nearest > 0.299, "{nearest} m from a wall with a radius of 0.3 m");
     for m in 0..4 {
-        let way = &live.layout().paths[m];
-        assert!(way.len() > 4, "it has to go around: {way:?}");
-        let left = live.position(m, 60.0).expect("it is there").distance(way[way.len() - 1]);
+        let path = &live.layout().paths[m];
+        assert!(path.len() > 4, "it has to go around: {path:?}");
+        let left = live.position(m, 60.0).expect("it is there").distance(path[path.len() - 1]);
         assert!(left < 0.6, "agent {m} is {left} m from its goal");
     }
 }

@@ -178,19 +178,19 @@ fn straightness(rows: &[&str], num_people: usize, seed: u64) -> f32 {
     let world = open(rows);
     let mut people = people_at(&world, &scatter_rest_nodes(world.graph(), num_people, seed));
     let at = |people: &Inhabitants| people.bodies().roots.iter().map(|r| r.translation()).collect::<Vec<_>>();
-    let (mut far, mut way) = (0.0, 0.0);
+    let (mut far, mut distance) = (0.0, 0.0);
     for _ in 0..12 {
         let begin = at(&people);
         let mut last = begin.clone();
         for _ in 0..300 {
             people.step(DT, &Inline).unwrap();
             let now = at(&people);
-            way += now.iter().zip(&last).map(|(a, b)| a.distance(*b)).sum::<f32>();
+            distance += now.iter().zip(&last).map(|(a, b)| a.distance(*b)).sum::<f32>();
             last = now;
         }
         far += last.iter().zip(&begin).map(|(a, b)| a.distance(*b)).sum::<f32>();
     }
-    far / way
+    far / distance
 }
 
 #[test]

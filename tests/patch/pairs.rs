@@ -273,7 +273,7 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
     };
     for apart in [2, 9, 19] {
         let (mut free, two) = begin(apart);
-        let way_s = DT * until_begun(&mut free, two) as f32;
+        let walk_s = DT * until_begun(&mut free, two) as f32;
         // Everybody is on ground that outsiders hold, so nobody takes a step.
         let (mut held, _) = begin(apart);
         let everywhere = Capsule2d { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
@@ -290,8 +290,8 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
         let waited_s = gave_up_s.expect("nobody comes") - 60.0;
         // The way, as it was walked, has a second or two of rest, and two begin where what they play ends.
         assert!(
-            (2.0 * way_s - 8.0..2.0 * way_s + 0.1).contains(&waited_s),
-            "{apart} tiles: {waited_s} s, way {way_s} s"
+            (2.0 * walk_s - 8.0..2.0 * walk_s + 0.1).contains(&waited_s),
+            "{apart} tiles: {waited_s} s, way {walk_s} s"
         );
     }
 }

@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_is_no_bundle_is_told() {
-        let told = PageStage::open(b"no bundle").expect_err("nine bytes");
-        assert!(told.contains("Throng"), "{told}");
+        let fault = PageStage::open(b"no bundle").expect_err("nine bytes");
+        assert!(fault.contains("Throng"), "{fault}");
     }
 }

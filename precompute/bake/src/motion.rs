@@ -149,13 +149,13 @@ fn report_repeated(
     let repeated = streamed.map_or_else(|| Ok(raw.repeated()), |streamed| streamed.repeated_clips(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
     let end = if parts == RequiredParts::Possible { "; it is left out" } else { "" };
-    let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
-    let told = told.collect();
+    let messages = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
+    let messages = messages.collect();
     if parts == RequiredParts::Possible {
         let mut place = 0..;
         raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
     }
-    Ok(told)
+    Ok(messages)
 }
 
 /// Measures the performers and their floors.
@@ -177,11 +177,11 @@ fn measure_performers(
         retarget::rename_mirror_clashes(&mut plan.names, warnings);
     }
     for p in 0..plan.performers.len() {
-        let telling = &plan.performers[p].telling;
+        let measured = &plan.performers[p].measured_clips;
         let find = || plan.find_floor(p, &*provider);
-        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
+        let floor = match measured.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
             Some(keys) => {
-                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(telling[0]))?, find)?.0
+                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(measured[0]))?, find)?.0
             }
             None => find()?,
         };
@@ -248,8 +248,9 @@ impl ClipMaker<'_> {
         let make = || {
             let whole = self.streamed.as_ref().map(|streamed| streamed.load_clip(raw)).transpose()?;
             let raw = whole.as_ref().unwrap_or(raw);
-            let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.retarget_clip(i, raw)] };
-            let resampled = resample::resample(&laid, &cfg.resample)?;
+            let retargeted =
+                ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.retarget_clip(i, raw)] };
+            let resampled = resample::resample(&retargeted, &cfg.resample)?;
             Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)
         };
         let Some(key) = self.keys[i] else { return Ok((make()?, false)) };

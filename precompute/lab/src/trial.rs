@@ -182,7 +182,7 @@ pub(crate) fn num_steps(config: &TrialConfig) -> usize {
 pub(crate) fn play(
     group: &mut PolicyCharacters,
     config: &TrialConfig,
-    mut look: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
+    mut observe: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
 ) -> Result<f64, BuildError> {
     let mut busy_s = 0.0;
     for step in 0..=num_steps(config) {
@@ -191,7 +191,7 @@ pub(crate) fn play(
         let dt = if step == 0 { 0.0 } else { 1.0 / config.step_hz };
         group.step(dt, &Inline).map_err(|e| stage_error(e.to_string()))?;
         busy_s += begin.elapsed().as_secs_f64();
-        look(group, step)?;
+        observe(group, step)?;
     }
     Ok(busy_s)
 }

@@ -71,9 +71,9 @@ impl Capsule2d {
 
 /// Squared distance of a line segment from the origin (m2).
 pub fn segment_distance_squared(from: Vec2, to: Vec2) -> f32 {
-    let way = to - from;
-    let share = (-from.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-    (from + way * share).length_squared()
+    let offset = to - from;
+    let share = (-from.dot(offset) / offset.length_squared().max(1e-12)).clamp(0.0, 1.0);
+    (from + offset * share).length_squared()
 }
 
 /// Squared distance between two line segments (m2).

@@ -158,8 +158,8 @@ impl InhabitantGroup {
     /// # Errors
     /// A goal that the character cannot pursue; nothing has changed then.
     pub fn order_goal(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<()> {
-        let told = self.inhabitants.order(self.id(character), goal.unwrap_or_default());
-        told.map_err(|e| self.scene.fault(&self.key, e))?;
+        let result = self.inhabitants.order(self.id(character), goal.unwrap_or_default());
+        result.map_err(|e| self.scene.fault(&self.key, e))?;
         self.ordered[character] = goal.is_some();
         self.partner_requests[character] = None;
         // Its next own goal is drawn in the next step.
@@ -198,7 +198,7 @@ impl InhabitantGroup {
                 match self.inhabitants.order(self.id(c), goal) {
                     // The character draws again at the next step.
                     Err(Error::NoPath { .. }) => self.until_s[c] = now_s,
-                    told => told?,
+                    result => result?,
                 }
             }
         }
@@ -371,20 +371,20 @@ impl MotionKind for InhabitantGroup {
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
         let (saved_goals, inhabitants): (_, Bytes) = GOALS.read_all(bytes)?;
-        let (rngs, until_s, told, wants, partners): SavedGoals = saved_goals;
+        let (rngs, until_s, ordered, requests, partners): SavedGoals = saved_goals;
         let num = self.until_s.len();
         let is_sound = |w: &PartnerRequest| {
             let in_range = w.with.as_ref().is_none_or(|r| r.start <= r.end && r.end <= num);
             in_range && w.look_s.is_finite() && (0.0..1e9).contains(&w.seconds) && self.inhabitants.offers_pair(w.tag)
         };
-        let are_sound = until_s.iter().all(|t| !t.is_nan()) && wants.iter().flatten().all(is_sound);
-        let lengths = [rngs.len(), until_s.len(), told.len(), wants.len(), partners.len()];
+        let are_sound = until_s.iter().all(|t| !t.is_nan()) && requests.iter().flatten().all(is_sound);
+        let lengths = [rngs.len(), until_s.len(), ordered.len(), requests.len(), partners.len()];
         if lengths != [num; 5] || !are_sound || partners.iter().flatten().any(|&o| o >= num) {
             return Err(refused_snapshot(GOALS.what, "a goal that no character can have"));
         }
         load_same(&mut self.inhabitants, &inhabitants.0)?;
         (self.rngs, self.until_s, self.ordered, self.partner_requests, self.partners) =
-            (rngs, until_s, told, wants, partners);
+            (rngs, until_s, ordered, requests, partners);
         Ok(())
     }
 

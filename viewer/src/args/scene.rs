@@ -106,8 +106,8 @@ impl Args {
         }
         if let Some(name) = &self.message {
             let message = Some(find_message(model, name)?);
-            let look = SceneViewOptions { message, ..model.selection.scene };
-            model.apply(ctx, ViewerCommand::Scene(SceneCommand::SetOptions(look)));
+            let options = SceneViewOptions { message, ..model.selection.scene };
+            model.apply(ctx, ViewerCommand::Scene(SceneCommand::SetOptions(options)));
         }
         if !self.panel.is_empty() {
             model.settings.side_panel = self.settings(ViewerSettings::default()).side_panel;

@@ -101,8 +101,8 @@ pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit) -> Vec<
         let limb = LIMBS.into_iter().find(|l| Some(l.0) == above);
         let Some((limb, end, at_begin)) = limb else { continue };
         let (Some(from), Some(to)) = (roles.get(limb), roles.get(end)) else { continue };
-        let way = world[to].0 - world[from].0;
-        let along = ((world[joint].0 - world[from].0).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        let offset = world[to].0 - world[from].0;
+        let along = ((world[joint].0 - world[from].0).dot(offset) / offset.length_squared().max(1e-9)).clamp(0.0, 1.0);
         let axis = fit.t_pose_offset(limb, end).normalize_or(Vec3::X);
         let (of, share) = if at_begin { (limb, along - 1.0) } else { (end, along) };
         out.push(MovedJoint { joint, drive: JointDrive::Twist(TwistShare { limb, source: of, axis, share }) });
@@ -181,8 +181,8 @@ impl ScaledWearer {
             });
             numbers.extend((local * sign).to_array());
         }
-        let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
-        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(way).sum::<DVec3>();
+        let offset = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
+        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(offset).sum::<DVec3>();
         numbers.extend(self.back.transform_point3(centre).as_vec3().to_array());
         numbers
     }

@@ -190,10 +190,10 @@ impl WalkRoute {
     pub fn stairs(&mut self, steps: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
         let first = self.walk.steps.len();
         for step in steps {
-            let way = step.at - self.at.at;
+            let offset = step.at - self.at.at;
             let ahead = forward(step.heading);
             let period = period * (1.0 + self.variation * rng.random_range(-0.04..0.04));
-            let shape = StepShape { length: way.dot(ahead), period, double_support: 0.26 * period };
+            let shape = StepShape { length: offset.dot(ahead), period, double_support: 0.26 * period };
             let turn = f64::from(wrap_angle((step.heading - self.at.heading) as f32));
             self.walk.steps.push(Intent {
                 side: self.walk.next,
@@ -280,8 +280,8 @@ fn plans(from: FeetStance, goal: FeetStance, arrival: WalkEnding, length: f64) -
 
 /// Turn from a stance towards a place (rad).
 fn turn_towards(from: FeetStance, to: DVec2) -> f64 {
-    let way = to - from.at;
-    f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))
+    let offset = to - from.at;
+    f64::from(wrap_angle((offset.x.atan2(offset.y) - from.heading) as f32))
 }
 
 #[cfg(test)]

@@ -31,12 +31,12 @@ pub struct TimedPath<'a> {
 }
 
 /// Most nodes that one capsule of a reserved region encloses.
-const HELD_NODES: usize = 6;
+const CAPSULE_NODES: usize = 6;
 
 impl TimedPath<'_> {
     /// Largest number of capsules that a path of so many nodes reserves.
     pub fn max_reserved_regions(nodes: usize) -> usize {
-        nodes.div_ceil(HELD_NODES)
+        nodes.div_ceil(CAPSULE_NODES)
     }
 
     /// Number of the node after which the path is at a time since it began.
@@ -94,14 +94,14 @@ impl TimedPath<'_> {
     /// Adds the region that it reserves from now on: a few capsules, each around some of its nodes.
     pub fn add_reserved_regions(&self, out: &mut Vec<Capsule2d>) {
         let mut around: Option<(Capsule2d, usize)> = None;
-        let mut places = [Vec2::ZERO; HELD_NODES];
+        let mut places = [Vec2::ZERO; CAPSULE_NODES];
         for capsule in self.capsules() {
             let (whole, n) = around.get_or_insert((Capsule2d { to: capsule.from, ..capsule }, 0));
             places[*n] = capsule.to;
             *n += 1;
             whole.radius_m = whole.radius_m.max(capsule.radius_m);
             whole.to = capsule.to;
-            if *n == HELD_NODES {
+            if *n == CAPSULE_NODES {
                 out.push(widen_capsule(*whole, &places[..*n]));
                 around = None;
             }

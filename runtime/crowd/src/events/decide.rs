@@ -24,7 +24,7 @@ use throng_base::ground::{Bounds2d, ExternalObstacles};
 use throng_base::simd::LANES;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
-const LOOK_AGAIN_S: f32 = 0.25;
+const DECIDE_AGAIN_S: f32 = 0.25;
 
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
@@ -151,13 +151,13 @@ impl<V: Space> Decider<'_, V> {
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
         self.look_around((agent, at), &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.solids_near(state.cell);
-        let sees_outsiders = self.sees_external_obstacles(&walker, scratch);
+        let sees_external_obstacles = self.sees_external_obstacles(&walker, scratch);
         let f = self.forces_from((agent, &walker), &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
-        let longest = if sees_outsiders { longest.min(LOOK_AGAIN_S) } else { longest };
+        let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
@@ -328,15 +328,21 @@ impl<V: Space> Decider<'_, V> {
         let half =
             between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
         let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
-        let way = blocked.retreat_direction(self.grid, steering).or_else(|| {
+        let direction = blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
             let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
             gate.retreat_direction((walker.position, walker.radius), self.time, self.grid, steering)
         });
-        let yields = way.is_some();
-        if let Some(way) = way.or_else(|| blocked.random_retreat_direction((agent, self.time), self.grid, steering)) {
-            *walker =
-                SteeredAgent { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
+        let yields = direction.is_some();
+        if let Some(direction) =
+            direction.or_else(|| blocked.random_retreat_direction((agent, self.time), self.grid, steering))
+        {
+            *walker = SteeredAgent {
+                desired: direction,
+                speed: steering.retreat_speed * state.speed,
+                retreats: true,
+                ..*walker
+            };
         }
         yields
     }

@@ -110,7 +110,7 @@ impl<V: Space> SceneAgents<V> {
             return Err("somebody knows of what has not happened");
         }
         self.stage.things.check(&saved.things, &saved.handled, n)?;
-        let is_way = |way: &Vec<V>| !way.is_empty() && way.iter().all(|at| at.is_finite());
+        let is_path = |path: &Vec<V>| !path.is_empty() && path.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
         let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
         let is_seen = saved.shown.iter().all(|s| {
@@ -118,7 +118,7 @@ impl<V: Space> SceneAgents<V> {
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
-        match saved.paths.iter().all(is_way)
+        match saved.paths.iter().all(is_path)
             && saved.arrivals.iter().all(|a| a.is_finite())
             && has_room
             && is_seen

@@ -174,9 +174,9 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
         let then = if leaves { AtEnd::Leave } else { AtEnd::Stay };
         if let Some(from) = self.current_position(agent) {
-            let way = &mut self.layout.paths[agent as usize];
-            way.clear();
-            way.extend([from, V::from_world(at)]);
+            let path = &mut self.layout.paths[agent as usize];
+            path.clear();
+            path.extend([from, V::from_world(at)]);
             self.layout.arrivals[agent as usize] = arrival_m;
         }
         self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))

@@ -118,7 +118,7 @@ impl AgentBrains {
     pub(super) fn run_primitive(&mut self, stage: &mut impl ScenarioStage, agent: u32, is_again: bool) -> Result<bool> {
         let m = agent as usize;
         let brain = self.brains[m];
-        let CompiledAction::Primitive { number, words, motion, way, claims } = self.action(brain.action) else {
+        let CompiledAction::Primitive { number, words, motion, route, claims } = self.action(brain.action) else {
             return Ok(false);
         };
         let context = brain.context;
@@ -177,7 +177,7 @@ impl AgentBrains {
             WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
             WalkCommand::Along => {
                 let scenario = self.scenario.clone();
-                let points = way.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
+                let points = route.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
                 stage.order_route(agent, points, words[2] == ActionOperand::Flag(true))?
             }
         };

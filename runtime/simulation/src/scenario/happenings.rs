@@ -225,9 +225,9 @@ impl AgentBrains {
 
     /// Handles a meeting: both agents tell each other the events that they know.
     pub(super) fn exchange_news(&mut self, stage: &mut impl ScenarioStage, a: u32, b: u32) {
-        let told = self.shared_events();
+        let shared = self.shared_events();
         for (from, to) in [(a, b), (b, a)] {
-            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & told;
+            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
             while news != 0 {
                 let event = news.trailing_zeros() as u16;
                 news &= news - 1;

@@ -217,7 +217,7 @@ pub(super) enum CompiledAction {
         /// Number of the motion tag.
         motion: Option<u16>,
         /// Path of [`Scenario::paths`] that it follows.
-        way: Option<u16>,
+        route: Option<u16>,
         claims: ActionClaim,
     },
 }

@@ -134,7 +134,8 @@ pub(super) fn separate_segments(
             p.iter_mut().chain(&mut q).for_each(|end| end.y = 0.0);
         }
         // A foot that carries weight stays.
-        let gives = [(a.freedom, of_a), (b.freedom, of_b)].map(|(way, is_foot)| way != LimbFreedom::Stays || !is_foot);
+        let gives =
+            [(a.freedom, of_a), (b.freedom, of_b)].map(|(freedom, is_foot)| freedom != LimbFreedom::Stays || !is_foot);
         let share = match gives {
             [true, true] => [0.5, -0.5],
             [true, false] => [1.0, 0.0],
@@ -170,10 +171,10 @@ pub(super) fn swing_rotation(
 /// Nearest points of two axes, and the displacement of the first one, if they are nearer than allowed (m).
 fn penetration(a: [Vec3; 2], b: [Vec3; 2], allowed_m: f32) -> Option<(Vec3, Vec3, Vec3)> {
     let [p, q] = nearest_points(a, b);
-    let way = p - q;
-    let distance = way.length();
+    let offset = p - q;
+    let distance = offset.length();
     // Crossing axes separate in the direction from which the arm came.
-    let out = if distance > 1e-5 { way / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
+    let out = if distance > 1e-5 { offset / distance } else { (a[0] - q).normalize_or(Vec3::Y) };
     (distance < allowed_m - ENOUGH_M).then(|| (p, q, out * (allowed_m - distance)))
 }
 
@@ -187,10 +188,10 @@ pub(super) fn solve_two_bones(
     (out, soft): (Vec3, f32),
 ) -> [Vec3; 2] {
     let [l1, l2] = shape.lengths;
-    let way = wrist - shoulder;
-    let direction = way.normalize_or(Vec3::NEG_Y);
+    let offset = wrist - shoulder;
+    let direction = offset.normalize_or(Vec3::NEG_Y);
     // The least distance goes last: for very short bones it exceeds the greatest one.
-    let d = way.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
+    let d = offset.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
     let across = |v: Vec3| v - direction * v.dot(direction);
     let pole = across(elbow - shoulder);
     let soft = (SOFT_ELBOW_M * soft - pole.length()).max(0.0);

@@ -194,7 +194,7 @@ impl LimbTouch {
             let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point_in_world(j, Vec3::ZERO)));
             let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(ways.iter().flatten());
             let fastest = fastest
-                .filter(|(_, way)| **way == LimbFreedom::Free)
+                .filter(|(_, freedom)| **freedom == LimbFreedom::Free)
                 .map(|((limb, now), _)| now[2].distance(limb.was[2]));
             let pieces = ((fastest.fold(0.0, f32::max) / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
             let scene = TouchScene { shapes, cores, now: &now, toes: &toes, freedoms: &ways, give_m: config.give_m };

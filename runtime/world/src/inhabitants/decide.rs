@@ -214,9 +214,9 @@ impl Inhabitants {
             through,
         };
         let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
+        let SearchResult::Path(path) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
         let mut steps = [WorldStep::NONE; MAX_REJOINED];
-        let len = nodes.write_path(way, &mut steps);
+        let len = nodes.write_path(path, &mut steps);
         if len > MAX_REJOINED {
             return false;
         }
@@ -439,11 +439,11 @@ impl Inhabitants {
         let bound = purpose.map(|p| (p, [start.x, start.z]));
         let mut space = SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound };
         let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
-        if nodes.cost(way) == f32::INFINITY {
+        let SearchResult::Path(path) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
+        if nodes.cost(path) == f32::INFINITY {
             return None;
         }
-        let len = nodes.write_path(way, self.chains.begin_chain(c, step));
+        let len = nodes.write_path(path, self.chains.begin_chain(c, step));
         if self.chains.extend_chain(c, len) { self.reserve_chain(graph, c) } else { None }
     }
 

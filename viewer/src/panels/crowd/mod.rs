@@ -88,9 +88,9 @@ fn agent_name(scene: &SceneDocument, agent: usize) -> String {
 
 /// Draws more or less.
 fn options_command(model: &Model, change: impl FnOnce(&mut SceneViewOptions)) -> ViewerCommand {
-    let mut look = model.selection.scene;
-    change(&mut look);
-    ViewerCommand::Scene(SceneCommand::SetOptions(look))
+    let mut options = model.selection.scene;
+    change(&mut options);
+    ViewerCommand::Scene(SceneCommand::SetOptions(options))
 }
 
 #[cfg(test)]

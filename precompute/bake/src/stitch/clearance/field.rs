@@ -179,13 +179,14 @@ impl DistanceField {
                     continue;
                 }
                 let known = self.distances[if side < 0.0 { cell - stride } else { cell + stride }];
-                let way = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt() * Self::STEP_M
+                let distance = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt()
+                    * Self::STEP_M
                     + Self::ROUNDING_M;
                 // The least and the greatest stored values may stand for less and for more.
                 if known >= packed && known > 0 {
-                    out[0] = out[0].max(unpacked(known) - way);
+                    out[0] = out[0].max(unpacked(known) - distance);
                 } else if known < packed {
-                    out[1] = out[1].min(unpacked(known) + way);
+                    out[1] = out[1].min(unpacked(known) + distance);
                 }
             }
         }

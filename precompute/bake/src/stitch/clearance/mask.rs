@@ -124,8 +124,8 @@ impl<'a> MotionObstacle<'a> {
     /// Samples a root: `None` for a collision, else how many frames before and after it are free too.
     fn sample_root(&self, at: usize) -> Option<usize> {
         let (row, root) = self.pose(at);
-        let way = self.unit.plan().least_distance(root.x, root.z) - self.bodies.radius();
-        let clear = if way > 0.0 { (way / self.paths.longest_step().max(1e-3)) as usize } else { 0 };
+        let distance = self.unit.plan().least_distance(root.x, root.z) - self.bodies.radius();
+        let clear = if distance > 0.0 { (distance / self.paths.longest_step().max(1e-3)) as usize } else { 0 };
         (clear > 0 || !self.bodies.collides(row, root, self.unit)).then_some(clear)
     }
 

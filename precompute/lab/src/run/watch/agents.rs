@@ -249,8 +249,8 @@ fn num_events(c: &EventCounts) -> u64 {
 fn goes_along<V: Space>(agents: &crowd::SceneAgents<V>, along: Vec2) -> Vec<bool> {
     let layout = agents.layout();
     let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
-    for (way, &group) in layout.paths.iter().zip(&layout.groups) {
-        sums[group] += (ground_coordinates(way[way.len() - 1]) - ground_coordinates(way[0])).dot(along);
+    for (path, &group) in layout.paths.iter().zip(&layout.groups) {
+        sums[group] += (ground_coordinates(path[path.len() - 1]) - ground_coordinates(path[0])).dot(along);
     }
     sums.iter().map(|s| *s > 0.0).collect()
 }

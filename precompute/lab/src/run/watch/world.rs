@@ -108,8 +108,8 @@ impl WorldWatch {
             }
         }
         if !self.last.is_empty() {
-            let way = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
-            self.travelled_m += way.sum::<f64>();
+            let distance = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
+            self.travelled_m += distance.sum::<f64>();
         }
         self.last = trunks.iter().map(|t| t[0]).collect();
         let begins = |hips: &Vec3| PathStretch { end: hips.xz(), direction: Vec2::ZERO };

@@ -56,8 +56,8 @@ pub fn ranked_directions(
     book: &PathReservations,
     config: &AvoidConfig,
 ) -> [f32; NUM_DIRECTIONS] {
-    let way = chooser.target - chooser.place;
-    let distance = way.length();
+    let offset = chooser.target - chooser.place;
+    let distance = offset.length();
     let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
     if distance > NEAR_M && config.horizon_s > 0.0 {
         let others = &mut [NearbyCharacter::default(); OTHERS];
@@ -65,7 +65,7 @@ pub fn ranked_directions(
         let horizon = config.horizon_s.min(distance / chooser.speed_mps);
         for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
             // The left of the direction is towards +X where +Z is ahead.
-            let ahead = Vec2::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin) / distance;
+            let ahead = Vec2::new(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin) / distance;
             let velocity = ahead * chooser.speed_mps;
             let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
             let soonest = soonest.min(walls_ahead(chooser, velocity, book, config));
@@ -140,9 +140,9 @@ fn walls_ahead(chooser: &SteeringQuery, velocity: Vec2, book: &PathReservations,
     const PLACES: usize = 4;
     let nearest = |place: Vec2| {
         let gap = |w: &crate::reserve::Capsule2d| {
-            let way = w.to - w.from;
-            let share = ((place - w.from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            place.distance(w.from + way * share) - w.radius_m
+            let offset = w.to - w.from;
+            let share = ((place - w.from).dot(offset) / offset.length_squared().max(1e-12)).clamp(0.0, 1.0);
+            place.distance(w.from + offset * share) - w.radius_m
         };
         book.walls().map(gap).fold(f32::INFINITY, f32::min)
     };

@@ -103,9 +103,9 @@ proptest! {
     ) {
         let wall = Capsule2d { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
         let gap = |p: Vec2| {
-            let way = wall.to - wall.from;
-            let share = ((p - wall.from).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
-            p.distance(wall.from + way * share) - wall.radius_m - RADIUS_M
+            let offset = wall.to - wall.from;
+            let share = ((p - wall.from).dot(offset) / offset.length_squared().max(1e-9)).clamp(0.0, 1.0);
+            p.distance(wall.from + offset * share) - wall.radius_m - RADIUS_M
         };
         let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
         group.set_walls(&[wall]);

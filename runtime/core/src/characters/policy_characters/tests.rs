@@ -201,10 +201,10 @@ fn damaged_and_foreign_snapshots_are_refused_and_change_nothing() {
     }
     assert!(group.load(&[&bytes[..], &[0]].concat()).is_err());
     assert_eq!(group.hash(), hash);
-    let (mut laid, mut kept) = (group.clone(), Vec::new());
-    let (block, _, lane) = laid.characters.lane_mut(1);
+    let (mut scheduled, mut kept) = (group.clone(), Vec::new());
+    let (block, _, lane) = scheduled.characters.lane_mut(1);
     block.segment[lane] = SCHEDULED;
-    laid.save(&mut kept);
+    scheduled.save(&mut kept);
     let e = group.load(&kept).unwrap_err().to_string();
     assert!(e.contains("character 1 plays what the bundle does not have"), "{e}");
     assert!(group_of(3, 5).load(&bytes).is_err(), "another capacity");

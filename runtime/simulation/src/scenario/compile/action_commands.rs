@@ -112,7 +112,7 @@ impl ScenarioCompiler<'_> {
             return compile_fault(key, "expected an action");
         };
         let mut said = [ActionOperand::Nothing; MAX_WORDS];
-        let (mut motion, mut way, mut claims) = (None, None, ActionClaim::Nothing);
+        let (mut motion, mut route, mut claims) = (None, None, ActionClaim::Nothing);
         let dimensions = self.scene.environment.space.dimensions();
         if let RegisteredAction::Primitive(number) = action_name {
             motion = self.out.primitives.get(number).motion.map(|tag| self.motion_number(tag));
@@ -133,7 +133,7 @@ impl ScenarioCompiler<'_> {
                     ActionOperand::Nothing
                 }
                 (WordKind::Points, WordConfig::Points(points)) if (2..=MOST_POINTS).contains(&points.len()) => {
-                    way = Some(self.out.paths.len() as u16);
+                    route = Some(self.out.paths.len() as u16);
                     let at = |(i, p): (usize, &Vec<f32>)| checked_point(p, &format!("{word_key}[{i}]"), dimensions);
                     self.out.paths.push(points.iter().enumerate().map(at).collect::<CompileResult<_>>()?);
                     ActionOperand::Nothing
@@ -166,7 +166,7 @@ impl ScenarioCompiler<'_> {
         Ok(match action_name {
             RegisteredAction::Effect(effect) => CompiledAction::Effect(effect, said),
             RegisteredAction::Primitive(number) => {
-                CompiledAction::Primitive { number, words: said, motion, way, claims }
+                CompiledAction::Primitive { number, words: said, motion, route, claims }
             }
         })
     }

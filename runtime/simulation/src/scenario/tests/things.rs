@@ -36,8 +36,8 @@ fn lines(stage: &Paper, what: &str) -> Vec<String> {
 fn one_takes_a_thing_and_the_other_hears_that_it_is_taken() {
     let (brains, stage) = played(2, CUP, &[], 20.0);
     // One second, the way, two seconds of taking, the way.
-    let takes = format!("{:.6} 0 takes 0", 1.0 + WAY_S);
-    let puts = format!("{:.6} 0 puts 0", 1.0 + WAY_S + 2.0 + WAY_S);
+    let takes = format!("{:.6} 0 takes 0", 1.0 + WALK_S);
+    let puts = format!("{:.6} 0 puts 0", 1.0 + WALK_S + 2.0 + WALK_S);
     assert_eq!((lines(&stage, "takes"), lines(&stage, "puts")), (vec![takes], vec![puts]));
     assert_eq!(stage.in_hand, []);
     assert!(!brains.has_claimed(0, 0) && !brains.has_claimed(1, 0));
