@@ -16,8 +16,8 @@ use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyOrder, PolicyCharacters, Spawn};
-use throng_runtime::crowd::{Agent, AtEnd, Crowd, CrowdConfig, AgentOrder, CrowdSetup};
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, PolicyOrder, Spawn};
+use throng_runtime::crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup};
 use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::sparring::{Sparring, SparringConfig};
@@ -388,7 +388,7 @@ fn rules(input: &Input<'_>) -> Outcome<u64> {
         Ok((0..num_steps).try_for_each(|_| simulation.step(f64::from(DT_S)))?)
     };
     step(&mut simulation, input.num_before())?;
-    let count = |simulation: &Simulation| simulation.brains().map_or(0, |minds| minds.evaluations());
+    let count = |simulation: &Simulation| simulation.brains().map_or(0, |brains| brains.evaluations());
     let before = count(&simulation);
     counted_region(&mut || step(&mut simulation, input.num_steps))?;
     Ok(count(&simulation) - before)
@@ -412,8 +412,8 @@ fn sparring(input: &Input<'_>) -> Outcome<u64> {
     Ok((2 * num_pairs * input.num_steps) as u64)
 }
 
-fn step(cast: &mut impl CharacterGroup, num_steps: usize) -> Outcome<()> {
-    Ok((0..num_steps).try_for_each(|_| cast.step(DT_S, &Inline))?)
+fn step(character_group: &mut impl CharacterGroup, num_steps: usize) -> Outcome<()> {
+    Ok((0..num_steps).try_for_each(|_| character_group.step(DT_S, &Inline))?)
 }
 
 /// A point of a square grid around the origin: number and count of points, and the distance of neighbours.

@@ -15,10 +15,10 @@ const REPEATS: usize = 5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().collect();
-    if let [_, one, way, file] = &args[..]
+    if let [_, one, method, file] = &args[..]
         && one == "--one"
     {
-        return open(way, Path::new(file));
+        return open(method, Path::new(file));
     }
     // `cargo test` runs benches too: small files are enough there.
     let whole = args.iter().any(|a| a == "--bench");
@@ -29,10 +29,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let file = folder.path().join("padded.throng");
         std::fs::write(&file, padded(size)?)?;
         let mut rows = Vec::new();
-        for way in OPEN_METHODS {
+        for method in OPEN_METHODS {
             let mut best = [f64::INFINITY; 3];
             for _ in 0..REPEATS {
-                let out = Command::new(std::env::current_exe()?).args(["--one", way]).arg(&file).output()?;
+                let out = Command::new(std::env::current_exe()?).args(["--one", method]).arg(&file).output()?;
                 let text = String::from_utf8(out.stdout)?;
                 let found: Vec<f64> = text.split_whitespace().map_while(|w| w.parse().ok()).collect();
                 let found: [f64; 3] =
@@ -41,22 +41,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     best = found;
                 }
             }
-            rows.push((way, best));
+            rows.push((method, best));
         }
         let map = rows[1].1[0];
-        for (way, [ms, own, shared]) in rows {
-            println!("{:<5} {way:<16} {ms:>7.2}  {:>8.2}  {own:>6.1}  {shared:>9.1}", size / 1_000_000, ms / map);
+        for (method, [ms, own, shared]) in rows {
+            println!("{:<5} {method:<16} {ms:>7.2}  {:>8.2}  {own:>6.1}  {shared:>9.1}", size / 1_000_000, ms / map);
         }
     }
     Ok(())
 }
 
 /// Opens a file; prints how long that took (ms), memory of this process alone and memory that others share (MB).
-fn open(way: &str, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
+fn open(method: &str, file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let before = memory();
     let begin = Instant::now();
     // SAFETY: the file belongs to the parent process, which does not change it.
-    let tables = match way {
+    let tables = match method {
         "open" => Bundle::open(file),
         "map" => unsafe { Bundle::map(file) },
         "open_unverified" => Bundle::open_unverified(file),

@@ -35,7 +35,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     println!("{bad}");
 
     // No more room, and the id of a walker that has left.
-    let full = walkers.spawn(WalkerStart::default()).expect_err("a full cast");
+    let full = walkers.spawn(WalkerStart::default()).expect_err("a full group");
     walkers.despawn(id)?;
     let gone = walkers.status(id).expect_err("an id that has left");
     assert!(matches!((&full, &gone), (Error::Full { capacity: 1 }, Error::Gone(_))));
@@ -43,7 +43,8 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
 
     // A goal in a wall.
     let wall = Obstacle::Box { min: Vec3::new(4.0, 0.0, -1.0), max: Vec3::new(6.0, 3.0, 1.0) };
-    let no_way = Streets::new(&[wall], 0.4)?.route(Vec3::ZERO, Vec3::new(5.0, 0.0, 0.0)).expect_err("a goal in a wall");
-    println!("{no_way}");
+    let unreachable =
+        Streets::new(&[wall], 0.4)?.route(Vec3::ZERO, Vec3::new(5.0, 0.0, 0.0)).expect_err("a goal in a wall");
+    println!("{unreachable}");
     Ok(())
 }

@@ -206,19 +206,19 @@ class Live:
     """What is shown: one scene at a time."""
 
     stream = stage = frame = None
-    told = "Not connected"
+    status = "Not connected"
 
     @classmethod
     def connect(cls, address, port, most):
         cls.disconnect()
-        cls.stream, cls.most, cls.told = Stream(address, port), most, "Connected"
+        cls.stream, cls.most, cls.status = Stream(address, port), most, "Connected"
         bpy.app.timers.register(cls.tick)
 
     @classmethod
     def disconnect(cls):
         if cls.stream:
             cls.stream.close()
-        cls.stream, cls.stage, cls.told = None, None, "Not connected"
+        cls.stream, cls.stage, cls.status = None, None, "Not connected"
 
     @classmethod
     def tick(cls):
@@ -229,7 +229,7 @@ class Live:
             messages = cls.stream.read()
         except (ValueError, IndexError, KeyError, struct.error) as why:
             cls.disconnect()
-            cls.told = f"Not a scene of Throng: {why}"
+            cls.status = f"Not a scene of Throng: {why}"
             return None
         frames = [m for m in messages if m["kind"] == "frame"]
         for message in messages:
@@ -238,10 +238,10 @@ class Live:
         if frames and cls.stage:
             cls.frame = frames[-1]
             cls.stage.show(cls.frame)
-            cls.told = f"{cls.frame['time_s']:.2f} s, {len(cls.stage.objects)} shown"
+            cls.status = f"{cls.frame['time_s']:.2f} s, {len(cls.stage.objects)} shown"
         if any(m["kind"] == "end" for m in messages) or not cls.stream.is_open:
             cls.stream.close()
-            cls.stream, cls.told = None, "The scene has ended"
+            cls.stream, cls.status = None, "The scene has ended"
             return None
         return EVERY_S
 
@@ -274,7 +274,7 @@ class THRONG_PT_panel(bpy.types.Panel):
         for name in ("throng_address", "throng_port", "throng_most"):
             self.layout.prop(context.scene, name)
         self.layout.operator("throng.disconnect" if Live.stream else "throng.connect")
-        self.layout.label(text=Live.told)
+        self.layout.label(text=Live.status)
 
 
 CLASSES = (THRONG_OT_connect, THRONG_OT_disconnect, THRONG_PT_panel)

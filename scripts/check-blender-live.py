@@ -73,7 +73,7 @@ def main(throng, scene, path=None):
             if path and live.frame["time_s"] > 2.5:
                 picture(live, path)
                 path = None
-    print(f"{frames} frames, {seen} joints in the last, {most:.7f} m off at most; {live.told}")
+    print(f"{frames} frames, {seen} joints in the last, {most:.7f} m off at most; {live.status}")
     addon.unregister()
     print(served.stdout.read().strip())
     assert served.wait() == 0 and seen > 0 and frames > 1 and most < 1e-4

@@ -173,12 +173,12 @@ if unshare -rm mount -t tmpfs -o size=64k tmpfs disk 2> /dev/null; then
     for ((i = 0; i < few; i++)); do
         code=0
         unshare -rm bash -c "mount -t tmpfs -o size=$((4 + 6000 * i / few))k tmpfs disk
-            '$throng' build files.toml --out out.throng --cache disk/cache > told.txt 2>&1 || exit 99
+            '$throng' build files.toml --out out.throng --cache disk/cache > messages.txt 2>&1 || exit 99
             cmp -s out.throng files.throng || exit 98
-            grep -q '^warning: .*cached' told.txt || exit 0
+            grep -q '^warning: .*cached' messages.txt || exit 0
             rm -rf disk/cache
-            '$throng' bake files.toml --shard 0/1 --cache disk/cache > told.txt 2>&1 && exit 0
-            grep -q '^error: .*disk/cache' told.txt && exit 1 || exit 97" || code=$?
+            '$throng' bake files.toml --shard 0/1 --cache disk/cache > messages.txt 2>&1 && exit 0
+            grep -q '^error: .*disk/cache' messages.txt && exit 1 || exit 97" || code=$?
         [ $code -eq 0 ] || failed=$((failed + 1))
         [ $code -le 1 ] || wrong=$((wrong + 1))
     done
@@ -196,8 +196,8 @@ shares() { # FIRST SECOND: words before the program
         $2 "$throng" bake files.toml --shard 1/2 --cache shared-cache > /dev/null 2>&1 || return 1
         wait $other || return 1
     done
-    $1 "$throng" build files.toml --out out.throng --cache shared-cache --json 2> /dev/null > told.json || return 1
-    grep -q '"files_kept": 0' told.json && return 1
+    $1 "$throng" build files.toml --out out.throng --cache shared-cache --json 2> /dev/null > report.json || return 1
+    grep -q '"files_kept": 0' report.json && return 1
     cmp -s out.throng files.throng
 }
 

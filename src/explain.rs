@@ -53,13 +53,13 @@ pub fn run(args: &Args) -> CommandResult {
     let scene = recording.scene()?;
     crate::run::ensure_scene(&scene, &args.cache)?;
     let sim = recording.replay(&scene.open()?, args.at)?;
-    let Some(minds) = sim.brains() else {
+    let Some(brains) = sim.brains() else {
         return fail("the scene says no more than goals: nobody has anything in mind");
     };
     match (&args.message, args.agent) {
-        (Some(event), _) => print_event_spread(minds, event, args.json),
+        (Some(event), _) => print_event_spread(brains, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {
-            let why = minds.explain(agent, sim.time_s());
+            let why = brains.explain(agent, sim.time_s());
             if args.json { output::json(&why) } else { output::text(explanation_text(&why)) }
         }
         (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),
@@ -67,24 +67,24 @@ pub fn run(args: &Args) -> CommandResult {
     }
 }
 
-fn print_event_spread(minds: &AgentBrains, event: &str, json: bool) -> CommandResult {
-    let learnt = minds.event_learners(event)?;
+fn print_event_spread(brains: &AgentBrains, event: &str, json: bool) -> CommandResult {
+    let learnt = brains.event_learners(event)?;
     if json {
         let learnt = learnt.into_iter().map(|(agent, known)| InformedAgent { agent, known }).collect();
         return output::json(&EventSpreadReport { event: event.into(), learnt });
     }
     let mut text = String::new();
-    let mut told: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
-    learnt.iter().enumerate().for_each(|(i, (_, known))| told.entry(known.from).or_default().push(i));
-    let told_by = |from: Option<usize>| told.get(&from).into_iter().flatten().rev().copied();
+    let mut informed: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
+    learnt.iter().enumerate().for_each(|(i, (_, known))| informed.entry(known.from).or_default().push(i));
+    let informed_by = |from: Option<usize>| informed.get(&from).into_iter().flatten().rev().copied();
     // Depth first, from the agents that learnt of it from no other agent.
-    let mut open: Vec<(usize, usize)> = told_by(None).map(|i| (i, 0)).collect();
+    let mut open: Vec<(usize, usize)> = informed_by(None).map(|i| (i, 0)).collect();
     while let Some((i, depth)) = open.pop() {
         let (agent, known) = &learnt[i];
         let [x, z] = known.at;
         let (indent, how, time_s) = ("  ".repeat(depth), &known.how, known.time_s);
         _ = writeln!(text, "{indent}{agent}  {time_s:.2} s at {x:.1}, {z:.1} ({how})");
-        open.extend(told_by(Some(*agent)).map(|n| (n, depth + 1)));
+        open.extend(informed_by(Some(*agent)).map(|n| (n, depth + 1)));
     }
     if text.is_empty() {
         text = format!("nobody knows of `{event}`\n");

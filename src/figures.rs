@@ -36,11 +36,11 @@ pub fn figures(r: &SceneFigures) -> Vec<(&'static str, String)> {
         let units =
             format!("{} time(s) in a unit, {:.2} m at most", w.environment_penetrations, w.deepest_penetration_m);
         rows.push(("surroundings", units));
-        let wishes = format!("{:.2} fulfilled and {:.0} m travelled", w.fulfilled_per_minute, w.travelled_m_per_minute);
+        let goals = format!("{:.2} fulfilled and {:.0} m travelled", w.fulfilled_per_minute, w.travelled_m_per_minute);
         let waiting = 100.0 * w.waiting_fraction;
         let turned = format!("turning {:.0} deg a metre", w.turned_deg_per_m);
-        let row = format!("{wishes} a minute and character, {turned}; waiting {waiting:.1} % of the time");
-        rows.push(("wishes", row));
+        let row = format!("{goals} a minute and character, {turned}; waiting {waiting:.1} % of the time");
+        rows.push(("goals", row));
     }
     if let Some(p) = &r.partners {
         let ends = format!("{} finished, {} broken off", p.pairs_finished, p.pairs_broken_off);

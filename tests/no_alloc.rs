@@ -75,14 +75,16 @@ fn steps_allocate_nothing() {
 fn characters_that_make_way_allocate_nothing() {
     let config = CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() };
     let tables = common::tables();
-    let mut cast = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
+    let mut character_group = PolicyCharacters::with_capacity(&tables, 144, config).expect("room");
     for i in 0..144 {
         let root = Planar::new(0.8 * (i % 12) as f32, 0.8 * (i / 12) as f32, i as f32);
-        let id = cast.spawn(Spawn::standing_at(root)).expect("there is room");
-        cast.order(id, PolicyOrder::towards(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z))).expect("an order");
+        let id = character_group.spawn(Spawn::standing_at(root)).expect("there is room");
+        character_group
+            .order(id, PolicyOrder::towards(0, Vec3::new(5.0 - root.x, 0.0, 5.0 - root.z)))
+            .expect("an order");
     }
-    let n = allocations(|| (0..600).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step")));
-    let blocked = (0..144).filter(|&c| cast.characters().num_blocked_choices(c) > 0).count();
+    let n = allocations(|| (0..600).for_each(|_| character_group.step(1.0 / 60.0, &Inline).expect("a step")));
+    let blocked = (0..144).filter(|&c| character_group.characters().num_blocked_choices(c) > 0).count();
     assert!(blocked > 3, "{blocked} in each other's way prove little");
     assert_eq!(n, 0);
 }
@@ -111,18 +113,18 @@ fn inhabitants_allocate_nothing() {
     let ids = people.ids().to_vec();
     for round in 0..20u32 {
         for &id in &ids {
-            let wish = match id.index % 4 {
+            let goal = match id.index % 4 {
                 0 => InhabitantGoal::Roam,
                 3 => InhabitantGoal::GoNear { place: Vec3::new((round % 9) as f32 * 2.0, 1.0, 1.0), within_m: 4.0 },
                 1 => InhabitantGoal::GoTo { instance: (7 * id.index + 11 * round) % 40 },
                 _ => InhabitantGoal::Perform { tag: made_up::SIT, seconds: 4.0 },
             };
-            n += allocations(|| people.order(id, wish).expect("a wish"));
+            n += allocations(|| people.order(id, goal).expect("a goal"));
         }
         n += allocations(|| (0..900).for_each(|_| people.step(1.0 / 30.0, &Inline).expect("a step")));
     }
     let fulfilled: u32 = ids.iter().map(|id| people.state(*id).expect("there").num_fulfilled).sum();
-    assert!(fulfilled > 40, "{fulfilled} wishes are too few to prove anything");
+    assert!(fulfilled > 40, "{fulfilled} goals are too few to prove anything");
     let back = people.characters().root(1);
     n += allocations(|| people.despawn(ids[0]).expect("there"));
     n += allocations(|| people.place(ids[1], back).expect("its own place is free"));
@@ -358,7 +360,7 @@ fn busy_crowd(scheme: Scheme) -> CrowdSetup {
     setup.obstacles = vec![
         Obstacle::Wall { from: Vec3::new(-2.0, 0.0, -1.0), to: Vec3::new(40.0, 0.0, -1.0), radius: 0.1 },
         Obstacle::Mover {
-            way: vec![(0.0, Vec3::new(24.0, 0.0, 20.0)), (9.0, Vec3::new(24.0, 0.0, -5.0))],
+            path: vec![(0.0, Vec3::new(24.0, 0.0, 20.0)), (9.0, Vec3::new(24.0, 0.0, -5.0))],
             radius: 0.6,
         },
     ];

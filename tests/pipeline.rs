@@ -161,8 +161,8 @@ fn assert_crowd_arrives(bundle: &Path, making_way: f64) {
     let arrived = record.arrivals_s.iter().filter(|t| **t <= 15.0).count();
     assert_eq!(arrived as f64 / 100.0, report.reached_fraction);
     for (trail, target) in record.trails.iter().zip(&record.targets) {
-        let way = trail[0].distance(glam::Vec2::new(target.x, target.z));
-        assert!((1.9..6.1).contains(&way), "a target {way} m away at the start");
+        let distance = trail[0].distance(glam::Vec2::new(target.x, target.z));
+        assert!((1.9..6.1).contains(&distance), "a target {distance} m away at the start");
     }
 }
 

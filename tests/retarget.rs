@@ -27,10 +27,10 @@ fn own_proportions_reproduce_the_joints_of_real_clips() {
         let set = retarget_clips(std::slice::from_ref(clip), &cfg, &mut Warnings::default()).expect("a body");
         assert_eq!(set.skeleton, skeleton_of(clip).expect("a body"));
         for f in 0..clip.clip.num_frames {
-            let (world, laid) = (clip.clip.world(f), set.clips[0].joint_positions(&set.skeleton, f));
+            let (world, retargeted) = (clip.clip.world(f), set.clips[0].joint_positions(&set.skeleton, f));
             for j in Joint::ALL {
                 let Some(source) = clip.roles.get(j) else { continue };
-                let distance = (world[source].0 - laid[j.index()]).length();
+                let distance = (world[source].0 - retargeted[j.index()]).length();
                 // CMU's neck has two joints and so no fixed length; its direction must still be right.
                 let stretch = match j {
                     Joint::Head => clip.roles.get(Joint::Neck).map_or(0.0, |neck| {

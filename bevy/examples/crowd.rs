@@ -18,7 +18,7 @@ use bevy::render::view::screenshot::{Screenshot, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use throng_bevy::runtime::characters::{AvoidConfig, CharactersConfig, Choice};
+use throng_bevy::runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig};
 use throng_bevy::{Aim, Character, Crowd, CrowdMessage, Joints, ThrongPlugin};
 
 /// Each has a square of this side to start in (m).
@@ -100,7 +100,7 @@ fn stage(app: &mut App, bundle: &Path, people: usize) -> Result<Handle<Image>, S
         Transform::from_xyz(0.0, 4.5, half + 3.0).looking_at(Vec3::new(0.0, 0.0, half - 18.0), Vec3::Y),
     ));
     let bundle = world.resource::<AssetServer>().load(name);
-    let (avoid, choice) = (Some(AvoidConfig::default()), Choice::LookAhead { temperature: 0.5 });
+    let (avoid, choice) = (Some(AvoidConfig::default()), ActionChoice::LookAhead { temperature: 0.5 });
     let config = CharactersConfig { avoid, choice, ..CharactersConfig::default() };
     let crowd = world.spawn(Crowd::new(bundle, people).with_config(config)).id();
     for k in 0..people {

@@ -5,7 +5,7 @@ use crate::look::CrowdLook;
 use bevy::prelude::*;
 use std::borrow::Cow;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters};
-use throng_runtime::{Adopted, Bundle, Id};
+use throng_runtime::{AdoptReport, Bundle, Id};
 
 /// Room for characters of one bundle. Those who belong to it are despawned with it.
 #[derive(Component, Debug)]
@@ -26,7 +26,7 @@ pub struct Crowd {
 /// What there is once the bundle is loaded.
 #[derive(Debug)]
 pub(crate) struct Live {
-    pub cast: PolicyCharacters,
+    pub group: PolicyCharacters,
     pub bundle: Bundle,
     /// How often the bundle was changed.
     pub generation: u32,
@@ -63,29 +63,29 @@ impl Crowd {
 
     /// What moves the characters, to be asked for status, events, poses, hash and snapshots; none before the bundle is
     /// loaded.
-    pub fn cast(&self) -> Option<&PolicyCharacters> {
-        self.live.as_ref().map(|live| &live.cast)
+    pub fn character_group(&self) -> Option<&PolicyCharacters> {
+        self.live.as_ref().map(|live| &live.group)
     }
 
     /// The same, to give orders, push, place, or load a snapshot of the same characters. Entities come and go by
     /// [`Character`] alone.
-    pub fn cast_mut(&mut self) -> Option<&mut PolicyCharacters> {
-        self.live.as_mut().map(|live| &mut live.cast)
+    pub fn character_group_mut(&mut self) -> Option<&mut PolicyCharacters> {
+        self.live.as_mut().map(|live| &mut live.group)
     }
 
     /// The entity of a character.
     pub fn entity(&self, id: Id) -> Option<Entity> {
         let live = self.live.as_ref()?;
-        live.cast.row(id).ok()?;
+        live.group.row(id).ok()?;
         live.entities.get(id.index()).copied()
     }
 
     /// Begins with a bundle.
     pub(crate) fn begin(&mut self, bundle: &Bundle) -> throng_runtime::Result<()> {
         let config = CharactersConfig { instances: true, ..self.config };
-        let cast = PolicyCharacters::with_capacity(bundle, self.capacity, config)?;
+        let group = PolicyCharacters::with_capacity(bundle, self.capacity, config)?;
         let entities = vec![Entity::PLACEHOLDER; self.capacity];
-        self.live = Some(Live { cast, bundle: bundle.clone(), generation: 0, entities });
+        self.live = Some(Live { group, bundle: bundle.clone(), generation: 0, entities });
         Ok(())
     }
 }
@@ -120,7 +120,7 @@ impl Aim {
 pub struct Entered {
     /// The entity of the [`Crowd`].
     pub crowd: Entity,
-    /// Names it in [`Crowd::cast`].
+    /// Names it in [`Crowd::character_group`].
     pub id: Id,
 }
 
@@ -146,7 +146,7 @@ pub enum CrowdMessage {
         /// The entity of the [`Crowd`].
         crowd: Entity,
         /// How far poses were apart.
-        adopted: Adopted,
+        adopted: AdoptReport,
     },
     /// A bundle, an order or a look is of no use; what there was goes on.
     Failed {

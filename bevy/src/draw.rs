@@ -15,7 +15,7 @@ use bevy::render::render_resource::{AsBindGroup, RenderPipelineDescriptor, Speci
 use bevy::render::renderer::RenderDevice;
 use bevy::render::storage::ShaderBuffer;
 use bevy::shader::ShaderRef;
-use throng_runtime::characters::Instance;
+use throng_runtime::characters::PoseInstance;
 
 const SHADER: &str = "embedded://throng_bevy/far.wgsl";
 /// Whoever stands, walks or lies is within this box about its root: half its size, and its centre (m).
@@ -91,7 +91,7 @@ fn dress(
     mut buffers: ResMut<Assets<ShaderBuffer>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut far_materials: ResMut<Assets<FarMaterial>>,
-    mut told: MessageWriter<CrowdMessage>,
+    mut messages: MessageWriter<CrowdMessage>,
 ) {
     for (entity, crowd, look, drawn) in &mut crowds {
         let Some(live) = &crowd.live else { continue };
@@ -116,12 +116,12 @@ fn dress(
                 // Said once: what there was is drawn on.
                 drawn.into_iter().for_each(|mut drawn| drawn.generation = generation);
                 error!("{entity}: {why}");
-                told.write(CrowdMessage::Failed { entity, why });
+                messages.write(CrowdMessage::Failed { entity, why });
                 continue;
             }
             Err(why) => {
                 error!("{entity}: {why}");
-                told.write(CrowdMessage::Failed { entity, why });
+                messages.write(CrowdMessage::Failed { entity, why });
                 commands.entity(entity).remove::<CrowdLook>();
                 continue;
             }
@@ -144,7 +144,7 @@ fn dress(
             }
             continue;
         }
-        let records = vec![0; crowd.capacity().max(1) * size_of::<Instance>()];
+        let records = vec![0; crowd.capacity().max(1) * size_of::<PoseInstance>()];
         let records = buffers.add(ShaderBuffer::new(&records, RenderAssetUsages::default()));
         let rows = buffers.add(rows);
         let extension = FromRecords { records: records.clone(), rows: rows.clone() };
@@ -203,9 +203,11 @@ fn show_far(
 /// Records of this update, by place.
 fn upload(crowds: Query<(&Crowd, &Drawn)>, mut buffers: ResMut<Assets<ShaderBuffer>>) {
     for (crowd, drawn) in &crowds {
-        let (Some(cast), Some(mut buffer)) = (crowd.cast(), buffers.get_mut(&drawn.records)) else { continue };
-        let mut records = vec![Instance::default(); crowd.capacity().max(1)];
-        for (id, record) in cast.ids().iter().zip(cast.instances()) {
+        let (Some(group), Some(mut buffer)) = (crowd.character_group(), buffers.get_mut(&drawn.records)) else {
+            continue;
+        };
+        let mut records = vec![PoseInstance::default(); crowd.capacity().max(1)];
+        for (id, record) in group.ids().iter().zip(group.instances()) {
             records[id.index()] = *record;
         }
         buffer.data = Some(bytemuck::cast_slice(&records).to_vec());

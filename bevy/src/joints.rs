@@ -3,7 +3,7 @@
 use crate::crowd::{Crowd, Entered};
 use crate::step::Eye;
 use bevy::prelude::*;
-use throng_runtime::{Cast, Joint, Mat3x4, NUM_JOINTS};
+use throng_runtime::{CharacterGroup, Joint, Mat3x4, NUM_JOINTS};
 
 /// Who has joints keeps them this much farther away, so that they do not come and go at a border (m).
 const KEPT_M: f32 = 1.0;
@@ -32,15 +32,15 @@ pub fn follow(
     let away = |x: f32, z: f32| Vec2::new(x, z).distance(eye);
     for (entity, entered, its) in &characters {
         let Ok(crowd) = crowds.get(entered.crowd) else { continue };
-        let Some(cast) = crowd.cast() else { continue };
-        let Ok(row) = cast.row(entered.id) else { continue };
-        let record = cast.instances()[row];
+        let Some(group) = crowd.character_group() else { continue };
+        let Ok(row) = group.row(entered.id) else { continue };
+        let record = group.instances()[row];
         if away(record.x, record.z) > crowd.near_m + KEPT_M {
             its.joints.iter().for_each(|joint| commands.entity(*joint).try_despawn());
             commands.entity(entity).remove::<Joints>();
             continue;
         }
-        for (joint, matrix) in its.joints.iter().zip(&cast.bodies().model[row]) {
+        for (joint, matrix) in its.joints.iter().zip(&group.bodies().model[row]) {
             if let Ok(mut transform) = joints.get_mut(*joint) {
                 *transform = above(record.y, matrix);
             }
@@ -48,7 +48,7 @@ pub fn follow(
     }
     for live in crowds.iter().filter_map(|crowd| crowd.live.as_ref().map(|live| (live, crowd.near_m))) {
         let (live, near_m) = live;
-        let all = live.cast.ids().iter().zip(live.cast.instances()).zip(live.cast.bodies().model);
+        let all = live.group.ids().iter().zip(live.group.instances()).zip(live.group.bodies().model);
         for ((id, record), model) in all.filter(|((_, r), _)| away(r.x, r.z) <= near_m) {
             let entity = live.entities[id.index()];
             // Nobody is the entity of who came with a snapshot.

@@ -42,7 +42,7 @@ impl Default for CrowdLook {
 impl CrowdLook {
     /// Bodies of those who are near and far.
     pub fn meshes(&self, bundle: &Bundle) -> Result<(Mesh, Mesh), String> {
-        let near = self.near.clone().unwrap_or_else(|| plain(&PlainBody::of(bundle.skeleton())));
+        let near = self.near.clone().unwrap_or_else(|| plain(&PlainBody::fine(bundle.skeleton())));
         let far = self.far.as_ref().or(self.near.as_ref());
         let far = far.cloned().unwrap_or_else(|| plain(&PlainBody::coarse(bundle.skeleton())));
         Ok((check(near)?, from_records(check(far)?)?))

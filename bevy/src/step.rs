@@ -6,15 +6,15 @@ use crate::threads::Pool;
 use bevy::asset::AssetLoadFailedEvent;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
-use throng_runtime::characters::{Detail, Order, Spawn};
-use throng_runtime::{Cast, Planar, base::limits::STEP_S, glam};
+use throng_runtime::characters::{Detail, PolicyOrder, Spawn};
+use throng_runtime::{CharacterGroup, Planar, base::limits::STEP_S, glam};
 
 /// Who is posed, though it has no joints yet: steps move people a little (m).
 const MARGIN_M: f32 = 2.0;
 
-fn fail(told: &mut MessageWriter<CrowdMessage>, entity: Entity, why: String) {
+fn fail(messages: &mut MessageWriter<CrowdMessage>, entity: Entity, why: String) {
     error!("{entity}: {why}");
-    told.write(CrowdMessage::Failed { entity, why });
+    messages.write(CrowdMessage::Failed { entity, why });
 }
 
 /// Begins with bundles that are loaded, and adopts those that changed.
@@ -23,7 +23,7 @@ pub fn open(
     bundles: Res<Assets<ThrongBundle>>,
     mut changes: MessageReader<AssetEvent<ThrongBundle>>,
     mut failures: MessageReader<AssetLoadFailedEvent<ThrongBundle>>,
-    mut told: MessageWriter<CrowdMessage>,
+    mut messages: MessageWriter<CrowdMessage>,
 ) {
     let modified = |e: &AssetEvent<_>| if let AssetEvent::Modified { id } = e { Some(*id) } else { None };
     let changed: Vec<_> = changes.read().filter_map(modified).collect();
@@ -35,7 +35,7 @@ pub fn open(
         for (_, why) in failed.iter().filter(|(id, _)| *id == its) {
             if crowd.fault != *why {
                 crowd.fault.clone_from(why);
-                fail(&mut told, entity, why.clone());
+                fail(&mut messages, entity, why.clone());
             }
         }
         let is_new = changed.contains(&its);
@@ -44,7 +44,7 @@ pub fn open(
         }
         let Some(ThrongBundle(bundle)) = bundles.get(crowd.bundle()) else { continue };
         let done = match &mut crowd.live {
-            Some(live) => live.cast.adopt(bundle).map(|adopted| {
+            Some(live) => live.group.adopt(bundle).map(|adopted| {
                 live.bundle = bundle.clone();
                 live.generation += 1;
                 CrowdMessage::Adopted { crowd: entity, adopted }
@@ -54,8 +54,8 @@ pub fn open(
         crowd.is_refused = done.is_err();
         crowd.fault.clear();
         match done {
-            Ok(message) => _ = told.write(message),
-            Err(why) => fail(&mut told, entity, format!("the bundle is of no use here: {why}")),
+            Ok(message) => _ = messages.write(message),
+            Err(why) => fail(&mut messages, entity, format!("the bundle is of no use here: {why}")),
         }
     }
 }
@@ -65,7 +65,7 @@ pub fn enter(
     mut commands: Commands,
     mut crowds: Query<(Entity, &mut Crowd)>,
     waiting: Query<(Entity, &Character, &Transform), (Without<Entered>, Without<Refused>)>,
-    mut told: MessageWriter<CrowdMessage>,
+    mut messages: MessageWriter<CrowdMessage>,
 ) {
     if waiting.is_empty() {
         return;
@@ -73,8 +73,8 @@ pub fn enter(
     // Those who come first come together.
     let mut gathering = Vec::new();
     for (entity, mut crowd) in &mut crowds {
-        if let Some(live) = crowd.live.as_mut().filter(|live| live.cast.ids().is_empty()) {
-            live.cast.gather();
+        if let Some(live) = crowd.live.as_mut().filter(|live| live.group.ids().is_empty()) {
+            live.group.hold_entrants();
             gathering.push(entity);
         }
     }
@@ -82,8 +82,8 @@ pub fn enter(
         let done = match crowds.get_mut(character.crowd).map(|(_, crowd)| crowd.into_inner().live.as_mut()) {
             Ok(None) => continue,
             Ok(Some(live)) => live
-                .cast
-                .spawn(Spawn::standing(planar(transform)))
+                .group
+                .spawn(Spawn::standing_at(planar(transform)))
                 .inspect(|id| live.entities[id.index()] = entity)
                 .map_err(|e| e.to_string()),
             Err(_) => Err(format!("{} is no crowd; spawn a Crowd first", character.crowd)),
@@ -92,7 +92,7 @@ pub fn enter(
             Ok(id) => _ = commands.entity(entity).insert(Entered { crowd: character.crowd, id }),
             Err(why) => {
                 commands.entity(entity).insert(Refused(why.clone()));
-                fail(&mut told, entity, why);
+                fail(&mut messages, entity, why);
             }
         }
     }
@@ -100,7 +100,7 @@ pub fn enter(
         if let Ok((_, mut crowd)) = crowds.get_mut(entity)
             && let Some(live) = &mut crowd.live
         {
-            live.cast.settle();
+            live.group.release_entrants();
         }
     }
 }
@@ -115,7 +115,7 @@ fn planar(transform: &Transform) -> Planar {
 pub fn order(
     mut crowds: Query<&mut Crowd>,
     aims: Query<(Entity, &Entered, &Aim), Or<(Changed<Aim>, Added<Entered>)>>,
-    mut told: MessageWriter<CrowdMessage>,
+    mut messages: MessageWriter<CrowdMessage>,
 ) {
     for (entity, entered, aim) in &aims {
         let Ok(mut crowd) = crowds.get_mut(entered.crowd) else { continue };
@@ -124,9 +124,9 @@ pub fn order(
         let ordered = live
             .bundle
             .find_policy(&aim.behaviour)
-            .and_then(|policy| live.cast.order(entered.id, Order::aim(policy, at)));
+            .and_then(|policy| live.group.order(entered.id, PolicyOrder::towards(policy, at)));
         if let Err(why) = ordered {
-            fail(&mut told, entity, why.to_string());
+            fail(&mut messages, entity, why.to_string());
         }
     }
 }
@@ -151,7 +151,7 @@ pub fn step(
     eye: Eye,
     mut crowds: Query<(Entity, &mut Crowd)>,
     mut transforms: Query<&mut Transform, With<Entered>>,
-    mut told: MessageWriter<CrowdMessage>,
+    mut messages: MessageWriter<CrowdMessage>,
 ) {
     let dt_s = time.delta_secs().min(STEP_S.most as f32);
     let run = Pool(ComputeTaskPool::get_or_init(TaskPool::default));
@@ -164,11 +164,11 @@ pub fn step(
             full_m: near_m,
             posed_m: near_m + MARGIN_M,
         });
-        if let Err(why) = live.cast.set_detail(detail).and_then(|()| live.cast.step(dt_s, &run)) {
-            fail(&mut told, entity, why.to_string());
+        if let Err(why) = live.group.set_detail(detail).and_then(|()| live.group.step(dt_s, &run)) {
+            fail(&mut messages, entity, why.to_string());
             continue;
         }
-        for (id, record) in live.cast.ids().iter().zip(live.cast.instances()) {
+        for (id, record) in live.group.ids().iter().zip(live.group.instances()) {
             if let Ok(mut transform) = transforms.get_mut(live.entities[id.index()]) {
                 transform.translation = Vec3::new(record.x, record.y, record.z);
                 transform.rotation = Quat::from_rotation_y(record.heading);
@@ -184,7 +184,7 @@ pub fn leave(event: On<Remove, Entered>, entered: Query<&Entered>, mut crowds: Q
         && let Some(live) = &mut crowd.live
     {
         // It is there: ids are given here alone, and taken here once.
-        _ = live.cast.despawn(entered.id);
+        _ = live.group.despawn(entered.id);
     }
 }
 

@@ -1,12 +1,12 @@
 //! Steps on Bevy's threads.
 
 use bevy::tasks::ComputeTaskPool;
-use throng_runtime::base::Run;
+use throng_runtime::base::Executor;
 
 /// The pool on which systems run.
 pub struct Pool(pub &'static ComputeTaskPool);
 
-impl Run for Pool {
+impl Executor for Pool {
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
         self.0.scope(|scope| (0..num_parts).for_each(|k| scope.spawn(async move { part(k) })));
     }

@@ -23,7 +23,7 @@ const SIZE: [u32; 2] = [320, 240];
 struct Taken(Option<Image>);
 
 fn body() -> Mesh {
-    let body = PlainBody::of(&Skeleton::default());
+    let body = PlainBody::fine(&Skeleton::default());
     let floats = |all: &[throng_runtime::glam::Vec3]| all.iter().map(|p| p.to_array()).collect::<Vec<_>>();
     let joints = body.joints.iter().map(|j| [u16::from(*j), 0, 0, 0]).collect();
     Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())

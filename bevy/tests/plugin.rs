@@ -11,7 +11,7 @@ use throng_bevy::{
 };
 use throng_core::characters::made_up;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, Spawn};
-use throng_runtime::{Bundle, Cast, Inline, Joint, Planar, glam};
+use throng_runtime::{Bundle, CharacterGroup, Inline, Joint, Planar, glam};
 
 const FILE: &str = "people.throng";
 
@@ -25,7 +25,7 @@ struct Stage {
     app: App,
     folder: tempfile::TempDir,
     read: MessageCursor<CrowdMessage>,
-    told: Vec<CrowdMessage>,
+    messages: Vec<CrowdMessage>,
 }
 
 impl Stage {
@@ -41,25 +41,25 @@ impl Stage {
         app.finish();
         app.cleanup();
         let read = app.world().resource::<Messages<CrowdMessage>>().get_cursor();
-        Self { app, folder, read, told: Vec::new() }
+        Self { app, folder, read, messages: Vec::new() }
     }
 
     fn update(&mut self) {
         self.app.update();
         let messages = self.app.world().resource::<Messages<CrowdMessage>>();
-        self.told.extend(self.read.read(messages).cloned());
+        self.messages.extend(self.read.read(messages).cloned());
     }
 
     /// Until something is told that one waits for.
     fn wait(&mut self, what: &str, is_it: impl Fn(&CrowdMessage) -> bool) -> CrowdMessage {
         for _ in 0..20_000 {
             self.update();
-            if let Some(at) = self.told.iter().position(&is_it) {
-                return self.told.remove(at);
+            if let Some(at) = self.messages.iter().position(&is_it) {
+                return self.messages.remove(at);
             }
             std::thread::sleep(Duration::from_millis(1));
         }
-        panic!("{what}: {:?}", self.told);
+        panic!("{what}: {:?}", self.messages);
     }
 
     fn wait_until_open(&mut self) {
@@ -92,8 +92,8 @@ impl Stage {
         (0..count).map(|k| self.app.world_mut().spawn(person(k)).id()).collect()
     }
 
-    fn cast(&self, crowd: Entity) -> &PolicyCharacters {
-        self.app.world().get::<Crowd>(crowd).and_then(Crowd::cast).expect("it is open")
+    fn character_group(&self, crowd: Entity) -> &PolicyCharacters {
+        self.app.world().get::<Crowd>(crowd).and_then(Crowd::character_group).expect("it is open")
     }
 
     fn place(&self, entity: Entity) -> Vec3 {
@@ -118,19 +118,19 @@ fn people_walk_as_they_do_without_bevy() {
     let config =
         CharactersConfig { avoid: Some(AvoidConfig::default()), instances: true, ..CharactersConfig::default() };
     let mut rust = PolicyCharacters::with_capacity(&bundle, 40, config).expect("room");
-    rust.gather();
+    rust.hold_entrants();
     for k in 0..40 {
         let at = start(k);
         // As exactly as a quaternion tells it.
         let ahead = Quat::from_rotation_y(0.1 * k as f32) * Vec3::Z;
-        rust.spawn(Spawn::standing(Planar::new(at.x, at.z, ahead.x.atan2(ahead.z)))).expect("room");
+        rust.spawn(Spawn::standing_at(Planar::new(at.x, at.z, ahead.x.atan2(ahead.z)))).expect("room");
     }
-    rust.settle();
-    let order = bundle.policy("approach").expect("a policy").aim(glam::Vec3::from_array(TARGET.to_array()));
+    rust.release_entrants();
+    let order = bundle.policy("approach").expect("a policy").order_towards(glam::Vec3::from_array(TARGET.to_array()));
     rust.ids().to_vec().into_iter().for_each(|id| rust.order(id, order).expect("an order"));
     let mut step = |stage: &Stage| {
         rust.step(stage.app.world().resource::<Time>().delta_secs(), &Inline).expect("a step");
-        assert_eq!(stage.cast(crowd).hash(), rust.hash());
+        assert_eq!(stage.character_group(crowd).hash(), rust.hash());
     };
     step(&stage);
     for _ in 0..300 {
@@ -171,7 +171,7 @@ fn who_is_near_has_joints_where_its_pose_has_them() {
         assert!(distance < 7.5, "{distance} m away with joints");
         with_joints += 1;
         let id = world.get::<Entered>(*entity).expect("it is in").id;
-        let body = stage.cast(crowd).bodies().get(id).expect("it is there");
+        let body = stage.character_group(crowd).bodies().get(id).expect("it is there");
         for (j, joint) in joints.joints.iter().enumerate() {
             assert_eq!(world.get::<CharacterJoint>(*joint).map(|j| j.0), Some(Joint::ALL[j]));
             assert_eq!(world.get::<ChildOf>(*joint).map(ChildOf::parent), Some(*entity));
@@ -203,15 +203,15 @@ fn who_is_despawned_leaves_and_who_has_no_room_waits() {
     stage.wait_until_open();
     assert!(stage.wait_for_fault().contains('3'));
     assert!(stage.app.world().get::<Refused>(people[3]).is_some());
-    assert_eq!(stage.cast(crowd).ids().len(), 3);
+    assert_eq!(stage.character_group(crowd).ids().len(), 3);
     let gone = stage.app.world().get::<Entered>(people[1]).expect("it is in").id;
     stage.app.world_mut().despawn(people[1]);
-    assert!(stage.cast(crowd).status(gone).is_err());
+    assert!(stage.character_group(crowd).status(gone).is_err());
     stage.app.world_mut().entity_mut(people[3]).remove::<Refused>();
     stage.update();
     let id = stage.app.world().get::<Entered>(people[3]).expect("there is room now").id;
     assert_eq!((id.index, id.generation), (1, 1));
-    assert_eq!(stage.cast(crowd).ids().len(), 3);
+    assert_eq!(stage.character_group(crowd).ids().len(), 3);
     // A behaviour that the bundle does not have.
     stage.app.world_mut().get_mut::<Aim>(people[0]).expect("it has one").behaviour = "fly".into();
     assert!(stage.wait_for_fault().contains("approach"));
@@ -237,9 +237,9 @@ fn a_bundle_that_is_built_anew_is_adopted_and_a_bad_one_says_why() {
     stage.replace(&golden[..1000]);
     let why = stage.wait_for_fault();
     assert!(why.contains(FILE) && why.contains("1000"), "{why}");
-    let before = stage.cast(crowd).hash();
+    let before = stage.character_group(crowd).hash();
     stage.update();
-    assert_ne!(stage.cast(crowd).hash(), before);
+    assert_ne!(stage.character_group(crowd).hash(), before);
 
     // A bundle without a behaviour that somebody follows.
     let first = people[0];
@@ -258,7 +258,7 @@ fn a_bundle_that_is_built_anew_is_adopted_and_a_bad_one_says_why() {
     let CrowdMessage::Adopted { adopted, .. } = adopted else { panic!("{adopted:?}") };
     assert_eq!(adopted.num_characters, 12);
     let new = Bundle::open(self::golden()).expect("opened");
-    assert_eq!(stage.cast(crowd).motion_set().graph().states.len(), new.graph().states.len());
+    assert_eq!(stage.character_group(crowd).motion_set().graph().states.len(), new.graph().states.len());
     // Nobody jumped: half a second of walking at most while files were read.
     for (person, place) in people.iter().zip(places) {
         assert!(stage.place(*person).distance(place) < 3.0, "{} {place}", stage.place(*person));
@@ -275,5 +275,5 @@ fn a_bundle_that_was_bad_from_the_start_is_taken_when_it_is_mended() {
     assert!(stage.app.world().get::<Entered>(people[0]).is_none());
     stage.replace(&std::fs::read(golden()).expect("read"));
     stage.wait_until_open();
-    assert_eq!(stage.cast(crowd).ids().len(), 5);
+    assert_eq!(stage.character_group(crowd).ids().len(), 5);
 }

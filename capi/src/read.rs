@@ -107,8 +107,8 @@ pub unsafe extern "C" fn throng_simulation_events(
             LiveSimulation::Scene(scene) => unsafe {
                 copy_records(scene.events().iter().map(scene_event), events, capacity, count)
             },
-            LiveSimulation::Characters { cast, time_s } => {
-                let all = cast.events().iter().map(|(id, blow)| ThrongEvent {
+            LiveSimulation::Characters { group, time_s } => {
+                let all = group.events().iter().map(|(id, blow)| ThrongEvent {
                     time_s: *time_s,
                     id: (*id).into(),
                     happened: ThrongHappened::Hit,
@@ -194,7 +194,7 @@ impl LiveSimulation {
     fn root(&self, row: usize) -> (Id, Option<Planar>) {
         match self {
             Self::Scene(scene) => (Id::first(row), scene.root(row)),
-            Self::Characters { cast, .. } => (cast.ids()[row], Some(cast.bodies().roots[row])),
+            Self::Characters { group, .. } => (group.ids()[row], Some(group.bodies().roots[row])),
         }
     }
 
@@ -202,7 +202,7 @@ impl LiveSimulation {
     fn pose(&self, row: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
         match self {
             Self::Scene(scene) => scene.pose(row),
-            Self::Characters { cast, .. } => Some(&cast.bodies().model[row]),
+            Self::Characters { group, .. } => Some(&group.bodies().model[row]),
         }
     }
 }

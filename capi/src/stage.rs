@@ -29,15 +29,15 @@ static SIMULATIONS: HandleTable<Arc<SimulationEntry>> = HandleTable::new();
 pub enum LiveSimulation {
     Scene(Box<Simulation>),
     Characters {
-        cast: Box<PolicyCharacters>,
+        group: Box<PolicyCharacters>,
         /// Simulated time (s).
         time_s: f64,
     },
 }
 
 impl LiveSimulation {
-    pub fn characters(cast: PolicyCharacters) -> Self {
-        Self::Characters { cast: Box::new(cast), time_s: 0.0 }
+    pub fn characters(group: PolicyCharacters) -> Self {
+        Self::Characters { group: Box::new(group), time_s: 0.0 }
     }
 
     pub fn scene_mut(&mut self) -> Result<&mut Simulation, CallFault> {
@@ -49,7 +49,7 @@ impl LiveSimulation {
 
     pub fn characters_mut(&mut self) -> Result<&mut PolicyCharacters, CallFault> {
         match self {
-            Self::Characters { cast, .. } => Ok(cast),
+            Self::Characters { group, .. } => Ok(group),
             Self::Scene(_) => Err(unsupported("the scene file says who is there; use throng_characters_new")),
         }
     }
@@ -57,8 +57,8 @@ impl LiveSimulation {
     fn step(&mut self, dt_s: f64, run: &dyn Executor) -> Result<(), CallFault> {
         match self {
             Self::Scene(scene) => scene.step_on(dt_s, run)?,
-            Self::Characters { cast, time_s } => {
-                cast.step(dt_s as f32, run)?;
+            Self::Characters { group, time_s } => {
+                group.step(dt_s as f32, run)?;
                 *time_s += dt_s;
             }
         }
@@ -249,7 +249,7 @@ impl LiveSimulation {
     pub fn num_characters(&self) -> usize {
         match self {
             Self::Scene(scene) => scene.num_characters(),
-            Self::Characters { cast, .. } => cast.ids().len(),
+            Self::Characters { group, .. } => group.ids().len(),
         }
     }
 
@@ -263,16 +263,16 @@ impl LiveSimulation {
     fn hash(&self) -> u64 {
         match self {
             Self::Scene(scene) => scene.hash(),
-            Self::Characters { cast, .. } => cast.hash(),
+            Self::Characters { group, .. } => group.hash(),
         }
     }
 
     fn save(&self) -> Vec<u8> {
         match self {
             Self::Scene(scene) => scene.snapshot(),
-            Self::Characters { cast, time_s } => {
+            Self::Characters { group, time_s } => {
                 let mut out = time_s.to_le_bytes().to_vec();
-                cast.save(&mut out);
+                group.save(&mut out);
                 out
             }
         }
@@ -281,7 +281,7 @@ impl LiveSimulation {
     fn restore(&mut self, bytes: &[u8]) -> Result<(), CallFault> {
         match self {
             Self::Scene(scene) => scene.restore(bytes)?,
-            Self::Characters { cast, time_s } => {
+            Self::Characters { group, time_s } => {
                 let short =
                     || CallFault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
                 let (time, rest) = bytes.split_first_chunk().ok_or_else(short)?;
@@ -292,7 +292,7 @@ impl LiveSimulation {
                         format!("the snapshot's time is {time} s, expected 0 to 1e12"),
                     ));
                 }
-                cast.load(rest)?;
+                group.load(rest)?;
                 *time_s = time;
             }
         }
@@ -313,22 +313,22 @@ mod tests {
         let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
         let bundle =
             Bundle::open(format!("{golden}{}.throng", throng_runtime::format::VERSION)).expect("the golden bundle");
-        let cast = PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character");
+        let group = PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character");
         let mut sim = ThrongSimulation { handle: 0 };
         // SAFETY: `sim` can be written.
-        unsafe { register_simulation(LiveSimulation::characters(cast), &raw mut sim) }.ok().expect("a handle");
+        unsafe { register_simulation(LiveSimulation::characters(group), &raw mut sim) }.ok().expect("a handle");
         let helper = || {
             throng_simulation_announce(sim);
-            let (tell, told) = mpsc::channel();
+            let (tell, status) = mpsc::channel();
             std::thread::spawn(move || tell.send(throng_simulation_help(sim)));
             std::thread::sleep(Duration::from_millis(50));
-            told
+            status
         };
-        let has_gone = |told: mpsc::Receiver<ThrongStatus>| told.recv_timeout(Duration::from_secs(20)).is_ok();
-        let told = helper();
+        let has_gone = |status: mpsc::Receiver<ThrongStatus>| status.recv_timeout(Duration::from_secs(20)).is_ok();
+        let status = helper();
         let busy = with_simulation(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
-        assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(told));
-        let told = helper();
-        assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(told));
+        assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(status));
+        let status = helper();
+        assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(status));
     }
 }

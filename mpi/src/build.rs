@@ -1,7 +1,7 @@
 //! `throng-mpi build`: one bundle by several processes.
 
-use crate::progress::{Board, Lines};
-use crate::{Outcome, print_json};
+use crate::progress::{ProgressLines, StatusBoard};
+use crate::{MpiResult, print_json};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,11 +10,11 @@ use std::time::Instant;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::memory;
-use throng_precompute::parts::Parts;
+use throng_precompute::parts::RequiredParts;
 use throng_precompute::pipeline;
-use throng_precompute::report::{BuildReport, Spent};
-use throng_runtime::base::text::plain;
-use throng_runtime::base::{Comm, limits, out_of_step};
+use throng_precompute::report::{BuildReport, StageCost};
+use throng_runtime::base::text::escape_for_terminal;
+use throng_runtime::base::{Comm, limits, unexpected_message};
 
 /// Bake the motion of a config into a bundle in several processes.
 ///
@@ -70,24 +70,24 @@ struct RankReport {
     ran_s: Option<f64>,
     bytes_moved: u64,
     peak_bytes: u64,
-    stages: BTreeMap<String, Spent>,
+    stages: BTreeMap<String, StageCost>,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
     let begin = Instant::now();
     let config = BuildConfig::load(&args.config)?;
     let cache = match args.no_cache {
-        true => Cache::none(),
-        false => Cache::at(&args.cache, (args.cache_limit * 1e9) as u64)?,
+        true => Cache::disabled(),
+        false => Cache::at_address(&args.cache, (args.cache_limit * 1e9) as u64)?,
     };
-    let progress = Lines::new(args.json, comm.rank(), board);
-    let build = pipeline::build_shared(&config, Parts::All, &args.out, &cache, &progress, comm);
+    let progress = ProgressLines::new(args.json, comm.rank(), board);
+    let build = pipeline::build_shared(&config, RequiredParts::All, &args.out, &cache, &progress, comm);
     let build = build.map_err(|e| e.in_file(&args.config))?;
     drop(progress);
     let (seconds, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
     let own = RankReport {
         busy_s: seconds - traffic.waited_s,
-        ran_s: comm.ran_s(),
+        ran_s: comm.cpu_s(),
         bytes_moved: traffic.bytes_moved,
         peak_bytes: memory::peak_bytes().unwrap_or(0),
         stages: build.spent.iter().map(|(stage, spent)| ((*stage).to_owned(), *spent)).collect(),
@@ -96,18 +96,18 @@ pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
     if comm.rank() > 0 {
         return Ok(());
     }
-    let read = |(rank, bytes): (usize, &Vec<u8>)| serde_json::from_slice(bytes).map_err(|_| out_of_step(rank));
+    let read = |(rank, bytes): (usize, &Vec<u8>)| serde_json::from_slice(bytes).map_err(|_| unexpected_message(rank));
     let of_ranks: Vec<RankReport> = all.iter().enumerate().map(read).collect::<Result<_, _>>()?;
     let bytes_moved = of_ranks.iter().map(|r| r.bytes_moved).sum();
-    let report = Report { build, ranks: comm.num_ranks(), seconds, bytes_moved, of_ranks };
+    let report = MpiBuildReport { build, ranks: comm.num_ranks(), seconds, bytes_moved, of_ranks };
     if args.json { print_json(&report) } else { print(&report, &args.out) }
 }
 
-fn print(report: &Report, out: &Path) -> Outcome {
-    for told in report.build.skipped.iter().chain(&report.build.warnings) {
-        eprintln!("warning: {}", plain(told));
+fn print(report: &MpiBuildReport, out: &Path) -> MpiResult {
+    for message in report.build.skipped.iter().chain(&report.build.warnings) {
+        eprintln!("warning: {}", escape_for_terminal(message));
     }
-    println!("made      {}", report.build.made());
+    println!("made      {}", report.build.summary());
     println!("bundle    {}, {} bytes", out.display(), report.build.bundle_bytes);
     println!("time      {:.2} s in {} processes", report.seconds, report.ranks);
     if !report.build.cached.is_empty() {
@@ -116,8 +116,8 @@ fn print(report: &Report, out: &Path) -> Outcome {
     println!("{:<10}{:>9}{:>9}{:>9}{:>12}{:>12}  slowest", "stage", "time", "busiest", "idlest", "moved", "memory");
     for stage in report.build.stage_s.keys() {
         let of = |r: &RankReport| r.stages.get(*stage).copied().unwrap_or_default();
-        let busy_s = |s: Spent| s.ran_s.unwrap_or(s.wall_s - s.waited_s);
-        let all: Vec<Spent> = report.of_ranks.iter().map(of).collect();
+        let busy_s = |s: StageCost| s.ran_s.unwrap_or(s.wall_s - s.waited_s);
+        let all: Vec<StageCost> = report.of_ranks.iter().map(of).collect();
         let (most, least) = all.iter().map(|&s| busy_s(s)).fold((0.0, f64::INFINITY), |(m, l), s| (s.max(m), s.min(l)));
         let (rank, wall_s) =
             (all.iter().position(|&s| busy_s(s) == most), all.iter().map(|s| s.wall_s).fold(0.0, f64::max));
@@ -126,10 +126,10 @@ fn print(report: &Report, out: &Path) -> Outcome {
         let rank = rank.map_or(String::new(), |r| format!("rank {r}"));
         println!("{stage:<10}{wall_s:>7.2} s{most:>7.2} s{least:>7.2} s{moved:>9.1} MB{peak:>9.0} MB  {rank}");
     }
-    let slowest = report.of_ranks.iter().map(|r| r.busy_s).fold(0.0, f64::max);
+    let slowest_s = report.of_ranks.iter().map(|r| r.busy_s).fold(0.0, f64::max);
     for (rank, of) in report.of_ranks.iter().enumerate() {
         let (moved, peak) = (of.bytes_moved as f64 / 1e6, of.peak_bytes as f64 / 1e6);
-        let mark = if of.busy_s == slowest && report.ranks > 1 { ", the slowest" } else { "" };
+        let mark = if of.busy_s == slowest_s && report.ranks > 1 { ", the slowest" } else { "" };
         println!(
             "rank {rank:<4} busy for {:.2} s{mark}, sent {moved:.1} MB, at most {peak:.0} MB of memory",
             of.busy_s

@@ -1,10 +1,10 @@
 //! `throng-mpi crowd`: one crowd in several processes.
 
-use crate::progress::{Board, Lines};
-use crate::{Outcome, print_json};
+use crate::progress::{ProgressLines, StatusBoard};
+use crate::{MpiResult, print_json};
 use std::path::Path;
 use std::sync::Arc;
-use throng_precompute::run::{OWN_SCENES, SharedFigures, own_scene, run_shared};
+use throng_precompute::run::{BUILT_IN_SCENES, SharedFigures, built_in_scene, run_shared};
 use throng_runtime::base::{Comm, limits};
 use throng_runtime::simulation::Scene;
 
@@ -31,14 +31,14 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
+pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
     let mut scene = load(&args.scene)?;
     if let Some(agents) = args.agents {
         scene = scene.resized(agents);
     }
     scene.seed = args.seed.unwrap_or(scene.seed);
     scene.check()?;
-    let progress = Lines::new(args.json, comm.rank(), board);
+    let progress = ProgressLines::new(args.json, comm.rank(), board);
     match run_shared(&scene.open()?, args.seconds, comm, &progress)? {
         Some(figures) if args.json => print_json(&figures),
         Some(figures) => {
@@ -51,13 +51,13 @@ pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
 
 /// Loads a built-in scene, or a file.
 fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
-    if let Some(own) = own_scene(name)? {
+    if let Some(own) = built_in_scene(name)? {
         return Ok(own);
     }
     let path = Path::new(name);
     match path.exists() {
         true => Ok(Scene::load(path)?),
-        false => Err(format!("{name}: expected one of {}, or a scene file", OWN_SCENES.join(", ")).into()),
+        false => Err(format!("{name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", ")).into()),
     }
 }
 

@@ -7,11 +7,11 @@ mod progress;
 
 use clap::{Parser, Subcommand};
 use comm::MpiComm;
-use progress::{Board, LocalBoard};
+use progress::{LocalStatusBoard, StatusBoard};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
-use throng_runtime::base::text::{plain, plain_json};
+use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
 use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
@@ -26,7 +26,7 @@ use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
 )]
 struct MpiCli {
     #[command(subcommand)]
-    command: Command,
+    command: MpiCommand,
     /// Without MPI: number of threads of this process in place of processes.
     #[arg(long, global = true, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     local: Option<usize>,
@@ -43,15 +43,15 @@ type MpiResult = Result<(), Box<dyn std::error::Error>>;
 
 fn main() -> ExitCode {
     limit_threads();
-    let cli = Cli::parse();
+    let cli = MpiCli::parse();
     if let Some(ranks) = cli.local {
-        let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
+        let board: Arc<dyn StatusBoard> = Arc::new(LocalStatusBoard::default());
         let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);
         // Ranks that waited for a failed rank fail too.
         return match failed.min_by_key(|e| e.ends_with("has ended")) {
             Some(e) => {
-                eprintln!("error: {}", plain(&e));
+                eprintln!("error: {}", escape_for_terminal(&e));
                 ExitCode::FAILURE
             }
             None => ExitCode::SUCCESS,
@@ -61,29 +61,29 @@ fn main() -> ExitCode {
         eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");
         return ExitCode::FAILURE;
     };
-    let board = comm.board();
-    let told: Arc<dyn Board> = board.clone();
-    let done = run(&cli.command, &comm, &told);
-    let done = done.and_then(|()| Ok(comm.settle(&board)?));
+    let board = comm.status_board();
+    let shared_board: Arc<dyn StatusBoard> = board.clone();
+    let done = run(&cli.command, &comm, &shared_board);
+    let done = done.and_then(|()| Ok(comm.wait_for_statuses(&board)?));
     let Err(e) = done else { return ExitCode::SUCCESS };
     // An error of all ranks is printed once: by the first, which ends the others.
     if comm.rank() > 0 {
         std::thread::sleep(Duration::from_millis(500));
     }
-    eprintln!("error: rank {}: {}", comm.rank(), plain(&e.to_string()));
+    eprintln!("error: rank {}: {}", comm.rank(), escape_for_terminal(&e.to_string()));
     comm.abort()
 }
 
 /// Runs a command as one of the ranks.
-fn run(command: &Command, comm: &dyn Comm, board: &Arc<dyn Board>) -> Outcome {
+fn run(command: &MpiCommand, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
     match command {
-        Command::Build(a) => build::run(a, comm, board),
-        Command::Crowd(a) => crowd::run(a, comm, board),
+        MpiCommand::Build(a) => build::run(a, comm, board),
+        MpiCommand::Crowd(a) => crowd::run(a, comm, board),
     }
 }
 
 /// Prints one JSON object on standard output.
-fn print_json(value: &impl serde::Serialize) -> Outcome {
-    println!("{}", plain_json(&serde_json::to_string_pretty(value)?));
+fn print_json(value: &impl serde::Serialize) -> MpiResult {
+    println!("{}", escape_json_for_terminal(&serde_json::to_string_pretty(value)?));
     Ok(())
 }

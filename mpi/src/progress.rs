@@ -35,7 +35,7 @@ pub trait StatusBoard: Send + Sync {
 #[derive(Default)]
 pub struct LocalStatusBoard(Mutex<Vec<Option<RankStatus>>>);
 
-impl Board for LocalBoard {
+impl StatusBoard for LocalStatusBoard {
     fn post_status(&self, rank: usize, of_rank: RankStatus) {
         let mut statuses = lock(&self.0);
         if statuses.len() <= rank {
@@ -53,61 +53,60 @@ impl Board for LocalBoard {
 /// few seconds; as JSON lines, also the stages that it enters.
 pub struct ProgressLines {
     status: Arc<Mutex<Status>>,
-    tells_json: bool,
+    prints_json: bool,
     /// Ends the thread when it is dropped.
     stop_sender: Option<Sender<()>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Lines {
+impl ProgressLines {
     /// Begins to post and print, as JSON lines if `json`.
-    pub fn new(json: bool, rank: usize, board: &Arc<dyn Board>) -> Self {
+    pub fn new(json: bool, rank: usize, board: &Arc<dyn StatusBoard>) -> Self {
         let status = Arc::<Mutex<Status>>::default();
         let (watched, board) = (status.clone(), board.clone());
-        let (ends, ended) = channel();
+        let (stop_sender, ended) = channel();
         let thread = std::thread::spawn(move || {
-            let mut looks = 0;
-            while ended.recv_timeout(EVERY) == Err(RecvTimeoutError::Timeout) {
+            let mut num_samples = 0;
+            while ended.recv_timeout(SAMPLE_PERIOD) == Err(RecvTimeoutError::Timeout) {
                 let status = lock(&watched).clone();
-                let Some(far) = status.far() else { continue };
-                board.note(
+                let Some(far) = status.progress_text() else { continue };
+                board.post_status(
                     rank,
                     RankStatus { stage: status.stage().into(), share: status.share(), left_s: status.left_s() },
                 );
-                looks += 1;
-                if rank == 0 && looks % LOOKS == 0 {
-                    tell(&status, &far, &board.statuses(), json);
+                num_samples += 1;
+                if rank == 0 && num_samples % SAMPLES_PER_LINE == 0 {
+                    print_status(&status, &far, &board.statuses(), json);
                 }
             }
         });
-        Self { status, tells_json: json && rank == 0, ends: Some(ends), thread: Some(thread) }
+        Self { status, prints_json: json && rank == 0, stop_sender: Some(stop_sender), thread: Some(thread) }
     }
 }
 
-impl Drop for Lines {
+impl Drop for ProgressLines {
     fn drop(&mut self) {
-        drop(self.ends.take());
+        drop(self.stop_sender.take());
         // A failed thread prints nothing more.
         _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
 fn print_status(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool) {
-    let slowest = slowest(statuses);
+    let slowest_rank = slowest_rank(statuses);
     if json {
-        let slowest = slowest.map(
+        let slowest_rank = slowest_rank.map(
             |(rank, p)| serde_json::json!({ "rank": rank, "stage": p.stage, "share": p.share, "left_s": p.left_s }),
         );
-        let line =
-            serde_json::json!({ "stage": status.stage(), "share": status.share(), "far": far, "slowest": slowest });
+        let line = serde_json::json!({ "stage": status.stage(), "share": status.share(), "far": far, "slowest": slowest_rank });
         eprintln!("{line}");
         return;
     }
-    let slowest = slowest.map(|(rank, p)| {
+    let slowest_rank = slowest_rank.map(|(rank, p)| {
         let (share, left_s) = (p.share.unwrap_or(0.0), p.left_s.unwrap_or(0.0));
         format!("; slowest is rank {rank}: {} {:.0} %, about {left_s:.0} s left", p.stage, (100.0 * share).floor())
     });
-    eprintln!("{}: {far}{}", status.stage(), slowest.unwrap_or_default());
+    eprintln!("{}: {far}{}", status.stage(), slowest_rank.unwrap_or_default());
 }
 
 /// The rank with the most remaining time, if there are several.
@@ -122,7 +121,7 @@ fn lock<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Progress for Lines {
+impl Progress for ProgressLines {
     fn begin(&self, stage: &'static str, total: u64, unit: &'static str) {
         lock(&self.status).begin(stage, total, unit);
     }
@@ -136,15 +135,15 @@ impl Progress for Lines {
     }
 
     fn enter_stage(&self, stage: &'static str) {
-        lock(&self.status).comes_to(stage);
-        if self.tells_json {
+        lock(&self.status).enter_stage(stage);
+        if self.prints_json {
             eprintln!("{}", serde_json::json!({ "stage": stage }));
         }
     }
 
     fn stage_kept(&self, stage: &'static str) {
         lock(&self.status).keep(stage);
-        if self.tells_json {
+        if self.prints_json {
             eprintln!("{}", serde_json::json!({ "kept": stage }));
         }
     }
@@ -158,28 +157,28 @@ mod tests {
     fn the_rank_with_most_left_is_the_slowest() {
         let of_rank =
             |share: f64, left_s: f64| RankStatus { stage: "graph".into(), share: Some(share), left_s: Some(left_s) };
-        let board = LocalBoard::default();
-        assert_eq!(slowest(&board.statuses()), None);
-        board.note(2, of_rank(0.5, 8.0));
-        board.note(0, of_rank(1.0, 0.0));
+        let board = LocalStatusBoard::default();
+        assert_eq!(slowest_rank(&board.statuses()), None);
+        board.post_status(2, of_rank(0.5, 8.0));
+        board.post_status(0, of_rank(1.0, 0.0));
         assert_eq!(
-            slowest(&board.statuses()).map(|(rank, _)| rank),
+            slowest_rank(&board.statuses()).map(|(rank, _)| rank),
             Some(2),
             "one of which nothing is known is no reason"
         );
-        board.note(1, of_rank(0.2, 9.0));
-        assert_eq!(slowest(&board.statuses()), Some((1, &of_rank(0.2, 9.0))));
+        board.post_status(1, of_rank(0.2, 9.0));
+        assert_eq!(slowest_rank(&board.statuses()), Some((1, &of_rank(0.2, 9.0))));
         for rank in 0..3 {
-            board.note(rank, of_rank(1.0, 0.0));
+            board.post_status(rank, of_rank(1.0, 0.0));
         }
-        assert_eq!(slowest(&board.statuses()), None, "all are done");
-        assert_eq!(slowest(&[Some(of_rank(0.5, 3.0))]), None, "alone, nobody is the slowest");
+        assert_eq!(slowest_rank(&board.statuses()), None, "all are done");
+        assert_eq!(slowest_rank(&[Some(of_rank(0.5, 3.0))]), None, "alone, nobody is the slowest");
     }
 
     #[test]
     fn ranks_note_where_they_are() {
-        let board: Arc<dyn Board> = Arc::new(LocalBoard::default());
-        let lines = Lines::new(true, 1, &board);
+        let board: Arc<dyn StatusBoard> = Arc::new(LocalStatusBoard::default());
+        let lines = ProgressLines::new(true, 1, &board);
         lines.begin("graph", 10, "frames");
         lines.advance(5);
         while board.statuses().is_empty() {

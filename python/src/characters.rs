@@ -44,17 +44,17 @@ impl PyCharacters {
         let roots = points(&roots)?;
         let avoid = makes_way.then(AvoidConfig::default);
         let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
-        let mut cast = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::runtime_error)?;
+        let mut group = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::runtime_error)?;
         // Accepts any order of starts, though they stand close.
-        cast.hold_entrants();
+        group.hold_entrants();
         let enter = |r: &Vec3| {
-            let id = cast.spawn(Spawn::standing_at(Planar::new(r.x, r.y, r.z)))?;
-            cast.order(id, policy.order_towards(Vec3::new(r.x, 0.0, r.y)))?;
+            let id = group.spawn(Spawn::standing_at(Planar::new(r.x, r.y, r.z)))?;
+            group.order(id, policy.order_towards(Vec3::new(r.x, 0.0, r.y)))?;
             Ok(id)
         };
         let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::runtime_error)?;
-        cast.release_entrants();
-        Ok(Self { characters: cast, ids })
+        group.release_entrants();
+        Ok(Self { characters: group, ids })
     }
 
     /// Sends every character to a target of its own, from now on (n x 3: x, y, z; m).

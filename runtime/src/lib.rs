@@ -1,7 +1,7 @@
 //! Facade for applications: re-exports the crates of the runtime under one name.
 //!
 //! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
-//! [`Cast`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]
+//! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]
 //! (agents without bodies), [`world`] (patch worlds) and [`sparring`].
 
 pub use throng_core::*;

@@ -58,7 +58,7 @@ pub fn run(args: &Args) -> CommandResult {
         return output::json(&ScenarioBenchReport { results });
     }
     let mut text = String::from(
-        "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  told\n",
+        "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  by others\n",
     );
     for r in &results {
         let over = r.over_paper.map_or_else(String::new, |o| format!("{o:.0}"));
@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> CommandResult {
             100.0 * r.crowd_share,
             100.0 * r.motion_share,
             r.informed,
-            r.told_pairs
+            r.informed_pairs
         ));
     }
     output::text(text)

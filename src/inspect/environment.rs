@@ -93,7 +93,7 @@ fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildE
     let title = format!("{}: inferred from {}", inferred.environment.name, names.join(", "));
     let subtitle = inferred.report.to_string().lines().take(2).collect::<Vec<_>>().join("; ");
     let view = |(heading, elevation)| {
-        let look = WorldCamera { heading, elevation, focus: None };
+        let camera = WorldCamera { heading, elevation, focus: None };
         let (trails, names) = (&[], &[]);
         let view = WorldSheet {
             title: &title,
@@ -104,7 +104,7 @@ fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildE
             solids: &[],
             trails,
             names,
-            camera: look,
+            camera,
         };
         picture::world_sheet(&view)
     };

@@ -50,8 +50,8 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
             view_angles: (ahead + side, tilt),
         })
     };
-    let looks = [([FRAC_PI_2, 0.1], "from the right side"), ([std::f32::consts::PI, 0.25], "from ahead")];
-    let all: Vec<Picture> = looks.iter().flat_map(|(look, seen)| [0, 1].map(|when| strip(when, *look, seen))).collect();
+    let gazes = [([FRAC_PI_2, 0.1], "from the right side"), ([std::f32::consts::PI, 0.25], "from ahead")];
+    let all: Vec<Picture> = gazes.iter().flat_map(|(gaze, seen)| [0, 1].map(|when| strip(when, *gaze, seen))).collect();
     picture::sheet(&all.iter().collect::<Vec<_>>())
 }
 
@@ -110,11 +110,11 @@ fn world_moment(
 /// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.
 fn gaze_solids(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f64) -> Vec<UnitSolid> {
     let inside = |l: &&TaskGaze| l.character == who && l.times_s[0] < time_s && time_s < l.times_s[2];
-    let Some(look) = outcome.gazes.iter().find(inside) else { return Vec::new() };
+    let Some(gaze) = outcome.gazes.iter().find(inside) else { return Vec::new() };
     let clip = &outcome.clips[who][1];
     let frame = ((time_s * clip.rate_hz).round() as usize).min(clip.num_frames() - 1);
     let (head, turn) = clip.joint_transforms(&clips[who].skeleton, frame)[Joint::Head.index()];
-    let at = look.target.as_vec3();
+    let at = gaze.target.as_vec3();
     let eyes = head + turn * EYES;
     let to = eyes + turn * Vec3::Z * eyes.distance(at);
     vec![UnitSolid::Bar { from: eyes, to, radius: 0.004 }, UnitSolid::Bar { from: at, to: at, radius: 0.015 }]

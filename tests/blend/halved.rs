@@ -79,6 +79,6 @@ fn who_stands_but_does_not_come_back_goes_forth_and_back() {
             assert!((of(phase)[k] - of(phases - phase)[k]).abs() < 1e-4, "phase {phase}, channel {k}");
         }
     }
-    let way = (of(phases / 2)[channel::HIPS] - of(0)[channel::HIPS]).abs();
-    assert!(way > 0.01, "it moves: {way}");
+    let distance = (of(phases / 2)[channel::HIPS] - of(0)[channel::HIPS]).abs();
+    assert!(distance > 0.01, "it moves: {distance}");
 }

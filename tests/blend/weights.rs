@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use throng_precompute::examples::cardinal::{CardinalBasis, CardinalFault};
-use throng_precompute::examples::grid::{self, Grid};
+use throng_precompute::examples::grid::{self, Grid, ParameterBounds};
 
 const REACH: f64 = 2.0;
 const MIN_DISTANCE: f64 = 0.05;
@@ -27,10 +27,10 @@ fn weights(basis: &CardinalBasis, at: &[f64]) -> Vec<f64> {
 }
 
 /// Lowest and highest value on each axis.
-fn extent(points: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+fn extent(points: &[Vec<f64>]) -> ParameterBounds {
     let by =
         |f: fn(f64, f64) -> f64| (0..points[0].len()).map(|k| points.iter().map(|p| p[k]).reduce(f).unwrap()).collect();
-    (by(f64::min), by(f64::max))
+    ParameterBounds { low: by(f64::min), high: by(f64::max) }
 }
 
 proptest! {
@@ -81,9 +81,9 @@ proptest! {
     fn the_table_is_within_its_tolerance(points in scattered(), samples in prop::collection::vec(prop::array::uniform3(0.0f64..1.0), 400)) {
         prop_assume!(points[0].len() < 3);
         let Some(basis) = CardinalBasis::new(&points, &[], REACH, 0.15).ok() else { return Ok(()) };
-        let (low, high) = extent(&points);
+        let ParameterBounds { low, high } = extent(&points);
         let tolerance = 0.02;
-        let table = grid::tabulate(&basis, (low.clone(), high.clone()), tolerance, 1 << 26).expect("a table");
+        let table = grid::tabulate(&basis, ParameterBounds { low: low.clone(), high: high.clone() }, tolerance, 1 << 26).expect("a table");
         prop_assert!(table.max_error <= tolerance);
         let mut stored = vec![0.0; points.len()];
         for s in samples {
@@ -117,7 +117,8 @@ fn a_finer_tolerance_takes_more_knots_and_coarse_ones_are_few() {
 #[test]
 fn an_axis_without_bends_keeps_two_knots() {
     let basis = CardinalBasis::new(&[vec![0.0], vec![3.0]], &[], REACH, MIN_DISTANCE).expect("a basis");
-    let table = grid::tabulate(&basis, (vec![0.0], vec![3.0]), 0.01, 1 << 20).expect("a table");
+    let table =
+        grid::tabulate(&basis, ParameterBounds { low: vec![0.0], high: vec![3.0] }, 0.01, 1 << 20).expect("a table");
     assert_eq!(table.grid, Grid { low: vec![0.0], high: vec![3.0], knots: vec![2] });
     let mut w = [0.0; 2];
     table.weights(&[0.75], &mut w);
@@ -153,6 +154,7 @@ fn examples_that_have_no_basis_are_told_apart() {
 fn a_box_far_wider_than_its_examples_is_refused() {
     let points: Vec<Vec<f64>> = (0..4).map(|k| vec![0.5 + 0.4 * f64::from(k)]).collect();
     let basis = basis(&points).expect("a basis");
-    let large = grid::tabulate(&basis, (vec![0.0], vec![5000.0]), 0.01, 32 << 20).expect_err("no grid is fine enough");
+    let large = grid::tabulate(&basis, ParameterBounds { low: vec![0.0], high: vec![5000.0] }, 0.01, 32 << 20)
+        .expect_err("no grid is fine enough");
     assert!(large.errors[0] > 0.0 && large.knots[0] > 1000, "{large:?}");
 }

@@ -25,7 +25,7 @@ fn what_people_did_is_checked_recorded_and_explained() {
     assert_eq!(why["knows"][0]["how"], "happens");
     let message: Value = serde_json::from_str(&done(&["explain", record, "--message", "bell", "--json"])).unwrap();
     let learnt = message["learnt"].as_array().unwrap();
-    assert!(learnt.len() > 1 && learnt[1]["how"] == "told" && learnt[1]["from"].is_number(), "{message}");
+    assert!(learnt.len() > 1 && learnt[1]["how"] == "passed_on" && learnt[1]["from"].is_number(), "{message}");
     let tree = done(&["explain", record, "--message", "bell"]);
     assert_eq!(tree.lines().count(), learnt.len(), "{tree}");
     let bench: Value =

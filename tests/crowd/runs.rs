@@ -49,9 +49,9 @@ fn ways_around_walls_are_walked_without_touching_them() {
     }
     assert!(nearest > 0.299, "{nearest} m from a wall with a radius of 0.3 m");
     for m in 0..4 {
-        let way = &live.layout().paths[m];
-        assert!(way.len() > 4, "it has to go around: {way:?}");
-        let left = live.position(m, 60.0).expect("it is there").distance(way[way.len() - 1]);
+        let path = &live.layout().paths[m];
+        assert!(path.len() > 4, "it has to go around: {path:?}");
+        let left = live.position(m, 60.0).expect("it is there").distance(path[path.len() - 1]);
         assert!(left < 0.6, "agent {m} is {left} m from its goal");
     }
 }
@@ -96,7 +96,7 @@ fn news_come_to_those_who_are_near_and_spread_from_them() {
     let informed = |scene: &_, s| agents(scene, s, 1).crowd.and_then(|c| c.informed).expect("there are news");
     let (before, at_once, later) = (informed(&scene, 4.9), informed(&scene, 5.01), informed(&scene, 25.0));
     assert!(before == 0 && at_once > 0 && later > at_once, "{before} {at_once} {later}");
-    scene.happenings[0].told_on = false;
+    scene.happenings[0].passed_on = false;
     let untold = informed(&scene, 5.01);
     assert!(untold > 0 && untold <= at_once && informed(&scene, 25.0) == untold, "nothing is reported: {untold}");
 }
@@ -105,7 +105,7 @@ fn news_come_to_those_who_are_near_and_spread_from_them() {
 fn those_who_stand_give_way_to_an_obstacle_on_its_way() {
     let text = "[[groups]]\nmotion = \"none\"\ncount = 12\nplace = { block = { from = [-4.0, -4.0], to = [4.0, 4.0] } }\n\
         goal = { stay = {} }\n\n[[environment.obstacles]]\n\
-        mover = { radius_m = 0.5, way = [{ time_s = 0.0, at = [-12.0, 0.3] }, { time_s = 24.0, at = [12.0, 0.3] }] }\n";
+        mover = { radius_m = 0.5, path = [{ time_s = 0.0, at = [-12.0, 0.3] }, { time_s = 24.0, at = [12.0, 0.3] }] }\n";
     let mut live = SceneAgents::<Vec2>::new(&scene(text)).expect("a crowd");
     let mut nearest = f32::INFINITY;
     for step in 0..=720 {

@@ -18,12 +18,12 @@ fn use_it(tables: &Bundle) -> (u128, u128, u64) {
     for state in 0..tables.graph().states.len() as u32 {
         values.add_bytes(&policy.value(state, throng_runtime::glam::Vec3::new(1.0, 0.0, 2.0)).to_le_bytes());
     }
-    let mut cast = PolicyCharacters::with_capacity(tables, 4, CharactersConfig::default()).expect("characters");
+    let mut group = PolicyCharacters::with_capacity(tables, 4, CharactersConfig::default()).expect("characters");
     for i in 0..4 {
-        cast.spawn(Spawn::standing_at(Planar::new(i as f32, 0.0, 0.0))).expect("a place");
+        group.spawn(Spawn::standing_at(Planar::new(i as f32, 0.0, 0.0))).expect("a place");
     }
-    (0..200).for_each(|_| cast.step(1.0 / 60.0, &Inline).expect("a step"));
-    (tables.hash(), values.finish(), cast.hash())
+    (0..200).for_each(|_| group.step(1.0 / 60.0, &Inline).expect("a step"));
+    (tables.hash(), values.finish(), group.hash())
 }
 
 #[test]

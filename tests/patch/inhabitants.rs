@@ -178,19 +178,19 @@ fn straightness(rows: &[&str], num_people: usize, seed: u64) -> f32 {
     let world = open(rows);
     let mut people = people_at(&world, &scatter_rest_nodes(world.graph(), num_people, seed));
     let at = |people: &Inhabitants| people.bodies().roots.iter().map(|r| r.translation()).collect::<Vec<_>>();
-    let (mut far, mut way) = (0.0, 0.0);
+    let (mut far, mut distance) = (0.0, 0.0);
     for _ in 0..12 {
         let begin = at(&people);
         let mut last = begin.clone();
         for _ in 0..300 {
             people.step(DT, &Inline).unwrap();
             let now = at(&people);
-            way += now.iter().zip(&last).map(|(a, b)| a.distance(*b)).sum::<f32>();
+            distance += now.iter().zip(&last).map(|(a, b)| a.distance(*b)).sum::<f32>();
             last = now;
         }
         far += last.iter().zip(&begin).map(|(a, b)| a.distance(*b)).sum::<f32>();
     }
-    far / way
+    far / distance
 }
 
 #[test]
@@ -397,25 +397,25 @@ fn starts_and_wishes_that_cannot_be_are_refused() {
         assert!(matches!(new(config), Err(Error::Value { .. })));
     }
     let before = people.hash();
-    let mut refuse = |wish| people.order(first, wish).unwrap_err();
+    let mut refuse = |goal| people.order(first, goal).unwrap_err();
     assert!(matches!(
         refuse(InhabitantGoal::GoTo { instance: 50 }),
         Error::Index { who: Some(Id { index: 0, .. }), .. }
     ));
     let entry = RestPlace { node: WorldNode { instance: 1, cell: 0 }, at: Vec3::ZERO };
-    for wish in [
+    for goal in [
         InhabitantGoal::Perform { tag: made_up_world::CHAT, seconds: 1.0 },
         InhabitantGoal::Perform { tag: SIT, seconds: f32::NAN },
         InhabitantGoal::GoToPlace { place: entry },
         InhabitantGoal::GoNear { place: Vec3::NAN, within_m: 1.0 },
         InhabitantGoal::GoNear { place: Vec3::new(500.0, 0.0, 0.0), within_m: 3.0 },
     ] {
-        assert!(matches!(refuse(wish), Error::Value { who: Some(Id { index: 0, .. }), .. }), "{wish:?}");
+        assert!(matches!(refuse(goal), Error::Value { who: Some(Id { index: 0, .. }), .. }), "{goal:?}");
     }
     // Over there is another room.
     let there = world.nearest_place(Vec3::new(5.0 * SIDE, 1.0, SIDE), 1.0).unwrap();
-    for wish in [InhabitantGoal::GoTo { instance: there.node.instance }, InhabitantGoal::GoToPlace { place: there }] {
-        let error = refuse(wish);
+    for goal in [InhabitantGoal::GoTo { instance: there.node.instance }, InhabitantGoal::GoToPlace { place: there }] {
+        let error = refuse(goal);
         assert!(matches!(error, Error::NoPath { who: Some(Id { index: 0, .. }), .. }), "{error}");
     }
     assert!(matches!(people.step(2.0, &Inline), Err(Error::Value { .. })));
@@ -491,13 +491,13 @@ fn who_is_put_elsewhere_goes_on_from_there() {
 }
 
 /// Ten characters sent to ten points around a centre, a quarter of an hour later.
-fn ten_sent(seed: u64, wish: impl Fn(&World, Vec3) -> InhabitantGoal) -> (World, Inhabitants) {
+fn ten_sent(seed: u64, goal: impl Fn(&World, Vec3) -> InhabitantGoal) -> (World, Inhabitants) {
     let world = open(&["#######"; 7]);
     let mut people = people_at(&world, &scatter_rest_nodes(world.graph(), 10, seed));
     for c in 0..10 {
         let at = Vec3::new(2.0 * SIDE + (c % 4) as f32, 1.0, 3.0 * SIDE + (c / 4) as f32);
-        let wish = wish(&world, at);
-        people.order(Id::first(c), wish).unwrap();
+        let goal = goal(&world, at);
+        people.order(Id::first(c), goal).unwrap();
     }
     (0..27000).for_each(|_| people.step(DT, &Inline).unwrap());
     (world, people)

@@ -274,7 +274,7 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
     };
     for apart in [2, 9, 19] {
         let (mut free, two) = begin(apart);
-        let way_s = DT * until_begun(&mut free, two) as f32;
+        let walk_s = DT * until_begun(&mut free, two) as f32;
         // Everybody is on ground that outsiders hold, so nobody takes a step.
         let (mut held, _) = begin(apart);
         let everywhere = Capsule2d { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
@@ -291,8 +291,8 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
         let waited_s = gave_up_s.expect("nobody comes") - 60.0;
         // The way, as it was walked, has a second or two of rest, and two begin where what they play ends.
         assert!(
-            (2.0 * way_s - 8.0..2.0 * way_s + 0.1).contains(&waited_s),
-            "{apart} tiles: {waited_s} s, way {way_s} s"
+            (2.0 * walk_s - 8.0..2.0 * walk_s + 0.1).contains(&waited_s),
+            "{apart} tiles: {waited_s} s, way {walk_s} s"
         );
     }
 }
@@ -334,7 +334,7 @@ fn what_two_cannot_do_is_refused_and_changes_nothing() {
     value(people.order_meeting([ids[0]; 2], GIVE, 1.0), "other");
     value(people.order_meeting(ids, SIT, 1.0), "tag");
     value(people.order_meeting(ids, GIVE, f32::NAN), "seconds");
-    value(people.order(ids[0], InhabitantGoal::Meet { tag: GIVE, seconds: 1.0 }), "wish");
+    value(people.order(ids[0], InhabitantGoal::Meet { tag: GIVE, seconds: 1.0 }), "goal");
     value(people.order(ids[0], InhabitantGoal::Perform { tag: GIVE, seconds: 1.0 }), "tag");
     assert!(people.order_meeting([ids[0], Id::first(7)], GIVE, 1.0).is_err());
     assert_eq!(people.hash(), before);

@@ -26,7 +26,7 @@ fn dijkstra(graph: &WorldGraph, from: WorldNode) -> BTreeMap<WorldNode, u32> {
 }
 
 /// The steps lead from the node to the target, each one is there to be taken, and the plan says what they are.
-fn is_a_way(graph: &WorldGraph, from: WorldNode, target: PlanTarget, steps: &[WorldStep], plan: &WorldPlan) {
+fn assert_is_path(graph: &WorldGraph, from: WorldNode, target: PlanTarget, steps: &[WorldStep], plan: &WorldPlan) {
     let mut at = from;
     for s in steps {
         let mut there = false;
@@ -81,7 +81,7 @@ fn paths_are_as_short_as_the_shortest_within_five_percent() {
                 dijkstra(&graph, from).into_iter().filter(|(n, _)| target.is_at(&graph, *n)).map(|(_, f)| f).min();
             match (planner.plan(&graph, from, target, &mut steps), best) {
                 (Some(plan), Some(best)) => {
-                    is_a_way(&graph, from, target, &steps[..plan.num_stored], &plan);
+                    assert_is_path(&graph, from, target, &steps[..plan.num_stored], &plan);
                     assert!(
                         f64::from(plan.num_frames) <= f64::from(WORST) * f64::from(best),
                         "{} frames, {best}",
@@ -128,7 +128,7 @@ fn the_way_of_a_target_that_is_a_node_ends_there() {
     for (&node, &frames) in &best {
         let plan = planner.plan(&graph, from, PlanTarget::Node(node), &mut steps);
         let plan = plan.unwrap_or_else(|| panic!("no way to {node:?}"));
-        is_a_way(&graph, from, PlanTarget::Node(node), &steps[..plan.num_stored], &plan);
+        assert_is_path(&graph, from, PlanTarget::Node(node), &steps[..plan.num_stored], &plan);
         assert!(
             f64::from(plan.num_frames) <= f64::from(WORST) * f64::from(frames),
             "{node:?}: {} {frames}",
@@ -163,7 +163,7 @@ fn compare(tables: &Bundle, rows: &[&str], rng: &mut Pcg64Mcg, change: impl Fn(&
             none += 1;
             continue;
         };
-        is_a_way(&graph, from, target, &steps[..soon.num_stored], &soon);
+        assert_is_path(&graph, from, target, &steps[..soon.num_stored], &soon);
         assert!(f64::from(plan.num_frames) <= f64::from(WORST) * f64::from(best), "{} {best}", plan.num_frames);
         assert!(plan.least_frames <= best && soon.least_frames <= best, "{plan:?} {soon:?} {best}");
         paths += 1;

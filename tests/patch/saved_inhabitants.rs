@@ -40,12 +40,12 @@ fn go_on(people: &mut Inhabitants, num_steps: usize) {
             let is_free =
                 state.goal == InhabitantGoal::Roam && c % 4 != 0 || state.activity == InhabitantActivity::Unreachable;
             if is_free || state.activity == InhabitantActivity::Arrived && c != 5 {
-                let wish = match c % 4 {
+                let goal = match c % 4 {
                     1 => InhabitantGoal::Perform { tag: SIT, seconds: 1.0 + c as f32 },
                     2 => InhabitantGoal::GoNear { place: Vec3::new((n % 7) as f32, 1.0, 1.0), within_m: 4.0 },
                     _ => InhabitantGoal::GoTo { instance: (7 * c + 13 * n) % 31 },
                 };
-                people.order(id, wish).expect("a wish");
+                people.order(id, goal).expect("a goal");
             }
         }
         people.step(DT, &Inline).expect("a step");

@@ -491,7 +491,7 @@ fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
     assert_eq!(patch.pairs.len(), 5 * 4);
     // Brute force: where each frame of both lies, beside where the clips have it.
     let starts = clips.frame_starts();
-    let laid = |l: &LinkRecord, k: u32| {
+    let placed_frame = |l: &LinkRecord, k: u32| {
         let c = starts.partition_point(|&s| s <= l.frame) - 1;
         let place = |k: u32| clips.clips[c].planar((l.frame - starts[c] + k) as usize);
         let [first, here, last] = [0, k, u32::from(l.num_frames)].map(place);
@@ -506,7 +506,7 @@ fn two_who_were_captured_together_stand_across_an_edge_as_they_did() {
         assert!(own.is_for_two() && own.tag == other.tag && own.num_frames == other.num_frames);
         let [x, _, z] = patch.edges[p.edge as usize].step;
         for k in 0..=u32::from(own.num_frames) {
-            let ((a, captured_a), (b, captured_b)) = (laid(own, k), laid(other, k));
+            let ((a, captured_a), (b, captured_b)) = (placed_frame(own, k), placed_frame(other, k));
             for at in [a, b] {
                 assert!(at.x.abs().max(at.z.abs()) < PANEL_M / 2.0 - 0.1, "each stays on ground of its own: {at:?}");
             }

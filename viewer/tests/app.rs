@@ -266,13 +266,13 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
         let [right, _, back] = camera(&v).axes();
         let target = run(&v).targets()[3];
         v.harness.step();
-        let way = (run(&v).targets()[3] - root(&v).translation()).normalize_or_zero();
+        let direction = (run(&v).targets()[3] - root(&v).translation()).normalize_or_zero();
         let wanted = match key {
             Key::D => right,
             Key::A => -right,
             _ => -back.with_y(0.0).normalize(),
         };
-        assert!(way.dot(wanted) > 0.95, "{key:?}: {way} for {wanted}, target {target}");
+        assert!(direction.dot(wanted) > 0.95, "{key:?}: {direction} for {wanted}, target {target}");
         (0..100).for_each(|_| v.harness.step());
         travelled += root(&v).translation().distance(from);
         v.key(key, false);

@@ -151,12 +151,12 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
     v.apply(ViewerCommand::SelectCharacter(Some(5)));
     v.apply(ViewerCommand::FrameAll);
     v.harness.run_steps(2);
-    let minds = scene(&v).run().simulation().brains().expect("minds");
+    let brains = scene(&v).run().simulation().brains().expect("agent brains");
     // A spot of a smallest cell with nobody near.
     let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.9);
     let offsets: Vec<_> =
         (-4..=4).flat_map(|i| (-4..=4).map(move |k| glam::Vec3::new(i as f32, 0.0, k as f32) * 0.2)).collect();
-    let found = minds.posts().filter_map(|p| p.cell).filter(|c| c.level == 0).find_map(|cell| {
+    let found = brains.posts().filter_map(|p| p.cell).filter(|c| c.level == 0).find_map(|cell| {
         let at = glam::Vec3::new(cell.middle[0], 0.0, cell.middle[1]);
         Some((cell, offsets.iter().map(|o| at + *o).find(far)?))
     });

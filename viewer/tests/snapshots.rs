@@ -355,7 +355,7 @@ fn scenarios() {
         ..Args::default()
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
-    for (args, name) in [(args, "panel_crowd_minds"), (light, "panel_crowd_minds_light")] {
+    for (args, name) in [(args, "panel_crowd_agent_brains"), (light, "panel_crowd_minds_light")] {
         let mut v = Viewing::new(&args, vec2(1000.0, 2150.0));
         let kinds = AgentEventKind::all().map(|what| !what.is_of_engine());
         v.apply(ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions {
@@ -379,8 +379,8 @@ fn a_task_of_limbs() {
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args, "panel_plan_task"), (light, "panel_plan_task_light")] {
         let mut v = Viewing::new(&args, vec2(1100.0, 720.0));
-        let look = PlanViewOptions { num_motions: 2, ..v.model().selection.plan };
-        v.apply(ViewerCommand::Plan(PlanCommand::SetOptions(look)));
+        let options = PlanViewOptions { num_motions: 2, ..v.model().selection.plan };
+        v.apply(ViewerCommand::Plan(PlanCommand::SetOptions(options)));
         v.apply(ViewerCommand::Plan(PlanCommand::Plan));
         v.until("two motions", |v| v.model().task().is_some_and(|t| t.motions().len() == 2));
         let mut v = rest(v);

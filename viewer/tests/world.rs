@@ -159,7 +159,7 @@ fn who_is_steered_on_patches_is_sent_ahead() {
     for pressed in [Key::W, Key::A, Key::S, Key::D] {
         v.key(pressed, true);
         let world = v.model().document.world().expect("a world");
-        let (at, wish) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].goal);
+        let (at, goal) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].goal);
         let [right, _, back] = v.model().settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize();
         let wanted = match pressed {
@@ -169,7 +169,7 @@ fn who_is_steered_on_patches_is_sent_ahead() {
             _ => -right,
         };
         // At an edge of the world there may be nowhere to go.
-        if let InhabitantGoal::GoNear { place, .. } = wish
+        if let InhabitantGoal::GoNear { place, .. } = goal
             && (place - at).length() > 1.0
         {
             assert!((place - at).with_y(0.0).normalize().dot(wanted) > 0.9, "{pressed:?}: {}", place - at);

@@ -36,7 +36,7 @@ pub enum PageCrowd {
     /// People of a policy, each sent beside one of a few targets.
     People {
         /// The characters.
-        cast: Box<PolicyCharacters>,
+        group: Box<PolicyCharacters>,
         /// Targets at which they gather (m).
         targets: [Vec2; NUM_TARGETS],
         /// Number of the policy.
@@ -80,24 +80,24 @@ impl PageStage {
         let policy = self.bundle.find_policy("approach")?;
         let avoid = Some(AvoidConfig::default());
         let config = CharactersConfig { seed, avoid, instances: true, ..CharactersConfig::default() };
-        let mut cast = PolicyCharacters::with_capacity(&self.bundle, count, config)?;
+        let mut group = PolicyCharacters::with_capacity(&self.bundle, count, config)?;
         let side = (count as f32).sqrt().ceil().max(1.0);
-        cast.hold_entrants();
+        group.hold_entrants();
         for k in 0..count {
             let place = |at: f32| SPACING_M * (at - 0.5 * (side - 1.0));
             let heading = TAU * uniform_random(seed, k as u64, 0);
-            cast.spawn(Spawn::standing_at(Planar::new(
+            group.spawn(Spawn::standing_at(Planar::new(
                 place(k as f32 % side),
                 place((k as f32 / side).floor()),
                 heading,
             )))?;
         }
-        cast.release_entrants();
+        group.release_entrants();
         let targets = std::array::from_fn(|t| {
             let angle = TAU * t as f32 / NUM_TARGETS as f32;
             0.35 * side * SPACING_M * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle))
         });
-        self.crowd = PageCrowd::People { cast: Box::new(cast), targets, policy };
+        self.crowd = PageCrowd::People { group: Box::new(group), targets, policy };
         self.send_people()?;
         self.step(0.0).map_err(|why| throng_base::Error::Unknown { what: "step", name: why, known: Vec::new() })
     }
@@ -159,8 +159,8 @@ impl PageStage {
 
     /// Sends each of the people to its own place near a target, on a spiral of the golden angle.
     fn send_people(&mut self) -> Result<()> {
-        let PageCrowd::People { cast, targets, policy } = &mut self.crowd else { return Ok(()) };
-        for (k, id) in cast.ids().to_vec().into_iter().enumerate() {
+        let PageCrowd::People { group, targets, policy } = &mut self.crowd else { return Ok(()) };
+        for (k, id) in group.ids().to_vec().into_iter().enumerate() {
             let (target, ring) = (targets[k % NUM_TARGETS], (k / NUM_TARGETS) as f32);
             let (angle, radius) = (ring * PI * (3.0 - 5.0_f32.sqrt()), GATHER_SPACING_M * ring.sqrt());
             let by = radius * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle));
@@ -168,7 +168,7 @@ impl PageStage {
                 *policy,
                 Vec3::new(target.x + by.x, 0.0, target.y + by.y),
             );
-            cast.order(id, order)?;
+            group.order(id, order)?;
         }
         Ok(())
     }
@@ -180,10 +180,10 @@ impl PageStage {
     pub fn step(&mut self, dt_s: f32) -> std::result::Result<(), String> {
         match &mut self.crowd {
             PageCrowd::Nobody => self.records.clear(),
-            PageCrowd::People { cast, .. } => {
-                cast.step(dt_s, &Inline).map_err(|e| e.to_string())?;
+            PageCrowd::People { group, .. } => {
+                group.step(dt_s, &Inline).map_err(|e| e.to_string())?;
                 self.records.clear();
-                self.records.extend(cast.instances());
+                self.records.extend(group.instances());
             }
             PageCrowd::Agents(crowd) => {
                 STEP_S.check("dt_s", None, dt_s).map_err(|e| e.to_string())?;
@@ -253,7 +253,7 @@ mod tests {
 
     #[test]
     fn what_is_no_bundle_is_told() {
-        let told = PageStage::open(b"no bundle").expect_err("nine bytes");
-        assert!(told.contains("Throng"), "{told}");
+        let fault = PageStage::open(b"no bundle").expect_err("nine bytes");
+        assert!(fault.contains("Throng"), "{fault}");
     }
 }

@@ -60,7 +60,9 @@ impl ActivityReport {
             tag: activity.tag.clone(),
             duration_s: seconds(activity.num_frames - 1),
             looped_s: activity.looped.map(|[_, count]| seconds(count)),
-            held_s: activity.held.map(|held| held.map(|[first, count]| [seconds(first), seconds(first + count)])),
+            held_s: activity
+                .object_frames
+                .map(|sides| sides.map(|[first, count]| [seconds(first), seconds(first + count)])),
             is_seated: activity.is_seated,
         }
     }
@@ -147,7 +149,7 @@ fn activity(
 ) -> ActivityMeta {
     let is_within = |r: &FrameRange| range.start <= r.start && r.end < range.end && r.len() > 1;
     let looped = clip.tags.iter().find(|t| t.name == config.looped && is_within(&t.range)).map(|t| t.range.clone());
-    let held = config.held.each_ref().map(|tag| {
+    let object_frames = config.held.each_ref().map(|tag| {
         let parts = clip.tags.iter().filter(|t| t.name == *tag);
         let mut parts = parts.map(|t| t.range.start.max(range.start)..t.range.end.min(range.end));
         parts.find(|part| !part.is_empty()).map(|part| [(part.start - range.start) as u32, part.len() as u32])
@@ -161,7 +163,7 @@ fn activity(
         first_frame: range.start as u32,
         num_frames: range.len() as u32,
         looped: looped.map(|l| [(l.start - range.start) as u32, l.len() as u32]),
-        held,
+        object_frames,
         is_seated: height(middle) < SEATED * height(range.start),
     }
 }
@@ -220,15 +222,15 @@ mod tests {
         let found = find_activities(&clips, &config).unwrap();
         for (tag, stays) in [("take", true), ("put", false)] {
             let of_tag: Vec<_> = found.iter().filter(|a| a.tag == tag).collect();
-            assert!((0..2).all(|side| of_tag.iter().any(|a| a.held[side].is_some())), "{tag}: both hands");
+            assert!((0..2).all(|side| of_tag.iter().any(|a| a.object_frames[side].is_some())), "{tag}: both hands");
             for a in of_tag {
-                let held = a.held.iter().flatten().collect::<Vec<_>>();
+                let held = a.object_frames.iter().flatten().collect::<Vec<_>>();
                 let [first, count] = *held[0];
                 assert_eq!((held.len(), first + count == a.num_frames, first == 0), (1, stays, !stays), "{}", a.name);
             }
         }
         let own = ActivityConfig { held: ["none".into(), "other".into()], ..default };
-        assert!(find_activities(&clips, &asked("take", own)).unwrap().iter().all(|a| a.held == [None; 2]));
+        assert!(find_activities(&clips, &asked("take", own)).unwrap().iter().all(|a| a.object_frames == [None; 2]));
     }
 
     #[test]

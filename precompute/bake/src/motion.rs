@@ -81,14 +81,14 @@ fn read_all<'a>(
     lends: bool,
 ) -> Result<ReadMotion<'a>, BuildError> {
     let files = from.file_keys(&cfg.import);
-    let lent = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
+    let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
         Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
-        None => Ok((read_files(cfg, &files, s.cache(), lent.as_ref(), p)?, BTreeMap::new())),
+        None => Ok((read_files(cfg, &files, s.cache(), streamed.as_ref(), p)?, BTreeMap::new())),
     })?;
     let mut warnings = Warnings::default();
     let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
-    let repeated = report_repeated(&mut raw, lent.as_ref(), parts)?;
+    let repeated = report_repeated(&mut raw, streamed.as_ref(), parts)?;
     if parts == RequiredParts::Possible {
         skipped.extend(repeated)
     } else {
@@ -102,7 +102,7 @@ fn read_all<'a>(
         None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
     };
     let plan =
-        s.run("retarget", |_| measure_performers(&raw.clips, lent.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
+        s.run("retarget", |_| measure_performers(&raw.clips, streamed.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
     let performer = |indices: Vec<usize>| SourcePerformer {
         height_m: raw.clips[indices[0]].height,
         clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
@@ -111,7 +111,7 @@ fn read_all<'a>(
     let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
     let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
     let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
-    let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed: lent };
+    let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed };
     Ok(ReadMotion { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
 }
 
@@ -123,7 +123,7 @@ fn read_files(
     cfg: &BuildConfig,
     keys: &FileKeys<'_>,
     cache: &Cache,
-    lent: Option<&StreamedMotion<'_>>,
+    streamed: Option<&StreamedMotion<'_>>,
     p: &dyn Progress,
 ) -> Result<(ImportedSet, usize), BuildError> {
     let kept = AtomicUsize::new(0);
@@ -131,7 +131,7 @@ fn read_files(
         let Ok(key) = keys.key_of(&file.path) else { return read() };
         let (mut imported, was_kept) = cache.load_or_make("import", key, || keys.read_file(&file.path, read))?;
         kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
-        lent.into_iter().for_each(|lent| lent.release_motion(file, key, &mut imported));
+        streamed.into_iter().for_each(|streamed| streamed.release_motion(file, key, &mut imported));
         Ok(imported)
     };
     let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.require_clips()?;
@@ -142,49 +142,49 @@ fn read_files(
 /// Reports clips that repeat the motion of others; if only possible parts are made, they are dropped.
 fn report_repeated(
     raw: &mut ImportedSet,
-    lent: Option<&StreamedMotion<'_>>,
+    streamed: Option<&StreamedMotion<'_>>,
     parts: RequiredParts,
 ) -> Result<Vec<String>, BuildError> {
-    let repeated = lent.map_or_else(|| Ok(raw.repeated()), |lent| lent.repeated_clips(&raw.clips))?;
+    let repeated = streamed.map_or_else(|| Ok(raw.repeated()), |streamed| streamed.repeated_clips(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
     let end = if parts == RequiredParts::Possible { "; it is left out" } else { "" };
-    let told = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
-    let told = told.collect();
+    let messages = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
+    let messages = messages.collect();
     if parts == RequiredParts::Possible {
         let mut place = 0..;
         raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
     }
-    Ok(told)
+    Ok(messages)
 }
 
 /// Measures the performers and their floors.
 fn measure_performers(
     clips: &[ImportedClip],
-    lent: Option<&StreamedMotion<'_>>,
+    streamed: Option<&StreamedMotion<'_>>,
     keys: &[Option<CacheKey>],
     cfg: &BuildConfig,
     cache: &Cache,
     warnings: &mut Warnings,
 ) -> Result<retarget::RetargetPlan, BuildError> {
     let sources: Vec<retarget::RetargetSource> = clips.iter().map(retarget::RetargetSource::from).collect();
-    let lender: Box<retarget::ClipProvider<'_>> = match lent {
-        Some(lent) => Box::new(|places, look| lent.with_motion(clips, places, look)),
+    let provider: Box<retarget::ClipProvider<'_>> = match streamed {
+        Some(streamed) => Box::new(|places, look| streamed.with_motion(clips, places, look)),
         None => retarget::provide_from_memory(&sources),
     };
-    let mut plan = retarget::RetargetPlan::new(&sources, &*lender, &cfg.retarget, warnings)?;
+    let mut plan = retarget::RetargetPlan::new(&sources, &*provider, &cfg.retarget, warnings)?;
     if cfg.resample.mirror {
         retarget::rename_mirror_clashes(&mut plan.names, warnings);
     }
     for p in 0..plan.performers.len() {
-        let telling = &plan.performers[p].telling;
-        let find = || plan.find_floor(p, &*lender);
-        let floor = match telling.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
+        let measured = &plan.performers[p].measured_clips;
+        let find = || plan.find_floor(p, &*provider);
+        let floor = match measured.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
             Some(keys) => {
-                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(telling[0]))?, find)?.0
+                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(measured[0]))?, find)?.0
             }
             None => find()?,
         };
-        plan.set_floor(p, floor, &*lender)?;
+        plan.set_floor(p, floor, &*provider)?;
     }
     Ok(plan)
 }
@@ -245,10 +245,11 @@ impl ClipMaker<'_> {
         let (cfg, name) = (self.cfg, &self.plan.names[i]);
         let marks = self.marks.for_clip(name);
         let make = || {
-            let whole = self.streamed.as_ref().map(|lent| lent.load_clip(raw)).transpose()?;
+            let whole = self.streamed.as_ref().map(|streamed| streamed.load_clip(raw)).transpose()?;
             let raw = whole.as_ref().unwrap_or(raw);
-            let laid = ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.retarget_clip(i, raw)] };
-            let resampled = resample::resample(&laid, &cfg.resample)?;
+            let retargeted =
+                ClipSet { skeleton: self.plan.skeleton.clone(), clips: vec![self.plan.retarget_clip(i, raw)] };
+            let resampled = resample::resample(&retargeted, &cfg.resample)?;
             Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)
         };
         let Some(key) = self.keys[i] else { return Ok((make()?, false)) };

@@ -16,7 +16,7 @@ impl BuildConfig {
     /// As [`import::find`].
     pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>, BuildError> {
         let names: Vec<String> = import::find_motion_files(&inputs)?.into_iter().map(|f| f.name).collect();
-        let mut told = Vec::new();
+        let mut warnings = Vec::new();
         self.inputs = inputs;
         self.synth = None;
         // The clips of a file with several are unknown before it is read.
@@ -25,18 +25,19 @@ impl BuildConfig {
         let before = self.clips.len();
         self.clips.retain(|name, _| there(name));
         if self.clips.len() < before {
-            told.push(format!("what it says of {} clip(s) is left out: they are not there", before - self.clips.len()));
+            warnings
+                .push(format!("what it says of {} clip(s) is left out: they are not there", before - self.clips.len()));
         }
         self.blend.retain(|name, space| {
             let (kept, what) = replace_examples(space, &there);
-            told.extend(what.map(|w| format!("blend.{name}: {w}")));
+            warnings.extend(what.map(|w| format!("blend.{name}: {w}")));
             kept
         });
-        self.replace_surroundings(&there, &mut told);
-        Ok(told)
+        self.replace_surroundings(&there, &mut warnings);
+        Ok(warnings)
     }
 
-    fn replace_surroundings(&mut self, there: &impl Fn(&str) -> bool, told: &mut Vec<String>) {
+    fn replace_surroundings(&mut self, there: &impl Fn(&str) -> bool, warnings: &mut Vec<String>) {
         if self.patches.units.is_none() {
             return;
         }
@@ -44,17 +45,17 @@ impl BuildConfig {
             self.patches.environments.clear();
             // The clips stood at the heights of their environment.
             self.retarget.align_ground = true;
-            told.push("patches.environments: left out, as the clips were not captured in them".into());
+            warnings.push("patches.environments: left out, as the clips were not captured in them".into());
         }
         for TileConfig { unit, clips, .. } in &mut self.patches.tiles {
             if !clips.is_empty() && !clips.iter().any(|c| there(c)) {
-                told.push(format!("patches.tiles: `{unit}` takes all clips, as those it names are not there"));
+                warnings.push(format!("patches.tiles: `{unit}` takes all clips, as those it names are not there"));
                 clips.clear();
             }
         }
         if self.patches.tiles.is_empty() {
             self.patches.units = None;
-            told.push("patches: none, as nothing is known of what the clips were captured on".into());
+            warnings.push("patches: none, as nothing is known of what the clips were captured on".into());
         }
     }
 }
@@ -108,7 +109,7 @@ mod tests {
         std::fs::write(folder.path().join("walk_1.bvh"), "").unwrap();
         std::fs::write(folder.path().join("many.glb"), "").unwrap();
         let mut config = BuildConfig::parse(CONFIG, Path::new("x.toml")).unwrap();
-        let told = config.replace_motion(vec![folder.path().to_path_buf()]).unwrap();
+        let warnings = config.replace_motion(vec![folder.path().to_path_buf()]).unwrap();
         assert_eq!(config.clips.keys().collect::<Vec<_>>(), ["many/Run", "walk_1"]);
         assert_eq!(config.blend.keys().collect::<Vec<_>>(), ["all", "manner", "named"]);
         assert_eq!(config.blend["named"].examples.len(), 1);
@@ -117,7 +118,7 @@ mod tests {
         }
         assert!(config.patches.environments.is_empty() && config.retarget.align_ground);
         assert!(config.patches.tiles[0].clips.is_empty() && config.patches.units.is_some());
-        assert_eq!(told.len(), 7, "{told:?}");
+        assert_eq!(warnings.len(), 7, "{warnings:?}");
         assert!(config.check().is_ok());
         // Told once: nothing is left that does not hold.
         assert!(config.replace_motion(vec![folder.path().to_path_buf()]).unwrap().is_empty());

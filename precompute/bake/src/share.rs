@@ -270,9 +270,9 @@ mod tests {
                 let row = |n: usize| vec![n as u32; n % 3];
                 let rows = gather_rows(comm, count, own.iter().map(|&n| row(n)).collect()).unwrap();
                 assert_eq!(rows, (0..count).map(row).collect::<Vec<_>>());
-                let mut told = gather_all(comm, own).unwrap();
-                told.sort_unstable();
-                assert_eq!(told, (0..count).collect::<Vec<_>>());
+                let mut gathered = gather_all(comm, own).unwrap();
+                gathered.sort_unstable();
+                assert_eq!(gathered, (0..count).collect::<Vec<_>>());
                 let to = (0..num_ranks).map(|to| vec![[comm.rank(), to]; to]).collect();
                 let wanted: Vec<_> = (0..num_ranks).flat_map(|from| vec![[from, comm.rank()]; comm.rank()]).collect();
                 assert_eq!(exchange_values(comm, to).unwrap(), wanted);

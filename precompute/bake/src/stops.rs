@@ -51,7 +51,7 @@ pub struct StopsReport {
     /// Longest time to come to a stand (s).
     pub stop_worst_s: f64,
     /// Distance to a stand, 95th percentile (m).
-    pub stop_way_p95_m: f64,
+    pub stop_path_p95_m: f64,
 }
 
 /// Computes the stop tables of a graph.
@@ -79,24 +79,24 @@ pub fn find_stops(
     })?;
     let (of_segments, of_states) = radii.split_at(graph.segments.len());
     let mut out = StopRows::default();
-    let mut ways = Vec::with_capacity(graph.segments.len());
+    let mut paths = Vec::with_capacity(graph.segments.len());
     for (s, &radius) in graph.segments.iter().zip(of_segments) {
         let c = clip_of(s.start);
         let first = (s.start.0 - starts[c]) as usize;
-        let way = root_path(&clips.clips[c], first, s.num_frames as usize);
+        let path = root_path(&clips.clips[c], first, s.num_frames as usize);
         let first_node = out.nodes.len() as u32;
-        simplify(&way, &mut out.nodes);
+        simplify(&path, &mut out.nodes);
         out.sweeps.push(SweepRecord { first_node, num_nodes: out.nodes.len() as u32 - first_node, radius });
-        ways.push(way);
+        paths.push(path);
     }
     let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
     let rests = [REST_RADIUS_M, f32::INFINITY]
-        .map(|most| rest_segments(graph, &ways, |s| out.sweeps[s.0 as usize].radius <= most));
+        .map(|most| rest_segments(graph, &paths, |s| out.sweeps[s.0 as usize].radius <= most));
     let rests = rests.into_iter().find(|r| r.iter().any(Option::is_some)).unwrap_or(vec![None; graph.states.len()]);
     // A resting character is moved back to its place evenly: the disc includes that distance.
     for &segment in rests.iter().flatten() {
-        let (way, sweep) = (&ways[segment.0 as usize], &mut out.sweeps[segment.0 as usize]);
-        sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + straightness_error(way));
+        let (path, sweep) = (&paths[segment.0 as usize], &mut out.sweeps[segment.0 as usize]);
+        sweep.radius = sweep.radius.max(BODY_RADIUS_M + SWEEP_TOLERANCE_M + straightness_error(path));
     }
     let found =
         CheapestPaths { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
@@ -104,7 +104,7 @@ pub fn find_stops(
     out.stops = choices;
     out.stops.iter_mut().zip(of_states).for_each(|(stop, &radius)| stop.pose_radius = radius);
     spread_radii(graph, &out.sweeps, &mut out.stops);
-    let report = report(&out.stops, &found, &ways);
+    let report = report(&out.stops, &found, &paths);
     Ok((out, report))
 }
 
@@ -118,19 +118,19 @@ fn root_path(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
 }
 
 /// Simplifies a path to nodes, each as far from the previous one as [`SWEEP_TOLERANCE_M`] allows.
-fn simplify(way: &[Vec2], out: &mut Vec<SweepNode>) {
-    let node = |f: usize| SweepNode { frame: f as u32, x: way[f].x, z: way[f].y };
+fn simplify(path: &[Vec2], out: &mut Vec<SweepNode>) {
+    let node = |f: usize| SweepNode { frame: f as u32, x: path[f].x, z: path[f].y };
     let is_near = |from: usize, to: usize| {
         (from + 1..to).all(|f| {
             let share = (f - from) as f32 / (to - from) as f32;
-            way[from].lerp(way[to], share).distance(way[f]) <= SWEEP_TOLERANCE_M
+            path[from].lerp(path[to], share).distance(path[f]) <= SWEEP_TOLERANCE_M
         })
     };
     let mut at = 0;
     out.push(node(0));
-    while at + 1 < way.len() {
+    while at + 1 < path.len() {
         let mut next = at + 1;
-        while next + 1 < way.len() && is_near(at, next + 1) {
+        while next + 1 < path.len() && is_near(at, next + 1) {
             next += 1;
         }
         out.push(node(next));
@@ -154,9 +154,9 @@ fn radius(clips: &ClipSet, clip: usize, first: usize, num_frames: usize) -> f32 
 }
 
 /// Largest distance of a path from the straight line between its ends (m).
-fn straightness_error(way: &[Vec2]) -> f32 {
-    let (last, end) = (way.len() - 1, way[way.len() - 1]);
-    way.iter().enumerate().map(|(f, p)| p.distance(end * (f as f32 / last as f32))).fold(0.0, f32::max)
+fn straightness_error(path: &[Vec2]) -> f32 {
+    let (last, end) = (path.len() - 1, path[path.len() - 1]);
+    path.iter().enumerate().map(|(f, p)| p.distance(end * (f as f32 / last as f32))).fold(0.0, f32::max)
 }
 
 /// For each state in which a character may stand for long, the segment to play: it ends in such a state again, and
@@ -165,12 +165,12 @@ fn straightness_error(way: &[Vec2]) -> f32 {
 /// The result is the greatest set of standing states each of which has an action into the set.
 fn rest_segments(
     graph: &RawMotionGraph,
-    ways: &[Vec<Vec2>],
+    paths: &[Vec<Vec2>],
     is_slim: impl Fn(SegmentId) -> bool,
 ) -> Vec<Option<SegmentId>> {
     let stays = |s: SegmentId| {
-        let way = &ways[s.0 as usize];
-        is_slim(s) && way[way.len() - 1].length() <= REST_PATH_M && straightness_error(way) <= REST_PATH_M
+        let path = &paths[s.0 as usize];
+        is_slim(s) && path[path.len() - 1].length() <= REST_PATH_M && straightness_error(path) <= REST_PATH_M
     };
     let mut is_rest = graph.standing.clone();
     let leads = |state: usize, is_rest: &[bool]| {
@@ -217,8 +217,8 @@ impl CheapestPaths<'_> {
     fn cost(&self, segment: SegmentId) -> f64 {
         let s = &self.graph.segments[segment.0 as usize];
         let lean = f64::from(self.sweeps[segment.0 as usize].radius - BODY_RADIUS_M);
-        let way = f64::from(s.displacement.x.hypot(s.displacement.z));
-        f64::from(s.num_frames) / self.rate + METRE_S * way + LEAN_S * lean
+        let distance = f64::from(s.displacement.x.hypot(s.displacement.z));
+        f64::from(s.num_frames) / self.rate + METRE_S * distance + LEAN_S * lean
     }
 
     /// Cheapest action of each state on the way to a stand (Dijkstra 1959, from all resting places at once).
@@ -287,7 +287,7 @@ fn spread_radii(graph: &RawMotionGraph, sweeps: &[SweepRecord], stops: &mut [Sto
     }
 }
 
-fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, ways: &[Vec<Vec2>]) -> StopsReport {
+fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, paths: &[Vec<Vec2>]) -> StopsReport {
     let graph = found.graph;
     let slows = |mut s: usize| loop {
         match stops[s].kind {
@@ -296,11 +296,11 @@ fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, ways: &[Vec<Vec2>]) -
             _ => s = graph.segments[stops[s].segment as usize].end.0 as usize,
         }
     };
-    let way = |mut s: usize| {
+    let stop_path = |mut s: usize| {
         let mut sum = 0.0;
         while stops[s].kind != REST {
             let segment = stops[s].segment as usize;
-            sum += f64::from(ways[segment].windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
+            sum += f64::from(paths[segment].windows(2).map(|w| w[0].distance(w[1])).sum::<f32>());
             if stops[s].kind == SLOW_DOWN {
                 break;
             }
@@ -320,7 +320,7 @@ fn report(stops: &[StopRecord], found: &CheapestPaths<'_>, ways: &[Vec<Vec2>]) -
         slowing_states: moving.iter().filter(|&&s| slows(s)).count(),
         stop_p95_s,
         stop_worst_s,
-        stop_way_p95_m: p95(&way)[0],
+        stop_path_p95_m: p95(&stop_path)[0],
     }
 }
 

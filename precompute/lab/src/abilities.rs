@@ -245,9 +245,9 @@ mod tests {
     #[test]
     fn what_is_missing_is_said_with_the_clip_that_mends_it() {
         let straight = of(&[(40.0, 1.0, 0.0), (5.0, 1.0, 50.0)]);
-        let told = straight.missing(false);
-        assert!(told.iter().any(|t| t.starts_with("no stop")), "{told:?}");
-        assert!(told.iter().any(|t| t == "turns right 0 deg/s at most: add a right turn"), "{told:?}");
+        let missing = straight.missing(false);
+        assert!(missing.iter().any(|t| t.starts_with("no stop")), "{missing:?}");
+        assert!(missing.iter().any(|t| t == "turns right 0 deg/s at most: add a right turn"), "{missing:?}");
         let mirrored = straight.missing(true);
         assert!(mirrored.iter().any(|t| t.contains("mirrored copies of the other side's 50 deg/s")), "{mirrored:?}");
         assert!(of(&[(60.0, 0.1, 0.0)]).missing(true)[0].starts_with("no walking"));
@@ -256,7 +256,7 @@ mod tests {
         assert_eq!(of(&[]), Abilities::default());
         let back = of(&[(10.0, 1.0, 0.0), (40.0, -1.0, 0.0), (2.0, 0.0, 0.0), (9.0, -1.0, 50.0), (9.0, -1.0, -50.0)]);
         assert!((back.backwards_s - 58.0).abs() < 1.0 && (back.walking_s - 68.0).abs() < 1.0, "{back:?}");
-        let told = back.missing(true);
-        assert!(told.len() == 1 && told[0].starts_with("hardly any walking ahead: 85 %"), "{told:?}");
+        let missing = back.missing(true);
+        assert!(missing.len() == 1 && missing[0].starts_with("hardly any walking ahead: 85 %"), "{missing:?}");
     }
 }

@@ -157,14 +157,14 @@ pub struct TrialFrame {
 pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
     let fail = |e: Error| stage_error(e.to_string());
     check(tables, config)?;
-    let (mut cast, targets) = scatter_characters(tables, config).map_err(fail)?;
-    let mut watch = TrialWatch::new(config, tables, cast.bodies().roots.to_vec(), targets);
+    let (mut group, targets) = scatter_characters(tables, config).map_err(fail)?;
+    let mut watch = TrialWatch::new(config, tables, group.bodies().roots.to_vec(), targets);
     let dt = 1.0 / config.step_hz;
-    let busy_s = play(&mut cast, config, |cast, step| {
-        watch.observe(cast, config, step, dt);
+    let busy_s = play(&mut group, config, |group, step| {
+        watch.observe(group, config, step, dt);
         Ok(())
     })?;
-    let characters = cast.characters();
+    let characters = group.characters();
     Ok(watch.finish(characters, config, num_steps(config), busy_s))
 }
 
@@ -180,18 +180,18 @@ pub(crate) fn num_steps(config: &TrialConfig) -> usize {
 /// # Errors
 /// As [`run`], and errors of `look`.
 pub(crate) fn play(
-    cast: &mut PolicyCharacters,
+    group: &mut PolicyCharacters,
     config: &TrialConfig,
-    mut look: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
+    mut observe: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
 ) -> Result<f64, BuildError> {
     let mut busy_s = 0.0;
     for step in 0..=num_steps(config) {
         let begin = Instant::now();
         // The first step only makes the first choice.
         let dt = if step == 0 { 0.0 } else { 1.0 / config.step_hz };
-        cast.step(dt, &Inline).map_err(|e| stage_error(e.to_string()))?;
+        group.step(dt, &Inline).map_err(|e| stage_error(e.to_string()))?;
         busy_s += begin.elapsed().as_secs_f64();
-        look(cast, step)?;
+        observe(group, step)?;
     }
     Ok(busy_s)
 }
@@ -260,8 +260,8 @@ fn scatter_apart(
     let side = (config.characters as f32).sqrt().ceil() as usize;
     let middle = (side as f32 - 1.0) * 0.5;
     let [near, far] = config.distances;
-    let mut cast = PolicyCharacters::with_capacity(tables, config.characters, config.motion)?;
-    cast.hold_entrants();
+    let mut group = PolicyCharacters::with_capacity(tables, config.characters, config.motion)?;
+    group.hold_entrants();
     let (mut targets, mut taken) = (Vec::new(), HashMap::new());
     for i in 0..config.characters {
         let place = |k: usize| (k as f32 - middle) * spacing_m;
@@ -280,13 +280,13 @@ fn scatter_apart(
         let target = (0..TRIES).map(|_| draw()).find(is_free).unwrap_or_else(&mut draw);
         taken.insert(target_cell(target), target);
         let state = Some(states[rng.random_range(0..states.len())]);
-        let id = cast.spawn(Spawn { root, state })?;
+        let id = group.spawn(Spawn { root, state })?;
         let target = Vec3::new(target.x, 0.0, target.y);
-        cast.order(id, PolicyOrder::towards(0, target))?;
+        group.order(id, PolicyOrder::towards(0, target))?;
         targets.push(target);
     }
-    cast.release_entrants();
-    Ok((cast, targets))
+    group.release_entrants();
+    Ok((group, targets))
 }
 
 /// Start states: for characters that avoid each other, the upright standing ones, if there are any.
@@ -333,8 +333,8 @@ mod tests {
         let config = TrialConfig { characters: 60, ..TrialConfig::default() };
         let refused = scatter_apart(&tables, &config, 0.4).map(|_| ());
         assert!(matches!(refused, Err(Error::Occupied { .. })), "{refused:?}");
-        let (cast, targets) = scatter_from(&tables, &config, 0.4).expect("room");
-        assert_eq!((cast.ids().len(), targets.len()), (60, 60));
+        let (group, targets) = scatter_from(&tables, &config, 0.4).expect("room");
+        assert_eq!((group.ids().len(), targets.len()), (60, 60));
         // Other errors are reported.
         let wrong = TrialConfig { distances: [f32::NAN; 2], ..config };
         assert!(!matches!(scatter_from(&tables, &wrong, 0.4), Ok(_) | Err(Error::Occupied { .. })));

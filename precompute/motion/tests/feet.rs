@@ -73,42 +73,42 @@ fn compare(clips: &[ImportedClip]) -> (Feet, Feet) {
     let source = retarget_clips(clips, &own, &mut Default::default()).unwrap();
     let contacts: Vec<Vec<Contacts>> =
         source.clips.iter().map(|c| detect_contacts(c, &source.skeleton, &ContactConfig::default())).collect();
-    let laid = retarget_clips(clips, &RetargetConfig::default(), &mut Default::default()).unwrap();
-    (feet(&source, &contacts), feet(&laid, &contacts))
+    let retargeted = retarget_clips(clips, &RetargetConfig::default(), &mut Default::default()).unwrap();
+    (feet(&source, &contacts), feet(&retargeted, &contacts))
 }
 
-fn report(name: &str, source: &Feet, laid: &Feet) {
-    let times = |share: f64| laid.slip_at(share) / source.slip_at(share);
+fn report(name: &str, source: &Feet, retargeted: &Feet) {
+    let times = |share: f64| retargeted.slip_at(share) / source.slip_at(share);
     println!(
         "{name:<22} slip p50 {:.3} to {:.3} m/s ({:.2} times), p95 {:.3} to {:.3} m/s ({:.2} times); height at contacts p1 \
          {:+.3}, median {:+.3}, p99 {:+.3} m, the source's {:+.3}, {:+.3}, {:+.3}; lowest joint {:+.3} m in {}, the source's \
          {:+.3}",
         source.slip_at(0.5),
-        laid.slip_at(0.5),
+        retargeted.slip_at(0.5),
         times(0.5),
         source.slip_at(0.95),
-        laid.slip_at(0.95),
+        retargeted.slip_at(0.95),
         times(0.95),
-        at(&laid.height, 0.01),
-        at(&laid.height, 0.5),
-        at(&laid.height, 0.99),
+        at(&retargeted.height, 0.01),
+        at(&retargeted.height, 0.5),
+        at(&retargeted.height, 0.99),
         at(&source.height, 0.01),
         at(&source.height, 0.5),
         at(&source.height, 0.99),
-        laid.lowest[0].0,
-        laid.lowest[0].1,
+        retargeted.lowest[0].0,
+        retargeted.lowest[0].1,
         source.lowest[0].0,
     );
 }
 
 /// Slides no more than 1.2 times as fast, and is no more than 2 cm off where the source's feet are.
 fn check(name: &str, clips: &[ImportedClip]) {
-    let (source, laid) = compare(clips);
-    report(name, &source, &laid);
-    let p95 = [&source, &laid].map(|f| f.slip_at(0.95));
+    let (source, retargeted) = compare(clips);
+    report(name, &source, &retargeted);
+    let p95 = [&source, &retargeted].map(|f| f.slip_at(0.95));
     assert!(p95[1] < 1.2 * p95[0], "{name}: {p95:?} m/s");
     for share in [0.01, 0.5, 0.99] {
-        let off = at(&laid.height, share) - at(&source.height, share);
+        let off = at(&retargeted.height, share) - at(&source.height, share);
         assert!(off.abs() < 0.02, "{name}: feet are {off} m higher than the source's at {share}");
     }
 }
@@ -137,8 +137,8 @@ fn retargeted_feet_slide_no_more_than_the_sources() {
 fn a_crawl_stays_above_the_ground() {
     let Some(clips) = clips("snu/single") else { return };
     let crawls: Vec<ImportedClip> = clips.into_iter().filter(|c| c.clip.name.contains("crawl")).collect();
-    let (_, laid) = compare(&crawls);
-    assert!(laid.lowest[0].0 > -0.02, "{:?}", laid.lowest);
+    let (_, retargeted) = compare(&crawls);
+    assert!(retargeted.lowest[0].0 > -0.02, "{:?}", retargeted.lowest);
 }
 
 #[test]

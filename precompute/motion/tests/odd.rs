@@ -29,10 +29,10 @@ fn told<'a>(i: &'a ImportedClip, what: &str) -> Option<&'a str> {
 fn put_in_place(source: &mut SourceClip, hips: usize, sway_s: Option<f64>) {
     let clip = &mut source.clip;
     let n = clip.joints.len();
-    let way: Vec<Vec3> = (0..clip.num_frames).map(|f| clip.world(f)[hips].0).collect();
+    let path: Vec<Vec3> = (0..clip.num_frames).map(|f| clip.world(f)[hips].0).collect();
     let half = sway_s.map_or(0, |s| (0.5 * s * clip.rate_hz) as usize);
     for f in 0..clip.num_frames {
-        let near = &way[f.saturating_sub(half)..(f + half + 1).min(way.len())];
+        let near = &path[f.saturating_sub(half)..(f + half + 1).min(path.len())];
         let mean = near.iter().sum::<Vec3>() / near.len() as f32;
         for j in (0..n).filter(|&j| clip.joints[j].parent.is_none()) {
             clip.translations[f * n + j] -= mean.with_y(0.0);

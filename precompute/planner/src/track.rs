@@ -86,7 +86,7 @@ impl<T: Copy> MotionTrack<T> {
     fn from_samples(clock: SampleTimes, samples: Vec<T>, speeds: impl Fn(&T, &T) -> [f64; 2]) -> Self {
         let pairs = samples.windows(2).enumerate();
         let each: Vec<[f64; 2]> =
-            pairs.map(|(i, w)| speeds(&w[0], &w[1]).map(|way| way / clock.interval_length(i))).collect();
+            pairs.map(|(i, w)| speeds(&w[0], &w[1]).map(|distance| distance / clock.interval_length(i))).collect();
         let each = if each.is_empty() { vec![[0.0; 2]] } else { each };
         let peaks = |k: usize| Peaks::new(each.iter().map(|s| s[k]).collect());
         Self { clock, speeds: peaks(0), turns: peaks(1), samples }
@@ -271,15 +271,15 @@ mod tests {
             let p = DVec3::new(0.3, 0.4, -0.2);
             let cores: Vec<Segment> = keys.iter().map(|k| Segment::new(k.position, k.transform_point(p))).collect();
             let segments = MotionTrack::segment(clock, cores);
-            let (mut way, mut way_of_end) = (0.0, 0.0f64);
+            let (mut distance, mut end_distance) = (0.0, 0.0f64);
             let n = 400;
             for i in 0..n {
                 let at = |i: i32| from + length * f64::from(i) / f64::from(n);
-                way += (track.sample_at(at(i + 1)).transform_point(p) - track.sample_at(at(i)).transform_point(p)).length();
-                way_of_end += (segments.sample_at(at(i + 1)).b - segments.sample_at(at(i)).b).length();
+                distance += (track.sample_at(at(i + 1)).transform_point(p) - track.sample_at(at(i)).transform_point(p)).length();
+                end_distance += (segments.sample_at(at(i + 1)).b - segments.sample_at(at(i)).b).length();
             }
-            prop_assert!(way <= track.speed(from, from + length, p.length()) * length + 1e-9);
-            prop_assert!(way_of_end <= segments.speed(from, from + length) * length + 1e-9);
+            prop_assert!(distance <= track.speed(from, from + length, p.length()) * length + 1e-9);
+            prop_assert!(end_distance <= segments.speed(from, from + length) * length + 1e-9);
         }
 
         #[test]

@@ -223,8 +223,8 @@ impl<V: Space> CrowdScenery<V> {
             self.owners.resize(range.end, index as u32);
             self.solids.extend(bodies);
             self.ranges.push(range);
-            if let Obstacle::Mover { way, radius } = obstacle {
-                self.movers.push(MovingObstacle { obstacle: index as u32, radius: *radius, path: way.clone() });
+            if let Obstacle::Mover { path, radius } = obstacle {
+                self.movers.push(MovingObstacle { obstacle: index as u32, radius: *radius, path: path.clone() });
             }
         }
         Ok(())

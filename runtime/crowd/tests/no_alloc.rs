@@ -30,7 +30,7 @@ fn crowd() -> (Crowd, Vec<Id>) {
     setup.routes.push(Route { subgoals: vec![place(0), place(59)], arrival_radius: 0.5, at_end: Default::default() });
     let mut crowd = Crowd::on_ground(setup).unwrap();
     let ids: Vec<Id> = (0..NUM).map(|i| crowd.spawn(Agent::standing_at(place(i))).unwrap()).collect();
-    let sense = Sense { tells: 1, hears: 1, once: 1, zones: true, cells: true, arrivals: true };
+    let sense = Sense { sends: 1, receives: 1, once: 1, zones: true, cells: true, arrivals: true };
     ids.iter().for_each(|&id| crowd.set_senses(id, sense).unwrap());
     (crowd, ids)
 }

@@ -113,7 +113,7 @@ impl TriangleMesh {
 
     /// Calls `look` with the squared distances of triangles that may be within a limit; it returns the new limit, or `None` to
     /// stop.
-    fn visit_near_triangles(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32, f64) -> Option<f64>) {
+    fn visit_near_triangles(&self, s: &Segment, limit: f64, mut visit: impl FnMut(u32, f64) -> Option<f64>) {
         if limit.is_nan() || limit <= 0.0 {
             return;
         }
@@ -123,7 +123,7 @@ impl TriangleMesh {
         self.tree.visit_near_triangles(s, limit, |i| {
             let triangle = self.corners[i as usize].map(|c| c.as_dvec3());
             if !is_farther(s, over, &triangle, limit * limit) {
-                limit = look(i, square_distance(s, &triangle))?;
+                limit = visit(i, square_distance(s, &triangle))?;
             }
             Some(limit)
         });

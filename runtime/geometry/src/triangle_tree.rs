@@ -58,7 +58,7 @@ impl BoxTree {
     }
 
     /// Calls `look` with triangles whose boxes may be within a limit; it returns the new limit, or `None` to stop (m).
-    pub fn visit_near_triangles(&self, s: &Segment, limit: f64, mut look: impl FnMut(u32) -> Option<f64>) {
+    pub fn visit_near_triangles(&self, s: &Segment, limit: f64, mut visit: impl FnMut(u32) -> Option<f64>) {
         let core = WideSegment::new(s);
         let mut square = core.square(limit);
         let mut waiting = [0; MAX_WAITING];
@@ -74,7 +74,7 @@ impl BoxTree {
                     waiting[len] = inner;
                     len += 1;
                 } else {
-                    match look(inner & !TRIANGLE) {
+                    match visit(inner & !TRIANGLE) {
                         Some(limit) => square = core.square(limit),
                         None => return,
                     }

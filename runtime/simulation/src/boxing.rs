@@ -185,8 +185,8 @@ impl Practice {
 
     fn hang_target(&mut self, character: usize, home: Vec3) -> Result<()> {
         let id = id_of(&self.practice, character);
-        let told = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.with_target(home)));
-        told.map_err(|e| self.setup.fault(e))
+        let impl_orders = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.with_target(home)));
+        impl_orders.map_err(|e| self.setup.fault(e))
     }
 }
 
@@ -194,8 +194,8 @@ impl Practice {
 ///
 /// # Errors
 /// [`Error::Index`].
-fn id_of(cast: &impl CharacterGroup, character: usize) -> Result<Id> {
-    let ids = cast.bodies().ids;
+fn id_of(character_group: &impl CharacterGroup, character: usize) -> Result<Id> {
+    let ids = character_group.bodies().ids;
     check_index("character", None, character, ids.len())?;
     Ok(ids[character])
 }
@@ -265,8 +265,8 @@ fn resting_states(bundle: &Bundle) -> Vec<u32> {
 }
 
 /// Orders that both kinds of groups take.
-macro_rules! told {
-    ($kind:ident, $cast:ident) => {
+macro_rules! impl_orders {
+    ($kind:ident, $group:ident) => {
         impl $kind {
             /// Sets the weights of the group's behaviours from the next step on; 0 switches a behaviour off.
             ///
@@ -274,9 +274,9 @@ macro_rules! told {
             /// [`Error::Text`] where there are not as many weights as behaviours, or one is not finite or too large;
             /// nothing has changed then.
             pub fn set_weights(&mut self, weights: &[f32]) -> Result<()> {
-                for id in self.$cast.bodies().ids.to_vec() {
-                    let order = self.$cast.order_of(id).and_then(|order| order.with_weights(weights));
-                    order.and_then(|order| self.$cast.order(id, order)).map_err(|e| self.setup.fault(e))?;
+                for id in self.$group.bodies().ids.to_vec() {
+                    let order = self.$group.order_of(id).and_then(|order| order.with_weights(weights));
+                    order.and_then(|order| self.$group.order(id, order)).map_err(|e| self.setup.fault(e))?;
                 }
                 Ok(())
             }
@@ -286,51 +286,51 @@ macro_rules! told {
             /// # Errors
             /// [`Error::Text`] for a character or segment that does not exist.
             pub fn play(&mut self, character: usize, segment: u32) -> Result<()> {
-                let id = id_of(&self.$cast, character);
-                id.and_then(|id| self.$cast.play(id, segment)).map_err(|e| self.setup.fault(e))
+                let id = id_of(&self.$group, character);
+                id.and_then(|id| self.$group.play(id, segment)).map_err(|e| self.setup.fault(e))
             }
         }
     };
 }
 
-told!(Bouts, sparring);
-told!(Practice, practice);
+impl_orders!(Bouts, sparring);
+impl_orders!(Practice, practice);
 
 /// Methods of [`MotionKind`] that are alike for both kinds of groups.
-macro_rules! of_cast {
-    ($cast:ident) => {
+macro_rules! group_motion_methods {
+    ($group:ident) => {
         fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
-            self.$cast.boxers_mut().add_reserved_regions(out);
+            self.$group.boxers_mut().add_reserved_regions(out);
         }
 
         fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
-            self.$cast.boxers_mut().set_external_obstacles(others);
+            self.$group.boxers_mut().set_external_obstacles(others);
         }
 
         fn restart_on_free_ground(&mut self) {
-            self.$cast.boxers_mut().release_entrants();
+            self.$group.boxers_mut().release_entrants();
         }
 
         fn num_characters(&self) -> usize {
-            self.$cast.bodies().ids.len()
+            self.$group.bodies().ids.len()
         }
 
         fn root(&self, number: usize) -> Option<Planar> {
-            Some(self.$cast.bodies().roots[number])
+            Some(self.$group.bodies().roots[number])
         }
 
         fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-            Some(&self.$cast.bodies().model[number])
+            Some(&self.$group.bodies().model[number])
         }
 
         fn contacts(&self, number: usize) -> Contacts {
-            self.$cast.characters().contacts(number)
+            self.$group.characters().contacts(number)
         }
     };
 }
 
 impl MotionKind for Bouts {
-    of_cast!(sparring);
+    group_motion_methods!(sparring);
 
     fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
         self.sparring.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
@@ -355,7 +355,7 @@ impl MotionKind for Bouts {
 const DRAGGED: SnapshotKind = SnapshotKind { what: "practice", tag: *b"DRAG", version: 2, setup: 0 };
 
 impl MotionKind for Practice {
-    of_cast!(practice);
+    group_motion_methods!(practice);
 
     fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
         let by = drag_offset(&self.setup.config().target.drag, tick.until_s);

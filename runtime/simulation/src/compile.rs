@@ -223,9 +223,9 @@ impl CompiledScene {
         for t in 0..group.spaces.len() {
             self.blend_space(g, t)?;
         }
-        for (i, w) in group.wishes.iter().enumerate() {
-            let InhabitantGoalConfig::Perform { tag, with, .. } = &w.wish else { continue };
-            let key = |name: &str| format!("groups[{g}].wishes[{i}].wish.perform.{name}");
+        for (i, w) in group.goals.iter().enumerate() {
+            let InhabitantGoalConfig::Perform { tag, with, .. } = &w.goal else { continue };
+            let key = |name: &str| format!("groups[{g}].goals[{i}].goal.perform.{name}");
             let [alone, together] = self.performable_tags(g)?;
             let (tags, others, hint) = match with {
                 Some(_) => (&together, &alone, "; one person does that alone: leave out `with`"),

@@ -125,7 +125,7 @@ impl InhabitantGroup {
                 |c: &(f64, GoalChoice)| matches!(c.1, GoalChoice::Meet(tag, ..) if !inhabitants.offers_pair(tag));
             if let Some(i) = choices.iter().position(unoffered) {
                 let why = "expected motion of two that the world has room for; lay two panels of ground side by side, with nothing between";
-                return Err(scene.fault(&format!("groups[{g}].wishes[{i}].wish.perform.with"), why));
+                return Err(scene.fault(&format!("groups[{g}].goals[{i}].goal.perform.with"), why));
             }
         }
         let mut life = Self {
@@ -157,10 +157,10 @@ impl InhabitantGroup {
     ///
     /// # Errors
     /// A goal that the character cannot pursue; nothing has changed then.
-    pub fn order_goal(&mut self, character: usize, wish: Option<InhabitantGoal>) -> Result<()> {
-        let told = self.inhabitants.order(self.id(character), wish.unwrap_or_default());
-        told.map_err(|e| self.scene.fault(&self.key, e))?;
-        self.ordered[character] = wish.is_some();
+    pub fn order_goal(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<()> {
+        let result = self.inhabitants.order(self.id(character), goal.unwrap_or_default());
+        result.map_err(|e| self.scene.fault(&self.key, e))?;
+        self.ordered[character] = goal.is_some();
         self.partner_requests[character] = None;
         // Its next own goal is drawn in the next step.
         self.until_s[character] = 0.0;
@@ -193,12 +193,12 @@ impl InhabitantGroup {
                 self.until_s[c] = self.until_s[c].min(now_s + GIVE_UP_S);
             }
             if doing == InhabitantActivity::Arrived || now_s >= self.until_s[c] {
-                let (wish, want, until_s) = self.draw_goal(c, now_s);
+                let (goal, want, until_s) = self.draw_goal(c, now_s);
                 (self.until_s[c], self.partner_requests[c]) = (until_s, want);
-                match self.inhabitants.order(self.id(c), wish) {
+                match self.inhabitants.order(self.id(c), goal) {
                     // The character draws again at the next step.
                     Err(Error::NoPath { .. }) => self.until_s[c] = now_s,
-                    told => told?,
+                    result => result?,
                 }
             }
         }
@@ -291,11 +291,11 @@ fn choices_of(
 ) -> Result<WeightedChoices> {
     let scene = compiled.scene();
     let roaming = [WeightedGoal::roaming()];
-    let wishes: &[WeightedGoal] = match &scene.groups[group].wishes[..] {
+    let goals: &[WeightedGoal] = match &scene.groups[group].goals[..] {
         [] => &roaming,
         own => own,
     };
-    let choice = |(i, w): (usize, &WeightedGoal)| match &w.wish {
+    let choice = |(i, w): (usize, &WeightedGoal)| match &w.goal {
         InhabitantGoalConfig::Roam { seconds } => Ok((w.share, GoalChoice::Roam(*seconds))),
         InhabitantGoalConfig::Perform { tag, seconds, with } => {
             let tags = &compiled.bundle(group)?.meta().link_tags;
@@ -303,7 +303,7 @@ fn choices_of(
             let Some(with) = with else { return Ok((w.share, GoalChoice::Perform(number, *seconds))) };
             let whom = ranges.iter().find(|(g, _)| scene.groups[*g].name == *with).map(|(_, range)| range.clone());
             if whom.is_none() && with != ANY_PARTNER {
-                let key = format!("groups[{group}].wishes[{i}].wish.perform.with");
+                let key = format!("groups[{group}].goals[{i}].goal.perform.with");
                 return Err(scene.fault(&key, format!("expected a group that lives in the same world, found `{with}`")));
             }
             Ok((w.share, GoalChoice::Meet(number, *seconds, whom)))
@@ -320,12 +320,12 @@ fn choices_of(
             if places.is_empty() {
                 let within = within.map_or_else(String::new, |area| format!(" within {area:?}"));
                 let why = format!("expected a place to stay{within}, found none; enlarge it");
-                return Err(scene.fault(&format!("groups[{group}].wishes[{i}].wish.visit.within"), why));
+                return Err(scene.fault(&format!("groups[{group}].goals[{i}].goal.visit.within"), why));
             }
             Ok((w.share, GoalChoice::Visit(places)))
         }
     };
-    wishes.iter().enumerate().map(choice).collect()
+    goals.iter().enumerate().map(choice).collect()
 }
 
 /// Random duration in a range (s).
@@ -365,26 +365,26 @@ impl MotionKind for InhabitantGroup {
     fn save(&self, out: &mut Vec<u8>) {
         let mut inhabitants = Bytes::default();
         self.inhabitants.save(&mut inhabitants.0);
-        let minds = (&self.rngs, &self.until_s, &self.ordered, &self.partner_requests, &self.partners);
-        GOALS.write(&(minds, inhabitants), out);
+        let saved_goals = (&self.rngs, &self.until_s, &self.ordered, &self.partner_requests, &self.partners);
+        GOALS.write(&(saved_goals, inhabitants), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (minds, inhabitants): (_, Bytes) = GOALS.read_all(bytes)?;
-        let (rngs, until_s, told, wants, partners): SavedGoals = minds;
+        let (saved_goals, inhabitants): (_, Bytes) = GOALS.read_all(bytes)?;
+        let (rngs, until_s, ordered, requests, partners): SavedGoals = saved_goals;
         let num = self.until_s.len();
         let is_sound = |w: &PartnerRequest| {
             let in_range = w.with.as_ref().is_none_or(|r| r.start <= r.end && r.end <= num);
             in_range && w.look_s.is_finite() && (0.0..1e9).contains(&w.seconds) && self.inhabitants.offers_pair(w.tag)
         };
-        let are_sound = until_s.iter().all(|t| !t.is_nan()) && wants.iter().flatten().all(is_sound);
-        let lengths = [rngs.len(), until_s.len(), told.len(), wants.len(), partners.len()];
+        let are_sound = until_s.iter().all(|t| !t.is_nan()) && requests.iter().flatten().all(is_sound);
+        let lengths = [rngs.len(), until_s.len(), ordered.len(), requests.len(), partners.len()];
         if lengths != [num; 5] || !are_sound || partners.iter().flatten().any(|&o| o >= num) {
-            return Err(refused_snapshot(GOALS.what, "somebody wishes what nobody can"));
+            return Err(refused_snapshot(GOALS.what, "a goal that no character can have"));
         }
         load_same(&mut self.inhabitants, &inhabitants.0)?;
         (self.rngs, self.until_s, self.ordered, self.partner_requests, self.partners) =
-            (rngs, until_s, told, wants, partners);
+            (rngs, until_s, ordered, requests, partners);
         Ok(())
     }
 

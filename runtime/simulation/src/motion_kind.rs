@@ -78,10 +78,10 @@ pub(crate) fn single_pose(pose: &[Mat3x4]) -> &[Mat3x4; NUM_JOINTS] {
 }
 
 /// Restores a snapshot of a group into which no character has entered, and that none has left, since.
-pub(crate) fn load_same(cast: &mut impl CharacterGroup, bytes: &[u8]) -> Result<()> {
-    let ids = cast.bodies().ids.to_vec();
-    cast.load(bytes)?;
-    if cast.bodies().ids == ids { Ok(()) } else { Err(refused_snapshot("characters", "they are others")) }
+pub(crate) fn load_same(group: &mut impl CharacterGroup, bytes: &[u8]) -> Result<()> {
+    let ids = group.bodies().ids.to_vec();
+    group.load(bytes)?;
+    if group.bodies().ids == ids { Ok(()) } else { Err(refused_snapshot("characters", "they are others")) }
 }
 
 /// Error for bytes that are no snapshot.

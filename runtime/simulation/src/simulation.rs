@@ -177,9 +177,9 @@ impl Simulation {
         sim.events.reserve(EVENTS_EACH * sim.num_characters());
         let mut moves_itself = ReservedRegion::default();
         scene.scene().environment.reserve_movers(0.0, &mut moves_itself);
-        let minds_own =
+        let has_own_clock =
             matches!(sim.character_groups.as_slice(), [AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)]);
-        if sim.character_groups.len() > 1 || !minds_own && !moves_itself.bodies.is_empty() {
+        if sim.character_groups.len() > 1 || !has_own_clock && !moves_itself.bodies.is_empty() {
             sim.reserved = vec![ReservedRegion::default(); sim.character_groups.len() + 1];
         }
         sim.resolve_start_conflicts()?;
@@ -214,15 +214,15 @@ impl Simulation {
         self.events.clear();
         self.collect_reserved();
         self.informed_group = None;
-        for (c, cast) in self.character_groups.iter_mut().enumerate() {
+        for (c, character_group) in self.character_groups.iter_mut().enumerate() {
             let tick = GroupStep { dt_s: dt_s as f32, until_s, first: self.firsts[c], run };
             let begin = self.busy_s.is_some().then(Instant::now);
-            inform_of_obstacles(c, cast, &self.reserved);
-            cast.step(&tick, &mut self.events)?;
+            inform_of_obstacles(c, character_group, &self.reserved);
+            character_group.step(&tick, &mut self.events)?;
             if let Some(held) = self.reserved.get_mut(c) {
                 // The regions from before the step stay, since other casts may still rely on them.
                 held.bodies.clear();
-                cast.add_reserved_regions(held);
+                character_group.add_reserved_regions(held);
             }
             if let (Some(busy), Some(begin)) = (&mut self.busy_s, begin) {
                 busy[c] += begin.elapsed().as_secs_f64();
@@ -238,10 +238,10 @@ impl Simulation {
     /// Collects the current bodies and reserved regions of all casts and moving obstacles.
     fn collect_reserved(&mut self) {
         let Some((itself, held)) = self.reserved.split_last_mut() else { return };
-        for (held, cast) in held.iter_mut().zip(&mut self.character_groups) {
+        for (held, character_group) in held.iter_mut().zip(&mut self.character_groups) {
             held.bodies.clear();
             held.ground.clear();
-            cast.add_reserved_regions(held);
+            character_group.add_reserved_regions(held);
         }
         itself.bodies.clear();
         itself.ground.clear();
@@ -256,15 +256,17 @@ impl Simulation {
         let mut before = Vec::new();
         // Policies can wait for room in any pose, so that they come last.
         for waits in [false, true] {
-            for (c, cast) in self.character_groups.iter_mut().enumerate() {
-                let may_wait = matches!(cast, AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_));
-                if may_wait != waits || matches!(cast, AnyCharacterGroup::Paths(_) | AnyCharacterGroup::Air(_)) {
+            for (c, character_group) in self.character_groups.iter_mut().enumerate() {
+                let may_wait = matches!(character_group, AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_));
+                if may_wait != waits
+                    || matches!(character_group, AnyCharacterGroup::Paths(_) | AnyCharacterGroup::Air(_))
+                {
                     continue;
                 }
-                cast.set_external_obstacles(before.iter());
-                cast.restart_on_free_ground();
+                character_group.set_external_obstacles(before.iter());
+                character_group.restart_on_free_ground();
                 let (mut held, mut others) = (ReservedRegion::default(), ExternalObstacles::default());
-                cast.add_reserved_regions(&mut held);
+                character_group.add_reserved_regions(&mut held);
                 others.replace_all(before.iter());
                 for ground in &held.ground {
                     let mut taken = false;
@@ -291,9 +293,9 @@ impl Simulation {
     /// Snapshot of all that the next steps depend on: all characters with their bodies, happenings and the time, with version,
     /// checksum, and content hash of the scene, its bundles and its worlds.
     pub fn snapshot(&self) -> Vec<u8> {
-        let saved = |cast: &AnyCharacterGroup| {
+        let saved = |character_group: &AnyCharacterGroup| {
             let mut bytes = Bytes::default();
-            cast.save(&mut bytes.0);
+            character_group.save(&mut bytes.0);
             bytes
         };
         let mut out = Vec::new();
@@ -316,7 +318,7 @@ impl Simulation {
         }
         let before = self.character_groups.clone();
         let mut both = self.character_groups.iter_mut().zip(&saved);
-        if let Err(e) = both.try_for_each(|(cast, bytes)| cast.load(&bytes.0, time_s)) {
+        if let Err(e) = both.try_for_each(|(character_group, bytes)| character_group.load(&bytes.0, time_s)) {
             self.character_groups = before;
             return Err(e);
         }
@@ -329,7 +331,7 @@ impl Simulation {
     /// Hash of the state: differs, but for one chance in 2^64, where the motion of any character differs.
     pub fn hash(&self) -> u64 {
         let mut hash = StateHash::new(self.time_s.to_bits());
-        self.character_groups.iter().for_each(|cast| hash.add_word(cast.hash()));
+        self.character_groups.iter().for_each(|character_group| hash.add_word(character_group.hash()));
         hash.get()
     }
 
@@ -380,14 +382,14 @@ impl Simulation {
 
     /// Position and heading of a character; `None` where it has left (who < num_characters).
     pub fn root(&self, who: usize) -> Option<Planar> {
-        let (cast, number) = self.locate(who);
-        cast.root(number)
+        let (character_group, number) = self.locate(who);
+        character_group.root(number)
     }
 
     /// Joints of a character in model space; `None` where it has left or has no body (who < num_characters).
     pub fn pose(&self, who: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let (cast, number) = self.locate(who);
-        cast.pose(number)
+        let (character_group, number) = self.locate(who);
+        character_group.pose(number)
     }
 
     /// World positions of a character's joints; `None` where it has left or has no body (m, who < num_characters).
@@ -399,14 +401,14 @@ impl Simulation {
 
     /// Planted parts of a character's feet (who < num_characters).
     pub fn contacts(&self, who: usize) -> Contacts {
-        let (cast, number) = self.locate(who);
-        cast.contacts(number)
+        let (character_group, number) = self.locate(who);
+        character_group.contacts(number)
     }
 
     /// Bottom of the heel and ball of both feet, where bodies are blended (m, who < num_characters).
     pub fn soles(&self, who: usize) -> Option<[[Vec3; 2]; 2]> {
-        let (cast, number) = self.locate(who);
-        cast.soles(number)
+        let (character_group, number) = self.locate(who);
+        character_group.soles(number)
     }
 
     /// Disc or ball of an agent; `None` for other characters and agents that have left (who < num_characters).
@@ -444,13 +446,13 @@ impl Simulation {
 
     /// Cast of a character, and its number in the cast (who < num_characters).
     pub fn locate(&self, who: usize) -> (&AnyCharacterGroup, usize) {
-        let cast = self.firsts.partition_point(|&f| f <= who) - 1;
-        (&self.character_groups[cast], who - self.firsts[cast])
+        let character_group = self.firsts.partition_point(|&f| f <= who) - 1;
+        (&self.character_groups[character_group], who - self.firsts[character_group])
     }
 
     /// Brains of the scene's agents; `None` in a scene that has only goals.
     pub fn brains(&self) -> Option<&AgentBrains> {
-        self.character_groups.iter().find_map(|cast| match cast {
+        self.character_groups.iter().find_map(|character_group| match character_group {
             AnyCharacterGroup::Ground(agents) => agents.brains(),
             AnyCharacterGroup::Air(agents) => agents.brains(),
             _ => None,
@@ -459,10 +461,11 @@ impl Simulation {
 
     /// Things of the scene, in its order, with their current positions.
     pub fn things(&self) -> impl Iterator<Item = SceneThing<'_>> + '_ {
-        let agents = self.character_groups.iter().zip(&self.firsts).find_map(|(cast, first)| match cast {
-            AnyCharacterGroup::Ground(agents) => Some((agents, *first)),
-            _ => None,
-        });
+        let agents =
+            self.character_groups.iter().zip(&self.firsts).find_map(|(character_group, first)| match character_group {
+                AnyCharacterGroup::Ground(agents) => Some((agents, *first)),
+                _ => None,
+            });
         let now = agents.into_iter().flat_map(|(agents, first)| agents.things().map(move |t| (t, first)));
         now.zip(&self.scene().things).map(|((thing, first), config)| SceneThing {
             name: &config.name,
@@ -475,8 +478,8 @@ impl Simulation {
 
     /// Counts of what hands have done with things so far.
     pub fn handling_counts(&self) -> HandlingCounts {
-        let of = |cast: &AnyCharacterGroup| {
-            if let AnyCharacterGroup::Ground(agents) = cast { Some(agents.handling_counts()) } else { None }
+        let of = |character_group: &AnyCharacterGroup| {
+            if let AnyCharacterGroup::Ground(agents) = character_group { Some(agents.handling_counts()) } else { None }
         };
         self.character_groups.iter().find_map(of).unwrap_or_default()
     }
@@ -486,8 +489,8 @@ impl Simulation {
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the names of all events.
     pub fn raise_event(&mut self, event: &str) -> Result<()> {
-        for cast in &mut self.character_groups {
-            match cast {
+        for character_group in &mut self.character_groups {
+            match character_group {
                 AnyCharacterGroup::Ground(agents) => return agents.raise_event(event),
                 AnyCharacterGroup::Air(agents) => return agents.raise_event(event),
                 _ => {}
@@ -504,8 +507,8 @@ impl Simulation {
     /// Starts to measure the computing times of casts.
     pub fn set_timed(&mut self) {
         self.busy_s = Some(vec![0.0; self.character_groups.len()]);
-        for cast in &mut self.character_groups {
-            match cast {
+        for character_group in &mut self.character_groups {
+            match character_group {
                 AnyCharacterGroup::Ground(agents) => agents.set_timed(),
                 AnyCharacterGroup::Air(agents) => agents.set_timed(),
                 _ => {}
@@ -520,12 +523,13 @@ impl Simulation {
 }
 
 /// Informs a cast of the bodies and reserved regions of all others, where there are any.
-fn inform_of_obstacles(number: usize, cast: &mut AnyCharacterGroup, held: &[ReservedRegion]) {
+fn inform_of_obstacles(number: usize, character_group: &mut AnyCharacterGroup, held: &[ReservedRegion]) {
     // Agents know moving obstacles, the last element, from their crowd.
-    let knows = matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
+    let knows = matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
     let others = &held[..held.len().saturating_sub(usize::from(knows))];
     if !held.is_empty() {
-        cast.set_external_obstacles(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
+        character_group
+            .set_external_obstacles(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
     }
 }
 

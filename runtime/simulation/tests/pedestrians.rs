@@ -142,8 +142,11 @@ fn impossible_orders_and_starts_are_told_with_the_id() {
     let new = people.spawn(Agent::standing_at(ground(-9.0, 0.0))).unwrap();
     assert_eq!((new.index, new.generation), (ids[3].index, 1));
     let hash = people.hash();
-    let no_way = people.order(new, AgentOrder::to_goal(ground(25.0, 25.0))).unwrap_err();
-    assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == new), "into a closed yard: {no_way}");
+    let unreachable = people.order(new, AgentOrder::to_goal(ground(25.0, 25.0))).unwrap_err();
+    assert!(
+        matches!(unreachable, Error::NoPath { who: Some(who), .. } if who == new),
+        "into a closed yard: {unreachable}"
+    );
     let through = people.order(new, AgentOrder::along_subgoals(vec![ground(0.0, 0.0)])).unwrap_err();
     assert!(matches!(through, Error::Occupied { who, .. } if who == new), "{through}");
     let fast = people.order(new, AgentOrder::to_goal(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();

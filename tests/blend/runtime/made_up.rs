@@ -138,8 +138,8 @@ fn example(stride: &Stride) -> ExampleRecord {
 
 /// Share of the cycle that a foot is on the ground: no longer than legs reach.
 fn stance(stride: &Stride) -> f32 {
-    let way = cycle_s(stride) * stride[0].hypot(stride[1]);
-    if is_still(stride) { 1.0 } else { 0.64f32.min(0.72 / way.max(0.1)) }
+    let offset = cycle_s(stride) * stride[0].hypot(stride[1]);
+    if is_still(stride) { 1.0 } else { 0.64f32.min(0.72 / offset.max(0.1)) }
 }
 
 /// What a foot does at a phase of its own cycle, which begins with its strike.
@@ -223,11 +223,11 @@ fn bend_leg(row: &mut ChannelRow, skeleton: &Skeleton, side: usize, hips: Vec3, 
         [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]]
             [side];
     let [l1, l2] = [joints[1], joints[2]].map(|j| skeleton.offsets[j.index()].length());
-    let way = foot.ankle - hips - skeleton.offsets[joints[0].index()];
-    let d = way.length().min(0.999 * (l1 + l2));
+    let offset = foot.ankle - hips - skeleton.offsets[joints[0].index()];
+    let d = offset.length().min(0.999 * (l1 + l2));
     let knee = PI - ((l1 * l1 + l2 * l2 - d * d) / (2.0 * l1 * l2)).clamp(-1.0, 1.0).acos();
     let hip = ((l1 * l1 + d * d - l2 * l2) / (2.0 * l1 * d)).clamp(-1.0, 1.0).acos();
-    let thigh = Quat::from_rotation_arc(Vec3::NEG_Y, way.normalize()) * Quat::from_rotation_x(-hip);
+    let thigh = Quat::from_rotation_arc(Vec3::NEG_Y, offset.normalize()) * Quat::from_rotation_x(-hip);
     let shin = Quat::from_rotation_x(knee);
     put_rotation(row, joints[0], thigh);
     put_rotation(row, joints[1], shin);

@@ -106,8 +106,8 @@ impl Args {
         }
         if let Some(name) = &self.message {
             let message = Some(find_message(model, name)?);
-            let look = SceneViewOptions { message, ..model.selection.scene };
-            model.apply(ctx, ViewerCommand::Scene(SceneCommand::SetOptions(look)));
+            let options = SceneViewOptions { message, ..model.selection.scene };
+            model.apply(ctx, ViewerCommand::Scene(SceneCommand::SetOptions(options)));
         }
         if !self.panel.is_empty() {
             model.settings.side_panel = self.settings(ViewerSettings::default()).side_panel;
@@ -172,11 +172,11 @@ impl Args {
 
 /// Number of the message of this name.
 fn find_message(model: &Model, wanted: &str) -> Result<usize, String> {
-    let minds = model.document.scene().and_then(|s| s.run().simulation().brains());
-    let Some(minds) = minds.filter(|m| m.has_events()) else {
+    let brains = model.document.scene().and_then(|s| s.run().simulation().brains());
+    let Some(brains) = brains.filter(|m| m.has_events()) else {
         return Err(format!("--message {wanted}: nothing happens here that is told; open a scene with `[[events]]`"));
     };
-    let names: Vec<&str> = minds.event_names().iter().map(String::as_str).collect();
+    let names: Vec<&str> = brains.event_names().iter().map(String::as_str).collect();
     let found = names.iter().position(|n| *n == wanted);
     found.ok_or_else(|| format!("--message {wanted}: no event has that name; there are {}", some_of(&names)))
 }

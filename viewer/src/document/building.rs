@@ -78,8 +78,8 @@ impl OngoingBuild {
 
     /// True where something is made; false where files are only read.
     pub fn has_begun(&self) -> bool {
-        let told = self.log();
-        !told.status.stage().is_empty() || !told.news.is_empty()
+        let log = self.log();
+        !log.status.stage().is_empty() || !log.news.is_empty()
     }
 
     /// Runs work with the cache in the current folder, and reports to this build.
@@ -95,15 +95,15 @@ impl OngoingBuild {
         if !self.has_begun() {
             return None;
         }
-        let told = self.log().clone();
+        let log = self.log().clone();
         let end = match fault {
             None => BuildEnd::Done,
             Some(_) if self.is_stopped() => {
-                BuildEnd::Stopped(told.status.interruption_text(Some(Path::new(Cache::FOLDER)), "opening it again"))
+                BuildEnd::Stopped(log.status.interruption_text(Some(Path::new(Cache::FOLDER)), "opening it again"))
             }
             Some(why) => BuildEnd::Failed(why.to_owned()),
         };
-        Some(FinishedBuild { paths: paths.to_vec(), log: told, end })
+        Some(FinishedBuild { paths: paths.to_vec(), log, end })
     }
 }
 
@@ -152,10 +152,10 @@ mod tests {
         building.clone().stop();
         assert!(building.check().is_err());
         let built = building.finished(&paths, Some("torn")).unwrap();
-        let BuildEnd::Stopped(told) = built.end else { panic!("{built:?}") };
+        let BuildEnd::Stopped(log) = built.end else { panic!("{built:?}") };
         assert!(
-            told.contains("in stage graph") && told.contains("(motion)") && told.contains("opening it again"),
-            "{told}"
+            log.contains("in stage graph") && log.contains("(motion)") && log.contains("opening it again"),
+            "{log}"
         );
         assert_eq!((built.log.news.len(), built.paths), (1, paths.to_vec()));
     }

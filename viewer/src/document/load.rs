@@ -96,7 +96,7 @@ impl Loader {
         self.stop();
         let (send, loaded) = channel();
         let building = OngoingBuild::default();
-        let told = building.clone();
+        let log = building.clone();
         self.running = Some(RunningLoad { paths: paths.to_vec(), loaded, building: building.clone() });
         let paths = paths.to_vec();
         std::thread::spawn(move || {
@@ -123,7 +123,7 @@ impl Loader {
                 wake();
             }
         });
-        told
+        log
     }
 
     /// Stops the build of the requested files; [`Loader::poll`] then reports that.
@@ -160,9 +160,9 @@ fn judge(opened: &OpenDocument, building: &OngoingBuild) {
     building.enter_stage("trial");
     let tried = verdict::try_out(bundle.tables(), &[]);
     building.end();
-    let mut told = building.log();
+    let mut log = building.log();
     match tried {
-        Ok(tried) => told.verdict = tried.map(|(_, verdict)| verdict),
-        Err(e) => told.news.push(News::Warning(e.to_string())),
+        Ok(tried) => log.verdict = tried.map(|(_, verdict)| verdict),
+        Err(e) => log.news.push(News::Warning(e.to_string())),
     }
 }

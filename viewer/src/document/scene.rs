@@ -416,8 +416,8 @@ fn build_surroundings(compiled: &CompiledScene, run: &SceneRun) -> Result<SceneS
     let mut out = SceneSurroundings::default();
     let mut hills: [SolidMesh; 2] = Default::default();
     let mut doors = Vec::new();
-    for cast in run.simulation().character_groups() {
-        match cast {
+    for character_group in run.simulation().character_groups() {
+        match character_group {
             AnyCharacterGroup::Ground(agents) => {
                 let (walls, all) = agents.layout().walls_and_doors();
                 out.obstacles = walls.iter().map(obstacle_in_world).collect();

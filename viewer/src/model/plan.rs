@@ -19,14 +19,14 @@ impl Model {
     pub(super) fn apply_to_task(&mut self, command: PlanCommand) {
         let waits = self.is_unhurried;
         let OpenDocument::Task(task) = &mut self.document else { return };
-        let look = &mut self.selection.plan;
+        let options = &mut self.selection.plan;
         match command {
-            PlanCommand::SetOptions(wanted) => *look = wanted,
+            PlanCommand::SetOptions(wanted) => *options = wanted,
             PlanCommand::Plan => self.plan(false),
             PlanCommand::Cancel => task.cancel(),
             PlanCommand::Show(motion) => task.show(motion),
             PlanCommand::Move(handle, by) => task.move_by(handle, by.as_dvec3()),
-            PlanCommand::EndMove if look.replans => self.plan(true),
+            PlanCommand::EndMove if options.replans => self.plan(true),
             PlanCommand::EndMove => {}
             PlanCommand::Save(path) => match task.save(&path) {
                 Ok(files) => {
@@ -53,9 +53,9 @@ impl Model {
     ///
     /// - `goes_on`: from where the last plans ended.
     pub(super) fn plan(&mut self, goes_on: bool) {
-        let look = self.selection.plan;
+        let options = self.selection.plan;
         if let OpenDocument::Task(task) = &mut self.document {
-            task.plan(look.num_motions, look.seed, goes_on);
+            task.plan(options.num_motions, options.seed, goes_on);
         }
     }
 

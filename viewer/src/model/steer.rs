@@ -142,7 +142,8 @@ impl Model {
     /// Sends the steered character in the direction of the keys, or lets it stay if no direction is held down.
     fn send(&mut self, held: SteerInput) {
         let Some((at, _)) = self.steered_place().filter(|_| !self.shows_blend()) else { return };
-        let (way, Some(character)) = (self.steer_direction(held).unwrap_or_default(), self.selection.character) else {
+        let (direction, Some(character)) = (self.steer_direction(held).unwrap_or_default(), self.selection.character)
+        else {
             return;
         };
         if let OpenDocument::World(world) = &mut self.document {
@@ -150,13 +151,13 @@ impl Model {
             s.waited += 1;
             if s.waited >= PATCH_EVERY {
                 s.waited = 0;
-                let place = at + way * distance_ahead(PATCH_AHEAD_M, held);
-                let wish = Some(InhabitantGoal::GoNear { place, within_m: PATCH_WITHIN_M });
+                let place = at + direction * distance_ahead(PATCH_AHEAD_M, held);
+                let goal = Some(InhabitantGoal::GoNear { place, within_m: PATCH_WITHIN_M });
                 // Where no place is near, at an edge of the world, it goes on as it did.
-                _ = world.give_order(character, wish);
+                _ = world.give_order(character, goal);
             }
         } else if let Some((_, run)) = self.document.crowd_mut() {
-            let to = at + way * distance_ahead(AHEAD_M, held);
+            let to = at + direction * distance_ahead(AHEAD_M, held);
             let character = (run.config().targets != TargetMode::Shared).then_some(character);
             if run.targets()[character.unwrap_or(0)].distance(to) > SAME_M {
                 run.input(RunInput::Target { character, to });
@@ -218,7 +219,7 @@ impl Model {
             && let Some(seen) = self.steered_pose()
         {
             let to = |held: SteerInput, at: Vec3| {
-                self.steer_direction(held).map(|way| at + way * distance_ahead(AHEAD_M, held))
+                self.steer_direction(held).map(|direction| at + direction * distance_ahead(AHEAD_M, held))
             };
             if twin.compare(&b.bundle, steps, seen, to, &mut s.lags) {
                 s.twin = Some(twin);

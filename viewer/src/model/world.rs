@@ -16,35 +16,36 @@ impl Model {
     /// Instance inspected by panels: the selected one, that of the selected unit, or that of the selected character.
     pub fn inspected_instance(&self) -> Option<u32> {
         let world = self.document.world()?;
-        let look = &self.selection.world;
-        let of_unit = || look.place.map(|p| world.instances_of(p).first().copied());
+        let options = &self.selection.world;
+        let of_unit = || options.place.map(|p| world.instances_of(p).first().copied());
         let of_character = || {
             let c = self.selection.character?;
             Some(world.run().moment().states.get(c)?.node.instance)
         };
-        let found = look.instance.or_else(|| of_unit().unwrap_or_else(of_character));
+        let found = options.instance.or_else(|| of_unit().unwrap_or_else(of_character));
         found.filter(|&i| (i as usize) < world.graph().num_instances())
     }
 
     pub(super) fn apply_to_world(&mut self, command: WorldCommand) {
         let OpenDocument::World(world) = &mut self.document else { return };
-        let look = &mut self.selection.world;
+        let options = &mut self.selection.world;
         match command {
-            WorldCommand::Tool(tool) => (look.tool, look.draft) = (tool, None),
+            WorldCommand::Tool(tool) => (options.tool, options.draft) = (tool, None),
             WorldCommand::SelectPlace(place) => {
                 world.forget_refused();
-                (look.place, look.instance, look.link) = (place.filter(|&p| p < world.placed().len()), None, None);
+                (options.place, options.instance, options.link) =
+                    (place.filter(|&p| p < world.placed().len()), None, None);
             }
-            WorldCommand::SelectInstance(instance) => (look.instance, look.link) = (instance, None),
-            WorldCommand::SelectLink(link) => look.link = link,
-            WorldCommand::ShowLinks(on) => look.hides_links = !on,
-            WorldCommand::Draft(draft) => look.draft = draft,
+            WorldCommand::SelectInstance(instance) => (options.instance, options.link) = (instance, None),
+            WorldCommand::SelectLink(link) => options.link = link,
+            WorldCommand::ShowLinks(on) => options.hides_links = !on,
+            WorldCommand::Draft(draft) => options.draft = draft,
             WorldCommand::Edit(change) => self.edit(EditorOrder::Change(change)),
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
             WorldCommand::ForgetRefused => world.forget_refused(),
-            WorldCommand::Order { character, goal: wish } => {
-                if let Err(why) = world.give_order(character, wish) {
+            WorldCommand::Order { character, goal } => {
+                if let Err(why) = world.give_order(character, goal) {
                     self.complain(format!("Character {character}: {why}"));
                 }
             }
@@ -71,8 +72,8 @@ impl Model {
         let OpenDocument::World(world) = &mut self.document else { return };
         let taken = world.adopt_edit(waits);
         if let Some(EditStatus::Changed(place)) = taken {
-            let look = &mut self.selection.world;
-            (look.place, look.instance, look.link) = (place, None, None);
+            let options = &mut self.selection.world;
+            (options.place, options.instance, options.link) = (place, None, None);
         }
         if taken.is_some() {
             let n = world.run().num_characters();

@@ -63,8 +63,8 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
         ui.set_width(ui.available_width());
         match build {
             ShownBuild::UnderWay { paths, building } => {
-                let told = building.log().clone();
-                running(ui, &name_of(paths), &told, commands);
+                let log = building.log().clone();
+                running(ui, &name_of(paths), &log, commands);
             }
             ShownBuild::Ended(built) => ended(ui, built, commands),
         }
@@ -81,14 +81,14 @@ pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Viewer
     });
 }
 
-fn running(ui: &mut Ui, name: &str, told: &BuildLog, commands: &mut Vec<ViewerCommand>) {
+fn running(ui: &mut Ui, name: &str, log: &BuildLog, commands: &mut Vec<ViewerCommand>) {
     heading(ui, &format!("Building {name}"), |ui| {
         let tip = "Stop it; what is finished is kept, and opening it again goes on there";
         if ui.add(Button::new("Cancel")).on_hover_text(tip).clicked() {
             commands.push(ViewerCommand::Stop);
         }
     });
-    let (status, stage) = (&told.status, told.status.stage());
+    let (status, stage) = (&log.status, log.status.stage());
     let what = STAGES.iter().find(|s| s.0 == stage).map_or(stage, |s| s.1);
     ui.horizontal_wrapped(|ui| {
         ui.label(what);
@@ -100,7 +100,7 @@ fn running(ui: &mut Ui, name: &str, told: &BuildLog, commands: &mut Vec<ViewerCo
         let kept = format!("done and kept: {}", status.stages_kept().join(", "));
         ui.add(Label::new(RichText::new(kept).weak().size(SMALL)).wrap());
     }
-    lines(ui, &told.news);
+    lines(ui, &log.news);
 }
 
 fn ended(ui: &mut Ui, built: &FinishedBuild, commands: &mut Vec<ViewerCommand>) {

@@ -258,8 +258,8 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
-        let board = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
-        return commands.push(board.unwrap_or(ViewerCommand::SelectCharacter(hit)));
+        let blackboard = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
+        return commands.push(blackboard.unwrap_or(ViewerCommand::SelectCharacter(hit)));
     }
     if model.shown_crowd().is_some() && !is_order {
         let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);

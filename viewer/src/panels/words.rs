@@ -103,12 +103,12 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
     if simulation.root(who).is_none() {
         return Some(format!("{who} · {name} · has left"));
     }
-    let (cast, member) = simulation.locate(who);
+    let (character_group, member) = simulation.locate(who);
     let away = |target: Vec3| {
         let root = simulation.root(who)?.translation();
         Some(format!("{:.1}\u{a0}m\u{a0}away", (root - target).with_y(0.0).length()))
     };
-    let what = match cast {
+    let what = match character_group {
         AnyCharacterGroup::Policy(_) => format!("target {}", simulation.target(who).and_then(away)?),
         AnyCharacterGroup::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
         AnyCharacterGroup::Patches(inhabited) => inhabitant_activity(&inhabited.state(member)),
@@ -123,8 +123,8 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
 /// Goal of an inhabitant, as text.
 ///
 /// - `tags`: names of the link tags of the bundle.
-pub fn goal(wish: InhabitantGoal, tags: &[String]) -> String {
-    match wish {
+pub fn goal(goal: InhabitantGoal, tags: &[String]) -> String {
+    match goal {
         InhabitantGoal::Roam => "roam".to_owned(),
         InhabitantGoal::GoTo { instance } => format!("go to patch {instance}"),
         InhabitantGoal::GoToPlace { place } => {

@@ -278,8 +278,8 @@ mod tests {
         walk(&mut run, &bundle, 1.0);
         let before = run.moment().roots[0];
         walk(&mut run, &bundle, 1.0);
-        let way = (run.moment().roots[0].z - before.z) / run.blending().point[0];
-        assert!((way - 0.7f32.sqrt()).abs() < 0.02, "{way}");
+        let distance = (run.moment().roots[0].z - before.z) / run.blending().point[0];
+        assert!((distance - 0.7f32.sqrt()).abs() < 0.02, "{distance}");
         let hips = run.moment().poses[0].translation().y;
         assert!((hips / bundle.tables().skeleton().offsets[0].y - 0.7).abs() < 0.05, "hips at {hips} m");
     }

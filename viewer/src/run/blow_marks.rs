@@ -37,22 +37,22 @@ pub struct BlowMark {
 /// Blows of the last step of all groups that strike.
 pub(super) fn record_blows(simulation: &Simulation, step: u32, marks: &mut impl Extend<BlowMark>) {
     for group in simulation.groups() {
-        let (first, cast) = (group.characters.start, &simulation.character_groups()[group.character_group]);
-        let blows = match cast {
+        let (first, character_group) = (group.characters.start, &simulation.character_groups()[group.character_group]);
+        let blows = match character_group {
             AnyCharacterGroup::Sparring(s) => s.sparring().characters().blows(),
             AnyCharacterGroup::Policy(p) => p.practice().characters().blows(),
             _ => continue,
         };
         marks.extend(blows.iter().map(|b| {
-            let (character, met) = (first + b.character as usize, blow_result(cast, b));
+            let (character, met) = (first + b.character as usize, blow_result(character_group, b));
             BlowMark { step, character, point: b.point, direction: b.direction, force: b.force, result: met }
         }));
     }
 }
 
-fn blow_result(cast: &AnyCharacterGroup, blow: &Blow) -> BlowResult {
+fn blow_result(character_group: &AnyCharacterGroup, blow: &Blow) -> BlowResult {
     let is_it = |b: &Blow| (b.character, b.hit) == (blow.character, blow.hit);
-    match cast {
+    match character_group {
         AnyCharacterGroup::Sparring(s) => {
             let landed = s.sparring().events().iter().find(|(_, l)| is_it(&l.blow));
             landed.map_or(BlowResult::Nothing, |(_, l)| BlowResult::Body(l.part))

@@ -47,8 +47,8 @@ impl BoutFigures {
     /// Figures of all groups that strike; none in a scene without any.
     pub fn collect_from(simulation: &Simulation) -> Option<Self> {
         let mut all: Option<Self> = None;
-        for cast in simulation.character_groups() {
-            let own = match cast {
+        for group in simulation.character_groups() {
+            let own = match group {
                 AnyCharacterGroup::Sparring(s) => {
                     let f = s.sparring().figures();
                     let penetration_m = Some(f.penetration_m);

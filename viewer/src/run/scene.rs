@@ -80,7 +80,7 @@ impl fmt::Debug for SceneRun {
 /// Approximate size of a state of a simulation (bytes).
 fn state_bytes(simulation: &Simulation) -> usize {
     let bodies = simulation.poses().flatten().count();
-    let worlds = simulation.character_groups().iter().map(|cast| match cast {
+    let worlds = simulation.character_groups().iter().map(|group| match group {
         AnyCharacterGroup::Patches(people) => people.graph().num_nodes() * NODE_BYTES,
         _ => 0,
     });
@@ -99,8 +99,8 @@ impl SceneRun {
         if let Some(bytes) = kept {
             simulation.restore(bytes)?;
         }
-        for cast in 0..simulation.character_groups().len() {
-            match simulation.character_group_mut(cast) {
+        for group in 0..simulation.character_groups().len() {
+            match simulation.character_group_mut(group) {
                 AnyCharacterGroup::Ground(agents) => agents.record_events(),
                 AnyCharacterGroup::Air(agents) => agents.record_events(),
                 _ => {}
@@ -331,8 +331,8 @@ impl SceneRun {
 
     /// Writes the events of agents into the log, with where they happened.
     fn log_events(&mut self) {
-        for cast in self.state.simulation.character_groups() {
-            match cast {
+        for group in self.state.simulation.character_groups() {
+            match group {
                 AnyCharacterGroup::Ground(agents) => {
                     log_engine_events(&mut self.log, self.first_agent, agents, &self.trails)
                 }

@@ -77,9 +77,9 @@ impl WorldRun {
     ///
     /// # Errors
     /// [`throng_runtime::Error`] for a place or a tag that is not there (character < num_characters).
-    pub fn give_order(&mut self, character: usize, wish: Option<InhabitantGoal>) -> Result<()> {
-        self.inhabitants.order(self.id(character), wish.unwrap_or_default())?;
-        self.orders[character] = wish;
+    pub fn give_order(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<()> {
+        self.inhabitants.order(self.id(character), goal.unwrap_or_default())?;
+        self.orders[character] = goal;
         self.reel.head.seek(u32::MAX);
         let mut last = self.reel.moment().clone();
         last.states[character] = self.inhabitants.state(self.id(character))?;

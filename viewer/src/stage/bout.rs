@@ -102,8 +102,8 @@ fn draw_blow_mark(shapes: &mut ShapeList, m: &BlowMark, age: f32, palette: &Stag
     for i in 0..RAYS {
         let (s, c) = (std::f32::consts::TAU * i as f32 / RAYS as f32).sin_cos();
         // Away from where the blow came from, like a splash.
-        let way = (aside * c + other * s - m.direction * 0.35).normalize();
-        shapes.line(m.point + way * near, m.point + way * far, 2.5, colour.alpha(fade));
+        let direction = (aside * c + other * s - m.direction * 0.35).normalize();
+        shapes.line(m.point + direction * near, m.point + direction * far, 2.5, colour.alpha(fade));
     }
     shapes.on_top(false);
 }

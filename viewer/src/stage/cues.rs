@@ -70,11 +70,11 @@ pub(super) fn hits(shapes: &mut ShapeList, model: &Model, bundle: &OpenBundle, r
     for h in all[from..].iter().take_while(|h| h.frame <= last) {
         let root = bundle.planar(h.frame);
         let place = root.translation() + root.rotation() * h.position();
-        let way = root.rotation() * h.direction() * (HIT_ARROW_M * h.force);
+        let offset = root.rotation() * h.direction() * (HIT_ARROW_M * h.force);
         let strength = 1.0 - (h.frame.abs_diff(row) as f32 / (near + 1.0));
         shapes.on_top(true);
         shapes.sphere(place, 0.035, palette.target.alpha(strength));
-        shapes.arrow(place, place + way, 0.008, palette.target.alpha(strength));
+        shapes.arrow(place, place + offset, 0.008, palette.target.alpha(strength));
         shapes.on_top(false);
     }
 }

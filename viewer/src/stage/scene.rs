@@ -36,7 +36,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     doors(out, scene.surroundings(), simulation, &brush);
     things(out, scene.surroundings(), simulation, &brush);
     obstacles::lay_out(&mut out.shapes, scene.surroundings(), simulation.time_s(), &brush);
-    agents::boards(&mut out.shapes, simulation, &model.selection.scene, &brush);
+    agents::lay_out_blackboards(&mut out.shapes, simulation, &model.selection.scene, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {
@@ -76,9 +76,9 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
 /// message.
 fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a AgentBrains, usize, usize)> {
     let event = model.selection.scene.message?;
-    let minds = simulation.brains().filter(|m| event < m.event_names().len())?;
-    let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < minds.len())?;
-    Some((minds, agent, event))
+    let brains = simulation.brains().filter(|m| event < m.event_names().len())?;
+    let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < brains.len())?;
+    Some((brains, agent, event))
 }
 
 /// A body, a disc on the ground, or a ball in the air.

@@ -67,8 +67,8 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocumen
 }
 
 fn units(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
-    let look = &model.selection.world;
-    let dragged = look.place.filter(|_| look.draft.is_some() && look.tool == Tool::Move);
+    let options = &model.selection.world;
+    let dragged = options.place.filter(|_| options.draft.is_some() && options.tool == Tool::Move);
     let moved = dragged.or(world.working().and_then(|w| w.place()));
     let placed = world.placed().iter().enumerate();
     out.solids.instances.extend(placed.map(|(i, p)| {
@@ -77,10 +77,10 @@ fn units(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &
         let colour = if moved == Some(i) { colour.alpha(0.25) } else { colour };
         SolidInstance::upright(p.unit as u32, p.placement, colour)
     }));
-    if let Some(p) = look.place.and_then(|p| world.placed().get(p)) {
+    if let Some(p) = options.place.and_then(|p| world.placed().get(p)) {
         outline(out, world.kit().geometries[p.unit].bounds, p.placement, palette.selected);
     }
-    let draft = look.draft.map(|d| PlacedUnit { unit: d.unit, placement: d.at });
+    let draft = options.draft.map(|d| PlacedUnit { unit: d.unit, placement: d.at });
     if let Some(draft) = draft.as_ref().or(world.working().and_then(|w| w.at.as_ref())) {
         ghost(out, world, draft, palette.selected);
     } else if let Some(refused) = world.refused().and_then(|r| r.at.as_ref()) {
@@ -197,8 +197,8 @@ fn draw_path(out: &mut StageLayout, world: &WorldDocument, steps: &[WorldStep], 
 
 /// The selected patch: links, entries and exits.
 fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: u32, palette: &StagePalette) {
-    let (graph, look) = (world.graph(), &model.selection.world);
-    if !look.hides_links {
+    let (graph, options) = (world.graph(), &model.selection.world);
+    if !options.hides_links {
         let links = graph.links(instance);
         for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
             let is_left = graph.is_link_enabled(instance, l as u32);
@@ -226,7 +226,7 @@ fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: 
             out.shapes.disc(ground, 0.04, ENABLED);
         }
     }
-    if let Some(link) = look.link.and_then(|l| graph.links(instance).get(l as usize)) {
+    if let Some(link) = options.link.and_then(|l| graph.links(instance).get(l as usize)) {
         let roots = world.link_path(instance, link, 0..=link.num_frames);
         let points: Vec<Vec3> = roots.iter().map(|r| r.translation() + Vec3::Y * 2.0 * ABOVE).collect();
         out.shapes.on_top(true).polyline(&points, 4.0, palette.selected);

@@ -26,7 +26,7 @@ pub fn text(count: usize) -> String {
     format!(
         r#"seed = 3
 [agents]
-telling_m = 1.6
+meeting_m = 1.6
 cell_m = 2.0
 
 [[groups]]
@@ -59,7 +59,7 @@ who = "me.number == 1"
 name = "sale"
 at_s = 1.0
 who = "me.number < 2"
-told_on = true
+passed_on = true
 
 [[places]]
 name = "stall"

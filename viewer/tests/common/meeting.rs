@@ -51,7 +51,7 @@ disc = {{ centre = [0.0, 1.0], radius_m = 0.5 }}
 polygon = {{ corners = [[-0.6, -2.6], [0.6, -2.6], [0.0, -1.8]] }}
 
 [[environment.obstacles]]
-mover = {{ radius_m = 0.4, way = [{{ time_s = 0.0, at = [0.0, 9.0] }}, {{ time_s = 9.0, at = [9.0, 6.0] }}] }}
+mover = {{ radius_m = 0.4, path = [{{ time_s = 0.0, at = [0.0, 9.0] }}, {{ time_s = 9.0, at = [9.0, 6.0] }}] }}
 "#
         );
         self.write("meeting.toml", &text)

@@ -31,8 +31,8 @@ const SCENES: [(&str, &str); 6] = [
     (
         "patches",
         "[[groups]]\nmotion = \"patches\"\nbundle = \"FLOOR.throng\"\nworld = \"FLOOR.world\"\ncount = 4\nwishes = [\n\
-         { share = 1.0, wish = { perform = { tag = \"sit\", seconds = [0.5, 1.5] } } },\n\
-         { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } },\n{ share = 1.0, wish = { visit = {} } },\n]\n",
+         { share = 1.0, goal = { perform = { tag = \"sit\", seconds = [0.5, 1.5] } } },\n\
+         { share = 1.0, goal = { roam = { seconds = [0.5, 2.0] } } },\n{ share = 1.0, goal = { visit = {} } },\n]\n",
     ),
     (
         "paths",

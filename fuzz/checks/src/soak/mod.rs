@@ -21,7 +21,7 @@ const WARM_UP_ROUNDS: u64 = 3;
 /// Memory that may come on top of what there was then: share, and bytes.
 const GROWTH: (f64, u64) = (0.1, 16 << 20);
 /// Faults that are told; all are counted.
-const TOLD: usize = 20;
+const MAX_REPORTED: usize = 20;
 
 /// How long, and how.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl SoakReport {
         self.checks += 1;
         if !is_right {
             self.failed += 1;
-            if self.faults.len() < TOLD {
+            if self.faults.len() < MAX_REPORTED {
                 self.faults.push(what());
             }
         }
@@ -181,7 +181,7 @@ mod tests {
         let mut report = SoakReport::default();
         report.check(true, || unreachable!("nothing to tell"));
         (0..30).for_each(|k| report.check(false, || format!("fault {k}")));
-        assert_eq!((report.checks, report.failed, report.faults.len()), (31, 30, TOLD));
+        assert_eq!((report.checks, report.failed, report.faults.len()), (31, 30, MAX_REPORTED));
         let scene = built_in_scene("circle").unwrap().unwrap().resized(10);
         for config in [
             SoakConfig { run_s: 0.0, ..SoakConfig::default() },

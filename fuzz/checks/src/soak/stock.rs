@@ -83,7 +83,7 @@ environment = { world = "floor.world", world_config = "floor.toml" }
 [[groups]]
 motion = "patches"
 count = 12
-wishes = [{ share = 1.0, wish = { roam = { seconds = [4.0, 9.0] } } }, { share = 1.0, wish = { visit = {} } }]
+goals = [{ share = 1.0, goal = { roam = { seconds = [4.0, 9.0] } } }, { share = 1.0, goal = { visit = {} } }]
 "#,
     ),
 ];

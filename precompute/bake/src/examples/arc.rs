@@ -236,8 +236,8 @@ mod tests {
             let mut least = f64::INFINITY;
             for k in 0..180 {
                 for r in 1..400 {
-                    let way = DVec2::from_angle(f64::from(k) * std::f64::consts::TAU / 180.0);
-                    least = least.min(best(mean + way * (1.03f64.powi(r) * 0.02)));
+                    let direction = DVec2::from_angle(f64::from(k) * std::f64::consts::TAU / 180.0);
+                    least = least.min(best(mean + direction * (1.03f64.powi(r) * 0.02)));
                 }
             }
             prop_assert!(fit.rms * fit.rms * 12.0 <= least + 1e-9, "{:?}, {}", fit, least);

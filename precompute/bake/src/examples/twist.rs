@@ -117,14 +117,14 @@ impl SteadyCourse {
     /// side as far as it then would to the other.
     pub fn from_step(track: &ClipTrack<'_>, start: f64, end: f64) -> Self {
         let heading = 0.5 * (track.facing_at(start) + track.facing_at(end));
-        let way = track.position_at(end) - track.position_at(start);
-        let ahead = rotate_ground(way, -heading).y * track.rate() / (end - start);
+        let offset = track.position_at(end) - track.position_at(start);
+        let ahead = rotate_ground(offset, -heading).y * track.rate() / (end - start);
         let twist = FacingTwist { velocity: DVec2::new(0.0, ahead), gyration: 0.0 };
         let course = Self { twist, origin: track.position_at(start), heading, start, rate: track.rate() };
         let seen =
             track.mean_over(start, end, |t| rotate_ground(track.position_at(t) - course.frame_at(t).0, -heading)).y;
         // This half of the sideways displacement leads from one side to the middle.
-        let aside = 0.5 * rotate_ground(way, -heading).x;
+        let aside = 0.5 * rotate_ground(offset, -heading).x;
         Self { origin: course.origin + rotate_ground(DVec2::new(aside, seen), heading), ..course }
     }
 

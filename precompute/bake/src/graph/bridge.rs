@@ -70,20 +70,20 @@ impl IncomingLinks {
     /// # Errors
     /// [`throng_base::Error::Rank`].
     pub fn new(matches: &[Vec<TransitionLink>], comm: &dyn Comm) -> Result<Self, BuildError> {
-        let mut ways = Vec::new();
+        let mut paths = Vec::new();
         for first in (0..matches.len()).step_by(AT_ONCE * comm.num_ranks()) {
             let mut to = vec![Vec::new(); comm.num_ranks()];
             for (from, links) in matches.iter().enumerate().skip(first).take(AT_ONCE * comm.num_ranks()) {
                 let from = from as u32;
                 links.iter().for_each(|&link| to[link.event() % comm.num_ranks()].push(EventEdge { from, link }));
             }
-            ways.append(&mut exchange_values(comm, to)?);
+            paths.append(&mut exchange_values(comm, to)?);
         }
-        ways.sort_unstable_by_key(|way| (way.link.event(), way.rank()));
+        paths.sort_unstable_by_key(|way| (way.link.event(), way.rank()));
         let mut starts = vec![0u32; matches.len() + 1];
-        ways.iter().for_each(|way| starts[way.link.event() + 1] += 1);
+        paths.iter().for_each(|way| starts[way.link.event() + 1] += 1);
         (0..matches.len()).for_each(|e| starts[e + 1] += starts[e]);
-        Ok(Self { starts, edges: ways })
+        Ok(Self { starts, edges: paths })
     }
 
     fn links_to(&self, event: usize) -> &[EventEdge] {
@@ -106,7 +106,7 @@ struct GraphComponents<'a> {
     /// Events of each part.
     events: Vec<Vec<u32>>,
     /// Edges between parts, each once, ascending.
-    ways: Vec<[u32; 2]>,
+    paths: Vec<[u32; 2]>,
     /// For each event, number of its best links that are useless: they lead into its own part, or to none.
     passed_out: Vec<u32>,
     /// For each event, number of its best incoming links that are useless: they come from its own part, from none, or
@@ -127,10 +127,10 @@ impl<'a> GraphComponents<'a> {
         let mut before = vec![None; num_events];
         (0..num_events).for_each(|i| graph.next[i].into_iter().for_each(|n| before[n] = Some(i as u32)));
         let part_of = component_of_events(&events, num_events);
-        let ways = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.component_edges(i, &part_of));
-        let ways = sort_edges(ways.collect());
+        let paths = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.component_edges(i, &part_of));
+        let paths = sort_edges(paths.collect());
         let (passed_out, passed_in) = (vec![0; num_events], vec![0; num_events]);
-        Self { graph, matches, arrivals, alive, most, before, part_of, events, ways, passed_out, passed_in }
+        Self { graph, matches, arrivals, alive, most, before, part_of, events, paths, passed_out, passed_in }
     }
 
     /// Adds the best missing links, until there is one part or no further link.
@@ -143,7 +143,7 @@ impl<'a> GraphComponents<'a> {
             for EventEdge { from, link } in more {
                 self.graph.links[from as usize].push(link);
                 let to = self.graph.next[link.event()].map_or(NO_PART, |n| self.part_of[n]);
-                self.ways.push([self.part_of[from as usize], to]);
+                self.paths.push([self.part_of[from as usize], to]);
             }
             self.merge();
         }
@@ -152,8 +152,8 @@ impl<'a> GraphComponents<'a> {
 
     /// Merges parts that now reach each other.
     fn merge(&mut self) {
-        self.ways.sort_unstable();
-        let joined = join_components(self.events.len(), &self.ways);
+        self.paths.sort_unstable();
+        let joined = join_components(self.events.len(), &self.paths);
         let mut new = vec![0; self.events.len()];
         for (number, parts) in (0..).zip(&joined) {
             parts.iter().for_each(|&part| new[part as usize] = number);
@@ -167,8 +167,8 @@ impl<'a> GraphComponents<'a> {
             all
         };
         self.events = joined.into_iter().map(together).collect();
-        self.ways.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
-        self.ways = sort_edges(std::mem::take(&mut self.ways));
+        self.paths.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
+        self.paths = sort_edges(std::mem::take(&mut self.paths));
         self.part_of = component_of_events(&self.events, self.alive.len());
     }
 
@@ -176,7 +176,7 @@ impl<'a> GraphComponents<'a> {
     /// once.
     fn missing_links(&mut self, comm: &dyn Comm) -> Result<Vec<EventEdge>, BuildError> {
         let (mut has_out, mut has_in) = (vec![false; self.events.len()], vec![false; self.events.len()]);
-        for [from, to] in &self.ways {
+        for [from, to] in &self.paths {
             (has_out[*from as usize], has_in[*to as usize]) = (true, true);
         }
         let mut found = Vec::new();
@@ -190,8 +190,8 @@ impl<'a> GraphComponents<'a> {
                 find(0, own.filter_map(|&i| self.way_out(i as usize)).min_by_key(EventEdge::rank));
             }
             if !has_in[part] {
-                let ways = events.iter().filter_map(|&i| self.way_in(i as usize, comm));
-                find(1, ways.min_by_key(EventEdge::rank));
+                let paths = events.iter().filter_map(|&i| self.way_in(i as usize, comm));
+                find(1, paths.min_by_key(EventEdge::rank));
             }
             self.events[part] = events;
         }

@@ -14,8 +14,8 @@ fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<TransitionLink>
 
 /// Mean number of actions of the states that [`collapse`] would return.
 pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
-    let ways = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
-    let (states, actions) = ways.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
+    let paths = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
+    let (states, actions) = paths.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
     actions as f64 / f64::from(states.max(1))
 }
 
@@ -27,11 +27,11 @@ pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
 /// # Panics
 /// If `alive` is no such component.
 pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame], clips: &ClipSet) -> RawMotionGraph {
-    let ways: Vec<Vec<TransitionLink>> =
+    let paths: Vec<Vec<TransitionLink>> =
         (0..alive.len()).map(|i| if alive[i] { ways_out(graph, alive, i) } else { Vec::new() }).collect();
-    let is_state = |i: usize| ways[i].len() > 1;
+    let is_state = |i: usize| paths[i].len() > 1;
     let state_events: Vec<usize> = (0..alive.len()).filter(|&i| is_state(i)).collect();
-    let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| ways[i].iter().map(|l| l.event())).collect();
+    let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| paths[i].iter().map(|l| l.event())).collect();
     starts.sort_unstable();
     starts.dedup();
 
@@ -53,7 +53,7 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame]
     let mut actions = Vec::new();
     let mut action_offsets = vec![0];
     for &i in &state_events {
-        let mut of_state: Vec<GraphAction> = ways[i]
+        let mut of_state: Vec<GraphAction> = paths[i]
             .iter()
             .map(|l| GraphAction { segment: SegmentId(index_of(&starts, l.event())), error: l.error })
             .collect();

@@ -33,8 +33,8 @@ impl EventGraph {
 
     /// Edges from the part of event `i` to other parts.
     pub fn component_edges<'a>(&'a self, i: usize, part_of: &'a [u32]) -> impl Iterator<Item = [u32; 2]> + 'a {
-        let ways = self.targets(i).map(move |n| [part_of[i], part_of[n]]);
-        ways.filter(|[from, to]| from != to && *to != NO_PART)
+        let paths = self.targets(i).map(move |n| [part_of[i], part_of[n]]);
+        paths.filter(|[from, to]| from != to && *to != NO_PART)
     }
 
     /// Removes every edge from or to events outside the component.
@@ -99,13 +99,13 @@ pub(super) fn largest_component(
 ///
 /// - `jumps`: number of links of each event, up to two.
 fn too_far_ahead(graph: &EventGraph, alive: &[bool], jumps: &[u8], most_frames: u32) -> Vec<usize> {
-    let ways = |i: usize| u8::from(graph.has_live_successor(i, alive)) + jumps[i];
+    let paths = |i: usize| u8::from(graph.has_live_successor(i, alive)) + jumps[i];
     // Clips go forward: the successor of an event has a greater number.
     let mut frames_left = vec![0u32; alive.len()];
     let mut out = Vec::new();
     for i in (0..alive.len()).rev() {
         let Some(n) = graph.next[i].filter(|&n| alive[n]) else { continue };
-        let rest = if ways(n) > 1 { 0 } else { frames_left[n] };
+        let rest = if paths(n) > 1 { 0 } else { frames_left[n] };
         frames_left[i] = graph.frames[n].saturating_add(rest);
         if frames_left[i] > most_frames {
             out.push(n);
@@ -143,12 +143,12 @@ fn merge_components(
     comm: &dyn Comm,
 ) -> Result<Vec<Vec<u32>>, BuildError> {
     let part_of = component_of_events(&parts, alive.len());
-    let ways = own_numbers(comm, alive.len())
+    let paths = own_numbers(comm, alive.len())
         .into_iter()
         .filter(|&i| alive[i])
         .flat_map(|i| graph.component_edges(i, &part_of));
-    let ways = gather_all(comm, sort_edges(ways.collect()))?;
-    let joined = join_components(parts.len(), &sort_edges(ways));
+    let paths = gather_all(comm, sort_edges(paths.collect()))?;
+    let joined = join_components(parts.len(), &sort_edges(paths));
     let together = |of: Vec<u32>| {
         let mut all: Vec<u32> = of.iter().flat_map(|&part| parts[part as usize].iter().copied()).collect();
         all.sort_unstable();
@@ -170,20 +170,20 @@ pub(super) fn component_of_events(parts: &[Vec<u32>], num_events: usize) -> Vec<
 }
 
 /// Edges between parts, each once, ascending.
-pub(super) fn sort_edges(mut ways: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
-    ways.retain(|[from, to]| from != to);
-    ways.sort_unstable();
-    ways.dedup();
-    ways
+pub(super) fn sort_edges(mut paths: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
+    paths.retain(|[from, to]| from != to);
+    paths.sort_unstable();
+    paths.dedup();
+    paths
 }
 
 /// Groups of parts that reach each other.
 ///
 /// - `ways`: edges between parts, ascending.
-pub(super) fn join_components(num_parts: usize, ways: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let first = |part: usize| ways.partition_point(|w| (w[0] as usize) < part);
+pub(super) fn join_components(num_parts: usize, paths: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let first = |part: usize| paths.partition_point(|w| (w[0] as usize) < part);
     let starts: Vec<usize> = (0..=num_parts).map(first).collect();
-    let target = |part: usize, way: usize| Some(ways[starts[part] + way][1] as usize);
+    let target = |part: usize, way: usize| Some(paths[starts[part] + way][1] as usize);
     strongly_connected(num_parts, |_| true, |part| starts[part + 1] - starts[part], target)
 }
 

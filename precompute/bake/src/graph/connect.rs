@@ -189,8 +189,8 @@ impl<'a> GraphSearch<'a> {
             let Some(n) = *n else { continue };
             let (from, to) = (events[i].frame, events[n].frame);
             frames[n] = to.0 - from.0;
-            let way = matches::displacement(clips, &starts, events[i].clip, from, to);
-            worth[n] = frames[n] + (f64::from(way.x.hypot(way.z)) * rate_hz).round() as u32;
+            let offset = matches::displacement(clips, &starts, events[i].clip, from, to);
+            worth[n] = frames[n] + (f64::from(offset.x.hypot(offset.z)) * rate_hz).round() as u32;
         }
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;

@@ -172,14 +172,14 @@ fn ends_of(graph: &RawMotionGraph, state: usize) -> Vec<usize> {
 fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<EventFrame>, Vec<MotionOutcome>) {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut vector = |size: f32| Vec3::from_array([0; 3].map(|_| rng.random_range(-size..size)));
-    let ways: Vec<Vec<Vec3>> = (0..3).map(|_| (0..NUM_JOINTS).map(|_| vector(0.5)).collect()).collect();
+    let paths: Vec<Vec<Vec3>> = (0..3).map(|_| (0..NUM_JOINTS).map(|_| vector(0.5)).collect()).collect();
     let mut rotations = Vec::new();
     for frame in 0..3 * num_events {
         // Some poses are there twice.
         let pose = if frame % 11 == 10 { rotations[rotations.len() - NUM_JOINTS..].to_vec() } else { Vec::new() };
         let by = vector(variety).to_array();
         let joint = |j: usize, noise: Vec3| {
-            Quat::from_scaled_axis(ways.iter().zip(by).map(|(way, by)| way[j] * by).sum::<Vec3>() + noise)
+            Quat::from_scaled_axis(paths.iter().zip(by).map(|(way, by)| way[j] * by).sum::<Vec3>() + noise)
         };
         rotations.extend(if pose.is_empty() {
             (0..NUM_JOINTS).map(|j| joint(j, vector(0.02))).collect()
@@ -405,9 +405,9 @@ proptest! {
         let event_of: Vec<usize> = collapsed.states.iter().map(|f| f.0 as usize / 3).collect();
         prop_assert_eq!(event_of.is_empty(), !alive.contains(&true));
         for (s, &i) in event_of.iter().enumerate() {
-            let ways = targets(&graph, &alive, i);
-            prop_assert!(ways.len() > 1);
-            let mut expected: Vec<usize> = ways.iter().map(|&n| {
+            let paths = targets(&graph, &alive, i);
+            prop_assert!(paths.len() > 1);
+            let mut expected: Vec<usize> = paths.iter().map(|&n| {
                 let mut at = n;
                 while !event_of.contains(&at) {
                     let on = targets(&graph, &alive, at);

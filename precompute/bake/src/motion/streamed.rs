@@ -69,10 +69,10 @@ impl<'a> StreamedMotion<'a> {
         &self,
         clips: &[ImportedClip],
         places: &[usize],
-        look: &mut dyn FnMut(&[RetargetSource]),
+        measure: &mut dyn FnMut(&[RetargetSource]),
     ) -> Result<(), BuildError> {
         let whole = places.iter().map(|&i| self.load_clip(&clips[i])).collect::<Result<Vec<_>, _>>()?;
-        look(&whole.iter().map(RetargetSource::from).collect::<Vec<_>>());
+        measure(&whole.iter().map(RetargetSource::from).collect::<Vec<_>>());
         Ok(())
     }
 

@@ -96,9 +96,9 @@ proptest! {
         }
         // By brute force: costs settle after as many rounds as there are states.
         let lean = |a: SegmentId| f64::from(found.sweeps[a.0 as usize].radius - BODY_RADIUS_M);
-        let way = |a: SegmentId| f64::from(segment(a).displacement.x.hypot(segment(a).displacement.z));
+        let path = |a: SegmentId| f64::from(segment(a).displacement.x.hypot(segment(a).displacement.z));
         let seconds = |a: SegmentId| f64::from(segment(a).num_frames) / 30.0;
-        let cost = |a: SegmentId| seconds(a) + METRE_S * way(a) + LEAN_S * lean(a);
+        let cost = |a: SegmentId| seconds(a) + METRE_S * path(a) + LEAN_S * lean(a);
         let both = on_both(&clips, &[0], &graph);
         let slow = |a: &GraphAction| {
             cost(a.segment) + seconds(a.segment) + if both[segment(a.segment).end.0 as usize] { SLOWING_S } else { LIFTED_S }

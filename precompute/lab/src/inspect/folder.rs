@@ -217,7 +217,7 @@ mod tests {
             (report.contact.left_share, report.contact.right_share) = (0.6, 0.6);
             assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.");
         }
-        let told = import::skeleton_warnings(&set.clips);
-        assert!(told.len() == 1 && told[0].ends_with("a.bvh and 1 more: its neck is odd."), "{told:?}");
+        let warnings = import::skeleton_warnings(&set.clips);
+        assert!(warnings.len() == 1 && warnings[0].ends_with("a.bvh and 1 more: its neck is odd."), "{warnings:?}");
     }
 }

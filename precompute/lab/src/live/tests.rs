@@ -132,10 +132,10 @@ fn it_ends_when_told_and_is_for_this_machine_alone() {
     let server = SceneServer::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");
     let report = server.serve(&scene(1, 1.0), &LiveConfig::default(), &AtomicBool::new(true));
     assert_eq!(report.expect("it ends"), LiveReport::default());
-    let told = SceneServer::bind(([0, 0, 0, 0], 0).into(), false).map(|_| ()).expect_err("anybody could connect");
-    assert!(told.to_string().contains("--serve-anyone"), "{told}");
+    let error = SceneServer::bind(([0, 0, 0, 0], 0).into(), false).map(|_| ()).expect_err("anybody could connect");
+    assert!(error.to_string().contains("--serve-anyone"), "{error}");
     assert!(SceneServer::bind(([0, 0, 0, 0], 0).into(), true).is_ok());
     let config = LiveConfig { speed: -1.0, ..LiveConfig::default() };
-    let told = server.serve(&scene(1, 1.0), &config, &AtomicBool::new(false)).expect_err("time goes forwards");
-    assert!(told.to_string().contains("speed is -1, expected 0 to 1000"), "{told}");
+    let error = server.serve(&scene(1, 1.0), &config, &AtomicBool::new(false)).expect_err("time goes forwards");
+    assert!(error.to_string().contains("speed is -1, expected 0 to 1000"), "{error}");
 }

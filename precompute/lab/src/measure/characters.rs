@@ -202,18 +202,18 @@ impl CharacterBench<'_> {
         let wrong = |e: Error| fail(e.to_string());
         let motion = CharactersConfig { avoid, ..CharactersConfig::default() };
         let config = TrialConfig { characters: self.characters, motion, ..TrialConfig::default() };
-        let (mut cast, targets) = trial::scatter_characters(self.tables, &config).map_err(wrong)?;
+        let (mut group, targets) = trial::scatter_characters(self.tables, &config).map_err(wrong)?;
         let mut rng = Pcg64Mcg::seed_from_u64(5);
         let mut failed = None;
         let run: &dyn Executor = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
-        let ids = cast.ids().to_vec();
+        let ids = group.ids().to_vec();
         let ns = median_ns(self.seconds.max(0.5), || {
             for (&id, home) in ids.iter().zip(&targets) {
                 let by = Vec3::new(rng.random_range(-6.0..6.0), 0.0, rng.random_range(-6.0..6.0));
-                failed = failed.take().or(cast.order(id, PolicyOrder::towards(0, *home + by)).err());
+                failed = failed.take().or(group.order(id, PolicyOrder::towards(0, *home + by)).err());
             }
             for _ in 0..STEPS {
-                failed = failed.take().or(cast.step(1.0 / STEPS as f32, run).err());
+                failed = failed.take().or(group.step(1.0 / STEPS as f32, run).err());
             }
         });
         failed.map_or(Ok(ns / STEPS as f64), |e| Err(wrong(e)))

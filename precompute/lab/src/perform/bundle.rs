@@ -22,9 +22,9 @@ pub fn perform_trial(
     let (hz, who) = (f64::from(trial.step_hz), selected_numbers(config, trial.characters, "character")?);
     let actors = who.into_iter().map(|c| (c, format!("character {c}"), bundle.skeleton().clone())).collect();
     let mut camera = TakeRecorder::new(actors, span, config, folder, progress)?;
-    let (mut cast, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
-    trial::play(&mut cast, &trial, |cast, step| {
-        let bodies = cast.bodies();
+    let (mut group, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
+    trial::play(&mut group, &trial, |group, step| {
+        let bodies = group.bodies();
         camera.observe(step as f64 / hz, 1.0 / hz, |c| Some(ActorPose::from_model(bodies.roots[c], &bodies.model[c])))
     })?;
     camera.into_take(f64::from(trial.seconds))
@@ -69,14 +69,14 @@ pub fn record_instances(
     let mut out = InstanceRecording::new(folder, clips, who.clone(), rate_hz).map_err(io)?;
     let (mut next, frames) = (0, span.num_frames(rate_hz));
     progress.begin("record", frames as u64, "frames");
-    let (mut cast, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
-    trial::play(&mut cast, &trial, |cast, step| {
+    let (mut group, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
+    trial::play(&mut group, &trial, |group, step| {
         let until_s = (step + 1) as f64 / step_hz - TIME_TOLERANCE_S;
         while next < frames && span.from_s + next as f64 / rate_hz < until_s {
             progress.check()?;
             for (i, &c) in who.iter().enumerate() {
-                let (segment, frames) = cast.characters().segment(c);
-                out.push(i, playing_instance(bundle, segment, frames, cast.characters().root(c))).map_err(io)?;
+                let (segment, frames) = group.characters().segment(c);
+                out.push(i, playing_instance(bundle, segment, frames, group.characters().root(c))).map_err(io)?;
             }
             next += 1;
             progress.advance(1);

@@ -84,11 +84,11 @@ fn obstacle_solid(obstacle: &Obstacle, height: f32) -> Option<UnitSolid> {
     let up = 0.5 * height * Vec3::Y;
     Some(match obstacle {
         Obstacle::Wall { from, to, radius } => {
-            let way = *to - *from;
-            let half = Vec3::new(*radius, 0.5 * height, 0.5 * way.length() + radius);
+            let offset = *to - *from;
+            let half = Vec3::new(*radius, 0.5 * height, 0.5 * offset.length() + radius);
             UnitSolid::Box {
                 centre: 0.5 * (*from + *to) + up,
-                rotation: Quat::from_rotation_y(way.x.atan2(way.z)),
+                rotation: Quat::from_rotation_y(offset.x.atan2(offset.z)),
                 half,
             }
         }

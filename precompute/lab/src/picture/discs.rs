@@ -181,8 +181,8 @@ fn draw_trails(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecor
 /// Draws paths that lead around obstacles.
 fn draw_paths(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord) {
     let bent: Vec<&Vec<Vec3>> = record.paths.iter().filter(|w| w.len() > 2).collect();
-    for way in bent.iter().step_by(bent.len().div_ceil(MAX_PATHS).max(1)) {
-        let points: Vec<Vec2> = way.iter().map(|p| camera.project(*p)).collect();
+    for path in bent.iter().step_by(bent.len().div_ceil(MAX_PATHS).max(1)) {
+        let points: Vec<Vec2> = path.iter().map(|p| camera.project(*p)).collect();
         panel.stroke_line(&points, 1.0, colour::REACHED.alpha(0.35));
     }
 }
@@ -236,9 +236,9 @@ fn draw_obstacle(panel: &mut Picture, camera: &PictureCamera, obstacle: &Obstacl
                 panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, OBSTACLE_COLOUR);
             }
         }
-        Obstacle::Mover { way, radius } => {
+        Obstacle::Mover { path, radius } => {
             panel.fill_disc(
-                camera.project(position_on_timed_path(way, time_s)),
+                camera.project(position_on_timed_path(path, time_s)),
                 radius * scale,
                 OBSTACLE_COLOUR.mix(colour::INK, 0.4),
             );
@@ -276,7 +276,7 @@ mod tests {
                 Obstacle::Wall { from: Vec3::ZERO, to: Vec3::Y, radius: 0.2 },
                 Obstacle::Polygon { corners: vec![Vec3::ZERO, Vec3::X, Vec3::Z] },
                 Obstacle::Box { min: Vec3::ZERO, max: Vec3::ONE },
-                Obstacle::Mover { way: vec![(0.0, Vec3::ZERO), (2.0, Vec3::X)], radius: 0.4 },
+                Obstacle::Mover { path: vec![(0.0, Vec3::ZERO), (2.0, Vec3::X)], radius: 0.4 },
             ],
         }
     }
@@ -299,7 +299,7 @@ mod tests {
         crowd_sheet("square", &SceneFigures::default(), &AgentsRecord::default());
         let mut broken = record(false);
         broken.moments[0].agents[0] = Some(RecordedAgent { at: Vec3::NAN, velocity: Vec3::NAN, is_informed: true });
-        broken.obstacles.push(Obstacle::Mover { way: Vec::new(), radius: 1.0 });
+        broken.obstacles.push(Obstacle::Mover { path: Vec::new(), radius: 1.0 });
         crowd_sheet("square", &SceneFigures::default(), &broken);
     }
 }

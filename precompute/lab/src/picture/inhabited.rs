@@ -48,7 +48,7 @@ pub(super) fn inhabited_sheet(
     let bodies: Vec<WorldFigure> = groups.iter().enumerate().flat_map(of_group).collect();
     let f = figures.world.clone().unwrap_or_default();
     let subtitle = format!(
-        "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} wishes fulfilled and {:.0} m travelled a \
+        "{:.0} s: {} overlap(s) of people, {} penetration(s), {} stuck; {:.1} goals fulfilled and {:.0} m travelled a \
          minute and character; planted feet slip {:.0} mm/s (95th percentile)",
         figures.simulated_s,
         figures.character_overlaps.unwrap_or(0),
@@ -59,7 +59,7 @@ pub(super) fn inhabited_sheet(
         1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
     );
     let middle = Vec3::from_array(picture.focus.unwrap_or_default());
-    let look = WorldCamera {
+    let sample = WorldCamera {
         heading: VIEW_ANGLES.0,
         elevation: VIEW_ANGLES.1,
         focus: picture.width_m.map(|width| (middle, width)),
@@ -73,7 +73,7 @@ pub(super) fn inhabited_sheet(
         solids: &[],
         trails: &[],
         names: &[],
-        camera: look,
+        camera: sample,
     };
     let mut overview = world_sheet(&overview);
     if groups.len() > 1 {
@@ -90,12 +90,13 @@ pub(super) fn inhabited_sheet(
 
 /// Draws moments of one character.
 fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUnit<'_>]) -> Picture {
-    let looks = record.samples[from..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS * ROWS);
-    let one = |look: &PeopleSample| WorldMoment::of_one(look.time_s, BodyFigure::from_positions(&look.poses[who]));
+    let samples = record.samples[from..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS * ROWS);
+    let one =
+        |sample: &PeopleSample| WorldMoment::of_one(sample.time_s, BodyFigure::from_positions(&sample.poses[who]));
     world_strip(&WorldStrip {
         title: &format!("Character {}", record.followed[who]),
         subtitle: "one moment every half a second; what stands before the person is left out",
-        moments: &looks.map(one).collect::<Vec<_>>(),
+        moments: &samples.map(one).collect::<Vec<_>>(),
         units,
         columns: COLUMNS,
         width_m: WIDTH_M,
@@ -117,8 +118,8 @@ struct PartnerPair {
 /// All pairs that acted together, in order of time, each once.
 fn partner_pairs(record: &WorldRecord) -> Vec<PartnerPair> {
     let mut out: Vec<PartnerPair> = Vec::new();
-    for (from, look) in record.samples.iter().enumerate() {
-        for (who, with) in look.partners.iter().enumerate().filter_map(|(who, p)| Some((who, p.as_ref()?.0))) {
+    for (from, sample) in record.samples.iter().enumerate() {
+        for (who, with) in sample.partners.iter().enumerate().filter_map(|(who, p)| Some((who, p.as_ref()?.0))) {
             let numbers = [record.followed[who], with];
             let is_known = out.iter().any(|p| [record.followed[p.who], p.with].iter().all(|n| numbers.contains(n)));
             if !is_known {
@@ -132,31 +133,32 @@ fn partner_pairs(record: &WorldRecord) -> Vec<PartnerPair> {
 
 /// Draws moments of two characters, from a little before they act together, seen from beside both.
 fn pair_strip(record: &WorldRecord, pair: &PartnerPair, units: &[WorldUnit<'_>]) -> Picture {
-    let other = |look: &PeopleSample| {
-        let of_pair = look.partners[pair.who].as_ref().filter(|p| p.0 == pair.with).map(|p| p.1);
-        of_pair.or_else(|| look.poses.get(record.followed.iter().position(|n| *n == pair.with)?).copied())
+    let other = |sample: &PeopleSample| {
+        let of_pair = sample.partners[pair.who].as_ref().filter(|p| p.0 == pair.with).map(|p| p.1);
+        of_pair.or_else(|| sample.poses.get(record.followed.iter().position(|n| *n == pair.with)?).copied())
     };
-    let moment = |look: &PeopleSample| {
-        let one = BodyFigure::from_positions(&look.poses[pair.who]);
-        match other(look) {
-            Some(pose) => WorldMoment::of_two(look.time_s, one, BodyFigure::from_positions(&pose)),
-            None => WorldMoment::of_one(look.time_s, one),
+    let moment = |sample: &PeopleSample| {
+        let one = BodyFigure::from_positions(&sample.poses[pair.who]);
+        match other(sample) {
+            Some(pose) => WorldMoment::of_two(sample.time_s, one, BodyFigure::from_positions(&pose)),
+            None => WorldMoment::of_one(sample.time_s, one),
         }
     };
     let began = &record.samples[pair.from];
-    let way = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);
-    let looks = record.samples[pair.from.saturating_sub(SAMPLES_BEFORE)..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS);
+    let offset = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);
+    let samples =
+        record.samples[pair.from.saturating_sub(SAMPLES_BEFORE)..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS);
     world_strip(&WorldStrip {
         title: &format!("Characters {} and {}", record.followed[pair.who], pair.with),
         subtitle: &format!(
             "from {:.1} s on they act together; one moment every half a second; what stands before them is left out",
             began.time_s
         ),
-        moments: &looks.map(moment).collect::<Vec<_>>(),
+        moments: &samples.map(moment).collect::<Vec<_>>(),
         units,
         columns: COLUMNS,
         width_m: WIDTH_M,
-        view_angles: (way.x.atan2(way.z) + FRAC_PI_2, 0.15),
+        view_angles: (offset.x.atan2(offset.z) + FRAC_PI_2, 0.15),
     })
 }
 
@@ -165,8 +167,8 @@ fn liveliest_character(record: &WorldRecord) -> Option<(usize, usize)> {
     let span = SAMPLE_STRIDE * COLUMNS * ROWS;
     let starts: Vec<usize> = (0..record.samples.len().saturating_sub(span).max(1)).step_by(SAMPLE_STRIDE).collect();
     let range = |who: usize, from: usize| {
-        let looks = record.samples[from..].iter().take(span);
-        let heights = looks.map(|look| look.poses[who][Joint::Hips.index()].y);
+        let samples = record.samples[from..].iter().take(span);
+        let heights = samples.map(|sample| sample.poses[who][Joint::Hips.index()].y);
         let (low, high) = heights.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
         high - low
     };
@@ -183,7 +185,7 @@ mod tests {
     /// Two characters 1 m apart act together from the third sample on; a third is not followed and joins the second later.
     fn record() -> WorldRecord {
         let at = |x: f32| Skeleton::default().rest_positions().map(|p| p + Vec3::X * x);
-        let look = |i: usize| PeopleSample {
+        let sample = |i: usize| PeopleSample {
             time_s: 0.1 * i as f32,
             poses: vec![at(0.0), at(1.0)],
             partners: match i {
@@ -192,7 +194,7 @@ mod tests {
                 _ => vec![None, Some((9, at(2.0)))],
             },
         };
-        WorldRecord { character_group: 0, group: 0, followed: vec![7, 8], samples: (0..40).map(look).collect() }
+        WorldRecord { character_group: 0, group: 0, followed: vec![7, 8], samples: (0..40).map(sample).collect() }
     }
 
     #[test]

@@ -128,7 +128,7 @@ fn draw_moments(record: &PathsRecord) -> Option<Picture> {
     let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
     let (first, last) =
         (record.samples[from].2[who], record.samples[(from + span).min(record.samples.len()) - 1].2[who]);
-    let way = last[Joint::Hips.index()] - first[Joint::Hips.index()];
+    let offset = last[Joint::Hips.index()] - first[Joint::Hips.index()];
     let strip = WorldStrip {
         title: &format!("Character {who}"),
         subtitle: &format!(
@@ -142,7 +142,7 @@ fn draw_moments(record: &PathsRecord) -> Option<Picture> {
         columns: COLUMNS,
         width_m: WIDTH_M,
         // Seen from beside its direction of travel.
-        view_angles: (way.x.atan2(way.z) + 0.5 * PI, 0.15),
+        view_angles: (offset.x.atan2(offset.z) + 0.5 * PI, 0.15),
     };
     Some(world_strip(&strip))
 }

@@ -185,8 +185,8 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
         let num = moment.hips().count();
         let focus = (num > 0).then(|| (moment.hips().sum::<Vec3>() / num as f32, strip.width_m));
-        let look = WorldCamera { heading: strip.view_angles.0, elevation: strip.view_angles.1, focus };
-        let around = world_camera(&look, area.size, &[]);
+        let camera = WorldCamera { heading: strip.view_angles.0, elevation: strip.view_angles.1, focus };
+        let around = world_camera(&camera, area.size, &[]);
         let hides = |p: &&PicturePiece| {
             let bounds = p.bounds();
             let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
@@ -197,7 +197,7 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let mut pieces: Vec<PicturePiece> = units.iter().filter(|p| !hides(p)).copied().collect();
         pieces.extend(super::world::world_pieces(&[], &moment.figures));
         moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
-        let camera = world_camera(&look, area.size, &pieces);
+        let camera = world_camera(&camera, area.size, &pieces);
         grid(&mut panel, &camera, 1.0, 0.7);
         draw_pieces(&mut panel, &camera, &pieces);
         page.draw_picture(&panel, (at.x as i32, at.y as i32));

@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn joints_beyond_their_limits_are_not_said_to_be_within() {
         let of = |limit_margin_rad| PlanReport { limit_margin_rad, ..PlanReport::default() }.limits();
-        let told = [Some(0.12), Some(-0.001), None].map(of);
-        assert_eq!(told, ["0.120 rad within limits", "0.001 rad beyond limits", "- within limits"]);
+        let texts = [Some(0.12), Some(-0.001), None].map(of);
+        assert_eq!(texts, ["0.120 rad within limits", "0.001 rad beyond limits", "- within limits"]);
     }
 }

@@ -256,8 +256,8 @@ impl SceneRecorder {
             }
         }
         if let Some(agents) = &mut record.agents {
-            for cast in sim.character_groups() {
-                match cast {
+            for character_group in sim.character_groups() {
+                match character_group {
                     AnyCharacterGroup::Ground(a) => agents.observe(a, time_s, self.seconds),
                     AnyCharacterGroup::Air(a) => agents.observe(a, time_s, self.seconds),
                     _ => {}
@@ -279,8 +279,8 @@ impl SceneRecorder {
                 .map_or(Vec::new(), |r| r.walls().copied().collect());
         }
         if let Some(agents) = &mut self.record.agents {
-            for cast in sim.character_groups() {
-                match cast {
+            for character_group in sim.character_groups() {
+                match character_group {
                     AnyCharacterGroup::Ground(a) => agents.keep_paths(a),
                     AnyCharacterGroup::Air(a) => agents.keep_paths(a),
                     _ => {}
@@ -370,8 +370,8 @@ impl AgentsRecord {
 
     /// Records the paths of the trailed agents at the end.
     fn keep_paths<V: Space>(&mut self, agents: &SceneAgents<V>) {
-        let way = |(m, _): &(usize, Vec<Vec3>)| agents.layout().paths[*m].iter().map(|&p| world_vector(p)).collect();
-        self.paths = self.trails.iter().map(way).collect();
+        let path = |(m, _): &(usize, Vec<Vec3>)| agents.layout().paths[*m].iter().map(|&p| world_vector(p)).collect();
+        self.paths = self.trails.iter().map(path).collect();
     }
 }
 
@@ -406,9 +406,9 @@ pub fn obstacle_in_world<V: Space>(obstacle: &Obstacle<V>) -> Obstacle {
 }
 
 /// Position at a time on a path of timed points, in order of time (s, m).
-pub fn position_on_timed_path(way: &[(f64, Vec3)], time_s: f64) -> Vec3 {
-    let next = way.partition_point(|w| w.0 <= time_s);
-    match (next.checked_sub(1).map(|i| way[i]), way.get(next)) {
+pub fn position_on_timed_path(path: &[(f64, Vec3)], time_s: f64) -> Vec3 {
+    let next = path.partition_point(|w| w.0 <= time_s);
+    match (next.checked_sub(1).map(|i| path[i]), path.get(next)) {
         (Some(a), Some(b)) => a.1.lerp(b.1, ((time_s - a.0) / (b.0 - a.0)) as f32),
         (Some(end), None) => end.1,
         (None, Some(end)) => end.1,
@@ -422,10 +422,10 @@ mod tests {
 
     #[test]
     fn movers_are_where_their_time_says_and_wait_at_both_ends() {
-        let way = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
+        let path = [(1.0, Vec3::ZERO), (3.0, Vec3::X), (4.0, Vec3::Z)];
         for (time_s, at) in [(0.0, Vec3::ZERO), (2.0, Vec3::X * 0.5), (3.5, (Vec3::X + Vec3::Z) * 0.5), (9.0, Vec3::Z)]
         {
-            assert!(position_on_timed_path(&way, time_s).distance(at) < 1e-6, "{time_s}");
+            assert!(position_on_timed_path(&path, time_s).distance(at) < 1e-6, "{time_s}");
         }
     }
     use throng_runtime::simulation::Scene;

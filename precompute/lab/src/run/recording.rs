@@ -109,7 +109,7 @@ impl RunRecording {
         &self,
         compiled: &CompiledScene,
         until_s: Option<f64>,
-        mut look: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
+        mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
     ) -> Result<Simulation, BuildError> {
         let differs = |what: &str| {
             let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
@@ -129,7 +129,7 @@ impl RunRecording {
                 }
                 seen += 1;
             }
-            look(sim, moment)
+            observe(sim, moment)
         })?;
         Ok(sim)
     }

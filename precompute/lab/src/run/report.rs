@@ -157,7 +157,7 @@ pub(crate) fn play_scene(
     seconds: f64,
     hz: f64,
     until_s: f64,
-    mut look: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
+    mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
 ) -> Result<f64, BuildError> {
     let steps = (seconds * hz).round().max(1.0) as usize;
     let mut busy_s = 0.0;
@@ -174,7 +174,7 @@ pub(crate) fn play_scene(
         }
         busy_s += begin.elapsed().as_secs_f64();
         let is_last = step == steps || sim.has_ended();
-        look(sim, ObservedStep { step, dt_s, is_last })?;
+        observe(sim, ObservedStep { step, dt_s, is_last })?;
         if is_last {
             break;
         }

@@ -47,7 +47,7 @@ pub struct ScenarioFigures {
     /// Time at which the last of them learnt of it (s).
     pub informed_last_s: Option<f64>,
     /// Pairs of agents of which one informed the other.
-    pub told_pairs: usize,
+    pub informed_pairs: usize,
     /// Agents found holding two slots, at ten samples a simulated second; always 0.
     pub queued_twice: usize,
     /// Deepest overlap of two agents, at ten samples a simulated second (m).
@@ -111,20 +111,20 @@ fn measure_in_pool(
             break;
         }
     }
-    let spent = sim.character_groups().iter().find_map(|cast| match cast {
+    let spent = sim.character_groups().iter().find_map(|group| match group {
         AnyCharacterGroup::Ground(agents) => agents.timings(),
         AnyCharacterGroup::Air(agents) => agents.timings(),
         _ => None,
     });
-    let counts = sim.character_groups().iter().find_map(|cast| match cast {
+    let counts = sim.character_groups().iter().find_map(|group| match group {
         AnyCharacterGroup::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
         AnyCharacterGroup::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
         _ => None,
     });
     let share = |s: f64| s / busy_s.max(1e-12);
     let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
-    let minds = sim.brains();
-    let spread = minds.map_or_else(Vec::new, |m| m.event_spreads());
+    let brains = sim.brains();
+    let spread = brains.map_or_else(Vec::new, |m| m.event_spreads());
     let frames_per_second = last as f64 / busy_s.max(1e-12);
     let name = scene.scene().name.clone();
     let paper = PAPER_RATES.iter().find(|p| p.0 == name).map(|p| p.1);
@@ -137,13 +137,13 @@ fn measure_in_pool(
         rules_share: share(spent.brains_s),
         crowd_share: share(spent.all_s - spent.brains_s),
         motion_share: share(spent.bodies_s),
-        evaluations_per_second: minds.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
+        evaluations_per_second: brains.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
         ns_per_evaluation: ns_per_evaluation(),
-        bytes_per_agent: minds.map_or(0, |m| m.bytes_per_agent()) + counts.map_or(0, |c| c.1),
+        bytes_per_agent: brains.map_or(0, |m| m.bytes_per_agent()) + counts.map_or(0, |c| c.1),
         compile_s,
-        informed: minds.map_or(0, |m| m.num_informed()),
+        informed: brains.map_or(0, |m| m.num_informed()),
         informed_last_s: spread.iter().filter_map(|s| s.last_s).reduce(f64::max),
-        told_pairs: spread.iter().map(|s| s.told).sum(),
+        informed_pairs: spread.iter().map(|s| s.passed_on).sum(),
         queued_twice: twice,
         max_overlap_m: overlap_m.max(0.0),
         stuck: counts.map_or(0, |c| c.0.stuck),

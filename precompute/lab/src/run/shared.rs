@@ -78,9 +78,9 @@ pub fn run_shared(
     let moved = before.bytes_moved;
     let looks = (seconds * OVERLAP_HZ).ceil() as u64;
     progress.begin("crowd", looks, "tenths of a second");
-    for look in 1..=looks {
+    for observe in 1..=looks {
         let (begin, running) = (Instant::now(), thread_cpu_s());
-        part.advance((look as f64 / OVERLAP_HZ).min(seconds), comm).map_err(|e| config_error(e.into()))?;
+        part.advance((observe as f64 / OVERLAP_HZ).min(seconds), comm).map_err(|e| config_error(e.into()))?;
         let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
         advance_s += wall_s;
         busy_s += wall_s - (traffic.waited_s - before.waited_s);

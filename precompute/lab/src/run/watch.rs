@@ -72,8 +72,8 @@ impl SceneWatch {
         for c in (0..sim.character_groups().len())
             .filter(|&c| matches!(sim.character_groups()[c], AnyCharacterGroup::Patches(_)))
         {
-            let of_cast = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.character_group == c);
-            let characters: Vec<usize> = of_cast.flat_map(|g| g.characters.clone()).collect();
+            let of_character_group = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.character_group == c);
+            let characters: Vec<usize> = of_character_group.flat_map(|g| g.characters.clone()).collect();
             if !characters.is_empty() {
                 watch.worlds.push(WorldWatch::new(sim, c, characters)?);
             }
@@ -127,8 +127,9 @@ impl SceneWatch {
     /// Measures overlaps of characters; scenes of agents only have a meter of their own.
     fn measure_overlaps(&mut self, sim: &Simulation) {
         let groups = || self.groups.iter().map(|&g| &sim.groups()[g]);
-        let is_agents =
-            |cast: &AnyCharacterGroup| matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
+        let is_agents = |character_group: &AnyCharacterGroup| {
+            matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+        };
         self.present.clear();
         if groups().all(|g| is_agents(&sim.character_groups()[g.character_group])) {
             return;
@@ -136,9 +137,9 @@ impl SceneWatch {
         for g in groups() {
             for who in g.characters.clone() {
                 let Some(root) = sim.root(who) else { continue };
-                let (cast, member) = sim.locate(who);
+                let (character_group, member) = sim.locate(who);
                 let mut one = match (sim.pose(who), &self.skeletons[g.number]) {
-                    (Some(pose), Some(skeleton)) if !is_agents(cast) => {
+                    (Some(pose), Some(skeleton)) if !is_agents(character_group) => {
                         PresentCharacter::with_body(who, &PosedBody { root, model: pose }, skeleton)
                     }
                     _ => PresentCharacter {
@@ -148,7 +149,7 @@ impl SceneWatch {
                         trunk: None,
                     },
                 };
-                match cast {
+                match character_group {
                     AnyCharacterGroup::Patches(_) => one.radius_m = 0.0,
                     AnyCharacterGroup::Ground(agents) => {
                         if let Some(disc) = agents.disc(member) {
@@ -186,8 +187,8 @@ impl SceneWatch {
                 .sum();
             (num > 0).then_some(num)
         };
-        let is_agent = |_: GroupMotion, cast: &AnyCharacterGroup| {
-            matches!(cast, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+        let is_agent = |_: GroupMotion, character_group: &AnyCharacterGroup| {
+            matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
         };
         let characters = number(&|m, c| !is_agent(m, c));
         let has_feet = self.feet.has_seen_feet();

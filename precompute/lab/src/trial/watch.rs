@@ -105,8 +105,8 @@ impl<'a> TrialWatch<'a> {
         }
     }
 
-    pub(super) fn observe(&mut self, cast: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
-        let (characters, bodies) = (cast.characters(), cast.bodies());
+    pub(super) fn observe(&mut self, group: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
+        let (characters, bodies) = (group.characters(), group.bodies());
         self.present.clear();
         let one = |c: usize| {
             PresentCharacter::with_body(

@@ -37,12 +37,12 @@ pub struct Measure {
     /// `good`, `fair` or `poor`.
     pub word: &'static str,
     /// The measured value, in words.
-    pub told: String,
+    pub sentence: String,
     /// Remedies; empty if it is good.
     pub advice: Vec<String>,
     /// True if it is reported even if it is good.
     #[serde(skip)]
-    pub(super) is_told: bool,
+    pub(super) is_reported: bool,
 }
 
 /// Inputs of a verdict.
@@ -106,7 +106,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
 }
 
 /// A measure; larger values are better if the first limit is above the second, otherwise smaller ones.
-fn measure(name: &'static str, value: f64, limits: [f64; 2], told: String) -> Measure {
+fn measure(name: &'static str, value: f64, limits: [f64; 2], sentence: String) -> Measure {
     let [good, fair] = limits;
     let within = |limit: f64| if good > fair { value >= limit } else { value <= limit };
     let word = WORDS[if within(good) {
@@ -116,12 +116,12 @@ fn measure(name: &'static str, value: f64, limits: [f64; 2], told: String) -> Me
     } else {
         2
     }];
-    Measure { name, value, limits, word, told, advice: Vec::new(), is_told: word != WORDS[0] }
+    Measure { name, value, limits, word, sentence, advice: Vec::new(), is_reported: word != WORDS[0] }
 }
 
 impl Measure {
     fn always_reported(self) -> Self {
-        Self { is_told: true, ..self }
+        Self { is_reported: true, ..self }
     }
 
     /// Adds advice if the measure is not good.
@@ -142,8 +142,8 @@ fn targets_reached(facts: &VerdictInputs<'_>) -> Measure {
     let after = trial.mean_arrival_s.map_or(String::new(), |s| format!(", {s:.1} s on average"));
     let share = percent(trial.reached_fraction);
     let alone = if trial.making_way { "" } else { ", each as if alone" };
-    let told = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
-    measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], told).always_reported().with_advice(|| {
+    let sentence = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
+    measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], sentence).always_reported().with_advice(|| {
         let mut advice = facts.motion.missing(facts.mirrored);
         if trial.making_way {
             advice.push(
@@ -175,9 +175,9 @@ fn worst_targets(trial: &TrialReport) -> impl Iterator<Item = Measure> {
     let reached = trial.reached_fraction;
     groups.into_iter().filter_map(move |(name, share)| {
         let s = share?;
-        let told = format!("of those {}: {}", s.targets, percent(s.reached_fraction));
-        let m = measure(name, s.reached_fraction, [0.8, 0.5], told);
-        Some(Measure { is_told: m.value < reached - BEHIND_SHARE, ..m })
+        let sentence = format!("of those {}: {}", s.targets, percent(s.reached_fraction));
+        let m = measure(name, s.reached_fraction, [0.8, 0.5], sentence);
+        Some(Measure { is_reported: m.value < reached - BEHIND_SHARE, ..m })
     })
 }
 
@@ -188,8 +188,8 @@ fn staying_at_targets(facts: &VerdictInputs<'_>) -> Option<Measure> {
         return None;
     }
     let share = (trial.stayed_fraction / trial.reached_fraction).min(1.0);
-    let told = format!("only {} of those who came are still there at the end", percent(share));
-    Some(measure("staying at targets", share, [0.7, 0.2], told).with_advice(advice))
+    let sentence = format!("only {} of those who came are still there at the end", percent(share));
+    Some(measure("staying at targets", share, [0.7, 0.2], sentence).with_advice(advice))
 }
 
 /// Share of the characters that stand, of those that have stayed.
@@ -198,12 +198,12 @@ fn standing_at_targets(facts: &VerdictInputs<'_>) -> Option<Measure> {
     if trial.stayed_fraction * (trial.characters as f64) < MIN_GROUP as f64 {
         return None;
     }
-    let told = match share {
+    let sentence = match share {
         0.5.. => format!("{} of those who stayed there stand still", percent(share)),
         _ => format!("only {} of those who stayed there stand still; the others go on moving", percent(share)),
     };
     // They have reached their targets all the same.
-    let m = measure("standing at targets", share, [0.5, 0.0], told).always_reported();
+    let m = measure("standing at targets", share, [0.5, 0.0], sentence).always_reported();
     Some(m.with_advice(|| stop_advice(facts)))
 }
 
@@ -219,21 +219,21 @@ fn stop_advice(facts: &VerdictInputs<'_>) -> Vec<String> {
 /// Share of backwards walking; motion whose front was misread reaches targets as well as any, but backwards.
 fn walking_backwards(facts: &VerdictInputs<'_>) -> Measure {
     let share = facts.motion.backwards_share();
-    let told = format!("{} of the walking is backwards", percent(share));
-    let m = measure("walking backwards", share, [MOSTLY_BACKWARDS, 0.75], told);
+    let sentence = format!("{} of the walking is backwards", percent(share));
+    let m = measure("walking backwards", share, [MOSTLY_BACKWARDS, 0.75], sentence);
     m.with_advice(|| facts.motion.missing(facts.mirrored))
 }
 
 fn standing_on_the_way(trial: &TrialReport) -> Measure {
-    let told = format!("on their way they stand for {} of the time", percent(trial.stopped_share));
+    let sentence = format!("on their way they stand for {} of the time", percent(trial.stopped_share));
     // Others may be in the way, which is no fault of the motion.
-    measure("standing on the way", trial.stopped_share, [0.25, 1.0], told)
+    measure("standing on the way", trial.stopped_share, [0.25, 1.0], sentence)
 }
 
 fn longest_wait(facts: &VerdictInputs<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
-    let told = format!("a character waits {wait:.1} s for its next choice at the longest");
-    measure("longest wait for a choice (s)", wait, [4.0, 8.0], told).always_reported().with_advice(|| {
+    let sentence = format!("a character waits {wait:.1} s for its next choice at the longest");
+    measure("longest wait for a choice (s)", wait, [4.0, 8.0], sentence).always_reported().with_advice(|| {
         // A character that waits for others plays its action more slowly.
         let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.making_way);
         if own.is_none() && facts.longest.is_some() {
@@ -256,10 +256,10 @@ fn foot_slip(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     }
     let ratio = here / there.max(1e-6);
     let [mm, source_mm] = [here, there].map(|mps| 1000.0 * mps);
-    let told = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
+    let sentence = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
     // Relative to the slip of the clips, or to an invisible slip.
     let limit = |times: f64| (times * there).max(STILL_FEET_MPS);
-    let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], told).always_reported();
+    let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], sentence).always_reported();
     vec![m.with_advice(|| {
         let out = "add clips that lie between the poses of the others, so that nearer ones can follow each other, or \
                    lower `graph.max_error`";
@@ -273,8 +273,8 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
     if mps <= 0.0 {
         return None;
     }
-    let told = format!("feet that should be planted slip {:.0} mm/s in the clips themselves", 1000.0 * mps);
-    let m = measure("foot slip in the clips (m/s)", mps, [0.15, 0.3], told);
+    let sentence = format!("feet that should be planted slip {:.0} mm/s in the clips themselves", 1000.0 * mps);
+    let m = measure("foot slip in the clips (m/s)", mps, [0.15, 0.3], sentence);
     Some(m.with_advice(|| {
         let most: Vec<String> =
             slip.of_clips.iter().take(MAX_NAMED_CLIPS).map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps)).collect();
@@ -288,8 +288,8 @@ fn source_slip(slip: &SourceFeet) -> Option<Measure> {
 /// Distance of standing feet from the ground in the clips.
 fn feet_from_ground(source: &SourceFeet) -> Option<Measure> {
     let StanceReport { p95_cm: far, worst_cm, .. } = source.stance?;
-    let told = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
-    let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), told);
+    let sentence = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
+    let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), sentence);
     Some(m.with_advice(|| {
         let off = source.stances.iter().filter(|(_, s)| s.grade != stance::Grade::Good);
         let most: Vec<String> =
@@ -303,9 +303,9 @@ fn feet_from_ground(source: &SourceFeet) -> Option<Measure> {
 
 fn low_toes(trial: &TrialReport) -> Measure {
     let (here, there) = (trial.quality.toe_speed_low_p95_mps, trial.quality.source_toe_speed_low_p95_mps);
-    let told = format!("toes near the ground move at up to {here:.2} m/s ({there:.2} in the clips)");
+    let sentence = format!("toes near the ground move at up to {here:.2} m/s ({there:.2} in the clips)");
     let limit = |times: f64| (times * there).max(times / 1.5 * SLOW_TOES_MPS);
-    let m = measure("low toes, 95th percentile (m/s)", here, [limit(1.5), limit(3.0)], told);
+    let m = measure("low toes, 95th percentile (m/s)", here, [limit(1.5), limit(3.0)], sentence);
     m.with_advice(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
 }
 
@@ -322,14 +322,15 @@ fn promises_kept(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     };
     let mut out = Vec::new();
     if let Some((name, kept, advice)) = least(|p| p.kept, |p| p.kept) {
-        let told = format!("policy `{name}` collects {} of what its values promise", percent(kept));
-        out.push(measure("promises kept", kept, [ENOUGH_KEPT, 0.5], told).with_advice(|| vec![advice]));
+        let sentence = format!("policy `{name}` collects {} of what its values promise", percent(kept));
+        out.push(measure("promises kept", kept, [ENOUGH_KEPT, 0.5], sentence).with_advice(|| vec![advice]));
     }
     if let Some((name, kept, advice)) = least(|p| p.kept_p05, |p| p.kept_p05) {
         let share = percent(kept.max(0.0));
-        let told = format!("for one target in twenty, policy `{name}` collects {share} of what it promises, or less");
+        let sentence =
+            format!("for one target in twenty, policy `{name}` collects {share} of what it promises, or less");
         // A policy is not poor because a few targets are unattainable.
-        let m = measure("promises kept, 5th percentile", kept, [LEAST_KEPT, f64::MIN], told);
+        let m = measure("promises kept, 5th percentile", kept, [LEAST_KEPT, f64::MIN], sentence);
         out.push(m.with_advice(|| vec![advice]));
     }
     out
@@ -340,13 +341,13 @@ fn widest_seam(blends: &[BlendReport]) -> Option<Measure> {
     let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
     let (b, e) = all.max_by(|x, y| x.1.seam().total_cmp(&y.1.seam()))?;
     let ExampleReport { name, closing_m, closing_rad, .. } = e;
-    let told = format!(
+    let sentence = format!(
         "the cycle of `{name}` in blend space `{}` is {:.0} cm and {:.0} deg a joint apart at its seam",
         b.name,
         100.0 * closing_m,
         closing_rad.to_degrees()
     );
-    let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], told);
+    let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], sentence);
     let (widest_m, widest_deg) = WIDEST_SEAM;
     Some(m.with_advice(|| {
         vec![format!(

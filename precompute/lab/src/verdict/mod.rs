@@ -115,13 +115,14 @@ impl Verdict {
         // The first of the worst ones.
         let worst = (0..measures.len()).rev().max_by_key(|&i| rank(&measures[i])).unwrap_or(0);
         let (word, name) = (measures[worst].word, measures[worst].name);
-        let told = |(i, m): (usize, &Measure)| match m.word {
-            _ if i == worst => format!("{word}: {}", m.told),
-            "good" => m.told.clone(),
-            other => format!("{} ({other})", m.told),
+        let sentence = |(i, m): (usize, &Measure)| match m.word {
+            _ if i == worst => format!("{word}: {}", m.sentence),
+            "good" => m.sentence.clone(),
+            other => format!("{} ({other})", m.sentence),
         };
-        let mut sentences: Vec<String> = measures.iter().enumerate().filter(|(_, m)| m.is_told).map(told).collect();
-        let at = measures[..worst].iter().filter(|m| m.is_told).count();
+        let mut sentences: Vec<String> =
+            measures.iter().enumerate().filter(|(_, m)| m.is_reported).map(sentence).collect();
+        let at = measures[..worst].iter().filter(|m| m.is_reported).count();
         sentences[..=at].rotate_right(1);
         let mut advice: Vec<String> = Vec::new();
         for a in measures.iter().flat_map(|m| &m.advice) {

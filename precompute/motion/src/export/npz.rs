@@ -150,8 +150,8 @@ pub fn write_amass(take: &Take, actor: usize, out: &mut dyn Write) -> io::Result
     let back = UPRIGHT.inverse().as_quat();
     arrays.begin("trans", "<f4", &[there.len(), 3])?;
     take.poses(actor, |frame, pose, _| {
-        let way: Vec3 = back * pose.translations[0];
-        if there.contains(&frame) { arrays.write(bytemuck::cast_slice(&way.to_array())) } else { Ok(()) }
+        let offset: Vec3 = back * pose.translations[0];
+        if there.contains(&frame) { arrays.write(bytemuck::cast_slice(&offset.to_array())) } else { Ok(()) }
     })?;
     arrays.begin("poses", "<f4", &[there.len(), AMASS_WIDTH])?;
     take.poses(actor, |frame, pose, _| {

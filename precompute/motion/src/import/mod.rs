@@ -123,11 +123,11 @@ pub fn skeleton_warnings(clips: &[ImportedClip]) -> Vec<String> {
     for (i, clip) in clips.iter().enumerate() {
         clip.roles.warnings.iter().for_each(|w| of.entry(w).or_default().push(i));
     }
-    let told = |(what, which): (&str, Vec<usize>)| {
+    let describe = |(what, which): (&str, Vec<usize>)| {
         let more = if which.len() > 1 { format!(" and {} more", which.len() - 1) } else { String::new() };
         format!("{}{more}: {what}", clips[which[0]].clip.path.display())
     };
-    of.into_iter().map(told).collect()
+    of.into_iter().map(describe).collect()
 }
 
 /// Repeated clips as in [`ImportedSet::repeated`], from hashes of their motion ([`crate::raw::RawClip::motion_hash`]).

@@ -44,8 +44,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::counted_bytes(path, bytes.len())));
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
-        let way: Vec<f64> = trans.row(frame, 3).collect();
-        if numbers.iter().chain(&way).any(|v| !v.is_finite() || v.abs() > 1e6) {
+        let offset: Vec<f64> = trans.row(frame, 3).collect();
+        if numbers.iter().chain(&offset).any(|v| !v.is_finite() || v.abs() > 1e6) {
             return Err(fail(format!("frame {frame}: expected numbers, found one that is none or too large")));
         }
         sink.begin_frame();
@@ -53,7 +53,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
             sink.rotations[j] = DQuat::from_scaled_axis(DVec3::from_slice(&numbers[3 * j..3 * j + 3]));
         }
         sink.rotations[0] = UPRIGHT * sink.rotations[0];
-        sink.translations[0] = UPRIGHT * DVec3::from_slice(&way);
+        sink.translations[0] = UPRIGHT * DVec3::from_slice(&offset);
         if !sink.end_frame() {
             return Err(fail("the file is too short for its frames".into()));
         }

@@ -282,8 +282,8 @@ mod tests {
     #[test]
     fn tilts_of_up_to_eight_degrees_are_floors_whichever_way_they_go() {
         for k in 0..24 {
-            let (degrees, way) = (1.0 + 7.0 * k as f32 / 23.0, 2.4 * k as f32);
-            let truth = (Vec3::X * way.cos() + Vec3::Y * way.sin()) * degrees.to_radians().tan();
+            let (degrees, distance) = (1.0 + 7.0 * k as f32 / 23.0, 2.4 * k as f32);
+            let truth = (Vec3::X * distance.cos() + Vec3::Y * distance.sin()) * degrees.to_radians().tan();
             let clips = [walk(truth, 0.1, false), walk(truth, -0.3, true)];
             let found = shared_slope(&[&clips[0], &clips[1]]);
             // At 4 m, so many millimetres.
@@ -300,7 +300,7 @@ mod tests {
             assert_eq!(own_slope(&stairs, Vec3::ZERO), Vec3::ZERO, "{rise} {tread}");
         }
         // Who stands, goes up a step and stands there, for however long, whichever foot is lowest.
-        for (rise, way, between) in [(0.1, 0.8, 0), (0.1, 1.0, 1), (0.12, 1.5, 2), (0.17, 1.5, 2), (0.2, 2.5, 3)] {
+        for (rise, distance, between) in [(0.1, 0.8, 0), (0.1, 1.0, 1), (0.12, 1.5, 2), (0.17, 1.5, 2), (0.2, 2.5, 3)] {
             let stand = |x: f32, y: f32, from: f32| {
                 (0..150).map(move |f| {
                     let side = if f / 10 % 2 == 0 { 0.1 } else { -0.1 };
@@ -311,13 +311,19 @@ mod tests {
                 })
             };
             let on_the_way = |k: i32| {
-                let x = way * k as f32 / (between + 1) as f32;
+                let x = distance * k as f32 / (between + 1) as f32;
                 (0..10)
                     .map(move |f| FootPoint { height: 0.0, place: Vec3::new(x, 0.1, 5.0 + k as f32 + f as f32 / 30.0) })
             };
-            let step: Vec<FootPoint> =
-                stand(0.0, 0.0, 0.0).chain((1..=between).flat_map(on_the_way)).chain(stand(way, rise, 10.0)).collect();
-            assert_eq!(own_slope(&step, shared_slope(&[&step])).truncate(), glam::Vec2::ZERO, "{rise} {way} {between}");
+            let step: Vec<FootPoint> = stand(0.0, 0.0, 0.0)
+                .chain((1..=between).flat_map(on_the_way))
+                .chain(stand(distance, rise, 10.0))
+                .collect();
+            assert_eq!(
+                own_slope(&step, shared_slope(&[&step])).truncate(),
+                glam::Vec2::ZERO,
+                "{rise} {distance} {between}"
+            );
         }
         for ramp in [along(|x| 0.2 * (x - 2.0).max(0.0)), along(|x| 0.1 * (3.0 * x).sin())] {
             assert_eq!(own_slope(&ramp, shared_slope(&[&ramp])), Vec3::ZERO);

@@ -142,10 +142,10 @@ fn retarget_sources(
     cfg: &RetargetConfig,
     warnings: &mut Warnings,
 ) -> Result<ClipSet, BuildError> {
-    let lender = provide_from_memory(sources);
-    let mut plan = RetargetPlan::new(sources, &*lender, cfg, warnings)?;
+    let provider = provide_from_memory(sources);
+    let mut plan = RetargetPlan::new(sources, &*provider, cfg, warnings)?;
     for p in 0..plan.performers.len() {
-        plan.set_floor(p, plan.find_floor(p, &*lender)?, &*lender)?;
+        plan.set_floor(p, plan.find_floor(p, &*provider)?, &*provider)?;
     }
     let clips = sources.par_iter().enumerate().map(|(i, source)| plan.retarget_source(i, source)).collect();
     Ok(ClipSet { skeleton: plan.skeleton, clips })

@@ -45,7 +45,7 @@ pub struct Floor {
 pub struct SkeletonGroup {
     /// Indices of its first clips, which alone were measured: a later one changes nothing for the others.
     #[serde(skip)]
-    pub telling: Vec<usize>,
+    pub measured_clips: Vec<usize>,
     /// The floor: level until [`RetargetPlan::set_floor`] sets it.
     pub floor: Floor,
     body: SourceBody,
@@ -56,17 +56,17 @@ pub struct SkeletonGroup {
 impl SkeletonGroup {
     /// - `select_measured_clips`: indices of the clips that [`select_measured_clips`] chooses.
     /// - `sources`: these clips.
-    fn new(telling: Vec<usize>, sources: &[RetargetSource]) -> Self {
+    fn new(measured_clips: Vec<usize>, sources: &[RetargetSource]) -> Self {
         let body = SourceBody::measure(sources);
         let alignment = align::align(&body);
         let own = proportions::source_skeleton(&body, &alignment);
-        Self { telling, floor: Floor::default(), body, alignment, own }
+        Self { measured_clips, floor: Floor::default(), body, alignment, own }
     }
 
     /// The group measured again, upright: a foot is level where it stands.
     fn turned(&self, turn: Quat, sources: &[RetargetSource]) -> Self {
         let sources: Vec<RetargetSource> = sources.iter().map(|s| RetargetSource { turn: Some(turn), ..*s }).collect();
-        Self::new(self.telling.clone(), &sources)
+        Self::new(self.measured_clips.clone(), &sources)
     }
 
     /// A clip on the skeleton, and the positions of its standing feet.
@@ -121,15 +121,17 @@ impl RetargetPlan {
     /// Errors of [`super::onto`] and of `lender`.
     pub fn new(
         sources: &[RetargetSource],
-        lender: &ClipProvider<'_>,
+        provider: &ClipProvider<'_>,
         cfg: &RetargetConfig,
         warnings: &mut Warnings,
     ) -> Result<Self, BuildError> {
         sources.iter().try_for_each(check_roles)?;
         let groups = group_by_skeleton(sources);
         let measured = |clips: &Vec<usize>| {
-            let (telling, mut performer) = (select_measured_clips(clips, sources), None);
-            lender(&telling, &mut |sources| performer = Some(SkeletonGroup::new(telling.clone(), sources)))?;
+            let (measured_clips, mut performer) = (select_measured_clips(clips, sources), None);
+            provider(&measured_clips, &mut |sources| {
+                performer = Some(SkeletonGroup::new(measured_clips.clone(), sources))
+            })?;
             Ok(performer)
         };
         let performers: Vec<Option<SkeletonGroup>> =
@@ -156,12 +158,12 @@ impl RetargetPlan {
     }
 
     /// The floor that the first clips of a source skeleton show.
-    pub fn find_floor(&self, performer: usize, lender: &ClipProvider<'_>) -> Result<Floor, BuildError> {
+    pub fn find_floor(&self, performer: usize, provider: &ClipProvider<'_>) -> Result<Floor, BuildError> {
         let (p, mut floor) = (&self.performers[performer], Floor::default());
         if !self.align_ground {
             return Ok(floor);
         }
-        lender(&p.telling, &mut |sources| {
+        provider(&p.measured_clips, &mut |sources| {
             floor.slope = p.slope(sources, None, &self.skeleton);
             if ground::is_steep(floor.slope) {
                 let turn = ground::upright_turn(floor.slope);
@@ -174,11 +176,11 @@ impl RetargetPlan {
     }
 
     /// Sets the floor of a source skeleton; where it was tilted, the body is measured again, upright.
-    pub fn set_floor(&mut self, performer: usize, floor: Floor, lender: &ClipProvider<'_>) -> Result<(), BuildError> {
+    pub fn set_floor(&mut self, performer: usize, floor: Floor, provider: &ClipProvider<'_>) -> Result<(), BuildError> {
         let p = &mut self.performers[performer];
         if let Some(turn) = floor.turn {
             let mut turned = None;
-            lender(&p.telling, &mut |sources| turned = Some(p.turned(turn, sources)))?;
+            provider(&p.measured_clips, &mut |sources| turned = Some(p.turned(turn, sources)))?;
             turned.into_iter().for_each(|turned| *p = turned);
         }
         p.floor = floor;

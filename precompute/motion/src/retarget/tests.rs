@@ -97,10 +97,10 @@ fn lay(raw: &RawClip, roles: &Roles, proportions: Proportions, align_ground: boo
 fn worst_distance(set: &ClipSet, raw: &RawClip, roles: &Roles) -> f32 {
     let mut worst = 0.0f32;
     for f in 0..raw.num_frames {
-        let (world, laid) = (raw.world(f), set.clips[0].joint_positions(&set.skeleton, f));
+        let (world, retargeted) = (raw.world(f), set.clips[0].joint_positions(&set.skeleton, f));
         for j in Joint::ALL {
             if let Some(s) = roles[j.index()] {
-                worst = worst.max((world[s].0 - laid[j.index()]).length());
+                worst = worst.max((world[s].0 - retargeted[j.index()]).length());
             }
         }
     }
@@ -131,7 +131,7 @@ fn a_performer_is_measured_on_the_first_ten_minutes_alone() {
             &*provide_from_memory(&sources),
         )
         .unwrap();
-        (plan.performers[0].telling.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
+        (plan.performers[0].measured_clips.clone(), serde_json::to_string(&plan.basis(0)).unwrap())
     };
     let two = plan(&[&slow, &slow]);
     assert_eq!(two.0, [0, 1]);
@@ -392,8 +392,8 @@ fn people_stand_upright_on_floors_that_were_tilted_or_drift() {
     let s = Skeleton::default();
     let (raw, roles) = rig(&stops(&s, 20), &s, &PLAIN, &[]);
     for k in 0..12 {
-        let (degrees, way, drift) = ([2.5, 4.0, 6.0, 8.0][k % 4], 0.7 * k as f32, [0.0, 0.006, -0.015][k / 4]);
-        let tilt = Quat::from_axis_angle(Vec3::new(way.cos(), 0.0, way.sin()), f32::to_radians(degrees));
+        let (degrees, distance, drift) = ([2.5, 4.0, 6.0, 8.0][k % 4], 0.7 * k as f32, [0.0, 0.006, -0.015][k / 4]);
+        let tilt = Quat::from_axis_angle(Vec3::new(distance.cos(), 0.0, distance.sin()), f32::to_radians(degrees));
         let mut raw = raw.clone();
         for f in 0..raw.num_frames {
             let (hips, rise) = (f * NUM_JOINTS, Vec3::Y * (drift * f as f32 / 30.0));
@@ -418,10 +418,10 @@ fn stairs_stay_stairs() {
             p.y += rise * (f / 15 / every) as f32;
         }
         let (raw, roles) = rig(&clip, &s, &PLAIN, &[]);
-        let laid = lay(&raw, &roles, Proportions::Default, true);
+        let retargeted = lay(&raw, &roles, Proportions::Default, true);
         let climbed = |c: &Clip| c.root_positions[c.num_frames() - 1].y - c.root_positions[0].y;
-        assert!((climbed(&laid.clips[0]) - climbed(&clip)).abs() < 1e-3, "{rise} m each {every}");
-        assert!(off_ground(&laid).1 < 1e-3);
+        assert!((climbed(&retargeted.clips[0]) - climbed(&clip)).abs() < 1e-3, "{rise} m each {every}");
+        assert!(off_ground(&retargeted).1 < 1e-3);
     }
 }
 

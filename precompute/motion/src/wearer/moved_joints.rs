@@ -181,8 +181,8 @@ impl ScaledWearer {
             });
             numbers.extend((local * sign).to_array());
         }
-        let way = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
-        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(way).sum::<DVec3>();
+        let offset = |j: &usize| world[clip.joints[*j].parent.unwrap_or(0)] * clip.translations[*j].as_dvec3();
+        let centre = worn.hips.as_dvec3() / self.scale - self.below.iter().map(offset).sum::<DVec3>();
         numbers.extend(self.back.transform_point3(centre).as_vec3().to_array());
         numbers
     }

@@ -86,8 +86,8 @@ fn labels() -> Vec<Labelled> {
 /// A clip as a build with default settings annotates it.
 fn annotated(file: &Path) -> Clip {
     let clip = read_clip(&expand(&[file.to_path_buf()]).unwrap()[0], &ImportConfig::default()).unwrap();
-    let laid = retarget_clips(&[clip], &RetargetConfig::default(), &mut Default::default()).unwrap();
-    let resampled = resample(&laid, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
+    let retargeted = retarget_clips(&[clip], &RetargetConfig::default(), &mut Default::default()).unwrap();
+    let resampled = resample(&retargeted, &ResampleConfig { rate_hz: 30.0, mirror: false }).unwrap();
     annotate(&resampled, &AnnotateConfig::default(), &Sidecars::default()).unwrap().clips.swap_remove(0)
 }
 

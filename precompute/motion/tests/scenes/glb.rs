@@ -26,7 +26,7 @@ pub struct Style {
     /// An armature above the skeleton: its scale, as a matrix or not.
     pub armature: Option<(f64, bool)>,
     /// The way of the body is on the armature; the root only turns, and stands where it was at first.
-    pub way_above: bool,
+    pub root_above: bool,
     /// A skin with its bind pose; nodes are in the first frame's pose where nothing moves them.
     pub skin: bool,
     pub name: &'static str,
@@ -40,7 +40,7 @@ impl Default for Style {
             sparse: false,
             own_axes: true,
             armature: None,
-            way_above: false,
+            root_above: false,
             skin: false,
             name: "",
         }
@@ -112,7 +112,7 @@ impl Glb {
         // As programs with Z up write it: the skeleton lies, its armature makes it stand.
         let turn = if style.armature.is_some() { DQuat::from_rotation_x(-1.5) } else { DQuat::IDENTITY };
         let root_at = |frame: usize| clip.translations[frame * n].as_dvec3();
-        let way = |frame: usize| if style.way_above { root_at(frame) - root_at(0) } else { DVec3::ZERO };
+        let way = |frame: usize| if style.root_above { root_at(frame) - root_at(0) } else { DVec3::ZERO };
         let local = |frame: usize, j: usize| {
             let (t, r) = (clip.translations[frame * n + j].as_dvec3(), clip.rotations[frame * n + j].as_dquat());
             let above = clip.joints[j].parent.map(|p| axes[p]);
@@ -165,7 +165,7 @@ impl Glb {
                 tracks.push((first, "translation", frames().flat_map(|(t, _)| t.to_array()).collect()));
             }
         }
-        if style.way_above {
+        if style.root_above {
             let way = (0..clip.num_frames).flat_map(|f| way(f).as_vec3().to_array()).collect();
             tracks.push((top, "translation", way));
         }

@@ -72,9 +72,9 @@ fn every_way_of_writing_motion_gives_the_same_joints_and_the_same_rest() {
         ("plain axes", Style { own_axes: false, ..STYLE() }, 1e-5),
         ("armature", Style { armature: centimetres, ..STYLE() }, 1e-5),
         ("matrix", Style { armature: Some((0.01, true)), ..STYLE() }, 1e-5),
-        ("way above", Style { armature: centimetres, way_above: true, ..STYLE() }, 1e-5),
+        ("way above", Style { armature: centimetres, root_above: true, ..STYLE() }, 1e-5),
         ("skin", Style { skin: true, ..STYLE() }, 1e-5),
-        ("all", Style { skin: true, sparse: true, armature: centimetres, way_above: true, ..STYLE() }, 1e-5),
+        ("all", Style { skin: true, sparse: true, armature: centimetres, root_above: true, ..STYLE() }, 1e-5),
     ] {
         let mut glb = Glb::new();
         glb.add(&truth, style);

@@ -176,14 +176,14 @@ impl Checker {
                 };
                 last = (Some(pair.target), speed * half_s);
             }
-            let way = self.travels[pair.part] + last.1;
-            if !self.is_nearer(problem, pair, at.time_s, pair.gap + way, true) {
+            let distance = self.travels[pair.part] + last.1;
+            if !self.is_nearer(problem, pair, at.time_s, pair.gap + distance, true) {
                 continue;
             }
             // A collision ends the proof early. On short pieces a search for one costs more than it saves.
             let whole = piece.level < SEARCHED_LEVELS;
             let touches = !pair.may_touch_at(at.time_s) && self.is_nearer(problem, pair, at.time_s, pair.gap, whole);
-            if touches || way < FINEST_M {
+            if touches || distance < FINEST_M {
                 return false;
             }
             self.open.push(index);
@@ -207,8 +207,8 @@ fn prove_limits(
         if excess > LIMIT_TOLERANCE {
             return None;
         }
-        let way = problem.limits[i].stiffness() * half_turns[i];
-        open[i] = excess + way > LIMIT_TOLERANCE && way > FINEST_RAD;
+        let distance = problem.limits[i].stiffness() * half_turns[i];
+        open[i] = excess + distance > LIMIT_TOLERANCE && distance > FINEST_RAD;
     }
     Some(open)
 }

@@ -185,12 +185,12 @@ impl LimbPlanner {
     ) {
         let (smooth, len) = (&config.smooth, problem.chain.len());
         let frames_in = |seconds: f64| (seconds.max(0.0) / grid.step_s()).round().min(grid.steps as f64) as usize;
-        let (way, frames, spare) = (&mut self.search.path, &mut self.frames, &mut self.spare);
+        let (path, frames, spare) = (&mut self.search.path, &mut self.frames, &mut self.spare);
         let mut smoother = Smoother { problem, grid, check: config.search.edge, checker: &mut self.checker };
-        smoother.fill_frames(way, frames);
+        smoother.fill_frames(path, frames);
         outcome.roughness[0] = roughness(frames, len, grid.step_s());
-        smoother.straighten_path(way, &mut self.spare_path, smooth.straighten, rng, &keep_on);
-        smoother.fill_frames(way, frames);
+        smoother.straighten_path(path, &mut self.spare_path, smooth.straighten, rng, &keep_on);
+        smoother.fill_frames(path, frames);
         // Easing speeds up what lies between the ends; where corners cannot be rounded there, even time is smoother.
         for is_eased in [true, false] {
             if !keep_on() {
@@ -198,15 +198,15 @@ impl LimbPlanner {
             }
             outcome.eased = 0.0;
             if is_eased {
-                outcome.eased = smoother.ease_ends(way, frames);
+                outcome.eased = smoother.ease_ends(path, frames);
             } else {
-                smoother.fill_frames(way, frames);
+                smoother.fill_frames(path, frames);
             }
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);
             std::mem::swap(frames, spare);
             outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
             // A straight path has no corners that easing could make worse.
-            let is_straight = way.len() <= 2;
+            let is_straight = path.len() <= 2;
             let jerk_rms = roughness(frames, len, grid.step_s()).jerk_rms;
             if outcome.eased == 0.0 || is_straight || jerk_rms <= outcome.roughness[0].jerk_rms {
                 break;

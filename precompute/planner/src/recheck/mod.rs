@@ -160,12 +160,12 @@ impl Recheck<'_> {
     pub fn check_span(&self, report: &mut RecheckReport) {
         self.check_speeds(report);
         let solids: Vec<BoundedSolid> = self.solids.iter().map(BoundedSolid::new).collect();
-        let looks = ((self.span_s[1] - self.span_s[0]) * RATE_HZ).round() as usize;
-        for look in 0..=looks {
-            let time_s = self.span_s[0] + look as f64 / RATE_HZ;
+        let samples = ((self.span_s[1] - self.span_s[0]) * RATE_HZ).round() as usize;
+        for sample in 0..=samples {
+            let time_s = self.span_s[0] + sample as f64 / RATE_HZ;
             self.check_moment(time_s.min(self.span_s[1]), &solids, report);
         }
-        report.samples += looks + 1;
+        report.samples += samples + 1;
     }
 
     fn is_planned(&self, joint: Joint) -> bool {

@@ -44,7 +44,7 @@ impl Smoother<'_> {
     ///
     /// # Source
     /// Flash and Hogan 1985, *The Coordination of Arm Movements*: x^3 (10 - 15 x + 6 x^2).
-    pub fn ease_ends(&mut self, way: &[LimbState], frames: &mut Vec<LimbPose>) -> f64 {
+    pub fn ease_ends(&mut self, path: &[LimbState], frames: &mut Vec<LimbPose>) -> f64 {
         let rest = [false, true].map(|at_goal| self.path_end(at_goal).at_rest);
         if rest != [false, false] {
             for share in SHARES {
@@ -53,14 +53,14 @@ impl Smoother<'_> {
                 frames.extend((0..=last).map(|f| {
                     let x = f as f64 / last as f64;
                     let eased = x + share * (ease_profile(x, rest) - x);
-                    self.state_at(way, self.grid.start_s + eased * (self.grid.goal_s - self.grid.start_s)).pose
+                    self.state_at(path, self.grid.start_s + eased * (self.grid.goal_s - self.grid.start_s)).pose
                 }));
                 if (0..last).all(|f| self.is_edge_free(frames, f)) {
                     return share;
                 }
             }
         }
-        self.fill_frames(way, frames);
+        self.fill_frames(path, frames);
         0.0
     }
 }

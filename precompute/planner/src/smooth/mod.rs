@@ -45,10 +45,10 @@ pub(crate) struct Smoother<'a> {
 
 impl Smoother<'_> {
     /// State of the path at a time.
-    fn state_at(&self, way: &[LimbState], time_s: f64) -> LimbState {
-        let next = way.partition_point(|s| s.time_s <= time_s);
-        let (Some(to), Some(from)) = (way.get(next), next.checked_sub(1).map(|i| &way[i])) else {
-            return LimbState { pose: way[next.saturating_sub(1)].pose, time_s };
+    fn state_at(&self, path: &[LimbState], time_s: f64) -> LimbState {
+        let next = path.partition_point(|s| s.time_s <= time_s);
+        let (Some(to), Some(from)) = (path.get(next), next.checked_sub(1).map(|i| &path[i])) else {
+            return LimbState { pose: path[next.saturating_sub(1)].pose, time_s };
         };
         let share = (time_s - from.time_s) / (to.time_s - from.time_s);
         let mut pose = from.pose;
@@ -59,9 +59,9 @@ impl Smoother<'_> {
     }
 
     /// Poses of all frames of a path.
-    pub fn fill_frames(&self, way: &[LimbState], out: &mut Vec<LimbPose>) {
+    pub fn fill_frames(&self, path: &[LimbState], out: &mut Vec<LimbPose>) {
         out.clear();
-        out.extend((0..=self.grid.steps).map(|f| self.state_at(way, self.grid.time_at(f)).pose));
+        out.extend((0..=self.grid.steps).map(|f| self.state_at(path, self.grid.time_at(f)).pose));
     }
 
     /// True where the edge from one frame to the next is free, and the next frame, too.

@@ -19,7 +19,7 @@ impl Smoother<'_> {
     /// Shapiro, Kallmann and Faloutsos 2007, section 4.1, path smoothing.
     pub fn straighten_path(
         &mut self,
-        way: &mut Vec<LimbState>,
+        path: &mut Vec<LimbState>,
         spare: &mut Vec<LimbState>,
         times: u32,
         rng: &mut Pcg64Mcg,
@@ -27,15 +27,15 @@ impl Smoother<'_> {
     ) {
         for _ in 0..times {
             let frames: [usize; 2] = std::array::from_fn(|_| rng.random_range(0..=self.grid.steps));
-            if way.len() <= 2 || !keep_on() {
+            if path.len() <= 2 || !keep_on() {
                 return;
             }
             let [from, to] =
-                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.state_at(way, self.grid.time_at(f)));
+                [frames[0].min(frames[1]), frames[0].max(frames[1])].map(|f| self.state_at(path, self.grid.time_at(f)));
             let inner = |s: &&LimbState| s.time_s > from.time_s && s.time_s < to.time_s;
             let mut turned = 0.0;
             let mut last = &from;
-            for next in way.iter().filter(inner).chain([&to]) {
+            for next in path.iter().filter(inner).chain([&to]) {
                 turned += self.total_turn(last, next);
                 last = next;
             }
@@ -45,10 +45,10 @@ impl Smoother<'_> {
                 continue;
             }
             spare.clear();
-            spare.extend(way.iter().filter(|s| s.time_s < from.time_s));
+            spare.extend(path.iter().filter(|s| s.time_s < from.time_s));
             spare.extend([from, to]);
-            spare.extend(way.iter().filter(|s| s.time_s > to.time_s));
-            std::mem::swap(way, spare);
+            spare.extend(path.iter().filter(|s| s.time_s > to.time_s));
+            std::mem::swap(path, spare);
         }
     }
 

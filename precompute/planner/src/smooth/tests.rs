@@ -71,9 +71,9 @@ fn rounding_spreads_a_jump_of_velocity_over_its_window() {
     let mut checker = Checker::default();
     let mut smoother = Smoother { problem: &problem, grid, check: EdgeCheck::Conservative, checker: &mut checker };
     let corner = LimbState { pose: s.pose(0.0, -0.4, 0.5), time_s: 0.5 };
-    let way = [*problem.init(), corner, *problem.goal()];
+    let path = [*problem.init(), corner, *problem.goal()];
     let (mut frames, mut out, mut windows) = (Vec::new(), Vec::new(), Vec::new());
-    smoother.fill_frames(&way, &mut frames);
+    smoother.fill_frames(&path, &mut frames);
     let before = roughness(&frames, 3, grid.step_s());
     smoother.round_corners(&frames, 12, &mut out, &mut windows);
     let after = roughness(&out, 3, grid.step_s());

@@ -322,8 +322,8 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, confi
     let both = stage.held_by_both(who, limb, [at_s - 1e-3, at_s]);
     let until_s = if both.is_some() { both_hands::held_until_s(stage, step, object) } else { at_s };
     hands.iter().for_each(|goal| allow_neighbours(stage, who, limb, object, &goal.object, [at_s, until_s]));
-    let laid = placement_after_release(stage, &to, object, at_s)?;
-    let then = |goal: &HandTarget| laid(goal);
+    let placement = placement_after_release(stage, &to, object, at_s)?;
+    let then = |goal: &HandTarget| placement(goal);
     let change =
         (step.action != TaskAction::Carry).then_some(PlacementChange { thing: object, placement_after: &then });
     let (mut plans, given) = match both {

@@ -39,8 +39,8 @@ pub(super) fn check_stage(stage: &TaskStage<'_>) -> RecheckReport {
         let planned: Vec<&PlannedLimb> = stage.planned_limbs.iter().filter(|p| p.character == who).collect();
         let spans: Vec<(Joint, [f64; 2])> =
             planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
-        let looks = stage.gazes.iter().filter(|l| l.character == who);
-        let heads = looks.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
+        let num_samples = stage.gazes.iter().filter(|l| l.character == who);
+        let heads = num_samples.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
         let leans = || stage.leans.iter().filter(|l| l.character == who);
         let trunks = leans().flat_map(|l| lean::leaned_joints(l).map(|j| (j, l.window_s)));
         let hips = leans().filter(|l| l.moves_hips).map(|l| (Joint::Hips, l.window_s));
@@ -193,10 +193,10 @@ fn check_planted_feet(actor: &StageActor, report: &mut RecheckReport) {
 /// Checks that heads which look aside stay where necks allow, turn no faster than heads do, and face their target as far as
 /// that goes.
 fn check_gazes(stage: &TaskStage<'_>, report: &mut RecheckReport) {
-    for look in &stage.gazes {
-        let actor = &stage.actors[look.character];
+    for sample in &stage.gazes {
+        let actor = &stage.actors[sample.character];
         let rate_hz = actor.clip.rate_hz;
-        let frames = look.times_s.map(|t| (t * rate_hz).round() as usize);
+        let frames = sample.times_s.map(|t| (t * rate_hz).round() as usize);
         // Rotation of the head away from the clip, relative to the chest.
         let turned = |frame: usize| {
             let [a, b] = [&actor.before, &actor.clip].map(|clip| {
@@ -217,7 +217,7 @@ fn check_gazes(stage: &TaskStage<'_>, report: &mut RecheckReport) {
         }
         let all = actor.clip.joint_transforms(&actor.skeleton, frames[1]);
         let [chest, head] = [Joint::UpperChest, Joint::Head].map(|j| all[j.index()]);
-        let to = (look.target.as_vec3() - head.0).normalize_or(Vec3::Z);
+        let to = (sample.target.as_vec3() - head.0).normalize_or(Vec3::Z);
         let face = head.1 * Vec3::Z;
         let off = f64::from(face.angle_between(to));
         // Turn of the neck from the chest to the sides, up and down; a target behind that is not faced.
@@ -246,8 +246,8 @@ fn check_tilts(stage: &TaskStage<'_>, report: &mut RecheckReport) {
         if !stage.pins.iter().any(there) {
             continue;
         }
-        let tilt = |look: usize| {
-            let time_s = from_s + look as f64 / RATE_HZ;
+        let tilt = |sample: usize| {
+            let time_s = from_s + sample as f64 / RATE_HZ;
             let up = place_at(&actor.clip, &actor.skeleton, *joint, time_s).compose(*offset).rotation * DVec3::Y;
             (up.angle_between(DVec3::Y), time_s)
         };
@@ -299,9 +299,9 @@ fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
                 let what = format!("{} at `{}`", hand_joint(second.limb).name(), thing.name);
                 compare(time_s, what, &first.compose(second.grip), &other);
             }
-            let looks = ((end_s - stretch.from_s) * RATE_HZ) as usize;
-            for look in 0..=looks {
-                let time_s = stretch.from_s + look as f64 / RATE_HZ;
+            let num_samples = ((end_s - stretch.from_s) * RATE_HZ) as usize;
+            for sample in 0..=num_samples {
+                let time_s = stretch.from_s + sample as f64 / RATE_HZ;
                 let [first, other] =
                     [*joint, hand_joint(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
                 report.second_hand_off_m =

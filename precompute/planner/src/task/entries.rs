@@ -306,7 +306,7 @@ pub(super) struct TaskEntry {
     pub limb: Limb,
     /// Action.
     #[serde(rename = "do")]
-    pub deed: TaskAction,
+    pub action: TaskAction,
     /// Object of the action.
     pub object: Option<String>,
     /// Time at which the target is reached (s); a walking character may leave it out, and goes there first.

@@ -103,12 +103,12 @@ struct NameTable<'a> {
 impl NameTable<'_> {
     fn step(&self, t: &TaskEntry) -> Result<TaskStep, String> {
         let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
-        let needs_object = t.deed != TaskAction::Correct;
-        let (is_grab, is_brought) = (t.deed == TaskAction::Grab, t.deed.needs_held_object());
+        let needs_object = t.action != TaskAction::Correct;
+        let (is_grab, is_brought) = (t.action == TaskAction::Grab, t.action.needs_held_object());
         let is_object = object.is_some_and(|o| self.things[o].is_object);
         if needs_object != object.is_some() {
             let expected = if needs_object { "expected `object`" } else { "`correct` needs no `object`" };
-            return Err(format!("{expected}; `{}` has `limb` and {expected}", t.deed.name()));
+            return Err(format!("{expected}; `{}` has `limb` and {expected}", t.action.name()));
         }
         if (is_grab || is_brought) && !is_object {
             let name = t.object.as_deref().unwrap_or_default();
@@ -119,14 +119,14 @@ impl NameTable<'_> {
         }
         if is_brought != t.to.is_some() {
             let need = if is_brought { "expected `to`, where the object is brought" } else { "needs no `to`" };
-            return Err(format!("`{}`: {need}", t.deed.name()));
+            return Err(format!("`{}`: {need}", t.action.name()));
         }
-        if (t.deed == TaskAction::HandOver) != t.receiver.is_some() {
+        if (t.action == TaskAction::HandOver) != t.receiver.is_some() {
             return Err("`hand_over`, and nothing else, has a `receiver`".into());
         }
-        if is_brought || t.deed == TaskAction::Correct {
+        if is_brought || t.action == TaskAction::Correct {
             if !t.grips.is_empty() {
-                return Err(format!("`{}` needs no `grips`: the limb keeps the one it has", t.deed.name()));
+                return Err(format!("`{}` needs no `grips`: the limb keeps the one it has", t.action.name()));
             }
         } else if t.grips.is_empty() {
             return Err("expected `grips`, where the hand is as seen from the object".into());
@@ -149,7 +149,7 @@ impl NameTable<'_> {
             name: t.name.clone().unwrap_or_else(|| name_of(t)),
             character: self.character(t.character.as_deref())?,
             limb: t.limb,
-            action: t.deed,
+            action: t.action,
             object,
             times_s: times(t, walks)?,
             hold_s: t.hold_s,
@@ -213,12 +213,12 @@ impl NameTable<'_> {
 }
 
 fn name_of(t: &TaskEntry) -> String {
-    let words = [t.limb.name(), t.deed.name(), t.object.as_deref().unwrap_or_default()];
+    let words = [t.limb.name(), t.action.name(), t.object.as_deref().unwrap_or_default()];
     words.join(" ").trim_end().to_owned()
 }
 
 fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
-    match (t.deed, t.at_s, t.window_s) {
+    match (t.action, t.at_s, t.window_s) {
         (TaskAction::Correct, None, None) => Ok([0.0, 0.0, f64::INFINITY]),
         (TaskAction::Correct, None, Some([from, to])) if from < to => Ok([from, from, to]),
         (TaskAction::Correct, ..) => Err("`correct` finds collisions by itself: expected no `at_s`, and an ascending \
@@ -233,8 +233,8 @@ fn times(t: &TaskEntry, walks: bool) -> Result<[f64; 3], String> {
 
 fn level(t: &TaskEntry) -> Result<Option<f64>, String> {
     match t.level_deg {
-        Some(_) if !t.deed.needs_held_object() => {
-            Err(format!("`{}` needs no `level_deg`: it brings nothing", t.deed.name()))
+        Some(_) if !t.action.needs_held_object() => {
+            Err(format!("`{}` needs no `level_deg`: it brings nothing", t.action.name()))
         }
         Some(deg) if !(deg > 0.0 && deg < 180.0) => Err(format!("level_deg: expected 0 to 180, found {deg}")),
         deg => Ok(deg.map(f64::to_radians)),
@@ -256,10 +256,10 @@ fn grips(entries: &[GripEntry]) -> Result<Vec<ObjectGrip>, String> {
 }
 
 fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<SecondGrip, String> {
-    if t.deed != TaskAction::Grab {
+    if t.action != TaskAction::Grab {
         return Err(format!(
             "`{}`: expected `second` in `grab` alone: it goes along with what it holds",
-            t.deed.name()
+            t.action.name()
         ));
     }
     if !second.limb.is_arm() || second.limb == t.limb || second.grips.is_empty() {

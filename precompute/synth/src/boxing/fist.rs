@@ -64,11 +64,11 @@ pub fn follow_track(track: &ArmTrack, strikes: &[ScriptedBlow], skeleton: &Skele
         track.bodies.iter().zip(track.hands).map(|(b, h)| on_guard(track.side, b, h, &build)).collect();
     let guard: Vec<DVec3> = goals.iter().map(|g| g.wrist).collect();
     for strike in strikes.iter().filter(|s| s.blow.side() == track.side) {
-        let way = BlowPath::from_strike(strike, &goals, &guard, track, &build.shape);
+        let path = BlowPath::from_strike(strike, &goals, &guard, track, &build.shape);
         let (first, last) = (sample(strike.start, track.dt), sample(strike.back, track.dt) + 1);
         let last = last.min(goals.len());
         for (i, goal) in goals.iter_mut().enumerate().take(last).skip(first) {
-            goal.wrist = guard[i] + way.displacement_at(i as f64 * track.dt);
+            goal.wrist = guard[i] + path.displacement_at(i as f64 * track.dt);
         }
     }
     goals

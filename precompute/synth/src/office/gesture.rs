@@ -185,15 +185,15 @@ fn reach_gesture(
     let pose =
         mirrored_for_side(side, KeyedHandPose { body: goal.body * wide + jitter, room: LAP.room, reach: 0.08, ..goal });
     let now = script.hand_now(side);
-    let way = now.body.distance(pose.body) + 0.06 * (now.twist - pose.twist).abs();
-    let there = t + 0.24 + way * (1.15 - 0.4 * talk.heat);
+    let distance = now.body.distance(pose.body) + 0.06 * (now.twist - pose.twist).abs();
+    let there = t + 0.24 + distance * (1.15 - 0.4 * talk.heat);
     script.hand(side, there, there - t, pose);
     (there, pose)
 }
 
 fn return_hand(script: &mut MotionScript, side: LateralSide, t: f64, rest: KeyedHandPose) -> f64 {
-    let way = script.hand_now(side).body.distance(rest.body);
-    let there = t + 0.35 + 1.3 * way;
+    let distance = script.hand_now(side).body.distance(rest.body);
+    let there = t + 0.35 + 1.3 * distance;
     script.hand(side, there, there - t, rest);
     there
 }
@@ -204,11 +204,11 @@ fn strokes(
     side: LateralSide,
     mut t: f64,
     pose: KeyedHandPose,
-    way: [f64; 3],
+    distance: [f64; 3],
     size: f64,
     rng: &mut impl Rng,
 ) -> f64 {
-    let [x, y, z] = way;
+    let [x, y, z] = distance;
     for _ in 0..rng.random_range(1..4) {
         let size = size * rng.random_range(0.6..1.1);
         let up = DVec3::new(side.sign() * x, y, 0.3 * z) * size;

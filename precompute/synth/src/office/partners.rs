@@ -211,11 +211,11 @@ fn dance(two: &mut [MotionScript; 2]) {
         s.wait_until(from + 1.1);
         let home = s.stance();
         // Equal direction in the room: left for one is right for the other.
-        let way = leftward(0.0) * 0.22;
+        let offset = leftward(0.0) * 0.22;
         let lead = if k == 0 { LateralSide::Left } else { LateralSide::Right };
         for there in [1.0, 0.0, -1.0, 0.0, 1.0, 0.0] {
-            let to = FeetStance { at: home.at + way * there, heading: home.heading };
-            let forth = to.at.dot(way) > s.stance().at.dot(way);
+            let to = FeetStance { at: home.at + offset * there, heading: home.heading };
+            let forth = to.at.dot(offset) > s.stance().at.dot(offset);
             let first = if forth { lead } else { lead.other() };
             for side in [first, first.other()] {
                 s.step(ScriptStep { period: 0.56, ..ScriptStep::aside(side, to) });

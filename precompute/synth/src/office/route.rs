@@ -35,8 +35,8 @@ impl GroundCurve {
     }
 
     fn heading(&self, u: f64) -> f64 {
-        let way = self.position((u + 0.01).min(1.0)) - self.position((u - 0.01).max(0.0));
-        way.x.atan2(way.y)
+        let offset = self.position((u + 0.01).min(1.0)) - self.position((u - 0.01).max(0.0));
+        offset.x.atan2(offset.y)
     }
 
     /// Points spaced evenly in the parameter, with the distance travelled so far.
@@ -104,8 +104,8 @@ fn turn_to(from: f64, to: f64) -> f64 {
 }
 
 fn choose(from: FeetStance, goal: &GroundGoal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> GroundCurve {
-    let way = goal.at - from.at;
-    let direct = way.x.atan2(way.y);
+    let offset = goal.at - from.at;
+    let direct = offset.x.atan2(offset.y);
     let mut best = (f64::INFINITY, GroundCurve::from_ends(from.at, direct, goal.at, direct));
     for _ in 0..TRIES {
         let depart = direct + rng.random_range(-1.2..1.2);

@@ -123,9 +123,9 @@ impl MotionScript {
     pub fn step(&mut self, step: ScriptStep) {
         let turn = f64::from(wrap_angle((step.to.heading - self.stance.heading) as f32));
         let along = self.stance.heading + 0.5 * turn;
-        let way = step.to.at - self.stance.at;
+        let offset = step.to.at - self.stance.at;
         let shape =
-            StepShape { length: way.dot(forward(along)), period: step.period, double_support: step.double_support };
+            StepShape { length: offset.dot(forward(along)), period: step.period, double_support: step.double_support };
         // A foot that has just landed carries for a while before it steps again.
         let again = self.steps.last().is_some_and(|s| s.side == step.side);
         let waits = self.now - self.landed;
@@ -140,7 +140,7 @@ impl MotionScript {
             side: step.side,
             pause,
             turn,
-            aside: way.dot(leftward(along)),
+            aside: offset.dot(leftward(along)),
             width: step.width,
             toe_out: step.toe_out,
             shape,

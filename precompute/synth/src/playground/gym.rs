@@ -41,7 +41,7 @@ impl Stairs {
         self.foot + DVec2::Y * (GOING * self.num_steps as f64)
     }
 
-    fn tread(&self, p: DVec2) -> Option<f64> {
+    fn step_height(&self, p: DVec2) -> Option<f64> {
         let (aside, along) = ((p.x - self.foot.x).abs(), p.y - self.foot.y);
         let on = aside < STAIRS_ASIDE && along >= 0.0 && p.y < self.end().y;
         on.then(|| RISE * ((along / GOING).floor() + 1.0).min(self.num_steps as f64))
@@ -88,7 +88,7 @@ pub const SLIDE_B: FeetStance = FeetStance { at: DVec2::new(-8.4, 4.2), heading:
 /// The ground beneath decks is not walked on.
 pub fn ground(p: DVec2) -> f64 {
     let deck = [DECK_A, DECK_B].into_iter().find(|d| d.contains(p, 0.0)).map(|d| d.level);
-    deck.or_else(|| [STAIRS_A, STAIRS_B].into_iter().find_map(|s| s.tread(p))).unwrap_or(0.0)
+    deck.or_else(|| [STAIRS_A, STAIRS_B].into_iter().find_map(|s| s.step_height(p))).unwrap_or(0.0)
 }
 
 /// Room for the elbows (m).

@@ -238,8 +238,8 @@ impl<R: Rng> GymVisit<'_, R> {
         let at = self.route.at;
         let to_lookout = |p: &DVec2| (*p - at.at).length();
         let nearest = LOOKOUTS.into_iter().min_by(|a, b| to_lookout(a).total_cmp(&to_lookout(b)));
-        let way = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
-        let goal = FeetStance { at: at.at + way * 2.4, heading: way.x.atan2(way.y) };
+        let direction = nearest.map_or(DVec2::Y, |p| (p - at.at).normalize_or(DVec2::Y));
+        let goal = FeetStance { at: at.at + direction * 2.4, heading: direction.x.atan2(direction.y) };
         self.walk(goal, WalkEnding::Stand, &ground_penalty);
         self.legs.push(VisitLeg::Walk(Box::new(self.route)));
         self.legs

@@ -187,14 +187,14 @@ impl WalkRoute {
     }
 
     /// Takes a flight of stairs: one step to every place of `treads`.
-    pub fn stairs(&mut self, treads: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
+    pub fn stairs(&mut self, steps: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
         let first = self.walk.steps.len();
-        for tread in treads {
-            let way = tread.at - self.at.at;
-            let ahead = forward(tread.heading);
+        for step in steps {
+            let offset = step.at - self.at.at;
+            let ahead = forward(step.heading);
             let period = period * (1.0 + self.variation * rng.random_range(-0.04..0.04));
-            let shape = StepShape { length: way.dot(ahead), period, double_support: 0.26 * period };
-            let turn = f64::from(wrap_angle((tread.heading - self.at.heading) as f32));
+            let shape = StepShape { length: offset.dot(ahead), period, double_support: 0.26 * period };
+            let turn = f64::from(wrap_angle((step.heading - self.at.heading) as f32));
             self.walk.steps.push(Intent {
                 side: self.walk.next,
                 pause: self.walk.pause,
@@ -280,8 +280,8 @@ fn plans(from: FeetStance, goal: FeetStance, arrival: WalkEnding, length: f64) -
 
 /// Turn from a stance towards a place (rad).
 fn turn_towards(from: FeetStance, to: DVec2) -> f64 {
-    let way = to - from.at;
-    f64::from(wrap_angle((way.x.atan2(way.y) - from.heading) as f32))
+    let offset = to - from.at;
+    f64::from(wrap_angle((offset.x.atan2(offset.y) - from.heading) as f32))
 }
 
 #[cfg(test)]

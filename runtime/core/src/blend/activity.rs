@@ -94,7 +94,7 @@ impl ActivitySet {
             num_frames: a.num_frames as usize,
             duration_s: seconds(a.num_frames - 1),
             looped_s: a.looped.map(|[first, count]| [seconds(first), seconds(first + count)]),
-            held_s: a.held.map(|h| h.map(|h| held(a, h))),
+            held_s: a.object_frames.map(|h| h.map(|h| held(a, h))),
             is_seated: a.is_seated,
         };
         Self {

@@ -13,20 +13,20 @@ use throng_base::{Result, maths};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
 /// a transition. Nothing has changed after an error.
-pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptReport> {
+pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptReport> {
     let motion_set = MotionSet::new(new);
-    let names = &cast.bundle.meta().behaviours;
+    let names = &group.bundle.meta().behaviours;
     let number = |policy: u32| Ok(new.find_policy(&names[policy as usize])? as u32);
-    let orders = cast.orders.iter().map(|o| o.with_policy_numbers(number)).collect::<Result<Vec<_>>>()?;
+    let orders = group.orders.iter().map(|o| o.with_policy_numbers(number)).collect::<Result<Vec<_>>>()?;
     if motion_set.graph().states.is_empty() {
         return Err(no_graph());
     }
     let poses = state_poses(&motion_set);
     let arrivals = segments_into_states(&motion_set);
-    let mut characters = Characters::with_capacity(&motion_set, *cast.characters.config(), cast.capacity())?;
-    let mut out = AdoptReport { num_characters: cast.characters.num_characters(), farthest_m: 0.0 };
+    let mut characters = Characters::with_capacity(&motion_set, *group.characters.config(), group.capacity())?;
+    let mut out = AdoptReport { num_characters: group.characters.num_characters(), farthest_m: 0.0 };
     for at in 0..out.num_characters {
-        let old = &cast.characters;
+        let old = &group.characters;
         let (shown, root) = (old.last_pose(at), old.root(at));
         let (state, farthest_m) = nearest_state(shown, &poses);
         out.farthest_m = out.farthest_m.max(farthest_m);
@@ -36,14 +36,14 @@ pub(super) fn adopt(cast: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptRe
             ease_to_pose(&mut characters, at, shown, &poses[state]);
         }
     }
-    characters.copy_surroundings(&cast.characters);
-    characters.detail = cast.characters.detail;
+    characters.copy_surroundings(&group.characters);
+    characters.detail = group.characters.detail;
     characters.reserve_all(&motion_set);
-    cast.bundle = new.clone();
-    cast.motion_set = motion_set;
-    cast.arrivals = arrivals;
-    cast.characters = characters;
-    cast.orders.clone_from(&orders);
+    group.bundle = new.clone();
+    group.motion_set = motion_set;
+    group.arrivals = arrivals;
+    group.characters = characters;
+    group.orders.clone_from(&orders);
     Ok(out)
 }
 

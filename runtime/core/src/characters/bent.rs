@@ -33,12 +33,12 @@ pub(super) fn pieces(motion_set: &MotionSet, segment: u32, bend: f32) -> impl It
         let frames = w[1].frame - w[0].frame;
         let (from, to) = (Vec2::new(w[0].x, w[0].z), Vec2::new(w[1].x, w[1].z));
         let num = frames.div_ceil(PIECE_FRAMES);
-        let (way, step, first) = ((to - from) / num as f32, frames as f32 / num as f32, w[0].frame as f32);
-        (0..num).map(move |k| (first + step * k as f32, step, from + way * k as f32, way))
+        let (offset, step, first) = ((to - from) / num as f32, frames as f32 / num as f32, w[0].frame as f32);
+        (0..num).map(move |k| (first + step * k as f32, step, from + offset * k as f32, offset))
     });
-    parts.map(move |(first, step, captured, way)| {
+    parts.map(move |(first, step, captured, offset)| {
         let (begin, turn) = (end, bend * (first + 0.5 * step));
-        end += Planar::new(0.0, 0.0, turn).transform_point(way);
+        end += Planar::new(0.0, 0.0, turn).transform_point(offset);
         BentPiece { frames: [first, first + step], captured, begin, end, turn }
     })
 }

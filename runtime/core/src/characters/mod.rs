@@ -320,14 +320,14 @@ impl Characters {
         check_index("character", None, character, self.num_characters)?;
         check_index("segment", None, segment as usize, self.num_segments)?;
         let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
-        let laid = before.0.segment[character % LANES] == block::SCHEDULED;
+        let scheduled = before.0.segment[character % LANES] == block::SCHEDULED;
         control::play_segment(&mut self.blocks, &mut self.bodies, character, segment, motion_set, &self.config);
         if !self.reserve_path(motion_set, character) {
             (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
             self.reserve_path(motion_set, character);
             return Err(occupied_error(Id::first(character)));
         }
-        self.num_choosers += usize::from(laid);
+        self.num_choosers += usize::from(scheduled);
         Ok(())
     }
 

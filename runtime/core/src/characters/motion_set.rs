@@ -224,15 +224,15 @@ mod tests {
         };
         let clip = |num_frames| [ScheduledClip { num_frames, ..ScheduledClip::default() }];
         assert!(Characters::new_scheduled(&r, CharactersConfig::default(), &clip(3)).is_err());
-        let mut laid = Characters::new_scheduled(&r, CharactersConfig::default(), &clip(2)).unwrap();
-        laid.step(&r, 1.0, &[]).unwrap();
-        let kept = laid.snapshot();
-        laid.restore(&r, &kept).unwrap();
+        let mut scheduled = Characters::new_scheduled(&r, CharactersConfig::default(), &clip(2)).unwrap();
+        scheduled.step(&r, 1.0, &[]).unwrap();
+        let kept = scheduled.snapshot();
+        scheduled.restore(&r, &kept).unwrap();
         let bad: [fn(&mut MotionBlock, &mut BodyBlock); 2] = [|b, _| b.length[0] = 3, |b, _| b.change = [[3; 8]; 2]];
         for spoil in bad {
             let mut kept = kept.clone();
             kept.spoil_first_block(spoil);
-            assert!(laid.restore(&r, &kept).is_err());
+            assert!(scheduled.restore(&r, &kept).is_err());
         }
         let sample = |frame| {
             let matrices = &mut [Mat3x4::default(); NUM_JOINTS];

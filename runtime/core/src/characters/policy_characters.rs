@@ -287,8 +287,8 @@ impl PolicyCharacters {
                 return Some(e.to_string());
             }
             // Scheduled clips are for characters that a caller moves.
-            let is_laid = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
-            if is_laid || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
+            let is_scheduled = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
+            if is_scheduled || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
                 return Some(format!(
                     "character {id} plays what the bundle does not have, or is nowhere; take a new one"
                 ));

@@ -111,7 +111,7 @@ pub struct ActivityMeta {
     /// First frame within the activity, and number of frames, of the part that goes on until the activity is to end.
     pub looped: Option<[u32; 2]>,
     /// First frame within the activity, and number of frames, in which the left and the right hand hold a thing.
-    pub held: [Option<[u32; 2]>; 2],
+    pub object_frames: [Option<[u32; 2]>; 2],
     /// The body does not stand in the middle of it: it cannot just walk away.
     pub is_seated: bool,
 }

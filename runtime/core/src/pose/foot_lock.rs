@@ -193,14 +193,14 @@ fn update<F: Lanes>(
     // gently.
     let both = hold_heel * hold_toe;
     let (was, old_turn) = (load(&lock.correction), load(&lock.turn));
-    let (in_air, way) = (F::splat(step.in_air), toe - ankle);
-    let square = way.dot(way);
+    let (in_air, offset) = (F::splat(step.in_air), toe - ankle);
+    let square = offset.dot(offset);
     let free = F::select_lt(held, half, in_air, F::splat(step.height));
     let whole = old_turn - (toe_moved - ankle_moved) * both;
     let turn = step.eased(whole, both, free, square.sqrt() * F::splat(MAX_TURN));
     // No foot grows longer.
-    let turned = way + turn;
-    let turn = turned * (square / turned.dot(turned).max(F::splat(1e-9))).sqrt() - way;
+    let turned = offset + turn;
+    let turn = turned * (square / turned.dot(turned).max(F::splat(1e-9))).sqrt() - offset;
 
     // A toe that holds without the heel moves the ankle by what the foot turns; what a turn lacks, both share.
     let of_toe = (toe_moved + turn - old_turn) * (hold_toe * (one - hold_heel));
@@ -317,8 +317,8 @@ mod tests {
             let time = i as f32 / 60.0;
             let off = (*ankle - Vec3::new(time, 0.1, 0.0)).with_y(0.0);
             assert!(off.length() < 0.3 + 1e-4, "step {i}: {off}");
-            let way = glam::Quat::from_rotation_y(3.0 * time) * Vec3::Z;
-            let turned = way.angle_between((toe - ankle).with_y(0.0));
+            let offset = glam::Quat::from_rotation_y(3.0 * time) * Vec3::Z;
+            let turned = offset.angle_between((toe - ankle).with_y(0.0));
             assert!(turned < 0.75, "step {i}: {turned} rad");
         }
     }

@@ -31,12 +31,12 @@ pub struct TimedPath<'a> {
 }
 
 /// Most nodes that one capsule of a reserved region encloses.
-const HELD_NODES: usize = 6;
+const CAPSULE_NODES: usize = 6;
 
 impl TimedPath<'_> {
     /// Largest number of capsules that a path of so many nodes reserves.
     pub fn max_reserved_regions(nodes: usize) -> usize {
-        nodes.div_ceil(HELD_NODES)
+        nodes.div_ceil(CAPSULE_NODES)
     }
 
     /// Number of the node after which the path is at a time since it began.
@@ -87,21 +87,21 @@ impl TimedPath<'_> {
     }
 
     /// True where it meets what stands, at any time from now on.
-    pub fn meets_capsule(&self, rod: &Capsule2d) -> bool {
-        self.capsules().any(|own| own.intersects(rod))
+    pub fn meets_capsule(&self, capsule: &Capsule2d) -> bool {
+        self.capsules().any(|own| own.intersects(capsule))
     }
 
     /// Adds the region that it reserves from now on: a few capsules, each around some of its nodes.
     pub fn add_reserved_regions(&self, out: &mut Vec<Capsule2d>) {
         let mut around: Option<(Capsule2d, usize)> = None;
-        let mut places = [Vec2::ZERO; HELD_NODES];
-        for rod in self.capsules() {
-            let (whole, n) = around.get_or_insert((Capsule2d { to: rod.from, ..rod }, 0));
-            places[*n] = rod.to;
+        let mut places = [Vec2::ZERO; CAPSULE_NODES];
+        for capsule in self.capsules() {
+            let (whole, n) = around.get_or_insert((Capsule2d { to: capsule.from, ..capsule }, 0));
+            places[*n] = capsule.to;
             *n += 1;
-            whole.radius_m = whole.radius_m.max(rod.radius_m);
-            whole.to = rod.to;
-            if *n == HELD_NODES {
+            whole.radius_m = whole.radius_m.max(capsule.radius_m);
+            whole.to = capsule.to;
+            if *n == CAPSULE_NODES {
                 out.push(widen_capsule(*whole, &places[..*n]));
                 around = None;
             }
@@ -121,10 +121,10 @@ impl TimedPath<'_> {
 }
 
 /// Capsule that also holds its discs about some places.
-fn widen_capsule(rod: Capsule2d, places: &[Vec2]) -> Capsule2d {
-    let line = Capsule2d { radius_m: 0.0, ..rod };
+fn widen_capsule(capsule: Capsule2d, places: &[Vec2]) -> Capsule2d {
+    let line = Capsule2d { radius_m: 0.0, ..capsule };
     let off = places.iter().map(|p| line.distance_to(*p)).fold(0.0, f32::max);
-    Capsule2d { radius_m: rod.radius_m + off, ..rod }
+    Capsule2d { radius_m: capsule.radius_m + off, ..capsule }
 }
 
 #[cfg(test)]
@@ -164,7 +164,7 @@ mod tests {
             TimedPath { nodes: &a, elapsed_s }.add_reserved_regions(&mut held);
             for k in 0..900 {
                 let (at, radius) = disc(&a, elapsed_s + k as f32 * 1e-2);
-                let least = held.iter().map(|rod| rod.distance_to(at)).fold(f32::INFINITY, f32::min);
+                let least = held.iter().map(|capsule| capsule.distance_to(at)).fold(f32::INFINITY, f32::min);
                 prop_assert!(least <= -radius + 1e-4, "{} m beyond", least + radius);
             }
         }

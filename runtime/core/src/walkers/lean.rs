@@ -33,8 +33,8 @@ pub(crate) fn hips_sink<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share:
     let (zero, tiny) = (F::splat(0.0), F::splat(1e-3));
     let [waist, shoulder] = [Joint::Spine, ARMS[side][0]].map(|j| pose.positions[j.index()]);
     let (trunk, arm): (F, F) = ((shoulder - waist).length(), soft_length(&body.arms[side]));
-    let way = to - waist;
-    let ahead = V::new(way.x, zero, way.z);
+    let offset = to - waist;
+    let ahead = V::new(offset.x, zero, offset.z);
     let ahead = ahead * (F::splat(1.0) / ahead.length().max(tiny));
     let [up, along] = BEFORE_SINKING.map(F::splat);
     let leaned = waist + V::new(zero, trunk * up, zero) + ahead * (trunk * along);
@@ -52,9 +52,9 @@ pub(crate) fn lean_trunk<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share
     let arm: F = soft_length(&body.arms[side]);
     for (above, part) in ABOVE.into_iter().zip([AT_WAIST, 1.0]) {
         let (pivot, shoulder) = (pose.positions[*above.start()], pose.positions[ARMS[side][0].index()]);
-        let (trunk, way) = (shoulder - pivot, to - pivot);
-        let (length, distance) = (trunk.length().max(tiny), way.length().max(tiny));
-        let direction = way * (one / distance);
+        let (trunk, offset) = (shoulder - pivot, to - pivot);
+        let (length, distance) = (trunk.length().max(tiny), offset.length().max(tiny));
+        let direction = offset * (one / distance);
         let most = (length + arm) * F::splat(0.999);
         let least = (length - arm).abs() + F::splat(1e-3);
         let aim = bent_middle(

@@ -37,7 +37,7 @@ use throng_base::maths;
 use throng_base::simd::LANES;
 use throng_base::{Executor, Hash128, Id, Result, run_each};
 
-/// Characters that follow trajectories with blended bodies, eight to a block. A [`Cast`](crate::Cast): they enter and
+/// Characters that follow trajectories with blended bodies, eight to a block. A [`CharacterGroup`](crate::CharacterGroup): they enter and
 /// leave, and are ordered about with [`Control`].
 ///
 /// Every step puts each walker on its trajectory, turns it, finds the weights of the examples for its speed, turning
@@ -45,7 +45,7 @@ use throng_base::{Executor, Hash128, Id, Result, run_each};
 /// elevation and sway of the examples, planted feet stay where they are, and legs and touching arms reach by analytic
 /// inverse kinematics (Kim, Kim and Shin 2003a, section 4.2).
 ///
-/// Walkers are numbered by row, as in [`Cast::bodies`](crate::Cast::bodies): in the order in which they entered, but the
+/// Walkers are numbered by row, as in [`CharacterGroup::bodies`](crate::CharacterGroup::bodies): in the order in which they entered, but the
 /// last one takes the row of one that leaves.
 #[derive(Clone, Debug)]
 pub struct Walkers {

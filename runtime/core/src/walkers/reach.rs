@@ -46,10 +46,10 @@ pub(crate) fn lower_body<F: Lanes>(
         let leg = &body.legs[side];
         let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
         let hip = pose.positions[LEGS[side][0].index()];
-        let way = hip - sole.ankle;
-        let up = (reach * reach - way.x * way.x - way.z * way.z).max(reach * reach * F::splat(0.1)).sqrt();
+        let offset = hip - sole.ankle;
+        let up = (reach * reach - offset.x * offset.x - offset.z * offset.z).max(reach * reach * F::splat(0.1)).sqrt();
         // Whole where the foot stands: half of the blend is enough for that.
-        drop = drop.max((way.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
+        drop = drop.max((offset.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
     }
     let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale)).max(sunk);
     let (off, rate) = spring.pull_lanes(F::load(drop_before) - drop, F::load(drop_rate));
@@ -75,11 +75,11 @@ pub(crate) fn raise_heel<F: Lanes>(
     let (zero, one, tiny) = (F::splat(0.0), F::splat(1.0), F::splat(1e-3));
     let leg = &body.legs[side];
     let hip = pose.positions[LEGS[side][0].index()];
-    let way = hip - sole.ankle;
-    let leg_now = way.length();
+    let offset = hip - sole.ankle;
+    let leg_now = offset.length();
     let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
     // Only where the hip is ahead of the foot.
-    let share = (way.z / (F::load(&body.scale) * F::splat(TRAILING_M))).min(one).max(zero);
+    let share = (offset.z / (F::load(&body.scale) * F::splat(TRAILING_M))).min(one).max(zero);
     let to_ball = sole.foot.rotate(load(&leg.ball));
     let wanted = leg_now - (leg_now - reach) * share;
     let (ball, foot) = (sole.ankle + to_ball, to_ball.length());
@@ -122,8 +122,8 @@ pub(crate) fn slow_knee<F: Lanes>(
     let (longest, shortest) = (lengths[0] + lengths[1], lengths[0] - lengths[1]);
     let room = longest * longest - shortest * shortest;
     let hip = pose.positions[LEGS[side][0].index()];
-    let way = sole.ankle - hip;
-    let distance = way.length().max(F::splat(1e-4));
+    let offset = sole.ankle - hip;
+    let distance = offset.length().max(F::splat(1e-4));
     // The cosine of half the angle at the knee: 0 where the leg is straight.
     let reached = soft_distance(distance, lengths);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
@@ -134,7 +134,7 @@ pub(crate) fn slow_knee<F: Lanes>(
     let bent = F::select_lt(half, free, slow, aim);
     foot.bent = bent.to_array();
     let d = (longest * longest - bent * bent * room).max(zero).sqrt();
-    sole.ankle = sole.ankle + way * ((d / distance - one) * free);
+    sole.ankle = sole.ankle + offset * ((d / distance - one) * free);
 }
 
 /// Bends a leg so that its foot lies where it goes.

@@ -26,7 +26,7 @@ use throng_base::simd::LANES;
 use throng_geometry::Bounds2d;
 
 /// Longest plan of an agent near an external obstacle, whose motion may change at any time (s).
-const LOOK_AGAIN_S: f32 = 0.25;
+const DECIDE_AGAIN_S: f32 = 0.25;
 
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
@@ -153,13 +153,13 @@ impl<V: Space> Decider<'_, V> {
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
         self.look_around(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.solids_near(state.cell);
-        let sees_outsiders = self.sees_external_obstacles(&walker, scratch);
+        let sees_external_obstacles = self.sees_external_obstacles(&walker, scratch);
         let f = self.forces_from(agent, &walker, &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
-        let longest = if sees_outsiders { longest.min(LOOK_AGAIN_S) } else { longest };
+        let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
     }
@@ -334,22 +334,28 @@ impl<V: Space> Decider<'_, V> {
         let half =
             between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
         let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
-        let way = blocked.retreat_direction(self.grid, steering).or_else(|| {
+        let direction = blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
             let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
             gate.retreat_direction(walker.position, walker.radius, self.time, self.grid, steering)
         });
-        let yields = way.is_some();
-        if let Some(way) = way.or_else(|| blocked.random_retreat_direction(agent, self.time, self.grid, steering)) {
-            *walker =
-                SteeredAgent { desired: way, speed: steering.retreat_speed * state.speed, retreats: true, ..*walker };
+        let yields = direction.is_some();
+        if let Some(direction) =
+            direction.or_else(|| blocked.random_retreat_direction(agent, self.time, self.grid, steering))
+        {
+            *walker = SteeredAgent {
+                desired: direction,
+                speed: steering.retreat_speed * state.speed,
+                retreats: true,
+                ..*walker
+            };
         }
         yields
     }
 
     /// Steers an agent to its place in its group; true where it has one.
     fn keep_company(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
-        let Some(bond) = self.relationships.relationships_of(agent).filter(|b| b.companions[0] != NONE) else {
+        let Some(relationship) = self.relationships.relationships_of(agent).filter(|b| b.companions[0] != NONE) else {
             return false;
         };
         if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
@@ -358,7 +364,7 @@ impl<V: Space> Decider<'_, V> {
         let mut others =
             [Companion { index: NONE, offset: V::default(), intent: V::default(), speed: 0.0 }; MOST_COMPANIONS];
         let mut num = 0;
-        for index in bond.companions() {
+        for index in relationship.companions() {
             let its = &self.states[index as usize];
             // Companions that have arrived, or have no goal, are not waited for.
             if !its.is_there {
@@ -393,19 +399,19 @@ impl<V: Space> Decider<'_, V> {
     ) {
         scratch.seen.clear();
         let field = &self.scenery.fields[state.field as usize];
-        let heed = PerceptionLimits {
+        let limits = PerceptionLimits {
             perception: field.perception_m,
             felt: felt_within(me, field),
             horizon: contact_horizon(field, &self.scenery.steering),
             room: field.comfort_m + ROUNDING,
         };
-        let look = NeighbourQuery { cells: self.cells, at, time: self.time, agent, me, perception: heed };
+        let query = NeighbourQuery { cells: self.cells, at, time: self.time, agent, me, perception: limits };
         let DecisionScratch { room, seen, rows, .. } = &mut *scratch;
         match aim {
-            None => look.find_neighbours(room, seen, None),
-            Some((SchemeRef { lists: Some(_) }, _)) => look.find_neighbours(room, seen, Some(rows)),
+            None => query.find_neighbours(room, seen, None),
+            Some((SchemeRef { lists: Some(_) }, _)) => query.find_neighbours(room, seen, Some(rows)),
             Some((SchemeRef { lists: None }, meeting)) => {
-                look.find_neighbours(room, seen, Some(rows));
+                query.find_neighbours(room, seen, Some(rows));
                 meeting.find_among(self.cells, rows);
             }
         }

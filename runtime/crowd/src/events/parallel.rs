@@ -199,8 +199,10 @@ impl<V: Space> Engine<V> {
             let agents = [item.agent, item.partner];
             let here = agents.iter().copied().filter(|&m| m != NONE);
             // Some agents look at others that are far away.
-            let afar =
-                here.clone().filter_map(|m| self.relationships.relationships_of(m)).flat_map(|bond| bond.agents());
+            let afar = here
+                .clone()
+                .filter_map(|m| self.relationships.relationships_of(m))
+                .flat_map(|relationship| relationship.agents());
             let afar = afar.filter(|&m| self.states[m as usize].cell != NONE);
             let cells = here.chain(afar).map(|m| self.cells.coordinates(self.cells.plan(m).motion_at(item.time).0));
             for at in cells.clone() {
@@ -266,8 +268,8 @@ impl<V: Space> Engine<V> {
         let EventWindows { who, parts, events, left, .. } = windows;
         for (n, part) in parts.iter_mut().enumerate().take(num_parts) {
             let part = part.get_mut().unwrap_or_else(PoisonError::into_inner);
-            let whose = who.iter().zip(items).skip(n * share);
-            for (decision, (&who, item)) in part.decisions.iter().zip(whose) {
+            let deciders = who.iter().zip(items).skip(n * share);
+            for (decision, (&who, item)) in part.decisions.iter().zip(deciders) {
                 let Some(decision) = decision else {
                     if who != NONE {
                         self.resume_plan(who);
@@ -309,17 +311,17 @@ mod tests {
             let soon = crowd.ids().map(|id| id.index).filter(|m| end(m) < time + 0.04);
             let tired = soon.max_by(|a, b| end(a).total_cmp(&end(b))).unwrap();
             while crowd.watchdog.note_event(tired, NONE, crowd.now).is_ok() {}
-            let mut told = 0;
+            let mut num_reported = 0;
             let is_own = |k| {
                 matches!(
                     k,
                     CrowdEventKind::Resetting | CrowdEventKind::Colliding { .. } | CrowdEventKind::Meeting { .. }
                 )
             };
-            let error = crowd.par_advance(2.0, &mut |e| told += u64::from(is_own(e.kind))).unwrap_err();
+            let error = crowd.par_advance(2.0, &mut |e| num_reported += u64::from(is_own(e.kind))).unwrap_err();
             assert!(matches!(error, CrowdError::Stalled { first, .. } if first.index == tired), "{error}");
             let own = |c: crate::EventCounts| c.resetting + c.colliding + c.meeting;
-            assert_eq!(told, own(crowd.counts) - own(before), "what was counted is told");
+            assert_eq!(num_reported, own(crowd.counts) - own(before), "what was counted is told");
             let mut waiting = Vec::new();
             while let Some((time, agent)) = crowd.queue.first(9.0) {
                 assert_eq!(time, crowd.cells.plan(agent).end);

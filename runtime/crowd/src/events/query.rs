@@ -94,8 +94,8 @@ impl<V: Space> Engine<V> {
 
     /// Companions of an agent.
     pub fn companions(&self, id: Id) -> [Option<Id>; MOST_COMPANIONS] {
-        let bond = self.relationships.relationships_of(id.index).filter(|_| self.check_id(id).is_ok());
-        let companions = bond.map_or([NONE; MOST_COMPANIONS], |b| b.companions);
+        let relationship = self.relationships.relationships_of(id.index).filter(|_| self.check_id(id).is_ok());
+        let companions = relationship.map_or([NONE; MOST_COMPANIONS], |b| b.companions);
         companions.map(|c| Some(c).filter(|&c| c != NONE).map(|c| self.id(c)))
     }
 
@@ -117,7 +117,7 @@ impl<V: Space> Engine<V> {
 
     /// Decider with all data that a decision may read.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
-        let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships: bonds, .. } = self;
-        Decider { scenery, cells, states, grid, external_obstacles: outsiders, relationships: bonds, time }
+        let Self { scenery, cells, states, grid, external_obstacles, relationships, .. } = self;
+        Decider { scenery, cells, states, grid, external_obstacles, relationships, time }
     }
 }

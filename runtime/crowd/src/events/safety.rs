@@ -28,8 +28,8 @@ impl<V: Space> Decider<'_, V> {
         reach.find_neighbours(scratch.rows.found_rows(), &mut scratch.others);
         for mover in &self.scenery.movers {
             let plan = mover.plan(self.time, length + 2.0 * self.scenery.speed / fresh.limit);
-            let way = plan.velocity.length() * (plan.end - plan.start) as f32;
-            let free = (plan.position - fresh.position).length() - plan.radius - way;
+            let distance = plan.velocity.length() * (plan.end - plan.start) as f32;
+            let free = (plan.position - fresh.position).length() - plan.radius - distance;
             if free < reach.mine {
                 scratch.others.push(&plan);
             }

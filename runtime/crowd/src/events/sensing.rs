@@ -16,7 +16,7 @@ impl<V: Space> Engine<V> {
     pub fn set_sense(&mut self, id: Id, sense: Sense) -> Result<(), CrowdError> {
         self.check_id(id)?;
         let own = &mut self.sensors.states[id.index()];
-        let channels = |s: &Sense| (s.tells, s.hears, s.once);
+        let channels = |s: &Sense| (s.sends, s.receives, s.once);
         if channels(&own.sense) != channels(&sense) {
             self.sensors.changes += 1;
             (own.changed, own.last) = ((self.now, self.sensors.changes), None);
@@ -105,7 +105,7 @@ impl<V: Space> Engine<V> {
         }
         let meet_m = sensors.senses.meet_m;
         let mut partner_start = 0.0;
-        if meet_m > 0.0 && (sense.tells | sense.hears) != 0 {
+        if meet_m > 0.0 && (sense.sends | sense.receives) != 0 {
             self.sensors.boxes.set(agent as usize, bounds);
             let sensors = &self.sensors;
             sensors.boxes.visit_intersecting(&bounds.expanded_by(meet_m), |o| {
@@ -205,7 +205,7 @@ impl<V: Space> Engine<V> {
             if self.states[agent as usize].cell == NONE {
                 continue;
             }
-            if (own.sense.tells | own.sense.hears) != 0 && self.sensors.senses.meet_m > 0.0 {
+            if (own.sense.sends | own.sense.receives) != 0 && self.sensors.senses.meet_m > 0.0 {
                 let plan = self.cells.plan(agent);
                 let bounds: Bounds2d = swept_bounds(&plan, plan.start);
                 self.sensors.boxes.set(agent as usize, bounds);

@@ -307,7 +307,7 @@ impl<V: Space> SharedEngine<V> {
             }
         };
         let nothing = || PassMessage { waiting: 0, done: Vec::new(), changed: Vec::new() };
-        let mut told: Vec<PassMessage<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
+        let mut messages: Vec<PassMessage<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
         let mut waiting = 0;
         for item in items.iter_mut().filter(|item| !item.is_done) {
             let mut waits = item.rank != self.rank;
@@ -321,25 +321,25 @@ impl<V: Space> SharedEngine<V> {
             }
             item.is_done = true;
             let changed = self.process(item)?;
-            for rank in (0..told.len()).filter(|&rank| rank != self.rank && self.touches(item, rank)) {
-                told[rank].done.push(item.agent);
+            for rank in (0..messages.len()).filter(|&rank| rank != self.rank && self.touches(item, rank)) {
+                messages[rank].done.push(item.agent);
                 let changed = changed.iter().filter(|&&m| m != NONE).map(|&m| self.changed_agent(m));
-                told[rank].changed.extend(changed);
+                messages[rank].changed.extend(changed);
             }
         }
-        let messages = told.iter_mut().map(|told| {
-            told.waiting = waiting;
-            encode(told)
+        let messages = messages.iter_mut().map(|message| {
+            message.waiting = waiting;
+            encode(message)
         });
         let mut nobody_waits = true;
         for (rank, bytes) in comm.exchange(messages.collect())?.iter().enumerate() {
-            let told: PassMessage<V> = decode(rank, bytes)?;
-            nobody_waits &= told.waiting == 0;
-            for agent in told.done {
+            let message: PassMessage<V> = decode(rank, bytes)?;
+            nobody_waits &= message.waiting == 0;
+            for agent in message.done {
                 let place = place_of.binary_search_by_key(&agent, |p| p.0).map_err(|_| unexpected_message(rank))?;
                 items[place_of[place].1].is_done = true;
             }
-            told.changed.iter().for_each(|changed| self.apply_changes(changed));
+            message.changed.iter().for_each(|changed| self.apply_changes(changed));
         }
         Ok(nobody_waits)
     }

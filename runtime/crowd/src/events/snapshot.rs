@@ -51,7 +51,7 @@ struct SavedCrowd<V> {
     /// Sensing agents and their states.
     sensing: Vec<(u32, SensingState)>,
     /// Agents with relationships.
-    bonds: Vec<(u32, AgentRelationships<V>)>,
+    relationships: Vec<(u32, AgentRelationships<V>)>,
     scheme: Option<OtherScheme>,
 }
 
@@ -111,7 +111,7 @@ impl<V: Space> Engine<V> {
             refreshes: self.refreshes,
             doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
-            bonds: self.relationships.saved(),
+            relationships: self.relationships.saved(),
             scheme: self.other_scheme(),
         };
         self.snapshot_kind().write(&saved, out);
@@ -192,7 +192,7 @@ impl<V: Space> Engine<V> {
         self.sensors.states.fill(SensingState::default());
         saved.sensing.iter().for_each(|(m, own)| self.sensors.states[*m as usize] = *own);
         self.relink_senses();
-        self.relationships.restore_saved(&saved.bonds);
+        self.relationships.restore_saved(&saved.relationships);
         match saved.scheme {
             Some(OtherScheme::Occupancy(mut occupancy)) => {
                 occupancy.relink(&self.cells);
@@ -231,7 +231,7 @@ impl<V: Space> Engine<V> {
             return Err("somebody senses what cannot be".to_owned());
         }
         let is_there = |m: u32| saved.states.get(m as usize).is_some_and(|s| s.cell != NONE);
-        if !self.relationships.is_possible(&saved.bonds, is_there) {
+        if !self.relationships.is_possible(&saved.relationships, is_there) {
             return Err("somebody cares for what cannot be".to_owned());
         }
         let num_there = saved.states.iter().filter(|m| m.cell != NONE).count();

@@ -47,8 +47,8 @@ impl<V: Space> Guide<'_, V> {
         };
         let (from, to) = (x.to_world(), target.to_world());
         let sees_it = streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), false);
-        let straight_way = to.xz() - from.xz();
-        if sees_it && !self.is_anybody_coming(x, straight_way) {
+        let offset_to_goal = to.xz() - from.xz();
+        if sees_it && !self.is_anybody_coming(x, offset_to_goal) {
             return;
         }
         let (goal, rest) = path.subgoal(cursor.leg);
@@ -86,8 +86,8 @@ impl<V: Space> Guide<'_, V> {
                 coming * (left + self.steering.left_half_cost * in_left_half.max(0.0))
             };
             if sees_it {
-                let Some((at, out)) = crossing_at_corner(from.xz(), straight_way, corner) else { continue };
-                let cost = straight_way.length() + on_the_left(out) + self.delay_at(from.xz(), at, along);
+                let Some((at, out)) = crossing_at_corner(from.xz(), offset_to_goal, corner) else { continue };
+                let cost = offset_to_goal.length() + on_the_left(out) + self.delay_at(from.xz(), at, along);
                 straight_on = straight_on.min(cost);
             }
             let beyond = if sees_it { 0.0 } else { 1.0 };
@@ -160,8 +160,8 @@ impl<V: Space> Guide<'_, V> {
     }
 
     /// True where others come along a straight line.
-    fn is_anybody_coming(&self, x: V, way: Vec2) -> bool {
-        let (ahead, length) = Space::unit_and_length(way);
+    fn is_anybody_coming(&self, x: V, direction: Vec2) -> bool {
+        let (ahead, length) = Space::unit_and_length(direction);
         oncoming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
     }
 }
@@ -171,10 +171,10 @@ fn over_ground<V: Space>(v: Vec2) -> V {
 }
 
 /// Point where a straight line crosses the line at a corner, and its distance from the corner; None where it does not.
-fn crossing_at_corner(from: Vec2, way: Vec2, corner: &RouteCorner) -> Option<(Vec2, f32)> {
-    let (off, across) = (corner.at - from, way.perp_dot(corner.out));
-    let (share, out) = (off.perp_dot(corner.out) / across, off.perp_dot(way) / across);
+fn crossing_at_corner(from: Vec2, direction: Vec2, corner: &RouteCorner) -> Option<(Vec2, f32)> {
+    let (off, across) = (corner.at - from, direction.perp_dot(corner.out));
+    let (share, out) = (off.perp_dot(corner.out) / across, off.perp_dot(direction) / across);
     let is_ahead = share > 0.0 && share < 1.0;
     // The line begins and ends where a centre may be; some are nearer to what stands.
-    (is_ahead && out > -EDGE_M && out < corner.free + EDGE_M).then(|| (from + way * share, out))
+    (is_ahead && out > -EDGE_M && out < corner.free + EDGE_M).then(|| (from + direction * share, out))
 }

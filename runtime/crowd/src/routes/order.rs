@@ -25,8 +25,8 @@ pub(crate) enum OrderDestination<V> {
 }
 
 impl<V> AgentOrder<V> {
-    fn new(way: OrderDestination<V>) -> Self {
-        Self { destination: way, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
+    fn new(destination: OrderDestination<V>) -> Self {
+        Self { destination, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
     }
 
     /// Order to go to a goal (m): round obstacles where the crowd knows its streets, otherwise straight.
@@ -64,15 +64,15 @@ impl<V> AgentOrder<V> {
 
     /// Converts it to another space.
     pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> AgentOrder<W> {
-        let Self { destination: way, at_end, arrival_m, speed_mps } = self;
-        let way = match way {
+        let Self { destination, at_end, arrival_m, speed_mps } = self;
+        let destination = match destination {
             OrderDestination::ToGoal(goal) => OrderDestination::ToGoal(f(goal)),
             OrderDestination::AlongSubgoals(subgoals) => {
                 OrderDestination::AlongSubgoals(subgoals.into_iter().map(f).collect())
             }
             OrderDestination::Route(number) => OrderDestination::Route(number),
         };
-        AgentOrder { destination: way, at_end, arrival_m, speed_mps }
+        AgentOrder { destination, at_end, arrival_m, speed_mps }
     }
 }
 

@@ -279,15 +279,15 @@ pub(crate) fn is_in_solid<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[C
 
 /// Free distance from a place along a unit vector (m).
 fn free_way<V: Space>(from: V, along: V, solids: &[ConvexSolid<V>]) -> f32 {
-    let mut way = 0.0;
+    let mut distance = 0.0;
     // Moves on by the distance of the nearest solid on any side, and repeats.
-    while way < WIDEST_M && V::DIMENSIONS == 2 {
-        let x = from + along * way;
+    while distance < WIDEST_M && V::DIMENSIONS == 2 {
+        let x = from + along * distance;
         let nearest = solids.iter().map(|s| s.direction_and_distance(x).1).fold(WIDEST_M, f32::min);
         if nearest < 0.02 {
-            return way;
+            return distance;
         }
-        way += nearest;
+        distance += nearest;
     }
     WIDEST_M
 }

@@ -308,9 +308,9 @@ impl<V: Space, F: Lanes> PlanPairLanes<V, F> {
     fn violation(&self, some: u8) -> Option<(F, VectorLanes<V, F>)> {
         let zero = F::splat(0.0);
         let first = middle(&self.mine[0]) - middle(&self.its[0]);
-        let way = middle(&self.mine[2]) - middle(&self.its[2]) - first;
-        let share = -first.dot(way) / way.length_squared().max(F::splat(1e-12));
-        let (nearest, distance) = (first + way * share.max(zero).min(F::splat(1.0))).unit_and_length();
+        let offset = middle(&self.mine[2]) - middle(&self.its[2]) - first;
+        let share = -first.dot(offset) / offset.length_squared().max(F::splat(1e-12));
+        let (nearest, distance) = (first + offset * share.max(zero).min(F::splat(1.0))).unit_and_length();
         let violation = F::select_lt(F::splat(1e-3), distance, self.missing_along(nearest), F::splat(f32::INFINITY));
         if some & zero.bits_lt(violation) == 0 {
             return None;

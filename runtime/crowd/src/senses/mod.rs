@@ -39,9 +39,9 @@ pub struct Zone<V = Vec3> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Sense {
     /// Channels on which it sends.
-    pub tells: u32,
+    pub sends: u32,
     /// Channels on which it hears.
-    pub hears: u32,
+    pub receives: u32,
     /// Channels among [`Sense::hears`] on which only an approach counts. On the others, a near agent is met at once
     /// when either begins to send or to receive.
     pub once: u32,
@@ -56,7 +56,7 @@ pub struct Sense {
 impl Sense {
     /// Channels on which one of two hears the other: on any, and on those where being near is enough.
     pub(crate) fn channels(&self, other: &Self) -> (u32, u32) {
-        let (there, back) = (self.tells & other.hears, other.tells & self.hears);
+        let (there, back) = (self.sends & other.receives, other.sends & self.receives);
         (there | back, there & !other.once | back & !self.once)
     }
 }

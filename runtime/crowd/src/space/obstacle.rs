@@ -18,7 +18,7 @@ pub enum Obstacle<V = Vec3> {
     /// its way as far as they can: a trapped agent is struck, which [`crate::EventKind::Struck`] reports.
     Mover {
         /// Positions at times. Before the first and after the last it stands still. (s, m, >= 1, times rise)
-        way: Vec<(f64, V)>,
+        path: Vec<(f64, V)>,
         /// (m, > 0)
         radius: f32,
     },
@@ -61,8 +61,8 @@ impl<V> Obstacle<V> {
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Obstacle<W> {
         match self {
             Self::Ball { centre, radius } => Obstacle::Ball { centre: f(centre), radius },
-            Self::Mover { way, radius } => {
-                Obstacle::Mover { way: way.into_iter().map(|(time, at)| (time, f(at))).collect(), radius }
+            Self::Mover { path, radius } => {
+                Obstacle::Mover { path: path.into_iter().map(|(time, at)| (time, f(at))).collect(), radius }
             }
             Self::Wall { from, to, radius } => Obstacle::Wall { from: f(from), to: f(to), radius },
             Self::Polygon { corners } => Obstacle::Polygon { corners: corners.into_iter().map(f).collect() },

@@ -117,12 +117,12 @@ pub(crate) fn solids<V: Space>(n: usize, obstacle: &Obstacle<V>) -> Result<Vec<C
             check("obstacle.radius", n, radius, centre.is_finite() && within(radius), expected)?;
             Ok(vec![ConvexSolid::Ball { centre, radius }])
         }
-        Obstacle::Mover { way, radius } => {
+        Obstacle::Mover { path, radius } => {
             check("obstacle.radius", n, *radius, within(*radius), "above 0 and below 1e6")?;
-            let good = !way.is_empty() && way.iter().all(|(t, x)| t.is_finite() && x.is_finite());
-            check("obstacle.way", n, way.len() as f32, good, "at least 1 point, all of them finite")?;
-            let late = way.windows(2).find(|w| w[1].0 <= w[0].0).map(|w| w[1].0 as f32);
-            check("obstacle.way", n, late.unwrap_or(0.0), late.is_none(), "times that rise")?;
+            let good = !path.is_empty() && path.iter().all(|(t, x)| t.is_finite() && x.is_finite());
+            check("obstacle.path", n, path.len() as f32, good, "at least 1 point, all of them finite")?;
+            let late = path.windows(2).find(|w| w[1].0 <= w[0].0).map(|w| w[1].0 as f32);
+            check("obstacle.path", n, late.unwrap_or(0.0), late.is_none(), "times that rise")?;
             Ok(Vec::new())
         }
         &Obstacle::Wall { from, to, radius } => {

@@ -24,7 +24,7 @@ const FILES_AT: [f32; 2] = [1.0, 2.0];
 /// Numbers of oncoming agents from which on they begin to walk one after the other, and at which they do.
 const COMING: [f32; 2] = [1.0, 4.0];
 /// Places ahead of the group's middle where the way has to be wide (m).
-const LOOKS_AT_M: [f32; 3] = [0.0, 1.0, 2.0];
+const SAMPLE_DISTANCES_M: [f32; 3] = [0.0, 1.0, 2.0];
 /// Densities ahead, or behind, from which on they wait and turn aside less and less for each other, and at which they do not:
 /// else they would be in the way of those behind (1/m2). With 0.6 and 1.4, a door of 2 m lets a tenth fewer through.
 const PRESSED_AT: [f32; 2] = [0.4, 1.0];
@@ -122,7 +122,7 @@ pub(crate) fn companion_force<V: Space>(
 /// Width of the path at the narrowest of some places ahead (m).
 fn free_width<V: Space>(middle: V, along: V, right: V, ahead: &GroupAhead<'_, V>) -> f32 {
     let mut narrowest = f32::INFINITY;
-    for far in LOOKS_AT_M {
+    for far in SAMPLE_DISTANCES_M {
         let at = middle + along * far;
         let mut free = [f32::INFINITY; 2];
         for &s in ahead.near {

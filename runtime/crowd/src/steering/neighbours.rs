@@ -153,7 +153,7 @@ impl<V: Space> NeighbourQuery<'_, V> {
         rows: Option<&mut NeighbourRows>,
     ) {
         let around = self.cells.agents_around(self.at, room);
-        dispatch(NeighbourJob { look: self, around, seen, rows });
+        dispatch(NeighbourJob { query: self, around, seen, rows });
     }
 
     #[inline(always)]
@@ -180,13 +180,13 @@ impl<V: Space> NeighbourQuery<'_, V> {
     /// Neighbours that the agent reacts to.
     #[inline(always)]
     fn perceived_lanes<F: Lanes>(&self, f: &NeighbourLanes<V, F>) -> u8 {
-        let heed = &self.perception;
-        let felt = f.gap.bits_lt(F::splat(heed.felt));
+        let limits = &self.perception;
+        let felt = f.gap.bits_lt(F::splat(limits.felt));
         // Straight at them it comes nearer with its desired speed, less their own speed away from it.
-        let reach = F::splat(heed.horizon) * (F::splat(self.me.speed) - f.away);
-        let met = (f.gap - F::splat(heed.room)).bits_lt(reach);
+        let reach = F::splat(limits.horizon) * (F::splat(self.me.speed) - f.away);
+        let met = (f.gap - F::splat(limits.room)).bits_lt(reach);
         let is_ahead = F::splat(-self.me.radius).bits_lt(f.ahead);
-        f.distance.bits_lt(F::splat(heed.perception)) & (felt | met & is_ahead)
+        f.distance.bits_lt(F::splat(limits.perception)) & (felt | met & is_ahead)
     }
 
     /// Adds some of eight to the neighbours that are seen.
@@ -208,7 +208,7 @@ impl<V: Space> NeighbourQuery<'_, V> {
 
 /// See [`NeighbourQuery::around`].
 struct NeighbourJob<'a, V> {
-    look: &'a NeighbourQuery<'a, V>,
+    query: &'a NeighbourQuery<'a, V>,
     around: &'a [u32],
     seen: &'a mut Vec<SeenNeighbour<V>>,
     rows: Option<&'a mut NeighbourRows>,
@@ -219,23 +219,23 @@ impl<V: Space> LaneWork for NeighbourJob<'_, V> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let Self { look, around, seen, mut rows } = self;
+        let Self { query, around, seen, mut rows } = self;
         if let Some(rows) = &mut rows {
             rows.clear();
         }
         for some in around.chunks(LANES) {
             // Of fewer than eight, the first one fills the free places.
             let agents: [u32; LANES] = std::array::from_fn(|i| some.get(i).copied().unwrap_or(some[0]));
-            let own = (0..LANES).fold(0u8, |own, i| own | u8::from(agents[i] == look.agent) << i);
+            let own = (0..LANES).fold(0u8, |own, i| own | u8::from(agents[i] == query.agent) << i);
             let there = (0xFFu32 >> (LANES - some.len())) as u8 & !own;
-            let kept = agents.map(|m| look.cells.packed_plan(m));
-            let found = look.neighbour_lanes::<F>(kept);
-            let heeded = there & look.perceived_lanes(&found);
-            if heeded != 0 {
-                look.add_seen(&found, heeded, seen);
+            let kept = agents.map(|m| query.cells.packed_plan(m));
+            let found = query.neighbour_lanes::<F>(kept);
+            let perceived = there & query.perceived_lanes(&found);
+            if perceived != 0 {
+                query.add_seen(&found, perceived, seen);
             }
             if let Some(rows) = &mut rows {
-                let until: Eight = kept.map(|k| (k.end - look.time) as f32);
+                let until: Eight = kept.map(|k| (k.end - query.time) as f32);
                 rows.push(agents, there, &until, &found);
             }
         }
@@ -301,8 +301,8 @@ pub(crate) mod tests {
         let me = SteeredAgent { position, velocity, radius: plans[0].radius, limit: 5.0, ..SteeredAgent::default() };
         let at = cells.coordinates(plans[0].position);
         let mut rows = NeighbourRows::default();
-        let look = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: PERCEPTION };
-        look.find_neighbours(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
+        let query = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: PERCEPTION };
+        query.find_neighbours(&mut Vec::new(), &mut Vec::new(), Some(&mut rows));
         (cells, rows)
     }
 
@@ -321,10 +321,10 @@ pub(crate) mod tests {
             ..SteeredAgent::default()
         };
         let at = cells.coordinates(plans[0].position);
-        let see = |heed: PerceptionLimits| {
-            let look = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: heed };
+        let see = |limits: PerceptionLimits| {
+            let query = NeighbourQuery { cells: &cells, at, time: NOW, agent: 0, me: &me, perception: limits };
             let (mut rows, mut seen) = (NeighbourRows::default(), Vec::new());
-            look.find_neighbours(&mut Vec::new(), &mut seen, Some(&mut rows));
+            query.find_neighbours(&mut Vec::new(), &mut seen, Some(&mut rows));
             (rows, seen)
         };
         let (rows, seen) = see(PerceptionLimits { perception: 1e3, felt: 1e3, ..PERCEPTION });

@@ -154,7 +154,9 @@ impl<V: Space> RelationshipTable<V> {
     /// - `place`: where another agent is, as long as it is in the crowd.
     pub fn interest_acceleration(&self, agent: u32, position: V, place: impl Fn(Id) -> Option<V>) -> V {
         let mut pull = V::default();
-        for interest in self.relationships_of(agent).iter().flat_map(|bond| bond.interests.iter().flatten()) {
+        for interest in
+            self.relationships_of(agent).iter().flat_map(|relationship| relationship.interests.iter().flatten())
+        {
             let at = match interest.at {
                 InterestLocation::Place(at) => Some(at),
                 InterestLocation::Agent(id) => place(id),
@@ -170,15 +172,15 @@ impl<V: Space> RelationshipTable<V> {
     pub fn saved(&self) -> Vec<(u32, AgentRelationships<V>)> {
         (0u32..)
             .zip(&self.agents)
-            .filter(|(_, bond)| **bond != AgentRelationships::NONE)
-            .map(|(m, bond)| (m, *bond))
+            .filter(|(_, relationship)| **relationship != AgentRelationships::NONE)
+            .map(|(m, relationship)| (m, *relationship))
             .collect()
     }
 
     /// Restores the relationships of a snapshot.
     pub fn restore_saved(&mut self, saved: &[(u32, AgentRelationships<V>)]) {
         self.agents.fill(AgentRelationships::NONE);
-        saved.iter().for_each(|(m, bond)| self.agents[*m as usize] = *bond);
+        saved.iter().for_each(|(m, relationship)| self.agents[*m as usize] = *relationship);
         self.is_any = !saved.is_empty();
     }
 
@@ -186,7 +188,7 @@ impl<V: Space> RelationshipTable<V> {
     pub fn is_possible(&self, saved: &[(u32, AgentRelationships<V>)], is_there: impl Fn(u32) -> bool) -> bool {
         let num = self.agents.len();
         let is_known = |m: u32| (m as usize) < num;
-        let bond = |m: u32| saved.binary_search_by_key(&m, |s| s.0).ok().map(|n| &saved[n].1);
+        let relationship = |m: u32| saved.binary_search_by_key(&m, |s| s.0).ok().map(|n| &saved[n].1);
         let is_place = |i: &PersonalInterest<V>| match i.at {
             InterestLocation::Place(at) => at.is_finite(),
             InterestLocation::Agent(_) => true,
@@ -198,16 +200,18 @@ impl<V: Space> RelationshipTable<V> {
                     && is_there(*m)
                     && own.agents().all(|o| is_known(o) && o != *m)
                     && own.interests.iter().flatten().all(is_interest)
-                    && own.companions().all(|c| is_there(c) && bond(c).is_some_and(|b| b.companions.contains(m)))
+                    && own
+                        .companions()
+                        .all(|c| is_there(c) && relationship(c).is_some_and(|b| b.companions.contains(m)))
             })
     }
 
     /// Adds all to a hash.
     pub fn hash(&self, mut add: impl FnMut(u64)) {
-        for (m, bond) in self.saved() {
+        for (m, relationship) in self.saved() {
             add(u64::from(m));
-            bond.companions().for_each(|c| add(u64::from(c)));
-            for (n, interest) in bond.interests.iter().enumerate().filter_map(|(n, i)| Some((n, (*i)?))) {
+            relationship.companions().for_each(|c| add(u64::from(c)));
+            for (n, interest) in relationship.interests.iter().enumerate().filter_map(|(n, i)| Some((n, (*i)?))) {
                 add(n as u64 | u64::from(interest.strength.to_bits()) << 32);
                 add(u64::from(interest.reach.to_bits()));
                 match interest.at {

@@ -150,9 +150,9 @@ mod tests {
         let ahead = Vec2::X * side * 1.5;
         grid.add(ahead, Vec2::ZERO, Vec2::NEG_X);
         grid.add(ahead, Vec2::ZERO, Vec2::NEG_X);
-        let way =
+        let direction =
             blocked(ahead, Vec2::NEG_X).retreat_direction(&grid, &SteeringConfig::DEFAULT).expect("the two give way");
-        assert!(way.x > 0.3 && way.dot(Vec2::NEG_X.right()) > 0.3, "{way}");
+        assert!(direction.x > 0.3 && direction.dot(Vec2::NEG_X.right()) > 0.3, "{direction}");
         assert_eq!(
             blocked(Vec2::X * side * 0.5, Vec2::X).retreat_direction(&grid, &SteeringConfig::DEFAULT),
             None,

@@ -145,22 +145,22 @@ impl<'a, V: Space> DirectionalSight<'a, V> {
         for ((direction, free), open) in self.directions.iter().zip(&mut self.free).zip(&mut self.open) {
             // An agent that it follows may be met before a wall, and yet take less of its speed.
             let farthest = reach.min(self.speed * free.max(*open * self.horizon));
-            let (mut way, mut away, mut gap) = (0.0, nearest, distance - radius);
+            let (mut distance, mut away, mut gap) = (0.0, nearest, distance - radius);
             for _ in 0..MAX_STEPS_TO_SOLID {
                 let toward = -direction.dot(away);
                 if toward < self.steering.past_cosine {
                     break;
                 }
                 if gap < self.steering.touching_m {
-                    let time = way / self.speed.max(1e-3);
+                    let time = distance / self.speed.max(1e-3);
                     (*free, *open) = (free.min(time), open.min(time / self.horizon));
                     break;
                 }
-                way += gap / toward;
-                if way > farthest {
+                distance += gap / toward;
+                if distance > farthest {
                     break;
                 }
-                let (next, distance) = solid.direction_and_distance(x + *direction * way);
+                let (next, distance) = solid.direction_and_distance(x + *direction * distance);
                 (away, gap) = (next, distance - radius);
             }
         }

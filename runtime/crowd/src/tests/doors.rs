@@ -124,7 +124,7 @@ fn snapshots_go_on_the_same_with_the_doors_of_then() {
 
 #[test]
 fn moving_obstacles_are_no_doors() {
-    let obstacles = vec![Obstacle::Mover { way: vec![(0.0, Vec3::ZERO)], radius: 1.0 }];
+    let obstacles = vec![Obstacle::Mover { path: vec![(0.0, Vec3::ZERO)], radius: 1.0 }];
     let mut crowd = Crowd::on_ground(CrowdSetup { obstacles, ..CrowdSetup::default() }).unwrap();
     assert!(crowd.set_open(0, true).is_err());
 }

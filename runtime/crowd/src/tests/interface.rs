@@ -43,8 +43,8 @@ fn impossible_orders_are_refused_and_change_nothing() {
     let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets(), 4)).unwrap();
     let id = crowd.spawn(Agent::standing_at(ground(-5.0, 0.0))).unwrap();
     let hash = crowd.hash();
-    let no_way = other(crowd.order(id, AgentOrder::to_goal(ground(0.0, 0.0))).unwrap_err());
-    assert!(matches!(no_way, Error::NoPath { who: Some(who), .. } if who == id));
+    let unreachable = other(crowd.order(id, AgentOrder::to_goal(ground(0.0, 0.0))).unwrap_err());
+    assert!(matches!(unreachable, Error::NoPath { who: Some(who), .. } if who == id));
     let fast = crowd.order(id, AgentOrder::to_goal(ground(5.0, 0.0)).at_speed(9.0)).unwrap_err();
     assert!(matches!(other(fast), Error::Value { what: "speed", who: Some(who), .. } if who == id));
     let route = crowd.order(id, AgentOrder::on_route(7)).unwrap_err();

@@ -1,11 +1,11 @@
 //! Tests of whole crowds.
 
-mod bonds;
 mod doors;
 pub(crate) mod drive;
 mod forged;
 mod interface;
 mod jams;
+mod relationships;
 mod schemes;
 mod senses;
 mod shared;
@@ -260,11 +260,11 @@ fn nobody_goes_through_walls() {
 #[test]
 fn agent_in_the_open_avoids_moving_obstacle() {
     let still = Agent { position: Vec2::new(0.0, 0.05), speed: 1.0, ..Agent::default() };
-    let way = vec![(0.0, Vec2::new(-8.0, 0.0)), (10.0, Vec2::new(8.0, 0.0))];
+    let path = vec![(0.0, Vec2::new(-8.0, 0.0)), (10.0, Vec2::new(8.0, 0.0))];
     let setup = CrowdSetup {
         agents: vec![still],
         routes: vec![to(Vec2::ZERO)],
-        obstacles: vec![Obstacle::Mover { way, radius: 0.8 }],
+        obstacles: vec![Obstacle::Mover { path, radius: 0.8 }],
         ..CrowdSetup::default()
     };
     let mut crowd = Engine::new(setup).unwrap();

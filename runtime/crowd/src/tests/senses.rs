@@ -20,7 +20,7 @@ fn sensing(num: usize, spacing: f32, scheme: Scheme) -> Crowd {
     setup.config.scheme = scheme;
     setup.senses = Senses { meet_m: MEET_M, zones: zones(), cell_m: CELL_M };
     let mut crowd = Crowd::on_ground(setup).unwrap();
-    let sense = Sense { tells: 1, hears: 1, once: 1, zones: true, cells: true, arrivals: true };
+    let sense = Sense { sends: 1, receives: 1, once: 1, zones: true, cells: true, arrivals: true };
     crowd.ids().collect::<Vec<_>>().into_iter().for_each(|id| crowd.set_senses(id, sense).unwrap());
     crowd
 }
@@ -151,7 +151,7 @@ fn news_go_along_a_row_at_one_instant() {
     let mut crowd = standing(&[0.0, 1.5, 3.0, 4.5, 8.0]);
     let ids: Vec<Id> = crowd.ids().collect();
     let mut knows = [false; 5];
-    let sense = |knows: bool| Sense { tells: u32::from(knows), hears: u32::from(!knows), ..Sense::default() };
+    let sense = |knows: bool| Sense { sends: u32::from(knows), receives: u32::from(!knows), ..Sense::default() };
     for &id in &ids {
         crowd.set_senses(id, sense(false)).unwrap();
     }
@@ -191,7 +191,7 @@ fn two_who_walk_towards_each_other_meet_when_they_have_to() {
     let mut crowd = standing(&[0.0, 20.0]);
     let ids: Vec<Id> = crowd.ids().collect();
     for (k, &id) in ids.iter().enumerate() {
-        crowd.set_senses(id, Sense { tells: 2, hears: 2, once: 2, ..Sense::default() }).unwrap();
+        crowd.set_senses(id, Sense { sends: 2, receives: 2, once: 2, ..Sense::default() }).unwrap();
         let to = Vec3::new(if k == 0 { 20.0 } else { 0.0 }, 0.0, 0.6 * k as f32 - 0.3);
         crowd.order(id, AgentOrder::to_goal(to)).unwrap();
     }
@@ -229,7 +229,7 @@ fn level_channels_reach_all_who_are_near_though_masks_stay() {
         }
         all
     };
-    let sense = |tells: u32, hears: u32| Sense { tells, hears, ..Sense::default() };
+    let sense = |sends: u32, receives: u32| Sense { sends, receives, ..Sense::default() };
     for &id in &ids[1..] {
         crowd.set_senses(id, sense(0, 1)).unwrap();
     }

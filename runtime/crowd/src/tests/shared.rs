@@ -55,8 +55,8 @@ fn agents_that_leave_and_obstacles_are_those_of_one_process() {
     let mut setup = crossing::<Vec2>(200, 1.2);
     setup.routes.iter_mut().for_each(|r| r.at_end = AtEnd::Leave);
     setup.obstacles.push(Obstacle::Ball { centre: Vec2::new(40.0, 0.0), radius: 3.0 });
-    let way = vec![(0.0, Vec2::new(-30.0, 0.0)), (20.0, Vec2::new(30.0, 1.0)), (40.0, Vec2::new(-30.0, 0.0))];
-    setup.obstacles.push(Obstacle::Mover { way, radius: 0.5 });
+    let path = vec![(0.0, Vec2::new(-30.0, 0.0)), (20.0, Vec2::new(30.0, 1.0)), (40.0, Vec2::new(-30.0, 0.0))];
+    setup.obstacles.push(Obstacle::Mover { path, radius: 0.5 });
     assert!(equals_one_process(&setup, &[2, 3, 5], &[40.0]) > 20);
 }
 

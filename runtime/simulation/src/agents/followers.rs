@@ -59,8 +59,8 @@ impl Followers {
                 let mut troop = Troop::new(walkers);
                 for m in numbers {
                     let Some(id) = agents.id(m) else { continue };
-                    let way = &agents.layout().paths[m];
-                    let ahead = way.get(1).map_or(Vec2::Y, |&next| ground_coordinates(next - way[0]));
+                    let path = &agents.layout().paths[m];
+                    let ahead = path.get(1).map_or(Vec2::Y, |&next| ground_coordinates(next - path[0]));
                     troop.add_body(agents.crowd(), id, ahead, bodies.len())?;
                 }
                 Ok(troop)

@@ -112,7 +112,7 @@ impl<V: Space> CrowdLayout<V> {
     /// Sets what agents sense, as far as a scenario needs it.
     pub(super) fn set_senses(&mut self, scenario: &Scenario) {
         let (agents, places) = (&self.scene.agents, &self.scene.places);
-        self.setup.senses.meet_m = if scenario.senses_meetings() { agents.telling_m } else { 0.0 };
+        self.setup.senses.meet_m = if scenario.senses_meetings() { agents.meeting_m } else { 0.0 };
         (self.senses_zones, self.senses_cells) = (scenario.senses_zones, scenario.senses_cells);
         let zone = |site: &SiteConfig| Zone { centre: to_point(&site.at), radius: site.radius_m };
         self.setup.senses.zones = if self.senses_zones { places.iter().map(zone).collect() } else { Vec::new() };
@@ -184,13 +184,13 @@ impl<V: Space> CrowdLayout<V> {
                 (via.chain([to]).chain(back).collect(), group.at_end)
             }
         };
-        let way = self.path_through(m, start, &subgoals)?;
+        let path = self.path_through(m, start, &subgoals)?;
         // A route through several points begins at the start.
         let first = (subgoals.len() > 1).then_some(start);
         let subgoals = first.into_iter().chain(subgoals).collect();
         self.setup.agents[m].route = Some(self.setup.routes.len());
         self.setup.routes.push(Route { subgoals, arrival_radius: group.arrival_m, at_end: at_end.into() });
-        self.paths.push(way);
+        self.paths.push(path);
         self.arrivals.push(group.arrival_m);
         Ok(())
     }
@@ -208,27 +208,27 @@ impl<V: Space> CrowdLayout<V> {
         at_end: AtEndConfig,
     ) -> Result<Route<V>> {
         let to = goal_position(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
-        let way = self.path_through(m, from, &[to])?;
+        let path = self.path_through(m, from, &[to])?;
         let route = Route { subgoals: vec![to], arrival_radius, at_end: at_end.into() };
-        (self.paths[m], self.arrivals[m]) = (way, arrival_radius);
+        (self.paths[m], self.arrivals[m]) = (path, arrival_radius);
         Ok(route)
     }
 
     /// Corners of the path from a start through subgoals, both ends included.
     fn path_through(&mut self, m: usize, start: V, subgoals: &[V]) -> Result<Vec<V>> {
-        let mut way = vec![start];
+        let mut path = vec![start];
         for &to in subgoals {
-            let from = way[way.len() - 1];
+            let from = path[path.len() - 1];
             let leg = self.map.shortest_path(from, to).map_err(|why| self.no_path_error(m, why, from, to))?;
-            way.extend(&leg[1..]);
+            path.extend(&leg[1..]);
         }
-        Ok(way)
+        Ok(path)
     }
 
     /// Largest speed of all agents and happenings (m/s).
     fn largest_speed(&self) -> f32 {
-        let told = self.scene.happenings.iter().filter_map(|h| h.speed_mps);
-        self.setup.agents.iter().map(|m| m.speed).chain(told).fold(0.0, f32::max)
+        let speeds = self.scene.happenings.iter().filter_map(|h| h.speed_mps);
+        self.setup.agents.iter().map(|m| m.speed).chain(speeds).fold(0.0, f32::max)
     }
 
     /// Lowest and highest starts of agents (m).
@@ -308,7 +308,7 @@ mod tests {
         for text in [text.into(), text.replace("start = 0", "start = 1")] {
             let layout =
                 CrowdLayout::<Vec2>::new(&Arc::new(Scene::parse(&text, Path::new("a.toml")).unwrap())).unwrap();
-            let ends = layout.paths.iter().map(|way| way[way.len() - 1]);
+            let ends = layout.paths.iter().map(|path| path[path.len() - 1]);
             assert!(
                 ends.into_iter().all(|at| at.clamp(Vec2::new(20.0, 0.0), Vec2::new(30.0, 9.0)) == at),
                 "{:?}",

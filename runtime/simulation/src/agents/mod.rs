@@ -79,11 +79,11 @@ impl<V: Space> SceneAgents<V> {
         }
         if let Some(scenario) = compiled.scenario() {
             let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
-            let mut minds = AgentBrains::new(Arc::clone(scenario), scene.seed, &doors);
+            let mut brains = AgentBrains::new(Arc::clone(scenario), scene.seed, &doors);
             let speeds: Vec<f32> = agents.stage.layout.setup.agents.iter().map(|a| a.speed).collect();
             agents.stage.has_brains = true;
-            minds.begin_scene(&mut agents.stage, &speeds)?;
-            agents.brains = Some(minds);
+            brains.begin_scene(&mut agents.stage, &speeds)?;
+            agents.brains = Some(brains);
         }
         Ok(agents)
     }
@@ -106,9 +106,9 @@ impl<V: Space> SceneAgents<V> {
     /// # Errors
     /// [`throng_base::Error::Text`] where the engine does not get on, a goal cannot be reached, or rules run in a circle.
     pub fn advance(&mut self, until_s: f64, run: &dyn Executor, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
-        let Self { stage: outside, brains: minds, timings: spent, .. } = self;
+        let Self { stage: outside, brains, timings: spent, .. } = self;
         let begin = spent.is_some().then(Instant::now);
-        let done = advance_with_brains(outside, minds.as_mut(), until_s, run, on_event, spent);
+        let done = advance_with_brains(outside, brains.as_mut(), until_s, run, on_event, spent);
         if let (Some(spent), Some(begin)) = (spent, begin) {
             spent.all_s += begin.elapsed().as_secs_f64();
         }
@@ -133,9 +133,9 @@ impl<V: Space> SceneAgents<V> {
     pub fn raise_event(&mut self, event: &str) -> Result<()> {
         let now = self.stage.crowd.time_s();
         match &mut self.brains {
-            Some(minds) => {
-                minds.clear_turns();
-                minds.raise_event(&mut self.stage, now, event)
+            Some(brains) => {
+                brains.clear_turns();
+                brains.raise_event(&mut self.stage, now, event)
             }
             None => Err(throng_base::Error::Unknown { what: "event", name: event.into(), known: Vec::new() }),
         }
@@ -303,27 +303,27 @@ pub struct AgentTimings {
 /// Advances a crowd and the brains of its agents to a time.
 fn advance_with_brains<V: Space>(
     outside: &mut CrowdStage<V>,
-    minds: Option<&mut AgentBrains>,
+    brains: Option<&mut AgentBrains>,
     until_s: f64,
     run: &dyn Executor,
     on_event: &mut impl FnMut(&CrowdEvent),
     spent: &mut Option<AgentTimings>,
 ) -> Result<()> {
-    let Some(minds) = minds else {
+    let Some(brains) = brains else {
         let done = advance_crowd(&mut outside.crowd, until_s, run, on_event);
         return done.map_err(|e| outside.layout.explain_crowd_error(&e));
     };
     loop {
-        let next = minds.next_external_s();
+        let next = brains.next_external_s();
         let stop = until_s.min(next);
         let signal = outside.crowd.advance_to_signal(stop, on_event);
         let begin = spent.is_some().then(Instant::now);
         if let Some(event) = signal.map_err(|e| outside.layout.explain_crowd_error(&e))? {
             if let Some(signal) = outside.brain_signal(&event) {
-                minds.handle_signal(outside, event.time, signal)?;
+                brains.handle_signal(outside, event.time, signal)?;
             }
         } else if stop == next {
-            minds.run_external_events(outside, stop)?;
+            brains.run_external_events(outside, stop)?;
         } else {
             return Ok(());
         }

@@ -123,8 +123,8 @@ mod tests {
         let group: GroupConfig = toml::from_str(text).unwrap();
         let map = RouteMap::new(&[low, column], 2, [5.0, 20.0], &[group]).unwrap();
         let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
-        let way = map.shortest_path(from, to).unwrap();
-        assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");
-        assert!(way.windows(2).all(|w| w[0].y < w[1].y), "{way:?}");
+        let path = map.shortest_path(from, to).unwrap();
+        assert!(path.len() > 2 && path[0] == from && path[path.len() - 1] == to, "{path:?}");
+        assert!(path.windows(2).all(|w| w[0].y < w[1].y), "{path:?}");
     }
 }

@@ -20,13 +20,13 @@ struct SavedAgents<V> {
     ids: Vec<Option<Id>>,
     agent_of: Vec<u32>,
     sent: Vec<u32>,
-    told: Vec<Option<u16>>,
+    ordered_happenings: Vec<Option<u16>>,
     shown: Vec<BodyActivity>,
     things: Vec<ThingState>,
     handled: HandlingCounts,
-    ways: Vec<Vec<V>>,
+    paths: Vec<Vec<V>>,
     arrivals: Vec<f32>,
-    minds: Option<Bytes>,
+    brains: Option<Bytes>,
     /// State of the troops of each group with bodies.
     followers: Vec<Vec<SavedTroop>>,
 }
@@ -42,15 +42,15 @@ impl<V: Space> SceneAgents<V> {
             ids: outside.ids.clone(),
             agent_of: outside.agent_of.clone(),
             sent: outside.sent.clone(),
-            told: outside.ordered_happenings.clone(),
+            ordered_happenings: outside.ordered_happenings.clone(),
             shown: outside.shown.clone(),
             things: outside.things.all.clone(),
             handled: outside.things.counts,
-            ways: outside.layout.paths.clone(),
+            paths: outside.layout.paths.clone(),
             arrivals: outside.layout.arrivals.clone(),
-            minds: self.brains.as_ref().map(|minds| {
+            brains: self.brains.as_ref().map(|brains| {
                 let mut bytes = Bytes::default();
-                minds.save(&mut bytes.0);
+                brains.save(&mut bytes.0);
                 bytes
             }),
             followers: self.followers.iter().map(|f| f.to_saved()).collect(),
@@ -75,10 +75,10 @@ impl<V: Space> SceneAgents<V> {
         if !outside.crowd.ids().all(is_own) {
             return Err(refused_snapshot(KIND.what, "somebody in its crowd is nobody of the scene"));
         }
-        if let (Some(minds), Some(bytes)) = (&mut self.brains, &saved.minds) {
-            minds.load(&bytes.0, time_s)?;
+        if let (Some(brains), Some(bytes)) = (&mut self.brains, &saved.brains) {
+            brains.load(&bytes.0, time_s)?;
         }
-        let has_entered = |m: usize| self.brains.as_ref().is_none_or(|minds| minds.has_entered(m));
+        let has_entered = |m: usize| self.brains.as_ref().is_none_or(|brains| brains.has_entered(m));
         if saved.ids.iter().enumerate().any(|(m, id)| id.is_some() != has_entered(m)) {
             return Err(refused_snapshot(KIND.what, "somebody is there who has not entered"));
         }
@@ -87,10 +87,10 @@ impl<V: Space> SceneAgents<V> {
         }
         (outside.ids, outside.agent_of) = (saved.ids, saved.agent_of);
         outside.agents_reported.clone_from(&outside.agent_of);
-        (outside.sent, outside.ordered_happenings, outside.shown) = (saved.sent, saved.told, saved.shown);
+        (outside.sent, outside.ordered_happenings, outside.shown) = (saved.sent, saved.ordered_happenings, saved.shown);
         (outside.things.all, outside.things.counts) = (saved.things, saved.handled);
         outside.things.reaches = true;
-        (outside.layout.paths, outside.layout.arrivals) = (saved.ways, saved.arrivals);
+        (outside.layout.paths, outside.layout.arrivals) = (saved.paths, saved.arrivals);
         outside.newcomers.clear();
         Ok(())
     }
@@ -98,18 +98,19 @@ impl<V: Space> SceneAgents<V> {
     /// Checks that a state can be one of these agents.
     fn check(&self, saved: &SavedAgents<V>) -> std::result::Result<(), &'static str> {
         let n = self.num_agents();
-        let lengths = [saved.ids.len(), saved.sent.len(), saved.told.len(), saved.shown.len(), saved.ways.len()];
+        let lengths =
+            [saved.ids.len(), saved.sent.len(), saved.ordered_happenings.len(), saved.shown.len(), saved.paths.len()];
         let more = [saved.arrivals.len(), saved.agent_of.len()];
-        let has_minds = saved.minds.is_some() == self.brains.is_some();
-        if lengths != [n; 5] || more != [n; 2] || saved.followers.len() != self.followers.len() || !has_minds {
+        let has_brains = saved.brains.is_some() == self.brains.is_some();
+        if lengths != [n; 5] || more != [n; 2] || saved.followers.len() != self.followers.len() || !has_brains {
             return Err("it has other agents");
         }
         let happenings = self.stage.layout.scene.happenings.len();
-        if saved.told.iter().flatten().any(|&h| usize::from(h) >= happenings) {
+        if saved.ordered_happenings.iter().flatten().any(|&h| usize::from(h) >= happenings) {
             return Err("somebody knows of what has not happened");
         }
         self.stage.things.check(&saved.things, &saved.handled, n)?;
-        let is_way = |way: &Vec<V>| !way.is_empty() && way.iter().all(|at| at.is_finite());
+        let is_path = |path: &Vec<V>| !path.is_empty() && path.iter().all(|at| at.is_finite());
         let has_room = saved.sent.iter().all(|&sent| sent < u32::MAX / 128);
         let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
         let is_seen = saved.shown.iter().all(|s| {
@@ -117,7 +118,7 @@ impl<V: Space> SceneAgents<V> {
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
-        match saved.ways.iter().all(is_way)
+        match saved.paths.iter().all(is_path)
             && saved.arrivals.iter().all(|a| a.is_finite())
             && has_room
             && is_seen

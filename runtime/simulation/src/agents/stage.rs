@@ -174,9 +174,9 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
         let then = if leaves { AtEnd::Leave } else { AtEnd::Stay };
         if let Some(from) = self.current_position(agent) {
-            let way = &mut self.layout.paths[agent as usize];
-            way.clear();
-            way.extend([from, V::from_world(at)]);
+            let path = &mut self.layout.paths[agent as usize];
+            path.clear();
+            path.extend([from, V::from_world(at)]);
             self.layout.arrivals[agent as usize] = arrival_m;
         }
         self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))
@@ -303,11 +303,11 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         Ok(false)
     }
 
-    fn set_senses(&mut self, agent: u32, tells: u32, hears: u32) -> Result<()> {
+    fn set_senses(&mut self, agent: u32, sends: u32, receives: u32) -> Result<()> {
         let Some(id) = self.present_id(agent) else { return Ok(()) };
         // Meetings count when two come near; news pass wherever two are.
         let (zones, cells) = (self.layout.senses_zones, self.layout.senses_cells);
-        let sense = Sense { tells, hears, once: 1 << 31, zones, cells, arrivals: true };
+        let sense = Sense { sends, receives, once: 1 << 31, zones, cells, arrivals: true };
         self.crowd.set_senses(id, sense).map_err(|e| self.layout.explain_crowd_error(&e))
     }
 

@@ -314,8 +314,8 @@ impl Things {
         let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
         let heading = heading_of(at - from) + turns * std::f32::consts::FRAC_PI_4;
         if grasp.activity.is_none() {
-            let way = maths::direction_at_angle(std::f32::consts::FRAC_PI_2 - heading);
-            return Ok((at - stand_m * Vec3::new(way.x, 0.0, way.y), STAND_M));
+            let direction = maths::direction_at_angle(std::f32::consts::FRAC_PI_2 - heading);
+            return Ok((at - stand_m * Vec3::new(direction.x, 0.0, direction.y), STAND_M));
         }
         let ahead = grasp.palm.with_y(0.0).normalize_or_zero() * stand_m;
         let palm = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(ahead.x, ahead.z));
@@ -580,8 +580,8 @@ fn smoothstep(share: f32) -> f32 {
 }
 
 /// Heading of a direction along the ground (rad).
-fn heading_of(way: Vec3) -> f32 {
-    maths::atan2(way.x, way.z)
+fn heading_of(direction: Vec3) -> f32 {
+    maths::atan2(direction.x, direction.z)
 }
 
 #[cfg(test)]

@@ -138,9 +138,9 @@ impl Troop {
     /// Advances all bodies to the current positions of their agents.
     pub fn step(&mut self, crowd: &Crowd, dt_s: f32, run: &dyn Executor) -> Result<()> {
         let now = crowd.time_s();
-        let told = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
+        let controls = self.controls.chunks_mut(PART).zip(self.still.chunks_mut(PART));
         let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
-        run_each(run, self.agents.chunks(PART).zip(told), |(agents, (controls, still))| {
+        run_each(run, self.agents.chunks(PART).zip(controls), |(agents, (controls, still))| {
             for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
                 follow_agent(crowd, agent, now, control);
                 still.displace_control(control, keep);
@@ -180,13 +180,13 @@ impl Troop {
     /// [`Error::Snapshot`]; a part may have been loaded then.
     pub fn load(&mut self, saved: &SavedTroop) -> Result<()> {
         let SavedTroop { controls, still, walkers } = saved;
-        let mut told = self.agents.iter().zip(controls);
+        let mut pairs = self.agents.iter().zip(controls);
         let is_finite = |s: &StandingOffset| s.off.is_finite() && s.at.is_none_or(Vec2::is_finite);
         if still.len() != controls.len() || !still.iter().all(is_finite) {
             return Err(refused_snapshot("bodies", "they stand where none can"));
         }
-        if controls.len() != self.agents.len() || !told.all(|(&id, c)| c.check(id).is_ok()) {
-            return Err(refused_snapshot("bodies", "they are told what cannot be"));
+        if controls.len() != self.agents.len() || !pairs.all(|(&id, c)| c.check(id).is_ok()) {
+            return Err(refused_snapshot("bodies", "their controls are impossible"));
         }
         self.walkers.load(&walkers.0)?;
         if self.walkers.len() != self.agents.len() {

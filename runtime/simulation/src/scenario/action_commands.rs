@@ -28,8 +28,8 @@ impl AgentBrains {
         context: EventContext,
     ) -> Result<()> {
         self.end_handling(stage, agent, false);
-        let mind = &mut self.brains[agent as usize];
-        (mind.context, mind.begun) = (context, mind.begun.wrapping_add(1));
+        let brain = &mut self.brains[agent as usize];
+        (brain.context, brain.begun) = (context, brain.begun.wrapping_add(1));
         self.enter_action(stage, agent, actions)
     }
 
@@ -41,10 +41,10 @@ impl AgentBrains {
 
     fn end_action(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         self.end_handling(stage, agent, true);
-        let mind = self.brains[agent as usize];
-        if let CompiledAction::Primitive { .. } = self.action(mind.action) {
+        let brain = self.brains[agent as usize];
+        if let CompiledAction::Primitive { .. } = self.action(brain.action) {
             // The action's own speed and motion end with it.
-            stage.set_speed(agent, mind.speed)?;
+            stage.set_speed(agent, brain.speed)?;
             stage.show_activity(agent, None, None);
         }
         Ok(())
@@ -55,9 +55,9 @@ impl AgentBrains {
         let m = agent as usize;
         let mut at = first;
         loop {
-            let mind = &mut self.brains[m];
-            (mind.action, mind.phase) = (at, ActionPhase::Idle);
-            (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            let brain = &mut self.brains[m];
+            (brain.action, brain.phase) = (at, ActionPhase::Idle);
+            (brain.until, brain.again, brain.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
             match self.action(at) {
                 CompiledAction::End => return self.end_behaviour(stage, agent),
                 CompiledAction::Primitive { .. } => {
@@ -77,17 +77,17 @@ impl AgentBrains {
 
     /// Ends a behaviour after its last action: resumes what a rule had interrupted, or raises `done`.
     fn end_behaviour(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
-        let mind = &mut self.brains[agent as usize];
-        if !mind.is_busy {
+        let brain = &mut self.brains[agent as usize];
+        if !brain.is_busy {
             self.push_stimulus(agent, trigger::DONE, EventContext::default());
             return Ok(());
         }
-        (mind.is_busy, mind.priority) = (false, i8::MIN);
-        let resumed = std::mem::replace(&mut mind.resumed, NONE);
-        mind.context = mind.resumed_context;
-        mind.action = resumed;
+        (brain.is_busy, brain.priority) = (false, i8::MIN);
+        let resumed = std::mem::replace(&mut brain.resumed, NONE);
+        brain.context = brain.resumed_context;
+        brain.action = resumed;
         if resumed == NONE {
-            return if mind.states[0] == NO_NUMBER && mind.states[1] == NO_NUMBER && mind.states[2] == NO_NUMBER {
+            return if brain.states[0] == NO_NUMBER && brain.states[1] == NO_NUMBER && brain.states[2] == NO_NUMBER {
                 stage.resume_route(agent)
             } else {
                 Ok(())
@@ -117,11 +117,11 @@ impl AgentBrains {
     /// Begins a primitive behaviour, or calls its function again; true where it is over at once.
     pub(super) fn run_primitive(&mut self, stage: &mut impl ScenarioStage, agent: u32, is_again: bool) -> Result<bool> {
         let m = agent as usize;
-        let mind = self.brains[m];
-        let CompiledAction::Primitive { number, words, motion, way, claims } = self.action(mind.action) else {
+        let brain = self.brains[m];
+        let CompiledAction::Primitive { number, words, motion, route, claims } = self.action(brain.action) else {
             return Ok(false);
         };
-        let context = mind.context;
+        let context = brain.context;
         let mut said = self.evaluate_arguments(stage, agent, context, &words);
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
             self.release_slot(stage, agent)?;
@@ -149,25 +149,25 @@ impl AgentBrains {
             time_s: self.now,
             position,
             velocity: stage.velocity(agent),
-            desired_mps: mind.speed,
-            home: Vec3::from_array(mind.home),
+            desired_mps: brain.speed,
+            home: Vec3::from_array(brain.home),
             chance: [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32],
         };
-        let deed = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if let Some(speed) = deed.speed_mps {
+        let command = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if let Some(speed) = command.speed_mps {
             stage.set_speed(agent, speed)?;
         }
-        let mind = &mut self.brains[m];
+        let brain = &mut self.brains[m];
         if !is_again {
-            mind.most = self.now + deed.most_s;
+            brain.most = self.now + command.most_s;
         }
-        mind.again = if deed.again_s > 0.0 { self.now + deed.again_s } else { f64::INFINITY };
-        let goes = match deed.walk {
-            WalkCommand::Keep => return self.stand_until(agent, deed.stay_s),
+        brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
+        let goes = match command.walk {
+            WalkCommand::Keep => return self.stand_until(agent, command.stay_s),
             WalkCommand::Halt => {
                 stage.order_halt(agent)?;
-                stage.show_activity(agent, motion, deed.faces);
-                return if deed.stay_s > 0.0 { self.stand_until(agent, deed.stay_s) } else { Ok(true) };
+                stage.show_activity(agent, motion, command.faces);
+                return if command.stay_s > 0.0 { self.stand_until(agent, command.stay_s) } else { Ok(true) };
             }
             WalkCommand::To { at, arrival_m } if position.distance(at) <= arrival_m => {
                 self.brains[m].phase = ActionPhase::Walking;
@@ -177,7 +177,7 @@ impl AgentBrains {
             WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
             WalkCommand::Along => {
                 let scenario = self.scenario.clone();
-                let points = way.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
+                let points = route.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
                 stage.order_route(agent, points, words[2] == ActionOperand::Flag(true))?
             }
         };
@@ -190,34 +190,34 @@ impl AgentBrains {
     }
 
     pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<bool> {
-        let mind = &mut self.brains[agent as usize];
-        (mind.phase, mind.until) = (ActionPhase::Standing, self.now + stay_s);
+        let brain = &mut self.brains[agent as usize];
+        (brain.phase, brain.until) = (ActionPhase::Standing, self.now + stay_s);
         Ok(false)
     }
 
     /// Handles the arrival of an agent at the place of its action; true where the action is over.
     pub(super) fn handle_arrival(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<bool> {
         let m = agent as usize;
-        let mind = self.brains[m];
-        let CompiledAction::Primitive { number, words, motion, claims, .. } = self.action(mind.action) else {
+        let brain = self.brains[m];
+        let CompiledAction::Primitive { number, words, motion, claims, .. } = self.action(brain.action) else {
             return Ok(false);
         };
-        let mut said = self.evaluate_arguments(stage, agent, mind.context, &words);
-        if let Some(slot) = self.scenario.slots.get(mind.slot as usize) {
+        let mut said = self.evaluate_arguments(stage, agent, brain.context, &words);
+        if let Some(slot) = self.scenario.slots.get(brain.slot as usize) {
             (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
         }
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
             return self.use_hands(stage, agent, claims, motion, &said);
         }
         if let ActionClaim::Queue(into) = claims {
-            let held = self.scenario.slots.get(mind.slot as usize).map(|slot| slot.place);
-            let Some(place) = self.place_of(&words[0], mind.context).filter(|place| held == Some(*place)) else {
+            let held = self.scenario.slots.get(brain.slot as usize).map(|slot| slot.place);
+            let Some(place) = self.place_of(&words[0], brain.context).filter(|place| held == Some(*place)) else {
                 // No agent waits at a place without slots.
                 return Ok(true);
             };
             stage.show_activity(agent, motion, said.facing);
             let table = &self.scenario.places[usize::from(place)];
-            let (is_queue, is_first) = (table.is_queue, mind.slot == table.slots[0]);
+            let (is_queue, is_first) = (table.is_queue, brain.slot == table.slots[0]);
             self.brains[m].phase = ActionPhase::Waiting;
             // Agents move up in queues alone.
             let goes_on =
@@ -234,20 +234,20 @@ impl AgentBrains {
             time_s: self.now,
             position: stage.position(agent).unwrap_or_default(),
             velocity: Vec3::ZERO,
-            desired_mps: mind.speed,
-            home: Vec3::from_array(mind.home),
+            desired_mps: brain.speed,
+            home: Vec3::from_array(brain.home),
             chance: [0.0; 2],
         };
-        let deed: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if deed.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
+        let command: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if command.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
             // The route begins again.
             return Ok(false);
         }
-        if deed.stay_s <= 0.0 {
+        if command.stay_s <= 0.0 {
             return Ok(true);
         }
-        stage.show_activity(agent, motion, deed.faces);
-        self.stand_until(agent, deed.stay_s)
+        stage.show_activity(agent, motion, command.faces);
+        self.stand_until(agent, command.stay_s)
     }
 
     /// Evaluates the arguments of an action.
@@ -368,11 +368,11 @@ impl AgentBrains {
 
     /// Changes the liking of an agent for another one; replaces the oldest of four relationships.
     fn change_relationship(&mut self, agent: u32, other: u32, by: f32) {
-        let bonds = &mut self.relationships[agent as usize];
-        let old = bonds.iter().position(|b| b.0 == other);
-        let liking = old.map_or(0.0, |i| bonds[i].1) + by;
-        bonds[..=old.unwrap_or(3)].rotate_right(1);
-        bonds[0] = (other, liking.clamp(-2.0, 2.0));
+        let relationships = &mut self.relationships[agent as usize];
+        let old = relationships.iter().position(|b| b.0 == other);
+        let liking = old.map_or(0.0, |i| relationships[i].1) + by;
+        relationships[..=old.unwrap_or(3)].rotate_right(1);
+        relationships[0] = (other, liking.clamp(-2.0, 2.0));
     }
 
     /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.

@@ -112,16 +112,16 @@ impl AgentBrains {
     /// Brains of all agents of a scenario, before any agent has entered.
     pub fn new(scenario: Arc<Scenario>, seed: u64, doors: &[bool]) -> Self {
         let num = scenario.groups.last().map_or(0, |g| g.agents[1] as usize);
-        let mut minds = Vec::with_capacity(num);
+        let mut brains = Vec::with_capacity(num);
         for (g, group) in scenario.groups.iter().enumerate() {
-            minds.extend((group.agents[0]..group.agents[1]).map(|_| AgentBrain::new(g as u16)));
+            brains.extend((group.agents[0]..group.agents[1]).map(|_| AgentBrain::new(g as u16)));
         }
         let num_events = scenario.events.len();
         let mut out = Self {
             seed,
             now: 0.0,
             at_once: (-1.0, NONE),
-            brains: minds,
+            brains,
             feelings: vec![Feeling::default(); num * scenario.values.len()],
             learnt: vec![None; num * num_events],
             followed: vec![f64::NEG_INFINITY; num * scenario.num_pauses],
@@ -208,14 +208,14 @@ impl AgentBrains {
         for i in 0..self.touched.len() {
             let agent = self.touched[i];
             self.is_touched[agent as usize] = false;
-            let mind = &self.brains[agent as usize];
-            if !mind.is_there {
+            let brain = &self.brains[agent as usize];
+            if !brain.is_there {
                 continue;
             }
-            let next = mind.next_wake_s();
-            let (tells, hears) = self.senses_of(agent);
+            let next = brain.next_wake_s();
+            let (sends, receives) = self.senses_of(agent);
             stage.set_timer(agent, Some(next).filter(|n| n.is_finite()))?;
-            stage.set_senses(agent, tells, hears)?;
+            stage.set_senses(agent, sends, receives)?;
         }
         self.touched.clear();
         let left = |g: usize| {
@@ -236,16 +236,16 @@ impl AgentBrains {
     fn senses_of(&self, agent: u32) -> (u32, u32) {
         let news = self.brains[agent as usize].news;
         let meets = if self.scenario.meets { MEETINGS } else { 0 };
-        let (mut tells, mut hears) = (meets, meets);
+        let (mut sends, mut receives) = (meets, meets);
         for (e, event) in self.scenario.events.iter().enumerate() {
             let Some(channel) = event.channel else { continue };
             match news >> e & 1 == 1 {
-                true if self.now - self.happened[e] <= event.fresh_s => tells |= 1 << channel,
+                true if self.now - self.happened[e] <= event.fresh_s => sends |= 1 << channel,
                 true => {}
-                false => hears |= 1 << channel,
+                false => receives |= 1 << channel,
             }
         }
-        (tells, hears)
+        (sends, receives)
     }
 
     /// True for a scene with events.

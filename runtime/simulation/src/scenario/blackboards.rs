@@ -230,20 +230,20 @@ mod tests {
     #[test]
     fn posts_in_the_list_of_another_cell_are_refused() {
         let own = Blackboards::new(BlackboardTable { cell_m: 1.0, levels: 4 }, 1);
-        let mut boards = own.clone();
+        let mut blackboards = own.clone();
         for x in [0.5, 7.5] {
             let note = BlackboardNote { by: NONE, since: 0.0, until: 9.0 };
-            boards.post_event(0, Some((Vec3::new(x, 0.0, 0.0), 0)), note);
+            blackboards.post_event(0, Some((Vec3::new(x, 0.0, 0.0), 0)), note);
         }
-        assert!(boards.is_compatible(&own, 1));
-        let lists: Vec<usize> = (0..BUCKETS).filter(|list| boards.first[*list] != NONE).collect();
+        assert!(blackboards.is_compatible(&own, 1));
+        let lists: Vec<usize> = (0..BUCKETS).filter(|list| blackboards.first[*list] != NONE).collect();
         for change in [
             |b: &mut Blackboards, lists: &[usize]| b.first.swap(lists[0], lists[1]),
             |b: &mut Blackboards, lists: &[usize]| b.posts[b.first[lists[0]] as usize].next = b.first[lists[0]],
             |b: &mut Blackboards, lists: &[usize]| b.first[lists[0]] = NONE,
             |b: &mut Blackboards, _: &[usize]| b.count = u64::MAX,
         ] {
-            let mut forged = boards.clone();
+            let mut forged = blackboards.clone();
             change(&mut forged, &lists);
             assert!(!forged.is_compatible(&own, 1));
         }

@@ -68,7 +68,7 @@ pub struct CurrentValue {
 pub struct KnownEvent {
     /// Name of the event.
     pub event: String,
-    /// Way in which it was learnt: "happens", "told", "read" or "felt".
+    /// Way in which it was learnt: "happens", "passed_on", "read" or "felt".
     pub how: String,
     /// Number of the agent that it was learnt from.
     pub from: Option<usize>,
@@ -87,7 +87,7 @@ pub struct EventSpread {
     /// Number of agents that know of the event.
     pub informed: usize,
     /// Number of these that learnt of it from others.
-    pub told: usize,
+    pub passed_on: usize,
     /// Time at which the last of them learnt of it (s).
     pub last_s: Option<f64>,
 }
@@ -96,23 +96,23 @@ impl AgentBrains {
     /// Explains the activity of an agent, with its values at a time not before the last event (s, agent < number of agents).
     pub fn explain(&self, agent: usize, time_s: f64) -> Explanation {
         let time_s = time_s.max(self.now);
-        let (mind, scenario) = (&self.brains[agent], &self.scenario);
+        let (brain, scenario) = (&self.brains[agent], &self.scenario);
         let state = |s: &&u16| **s != NO_NUMBER;
-        let reason = &mind.reason;
+        let reason = &brain.reason;
         let of = |number: u32, name: &dyn Fn(usize) -> String| (number != NONE).then(|| name(number as usize));
         let place = |p: u16| (p != NO_NUMBER).then(|| scenario.names.places.0[usize::from(p)].clone());
         Explanation {
             time_s,
             agent,
-            group: scenario.names.groups.0[usize::from(mind.group)].clone(),
-            is_there: mind.is_there,
-            states: mind.states.iter().filter(state).map(|s| scenario.states[usize::from(*s)].name.clone()).collect(),
-            action: match (mind.action != NONE).then(|| self.action(mind.action)) {
+            group: scenario.names.groups.0[usize::from(brain.group)].clone(),
+            is_there: brain.is_there,
+            states: brain.states.iter().filter(state).map(|s| scenario.states[usize::from(*s)].name.clone()).collect(),
+            action: match (brain.action != NONE).then(|| self.action(brain.action)) {
                 Some(CompiledAction::Primitive { number, .. }) => scenario.primitives.get(number).name.into(),
                 _ => String::new(),
             },
-            interrupted: mind.is_busy,
-            slot_of: (mind.slot != NONE).then(|| scenario.slots[mind.slot as usize].place).and_then(place),
+            interrupted: brain.is_busy,
+            slot_of: (brain.slot != NONE).then(|| scenario.slots[brain.slot as usize].place).and_then(place),
             because: ActionCause {
                 time_s: reason.time_s,
                 event: scenario.trigger_name(reason.trigger),
@@ -152,7 +152,7 @@ impl AgentBrains {
         let spread = |e: usize| EventSpread {
             event: self.scenario.names.events.0[e].clone(),
             informed: of(e).count(),
-            told: of(e).filter(|l| l.how == LearningMode::Told).count(),
+            passed_on: of(e).filter(|l| l.how == LearningMode::PassedOn).count(),
             last_s: of(e).map(|l| l.time_s).reduce(f64::max),
         };
         (0..num).map(spread).collect()
@@ -187,8 +187,8 @@ impl AgentBrains {
     /// Number of agents in each state of the highest level, by name, without agents that have no state.
     pub fn num_in_states(&self) -> Vec<(String, usize)> {
         let mut out: Vec<(String, usize)> = Vec::new();
-        for mind in self.brains.iter().filter(|m| m.is_there) {
-            let Some(state) = mind.states.iter().find(|s| **s != NO_NUMBER) else { continue };
+        for brain in self.brains.iter().filter(|m| m.is_there) {
+            let Some(state) = brain.states.iter().find(|s| **s != NO_NUMBER) else { continue };
             let name = &self.scenario.states[usize::from(*state)].name;
             match out.iter_mut().find(|o| o.0 == *name) {
                 Some(found) => found.1 += 1,
@@ -237,7 +237,7 @@ impl LearntEvent {
         (self.from != NONE).then_some(self.from as usize)
     }
 
-    /// Way in which it was learnt: "happens", "told", "read" or "felt".
+    /// Way in which it was learnt: "happens", "passed_on", "read" or "felt".
     pub fn mode_name(&self) -> &'static str {
         self.how.name()
     }

@@ -115,9 +115,9 @@ impl AgentBrains {
 
     /// Goes on with the next action of an agent that cannot get to a thing, or to the place for it.
     pub(super) fn give_up_fetching(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
-        let mind = self.brains[agent as usize];
-        let is_on_its_way = mind.action != NONE && mind.phase == ActionPhase::Walking;
-        match is_on_its_way.then(|| self.action(mind.action)) {
+        let brain = self.brains[agent as usize];
+        let is_on_its_way = brain.action != NONE && brain.phase == ActionPhase::Walking;
+        match is_on_its_way.then(|| self.action(brain.action)) {
             Some(CompiledAction::Primitive { claims: ActionClaim::Take(_) | ActionClaim::Put(_), .. }) => {
                 self.next_action(stage, agent)
             }
@@ -129,21 +129,21 @@ impl AgentBrains {
     ///
     /// - `is_done`: the time or the motion is over; else the handling was interrupted.
     pub(super) fn end_handling(&mut self, stage: &mut impl ScenarioStage, agent: u32, is_done: bool) {
-        let mind = self.brains[agent as usize];
-        if mind.action == NONE || self.keepers.is_empty() {
+        let brain = self.brains[agent as usize];
+        if brain.action == NONE || self.keepers.is_empty() {
             return;
         }
         if let CompiledAction::Primitive { claims: ActionClaim::Take(thing) | ActionClaim::Put(thing), .. } =
-            self.action(mind.action)
+            self.action(brain.action)
             && self.keepers[usize::from(thing)] == agent
         {
-            let was_at_it = is_done && mind.phase == ActionPhase::Standing;
+            let was_at_it = is_done && brain.phase == ActionPhase::Standing;
             let is_kept = stage.end_handling(agent, thing, was_at_it);
             if !is_kept {
                 self.keepers[usize::from(thing)] = NONE;
             }
             let takes =
-                matches!(self.action(mind.action), CompiledAction::Primitive { claims: ActionClaim::Take(_), .. });
+                matches!(self.action(brain.action), CompiledAction::Primitive { claims: ActionClaim::Take(_), .. });
             if was_at_it && is_kept != takes {
                 self.report_miss(stage, agent);
             }

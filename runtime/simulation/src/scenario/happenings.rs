@@ -159,10 +159,10 @@ impl AgentBrains {
     pub(super) fn end_agent(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         self.release_slot(stage, agent)?;
         self.drop_all_things(stage, agent);
-        let mind = &mut self.brains[agent as usize];
-        (mind.is_there, mind.action, mind.phase) = (false, NONE, ActionPhase::Idle);
-        (mind.until, mind.again, mind.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        (mind.timer, mind.crossing_at) = (f64::INFINITY, f64::INFINITY);
+        let brain = &mut self.brains[agent as usize];
+        (brain.is_there, brain.action, brain.phase) = (false, NONE, ActionPhase::Idle);
+        (brain.until, brain.again, brain.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        (brain.timer, brain.crossing_at) = (f64::INFINITY, f64::INFINITY);
         Ok(())
     }
 
@@ -201,7 +201,7 @@ impl AgentBrains {
         let (m, e) = (agent as usize, usize::from(context.event));
         let bit = 1u64 << e;
         let is_known = self.brains[m].news & bit != 0;
-        if is_known && matches!(context.how, LearningMode::Told | LearningMode::Read) {
+        if is_known && matches!(context.how, LearningMode::PassedOn | LearningMode::Read) {
             return;
         }
         self.brains[m].news |= bit;
@@ -225,16 +225,16 @@ impl AgentBrains {
 
     /// Handles a meeting: both agents tell each other the events that they know.
     pub(super) fn exchange_news(&mut self, stage: &mut impl ScenarioStage, a: u32, b: u32) {
-        let told = self.shared_events();
+        let shared = self.shared_events();
         for (from, to) in [(a, b), (b, a)] {
-            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & told;
+            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
             while news != 0 {
                 let event = news.trailing_zeros() as u16;
                 news &= news - 1;
                 self.learn_event(
                     stage,
                     to,
-                    EventContext { other: from, event, how: LearningMode::Told, ..EventContext::default() },
+                    EventContext { other: from, event, how: LearningMode::PassedOn, ..EventContext::default() },
                 );
             }
         }

@@ -44,30 +44,30 @@ impl<S: ScenarioStage> AgentView<'_, S> {
     }
 
     fn attribute_value(&self, agent: u32, of: Attribute) -> f64 {
-        let (minds, m) = (self.brains, agent as usize);
-        let mind = &minds.brains[m];
+        let (brains, m) = (self.brains, agent as usize);
+        let brain = &brains.brains[m];
         let position = || self.stage.position(agent).unwrap_or_default();
         match of {
             Attribute::Value(v) => {
-                let tables = &minds.scenario.values;
+                let tables = &brains.scenario.values;
                 f64::from(
-                    minds.feelings[m * tables.len() + usize::from(v)].value_at(&tables[usize::from(v)], minds.now),
+                    brains.feelings[m * tables.len() + usize::from(v)].value_at(&tables[usize::from(v)], brains.now),
                 )
             }
             Attribute::X => f64::from(position().x),
             Attribute::Y => f64::from(position().y),
             Attribute::Z => f64::from(position().z),
             Attribute::Speed => f64::from(self.stage.velocity(agent).length()),
-            Attribute::DesiredSpeed => f64::from(mind.speed),
-            Attribute::Group => f64::from(mind.group),
-            Attribute::State(level) => match mind.states[usize::from(level)] {
+            Attribute::DesiredSpeed => f64::from(brain.speed),
+            Attribute::Group => f64::from(brain.group),
+            Attribute::State(level) => match brain.states[usize::from(level)] {
                 NO_NUMBER => -1.0,
-                state => f64::from(minds.scenario.states[usize::from(state)].word),
+                state => f64::from(brains.scenario.states[usize::from(state)].word),
             },
-            Attribute::StateSeconds => minds.now - mind.state_since,
-            Attribute::News => f64::from_bits(mind.news),
-            Attribute::Busy => f64::from(u8::from(mind.is_busy)),
-            Attribute::Number => f64::from(agent - minds.scenario.groups[usize::from(mind.group)].agents[0]),
+            Attribute::StateSeconds => brains.now - brain.state_since,
+            Attribute::News => f64::from_bits(brain.news),
+            Attribute::Busy => f64::from(u8::from(brain.is_busy)),
+            Attribute::Number => f64::from(agent - brains.scenario.groups[usize::from(brain.group)].agents[0]),
         }
     }
 
@@ -86,12 +86,12 @@ impl<S: ScenarioStage> AgentView<'_, S> {
 
 impl<S: ScenarioStage> Perception for AgentView<'_, S> {
     fn load_value(&mut self, what: Load) -> f64 {
-        let minds = self.brains;
+        let brains = self.brains;
         match what {
-            Load::Time => minds.now,
+            Load::Time => brains.now,
             Load::Random => {
                 *self.draws += 1;
-                hashed_chance(minds.seed, self.agent, *self.draws)
+                hashed_chance(brains.seed, self.agent, *self.draws)
             }
             Load::Of(who, of) => self.agent_of(who).map_or(0.0, |agent| self.attribute_value(agent, of)),
             Load::Event(of) => match (of, self.context.event) {
@@ -99,20 +99,20 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
                 (EventAttribute::How, _) => f64::from(self.context.how as u8),
                 (_, NO_NUMBER) => -1.0,
                 (EventAttribute::Name, event) => f64::from(event),
-                (EventAttribute::Age, event) => minds.now - minds.happened[usize::from(event)],
+                (EventAttribute::Age, event) => brains.now - brains.happened[usize::from(event)],
             },
             Load::Place(spot, of) => self.place_number(spot).map_or(-1.0, |place| self.place_value(place, of)),
-            Load::Board(false) => f64::from_bits(minds.blackboards.global_events(minds.now)),
-            Load::Board(true) => {
+            Load::Blackboard(false) => f64::from_bits(brains.blackboards.global_events(brains.now)),
+            Load::Blackboard(true) => {
                 let at = self.stage.position(self.agent).unwrap_or_default();
-                f64::from_bits(minds.blackboards.events_at(at, minds.now))
+                f64::from_bits(brains.blackboards.events_at(at, brains.now))
             }
             Load::Distance(a, b) => match (self.spot_position(a), self.spot_position(b)) {
                 (Some(a), Some(b)) => f64::from(a.distance(b)),
                 _ => f64::INFINITY,
             },
             Load::Friendship(a, b) => match (self.agent_of(a), self.agent_of(b)) {
-                (Some(a), Some(b)) => f64::from(minds.friendship(a, b)),
+                (Some(a), Some(b)) => f64::from(brains.friendship(a, b)),
                 _ => 0.0,
             },
             Load::Curiosity(who, spot) => {
@@ -122,18 +122,18 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
                     SpotName::Other => self.agent_of(Subject::Other).map(Party::Agent),
                     _ => None,
                 };
-                to.map_or(0.0, |to| f64::from(minds.curiosity(agent, to)))
+                to.map_or(0.0, |to| f64::from(brains.curiosity(agent, to)))
             }
             Load::Count(group) => {
-                let [first, last] = minds.scenario.groups[usize::from(group)].agents;
-                minds.brains[first as usize..last as usize].iter().filter(|m| m.is_there).count() as f64
+                let [first, last] = brains.scenario.groups[usize::from(group)].agents;
+                brains.brains[first as usize..last as usize].iter().filter(|m| m.is_there).count() as f64
             }
-            Load::Taken(thing) => f64::from(u8::from(minds.keepers[usize::from(thing)] != NONE)),
+            Load::Taken(thing) => f64::from(u8::from(brains.keepers[usize::from(thing)] != NONE)),
             Load::Holds(who, thing) => {
-                let keeper = minds.keepers[usize::from(thing)];
+                let keeper = brains.keepers[usize::from(thing)];
                 f64::from(u8::from(keeper != NONE && self.agent_of(who) == Some(keeper)))
             }
-            Load::Open(door) => f64::from(u8::from(minds.is_open[usize::from(door)])),
+            Load::Open(door) => f64::from(u8::from(brains.is_open[usize::from(door)])),
         }
     }
 }
@@ -141,9 +141,9 @@ impl<S: ScenarioStage> Perception for AgentView<'_, S> {
 impl AgentBrains {
     /// Friendship of one agent for another (-1 to 1).
     pub(super) fn friendship(&self, of: u32, to: u32) -> f32 {
-        let bonds = self.relationships.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
-        let bond = bonds.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
-        (self.relation_value(of, Party::Agent(to), |r| r.friendship) + bond).clamp(-1.0, 1.0)
+        let relationships = self.relationships.get(of as usize).map_or(&[] as &[(u32, f32)], |b| b);
+        let relationship = relationships.iter().find(|b| b.0 == to).map_or(0.0, |b| b.1);
+        (self.relation_value(of, Party::Agent(to), |r| r.friendship) + relationship).clamp(-1.0, 1.0)
     }
 
     /// Curiosity of an agent about another one, or about a place (-1 to 1).

@@ -38,17 +38,17 @@ impl AgentBrains {
         stimulus: Stimulus,
     ) -> Result<()> {
         let m = agent as usize;
-        let mind = &mut self.brains[m];
+        let brain = &mut self.brains[m];
         let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
-        if is_of_behaviour && stimulus.begun != mind.begun {
+        if is_of_behaviour && stimulus.begun != brain.begun {
             // The behaviour has been replaced by another one.
             return Ok(());
         }
-        if mind.handled_at != self.now {
-            (mind.handled_at, mind.handled) = (self.now, 0);
+        if brain.handled_at != self.now {
+            (brain.handled_at, brain.handled) = (self.now, 0);
         }
-        mind.handled += 1;
-        if mind.handled > MOST_AT_ONCE {
+        brain.handled += 1;
+        if brain.handled > MOST_AT_ONCE {
             return Err(self.circle_error(agent, stimulus.trigger));
         }
         self.record_sensed(agent, stimulus);
@@ -96,8 +96,8 @@ impl AgentBrains {
                 continue;
             }
             let pause = m * scenario.num_pauses + rule.pause as usize;
-            let mind = &self.brains[m];
-            let is_held = !rule.is_instant && mind.is_busy && mind.priority > rule.priority;
+            let brain = &self.brains[m];
+            let is_held = !rule.is_instant && brain.is_busy && brain.priority > rule.priority;
             if is_held || rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s) {
                 continue;
             }
@@ -121,11 +121,11 @@ impl AgentBrains {
                 self.at_once = (self.now, number);
                 return Ok(false);
             }
-            let mind = &mut self.brains[m];
-            if !mind.is_busy {
-                (mind.resumed, mind.resumed_context) = (mind.action, mind.context);
+            let brain = &mut self.brains[m];
+            if !brain.is_busy {
+                (brain.resumed, brain.resumed_context) = (brain.action, brain.context);
             }
-            (mind.is_busy, mind.priority) = (true, rule.priority);
+            (brain.is_busy, brain.priority) = (true, rule.priority);
             self.start_behaviour(stage, agent, rule.actions, context)?;
             return Ok(true);
         }
@@ -183,12 +183,12 @@ impl AgentBrains {
         loop {
             let table = &scenario.states[next as usize];
             let level = usize::from(table.level);
-            let mind = &mut self.brains[m];
-            if mind.states[..level].iter().all(|s| *s == NO_NUMBER) {
-                mind.state_since = self.now;
+            let brain = &mut self.brains[m];
+            if brain.states[..level].iter().all(|s| *s == NO_NUMBER) {
+                brain.state_since = self.now;
             }
-            mind.states[level] = next as u16;
-            mind.states[level + 1..].fill(NO_NUMBER);
+            brain.states[level] = next as u16;
+            brain.states[level + 1..].fill(NO_NUMBER);
             if table.graph == NONE {
                 return self.start_behaviour(stage, agent, table.actions, context);
             }
@@ -216,9 +216,9 @@ impl AgentBrains {
             self.brains[m].timer = f64::INFINITY;
             self.push_stimulus(agent, trigger::TIMER, EventContext::default());
         }
-        let mind = &self.brains[m];
-        let is_over = mind.until <= self.now || mind.most <= self.now;
-        if is_over || mind.again <= self.now && self.run_primitive(stage, agent, true)? {
+        let brain = &self.brains[m];
+        let is_over = brain.until <= self.now || brain.most <= self.now;
+        if is_over || brain.again <= self.now && self.run_primitive(stage, agent, true)? {
             return self.next_action(stage, agent);
         }
         Ok(())

@@ -9,17 +9,17 @@ use crate::motion_kind::refused_snapshot;
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "minds", tag: *b"MIND", version: 4, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 4, setup: 0 };
 
 /// State that changes with time. Names are those of [`AgentBrains`].
 #[derive(Serialize, Deserialize)]
 struct SavedBrains {
     now: f64,
-    minds: Vec<AgentBrain>,
+    brains: Vec<AgentBrain>,
     feelings: Vec<Feeling>,
     learnt: Vec<Option<LearntEvent>>,
     followed: Vec<f64>,
-    bonds: Vec<[(u32, f32); 4]>,
+    relationships: Vec<[(u32, f32); 4]>,
     holders: Vec<u32>,
     keepers: Vec<u32>,
     is_open: Vec<bool>,
@@ -30,7 +30,7 @@ struct SavedBrains {
     was_true: Vec<bool>,
     enters: Vec<f64>,
     entered: Vec<u32>,
-    boards: Blackboards,
+    blackboards: Blackboards,
     ended: bool,
 }
 
@@ -39,11 +39,11 @@ impl AgentBrains {
     pub fn save(&self, out: &mut Vec<u8>) {
         let saved = SavedBrains {
             now: self.now,
-            minds: self.brains.clone(),
+            brains: self.brains.clone(),
             feelings: self.feelings.clone(),
             learnt: self.learnt.clone(),
             followed: self.followed.clone(),
-            bonds: self.relationships.clone(),
+            relationships: self.relationships.clone(),
             holders: self.holders.clone(),
             keepers: self.keepers.clone(),
             is_open: self.is_open.clone(),
@@ -54,7 +54,7 @@ impl AgentBrains {
             was_true: self.was_true.clone(),
             enters: self.enters.clone(),
             entered: self.entered.clone(),
-            boards: self.blackboards.clone(),
+            blackboards: self.blackboards.clone(),
             ended: self.ended,
         };
         KIND.write(&saved, out);
@@ -67,13 +67,13 @@ impl AgentBrains {
     pub fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
         let saved: SavedBrains = KIND.read_all(bytes)?;
         self.check(&saved, time_s).map_err(|why| refused_snapshot(KIND.what, why))?;
-        (self.now, self.brains, self.feelings) = (saved.now, saved.minds, saved.feelings);
-        (self.learnt, self.followed, self.relationships) = (saved.learnt, saved.followed, saved.bonds);
+        (self.now, self.brains, self.feelings) = (saved.now, saved.brains, saved.feelings);
+        (self.learnt, self.followed, self.relationships) = (saved.learnt, saved.followed, saved.relationships);
         (self.holders, self.is_open, self.closing) = (saved.holders, saved.is_open, saved.closing);
         (self.due, self.times, self.happened) = (saved.due, saved.times, saved.happened);
         (self.was_true, self.enters, self.entered) = (saved.was_true, saved.enters, saved.entered);
         self.keepers = saved.keepers;
-        (self.blackboards, self.ended) = (saved.boards, saved.ended);
+        (self.blackboards, self.ended) = (saved.blackboards, saved.ended);
         Ok(())
     }
 
@@ -81,11 +81,11 @@ impl AgentBrains {
     fn check(&self, saved: &SavedBrains, time_s: f64) -> std::result::Result<(), &'static str> {
         let scenario = &self.scenario;
         let lengths = [
-            (saved.minds.len(), self.brains.len()),
+            (saved.brains.len(), self.brains.len()),
             (saved.feelings.len(), self.feelings.len()),
             (saved.learnt.len(), self.learnt.len()),
             (saved.followed.len(), self.followed.len()),
-            (saved.bonds.len(), self.relationships.len()),
+            (saved.relationships.len(), self.relationships.len()),
             (saved.holders.len(), self.holders.len()),
             (saved.keepers.len(), self.keepers.len()),
             (saved.is_open.len(), self.is_open.len()),
@@ -98,7 +98,7 @@ impl AgentBrains {
             (saved.entered.len(), self.entered.len()),
         ];
         if lengths.iter().any(|(a, b)| a != b)
-            || !saved.boards.is_compatible(&self.blackboards, self.brains.len() as u32)
+            || !saved.blackboards.is_compatible(&self.blackboards, self.brains.len() as u32)
         {
             return Err("they are of another scenario");
         }
@@ -119,9 +119,9 @@ impl AgentBrains {
                 && c.strength.is_finite()
         };
         // Between two calls, only primitive behaviours go on.
-        let is_doing = |mind: &AgentBrain| match scenario.actions.get(mind.action as usize) {
+        let is_doing = |brain: &AgentBrain| match scenario.actions.get(brain.action as usize) {
             Some(CompiledAction::Primitive { .. }) => true,
-            _ => mind.phase == ActionPhase::Idle && [mind.until, mind.again, mind.most] == [f64::INFINITY; 3],
+            _ => brain.phase == ActionPhase::Idle && [brain.until, brain.again, brain.most] == [f64::INFINITY; 3],
         };
         let is_action = |a: u32| a == NONE || (a as usize) < scenario.actions.len();
         let is_reason = |r: &ActionReason| {
@@ -135,36 +135,36 @@ impl AgentBrains {
             *s == NO_NUMBER
                 || scenario.states.get(usize::from(*s)).is_some_and(|state| usize::from(state.level) == level)
         };
-        let is_good = |(agent, own, mind): (u32, &AgentBrain, &AgentBrain)| {
-            mind.group == own.group
-                && mind.states.iter().enumerate().all(is_state)
-                && is_action(mind.action)
-                && is_doing(mind)
-                && is_action(mind.resumed)
-                && [mind.context, mind.resumed_context].iter().all(is_context)
-                && [mind.until, mind.again, mind.most, mind.timer, mind.crossing_at].iter().all(|t| is_later(*t))
-                && (mind.crossing == NO_NUMBER && mind.crossing_at == f64::INFINITY
-                    || usize::from(mind.crossing) < scenario.thresholds.len())
-                && (mind.slot == NONE || saved.holders.get(mind.slot as usize) == Some(&agent))
-                && mind.home.iter().all(|x| x.is_finite())
-                && (0.0..=1e3).contains(&mind.speed)
-                && is_reason(&mind.reason)
-                && mind.draws < u32::MAX / 2
-                && mind.handled < u32::MAX / 2
+        let is_good = |(agent, own, brain): (u32, &AgentBrain, &AgentBrain)| {
+            brain.group == own.group
+                && brain.states.iter().enumerate().all(is_state)
+                && is_action(brain.action)
+                && is_doing(brain)
+                && is_action(brain.resumed)
+                && [brain.context, brain.resumed_context].iter().all(is_context)
+                && [brain.until, brain.again, brain.most, brain.timer, brain.crossing_at].iter().all(|t| is_later(*t))
+                && (brain.crossing == NO_NUMBER && brain.crossing_at == f64::INFINITY
+                    || usize::from(brain.crossing) < scenario.thresholds.len())
+                && (brain.slot == NONE || saved.holders.get(brain.slot as usize) == Some(&agent))
+                && brain.home.iter().all(|x| x.is_finite())
+                && (0.0..=1e3).contains(&brain.speed)
+                && is_reason(&brain.reason)
+                && brain.draws < u32::MAX / 2
+                && brain.handled < u32::MAX / 2
         };
-        let all = (0..num).zip(self.brains.iter().zip(&saved.minds));
-        if !all.map(|(agent, (own, mind))| (agent, own, mind)).all(is_good) {
-            return Err("somebody has in mind what cannot be");
+        let all = (0..num).zip(self.brains.iter().zip(&saved.brains));
+        if !all.map(|(agent, (own, brain))| (agent, own, brain)).all(is_good) {
+            return Err("an agent brain holds an impossible value");
         }
         let is_held = |(slot, holder): (u32, &u32)| {
-            *holder == NONE || saved.minds.get(*holder as usize).is_some_and(|m| m.slot == slot)
+            *holder == NONE || saved.brains.get(*holder as usize).is_some_and(|m| m.slot == slot)
         };
         let learnt = saved
             .learnt
             .iter()
             .flatten()
             .all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
-        let bonds = saved.bonds.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
+        let relationships = saved.relationships.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
         let is_felt = |f: &Feeling| f.value.is_finite() && f64::from(f.rate.abs()) <= MAX_AMOUNT && is_time(f.since);
         let feelings = saved.feelings.iter().all(is_felt);
         let has_room = saved.times.iter().all(|n| *n < u32::MAX / 128);
@@ -173,7 +173,14 @@ impl AgentBrains {
             g.num_at_start <= *e && (*e < all || *e == all && *next == f64::INFINITY)
         });
         let kept = saved.keepers.iter().all(|k| is_agent(*k));
-        match (0u32..).zip(&saved.holders).all(is_held) && kept && learnt && bonds && feelings && has_room && entered {
+        match (0u32..).zip(&saved.holders).all(is_held)
+            && kept
+            && learnt
+            && relationships
+            && feelings
+            && has_room
+            && entered
+        {
             true => Ok(()),
             false => Err("somebody holds, feels or has learnt what cannot be"),
         }

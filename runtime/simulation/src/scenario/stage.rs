@@ -133,7 +133,7 @@ pub trait ScenarioStage {
     ///
     /// # Errors
     /// For an agent that is not there.
-    fn set_senses(&mut self, agent: u32, tells: u32, hears: u32) -> Result<()>;
+    fn set_senses(&mut self, agent: u32, sends: u32, receives: u32) -> Result<()>;
 
     /// Sets the time at which an agent has to act by itself (s).
     ///

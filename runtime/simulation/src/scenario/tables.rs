@@ -35,7 +35,7 @@ pub(super) enum LearningMode {
     #[default]
     Happens,
     /// Another agent tells of it.
-    Told,
+    PassedOn,
     /// A blackboard shows it.
     Read,
     /// The emotion of another agent is conveyed.
@@ -44,7 +44,7 @@ pub(super) enum LearningMode {
 
 impl LearningMode {
     /// Names in predicates, in the order of variants.
-    pub const NAMES: [&str; 4] = ["happens", "told", "read", "felt"];
+    pub const NAMES: [&str; 4] = ["happens", "passed_on", "read", "felt"];
 
     /// Name in predicates.
     pub fn name(self) -> &'static str {
@@ -217,7 +217,7 @@ pub(super) enum CompiledAction {
         /// Number of the motion tag.
         motion: Option<u16>,
         /// Path of [`Scenario::paths`] that it follows.
-        way: Option<u16>,
+        route: Option<u16>,
         claims: ActionClaim,
     },
 }

@@ -32,7 +32,7 @@ pub enum TurnKind {
     Enters,
     /// The agent left a place.
     Leaves,
-    /// The agent learnt of an event: "happens", "told", "read" or "felt".
+    /// The agent learnt of an event: "happens", "passed_on", "read" or "felt".
     Learns(&'static str),
     /// The agent followed a rule, of this number.
     Follows(usize),

@@ -50,7 +50,7 @@ const KEYS: [(&str, &[GroupMotion]); 22] = {
         ("target", &[Policy]),
         ("world", &[Patches]),
         ("world_config", &[Patches]),
-        ("wishes", &[Patches]),
+        ("goals", &[Patches]),
     ]
 };
 
@@ -125,7 +125,7 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
         event.find_fault(&format!("events[{i}]"))?;
     }
     check_numbers(&[
-        ("agents.telling_m", scene.agents.telling_m, 0.1, 100.0),
+        ("agents.meeting_m", scene.agents.meeting_m, 0.1, 100.0),
         ("agents.cell_m", scene.agents.cell_m, 0.0, 1000.0),
     ])?;
     for (i, happening) in scene.happenings.iter().enumerate() {
@@ -318,21 +318,21 @@ fn check_policies(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(
 
 /// Checks the goals of characters in a world.
 fn check_goals(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
-    for (i, w) in group.wishes.iter().enumerate() {
+    for (i, w) in group.goals.iter().enumerate() {
         if !(w.share > 0.0 && w.share < 1e6) {
-            return key_fault(&at(&format!("wishes[{i}].share")), format!("expected more than 0, found {}", w.share));
+            return key_fault(&at(&format!("goals[{i}].share")), format!("expected more than 0, found {}", w.share));
         }
-        if let Some([low, high]) = w.wish.seconds()
+        if let Some([low, high]) = w.goal.seconds()
             && !(0.0 < low && low <= high && high < 1e6)
         {
             let found = format!("expected two times that ascend from above 0, found {low} and {high}");
-            return key_fault(&at(&format!("wishes[{i}].wish.seconds")), found);
+            return key_fault(&at(&format!("goals[{i}].goal.seconds")), found);
         }
-        if let InhabitantGoalConfig::Visit { within: Some(b) } = &w.wish
+        if let InhabitantGoalConfig::Visit { within: Some(b) } = &w.goal
             && !(b.iter().all(|v| v.abs() < 1e6) && b[0] <= b[2] && b[1] <= b[3])
         {
             let why = format!("expected lowest x and z, then highest x and z, found {b:?}");
-            return key_fault(&at(&format!("wishes[{i}].wish.within")), why);
+            return key_fault(&at(&format!("goals[{i}].goal.within")), why);
         }
     }
     Ok(())

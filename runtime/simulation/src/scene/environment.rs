@@ -36,14 +36,14 @@ impl EnvironmentConfig {
 
     /// Fixed obstacles on the ground as capsules (none in the air).
     pub(crate) fn walls(&self) -> Vec<Capsule2d> {
-        let rod = |from, to, radius_m| Capsule2d { from, to, radius_m };
+        let capsule = |from, to, radius_m| Capsule2d { from, to, radius_m };
         let around = |corners: &[Vec2]| -> Vec<Capsule2d> {
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
-            ends.map(|(&from, &to)| rod(from, to, 0.0)).collect()
+            ends.map(|(&from, &to)| capsule(from, to, 0.0)).collect()
         };
         let of = |obstacle: Obstacle<Vec2>| match obstacle {
-            Obstacle::Ball { centre, radius } => vec![rod(centre, centre, radius)],
-            Obstacle::Wall { from, to, radius } => vec![rod(from, to, radius)],
+            Obstacle::Ball { centre, radius } => vec![capsule(centre, centre, radius)],
+            Obstacle::Wall { from, to, radius } => vec![capsule(from, to, radius)],
             Obstacle::Polygon { corners } => around(&corners),
             Obstacle::Box { min, max } => around(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)]),
             _ => Vec::new(),
@@ -95,7 +95,7 @@ pub struct AgentsConfig {
     #[cfg_attr(feature = "schema", schemars(with = "String"))]
     pub engine: Scheme,
     /// Distance between the centres of two agents at which they tell each other news, and `meets` happens (m, 0.1 to 100).
-    pub telling_m: f32,
+    pub meeting_m: f32,
     /// Side of the smallest cells with blackboards; 0 for none (m, 0 to 1000).
     pub cell_m: f32,
     /// Whether paths lead around fixed obstacles; otherwise agents go straight and only avoid them.
@@ -107,7 +107,7 @@ pub struct AgentsConfig {
 
 impl Default for AgentsConfig {
     fn default() -> Self {
-        Self { engine: Scheme::default(), telling_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
+        Self { engine: Scheme::default(), meeting_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
     }
 }
 

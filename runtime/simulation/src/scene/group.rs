@@ -96,7 +96,7 @@ pub struct GroupConfig {
     pub world_config: Option<PathBuf>,
     /// Goals that are drawn one after the other by their shares, for `patches`; roaming where empty.
     #[serde(default)]
-    pub wishes: Vec<WeightedGoal>,
+    pub goals: Vec<WeightedGoal>,
 }
 
 /// Source of a group's motion.
@@ -281,13 +281,13 @@ pub struct WeightedGoal {
     #[serde(default = "full")]
     pub share: f64,
     /// Goal.
-    pub wish: InhabitantGoalConfig,
+    pub goal: InhabitantGoalConfig,
 }
 
 impl WeightedGoal {
     /// Goal of all characters where the file names none.
     pub fn roaming() -> Self {
-        Self { share: 1.0, wish: InhabitantGoalConfig::Roam { seconds: [20.0, 40.0] } }
+        Self { share: 1.0, goal: InhabitantGoalConfig::Roam { seconds: [20.0, 40.0] } }
     }
 }
 

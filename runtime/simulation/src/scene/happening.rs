@@ -25,9 +25,9 @@ pub struct HappeningConfig {
     /// Behaviour of agents at the goal.
     #[serde(default)]
     pub at_end: AtEndConfig,
-    /// Whether agents that know of it tell agents near them, see `agents.telling_m`.
+    /// Whether agents that know of it tell agents near them, see `agents.meeting_m`.
     #[serde(default)]
-    pub told_on: bool,
+    pub passed_on: bool,
 }
 
 fn arrival() -> f32 {

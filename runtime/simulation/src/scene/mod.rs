@@ -20,7 +20,7 @@ pub use group::{
 pub use happening::{HappeningConfig, NearConfig};
 pub use measure::{GateConfig, LanesConfig, PictureConfig, PictureStyle, SceneMeasureConfig};
 pub(crate) use obstacle::to_point;
-pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PolygonConfig, WallConfig, WayPoint};
+pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PathPoint, PolygonConfig, WallConfig};
 pub use place::PlaceConfig;
 pub use story::{
     ActionConfig, CarryStyle, DoorConfig, EdgeConfig, EndConfig, EventConfig, LevelConfig, QueueConfig, RelationConfig,
@@ -307,7 +307,7 @@ impl Scene {
         }
         self.places.iter_mut().for_each(|p| p.stretch(INCH_M, true));
         self.things.iter_mut().for_each(|t| t.stretch(INCH_M, true));
-        inches(&mut self.agents.telling_m, AgentsConfig::default().telling_m);
+        inches(&mut self.agents.meeting_m, AgentsConfig::default().meeting_m);
         self.agents.cell_m *= INCH_M;
         if let Some(gate) = &mut self.measure.gate {
             gate.from.iter_mut().chain(&mut gate.to).for_each(|x| *x *= INCH_M);

@@ -65,14 +65,14 @@ pub struct MoverConfig {
     /// Radius (m, 0.01 to 1000).
     pub radius_m: f32,
     /// Path: positions with times (>= 1).
-    pub way: Vec<WayPoint>,
+    pub path: Vec<PathPoint>,
 }
 
 /// Position at a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct WayPoint {
+pub struct PathPoint {
     /// Time (s, >= 0, ascending by 0.0001 or more).
     pub time_s: f64,
     /// Position (m).
@@ -153,7 +153,7 @@ impl ObstacleConfig {
             scale_points(&mut [&mut d.centre], by);
         }
         if let Some(m) = &mut self.mover {
-            m.way.iter_mut().for_each(|w| scale_points(&mut [&mut w.at], by));
+            m.path.iter_mut().for_each(|w| scale_points(&mut [&mut w.at], by));
         }
         if let Some(w) = &mut self.wall {
             w.points.iter_mut().for_each(|p| scale_points(&mut [p], by));
@@ -183,8 +183,8 @@ impl ObstacleConfig {
             out.push(Obstacle::Ball { centre: to_point(&d.centre), radius: d.radius_m });
         }
         if let Some(m) = &self.mover {
-            let way = m.way.iter().map(|w| (w.time_s, to_point(&w.at))).collect();
-            out.push(Obstacle::Mover { way, radius: m.radius_m });
+            let path = m.path.iter().map(|w| (w.time_s, to_point(&w.at))).collect();
+            out.push(Obstacle::Mover { path, radius: m.radius_m });
         }
         if let Some(w) = &self.wall {
             let lines = w.points.windows(2);
@@ -207,28 +207,28 @@ impl ObstacleConfig {
 impl MoverConfig {
     /// Position and velocity at a time, as an external obstacle.
     pub(crate) fn obstacle_at(&self, time_s: f64) -> ExternalObstacle {
-        let next = self.way.partition_point(|w| w.time_s <= time_s);
-        let place = |k: usize| to_point::<Vec2>(&self.way[k].at);
-        let (before, after) = (next.saturating_sub(1), next.min(self.way.len() - 1));
-        let whole_s = self.way[after].time_s - self.way[before].time_s;
+        let next = self.path.partition_point(|w| w.time_s <= time_s);
+        let place = |k: usize| to_point::<Vec2>(&self.path[k].at);
+        let (before, after) = (next.saturating_sub(1), next.min(self.path.len() - 1));
+        let whole_s = self.path[after].time_s - self.path[before].time_s;
         let (mut at, mut velocity) = (place(before), Vec2::ZERO);
         if whole_s > 0.0 {
             velocity = (place(after) - at) / whole_s as f32;
-            at += velocity * (time_s - self.way[before].time_s) as f32;
+            at += velocity * (time_s - self.path[before].time_s) as f32;
         }
         ExternalObstacle { place: at, velocity, radius_m: self.radius_m }
     }
 
     fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         check_numbers(&[(&format!("{key}.radius_m"), self.radius_m, 0.01, 1000.0)])?;
-        if self.way.is_empty() {
-            return key_fault(&format!("{key}.way"), "expected at least 1 point, found none");
+        if self.path.is_empty() {
+            return key_fault(&format!("{key}.path"), "expected at least 1 point, found none");
         }
-        for (i, w) in self.way.iter().enumerate() {
-            check_point(&format!("{key}.way[{i}].at"), &w.at, dimensions)?;
-            if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s - self.way[i - 1].time_s < LEAST_S {
+        for (i, w) in self.path.iter().enumerate() {
+            check_point(&format!("{key}.path[{i}].at"), &w.at, dimensions)?;
+            if !(0.0..1e6).contains(&w.time_s) || i > 0 && w.time_s - self.path[i - 1].time_s < LEAST_S {
                 let why = format!("expected times that ascend from 0 by {LEAST_S} s or more, found {}", w.time_s);
-                return key_fault(&format!("{key}.way[{i}].time_s"), why);
+                return key_fault(&format!("{key}.path[{i}].time_s"), why);
             }
         }
         Ok(())

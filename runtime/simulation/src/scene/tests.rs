@@ -53,7 +53,7 @@ fn every_kind_of_motion_is_read() {
         boxers("policy", 1, "target = { height_m = 1.4, drag = [{ time_s = 1.0 }] }\n"),
         walkers("paths = {}\n"),
         walkers(&format!("{BLOCK}{GOAL}")),
-        children("wishes = [{ wish = { perform = { tag = \"slide\", seconds = [1.0, 2.0] } } }]\n"),
+        children("goals = [{ goal = { perform = { tag = \"slide\", seconds = [1.0, 2.0] } } }]\n"),
     ];
     for text in all {
         load(&text).unwrap_or_else(|e| panic!("{e}\n{text}"));
@@ -120,10 +120,10 @@ fn faults_name_line_key_and_what_was_expected() {
         ),
         (
             agents(
-                "[[environment.obstacles]]\nmover = { radius_m = 1.0, way = [{ time_s = 0.0, at = [0.0, 0.0] }, \
+                "[[environment.obstacles]]\nmover = { radius_m = 1.0, path = [{ time_s = 0.0, at = [0.0, 0.0] }, \
                  { time_s = 1e-40, at = [9.0, 0.0] }] }\n",
             ),
-            ["mover.way[1].time_s`", "ascend from 0 by 0.0001 s or more"],
+            ["mover.path[1].time_s`", "ascend from 0 by 0.0001 s or more"],
         ),
         (
             format!("environment.hills_m = 1.0\n{}", walkers("paths = { area_m = 10000.0 }\n"))
@@ -136,12 +136,9 @@ fn faults_name_line_key_and_what_was_expected() {
         (walkers("paths = {}\nstyle_by_speed = [[2.0, 0.0], [1.0, 1.0]]\n"), ["style_by_speed", "ascend"]),
         (walkers(&format!("paths = {{}}\n{GOAL}")), ["`groups[0].goal`", "either"]),
         (children("").replace("environment.world", "#"), ["`groups[0].world`", "stitched"]),
-        (children("wishes = [{ share = 0.0, wish = { visit = {} } }]\n"), ["`groups[0].wishes[0].share`", "found 0"]),
-        (
-            children("wishes = [{ wish = { roam = { seconds = [3.0, 2.0] } } }]\n"),
-            ["wishes[0].wish.seconds`", "3 and 2"],
-        ),
-        (children("wishes = [{ wish = { dance = {} } }]\n"), ["square.toml:6:", "dance"]),
+        (children("goals = [{ share = 0.0, goal = { visit = {} } }]\n"), ["`groups[0].goals[0].share`", "found 0"]),
+        (children("goals = [{ goal = { roam = { seconds = [3.0, 2.0] } } }]\n"), ["goals[0].goal.seconds`", "3 and 2"]),
+        (children("goals = [{ goal = { dance = {} } }]\n"), ["square.toml:6:", "dance"]),
     ] {
         let message = load(&text).expect_err(&text);
         assert!(parts.iter().all(|p| message.contains(p)), "{parts:?}: {message}");

@@ -134,7 +134,8 @@ pub(super) fn separate_segments(
             p.iter_mut().chain(&mut q).for_each(|end| end.y = 0.0);
         }
         // A foot that carries weight stays.
-        let gives = [(a.freedom, of_a), (b.freedom, of_b)].map(|(way, is_foot)| way != LimbFreedom::Stays || !is_foot);
+        let gives =
+            [(a.freedom, of_a), (b.freedom, of_b)].map(|(freedom, is_foot)| freedom != LimbFreedom::Stays || !is_foot);
         let share = match gives {
             [true, true] => [0.5, -0.5],
             [true, false] => [1.0, 0.0],
@@ -142,9 +143,9 @@ pub(super) fn separate_segments(
             [false, false] => continue,
         };
         if let Some((at_a, at_b, by)) = penetration(p, q, allowed_m) {
-            for (rod, at, is_foot, share) in [(&mut *a, at_a, of_a, share[0]), (&mut *b, at_b, of_b, share[1])] {
+            for (segment, at, is_foot, share) in [(&mut *a, at_a, of_a, share[0]), (&mut *b, at_b, of_b, share[1])] {
                 if share != 0.0 {
-                    rod.shift_point(if is_foot { rod.ends[1] } else { at }, by * share);
+                    segment.shift_point(if is_foot { segment.ends[1] } else { at }, by * share);
                 }
             }
             any = true;
@@ -162,8 +163,8 @@ pub(super) fn swing_rotation(
     capsule: &Capsule,
     give_m: f32,
 ) -> Option<Quat> {
-    let rod = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
-    let (at, _, by) = penetration(rod.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
+    let segment = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
+    let (at, _, by) = penetration(segment.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
     Some(rotation_between(at - root, at + by - root))
 }
 
@@ -209,10 +210,10 @@ pub(super) fn solve_two_bones(
     soft: f32,
 ) -> [Vec3; 2] {
     let [l1, l2] = shape.lengths;
-    let way = wrist - shoulder;
-    let direction = way.normalize_or(Vec3::NEG_Y);
+    let offset = wrist - shoulder;
+    let direction = offset.normalize_or(Vec3::NEG_Y);
     // The least distance goes last: for very short bones it exceeds the greatest one.
-    let d = way.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
+    let d = offset.length().min((l1 + l2) * (1.0 - STRETCH * soft * soft)).max((l1 - l2).abs() + 1e-3);
     let across = |v: Vec3| v - direction * v.dot(direction);
     let pole = across(elbow - shoulder);
     let soft = (SOFT_ELBOW_M * soft - pole.length()).max(0.0);

@@ -55,8 +55,8 @@ impl OpponentPair {
         if self.overlap_m > config.deep_m {
             self.deep_s += dt_s;
         }
-        let way = poses[1].root() - poses[0].root();
-        self.apart = way.try_normalize().unwrap_or(Vec2::Y);
+        let offset = poses[1].root() - poses[0].root();
+        self.apart = offset.try_normalize().unwrap_or(Vec2::Y);
         let [a, b] = poses.map(|p| body.head_position(p));
         let nearer_m = (overlap + config.margin_m).max(config.heads_m - a.distance(b));
         let wanted = if config.enabled { (nearer_m / PART_S).min(config.max_speed_mps) } else { 0.0 };

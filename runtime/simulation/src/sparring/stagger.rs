@@ -45,8 +45,8 @@ impl StepsAway {
         let mut steps = Vec::new();
         for (i, segment) in motion_set.graph().segments.iter().enumerate() {
             let [x, z, _] = segment.displacement;
-            let way = Vec2::new(x, z);
-            if !(STEP_LENGTH_M[0]..STEP_LENGTH_M[1]).contains(&way.length())
+            let offset = Vec2::new(x, z);
+            if !(STEP_LENGTH_M[0]..STEP_LENGTH_M[1]).contains(&offset.length())
                 || motion_set.hits_of(i as u32).next().is_some()
             {
                 continue;
@@ -55,7 +55,7 @@ impl StepsAway {
             let (frames, ratios) = (&[segment.start], &[0.0]);
             SampleJob { motion_set, frames, ratios, matrices: &mut pose }.run()?;
             let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
-            steps.push(StepAway { segment: i as u32, direction: way.normalize(), joint_positions: looks });
+            steps.push(StepAway { segment: i as u32, direction: offset.normalize(), joint_positions: looks });
         }
         Ok(Self(steps))
     }

@@ -205,7 +205,7 @@ impl LimbTouch {
             let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point_in_world(j, Vec3::ZERO)));
             let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(ways.iter().flatten());
             let fastest = fastest
-                .filter(|(_, way)| **way == LimbFreedom::Free)
+                .filter(|(_, freedom)| **freedom == LimbFreedom::Free)
                 .map(|((limb, now), _)| now[2].distance(limb.was[2]));
             let pieces = ((fastest.fold(0.0, f32::max) / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
             let obstacles = [0, 1].map(|k| limb_obstacles(&now[k], shapes, &cores[k]));
@@ -281,7 +281,7 @@ impl LimbTouch {
             std::array::from_fn(|l| std::array::from_fn(|i| self.limbs[k][l].was[i].lerp(now[k][l][i], share)))
         });
         let out = base.each_ref().map(bend_directions);
-        let mut rods: [[LimbSegment; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
+        let mut segments: [[LimbSegment; NUM_LIMBS]; 2] = std::array::from_fn(|k| {
             std::array::from_fn(|l| {
                 let (b, limb) = (&base[k][l], &self.limbs[k][l]);
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
@@ -293,11 +293,11 @@ impl LimbTouch {
                 LimbSegment { ends, foot, freedom: ways[k][l], moved: false }
             })
         });
-        let balls = rods.each_ref().map(|rods| [0, 1, 2, 3].map(|l| rods[l].bounding_ball(&shapes[l])));
+        let balls = segments.each_ref().map(|segments| [0, 1, 2, 3].map(|l| segments[l].bounding_ball(&shapes[l])));
         let mut near = [[NearObstacles::default(); NUM_LIMBS]; 2];
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
-            let upper = BoundingBall::around_segment([base[k][l][0], rods[k][l].ends[0]], shapes[l].upper_radius);
+            let upper = BoundingBall::around_segment([base[k][l][0], segments[k][l].ends[0]], shapes[l].upper_radius);
             near[k][l] = NearObstacles::find_near(&balls[k][l], &upper, &scene.obstacle_balls[k ^ 1], first);
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
@@ -309,19 +309,19 @@ impl LimbTouch {
             let mut any = false;
             for (a, b) in (0..NUM_LIMBS).flat_map(|a| (0..NUM_LIMBS).map(move |b| (a, b))).filter(|(a, b)| meet(*a, *b))
             {
-                let [first, second] = &mut rods;
+                let [first, second] = &mut segments;
                 any |= separate_segments(&mut first[a], &shapes[a], &mut second[b], &shapes[b], give_m);
             }
             for k in 0..2 {
                 for l in free(k) {
-                    let (rod, shape, near) = (&mut rods[k][l], &shapes[l], near[k][l]);
+                    let (segment, shape, near) = (&mut segments[k][l], &shapes[l], near[k][l]);
                     // The order is legs, upper arms, core: the last one counts most.
                     for (i, capsule) in obstacles[k ^ 1].iter().enumerate() {
                         if i >= FOR_UPPER && near.upper >> i & 1 == 1 {
-                            any |= rod.lift_out_of(base[k][l][0], shape, capsule, give_m);
+                            any |= segment.lift_out_of(base[k][l][0], shape, capsule, give_m);
                         }
                         if near.fore >> i & 1 == 1 {
-                            any |= rod.leave_capsule(shape, capsule, give_m);
+                            any |= segment.leave_capsule(shape, capsule, give_m);
                         }
                     }
                 }
@@ -330,15 +330,15 @@ impl LimbTouch {
                 break;
             }
             for k in 0..2 {
-                for (l, rod) in rods[k].iter_mut().enumerate().filter(|(_, rod)| rod.moved) {
-                    rod.ends = solve_two_bones(base[k][l][0], rod.ends, &shapes[l], out[k][l], 1.0);
+                for (l, segment) in segments[k].iter_mut().enumerate().filter(|(_, segment)| segment.moved) {
+                    segment.ends = solve_two_bones(base[k][l][0], segment.ends, &shapes[l], out[k][l], 1.0);
                 }
             }
         }
         for k in 0..2 {
             for l in 0..NUM_LIMBS {
-                if rods[k][l].moved {
-                    self.limbs[k][l].off = [0, 1].map(|i| rods[k][l].ends[i] - base[k][l][i + 1]);
+                if segments[k][l].moved {
+                    self.limbs[k][l].off = [0, 1].map(|i| segments[k][l].ends[i] - base[k][l][i + 1]);
                 }
             }
         }

@@ -15,17 +15,18 @@ fn disc(sim: &Simulation, who: usize) -> Option<(Vec2, f32)> {
 }
 
 /// Casts of two who may be in each other: inhabitants keep what they hold, opponents spar.
-fn cast_of(sim: &Simulation, who: usize) -> usize {
+fn character_group_of(sim: &Simulation, who: usize) -> usize {
     sim.groups().iter().find(|g| g.characters.contains(&who)).map_or(0, |g| g.character_group)
 }
 
 /// Deepest that two of different kinds are in each other (m).
 fn deepest(sim: &Simulation) -> f32 {
-    let all: Vec<_> = (0..sim.num_characters()).filter_map(|who| Some((cast_of(sim, who), disc(sim, who)?))).collect();
+    let all: Vec<_> =
+        (0..sim.num_characters()).filter_map(|who| Some((character_group_of(sim, who), disc(sim, who)?))).collect();
     let mut deepest = f32::NEG_INFINITY;
-    for (i, (cast, (at, radius))) in all.iter().enumerate() {
+    for (i, (character_group, (at, radius))) in all.iter().enumerate() {
         for (other, (place, r)) in &all[..i] {
-            if cast != other {
+            if character_group != other {
                 deepest = deepest.max(radius + r - at.distance(*place));
             }
         }
@@ -36,7 +37,7 @@ fn deepest(sim: &Simulation) -> f32 {
 /// Tells a boxer to play a segment at once; false where that is refused.
 fn play(sim: &mut Simulation, who: usize, segment: u32) -> bool {
     let number = sim.locate(who).1;
-    match sim.character_group_mut(cast_of(sim, who)) {
+    match sim.character_group_mut(character_group_of(sim, who)) {
         AnyCharacterGroup::Policy(p) => p.play(number, segment).is_ok(),
         AnyCharacterGroup::Sparring(s) => s.play(number, segment).is_ok(),
         _ => unreachable!("only those box"),

@@ -148,8 +148,8 @@ fn what_is_told_from_outside_is_kept() {
     let mut sim = new(&scene);
     let before = sim.snapshot();
     let calm = watch(&mut sim, 30, &Inline);
-    for cast in 0..3 {
-        match sim.character_group_mut(cast) {
+    for group in 0..3 {
+        match sim.character_group_mut(group) {
             AnyCharacterGroup::Policy(p) => {
                 p.set_home(2, glam::Vec3::new(1.0, 1.4, 0.0)).unwrap();
                 p.set_weights(&[0.3]).unwrap();

@@ -108,11 +108,11 @@ motion = "patches"
 bundle = "FOLDER/floor.throng"
 world = "FOLDER/floor.world"
 count = 5
-wishes = [
-    { share = 1.0, wish = { perform = { tag = "sit", seconds = [0.5, 1.5] } } },
-    { share = 1.0, wish = { roam = { seconds = [0.5, 2.0] } } },
-    { share = 1.0, wish = { visit = {} } },
-    { share = 0.3, wish = { perform = { tag = "give", seconds = [0.5, 3.0], with = "partner" } } },
+goals = [
+    { share = 1.0, goal = { perform = { tag = "sit", seconds = [0.5, 1.5] } } },
+    { share = 1.0, goal = { roam = { seconds = [0.5, 2.0] } } },
+    { share = 1.0, goal = { visit = {} } },
+    { share = 0.3, goal = { perform = { tag = "give", seconds = [0.5, 3.0], with = "partner" } } },
 ]
 "#;
 
@@ -138,14 +138,14 @@ goal = { wander = { from = [-9.0, -46.0], to = [9.0, -34.0] } }
 wall = { points = [[0.0, -41.5], [0.0, -38.5]], radius_m = 0.2 }
 
 [[environment.obstacles]]
-mover = { radius_m = 0.4, way = [{ time_s = 0.0, at = [-15.0, -39.7] }, { time_s = 12.0, at = [12.0, -39.7] }] }
+mover = { radius_m = 0.4, path = [{ time_s = 0.0, at = [-15.0, -39.7] }, { time_s = 12.0, at = [12.0, -39.7] }] }
 
 [[happenings]]
 time_s = 1.0
 near = { at = [4.0, -40.0], radius_m = 4.0 }
 goal = { area = { from = [-9.0, -43.0], to = [-3.0, -37.0] } }
 speed_mps = 2.0
-told_on = true
+passed_on = true
 
 [[happenings]]
 time_s = 2.5
@@ -244,7 +244,7 @@ carried = "hanging"
 name = "bell"
 at_s = 0.8
 who = "me.group == 'guests' and random < 0.5"
-told_on = true
+passed_on = true
 opens = ["door"]
 [[events]]
 name = "night"

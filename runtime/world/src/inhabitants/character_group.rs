@@ -158,7 +158,7 @@ impl CharacterGroup for Inhabitants {
         self.reservations.take_units(graph.resources(node.instance), c as u32);
         let state = &mut self.states[c];
         *state = InhabitantMemory { at: node, through: [node.instance; 2], plays_pair: false, ..*state }
-            .with_goal(state.wish);
+            .with_goal(state.goal);
         self.roots[c] = clip.root;
         self.chains.set(c, &[]);
         let target = self.paths.target(c);
@@ -176,13 +176,13 @@ impl CharacterGroup for Inhabitants {
     /// # Errors
     /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no path leads there, [`Error::Index`] or
     /// [`Error::Value`] for a place, instance or tag that does not exist or where no character can stay.
-    fn order(&mut self, id: Id, wish: InhabitantGoal) -> Result<()> {
+    fn order(&mut self, id: Id, goal: InhabitantGoal) -> Result<()> {
         let c = self.roster.row(id)?;
-        let target = self.target_of(id, c, wish)?;
+        let target = self.target_of(id, c, goal)?;
         self.part_pair(c);
         self.num_orders = self.num_orders.wrapping_add(1);
         self.paths.forget_path(c, target);
-        self.states[c] = self.states[c].with_goal(wish);
+        self.states[c] = self.states[c].with_goal(goal);
         if target.is_some() {
             self.paths.request_path(c);
         }
@@ -204,7 +204,7 @@ impl CharacterGroup for Inhabitants {
         let c = self.roster.row(id)?;
         let graph = self.world.graph();
         let Some(target) = self.paths.target(c) else { return Ok(OrderStatus::Idle) };
-        Ok(match self.states[c].doing {
+        Ok(match self.states[c].activity {
             InhabitantActivity::Arrived | InhabitantActivity::Performing => OrderStatus::Arrived,
             InhabitantActivity::Unreachable => OrderStatus::NoPath,
             InhabitantActivity::Waiting | InhabitantActivity::Meeting | InhabitantActivity::Blocked => {

@@ -92,10 +92,10 @@ impl Inhabitants {
                 let stays = match held.map(|other| states.get(other as usize)) {
                     None => return 0.0,
                     // As long as waiting for its end takes.
-                    Some(Some(s)) if s.doing == InhabitantActivity::Performing => {
+                    Some(Some(s)) if s.activity == InhabitantActivity::Performing => {
                         s.frames_left(rate_hz).min(TOLL_OF_WHO_STAYS)
                     }
-                    Some(Some(s)) if s.doing == InhabitantActivity::Arrived && impatient => TOLL_OF_WHO_STAYS,
+                    Some(Some(s)) if s.activity == InhabitantActivity::Arrived && impatient => TOLL_OF_WHO_STAYS,
                     Some(_) => 0.0,
                 };
                 if impatient { stays.max(TOLL) } else { stays }
@@ -105,11 +105,11 @@ impl Inhabitants {
                     self.paths.set(c, from, plan);
                     let steps = self.paths.steps_of(c).iter().map(|s| Some(s.to.instance));
                     if partners.is_some() && steps.skip_while(|i| *i == partners).any(|i| i == partners) {
-                        self.states[c].doing = InhabitantActivity::Unreachable;
+                        self.states[c].activity = InhabitantActivity::Unreachable;
                     }
                 }
                 None => {
-                    self.states[c].doing = InhabitantActivity::Unreachable;
+                    self.states[c].activity = InhabitantActivity::Unreachable;
                     self.events.push((self.roster.ids()[c], InhabitantEvent::NoPath));
                 }
             }
@@ -130,7 +130,7 @@ impl Inhabitants {
         }
         if self.states[c].detour > 0 {
             self.states[c].detour -= 1;
-            self.states[c].doing = InhabitantActivity::Detour;
+            self.states[c].activity = InhabitantActivity::Detour;
             if self.states[c].detour == 0 {
                 self.pause_after_detour(c);
             }
@@ -141,10 +141,10 @@ impl Inhabitants {
             return step.or_else(|| self.roam_step(graph, c)).or_else(|| self.rest_step(graph, c));
         }
         let Some(target) = self.paths.target(c) else {
-            self.states[c].doing = InhabitantActivity::Roaming;
+            self.states[c].activity = InhabitantActivity::Roaming;
             return self.roam_step(graph, c).or_else(|| self.rest_step(graph, c));
         };
-        if matches!(self.states[c].doing, InhabitantActivity::Unreachable | InhabitantActivity::Arrived) {
+        if matches!(self.states[c].activity, InhabitantActivity::Unreachable | InhabitantActivity::Arrived) {
             return self.rest_step(graph, c);
         }
         if self.has_performed(c) || target.is_at(graph, self.states[c].at) {
@@ -159,7 +159,7 @@ impl Inhabitants {
     /// character may stop and begin again.
     fn count_step(&mut self, graph: &WorldGraph, c: usize, step: &WorldStep) {
         let state = &mut self.states[c];
-        if let InhabitantGoal::Perform { tag, .. } = state.wish
+        if let InhabitantGoal::Perform { tag, .. } = state.goal
             && graph.link(step).is_some_and(|l| l.tag == tag)
         {
             state.performed = state.performed.saturating_add(step.num_frames());
@@ -169,7 +169,7 @@ impl Inhabitants {
     /// True once a character has performed its action long enough.
     fn has_performed(&self, c: usize) -> bool {
         let state = &self.states[c];
-        matches!(state.wish, InhabitantGoal::Perform { .. })
+        matches!(state.goal, InhabitantGoal::Perform { .. })
             && state.performed > 0
             && state.frames_left(self.rate_hz) <= 0.0
     }
@@ -177,18 +177,18 @@ impl Inhabitants {
     /// Acts at the target: stays, or performs the action of its goal.
     fn act_at_target(&mut self, graph: &WorldGraph, c: usize, target: PlanTarget) -> Option<WorldStep> {
         self.reset_patience(c);
-        if let (PlanTarget::Tag { tag, .. }, InhabitantGoal::Perform { seconds, .. }) = (target, self.states[c].wish)
+        if let (PlanTarget::Tag { tag, .. }, InhabitantGoal::Perform { seconds, .. }) = (target, self.states[c].goal)
             && seconds > 0.0
             && !self.has_performed(c)
         {
-            self.states[c].doing = InhabitantActivity::Performing;
+            self.states[c].activity = InhabitantActivity::Performing;
             let shown = self.pick_step(graph, c, |s| graph.link(s).is_some_and(|l| l.tag == tag));
             let step = shown.and_then(|step| self.try_step(graph, c, step, None));
             step.iter().for_each(|step| self.count_step(graph, c, step));
             return step.or_else(|| self.rest_step(graph, c));
         }
         let state = &mut self.states[c];
-        state.doing = InhabitantActivity::Arrived;
+        state.activity = InhabitantActivity::Arrived;
         state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
         self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
         self.rest_step(graph, c)
@@ -214,9 +214,9 @@ impl Inhabitants {
             through,
         };
         let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(way) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
+        let SearchResult::Path(path) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
         let mut steps = [WorldStep::NONE; MAX_REJOINED];
-        let len = nodes.write_path(way, &mut steps);
+        let len = nodes.write_path(path, &mut steps);
         if len > MAX_REJOINED {
             return false;
         }
@@ -245,8 +245,8 @@ impl Inhabitants {
             let _ = self.rejoin_path(graph, c, 0, false) || self.rejoin_path(graph, c, 0, true);
         }
         let Some(steps) = self.steps_to_rest(graph, c) else {
-            if self.states[c].doing != InhabitantActivity::Blocked {
-                self.states[c].doing = InhabitantActivity::Planning;
+            if self.states[c].activity != InhabitantActivity::Blocked {
+                self.states[c].activity = InhabitantActivity::Planning;
             }
             self.paths.request_path(c);
             return None;
@@ -264,7 +264,7 @@ impl Inhabitants {
         self.chains.set(c, &self.paths.start_node(c, self.states[c].at)[..len]);
         self.paths.advance(c, len);
         let state = &mut self.states[c];
-        state.doing = InhabitantActivity::Walking;
+        state.activity = InhabitantActivity::Walking;
         state.refused_s = None;
         state.progress += 1;
         if state.progress >= CALM_AFTER {
@@ -279,7 +279,7 @@ impl Inhabitants {
     /// stays, or it lost patience too often, it waits and moves out of the way of others.
     fn note_refusal(&mut self, graph: &WorldGraph, c: usize, holder: usize) {
         let is_inhabitant = holder != EXTERNAL_HOLDER as usize;
-        let is_blocked = is_inhabitant && self.states[holder].doing == InhabitantActivity::Blocked;
+        let is_blocked = is_inhabitant && self.states[holder].activity == InhabitantActivity::Blocked;
         let is_settled = is_blocked || is_inhabitant && self.has_come_to_stay(holder);
         let is_taken = is_settled && self.occupant_of(graph, c).is_some();
         self.forget_tries(c);
@@ -297,14 +297,14 @@ impl Inhabitants {
             return;
         }
         if is_blocked {
-            self.states[holder].in_the_way |= !is_taken && !gives_up;
+            self.states[holder].obstructs |= !is_taken && !gives_up;
         }
         let state = &mut self.states[c];
-        state.doing = if is_taken || gives_up { InhabitantActivity::Blocked } else { InhabitantActivity::Waiting };
+        state.activity = if is_taken || gives_up { InhabitantActivity::Blocked } else { InhabitantActivity::Waiting };
         state.progress = 0;
         let waits = now - *state.refused_s.get_or_insert(now) < patience_s;
-        let makes_room = std::mem::take(&mut state.in_the_way) && !gives_up;
-        if state.doing == InhabitantActivity::Blocked && !makes_room {
+        let makes_room = std::mem::take(&mut state.obstructs) && !gives_up;
+        if state.activity == InhabitantActivity::Blocked && !makes_room {
             if !waits {
                 // Another path may have become free.
                 state.refused_s = None;
@@ -312,7 +312,7 @@ impl Inhabitants {
             }
             return;
         }
-        if state.doing == InhabitantActivity::Waiting && waits || is_settled && self.try_another_place(graph, c) {
+        if state.activity == InhabitantActivity::Waiting && waits || is_settled && self.try_another_place(graph, c) {
             return;
         }
         let state = &mut self.states[c];
@@ -327,7 +327,7 @@ impl Inhabitants {
     /// Resets the number of tries after a new order: without new ones, all characters come to rest in the end.
     fn forget_tries(&mut self, c: usize) {
         let state = &mut self.states[c];
-        if std::mem::replace(&mut state.told, self.num_orders) != self.num_orders {
+        if std::mem::replace(&mut state.order_number, self.num_orders) != self.num_orders {
             state.tries = [0; 2];
         }
     }
@@ -336,7 +336,7 @@ impl Inhabitants {
     fn try_another_place(&mut self, graph: &WorldGraph, c: usize) -> bool {
         let turned = self.turn_to_free(graph, c);
         if turned {
-            self.states[c].doing = InhabitantActivity::Planning;
+            self.states[c].activity = InhabitantActivity::Planning;
             self.states[c].tries[1] += 1;
             self.paths.request_path(c);
         }
@@ -439,11 +439,11 @@ impl Inhabitants {
         let bound = purpose.map(|p| (p, [start.x, start.z]));
         let mut space = SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound };
         let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(way) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
-        if nodes.cost(way) == f32::INFINITY {
+        let SearchResult::Path(path) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
+        if nodes.cost(path) == f32::INFINITY {
             return None;
         }
-        let len = nodes.write_path(way, self.chains.begin_chain(c, step));
+        let len = nodes.write_path(path, self.chains.begin_chain(c, step));
         if self.chains.extend_chain(c, len) { self.reserve_chain(graph, c) } else { None }
     }
 

@@ -21,10 +21,10 @@ pub(super) struct InstanceCapsules {
 
 impl InstanceCapsules {
     fn new(graph: &WorldGraph) -> Self {
-        let rods: Vec<Capsule2d> = (0..graph.num_instances() as u32).map(|i| instance_capsule(graph, i)).collect();
-        let mut grid = BoxGrid::with_capacity(rods.len());
-        rods.iter().enumerate().for_each(|(i, rod)| grid.set(i, rod.bounds()));
-        Self { capsules: rods, grid }
+        let capsules: Vec<Capsule2d> = (0..graph.num_instances() as u32).map(|i| instance_capsule(graph, i)).collect();
+        let mut grid = BoxGrid::with_capacity(capsules.len());
+        capsules.iter().enumerate().for_each(|(i, capsule)| grid.set(i, capsule.bounds()));
+        Self { capsules, grid }
     }
 }
 
@@ -75,9 +75,9 @@ impl Inhabitants {
             out.bodies.push(ExternalObstacle { place, velocity: Vec2::ZERO, radius_m: BODY_RADIUS_M });
             let first = out.ground.len();
             visit_needed_instances(graph, &self.states[c], self.chains.steps_of(c), |instance| {
-                let rod = grounds.capsules[instance as usize];
-                if !out.ground[first..].contains(&rod) {
-                    out.ground.push(rod);
+                let capsule = grounds.capsules[instance as usize];
+                if !out.ground[first..].contains(&capsule) {
+                    out.ground.push(capsule);
                 }
             });
         }

@@ -42,8 +42,8 @@ struct InhabitantMemory {
     at: WorldNode,
     /// Instances that its motion leads through: the one where it began, and the one whose link it plays.
     through: [u32; 2],
-    wish: InhabitantGoal,
-    doing: InhabitantActivity,
+    goal: InhabitantGoal,
+    activity: InhabitantActivity,
     num_fulfilled: u32,
     /// Time at which it was first refused a unit, since it last got one (s).
     refused_s: Option<f64>,
@@ -62,10 +62,10 @@ struct InhabitantMemory {
     /// Time that it has performed the action of its goal (frames).
     performed: u32,
     /// True where it is blocked, and another character cannot pass.
-    in_the_way: bool,
+    obstructs: bool,
     /// Times that it lost patience, and of these behind characters that do not go on; since when, see `num_orders`.
     tries: [u32; 2],
-    told: u32,
+    order_number: u32,
     /// Meeting with a partner, if there is one.
     meeting: Option<PairMeeting>,
     /// True while it plays what two do together.
@@ -79,7 +79,7 @@ struct InhabitantMemory {
 impl InhabitantMemory {
     /// Least remaining time of the action that it performs (frames).
     fn frames_left(&self, rate_hz: f32) -> f32 {
-        match self.wish {
+        match self.goal {
             InhabitantGoal::Perform { seconds, .. } | InhabitantGoal::Meet { seconds, .. } => {
                 seconds * rate_hz - self.performed as f32
             }
@@ -93,8 +93,8 @@ impl InhabitantMemory {
         Self {
             at: node,
             through: [node.instance; 2],
-            wish: InhabitantGoal::Roam,
-            doing: InhabitantActivity::Roaming,
+            goal: InhabitantGoal::Roam,
+            activity: InhabitantActivity::Roaming,
             num_fulfilled: 0,
             refused_s: None,
             draws: 0,
@@ -104,9 +104,9 @@ impl InhabitantMemory {
             detour: 0,
             until_s: 0.0,
             performed: 0,
-            in_the_way: false,
+            obstructs: false,
             tries: [0; 2],
-            told: 0,
+            order_number: 0,
             meeting: None,
             plays_pair: false,
             parted: None,
@@ -115,10 +115,10 @@ impl InhabitantMemory {
     }
 
     /// Replaces the goal, which it has not begun to pursue.
-    fn with_goal(self, wish: InhabitantGoal) -> Self {
-        let doing = if wish.is_roaming() { InhabitantActivity::Roaming } else { InhabitantActivity::Planning };
+    fn with_goal(self, goal: InhabitantGoal) -> Self {
+        let activity = if goal.is_roaming() { InhabitantActivity::Roaming } else { InhabitantActivity::Planning };
         let Self { at, through, num_fulfilled, draws, purpose, progress, plays_pair, parted, leaves_s, .. } = self;
-        let new = Self { wish, doing, through, num_fulfilled, draws, purpose, progress, ..Self::resting_at(at) };
+        let new = Self { goal, activity, through, num_fulfilled, draws, purpose, progress, ..Self::resting_at(at) };
         Self { plays_pair, parted, leaves_s, ..new }
     }
 }
@@ -213,7 +213,7 @@ impl Inhabitants {
     pub fn state(&self, id: Id) -> Result<InhabitantState> {
         let s = &self.states[self.roster.row(id)?];
         let waited_s = s.refused_s.map_or(0.0, |since| (self.time_s - since) as f32);
-        Ok(InhabitantState { node: s.at, goal: s.wish, activity: s.doing, num_fulfilled: s.num_fulfilled, waited_s })
+        Ok(InhabitantState { node: s.at, goal: s.goal, activity: s.activity, num_fulfilled: s.num_fulfilled, waited_s })
     }
 
     /// Planted parts of a character's feet.

@@ -45,7 +45,7 @@ impl Inhabitants {
             graph.resources(instance).iter().filter_map(|&u| self.reservations.holder_of(u)).map(|c| c as usize);
         let stays = |c: usize| {
             let (state, passes_s) = (&self.states[c], self.config.patience_s);
-            match (state.doing, state.wish) {
+            match (state.activity, state.goal) {
                 (InhabitantActivity::Performing, InhabitantGoal::Perform { seconds, .. }) => {
                     (seconds - state.performed as f32 / self.rate_hz).max(passes_s)
                 }

@@ -288,7 +288,7 @@ impl Inhabitants {
         for c in 0..self.states.len() {
             let Some(m) = self.states[c].meeting.filter(|m| m.stage <= MeetingStage::Ready) else { continue };
             let partner = self.partner(c);
-            let lost = partner.is_none() || self.states[c].doing == InhabitantActivity::Unreachable;
+            let lost = partner.is_none() || self.states[c].activity == InhabitantActivity::Unreachable;
             let other = partner.unwrap_or(c);
             if lost || self.time_s > m.until_s {
                 self.part_pair(c);
@@ -317,7 +317,7 @@ impl Inhabitants {
             let Some(leaves_s) = state.leaves_s.filter(|&leaves_s| leaves_s <= self.time_s) else { continue };
             let knows = match self.paths.target(c) {
                 Some(_) => !self.paths.steps_of(c).is_empty(),
-                None => state.doing != InhabitantActivity::Arrived,
+                None => state.activity != InhabitantActivity::Arrived,
             };
             if self.time_s - leaves_s > HURRIES_S || !graph.is_rest(state.at) {
                 self.states[c].leaves_s = None;
@@ -370,7 +370,7 @@ impl Inhabitants {
         match m.stage {
             MeetingStage::Coming if is_near(graph, self.states[c].at, offer.starts[side]) => {
                 self.reset_patience(c);
-                (self.states[c].doing, self.states[c].detour) = (InhabitantActivity::Meeting, 0);
+                (self.states[c].activity, self.states[c].detour) = (InhabitantActivity::Meeting, 0);
                 if let Some(m) = &mut self.states[c].meeting {
                     (m.stage, m.ready_s) = (MeetingStage::Ready, self.time_s);
                 }
@@ -380,7 +380,7 @@ impl Inhabitants {
             MeetingStage::Ready => Some(self.rest_step(graph, c)),
             MeetingStage::Beginning => {
                 self.set_stage(c, MeetingStage::Entering);
-                self.states[c].doing = InhabitantActivity::Performing;
+                self.states[c].activity = InhabitantActivity::Performing;
                 Some(Some(self.count_pair_step(c, offer.entry_step(side))))
             }
             MeetingStage::Entering => {
@@ -400,14 +400,14 @@ impl Inhabitants {
         m: PairMeeting,
         offer: &PairOffer,
     ) -> Option<WorldStep> {
-        let InhabitantGoal::Meet { seconds, .. } = self.states[c].wish else { return self.rest_step(graph, c) };
+        let InhabitantGoal::Meet { seconds, .. } = self.states[c].goal else { return self.rest_step(graph, c) };
         let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
         let num = self.pair_offers.iter().filter(|o| fits(o)).count();
         if num == 0 || self.states[c].performed as f32 / self.rate_hz >= seconds {
             let [least, most] = LINGERS_S;
             let lingers_s = least + (most - least) * self.draw_random(c);
             let state = &mut self.states[c];
-            (state.doing, state.meeting) = (InhabitantActivity::Arrived, None);
+            (state.activity, state.meeting) = (InhabitantActivity::Arrived, None);
             state.leaves_s = Some(self.time_s + f64::from(lingers_s));
             state.num_fulfilled = state.num_fulfilled.wrapping_add(1);
             self.events.push((self.roster.ids()[c], InhabitantEvent::Fulfilled));
@@ -458,7 +458,7 @@ impl Inhabitants {
 
     /// Marks its goal as reached, where it is.
     pub(super) fn finish_goal(&mut self, c: usize) {
-        self.states[c].doing = InhabitantActivity::Arrived;
+        self.states[c].activity = InhabitantActivity::Arrived;
     }
 
     fn set_stage(&mut self, c: usize, stage: MeetingStage) {

@@ -75,16 +75,16 @@ impl InhabitantPaths {
 
     /// Lets a path begin at another node, with other steps to the end of its step `joined` (of those left). Its last
     /// steps are dropped where they do not fit.
-    pub fn rejoin_path(&mut self, character: usize, from: WorldNode, way: &[WorldStep], joined: usize) {
+    pub fn rejoin_path(&mut self, character: usize, from: WorldNode, path: &[WorldStep], joined: usize) {
         let p = &mut self.paths[character];
         let steps = &mut self.steps[character * self.max_path..][..self.max_path];
         let rest = p.next + joined + 1..p.end;
-        let at = rest.start.saturating_sub(way.len());
-        let room = self.max_path - at - way.len();
+        let at = rest.start.saturating_sub(path.len());
+        let room = self.max_path - at - path.len();
         let kept = rest.start..rest.end.min(rest.start + room);
-        let end = at + way.len() + kept.len();
-        steps.copy_within(kept, at + way.len());
-        steps[at..at + way.len()].copy_from_slice(way);
+        let end = at + path.len() + kept.len();
+        steps.copy_within(kept, at + path.len());
+        steps[at..at + path.len()].copy_from_slice(path);
         (p.from, p.next, p.end) = (Some(from), at, end);
     }
 

@@ -63,8 +63,8 @@ impl Inhabitants {
         check(new_roster.restore(roster), "its ids do not fit together")?;
         check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
         bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
-        let is_laid = |c| bodies.segment(c).0 == u32::MAX;
-        check(bodies.num_characters() == n && (0..n).all(is_laid), "its rows do not fit together")?;
+        let is_scheduled = |c| bodies.segment(c).0 == u32::MAX;
+        check(bodies.num_characters() == n && (0..n).all(is_scheduled), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
         let meets = |s: &InhabitantMemory| s.meeting.is_none_or(|m| m.is_sound(graph, s.at, &self.pair_offers));
         let are_offered = states.iter().all(meets);
@@ -77,8 +77,8 @@ impl Inhabitants {
                 "a character goes where no step leads",
             )?;
             check(
-                state.wish.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
-                "a wish has no target",
+                state.goal.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
+                "a goal has no target",
             )?;
             new_chains.set(c, chain);
             let mut are_free = true;

@@ -13,13 +13,13 @@ impl Inhabitants {
     ///
     /// # Errors
     /// As [`throng_core::Cast::order`] of inhabitants.
-    pub(super) fn target_of(&mut self, id: Id, c: usize, wish: InhabitantGoal) -> Result<Option<PlanTarget>> {
+    pub(super) fn target_of(&mut self, id: Id, c: usize, goal: InhabitantGoal) -> Result<Option<PlanTarget>> {
         let (world, who) = (self.world.clone(), Some(id));
         let graph = world.graph();
-        let target = match wish {
+        let target = match goal {
             InhabitantGoal::Roam => return Ok(None),
             InhabitantGoal::Meet { tag, .. } => {
-                check_value("wish", who, tag, false, "not to meet somebody: tell two with `Inhabitants::meet`")?;
+                check_value("goal", who, tag, false, "not to meet somebody: tell two with `Inhabitants::meet`")?;
                 return Ok(None);
             }
             InhabitantGoal::GoTo { instance } => {
@@ -56,7 +56,7 @@ impl Inhabitants {
         };
         let from = self.end_node(c);
         // For a goal that names a place, reachability is checked at once.
-        let leads = match wish {
+        let leads = match goal {
             InhabitantGoal::GoToPlace { .. } | InhabitantGoal::GoNear { .. } => {
                 self.planner.plan_soon(graph, from, target, &mut []).is_some()
             }
@@ -115,13 +115,13 @@ impl Inhabitants {
     /// one.
     pub(super) fn has_come_to_stay(&self, c: usize) -> bool {
         let came = (self.roster.ids()[c], InhabitantEvent::Fulfilled);
-        self.states[c].doing == InhabitantActivity::Meeting
-            || self.states[c].doing == InhabitantActivity::Arrived && !self.events.contains(&came)
+        self.states[c].activity == InhabitantActivity::Meeting
+            || self.states[c].activity == InhabitantActivity::Arrived && !self.events.contains(&came)
     }
 
     /// Sends a character to another free place near its target; false where there is none.
     pub(super) fn turn_to_free(&mut self, graph: &WorldGraph, c: usize) -> bool {
-        let InhabitantGoal::GoNear { place, within_m } = self.states[c].wish else { return false };
+        let InhabitantGoal::GoNear { place, within_m } = self.states[c].goal else { return false };
         let now = self.paths.target(c).map(|t| t.instance());
         let Some(instance) = self.free_near(graph, c, place, within_m, now) else { return false };
         self.paths.forget_path(c, Some(PlanTarget::Rest { instance }));
@@ -130,7 +130,7 @@ impl Inhabitants {
 
     /// Lets a character stay where it is, if that is near enough to its target; false where it is not.
     pub(super) fn set_nearest_target(&mut self, graph: &WorldGraph, c: usize) -> bool {
-        let (InhabitantGoal::GoNear { place, within_m }, here) = (self.states[c].wish, self.states[c].at.instance)
+        let (InhabitantGoal::GoNear { place, within_m }, here) = (self.states[c].goal, self.states[c].at.instance)
         else {
             return false;
         };

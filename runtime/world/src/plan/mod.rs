@@ -162,7 +162,7 @@ impl WorldPlanner {
             let least = self.upper.estimate(hierarchy, from).min(self.upper.limit);
             let mut cost = f32::INFINITY;
             for &(greed, most) in tries {
-                let mut way = TowardsTarget {
+                let mut path = TowardsTarget {
                     graph,
                     hierarchy,
                     target,
@@ -171,11 +171,11 @@ impl WorldPlanner {
                     upper: &mut self.upper,
                     toll,
                 };
-                let found = self.nodes.search(graph, from, &mut way, most);
+                let found = self.nodes.search(graph, from, &mut path, most);
                 opened_nodes += self.nodes.opened;
-                if let SearchResult::Path(way) = found {
-                    cost = self.nodes.cost(way);
-                    let plan = self.report(graph, way, out);
+                if let SearchResult::Path(path) = found {
+                    cost = self.nodes.cost(path);
+                    let plan = self.report(graph, path, out);
                     // A path around what it pays for may be far from the best ones.
                     if wide == 0.0 && cost > plan.num_frames as f32 && cost > self.upper.limit {
                         break;
@@ -214,7 +214,7 @@ impl WorldPlanner {
             self.upper.run(graph, hierarchy, target, from, enough);
             opened_instances += self.upper.opened;
         }
-        let mut way = TowardsTarget {
+        let mut path = TowardsTarget {
             graph,
             hierarchy,
             target,
@@ -223,19 +223,19 @@ impl WorldPlanner {
             upper: &mut self.upper,
             toll: &|_: u32| 0.0,
         };
-        let found = self.nodes.search(graph, from, &mut way, usize::MAX);
+        let found = self.nodes.search(graph, from, &mut path, usize::MAX);
         opened_nodes += self.nodes.opened;
-        let SearchResult::Path(way) = found else {
+        let SearchResult::Path(path) = found else {
             return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
         };
-        let plan = self.report(graph, way, out);
+        let plan = self.report(graph, path, out);
         Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Writes the steps of a path that was found.
-    fn report(&mut self, graph: &WorldGraph, way: u32, out: &mut [WorldStep]) -> WorldPlan {
+    fn report(&mut self, graph: &WorldGraph, path: u32, out: &mut [WorldStep]) -> WorldPlan {
         let mut plan = WorldPlan::default();
-        let mut at = self.nodes.reverse_path(way);
+        let mut at = self.nodes.reverse_path(path);
         while let Some((next, step)) = self.nodes.next_step(at) {
             if let Some(slot) = out.get_mut(plan.num_steps) {
                 *slot = step;

@@ -126,11 +126,11 @@ impl Nodes {
     }
 
     /// Writes the first steps of a path, as many as fit, and returns how many it has.
-    pub fn write_path(&self, way: u32, out: &mut [WorldStep]) -> usize {
+    pub fn write_path(&self, path: u32, out: &mut [WorldStep]) -> usize {
         let mut len = 0;
-        self.visit_path(way, |_| len += 1);
+        self.visit_path(path, |_| len += 1);
         let mut at = len;
-        self.visit_path(way, |step| {
+        self.visit_path(path, |step| {
             at -= 1;
             if let Some(slot) = out.get_mut(at) {
                 *slot = step;
@@ -140,8 +140,8 @@ impl Nodes {
     }
 
     /// Calls `visit` with every step of a path, the last one first.
-    pub fn visit_path(&self, way: u32, mut visit: impl FnMut(WorldStep)) {
-        let mut at = way;
+    pub fn visit_path(&self, path: u32, mut visit: impl FnMut(WorldStep)) {
+        let mut at = path;
         while self.parents[at as usize] != NONE {
             visit(self.step(at));
             at = self.parents[at as usize];
@@ -150,8 +150,8 @@ impl Nodes {
 
     /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next_step`]; it is no longer a path
     /// for the other functions.
-    pub fn reverse_path(&mut self, way: u32) -> u32 {
-        let (mut at, mut after) = (way, NONE);
+    pub fn reverse_path(&mut self, path: u32) -> u32 {
+        let (mut at, mut after) = (path, NONE);
         while at != NONE {
             after = std::mem::replace(&mut self.parents[at as usize], after);
             std::mem::swap(&mut at, &mut after);
@@ -166,8 +166,8 @@ impl Nodes {
     }
 
     /// Cost of a path (frames).
-    pub fn cost(&self, way: u32) -> f32 {
-        self.state(way).cost
+    pub fn cost(&self, path: u32) -> f32 {
+        self.state(path).cost
     }
 
     fn begin(&mut self) {

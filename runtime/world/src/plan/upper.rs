@@ -339,8 +339,8 @@ impl UpperSearch {
         let mut state = self.first_of(region);
         while state != NONE {
             if let Some((_, to, goal)) = hierarchy.entrances[state as usize].tile() {
-                let look = plane.lookup(goal, hierarchy.floors.offset(tile, to));
-                found.add(plane, NextEntrance { lookup: look, cost: self.costs[state as usize] });
+                let lookup = plane.lookup(goal, hierarchy.floors.offset(tile, to));
+                found.add(plane, NextEntrance { lookup, cost: self.costs[state as usize] });
             }
             state = self.next[state as usize];
         }

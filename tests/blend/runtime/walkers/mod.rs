@@ -1,10 +1,10 @@
 //! Walkers stay on their trajectories with planted feet, for any speed, direction, body and ground.
 
-mod cast;
 mod feet;
 mod ground;
+mod group;
+mod paths;
 mod state;
-mod ways;
 
 use super::made_up::MadeUp;
 use glam::{Vec2, Vec3};

@@ -46,10 +46,10 @@ impl Planning {
     pub(super) fn begin(job: PlanningJob, revision: u64, total: usize) -> Self {
         let (send, made) = channel();
         let shared = Arc::new(PlanningShared::default());
-        let told = Arc::clone(&shared);
+        let shared_state = Arc::clone(&shared);
         std::thread::spawn(move || {
             // The receiver is gone if another plan was started meanwhile.
-            _ = send.send(job.carry_out(&told));
+            _ = send.send(job.carry_out(&shared_state));
         });
         Self { made, shared, revision, total }
     }

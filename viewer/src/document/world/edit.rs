@@ -252,10 +252,10 @@ impl WorldDocument {
         run.reel.head.play_like(&self.run.reel.head);
         let mut free = 0;
         for (character, &before) in new.before.iter().enumerate() {
-            let Some(wish) = self.run.order_of(before) else { continue };
+            let Some(goal) = self.run.order_of(before) else { continue };
             // Instances and places have new numbers in the new world.
-            let is_kept = !matches!(wish, InhabitantGoal::GoTo { .. } | InhabitantGoal::GoToPlace { .. });
-            if !is_kept || run.give_order(character, Some(wish)).is_err() {
+            let is_kept = !matches!(goal, InhabitantGoal::GoTo { .. } | InhabitantGoal::GoToPlace { .. });
+            if !is_kept || run.give_order(character, Some(goal)).is_err() {
                 free += 1;
             }
         }

@@ -205,11 +205,11 @@ impl WorldDocument {
     ///
     /// # Errors
     /// A message for a place or a tag that is not there.
-    pub fn give_order(&mut self, character: usize, wish: Option<InhabitantGoal>) -> Result<(), String> {
+    pub fn give_order(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<(), String> {
         if character >= self.run.num_characters() {
             return Err(format!("there is no character {character}"));
         }
-        self.run.give_order(character, wish).map_err(|e| e.to_string())
+        self.run.give_order(character, goal).map_err(|e| e.to_string())
     }
 }
 

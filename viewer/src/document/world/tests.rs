@@ -88,8 +88,8 @@ fn lives(world: &mut WorldDocument) {
     assert!(!world.run().reel.head.is_live() && all_are_on_panels(world));
     // An order is given at the last step.
     let place = panel(2, 2).translation();
-    let wish = InhabitantGoal::GoNear { place, within_m: 5.0 };
-    world.give_order(0, Some(wish)).unwrap();
+    let goal = InhabitantGoal::GoNear { place, within_m: 5.0 };
+    world.give_order(0, Some(goal)).unwrap();
     assert!(world.run().reel.head.is_live() && world.run().reel.head.shown_step() == 200);
     for _ in 0..180 {
         run_for(world, 60);
@@ -101,7 +101,7 @@ fn lives(world: &mut WorldDocument) {
     let plan = world.run().inhabitants().last_plan(world.run().id(0));
     assert_eq!(state.activity, InhabitantActivity::Arrived, "{state:?} at {hips}: {plan:?}");
     assert!((hips - place).with_y(0.0).length() < 1.4, "{hips}");
-    assert_eq!(world.run().order_of(0), Some(wish));
+    assert_eq!(world.run().order_of(0), Some(goal));
     world.give_order(0, None).unwrap();
     assert_eq!(world.run().order_of(0), None);
     assert!(world.give_order(7, None).is_err());

@@ -136,8 +136,8 @@ impl EditJob {
 
     /// The new world, with all inhabitants at the nearest rest nodes.
     fn place_in_new_world(&self) -> Result<StitchedWorld, String> {
-        let look = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
-        let (world, environment, report) = self.workshop.run(look).ok_or(self.ended())?;
+        let view = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
+        let (world, environment, report) = self.workshop.run(view).ok_or(self.ended())?;
         let ground = WalkableWorld::new(self.workshop.shared_bundle(), &world)?;
         let (before, starts): (Vec<_>, Vec<_>) = place_inhabitants(ground.graph(), &self.places).into_iter().unzip();
         let run = WorldRun::new(ground.world(), self.seed, &starts).map_err(|e| e.to_string())?;

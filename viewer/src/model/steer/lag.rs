@@ -89,13 +89,13 @@ impl Twin {
         bundle: &OpenBundle,
         steps: u32,
         seen: (Planar, &[Mat3x4]),
-        way: impl Fn(SteerInput, Vec3) -> Option<Vec3>,
+        direction: impl Fn(SteerInput, Vec3) -> Option<Vec3>,
         lags: &mut Lags,
     ) -> bool {
         for _ in 0..steps {
             let done = match &mut self.who {
                 TwinRun::Crowd { fork, character, is_shared, held } => {
-                    if let Some(to) = way(*held, fork.characters().root(*character).translation()) {
+                    if let Some(to) = direction(*held, fork.characters().root(*character).translation()) {
                         fork.send((!*is_shared).then_some(*character), to);
                     }
                     fork.step(bundle)

@@ -26,7 +26,7 @@ const DOT: [f32; 2] = [2.6, 6.0];
 /// Shows the map; dragging moves the point.
 pub fn show(
     ui: &mut Ui,
-    look: &BlendPanelInput<'_>,
+    input: &BlendPanelInput<'_>,
     state: &mut BlendPanelState,
     shown: MapAxes,
     wanted: &mut Blending,
@@ -36,33 +36,33 @@ pub fn show(
     let (all, response) = ui.allocate_exact_size(vec2(width, height), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Parameter space"));
     let rect = Rect::from_min_max(all.min + vec2(LEFT, 8.0), all.max - vec2(10.0, BELOW));
-    let plane = MapPlane::new(look.space.axes(), shown, rect);
-    move_point(ui, &response, look, state, &plane, wanted);
+    let plane = MapPlane::new(input.space.axes(), shown, rect);
+    move_point(ui, &response, input, state, &plane, wanted);
     let dark = ui.visuals().dark_mode;
-    let key = SurfaceKey::new(look.document, look.number, look.example, &wanted.point, plane, dark);
+    let key = SurfaceKey::new(input.document, input.number, input.example, &wanted.point, plane, dark);
     if state.surface.as_ref().is_none_or(|s| s.key != key) {
-        state.surface = Some(WeightSurface::new(key, look.space));
+        state.surface = Some(WeightSurface::new(key, input.space));
     }
     let painter = ui.painter_at(all);
     if let Some(s) = &state.surface {
         painter.add(Shape::mesh(std::sync::Arc::clone(&s.mesh)));
     }
-    frame(&painter, ui.visuals(), look, &plane, response.has_focus());
-    dots(&painter, ui.visuals(), look, state, &plane);
-    point(&painter, ui.visuals(), look, &plane, wanted);
-    key_to_colours(ui, look, state);
+    frame(&painter, ui.visuals(), input, &plane, response.has_focus());
+    dots(&painter, ui.visuals(), input, state, &plane);
+    point(&painter, ui.visuals(), input, &plane, wanted);
+    key_to_colours(ui, input, state);
 }
 
 /// The mouse and the arrow keys.
 fn move_point(
     ui: &Ui,
     response: &Response,
-    look: &BlendPanelInput<'_>,
+    input: &BlendPanelInput<'_>,
     state: &mut BlendPanelState,
     plane: &MapPlane,
     wanted: &mut Blending,
 ) {
-    let (axes, examples) = (look.space.axes(), look.space.examples());
+    let (axes, examples) = (input.space.axes(), input.space.examples());
     let pointed_at = |at: Pos2| plane.pointed_at(axes, examples, &wanted.point, at);
     state.hovered = response.hover_pos().filter(|_| !response.dragged()).and_then(pointed_at);
     if response.clicked() || response.drag_started() {
@@ -80,7 +80,7 @@ fn move_point(
     }
     if let Some(example) = state.hovered {
         response.clone().on_hover_ui_at_pointer(|ui| {
-            describe_example(ui, look, example);
+            describe_example(ui, input, example);
             ui.weak("A click shows its weights.");
         });
     }
@@ -111,7 +111,7 @@ const ARROWS: [(eframe::egui::Key, f32, f32); 4] = [
 ];
 
 /// Edges, ticks and names of the axes.
-fn frame(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane: &MapPlane, has_focus: bool) {
+fn frame(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plane: &MapPlane, has_focus: bool) {
     let (rect, weak) = (plane.rect, visuals.weak_text_color());
     let line = if has_focus { visuals.selection.stroke } else { visuals.widgets.noninteractive.bg_stroke };
     painter.rect_stroke(rect, 0.0, line, StrokeKind::Outside);
@@ -125,8 +125,8 @@ fn frame(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane
         painter.hline(rect.x_range(), at.y, grid);
         painter.text(pos2(rect.left() - 4.0, at.y), Align2::RIGHT_CENTER, short(v), font.clone(), weak);
     }
-    let name = |a: usize| format!("{}{}", look.meta.axes[a], bracketed(look.space.axes()[a].kind));
-    let turns = [axis::GYRATION, axis::SIDE].contains(&look.space.axes()[plane.shown.across].kind);
+    let name = |a: usize| format!("{}{}", input.meta.axes[a], bracketed(input.space.axes()[a].kind));
+    let turns = [axis::GYRATION, axis::SIDE].contains(&input.space.axes()[plane.shown.across].kind);
     let below = vec2(0.0, 15.0);
     painter.text(rect.center_bottom() + below, Align2::CENTER_TOP, name(plane.shown.across), font.clone(), weak);
     if turns {
@@ -153,11 +153,11 @@ fn bracketed(kind: u32) -> String {
 }
 
 /// Draws the examples as dots: larger with their weights, fainter with their distance from the plane.
-fn dots(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, state: &BlendPanelState, plane: &MapPlane) {
+fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state: &BlendPanelState, plane: &MapPlane) {
     let edge = visuals.extreme_bg_color;
-    for (i, e) in look.space.examples().iter().enumerate() {
-        let (at, weight) = (plane.screen(&e.parameters), look.weights.get(i).copied().unwrap_or(0.0));
-        let depth = plane.depth(look.space.axes(), e, &look.blending.point);
+    for (i, e) in input.space.examples().iter().enumerate() {
+        let (at, weight) = (plane.screen(&e.parameters), input.weights.get(i).copied().unwrap_or(0.0));
+        let depth = plane.depth(input.space.axes(), e, &input.blending.point);
         let strength = 1.0 - 0.8 * depth;
         let radius = DOT[0] + DOT[1] * weight.abs().min(1.2).sqrt();
         if weight.abs() >= 0.005 {
@@ -171,7 +171,7 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, state:
             let ink = visuals.strong_text_color().gamma_multiply(0.75 * strength);
             painter.circle(at, radius, edge.gamma_multiply(strength), Stroke::new(1.4, ink));
         }
-        if state.hovered == Some(i) || look.example == i {
+        if state.hovered == Some(i) || input.example == i {
             let ring = if state.hovered == Some(i) {
                 visuals.strong_text_color()
             } else {
@@ -183,8 +183,8 @@ fn dots(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, state:
 }
 
 /// Draws the requested point as a cross-hair, and the blended point that approaches it.
-fn point(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane: &MapPlane, wanted: &Blending) {
-    let (at, now) = (plane.screen(&wanted.point), plane.screen(look.now));
+fn point(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plane: &MapPlane, wanted: &Blending) {
+    let (at, now) = (plane.screen(&wanted.point), plane.screen(input.now));
     let colour = ThemePalette::for_visuals(visuals).head;
     if at.distance(now) > 1.0 {
         painter.line_segment([now, at], Stroke::new(1.5, colour.gamma_multiply(0.6)));
@@ -200,12 +200,12 @@ fn point(painter: &Painter, visuals: &Visuals, look: &BlendPanelInput<'_>, plane
 }
 
 /// Shows the example on the map, and the range of its colours.
-fn key_to_colours(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
+fn key_to_colours(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal_wrapped(|ui| {
         let [low, high] = surface::RANGE;
         legend(ui, surface::RANGE, "weight", |t| surface::colour(low + t * (high - low), dark));
-        let name = look.meta.examples.get(look.example).map_or("", String::as_str);
+        let name = input.meta.examples.get(input.example).map_or("", String::as_str);
         ui.label(format!("of {name}"));
         let range = state.surface.as_ref().map(|s| s.range).filter(|r| r[0] <= r[1]);
         if let Some([least, most]) = range {

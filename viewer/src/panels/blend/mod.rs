@@ -84,7 +84,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
     }
     let mut shown = shown.unwrap_or_else(|| MapAxes::default_for(space.axes())).checked(space.axes());
     let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
-    let look = BlendPanelInput {
+    let input = BlendPanelInput {
         number: blending.space,
         space,
         meta: bundle.blend_meta(blending.space),
@@ -96,15 +96,15 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
         document: model.generation,
     };
     let mut wanted = blending;
-    choices(ui, model, bundle.blends(), &mut wanted, &mut shown, &look);
+    choices(ui, model, bundle.blends(), &mut wanted, &mut shown, &input);
     state.shown = Some((key, shown));
-    map::show(ui, &look, state, shown, &mut wanted);
+    map::show(ui, &input, state, shown, &mut wanted);
     ui.add_space(4.0);
-    sliders(ui, &look, &mut wanted);
+    sliders(ui, &input, &mut wanted);
     ui.separator();
     body::show(ui, &mut wanted);
     ui.separator();
-    rows::show(ui, &look, state);
+    rows::show(ui, &input, state);
     if wanted != blending {
         commands.push(ViewerCommand::Blend(wanted));
     } else if !model.shows_blend() {
@@ -122,58 +122,58 @@ fn choices(
     spaces: &[BlendSpace],
     wanted: &mut Blending,
     shown: &mut MapAxes,
-    look: &BlendPanelInput<'_>,
+    input: &BlendPanelInput<'_>,
 ) {
     ui.horizontal_wrapped(|ui| {
         let Some(bundle) = model.document.bundle() else { return };
-        let combo = ComboBox::from_id_salt("space").width(80.0).selected_text(&look.meta.name).show_ui(ui, |ui| {
+        let combo = ComboBox::from_id_salt("space").width(80.0).selected_text(&input.meta.name).show_ui(ui, |ui| {
             for (number, space) in spaces.iter().enumerate() {
                 let name = &bundle.blend_meta(number).name;
-                if ui.selectable_label(number == look.number, name).clicked() && number != look.number {
-                    *wanted = carried_over(look, wanted, number, space);
+                if ui.selectable_label(number == input.number, name).clicked() && number != input.number {
+                    *wanted = carried_over(input, wanted, number, space);
                 }
             }
         });
         combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Space"));
-        if look.space.axes().len() > 2 {
+        if input.space.axes().len() > 2 {
             let (across, up) = (shown.across, shown.up.unwrap_or(0));
-            if let Some(axis) = axis_choice(ui, "Across", look, across) {
+            if let Some(axis) = axis_choice(ui, "Across", input, across) {
                 *shown = shown.with_across(axis);
             }
             ui.label("×");
-            if let Some(axis) = axis_choice(ui, "Upwards", look, up) {
+            if let Some(axis) = axis_choice(ui, "Upwards", input, up) {
                 *shown = shown.with_up(axis);
             }
         }
-        let n = look.space.examples().len();
-        let error = look.space.record().max_weight_error;
-        let knots: u32 = look.space.axes().iter().map(|a| a.num_knots).product();
+        let n = input.space.examples().len();
+        let error = input.space.record().max_weight_error;
+        let knots: u32 = input.space.axes().iter().map(|a| a.num_knots).product();
         ui.weak(format!("{n} examples")).on_hover_text(format!(
             "Weights are tabulated at {knots} knots, with an error of at most {error:.4}; postures at {} phases",
-            look.space.num_phases()
+            input.space.num_phases()
         ));
     });
 }
 
 /// The point in another space, as far as axes of the same kinds exist.
-fn carried_over(look: &BlendPanelInput<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
+fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
     let fresh = Blending::straight_walk(number, space);
     let mut point = fresh.point;
     for (axis, record) in space.axes().iter().enumerate() {
-        let same = look.space.axes().iter().position(|a| a.kind == record.kind);
+        let same = input.space.axes().iter().position(|a| a.kind == record.kind);
         if let Some(same) = same.filter(|_| record.kind != throng_runtime::blend::axis::STYLE) {
             point[axis] = from.point[same];
-        } else if look.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
+        } else if input.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
             point[axis] = from.point[axis];
         }
     }
     Blending { space: number, point, ..*from }
 }
 
-fn axis_choice(ui: &mut Ui, name: &str, look: &BlendPanelInput<'_>, now: usize) -> Option<usize> {
+fn axis_choice(ui: &mut Ui, name: &str, input: &BlendPanelInput<'_>, now: usize) -> Option<usize> {
     let mut chosen = now;
-    let combo = ComboBox::from_id_salt(name).width(64.0).selected_text(&look.meta.axes[now]).show_ui(ui, |ui| {
-        for (axis, text) in look.meta.axes.iter().enumerate() {
+    let combo = ComboBox::from_id_salt(name).width(64.0).selected_text(&input.meta.axes[now]).show_ui(ui, |ui| {
+        for (axis, text) in input.meta.axes.iter().enumerate() {
             ui.selectable_value(&mut chosen, axis, text);
         }
     });
@@ -182,10 +182,10 @@ fn axis_choice(ui: &mut Ui, name: &str, look: &BlendPanelInput<'_>, now: usize) 
 }
 
 /// One for every axis.
-fn sliders(ui: &mut Ui, look: &BlendPanelInput<'_>, wanted: &mut Blending) {
+fn sliders(ui: &mut Ui, input: &BlendPanelInput<'_>, wanted: &mut Blending) {
     Grid::new("axes").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
-        for (axis, record) in look.space.axes().iter().enumerate() {
-            let name = look.meta.axes[axis].as_str();
+        for (axis, record) in input.space.axes().iter().enumerate() {
+            let name = input.meta.axes[axis].as_str();
             ui.label(name);
             slider(ui, name, &mut wanted.point[axis], [record.low, record.high], unit(record.kind));
             ui.end_row();
@@ -205,16 +205,16 @@ fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit:
 }
 
 /// An example in words, over several lines.
-fn describe_example(ui: &mut Ui, look: &BlendPanelInput<'_>, example: usize) {
-    let Some(e) = look.space.examples().get(example) else { return };
-    ui.strong(look.meta.examples.get(example).map_or("", String::as_str));
+fn describe_example(ui: &mut Ui, input: &BlendPanelInput<'_>, example: usize) {
+    let Some(e) = input.space.examples().get(example) else { return };
+    ui.strong(input.meta.examples.get(example).map_or("", String::as_str));
     for line in facts(e) {
         ui.label(line);
     }
-    let values = look.meta.axes.iter().zip(e.parameters).zip(look.space.axes());
+    let values = input.meta.axes.iter().zip(e.parameters).zip(input.space.axes());
     let values = values.map(|((name, v), axis)| format!("{name} {v:.2}{}", unit(axis.kind)));
     ui.weak(values.collect::<Vec<_>>().join(", "));
-    ui.label(format!("weight {:.3}", look.weights.get(example).copied().unwrap_or(0.0)));
+    ui.label(format!("weight {:.3}", input.weights.get(example).copied().unwrap_or(0.0)));
 }
 
 /// Properties of an example, as text.

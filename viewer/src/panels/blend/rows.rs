@@ -39,7 +39,7 @@ impl ExampleColumns {
 }
 
 /// Shows the blend and the examples, the largest weights first; a click on an example shows its weights on the map.
-pub fn show(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
+pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelState) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Keytimes").on_hover_text("Planted feet, over generic time");
         let palette = ThemePalette::for_visuals(ui.visuals());
@@ -47,16 +47,16 @@ pub fn show(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState
         ui.colored_label(palette.right, "right foot");
         ui.checkbox(&mut state.all, "all").on_hover_text("Also examples of weight 0");
     });
-    let rows = order(look.weights, state.all);
-    let short = short_names(&look.meta.examples);
-    blend_row(ui, look);
+    let rows = order(input.weights, state.all);
+    let short = short_names(&input.meta.examples);
+    blend_row(ui, input);
     let mut hovered = None;
     for e in rows {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-        let name = look.meta.examples.get(e).map_or("", String::as_str);
+        let name = input.meta.examples.get(e).map_or("", String::as_str);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
         if ui.is_rect_visible(rect) {
-            example_row(ui, look, e, &short[e], rect, response.hovered());
+            example_row(ui, input, e, &short[e], rect, response.hovered());
         }
         if response.clicked() {
             state.example = if state.example == Some(e) { None } else { Some(e) };
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, look: &BlendPanelInput<'_>, state: &mut BlendPanelState
         if response.hovered() {
             hovered = Some(e);
         }
-        response.on_hover_ui(|ui| describe_example(ui, look, e));
+        response.on_hover_ui(|ui| describe_example(ui, input, e));
     }
     // The map highlights it in the next frame.
     state.hovered = state.hovered.or(hovered);
@@ -85,41 +85,41 @@ fn short_names(names: &[String]) -> Vec<String> {
 }
 
 /// Row of the blend: its contacts, and the duration of its cycle.
-fn blend_row(ui: &mut Ui, look: &BlendPanelInput<'_>) {
+fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, "Blend"));
-    let mut weights = look.weights.to_vec();
-    weights.resize(look.space.stride(), 0.0);
-    let Ok(steps) = CycleContacts::from_blend(look.space, &weights) else { return };
+    let mut weights = input.weights.to_vec();
+    weights.resize(input.space.stride(), 0.0);
+    let Ok(steps) = CycleContacts::from_blend(input.space, &weights) else { return };
     let (visuals, columns, painter) = (ui.visuals(), ExampleColumns::in_rect(rect), ui.painter());
     let font = FontId::proportional(13.0);
     let ink = visuals.strong_text_color();
     painter.text(pos2(columns.name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
-    let phase = format!("{:.2}", look.phase);
+    let phase = format!("{:.2}", input.phase);
     let at = pos2(columns.bar.max, rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), ThemePalette::for_visuals(visuals).head);
-    chart(painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
+    chart(painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, input.phase);
     let at = pos2(columns.seconds.max, rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
 
-fn example_row(ui: &Ui, look: &BlendPanelInput<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
+fn example_row(ui: &Ui, input: &BlendPanelInput<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
     let (visuals, columns) = (ui.visuals(), ExampleColumns::in_rect(rect));
     let painter = ui.painter_at(rect);
-    if look.example == e || is_hovered {
-        let fill = if look.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
+    if input.example == e || is_hovered {
+        let fill = if input.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
         painter.rect_filled(rect, 2.0, fill.gamma_multiply(0.35));
     }
     let (font, middle) = (FontId::proportional(12.0), rect.center().y);
     let within = Rect::from_x_y_ranges(columns.name, rect.y_range());
     let at = pos2(within.left(), middle);
     ui.painter_at(within).text(at, Align2::LEFT_CENTER, name, font, visuals.text_color());
-    let weight = look.weights.get(e).copied().unwrap_or(0.0);
+    let weight = input.weights.get(e).copied().unwrap_or(0.0);
     bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
-    let Some(example) = look.space.examples().get(e) else { return };
+    let Some(example) = input.space.examples().get(e) else { return };
     let steps = CycleContacts::from_example(example);
-    chart(&painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, look.phase);
+    chart(&painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, input.phase);
     let seconds = format!("{:.2} s", steps.seconds);
     let at = pos2(columns.seconds.max, middle);
     painter.text(at, Align2::RIGHT_CENTER, seconds, FontId::proportional(11.0), visuals.weak_text_color());

@@ -130,7 +130,7 @@ fn another_space_keeps_axes_of_the_same_kind() {
     let space = &bundle.blends()[0];
     let mut from = Blending::straight_walk(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);
-    let look = BlendPanelInput {
+    let input = BlendPanelInput {
         number: 0,
         space,
         meta: bundle.blend_meta(0),
@@ -141,7 +141,7 @@ fn another_space_keeps_axes_of_the_same_kind() {
         example: 0,
         document: 1,
     };
-    let same = carried_over(&look, &from, 3, space);
+    let same = carried_over(&input, &from, 3, space);
     assert_eq!((same.space, same.point), (3, from.point));
     assert_eq!(space.axis_of(axis::SPEED), Some(0));
 }

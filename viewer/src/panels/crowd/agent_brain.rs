@@ -7,14 +7,14 @@ use eframe::egui::{Grid, Ui};
 use throng_runtime::simulation::scenario::AgentBrains;
 
 /// Shows states, reason, values and knowledge of the selected agent.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
     let first = first_agent(scene.run().simulation()).unwrap_or(0);
-    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len())
+    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len())
     else {
         ui.weak("Select an agent.");
         return;
     };
-    let why = minds.explain(agent, scene.run().simulation().time_s());
+    let why = brains.explain(agent, scene.run().simulation().time_s());
     let because = &why.because;
     let by = match (&because.rule, &because.edge_to) {
         (Some(rule), _) => format!(", rule \"{rule}\""),
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
     };
     let with = because.other.map_or_else(String::new, |other| format!(" with {other}"));
     let at = because.place.as_ref().map_or_else(String::new, |place| format!(" at {place}"));
-    Grid::new("mind").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+    Grid::new("agent brain").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, text: String| {
             ui.label(name);
             ui.label(text);

@@ -13,20 +13,27 @@ use throng_runtime::simulation::scenario::{AgentBrains, BlackboardPost};
 const HEIGHT: f32 = 120.0;
 
 /// Shows the choice of levels and the list of entries.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains, commands: &mut Vec<ViewerCommand>) {
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    scene: &SceneDocument,
+    brains: &AgentBrains,
+    commands: &mut Vec<ViewerCommand>,
+) {
     let now = model.selection.scene;
-    if let Some((side_m, levels)) = minds.blackboard_levels() {
+    if let Some((side_m, levels)) = brains.blackboard_levels() {
         ui.horizontal_wrapped(|ui| {
             ui.label("cells").on_hover_text("Cells on whose boards something is written are tinted on the floor");
             let named = (0..levels).map(|l| (BlackboardFilter::Level(l), format!("{} m", side_m * (1 << l) as f32)));
-            for (boards, text) in [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())]
-                .into_iter()
-                .chain(named)
+            for (blackboards, text) in
+                [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())]
+                    .into_iter()
+                    .chain(named)
             {
-                let r = ui.selectable_label(now.blackboards == boards, &text);
+                let r = ui.selectable_label(now.blackboards == blackboards, &text);
                 r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("board cells: {text}")));
                 if r.clicked() {
-                    commands.push(options_command(model, |l| (l.blackboards, l.cell) = (boards, None)));
+                    commands.push(options_command(model, |l| (l.blackboards, l.cell) = (blackboards, None)));
                 }
             }
         });
@@ -39,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
             }
         });
     }
-    let entries: Vec<BlackboardPost> = minds.posts().filter(|p| is_listed(p, now.blackboards, now.cell)).collect();
+    let entries: Vec<BlackboardPost> = brains.posts().filter(|p| is_listed(p, now.blackboards, now.cell)).collect();
     if entries.is_empty() {
         ui.weak("Nothing is written.");
         return;
@@ -48,17 +55,17 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
     let area = ScrollArea::vertical().id_salt("boards").max_height(HEIGHT).auto_shrink([false, true]);
     area.show_rows(ui, height, entries.len(), |ui, rows| {
         for entry in &entries[rows] {
-            row(ui, model, scene, minds, entry, commands);
+            row(ui, model, scene, brains, entry, commands);
         }
     });
 }
 
-fn is_listed(entry: &BlackboardPost, boards: BlackboardFilter, cell: Option<BlackboardCell>) -> bool {
+fn is_listed(entry: &BlackboardPost, blackboards: BlackboardFilter, cell: Option<BlackboardCell>) -> bool {
     match (entry.cell.map(|c| BlackboardCell::from_cell(&c)), cell) {
         (None, None) => true,
         (None, Some(_)) => false,
         (Some(of), Some(cell)) => of == cell,
-        (Some(of), None) => match boards {
+        (Some(of), None) => match blackboards {
             BlackboardFilter::Nothing => false,
             BlackboardFilter::All => true,
             BlackboardFilter::Level(level) => of.level == level,
@@ -71,7 +78,7 @@ fn row(
     ui: &mut Ui,
     model: &Model,
     scene: &SceneDocument,
-    minds: &AgentBrains,
+    brains: &AgentBrains,
     entry: &BlackboardPost,
     commands: &mut Vec<ViewerCommand>,
 ) {
@@ -79,7 +86,7 @@ fn row(
     ui.horizontal(|ui| {
         swatch(ui, colour(colour_of_message(entry.event)));
         let place = cell.map_or_else(|| "global".into(), |c| format!("cell {}", cell_text(c)));
-        let text = format!("{place}: {}", in_words(scene, minds, entry));
+        let text = format!("{place}: {}", in_words(scene, brains, entry));
         let r = ui.selectable_label(cell.is_some() && cell == model.selection.scene.cell, &text);
         r.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Entry {text}")));
         if r.clicked() {
@@ -95,7 +102,7 @@ fn cell_text(cell: BlackboardCell) -> String {
 }
 
 /// Text of an entry: content, author, time, and end.
-pub fn in_words(scene: &SceneDocument, minds: &AgentBrains, entry: &BlackboardPost) -> String {
+pub fn in_words(scene: &SceneDocument, brains: &AgentBrains, entry: &BlackboardPost) -> String {
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);
     let by =
@@ -104,7 +111,7 @@ pub fn in_words(scene: &SceneDocument, minds: &AgentBrains, entry: &BlackboardPo
         until if until.is_finite() => format!("for {:.1} s more", until - simulation.time_s()),
         _ => "for good".into(),
     };
-    format!("{}, {by} at {:.1} s, {until}", minds.event_names()[entry.event], entry.since_s)
+    format!("{}, {by} at {:.1} s, {until}", brains.event_names()[entry.event], entry.since_s)
 }
 
 #[cfg(test)]
@@ -117,7 +124,7 @@ mod tests {
         let cell = |level, middle| Some(BlackboardArea { level, middle, side_m: 4.0 * (1 << level) as f32 });
         let entry = |cell| BlackboardPost { event: 0, cell, by: None, since_s: 0.0, until_s: 9.0 };
         let all = [entry(None), entry(cell(0, [2.0, -2.0])), entry(cell(0, [6.0, -2.0])), entry(cell(2, [8.0, 8.0]))];
-        let listed = |boards, cell| all.map(|e| is_listed(&e, boards, cell));
+        let listed = |blackboards, cell| all.map(|e| is_listed(&e, blackboards, cell));
         assert_eq!(listed(BlackboardFilter::All, None), [true; 4]);
         assert_eq!(listed(BlackboardFilter::Nothing, None), [true, false, false, false]);
         assert_eq!(listed(BlackboardFilter::Level(2), None), [true, false, false, true]);

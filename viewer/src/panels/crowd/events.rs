@@ -26,10 +26,10 @@ pub fn show(
 ) {
     let run = scene.run();
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
-    if let Some(minds) = run.simulation().brains() {
+    if let Some(brains) = run.simulation().brains() {
         ui.horizontal_wrapped(|ui| {
-            choice(ui, "place", "any place", minds.place_names(), &mut state.place);
-            choice(ui, "message", "any message", minds.event_names(), &mut state.message);
+            choice(ui, "place", "any place", brains.place_names(), &mut state.place);
+            choice(ui, "message", "any message", brains.event_names(), &mut state.message);
         });
         kinds(ui, model, commands);
     }
@@ -117,9 +117,9 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &AgentEvent, selected: Option<usiz
 fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
     let agent = super::agent_name(scene, h.agent);
     let simulation = scene.run().simulation();
-    let minds = simulation.brains();
-    let place = h.place.and_then(|p| minds?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
-    let message = h.message.and_then(|e| minds?.event_names().get(e));
+    let brains = simulation.brains();
+    let place = h.place.and_then(|p| brains?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
+    let message = h.message.and_then(|e| brains?.event_names().get(e));
     let on = message.map_or_else(String::new, |e| format!(", on {e}"));
     let with =
         |other: Option<usize>| other.map_or_else(String::new, |o| format!(", with {}", super::agent_name(scene, o)));
@@ -131,7 +131,7 @@ fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
             format!("{agent} – {event}, {how}{from}")
         }
         OtherParty::Rule(rule, other) => {
-            format!("{agent} – \"{}\"{}{place}{on}", minds.map_or("", |m| m.rule_name(rule)), with(other))
+            format!("{agent} – \"{}\"{}{place}{on}", brains.map_or("", |m| m.rule_name(rule)), with(other))
         }
         OtherParty::Edge(graph, edge, other) => {
             let edge = simulation.scene().graphs.values().nth(graph).and_then(|g| g.edges.get(edge));

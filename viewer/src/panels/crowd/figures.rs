@@ -40,8 +40,8 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
 }
 
 /// Desired speeds of the agents among characters, at their start (m/s).
-fn desired_speeds(cast: &AnyCharacterGroup) -> Vec<f64> {
-    match cast {
+fn desired_speeds(group: &AnyCharacterGroup) -> Vec<f64> {
+    match group {
         AnyCharacterGroup::Ground(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
         AnyCharacterGroup::Air(agents) => agents.layout().setup.agents.iter().map(|a| f64::from(a.speed)).collect(),
         _ => Vec::new(),

@@ -16,10 +16,16 @@ const HEIGHT: f32 = 110.0;
 const MAX_CORNERS: usize = 400;
 
 /// Shows the spread of every message with a button that triggers it, and the curve of the inspected one.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains, commands: &mut Vec<ViewerCommand>) {
-    let shown = model.selection.scene.message.filter(|e| *e < minds.event_names().len());
+pub fn show(
+    ui: &mut Ui,
+    model: &Model,
+    scene: &SceneDocument,
+    brains: &AgentBrains,
+    commands: &mut Vec<ViewerCommand>,
+) {
+    let shown = model.selection.scene.message.filter(|e| *e < brains.event_names().len());
     Grid::new("news").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
-        for (event, spread) in minds.event_spreads().into_iter().enumerate() {
+        for (event, spread) in brains.event_spreads().into_iter().enumerate() {
             let is_on = shown == Some(event);
             ui.horizontal(|ui| {
                 swatch(ui, colour(colour_of_message(event)));
@@ -33,7 +39,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
                 r.on_hover_text("Colours agents by whether they know of it, with lines from who told them");
             });
             ui.label(format!("{} know", spread.informed)).on_hover_text("Agents who know of it");
-            ui.label(format!("{} told", spread.told)).on_hover_text("Agents who were told of it by another one");
+            ui.label(format!("{} informed by others", spread.passed_on))
+                .on_hover_text("Agents that learnt of it from another one");
             let tip = "Lets it happen now; what was recorded after the step shown is dropped";
             let button = ui.small_button("happen").on_hover_text(tip);
             button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Happen {}", spread.event)));
@@ -44,28 +51,28 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrai
         }
     });
     match shown {
-        Some(event) => curve(ui, scene, minds, event),
+        Some(event) => curve(ui, scene, brains, event),
         None => drop(ui.weak("Click a message to see how it spreads.")),
     }
-    for (state, count) in minds.num_in_states() {
+    for (state, count) in brains.num_in_states() {
         ui.weak(format!("{count} in {state}"));
     }
 }
 
 /// Number of agents that know a message over time; the part after the shown time is faint.
-fn curve(ui: &mut Ui, scene: &SceneDocument, minds: &AgentBrains, event: usize) {
+fn curve(ui: &mut Ui, scene: &SceneDocument, brains: &AgentBrains, event: usize) {
     let run = scene.run();
     let (now, end) = (run.simulation().time_s(), f64::from(*run.head.recorded().end()) / f64::from(STEP_HZ));
     let times = run.spread().times(event);
     let known = times.partition_point(|t| *t <= now);
-    ui.weak(format!("{} of {} know of {} at {now:.1} s", known, minds.len(), minds.event_names()[event]));
+    ui.weak(format!("{} of {} know of {} at {now:.1} s", known, brains.len(), brains.event_names()[event]));
     let line = colour(colour_of_message(event));
     let plot = Plot::new("spread")
         .height(HEIGHT)
         .include_x(0.0)
         .include_x(end.max(1.0))
         .include_y(0.0)
-        .include_y(minds.len() as f64)
+        .include_y(brains.len() as f64)
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)

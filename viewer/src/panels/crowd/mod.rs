@@ -46,14 +46,14 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     overlays::show(ui, model, commands);
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
-    if let Some(minds) = scene.run().simulation().brains() {
-        section(ui, "What it has in mind", |ui| agent_brain::show(ui, model, scene, minds));
+    if let Some(brains) = scene.run().simulation().brains() {
+        section(ui, "What it has in mind", |ui| agent_brain::show(ui, model, scene, brains));
         if !scene.run().simulation().scene().graphs.is_empty() {
-            section(ui, "State graphs", |ui| graphs::show(ui, model, scene, minds));
+            section(ui, "State graphs", |ui| graphs::show(ui, model, scene, brains));
         }
-        if minds.has_events() {
-            section(ui, "News", |ui| message_spread::show(ui, model, scene, minds, commands));
-            section(ui, "Billboards", |ui| blackboards::show(ui, model, scene, minds, commands));
+        if brains.has_events() {
+            section(ui, "News", |ui| message_spread::show(ui, model, scene, brains, commands));
+            section(ui, "Billboards", |ui| blackboards::show(ui, model, scene, brains, commands));
         }
     }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
@@ -88,9 +88,9 @@ fn agent_name(scene: &SceneDocument, agent: usize) -> String {
 
 /// Draws more or less.
 fn options_command(model: &Model, change: impl FnOnce(&mut SceneViewOptions)) -> ViewerCommand {
-    let mut look = model.selection.scene;
-    change(&mut look);
-    ViewerCommand::Scene(SceneCommand::SetOptions(look))
+    let mut options = model.selection.scene;
+    change(&mut options);
+    ViewerCommand::Scene(SceneCommand::SetOptions(options))
 }
 
 #[cfg(test)]

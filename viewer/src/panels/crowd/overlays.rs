@@ -11,17 +11,17 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     let now = model.selection.scene;
     let (mut l, mut overlays) = (now, model.settings.overlays);
     Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
-        for (name, tip, whose) in [
+        for (name, tip, scope) in [
             ("bounds", "Time-varying bounds: where an agent can be, whatever it does", &mut l.bounds),
             ("paths", "Planned paths to goals", &mut l.paths),
         ] {
             ui.label(name).on_hover_text(tip);
             ui.horizontal(|ui| {
                 for (w, text) in OverlayScope::ALL {
-                    let r = ui.selectable_label(*whose == w, text);
+                    let r = ui.selectable_label(*scope == w, text);
                     r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("{name}: {text}")));
                     if r.clicked() {
-                        *whose = w;
+                        *scope = w;
                     }
                 }
             });
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
         }
     });
     if l != now {
-        commands.push(options_command(model, |look| *look = l));
+        commands.push(options_command(model, |options| *options = l));
     }
     if overlays != model.settings.overlays {
         let settings = ViewerSettings { overlays, ..model.settings.clone() };

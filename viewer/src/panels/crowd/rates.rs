@@ -57,8 +57,8 @@ fn key(ui: &mut Ui, model: &Model, totals: [u64; AgentEventKind::COUNT], command
     let dark = ui.visuals().dark_mode;
     // Kinds that only the occupancy scheme or agent brains report are left out if there are none.
     let is_special = |w: &AgentEventKind| {
-        let of_minds = AgentEventKind::EnteredPlace.number() <= w.number();
-        of_minds
+        let is_of_brains = AgentEventKind::EnteredPlace.number() <= w.number();
+        is_of_brains
             || matches!(
                 w,
                 AgentEventKind::Entering

@@ -78,8 +78,8 @@ fn graphs_messages_and_boards_of_a_market_are_shown() {
     assert!(harness.state().model.selection.scene.cell.is_some_and(|c| c.level == 1));
     // The agent that wrote it is selected.
     let writer = harness.state().model.selection.character.unwrap();
-    let minds = harness.state().model.document.scene().unwrap().run().simulation().brains().unwrap();
-    assert!(minds.learnt_event(writer, 1).is_some());
+    let brains = harness.state().model.document.scene().unwrap().run().simulation().brains().unwrap();
+    assert!(brains.learnt_event(writer, 1).is_some());
     press(&mut harness, "Happen opening");
     let events = |h: &Harness<'static, Trial<CrowdPanelState>>| h.state().model.selection.scene.kinds;
     press(&mut harness, "without the engine's");

@@ -46,16 +46,16 @@ impl PoseFigure {
     }
 
     /// Paints it with its place on the ground at `foot`: the far, left side first.
-    pub fn paint(&self, painter: &Painter, foot: Pos2, look: FigureStyle, palette: &ThemePalette) {
+    pub fn paint(&self, painter: &Painter, foot: Pos2, style: FigureStyle, palette: &ThemePalette) {
         use Joint::*;
         // Opaque, so that limbs which lie over each other do not show their joints.
-        let colour = |c: Color32| look.halo.map_or(c.lerp_to_gamma(look.paper, look.fade), |h| h.0);
-        let grown = 2.0 * look.halo.map_or(0.0, |h| h.1);
+        let colour = |c: Color32| style.halo.map_or(c.lerp_to_gamma(style.paper, style.fade), |h| h.0);
+        let grown = 2.0 * style.halo.map_or(0.0, |h| h.1);
         let (left, right, trunk) = (colour(palette.left), colour(palette.right), colour(palette.trunk));
-        let at = |p: Vec2| foot + vec2(p.x, -p.y) * look.scale;
+        let at = |p: Vec2| foot + vec2(p.x, -p.y) * style.scale;
         let joint = |j: Joint| at(self.joints[j.index()]);
         let chain = |points: &[Pos2], metres: f32, colour: Color32| {
-            let stroke = Stroke::new(((metres + grown) * look.scale).max(1.0), colour);
+            let stroke = Stroke::new(((metres + grown) * style.scale).max(1.0), colour);
             for pair in points.windows(2) {
                 painter.line_segment([pair[0], pair[1]], stroke);
             }
@@ -69,14 +69,14 @@ impl PoseFigure {
         chain(&[joint(Hips), joint(Spine), joint(Chest), joint(UpperChest), joint(Neck)], 0.14, trunk);
         let head = joint(Head) + 0.5 * (at(self.tips[0]) - joint(Head));
         chain(&[joint(Neck), head], 0.06, trunk);
-        painter.circle_filled(head, ((0.1 + 0.5 * grown) * look.scale).max(1.5), trunk);
+        painter.circle_filled(head, ((0.1 + 0.5 * grown) * style.scale).max(1.5), trunk);
         chain(&[joint(RightThigh), joint(RightShin), joint(RightFoot), joint(RightToe), at(self.tips[2])], 0.08, right);
         chain(&[joint(RightUpperArm), joint(RightForearm), joint(RightHand)], 0.06, right);
-        self.paint_contacts(painter, foot, look, palette);
+        self.paint_contacts(painter, foot, style, palette);
     }
 
     /// A bar on the ground under every part of a foot that stands.
-    fn paint_contacts(&self, painter: &Painter, foot: Pos2, look: FigureStyle, palette: &ThemePalette) {
+    fn paint_contacts(&self, painter: &Painter, foot: Pos2, style: FigureStyle, palette: &ThemePalette) {
         use Joint::{LeftFoot, LeftToe, RightFoot, RightToe};
         let parts = [
             (Contacts::LEFT_HEEL, LeftFoot, palette.left, 3.5),
@@ -86,9 +86,9 @@ impl PoseFigure {
         ];
         for (part, joint, colour, below) in parts {
             if self.contacts.any(part) {
-                let x = foot.x + self.joints[joint.index()].x * look.scale;
-                let half = (0.07 * look.scale).max(2.0);
-                let stroke = Stroke::new(2.0, colour.lerp_to_gamma(look.paper, look.fade));
+                let x = foot.x + self.joints[joint.index()].x * style.scale;
+                let half = (0.07 * style.scale).max(2.0);
+                let stroke = Stroke::new(2.0, colour.lerp_to_gamma(style.paper, style.fade));
                 painter.hline(x - half..=x + half, foot.y + below, stroke);
             }
         }

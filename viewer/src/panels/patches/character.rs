@@ -138,14 +138,14 @@ fn show_orders(
     state: &mut PatchesPanelState,
     commands: &mut Vec<ViewerCommand>,
 ) {
-    let mut told = |wish| commands.push(ViewerCommand::World(WorldCommand::Order { character: c, goal: wish }));
+    let mut order = |goal| commands.push(ViewerCommand::World(WorldCommand::Order { character: c, goal }));
     ui.horizontal_wrapped(|ui| {
         if ui.button("Roam").on_hover_text("Wander about until it gets another order").clicked() {
-            told(Some(InhabitantGoal::Roam));
+            order(Some(InhabitantGoal::Roam));
         }
         let tip = "It decides for itself again, as the scene says";
         if world.run().order_of(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
-            told(None);
+            order(None);
         }
         let tags = &world.bundle().tables().meta().link_tags;
         if tags.is_empty() {
@@ -155,7 +155,7 @@ fn show_orders(
         for (t, tag) in tags.iter().enumerate() {
             let tip = format!("Go to the nearest place where motion is tagged {tag}, and do that");
             if ui.button(tag).on_hover_text(tip).clicked() {
-                told(Some(InhabitantGoal::Perform { tag: t as u16 + 1, seconds: *seconds }));
+                order(Some(InhabitantGoal::Perform { tag: t as u16 + 1, seconds: *seconds }));
             }
         }
         ui.label("for");

@@ -33,8 +33,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &m
         ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
         return;
     };
-    let look = model.selection.plan;
-    let mut wanted = look;
+    let options = model.selection.plan;
+    let mut wanted = options;
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         steps(ui, task, &mut wanted, commands);
         ui.separator();
@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &m
         ui.separator();
         save(ui, task, state, commands);
     });
-    if wanted != look {
+    if wanted != options {
         commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(wanted)));
     }
 }

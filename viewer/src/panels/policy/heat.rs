@@ -186,12 +186,12 @@ fn arrows(
     graph: &MotionGraph,
 ) -> (Vec<[Pos2; 2]>, f32) {
     let segments = graph.segments_of(key.state);
-    let way = |cell: usize| {
+    let direction = |cell: usize| {
         let best = usize::from(policy.best_of(key.state, cell)[0]);
         let d = graph.segments[segments[best] as usize].displacement;
         Vec2::new(d[0], d[1])
     };
-    let longest = chart.cells(key.height).map(|c| way(c).length()).fold(0.0, f32::max) * plan.per_m;
+    let longest = chart.cells(key.height).map(|c| direction(c).length()).fold(0.0, f32::max) * plan.per_m;
     let scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
     let mut taken = HashSet::new();
     let mut found = Vec::new();
@@ -205,8 +205,8 @@ fn arrows(
             continue;
         }
         taken.insert(bucket);
-        let way = way(cell) * scale;
-        found.push([foot, Pos2::new(foot.x - way.x * plan.per_m, foot.y - way.y * plan.per_m)]);
+        let direction = direction(cell) * scale;
+        found.push([foot, Pos2::new(foot.x - direction.x * plan.per_m, foot.y - direction.y * plan.per_m)]);
     }
     (found, scale)
 }

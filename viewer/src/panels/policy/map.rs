@@ -229,15 +229,15 @@ fn targets(painter: &Painter, shown: &PolicyMapInput<'_>, height: u32, plan: &Ma
 
 /// An arrow that shows on every colour; a dot where it leads nowhere.
 fn arrow(painter: &Painter, from: Pos2, to: Pos2, width: f32, colour: Color32) {
-    let way = to - from;
+    let offset = to - from;
     let shade = Color32::from_black_alpha(130);
-    if way.length() < 2.0 {
+    if offset.length() < 2.0 {
         painter.circle_filled(from, width + 0.8, shade);
         painter.circle_filled(from, width, colour);
         return;
     }
-    let ahead = way.normalized();
-    let size = (3.0 + 2.0 * width).min(0.6 * way.length());
+    let ahead = offset.normalized();
+    let size = (3.0 + 2.0 * width).min(0.6 * offset.length());
     let aside = Span::new(-ahead.y, ahead.x) * 0.55 * size;
     let base = to - ahead * size;
     painter.line_segment([from, base], Stroke::new(width + 1.6, shade));

@@ -9,22 +9,22 @@ use eframe::egui::Response;
 
 /// The smallest cell with an entry where a ray meets the ground.
 fn pick_cell(model: &Model, ray: &Ray) -> Option<BlackboardCell> {
-    let minds = model.shown_scene()?.run().simulation().brains()?;
-    cell_at(minds, &model.selection.scene, ray.intersect_ground()?)
+    let brains = model.shown_scene()?.run().simulation().brains()?;
+    cell_at(brains, &model.selection.scene, ray.intersect_ground()?)
 }
 
 /// Shows a tooltip with the entries of the blackboard under the pointer.
 pub fn show_tooltip(response: Response, model: &Model, ray: impl Fn() -> Option<Ray>) {
     let Some(scene) = model.shown_scene() else { return };
-    let Some(minds) = scene.run().simulation().brains() else { return };
+    let Some(brains) = scene.run().simulation().brains() else { return };
     let Some(cell) = ray().and_then(|ray| pick_cell(model, &ray)) else { return };
     response.on_hover_ui_at_pointer(|ui| {
-        let of_cell = minds.posts().filter(|p| p.cell.is_some_and(|c| BlackboardCell::from_cell(&c) == cell));
+        let of_cell = brains.posts().filter(|p| p.cell.is_some_and(|c| BlackboardCell::from_cell(&c) == cell));
         for (i, entry) in of_cell.enumerate() {
             if let (0, Some(c)) = (i, entry.cell) {
                 ui.strong(format!("board of a cell of {} m", c.side_m));
             }
-            ui.label(blackboards::in_words(scene, minds, &entry));
+            ui.label(blackboards::in_words(scene, brains, &entry));
         }
     });
 }

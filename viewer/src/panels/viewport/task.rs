@@ -86,8 +86,8 @@ pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Vec<ViewerComm
 }
 
 fn select(model: &Model, handle: Option<Handle>, commands: &mut Vec<ViewerCommand>) {
-    let look = PlanViewOptions { handle, ..model.selection.plan };
-    if look != model.selection.plan {
-        commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(look)));
+    let options = PlanViewOptions { handle, ..model.selection.plan };
+    if options != model.selection.plan {
+        commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(options)));
     }
 }

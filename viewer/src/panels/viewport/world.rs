@@ -151,17 +151,17 @@ pub fn click(
     ray: &Ray,
     commands: &mut Vec<ViewerCommand>,
 ) {
-    let look = &model.selection.world;
-    let sends = look.tool == Tool::Send || ui.input(|i| i.modifiers.command);
+    let options = &model.selection.world;
+    let sends = options.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
         if let Some((_, place)) = world.pick(ray) {
-            let wish = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
-            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal: wish }));
+            let goal = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
+            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal }));
         }
         return;
     }
-    if let Tool::Create(_) = look.tool {
-        if let Some(d) = look.draft {
+    if let Tool::Create(_) = options.tool {
+        if let Some(d) = options.draft {
             let change = UnitChange::Add { unit: d.unit, at: d.at };
             commands.push(ViewerCommand::World(WorldCommand::Edit(change)));
         }
@@ -170,11 +170,11 @@ pub fn click(
     let character = render::pick(ray, &layout.skeleton, layout.poses(model), &layout.instances);
     let unit = world.pick(ray);
     let far = unit.map_or(f32::INFINITY, |u| u.1.distance(ray.origin));
-    match character.filter(|h| look.tool != Tool::Move && h.distance < far + 0.3) {
+    match character.filter(|h| options.tool != Tool::Move && h.distance < far + 0.3) {
         Some(hit) => commands.push(ViewerCommand::SelectCharacter(Some(hit.character))),
         None => {
             let place = unit.and_then(|u| u.0);
-            if place.is_none() && look.place.is_none() {
+            if place.is_none() && options.place.is_none() {
                 commands.push(ViewerCommand::SelectCharacter(None));
             }
             commands.push(ViewerCommand::World(WorldCommand::SelectPlace(place)));

@@ -48,8 +48,8 @@ pub struct AgentDetails {
 
 /// Number of the first agent among all characters; none in a scene without agents.
 pub fn first_agent(simulation: &Simulation) -> Option<usize> {
-    let is_of_agents = |cast: usize| {
-        matches!(simulation.character_groups()[cast], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
+    let is_of_agents = |group: usize| {
+        matches!(simulation.character_groups()[group], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
     };
     simulation.groups().iter().find(|g| is_of_agents(g.character_group)).map(|g| g.characters.start)
 }

@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn events_are_filtered_by_place_and_message() {
         let mut log = EventLog::default();
-        let told = OtherParty::Message("told", Some(2));
+        let told = OtherParty::Message("passed_on", Some(2));
         log.add(AgentEvent { message: Some(1), ..event(1.0, AgentEventKind::Learnt, 5, told) });
         log.add(AgentEvent {
             message: Some(0),

@@ -8,15 +8,15 @@ pub struct SpreadLog(Vec<Vec<f64>>);
 
 impl SpreadLog {
     /// Present knowledge of all agents.
-    pub fn from_agent_brains(minds: Option<&AgentBrains>) -> Self {
-        let Some(minds) = minds else { return Self::default() };
+    pub fn from_agent_brains(brains: Option<&AgentBrains>) -> Self {
+        let Some(brains) = brains else { return Self::default() };
         let times = |event: usize| {
-            let known = (0..minds.len()).filter_map(|agent| minds.learnt_event(agent, event));
+            let known = (0..brains.len()).filter_map(|agent| brains.learnt_event(agent, event));
             let mut times: Vec<f64> = known.map(|l| l.time_s).collect();
             times.sort_by(f64::total_cmp);
             times
         };
-        Self((0..minds.event_names().len()).map(times).collect())
+        Self((0..brains.event_names().len()).map(times).collect())
     }
 
     /// Records an event of an agent's brain, later than all others.
@@ -49,7 +49,7 @@ mod tests {
         let learnt = |time_s, event| Turn {
             time_s,
             agent: 0,
-            kind: TurnKind::Learns("told"),
+            kind: TurnKind::Learns("passed_on"),
             on: 0,
             other: None,
             place: None,

@@ -20,7 +20,7 @@ const PARALLEL_FROM: usize = 200;
 /// Characters that choose by policies, in one group.
 #[derive(Clone, Debug)]
 pub(super) struct ChoosingGroup {
-    cast: usize,
+    character_group: usize,
     /// Number of the first of them.
     pub first: usize,
     pub goals: Arc<[RunGoal]>,
@@ -58,7 +58,7 @@ impl SceneRunState {
         // All characters have chosen already; the data of choices before a saved state are unknown.
         let is_at_start = simulation.time_s() == 0.0;
         for c in &mut state.choosing {
-            let (targets, mut threats) = targets_and_threats(&simulation.character_groups()[c.cast]);
+            let (targets, mut threats) = targets_and_threats(&simulation.character_groups()[c.character_group]);
             threats.fill(Vec3::new(0.0, NO_THREAT_S, 0.0));
             let weights = std::mem::replace(&mut c.weights, Arc::from([]));
             if is_at_start {
@@ -76,8 +76,11 @@ impl SceneRunState {
     /// One step of all characters, and its measures.
     pub fn advance_to(&mut self, step: u32) -> Result<()> {
         let simulation = &mut self.simulation;
-        let before: Vec<_> =
-            self.choosing.iter().map(|c| targets_and_threats(&simulation.character_groups()[c.cast])).collect();
+        let before: Vec<_> = self
+            .choosing
+            .iter()
+            .map(|c| targets_and_threats(&simulation.character_groups()[c.character_group]))
+            .collect();
         let was_s = simulation.time_s();
         let is_large = simulation.num_characters() >= PARALLEL_FROM;
         let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
@@ -110,7 +113,8 @@ impl SceneRunState {
         match input {
             RunInput::Target { character, to } => {
                 for c in &self.choosing {
-                    if let AnyCharacterGroup::Policy(practice) = self.simulation.character_group_mut(c.cast) {
+                    if let AnyCharacterGroup::Policy(practice) = self.simulation.character_group_mut(c.character_group)
+                    {
                         let all = 0..practice.practice().targets().len();
                         let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
                         moved.try_for_each(|m| practice.set_home(m, *to))?;
@@ -119,7 +123,7 @@ impl SceneRunState {
             }
             RunInput::Weights { member: of, weights } => {
                 let Some(c) = self.choosing.iter_mut().rev().find(|c| c.first <= *of) else { return Ok(()) };
-                match self.simulation.character_group_mut(c.cast) {
+                match self.simulation.character_group_mut(c.character_group) {
                     AnyCharacterGroup::Policy(practice) => practice.set_weights(weights)?,
                     AnyCharacterGroup::Sparring(bouts) => bouts.set_weights(weights)?,
                     _ => {}
@@ -128,7 +132,7 @@ impl SceneRunState {
             }
             RunInput::Play { character, segment } => {
                 let Some(c) = self.choosing.iter().rev().find(|c| c.first <= *character) else { return Ok(()) };
-                match self.simulation.character_group_mut(c.cast) {
+                match self.simulation.character_group_mut(c.character_group) {
                     AnyCharacterGroup::Policy(practice) => practice.play(character - c.first, *segment)?,
                     AnyCharacterGroup::Sparring(bouts) => bouts.play(character - c.first, *segment)?,
                     _ => {}
@@ -138,13 +142,13 @@ impl SceneRunState {
                 self.simulation.raise_event(name)?;
                 self.trace_agent_brains();
             }
-            RunInput::Goal { character, goal: wish } => {
+            RunInput::Goal { character, goal } => {
                 let number = self.simulation.locate(*character).1;
                 let group = self.simulation.groups().iter().find(|g| g.characters.contains(character));
                 if let Some(AnyCharacterGroup::Patches(people)) =
                     group.map(|g| g.character_group).map(|c| self.simulation.character_group_mut(c))
                 {
-                    people.order_goal(number, *wish)?;
+                    people.order_goal(number, *goal)?;
                 }
             }
         }
@@ -154,8 +158,8 @@ impl SceneRunState {
 
 impl ChoosingGroup {
     /// The state of a group; none for a group without policies.
-    fn new(simulation: &Simulation, cast: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let boxers = match &simulation.character_groups()[cast] {
+    fn new(simulation: &Simulation, character_group: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
+        let boxers = match &simulation.character_groups()[character_group] {
             AnyCharacterGroup::Policy(p) => p.practice().boxers(),
             AnyCharacterGroup::Sparring(s) => s.sparring().boxers(),
             _ => return None,
@@ -169,7 +173,7 @@ impl ChoosingGroup {
             })
         };
         Some(Self {
-            cast,
+            character_group,
             first: characters.start,
             goals: order.policies().iter().filter_map(goal).collect(),
             weights: order.weights().into(),
@@ -178,7 +182,7 @@ impl ChoosingGroup {
     }
 
     fn observe(&mut self, simulation: &Simulation, targets: &[Vec3], threats: &[Vec3], step: u32) {
-        let characters = match &simulation.character_groups()[self.cast] {
+        let characters = match &simulation.character_groups()[self.character_group] {
             AnyCharacterGroup::Policy(p) => p.practice().characters(),
             AnyCharacterGroup::Sparring(s) => s.sparring().characters(),
             _ => return,
@@ -188,8 +192,8 @@ impl ChoosingGroup {
 }
 
 /// Targets, and coming blows for groups with opponents.
-fn targets_and_threats(cast: &AnyCharacterGroup) -> (Vec<Vec3>, Vec<Vec3>) {
-    match cast {
+fn targets_and_threats(character_group: &AnyCharacterGroup) -> (Vec<Vec3>, Vec<Vec3>) {
+    match character_group {
         AnyCharacterGroup::Policy(p) => (p.practice().targets().iter().map(|t| t.position()).collect(), Vec::new()),
         AnyCharacterGroup::Sparring(s) => (s.sparring().aims().to_vec(), s.sparring().threats().to_vec()),
         _ => Default::default(),

@@ -192,11 +192,11 @@ fn agents_are_measured_and_their_events_logged() {
 }
 
 /// What agents came to, and who knows what, in words.
-fn minds_of(run: &SceneRun) -> String {
-    let minds = run.simulation().brains().unwrap();
-    let of = |agent: usize| (minds.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
+fn brains_of(run: &SceneRun) -> String {
+    let brains = run.simulation().brains().unwrap();
+    let of = |agent: usize| (brains.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
     let known = |e| run.spread().times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
-    let all: Vec<_> = (0..minds.len()).map(of).collect();
+    let all: Vec<_> = (0..brains.len()).map(of).collect();
     format!("{all:?} {:?}", [0, 1].map(known))
 }
 
@@ -205,33 +205,35 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     let market = Market::new();
     let mut document = open(&market.scene(24));
     let run = document.run_mut();
-    let mut seen = vec![minds_of(run)];
+    let mut seen = vec![brains_of(run)];
     for _ in 0..360 {
         run.step().unwrap();
-        seen.push(minds_of(run));
+        seen.push(brains_of(run));
     }
     for step in [200, 30, 359, 0, 61, 360] {
         run.seek(step).unwrap();
-        assert!(minds_of(run) == seen[step as usize], "step {step}");
+        assert!(brains_of(run) == seen[step as usize], "step {step}");
     }
-    let minds = run.simulation().brains().unwrap();
-    let sale = minds.event_names().iter().position(|e| e == "sale").unwrap();
+    let brains = run.simulation().brains().unwrap();
+    let sale = brains.event_names().iter().position(|e| e == "sale").unwrap();
     let times = run.spread().times(sale);
     assert!(times.len() > 2 && times.is_sorted() && times[..2] == [1.0, 1.0], "{times:?}");
-    assert_eq!(times.len(), minds.event_spreads()[sale].informed);
+    assert_eq!(times.len(), brains.event_spreads()[sale].informed);
     // Whoever shops came there by the first edge, and all below is gone; who strolls, by none or the one back.
-    let now = |agent: usize| minds.states_of(agent)[0].unwrap().state;
+    let now = |agent: usize| brains.states_of(agent)[0].unwrap().state;
     let shopping = (0..24).find(|a| now(*a) == "shop").expect("somebody shops");
     let entry = run.entry(shopping, 0).unwrap();
     let (edge, at_s) = entry.edge.unwrap();
     assert!(edge == 0 && entry.since_s == Some(at_s) && at_s >= 1.0, "{entry:?}");
-    assert_eq!(minds.states_of(shopping)[1], None);
+    assert_eq!(brains.states_of(shopping)[1], None);
     // What is listed is what is known.
     let kinds = AgentEventKind::all().map(|what| what == AgentEventKind::Learnt);
     let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
     assert_eq!(listed.len(), times.len());
     assert!(
-        listed.iter().any(|h| matches!(h.other_party, OtherParty::Message("told", Some(_))) && h.other_at.is_some())
+        listed
+            .iter()
+            .any(|h| matches!(h.other_party, OtherParty::Message("passed_on", Some(_))) && h.other_at.is_some())
     );
 }
 
@@ -247,11 +249,11 @@ fn an_event_in_the_past_changes_what_spreads_from_there_on() {
     assert_eq!(run.spread().times(1), [0.5, 0.5]);
     let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
     assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
-    let now = minds_of(run);
+    let now = brains_of(run);
     steps(run, 100);
     assert!(later >= 2 && run.spread().times(1).len() >= 2);
     run.seek(30).unwrap();
-    assert!(minds_of(run) == now, "the input is repeated");
+    assert!(brains_of(run) == now, "the input is repeated");
 }
 
 #[test]

@@ -17,12 +17,12 @@ const MAX_CELLS: usize = 2000;
 
 /// Entries on the blackboards of cells, of the selected levels.
 pub fn posted<'a>(
-    minds: &'a AgentBrains,
-    look: &SceneViewOptions,
+    brains: &'a AgentBrains,
+    options: &SceneViewOptions,
 ) -> impl Iterator<Item = (BlackboardCell, BlackboardPost)> + 'a {
-    let boards = look.blackboards;
-    let of_cells = minds.posts().filter_map(|p| Some((BlackboardCell::from_cell(&p.cell?), p)));
-    of_cells.filter(move |(cell, _)| match boards {
+    let blackboards = options.blackboards;
+    let of_cells = brains.posts().filter_map(|p| Some((BlackboardCell::from_cell(&p.cell?), p)));
+    of_cells.filter(move |(cell, _)| match blackboards {
         BlackboardFilter::Nothing => false,
         BlackboardFilter::All => true,
         BlackboardFilter::Level(level) => cell.level == level,
@@ -30,7 +30,7 @@ pub fn posted<'a>(
 }
 
 /// The smallest cell with an entry at a place on the ground.
-pub fn cell_at(minds: &AgentBrains, look: &SceneViewOptions, at: Vec3) -> Option<BlackboardCell> {
+pub fn cell_at(brains: &AgentBrains, options: &SceneViewOptions, at: Vec3) -> Option<BlackboardCell> {
     let is_in = |(cell, p): &(BlackboardCell, BlackboardPost)| {
         let c = p
             .cell
@@ -38,7 +38,7 @@ pub fn cell_at(minds: &AgentBrains, look: &SceneViewOptions, at: Vec3) -> Option
             .filter(|c| (Vec2::from(c.middle) - Vec2::new(at.x, at.z)).abs().max_element() * 2.0 <= c.side_m);
         c.map(|_| *cell)
     };
-    posted(minds, look).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
+    posted(brains, options).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
 }
 
 /// The colour of a message.
@@ -50,11 +50,11 @@ pub fn colour_of_message(event: usize) -> Rgba {
 pub(in crate::stage) fn lay_out(
     shapes: &mut ShapeList,
     simulation: &Simulation,
-    look: &SceneViewOptions,
+    options: &SceneViewOptions,
     brush: &Brush<'_>,
 ) {
-    let Some(minds) = simulation.brains().filter(|_| !brush.in_the_air) else { return };
-    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(minds, look).take(MAX_CELLS).collect();
+    let Some(brains) = simulation.brains().filter(|_| !brush.in_the_air) else { return };
+    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(brains, options).take(MAX_CELLS).collect();
     // From large to small, so that the small ones lie on the large ones.
     all.sort_by_key(|(cell, p)| (std::cmp::Reverse(cell.level), cell.at, p.event));
     for same in all.chunk_by(|a, b| a.0 == b.0) {
@@ -66,7 +66,7 @@ pub(in crate::stage) fn lay_out(
             .skip(1)
             .fold(colour_of_message(same[0].1.event), |sum, (_, p)| sum.mix(colour_of_message(p.event), 0.5));
         shapes.square(at, half, colour.alpha((TINT * same.len() as f32).min(MOST_TINT)));
-        let is_selected = look.cell == Some(cell);
+        let is_selected = options.cell == Some(cell);
         let (line, width) = if is_selected { (brush.palette.selected, 2.5) } else { (colour.alpha(0.8), 1.0) };
         let corner = |x: f32, z: f32| at + Vec3::new(x, 0.0, z) * (half - 0.5 * brush.pixel_m);
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];

@@ -6,7 +6,7 @@ pub(super) mod obstacles;
 mod selected;
 mod spread;
 
-pub(super) use blackboards::lay_out as boards;
+pub(super) use blackboards::lay_out as lay_out_blackboards;
 pub use blackboards::{cell_at, colour_of_message};
 pub use marks::colour_of as colour_of_event;
 pub use selected::{TAKEN, colour_of_force};
@@ -69,24 +69,24 @@ impl<'a> Brush<'a> {
 
 /// Routes, bounds and marks of agents, and details of the selected one.
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, brush: &Brush<'_>) {
-    let (run, look) = (scene.run(), &model.selection.scene);
+    let (run, options) = (scene.run(), &model.selection.scene);
     let simulation = run.simulation();
     let selected = model.selection.character.filter(|&who| simulation.disc(who).is_some());
-    let is_drawn = |whose: OverlayScope, who: usize, count: usize| match whose {
+    let is_drawn = |scope: OverlayScope, who: usize, count: usize| match scope {
         OverlayScope::None => false,
         OverlayScope::Selected => selected == Some(who),
         OverlayScope::All => selected == Some(who) || count < MAX_LINES,
     };
-    if let (Some(event), Some(first)) = (look.message, first_agent(simulation)) {
+    if let (Some(event), Some(first)) = (options.message, first_agent(simulation)) {
         spread::lay_out(&mut out.shapes, run, first, event, selected, brush);
     }
     let mut count = 0;
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {
-            if is_drawn(look.paths, who, count) {
+            if is_drawn(options.paths, who, count) {
                 route(out, &agent_route(simulation, who), colour_of_group(g), selected == Some(who));
             }
-            if look.bounds == OverlayScope::All
+            if options.bounds == OverlayScope::All
                 && selected != Some(who)
                 && let Some((at, radius)) = agent_bound(simulation, who)
             {
@@ -95,11 +95,11 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
             count += 1;
         }
     }
-    if look.marks {
-        marks::lay_out(&mut out.shapes, run, look, brush);
+    if options.marks {
+        marks::lay_out(&mut out.shapes, run, options, brush);
     }
     if let Some(who) = selected {
-        selected::lay_out(&mut out.shapes, simulation, look, who, brush);
+        selected::lay_out(&mut out.shapes, simulation, options, who, brush);
     }
 }
 

@@ -12,7 +12,7 @@ pub(in crate::stage) fn lay_out(shapes: &mut ShapeList, standing: &SceneSurround
     for obstacle in &standing.obstacles {
         match obstacle {
             Obstacle::Box { min: low, max: high } if brush.in_the_air => edges(shapes, *low, *high, grey(brush.dark)),
-            Obstacle::Mover { way, radius } => mover(shapes, brush, way, *radius, time_s),
+            Obstacle::Mover { path, radius } => mover(shapes, brush, path, *radius, time_s),
             _ => {}
         }
     }
@@ -36,10 +36,10 @@ fn edges(shapes: &mut ShapeList, low: Vec3, high: Vec3, colour: Rgba) {
 }
 
 /// A moving obstacle, at its present position and with its path.
-fn mover(shapes: &mut ShapeList, brush: &Brush<'_>, way: &[(f64, Vec3)], radius: f32, time_s: f64) {
-    let at = position_on_timed_path(way, time_s);
+fn mover(shapes: &mut ShapeList, brush: &Brush<'_>, path: &[(f64, Vec3)], radius: f32, time_s: f64) {
+    let at = position_on_timed_path(path, time_s);
     let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { super::DISC_Y };
-    let points: Vec<Vec3> = way.iter().map(|w| w.1 + lift).collect();
+    let points: Vec<Vec3> = path.iter().map(|w| w.1 + lift).collect();
     shapes.polyline(&points, 1.5, brush.palette.target.alpha(0.5));
     if brush.in_the_air {
         shapes.sphere(at, radius, brush.palette.target);

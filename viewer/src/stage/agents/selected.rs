@@ -32,7 +32,7 @@ pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
 pub(super) fn lay_out(
     shapes: &mut ShapeList,
     simulation: &Simulation,
-    look: &SceneViewOptions,
+    options: &SceneViewOptions,
     who: usize,
     brush: &Brush<'_>,
 ) {
@@ -41,13 +41,13 @@ pub(super) fn lay_out(
     else {
         return;
     };
-    if look.bounds != OverlayScope::None {
+    if options.bounds != OverlayScope::None {
         brush.round(shapes, at, radius, (2.5, brush.palette.selected));
     }
-    if look.cells && brush.has_regions {
+    if options.cells && brush.has_regions {
         cells(shapes, &details, brush);
     }
-    if look.forces {
+    if options.forces {
         stop_region(shapes, &details, brush);
         forces(shapes, &details, disc.centre, brush);
     }

@@ -16,8 +16,8 @@ const FADED: f32 = 0.25;
 const MAX_LINES: usize = 1500;
 
 /// The colour of an agent: whether it knows of a message (agent < number of agents).
-pub(in crate::stage) fn colour(minds: &AgentBrains, agent: usize, event: usize, brush: &Brush<'_>) -> Rgba {
-    match (minds.learnt_event(agent, event), brush.dark) {
+pub(in crate::stage) fn colour(brains: &AgentBrains, agent: usize, event: usize, brush: &Brush<'_>) -> Rgba {
+    match (brains.learnt_event(agent, event), brush.dark) {
         (Some(_), _) => super::colour_of_message(event),
         (None, true) => Rgba::hex(0x59616c),
         (None, false) => Rgba::hex(0xb4bac2),
@@ -34,17 +34,17 @@ pub(super) fn lay_out(
     brush: &Brush<'_>,
 ) {
     let simulation = run.simulation();
-    let Some(minds) = simulation.brains() else { return };
+    let Some(brains) = simulation.brains() else { return };
     let place = |agent: usize| {
         let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * LINE_Y };
         simulation.disc(first + agent).map(|d| d.centre + lift)
     };
     let told = |agent: usize| {
-        let learnt = minds.learnt_event(agent, event)?;
+        let learnt = brains.learnt_event(agent, event)?;
         Some((learnt.source_agent()?, learnt.time_s))
     };
     let colour = super::colour_of_message(event);
-    let all = (0..minds.len()).filter_map(|agent| {
+    let all = (0..brains.len()).filter_map(|agent| {
         let (from, time_s) = told(agent)?;
         Some((place(from)?, place(agent)?, time_s))
     });
@@ -52,7 +52,7 @@ pub(super) fn lay_out(
         let age = ((simulation.time_s() - time_s) / FADE_S).clamp(0.0, 1.0) as f32;
         shapes.line(from, to, 1.5, colour.alpha(0.9 + (FADED - 0.9) * age));
     }
-    let Some(selected) = selected.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len()) else { return };
+    let Some(selected) = selected.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len()) else { return };
     for pair in sources(selected, told).windows(2) {
         if let (Some(to), Some(from)) = (place(pair[0]), place(pair[1])) {
             shapes.line(from, to, 3.5, brush.palette.selected);

@@ -41,13 +41,13 @@ pub fn keep_clear_pieces(
     let body = BodySpheres::new(skeleton);
     let mut through_s = vec![0.0f32; pieces.len()];
     for clip in clips {
-        let mut laid = (*clip).clone();
-        annotate_in(&mut laid, skeleton, &all, &ContactConfig::default(), &GeometryTouchConfig::default());
-        for f in (0..laid.num_frames()).filter(|&f| laid.is_usable(f)) {
-            let pose = body.pose(&laid.joint_transforms(skeleton, f), laid.contacts[f]);
+        let mut annotated = (*clip).clone();
+        annotate_in(&mut annotated, skeleton, &all, &ContactConfig::default(), &GeometryTouchConfig::default());
+        for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
+            let pose = body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]);
             all.overlapping(&pose.bounds, |i| {
                 if pose.penetration(at, &geometries[i], THROUGH).is_some() {
-                    through_s[i] += (1.0 / laid.rate_hz) as f32;
+                    through_s[i] += (1.0 / annotated.rate_hz) as f32;
                 }
             });
         }

@@ -87,12 +87,12 @@ impl InferReport {
         let body = BodySpheres::new(skeleton);
         let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
         for clip in clips {
-            let mut laid = (*clip).clone();
-            annotate_in(&mut laid, skeleton, geometry, contacts, touch);
-            for f in (0..laid.num_frames()).filter(|&f| laid.is_usable(f)) {
+            let mut annotated = (*clip).clone();
+            annotate_in(&mut annotated, skeleton, geometry, contacts, touch);
+            for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
                 frames += 1;
-                planted += usize::from(laid.contacts[f] != Contacts::NONE);
-                let pose = body.pose(&laid.joint_transforms(skeleton, f), laid.contacts[f]);
+                planted += usize::from(annotated.contacts[f] != Contacts::NONE);
+                let pose = body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]);
                 deep += usize::from(pose.penetration_in(geometry, touch.penetration).is_some());
             }
         }

@@ -58,15 +58,15 @@ fn plates_lie_where_feet_stood() {
         })
         .collect();
     assert!(tops.iter().zip([0.25, 0.5, 0.5]).all(|(a, b)| (a - b).abs() < 0.01), "{tops:?}");
-    let mut laid = clip.clone();
+    let mut annotated = clip.clone();
     let at = found.environment.place[0].at;
     let unit = PlacedUnit { unit: 0, placement: Placement::new(at[0], at[1], at[2], 0.0) };
     let environment = Environment { name: String::new(), units: vec![unit] };
     let geometry = PlacedGeometry::new(&environment, &geometries(&found.units).unwrap());
     let cfg = (ContactConfig::default(), GeometryTouchConfig::default());
-    super::super::annotate_in(&mut laid, &Skeleton::default(), &geometry, &cfg.0, &cfg.1);
+    super::super::annotate_in(&mut annotated, &Skeleton::default(), &geometry, &cfg.0, &cfg.1);
     for (k, height) in [0.0, 0.25, 0.5, 0.5, 0.0].into_iter().enumerate() {
-        assert!((laid.support[39 * k + 15] - height).abs() < 0.01, "{k}: {}", laid.support[39 * k + 15]);
+        assert!((annotated.support[39 * k + 15] - height).abs() < 0.01, "{k}: {}", annotated.support[39 * k + 15]);
     }
 }
 

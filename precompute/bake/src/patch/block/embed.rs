@@ -55,7 +55,7 @@ pub(super) fn embed(
     let number: BTreeMap<BlockCellKey, u32> = keys.keys().copied().zip(0..).collect();
     let means: Vec<Placement> = keys.values().map(PlacementSum::mean).collect();
     let groups: Vec<u32> = keys.keys().map(|k| k.4).collect();
-    let mut ways = Vec::new();
+    let mut paths = Vec::new();
     for (i, s) in segments.iter().enumerate() {
         let track = &tracks[s.clip];
         let cell = |f: usize| cell_key(track, s, f, config).map(|k| number[&k]);
@@ -68,12 +68,12 @@ pub(super) fn embed(
                 let Some(to) = cells[b] else { continue };
                 let (start, end) = ((s.range.start + a) as u32, (s.range.start + b) as u32);
                 let tag = track.tag_of(&(start as usize..end as usize));
-                ways.push(CellLink { from, to, tag, off: offs[a] + offs[b], segment: i as u32, start, end });
+                paths.push(CellLink { from, to, tag, off: offs[a] + offs[b], segment: i as u32, start, end });
             }
         }
     }
-    let ways = nearest(ways);
-    assemble(&means, &groups, &ways, |w| {
+    let paths = nearest(paths);
+    assemble(&means, &groups, &paths, |w| {
         let s = &segments[w.segment as usize];
         LinkRecord { from: w.from, to: w.to, ..captured_link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
     })
@@ -136,25 +136,25 @@ impl PlacementSum {
 }
 
 /// Keeps one of all sub-sequences with equal cells and tag: the one with ends nearest to the cells' means; sorted.
-fn nearest(mut ways: Vec<CellLink>) -> Vec<CellLink> {
+fn nearest(mut paths: Vec<CellLink>) -> Vec<CellLink> {
     let between = |w: &CellLink| (w.from, w.to, w.tag);
-    ways.sort_unstable_by(|a, b| {
+    paths.sort_unstable_by(|a, b| {
         let place = |w: &CellLink| (w.segment, w.start, w.end);
         between(a).cmp(&between(b)).then(a.off.total_cmp(&b.off)).then(place(a).cmp(&place(b)))
     });
-    ways.dedup_by_key(|w| between(w));
-    ways
+    paths.dedup_by_key(|w| between(w));
+    paths
 }
 
 /// Builds cells and links, without unused cells.
 fn assemble(
     means: &[Placement],
     groups: &[u32],
-    ways: &[CellLink],
+    paths: &[CellLink],
     link: impl Fn(&CellLink) -> LinkRecord,
 ) -> (Vec<CellRecord>, Vec<LinkRecord>) {
     let mut number = vec![NONE; means.len()];
-    for w in ways {
+    for w in paths {
         (number[w.from as usize], number[w.to as usize]) = (0, 0);
     }
     let touched: Vec<usize> = (0..means.len()).filter(|&c| number[c] == 0).collect();
@@ -162,9 +162,9 @@ fn assemble(
         number[old] = new as u32;
     }
     let cells = touched.iter().map(|&old| {
-        let first = ways.partition_point(|w| (w.from as usize) < old);
-        let num = ways.partition_point(|w| w.from as usize <= old) - first;
-        let stays = ways[first..first + num].iter().any(|w| w.to as usize == old);
+        let first = paths.partition_point(|w| (w.from as usize) < old);
+        let num = paths.partition_point(|w| w.from as usize <= old) - first;
+        let stays = paths[first..first + num].iter().any(|w| w.to as usize == old);
         CellRecord {
             placement: means[old],
             group: groups[old],
@@ -180,5 +180,5 @@ fn assemble(
         let l = link(w);
         LinkRecord { from: number[l.from as usize], to: number[l.to as usize], tag: w.tag, ..l }
     };
-    (cells.collect(), ways.iter().map(numbered).collect())
+    (cells.collect(), paths.iter().map(numbered).collect())
 }

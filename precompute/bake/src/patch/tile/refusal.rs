@@ -100,12 +100,12 @@ fn first_unmet(source: &TileSource, region: &TileOutline, graph: &TileGraph) -> 
     }
     // A slide is not entered from below.
     let entered = |edge: usize| graph.cells.contains(&TileCell::Entry(edge as u32));
-    for (edge, ways) in graph.exit_edges.iter().enumerate().filter(|(e, _)| entered(*e)) {
+    for (edge, paths) in graph.exit_edges.iter().enumerate().filter(|(e, _)| entered(*e)) {
         let leaves = |way: u32| {
             let mut links = graph.links.iter().filter(|l| enters(l.0) == Some(edge as u32));
             links.any(|l| matches!(graph.cells[l.1 as usize], TileCell::Exit(e, _) if e == way))
         };
-        if let Some(&way) = ways.iter().find(|&&w| !leaves(w)) {
+        if let Some(&way) = paths.iter().find(|&&w| !leaves(w)) {
             let direction = TileLayout::direction(region, edge as u32, way);
             let walk = match direction {
                 "straight ahead" => "walks straight on",

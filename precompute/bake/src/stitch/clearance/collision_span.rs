@@ -28,8 +28,8 @@ pub(in crate::stitch) fn num_samples(num_frames: usize) -> usize {
 }
 
 /// Frame of a link at a sample index (num_frames > 0).
-pub(in crate::stitch) fn frame_of(look: usize, num_frames: usize) -> usize {
-    (look * STRIDE).min(num_frames - 1)
+pub(in crate::stitch) fn frame_of(sample: usize, num_frames: usize) -> usize {
+    (sample * STRIDE).min(num_frames - 1)
 }
 
 /// Sample index of a sampled frame.
@@ -39,7 +39,7 @@ pub(in crate::stitch) fn frame_of_sample(frame: usize) -> usize {
 
 /// Sampled frames of a link, always including the last one (num_frames > 0).
 pub(in crate::stitch) fn nearest_sampled(num_frames: usize) -> impl Iterator<Item = usize> {
-    (0..num_samples(num_frames)).map(move |look| frame_of(look, num_frames))
+    (0..num_samples(num_frames)).map(move |sample| frame_of(sample, num_frames))
 }
 
 /// Finds the first and last colliding frame of a link.
@@ -49,23 +49,23 @@ pub(in crate::stitch) fn nearest_sampled(num_frames: usize) -> impl Iterator<Ite
 pub(in crate::stitch) fn find_span(
     num_frames: usize,
     known: Option<usize>,
-    mut look: impl FnMut(usize) -> Option<usize>,
+    mut sample: impl FnMut(usize) -> Option<usize>,
 ) -> Option<CollisionSpan> {
-    let (known, num_looks) = (known.map(frame_of_sample), num_samples(num_frames));
-    let frame = |look: usize| frame_of(look, num_frames);
-    let end = known.unwrap_or(num_looks);
+    let (known, num_sampled) = (known.map(frame_of_sample), num_samples(num_frames));
+    let frame = |sample: usize| frame_of(sample, num_frames);
+    let end = known.unwrap_or(num_sampled);
     let mut first = 0;
     while first < end {
-        let Some(clear) = look(frame(first)) else { break };
+        let Some(clear) = sample(frame(first)) else { break };
         first = (first + (clear / STRIDE).max(1)).min(end);
     }
-    if first == num_looks {
+    if first == num_sampled {
         return None;
     }
     let least = known.unwrap_or(first);
-    let mut last = num_looks - 1;
+    let mut last = num_sampled - 1;
     while last > least {
-        let Some(clear) = look(frame(last)) else { break };
+        let Some(clear) = sample(frame(last)) else { break };
         last = last.saturating_sub((clear / STRIDE).max(1)).max(least);
     }
     Some(CollisionSpan { first: frame(first) as u16, last: frame(last) as u16 })

@@ -133,8 +133,8 @@ impl DistanceField {
     /// - `limit`: excesses above [`Self::MARGIN_M`] less this are not distinguished (m).
     /// - returns less than any distance if only the exact geometry can tell.
     pub fn excess_estimate(&self, cell: u32, limit: f32) -> f32 {
-        let is_told = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
-        if is_told { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
+        let is_known = limit - Self::ERROR_M >= LEAST_M || limit == f32::NEG_INFINITY;
+        if is_known { unpacked(self.distances[cell as usize]) - limit } else { f32::NEG_INFINITY }
     }
 
     /// Excess of a point's distance from the unit over `limit`, as far as the grid can tell.
@@ -179,13 +179,14 @@ impl DistanceField {
                     continue;
                 }
                 let known = self.distances[if side < 0.0 { cell - stride } else { cell + stride }];
-                let way = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt() * Self::STEP_M
+                let distance = (from_middle.length_squared() - 2.0 * side * from_middle[axis] + 1.0).sqrt()
+                    * Self::STEP_M
                     + Self::ROUNDING_M;
                 // The least and the greatest stored values may stand for less and for more.
                 if known >= packed && known > 0 {
-                    out[0] = out[0].max(unpacked(known) - way);
+                    out[0] = out[0].max(unpacked(known) - distance);
                 } else if known < packed {
-                    out[1] = out[1].min(unpacked(known) + way);
+                    out[1] = out[1].min(unpacked(known) + distance);
                 }
             }
         }

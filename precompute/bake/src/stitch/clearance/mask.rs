@@ -59,12 +59,12 @@ impl<'a> MotionObstacle<'a> {
             let is_near = |at: &u32| near.contains(self.paths.roots()[*at as usize].translation());
             let roots: Vec<u32> = (0..self.paths.roots().len() as u32).filter(is_near).collect();
             let radius = |at: usize| self.bodies.radius_of(self.paths.rows()[at] as usize);
-            let looks = self.sample_links(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots().len());
-            let shared = SharedRoots::new(&looks.clearance_of);
+            let samples = self.sample_links(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots().len());
+            let shared = SharedRoots::new(&samples.clearance_of);
             let hit = (0..num_links as u32).filter(|&l| shared.any_collides(self.paths.root_range(l as usize)));
             return ObstacleMask {
                 words: link_bits(num_links, hit),
-                samples: looks,
+                samples,
                 by_roots: true,
                 hits: CollisionSpans::default(),
             };
@@ -73,16 +73,11 @@ impl<'a> MotionObstacle<'a> {
         let meeting = swept.links_meeting(&swept.shadow(self.unit, self.at)).into_iter().map(|k| order[k as usize]);
         let is_near = |l: &u32| near.overlaps(self.paths.bounds(*l as usize));
         let links: Vec<u32> = meeting.filter(is_near).collect();
-        let looks =
+        let samples =
             self.sample_links(&links, |link| (self.paths.root_range(link), swept.radius(link)), earlier, num_links);
         let hit =
-            links.iter().copied().filter(|&l| matches!(looks.clearance_of[l as usize], LinkClearance::Collides(_)));
-        ObstacleMask {
-            words: link_bits(num_links, hit),
-            samples: looks,
-            by_roots: false,
-            hits: CollisionSpans::default(),
-        }
+            links.iter().copied().filter(|&l| matches!(samples.clearance_of[l as usize], LinkClearance::Collides(_)));
+        ObstacleMask { words: link_bits(num_links, hit), samples, by_roots: false, hits: CollisionSpans::default() }
     }
 
     /// Samples some links; consecutive ones play nearly equal motion.
@@ -129,8 +124,8 @@ impl<'a> MotionObstacle<'a> {
     /// Samples a root: `None` for a collision, else how many frames before and after it are free too.
     fn sample_root(&self, at: usize) -> Option<usize> {
         let (row, root) = self.pose(at);
-        let way = self.unit.plan().least_distance(root.x, root.z) - self.bodies.radius();
-        let clear = if way > 0.0 { (way / self.paths.longest_step().max(1e-3)) as usize } else { 0 };
+        let distance = self.unit.plan().least_distance(root.x, root.z) - self.bodies.radius();
+        let clear = if distance > 0.0 { (distance / self.paths.longest_step().max(1e-3)) as usize } else { 0 };
         (clear > 0 || !self.bodies.collides(row, root, self.unit)).then_some(clear)
     }
 

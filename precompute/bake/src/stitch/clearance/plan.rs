@@ -73,15 +73,15 @@ impl GroundDistances {
 fn least_square(rows: &[&[[f32; 2]]], p: [f32; 2]) -> f32 {
     let mut least = f32::INFINITY;
     // False if no row beyond has a nearer point.
-    let mut look = |row: &&[[f32; 2]]| {
+    let mut sample = |row: &&[[f32; 2]]| {
         let k = row.partition_point(|r| r[0] < p[0]);
         let beside = row[k.saturating_sub(1)..row.len().min(k + 1)].iter();
         least = beside.map(|r| (r[0] - p[0]).powi(2) + (r[1] - p[1]).powi(2)).fold(least, f32::min);
         (row[0][1] - p[1]).powi(2) < least
     };
     let (before, after) = rows.split_at(rows.partition_point(|row| row[0][1] < p[1]));
-    let _ = before.iter().rev().all(&mut look);
-    let _ = after.iter().all(&mut look);
+    let _ = before.iter().rev().all(&mut sample);
+    let _ = after.iter().all(&mut sample);
     least
 }
 

@@ -53,17 +53,18 @@ impl<'l, 'a> CollisionSampler<'l, 'a> {
             LinkClearance::Nothing => None,
             LinkClearance::Collides(touch) if self.touches(touch.ball) => Some(LinkClearance::Collides(touch)),
             LinkClearance::Collides(touch) => {
-                let look = frame_of_sample(usize::from(touch.frame));
-                let near = [look, look + 1, look.wrapping_sub(1)].into_iter().filter(|&l| l < num_samples(roots.len()));
-                near.map(|look| frame_of(look, roots.len())).find_map(|frame| self.sample_frame(roots, frame).err())
+                let sample = frame_of_sample(usize::from(touch.frame));
+                let near =
+                    [sample, sample + 1, sample.wrapping_sub(1)].into_iter().filter(|&l| l < num_samples(roots.len()));
+                near.map(|sample| frame_of(sample, roots.len())).find_map(|frame| self.sample_frame(roots, frame).err())
             }
             LinkClearance::Clear(first) => {
                 let begin = self.clear.len() as u32;
                 let before = &mask.samples.clear[first as usize..first as usize + num_samples(roots.len())];
-                for (look, clear) in before.iter().enumerate() {
+                for (sample, clear) in before.iter().enumerate() {
                     match clear
                         .after_move(moved)
-                        .map_or_else(|| self.sample_frame(roots, frame_of(look, roots.len())), Ok)
+                        .map_or_else(|| self.sample_frame(roots, frame_of(sample, roots.len())), Ok)
                     {
                         Ok(clear) => self.clear.push(clear),
                         Err(collides) => return Some(collides),
@@ -87,10 +88,10 @@ impl<'l, 'a> CollisionSampler<'l, 'a> {
         let mut likely = std::mem::take(&mut self.likely);
         likely.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut seen = LinkClearance::Clear(first as u32);
-        for (_, look) in likely.drain(..) {
-            let frame = frame_of(look, roots.len());
+        for (_, sample) in likely.drain(..) {
+            let frame = frame_of(sample, roots.len());
             match self.sample_frame(roots, frame) {
-                Ok(clear) => self.clear[first + look] = clear,
+                Ok(clear) => self.clear[first + sample] = clear,
                 Err(collides) => {
                     // The last frame of a link is always sampled; at other links it may not be.
                     if frame.is_multiple_of(STRIDE) {
@@ -108,21 +109,21 @@ impl<'l, 'a> CollisionSampler<'l, 'a> {
 
     /// Estimates the clearance of a link where it passes far from the unit, and collects the frames to sample.
     fn estimate_clearance(&mut self, roots: &Range<usize>, radius: f32) {
-        let num_looks = num_samples(roots.len());
+        let num_sampled = num_samples(roots.len());
         let step = STRIDE as f32 * self.obstacle.paths.longest_step();
-        let mut look = 0;
-        while look < num_looks {
-            let root = &self.obstacle.paths.roots()[roots.start + frame_of(look, roots.len())];
+        let mut sample = 0;
+        while sample < num_sampled {
+            let root = &self.obstacle.paths.roots()[roots.start + frame_of(sample, roots.len())];
             let [x, z] = self.obstacle.in_unit(root.translation());
             let mut clear = self.obstacle.unit.plan().least_distance(x, z) - radius;
             if clear <= ENOUGH_M {
-                self.likely.push((self.obstacle.unit.distance_to_line(x, z), look));
+                self.likely.push((self.obstacle.unit.distance_to_line(x, z), sample));
             }
             // From there on, it approaches by at most its steps.
             loop {
                 self.clear.push(Clearance::new(clear));
-                (look, clear) = (look + 1, clear - step);
-                if look == num_looks || clear <= ENOUGH_M {
+                (sample, clear) = (sample + 1, clear - step);
+                if sample == num_sampled || clear <= ENOUGH_M {
                     break;
                 }
             }

@@ -8,14 +8,14 @@ use throng_core::patch::{NONE, PatchTables};
 /// Builds the graph of a world (prepared for `laid`, whose sizes are checked).
 pub(in crate::stitch) fn build_joined_graph(
     patches: &PatchTables,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     prepared: PreparedWorld,
 ) -> JoinedGraph {
     let mut joined = JoinedGraph {
         patches: patches.clone(),
         exits: exits(patches),
-        parts: Vec::with_capacity(laid.fitted.len()),
-        neighbours: laid.neighbours.clone(),
+        parts: Vec::with_capacity(placed.fitted.len()),
+        neighbours: placed.neighbours.clone(),
         situations: prepared.situations,
         overlaps: Vec::new(),
         crossings: prepared.crossings,
@@ -24,20 +24,20 @@ pub(in crate::stitch) fn build_joined_graph(
         num_nodes: 0,
         num_words: 0,
     };
-    add_instances(laid, &prepared.situation_of, &mut joined);
-    add_overlaps(laid, &mut joined);
+    add_instances(placed, &prepared.situation_of, &mut joined);
+    add_overlaps(placed, &mut joined);
     joined
 }
 
-fn add_instances(laid: &PlacedPatches, situations: &[u32], joined: &mut JoinedGraph) {
-    for (i, f) in laid.fitted.iter().enumerate() {
+fn add_instances(placed: &PlacedPatches, situations: &[u32], joined: &mut JoinedGraph) {
+    for (i, f) in placed.fitted.iter().enumerate() {
         let patch = &joined.patches.patches[f.patch as usize];
         joined.parts.push(GraphInstance {
             patch: f.patch,
             situation: situations[i],
             first_node: joined.num_nodes as u32,
             first_word: joined.num_words as u32,
-            first_neighbour: laid.first_neighbour[i],
+            first_neighbour: placed.first_neighbour[i],
             first_overlap: 0,
             num_overlaps: 0,
         });
@@ -47,8 +47,8 @@ fn add_instances(laid: &PlacedPatches, situations: &[u32], joined: &mut JoinedGr
 }
 
 /// Adds the overlaps of each instance, by the number of the other.
-fn add_overlaps(laid: &PlacedPatches, joined: &mut JoinedGraph) {
-    let pairs = || (0u32..).zip(&laid.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
+fn add_overlaps(placed: &PlacedPatches, joined: &mut JoinedGraph) {
+    let pairs = || (0u32..).zip(&placed.pairs).zip(&joined.crossing_of).filter(|(_, crossing)| **crossing != NONE);
     for ((_, (a, b, _)), _) in pairs() {
         for i in [a, b] {
             joined.parts[*i as usize].num_overlaps += 1;

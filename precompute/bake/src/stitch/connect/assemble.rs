@@ -26,7 +26,7 @@ pub(in crate::stitch) struct WrittenWorld<'w> {
 /// - `world`: the world before the change; ignored if everything is new.
 pub(in crate::stitch) fn write_world(
     environment: &Environment,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     joined: &JoinedGraph,
     remains: &WorldRemains,
     before: Option<WrittenWorld<'_>>,
@@ -35,26 +35,26 @@ pub(in crate::stitch) fn write_world(
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     world.units.clear();
     world.units.extend(units);
-    world.neighbours.clone_from(&laid.neighbours);
-    write_instances(laid, remains, before, world);
-    write_joints(laid, joined, remains, world);
-    resources(laid, joined, world);
+    world.neighbours.clone_from(&placed.neighbours);
+    write_instances(placed, remains, before, world);
+    write_joints(placed, joined, remains, world);
+    resources(placed, joined, world);
 }
 
 /// Writes instances and their bits. Unchanged ones, most of a world, are not touched.
 fn write_instances(
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     remains: &WorldRemains,
     before: Option<WrittenWorld<'_>>,
     world: &mut WorldData,
 ) {
     let were = std::mem::take(&mut world.instances);
     let (mut first_cell_word, mut first_link_word) = (0, 0);
-    for (i, f) in (0u32..).zip(&laid.fitted) {
+    for (i, f) in (0u32..).zip(&placed.fitted) {
         let outcome = remains.outcome(i);
         world.instances.push(InstanceRecord {
             patch: f.patch,
-            first_neighbour: laid.first_neighbour[i as usize],
+            first_neighbour: placed.first_neighbour[i as usize],
             placement: f.placement,
             first_cell_word: first_cell_word as u32,
             first_link_word: first_link_word as u32,
@@ -84,7 +84,7 @@ fn write_instances(
 }
 
 /// Writes the needed joint tables, bits of joints, adjacencies.
-fn write_joints(laid: &PlacedPatches, joined: &JoinedGraph, remains: &WorldRemains, world: &mut WorldData) {
+fn write_joints(placed: &PlacedPatches, joined: &JoinedGraph, remains: &WorldRemains, world: &mut WorldData) {
     let used: Vec<bool> = used_crossings(joined, remains);
     let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
     let numbers = tables(of_used, world);
@@ -93,7 +93,7 @@ fn write_joints(laid: &PlacedPatches, joined: &JoinedGraph, remains: &WorldRemai
     let mut pool = WordPool::new(std::mem::take(&mut world.joint_words));
     let mut first_words = vec![NONE; remains.remaining.len()];
     world.adjacencies.clear();
-    for i in 0..laid.fitted.len() as u32 {
+    for i in 0..placed.fitted.len() as u32 {
         let first = world.adjacencies.len();
         for o in joined.overlaps_of(i) {
             let number = remains.remaining_of[o.pair as usize] as usize;
@@ -150,10 +150,11 @@ fn tables<'j>(
 }
 
 /// Reserved resources of each instance: its own units, and for a block the panels of tiles that its motion uses.
-fn resources(laid: &PlacedPatches, joined: &JoinedGraph, world: &mut WorldData) {
-    let on_floor = || laid.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
-    let mut ends: Vec<usize> = laid.fitted.iter().map(|f| f.units.len()).collect();
-    on_floor().for_each(|(a, b, _)| ends[*b as usize] += laid.fitted[*a as usize].units.len());
+fn resources(placed: &PlacedPatches, joined: &JoinedGraph, world: &mut WorldData) {
+    let on_floor =
+        || placed.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
+    let mut ends: Vec<usize> = placed.fitted.iter().map(|f| f.units.len()).collect();
+    on_floor().for_each(|(a, b, _)| ends[*b as usize] += placed.fitted[*a as usize].units.len());
     let mut first = 0;
     for end in &mut ends {
         first += std::mem::replace(end, first);
@@ -164,8 +165,8 @@ fn resources(laid: &PlacedPatches, joined: &JoinedGraph, world: &mut WorldData) 
         held[*end..*end + units.len()].copy_from_slice(units);
         *end += units.len();
     };
-    (0u32..).zip(&laid.fitted).for_each(|(i, f)| hold(i, &f.units));
-    on_floor().for_each(|(a, b, _)| hold(*b, &laid.fitted[*a as usize].units));
+    (0u32..).zip(&placed.fitted).for_each(|(i, f)| hold(i, &f.units));
+    on_floor().for_each(|(a, b, _)| hold(*b, &placed.fitted[*a as usize].units));
     world.resources.clear();
     let mut first = 0;
     for (instance, end) in world.instances.iter_mut().zip(ends) {

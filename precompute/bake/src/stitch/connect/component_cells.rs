@@ -60,8 +60,8 @@ fn seed_cells<'s>(graph: &'s JoinedGraph) -> impl Iterator<Item = (u32, u32)> + 
 
 /// Component of a cell; `None` if it is not certainly the largest.
 fn component_around(graph: &JoinedGraph, seed: (u32, u32)) -> Option<ComponentCells> {
-    let settled = ComponentCells::membership_at(graph, seed);
-    settled.is_largest(graph).then_some(settled)
+    let component = ComponentCells::membership_at(graph, seed);
+    component.is_largest(graph).then_some(component)
 }
 
 /// Component found by a full search.

@@ -138,19 +138,19 @@ impl<'a> Stitcher<'a> {
     /// - `past`: the world before a change, if any.
     pub fn prepare(
         &mut self,
-        laid: &PlacedPatches,
+        placed: &PlacedPatches,
         past: Option<ChangedWorld<'_>>,
         progress: &dyn Progress,
     ) -> PreparedWorld {
         self.forget_unshared();
         let new_pairs = || {
             let is_new = |k: &usize| past.is_none_or(|past| past.kept.previous_pair_of[*k] == NONE);
-            (0..laid.pairs.len()).filter(is_new).map(|k| laid.pairs[k].2)
+            (0..placed.pairs.len()).filter(is_new).map(|k| placed.pairs[k].2)
         };
         let pairs = distinct(new_pairs());
         let obstacles = match past {
             Some(past) => distinct(past.kept.new_obstacles.iter().copied()),
-            None => distinct(laid.obstacles.iter().map(|o| o.2)),
+            None => distinct(placed.obstacles.iter().map(|o| o.2)),
         };
         self.prepare_shared(&obstacles);
 
@@ -166,8 +166,8 @@ impl<'a> Stitcher<'a> {
         self.found.masks = masks;
         progress.end();
         let mut out = PreparedWorld::default();
-        self.find_situations(laid, past, &mut out);
-        self.find_crossings(laid, past, &mut out);
+        self.find_situations(placed, past, &mut out);
+        self.find_crossings(placed, past, &mut out);
         out
     }
 
@@ -175,8 +175,8 @@ impl<'a> Stitcher<'a> {
     ///
     /// - `laid`: the changed world.
     /// - `gone`: as in [`KeptInstances::gone`].
-    pub fn forget(&mut self, laid: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
-        for (k, needed) in [&laid.pairs, &laid.obstacles].into_iter().enumerate() {
+    pub fn forget(&mut self, placed: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
+        for (k, needed) in [&placed.pairs, &placed.obstacles].into_iter().enumerate() {
             let stale = &mut self.found.stale[k];
             stale.extend(&gone[k]);
             stale.sort_unstable();
@@ -196,10 +196,10 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Drops all tables and masks except those of a world.
-    pub fn forget_all_but(&mut self, laid: &PlacedPatches) {
+    pub fn forget_all_but(&mut self, placed: &PlacedPatches) {
         let needed =
             |of: &[(u32, u32, RelativePlacement)]| of.iter().map(|p| p.2).collect::<HashSet<RelativePlacement>>();
-        let (pairs, obstacles) = (needed(&laid.pairs), needed(&laid.obstacles));
+        let (pairs, obstacles) = (needed(&placed.pairs), needed(&placed.obstacles));
         self.found.tables.retain(|r, _| pairs.contains(r));
         self.found.masks.retain(|r, _| obstacles.contains(r));
         self.found.stale = [Vec::new(), Vec::new()];
@@ -230,16 +230,16 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Finds the situations of all instances.
-    fn find_situations(&mut self, laid: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
+    fn find_situations(&mut self, placed: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
         let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
-        let mut obstacles = laid.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
+        let mut obstacles = placed.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
         let mut around = |i: u32| obstacles.next_if(|o| o[0].0 == i).unwrap_or(&[]);
         let mut surroundings = |(i, f): (u32, &FittedPatch)| {
             let all = around(i);
             let own = all.iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
             (!is_alike(i as usize)).then(|| PatchSurroundings { patch: f.patch, obstacles: distinct(own) })
         };
-        let keys: Vec<Option<PatchSurroundings>> = (0u32..).zip(&laid.fitted).map(&mut surroundings).collect();
+        let keys: Vec<Option<PatchSurroundings>> = (0u32..).zip(&placed.fitted).map(&mut surroundings).collect();
         let new: Vec<PatchSurroundings> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.situations);
         make_missing(&mut known, &new, |key| {
@@ -260,7 +260,7 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Finds the usable joints of all pairs.
-    fn find_crossings(&mut self, laid: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
+    fn find_crossings(&mut self, placed: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
         // Previous number of a pair, if it and the surroundings of its side a are unchanged.
         let was = |k: usize, a: u32| {
             past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.previous_pair_of[k])
@@ -269,7 +269,7 @@ impl<'a> Stitcher<'a> {
             let is_new = was(k, *a) == NONE && !self.found.tables[r].joints.is_empty();
             is_new.then(|| (*r, IdentityArc::new(&out.situations[out.situation_of[*a as usize] as usize])))
         };
-        let keys: Vec<_> = laid.pairs.iter().enumerate().map(key).collect();
+        let keys: Vec<_> = placed.pairs.iter().enumerate().map(key).collect();
         let new: Vec<_> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.crossings);
         make_missing(&mut known, &new, |(relation, IdentityArc(situation))| {
@@ -279,7 +279,7 @@ impl<'a> Stitcher<'a> {
         });
         let joined = past.map(|past| &past.result.joined);
         let mut numbers = SharedNumbers::new(joined.map_or(&[], |j| &j.crossings));
-        for ((k, (a, _, r)), key) in laid.pairs.iter().enumerate().zip(keys) {
+        for ((k, (a, _, r)), key) in placed.pairs.iter().enumerate().zip(keys) {
             let (number, shares_floor) = match (key, joined, was(k, *a)) {
                 (Some(key), ..) => (numbers.number_of(&known[&key]), self.found.tables[r].shares_floor),
                 (None, Some(joined), was) if was != NONE => {

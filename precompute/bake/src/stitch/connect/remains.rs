@@ -96,25 +96,25 @@ impl WorldRemains {
 ///   [`super::resettle::Before::same`].
 pub(in crate::stitch) fn find_remains(
     found: &mut StitchCache,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     judged: &JudgedGraph<'_>,
     past: Option<(ChangedWorld<'_>, &[u32])>,
 ) -> WorldRemains {
     let mut out = WorldRemains::default();
-    let is_same = find_outcomes(found, laid, judged, past, &mut out);
-    find_remaining_joints(found, laid, judged.joined, past.map(|(past, _)| past), &is_same, &mut out);
+    let is_same = find_outcomes(found, placed, judged, past, &mut out);
+    find_remaining_joints(found, placed, judged.joined, past.map(|(past, _)| past), &is_same, &mut out);
     out
 }
 
 /// - returns for each instance whether its remaining motion is unchanged.
 fn find_outcomes(
     found: &mut StitchCache,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     judged: &JudgedGraph<'_>,
     past: Option<(ChangedWorld<'_>, &[u32])>,
     out: &mut WorldRemains,
 ) -> Vec<bool> {
-    let all = 0..laid.fitted.len() as u32;
+    let all = 0..placed.fitted.len() as u32;
     let was = |i: u32| past.map_or(NONE, |(_, same)| same[i as usize]);
     let before = past
         .map(|(past, _)| (past.result, JudgedGraph { joined: &past.result.joined, component: &past.result.component }));
@@ -141,7 +141,7 @@ fn find_outcomes(
 /// - `is_same`: for each instance, whether its remaining motion is unchanged.
 fn find_remaining_joints(
     found: &mut StitchCache,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     joined: &JoinedGraph,
     past: Option<ChangedWorld<'_>>,
     is_same: &[bool],
@@ -155,7 +155,7 @@ fn find_remaining_joints(
     // Previous number of a pair, if everything about it is unchanged.
     let was = |k: usize| {
         let was = past.map_or(NONE, |past| past.kept.previous_pair_of[k]);
-        let (a, b, _) = laid.pairs[k];
+        let (a, b, _) = placed.pairs[k];
         let is_left = is_same[a as usize] && is_same[b as usize];
         let crossing = &joined.crossings[joined.crossing_of[k] as usize];
         let is_alike = is_left && crossing_before(was).is_some_and(|before| Arc::ptr_eq(before, crossing));
@@ -163,10 +163,10 @@ fn find_remaining_joints(
     };
     let state = |k: usize| PairState {
         crossing: IdentityArc::new(&joined.crossings[joined.crossing_of[k] as usize]),
-        sides: [laid.pairs[k].0, laid.pairs[k].1].map(|i| IdentityArc::new(out.outcome(i))),
+        sides: [placed.pairs[k].0, placed.pairs[k].1].map(|i| IdentityArc::new(out.outcome(i))),
     };
     let has_joints = |k: &usize| joined.crossing_of[*k] != NONE;
-    let pairs: Vec<(usize, u32)> = (0..laid.pairs.len()).filter(has_joints).map(|k| (k, was(k))).collect();
+    let pairs: Vec<(usize, u32)> = (0..placed.pairs.len()).filter(has_joints).map(|k| (k, was(k))).collect();
     let new: Vec<PairState> = pairs.iter().filter(|(_, was)| *was == NONE).map(|(k, _)| state(*k)).collect();
     let known = &mut found.remaining;
     make_missing(known, &new, |key| {
@@ -175,7 +175,7 @@ fn find_remaining_joints(
         Arc::new(crossing.remaining(links, &key.sides[0].0.cells, &key.sides[1].0.cells))
     });
     let mut numbers = SharedNumbers::new(before.map_or(&[], |made| &made.remains.remaining));
-    let mut left_of = vec![NONE; laid.pairs.len()];
+    let mut left_of = vec![NONE; placed.pairs.len()];
     let mut new = new.iter();
     for (k, was) in pairs {
         left_of[k] = match (was, before) {

@@ -56,8 +56,8 @@ pub(in crate::stitch) fn update_component(before: &PriorGraph<'_>, graph: &Joine
         if apart.iter().all(|around| is_bypassed(before, graph, &region.intersection(around), around)) {
             let search = |direction| derive_reached(before, graph, &inside, &region, direction);
             let (from, to) = rayon::join(|| search(SearchDirection::Forth), || search(SearchDirection::Back));
-            let settled = ComponentCells::new(from, to);
-            return settled.is_largest(graph).then_some(settled);
+            let component = ComponentCells::new(from, to);
+            return component.is_largest(graph).then_some(component);
         }
     }
     None

@@ -42,35 +42,35 @@ pub(in crate::stitch) fn make_world<'a>(
     progress: &dyn Progress,
 ) -> Result<StitchResult, BuildError> {
     let begin = Instant::now();
-    let relaid =
+    let updated =
         before.and_then(|(made, back)| Some((made, stitcher.placer.update_patches(environment, &made.patches, back)?)));
-    let (laid, kept) = match relaid {
-        Some((made, UpdatedPlacement { patches: laid, kept })) => (laid, Some((made, kept))),
+    let (placed, kept) = match updated {
+        Some((made, UpdatedPlacement { patches: placed, kept })) => (placed, Some((made, kept))),
         None => (stitcher.placer.place_patches(environment)?, None),
     };
     let past = kept.as_ref().map(|(made, kept)| ChangedWorld { result: made, kept });
-    check_sizes(stitcher, environment, &laid)?;
+    check_sizes(stitcher, environment, &placed)?;
     progress.check()?;
-    let prepared = stitcher.prepare(&laid, past, progress);
+    let prepared = stitcher.prepare(&placed, past, progress);
     progress.check()?;
-    let joined = build_joined_graph(&stitcher.placer.patches, &laid, prepared);
+    let joined = build_joined_graph(&stitcher.placer.patches, &placed, prepared);
     progress.begin("component", joined.num_nodes as u64, "cells");
     let before = past.map(|ChangedWorld { result: made, kept }| PriorGraph {
         joined: &made.joined,
         component: &made.component,
         previous_of: unchanged_numbers(&made.joined, &joined, &kept.previous_of),
     });
-    let settled = find_component(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
+    let largest = find_component(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
     progress.end();
-    let judged = JudgedGraph { joined: &joined, component: &settled };
+    let judged = JudgedGraph { joined: &joined, component: &largest };
     let alike = past.zip(before.as_ref().map(|before| before.previous_of.as_slice()));
-    let remains = find_remains(&mut stitcher.found, &laid, &judged, alike);
-    check_reached(stitcher, environment, &laid, &judged)?;
-    let mut report = report(stitcher, &laid, &remains.counts());
+    let remains = find_remains(&mut stitcher.found, &placed, &judged, alike);
+    check_reached(stitcher, environment, &placed, &judged)?;
+    let mut report = report(stitcher, &placed, &remains.counts());
     let meta = meta(stitcher, environment, &report)?;
     write_world(
         environment,
-        &laid,
+        &placed,
         &joined,
         &remains,
         alike.map(|(past, same)| WrittenWorld { remains: &past.result.remains, previous_of: same }),
@@ -78,12 +78,12 @@ pub(in crate::stitch) fn make_world<'a>(
     );
     world.meta = meta;
     match &kept {
-        Some((_, kept)) => stitcher.forget(&laid, &kept.removed),
-        None => stitcher.forget_all_but(&laid),
+        Some((_, kept)) => stitcher.forget(&placed, &kept.removed),
+        None => stitcher.forget_all_but(&placed),
     }
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
-    Ok(StitchResult { patches: laid, joined, component: settled, remains, report })
+    Ok(StitchResult { patches: placed, joined, component: largest, remains, report })
 }
 
 /// Most cells of a world, about 80 bytes each during stitching, and most words of 64 links.
@@ -91,15 +91,17 @@ const MOST_CELLS: u64 = 50_000_000;
 const MOST_WORDS: u64 = 100_000_000;
 
 /// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
-fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, laid: &PlacedPatches) -> Result<(), BuildError> {
+fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, placed: &PlacedPatches) -> Result<(), BuildError> {
     let patches = &stitcher.placer.patches.patches;
-    let sizes = laid.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
+    let sizes = placed.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
     if let Some(why) = too_many(sizes) {
         return Err(refusal_error(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
     }
     let library = &stitcher.placer.library;
     let is_too_large: Vec<bool> = library.geometries.iter().map(|g| DistanceField::is_too_large(g)).collect();
-    let Some((_, unit, relation)) = laid.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else { return Ok(()) };
+    let Some((_, unit, relation)) = placed.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else {
+        return Ok(());
+    };
     let bounds = &library.geometries[relation.b as usize].bounds;
     let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
     let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
@@ -137,7 +139,7 @@ fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildErro
 fn check_reached(
     stitcher: &Stitcher<'_>,
     environment: &Environment,
-    laid: &PlacedPatches,
+    placed: &PlacedPatches,
     judged: &JudgedGraph<'_>,
 ) -> Result<(), BuildError> {
     if stitcher.placer.config.allow_unreachable {
@@ -145,7 +147,7 @@ fn check_reached(
     }
     let has = |i: usize, what: ComponentMembership| judged.component.has_membership(judged.joined, i as u32, what);
     let mut reached = vec![false; environment.units.len()];
-    for (i, f) in laid.fitted.iter().enumerate() {
+    for (i, f) in placed.fitted.iter().enumerate() {
         if has(i, ComponentMembership::Inside) {
             f.units.iter().for_each(|&u| reached[u as usize] = true);
         }
@@ -153,7 +155,7 @@ fn check_reached(
     let left: Vec<usize> =
         (0..reached.len()).filter(|&u| !reached[u] && !stitcher.placer.is_obstacle(environment, u)).collect();
     let Some(&unit) = left.first() else { return Ok(()) };
-    let here = || laid.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
+    let here = || placed.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
     let leads_away = here().any(|(i, _)| has(i, ComponentMembership::Unreached));
     let patches: Vec<&str> =
         here().map(|(_, f)| stitcher.placer.library.names[f.patch as usize].name.as_str()).collect();
@@ -168,12 +170,12 @@ fn check_reached(
     ))
 }
 
-fn report(stitcher: &Stitcher<'_>, laid: &PlacedPatches, counts: &WorldCounts) -> StitchReport {
+fn report(stitcher: &Stitcher<'_>, placed: &PlacedPatches, counts: &WorldCounts) -> StitchReport {
     let mut fitted = vec![0; stitcher.placer.patterns.len()];
-    laid.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
+    placed.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
     let patches = stitcher.placer.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
     StitchReport {
-        instances: laid.fitted.len(),
+        instances: placed.fitted.len(),
         patches: patches.map(|(patch, n)| (patch.name.clone(), n)).collect(),
         cells: counts.cells,
         transitions: counts.links + counts.joints,

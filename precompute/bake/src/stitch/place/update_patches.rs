@@ -86,7 +86,7 @@ impl Placer<'_> {
         // Remaining instances keep their order, and so does all that is sorted by it.
         let mut now = vec![NONE; before.fitted.len()];
         (0u32..).zip(&was).filter(|(_, was)| **was != NONE).for_each(|(i, &was)| now[was as usize] = i);
-        let mut laid = PlacedPatches { fitted, shapes, ..PlacedPatches::default() };
+        let mut placed = PlacedPatches { fitted, shapes, ..PlacedPatches::default() };
         let mut kept = KeptInstances {
             is_alike: was.iter().map(|&was| was != NONE).collect(),
             previous_of: was,
@@ -96,11 +96,11 @@ impl Placer<'_> {
         let reach = |(f, &was): (&FittedPatch, &u32)| {
             before.bounds.get(was as usize).copied().unwrap_or_else(|| self.instance_bounds(f))
         };
-        laid.bounds = laid.fitted.iter().zip(was).map(reach).collect();
-        self.renew_neighbours(environment, before, &now, was, &mut laid);
-        self.renew_pairs(before, &now, &mut laid, &mut kept);
-        self.renew_obstacles(environment, before, changed, &now, &mut laid, &mut kept);
-        Some(UpdatedPlacement { patches: laid, kept })
+        placed.bounds = placed.fitted.iter().zip(was).map(reach).collect();
+        self.renew_neighbours(environment, before, &now, was, &mut placed);
+        self.renew_pairs(before, &now, &mut placed, &mut kept);
+        self.renew_obstacles(environment, before, changed, &now, &mut placed, &mut kept);
+        Some(UpdatedPlacement { patches: placed, kept })
     }
 
     /// Bounds of all units; `None` if the changed one is not one of the bundle's.
@@ -164,28 +164,28 @@ impl Placer<'_> {
         before: &PlacedPatches,
         now: &[u32],
         was: &[u32],
-        laid: &mut PlacedPatches,
+        placed: &mut PlacedPatches,
     ) {
         let is_tile = |f: &FittedPatch| self.patterns[f.patch as usize].is_tile;
-        let is_new = laid.fitted.iter().zip(was).any(|(f, was)| *was == NONE && is_tile(f));
+        let is_new = placed.fitted.iter().zip(was).any(|(f, was)| *was == NONE && is_tile(f));
         let is_gone = before.fitted.iter().zip(now).any(|(f, now)| *now == NONE && is_tile(f));
         if is_new || is_gone {
             let index = UnitIndex::new(environment);
-            let found = neighbours(&self.patches, &self.patterns, &index, &laid.fitted);
-            (laid.neighbours, laid.first_neighbour) = found;
+            let found = neighbours(&self.patches, &self.patterns, &index, &placed.fitted);
+            (placed.neighbours, placed.first_neighbour) = found;
             return;
         }
-        for (f, &was) in laid.fitted.iter().zip(was) {
-            laid.first_neighbour.push(laid.neighbours.len() as u32);
+        for (f, &was) in placed.fitted.iter().zip(was) {
+            placed.first_neighbour.push(placed.neighbours.len() as u32);
             if is_tile(f) {
                 let first = before.first_neighbour[was as usize] as usize;
                 let own = &before.neighbours[first..first + self.patches.edges_of(f.patch as usize).len()];
-                laid.neighbours.extend(own.iter().map(|&o| if o == NONE { NONE } else { now[o as usize] }));
+                placed.neighbours.extend(own.iter().map(|&o| if o == NONE { NONE } else { now[o as usize] }));
             }
         }
     }
 
-    fn renew_pairs(&self, before: &PlacedPatches, now: &[u32], laid: &mut PlacedPatches, kept: &mut KeptInstances) {
+    fn renew_pairs(&self, before: &PlacedPatches, now: &[u32], placed: &mut PlacedPatches, kept: &mut KeptInstances) {
         let mut pairs: Vec<((u32, u32, RelativePlacement), u32)> = Vec::with_capacity(before.pairs.len());
         for (k, &(a, b, relation)) in (0u32..).zip(&before.pairs) {
             match (now[a as usize], now[b as usize]) {
@@ -194,15 +194,15 @@ impl Placer<'_> {
             }
         }
         let num_left = pairs.len();
-        for new in (0..laid.fitted.len() as u32).filter(|&i| kept.previous_of[i as usize] == NONE) {
-            let near = overlapped(&laid.bounds, &laid.bounds[new as usize]);
+        for new in (0..placed.fitted.len() as u32).filter(|&i| kept.previous_of[i as usize] == NONE) {
+            let near = overlapped(&placed.bounds, &placed.bounds[new as usize]);
             // A pair of new instances is handled from the first of them.
             let others = near.filter(|&o| o != new && (kept.previous_of[o as usize] != NONE || o > new));
-            let pair = |o: u32| self.pair(&laid.fitted, new.min(o), new.max(o));
+            let pair = |o: u32| self.pair(&placed.fitted, new.min(o), new.max(o));
             pairs.extend(others.filter_map(pair).map(|pair| (pair, NONE)));
         }
         merge(&mut pairs, num_left);
-        (laid.pairs, kept.previous_pair_of) = pairs.into_iter().unzip();
+        (placed.pairs, kept.previous_pair_of) = pairs.into_iter().unzip();
     }
 
     fn renew_obstacles(
@@ -211,7 +211,7 @@ impl Placer<'_> {
         before: &PlacedPatches,
         changed: ChangedUnit,
         now: &[u32],
-        laid: &mut PlacedPatches,
+        placed: &mut PlacedPatches,
         kept: &mut KeptInstances,
     ) {
         let mut obstacles = Vec::with_capacity(before.obstacles.len());
@@ -228,11 +228,11 @@ impl Placer<'_> {
         }
         let num_left = obstacles.len();
         for (i, &was) in (0u32..).zip(&kept.previous_of) {
-            let bounds = &laid.bounds[i as usize];
-            let near = |unit: &u32| bounds.min.is_finite() && laid.shapes[*unit as usize].overlaps(bounds);
-            let to = |unit| self.obstacle_to(environment, &laid.fitted, i, unit);
+            let bounds = &placed.bounds[i as usize];
+            let near = |unit: &u32| bounds.min.is_finite() && placed.shapes[*unit as usize].overlaps(bounds);
+            let to = |unit| self.obstacle_to(environment, &placed.fitted, i, unit);
             match was {
-                NONE => obstacles.extend((0..laid.shapes.len() as u32).filter(near).filter_map(to)),
+                NONE => obstacles.extend((0..placed.shapes.len() as u32).filter(near).filter_map(to)),
                 _ => {
                     let new = changed.after.filter(near).and_then(to);
                     kept.is_alike[i as usize] &= new.is_none();
@@ -242,7 +242,7 @@ impl Placer<'_> {
         }
         kept.new_obstacles = obstacles[num_left..].iter().map(|o| o.2).collect();
         merge(&mut obstacles, num_left);
-        laid.obstacles = obstacles;
+        placed.obstacles = obstacles;
     }
 }
 

@@ -170,10 +170,10 @@ impl<V: Space> AgentProgress<V> {
     }
 
     /// True if the corner is behind: near, or beyond the plane through it across the next leg.
-    fn has_passed_corner(&self, way: &[V], at: V, near_m: f32) -> bool {
-        let (Some(&corner), Some(&next)) = (way.get(self.corner), way.get(self.corner + 1)) else { return false };
+    fn has_passed_corner(&self, path: &[V], at: V, near_m: f32) -> bool {
+        let (Some(&corner), Some(&next)) = (path.get(self.corner), path.get(self.corner + 1)) else { return false };
         let off = at - corner;
-        off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - way[self.corner - 1]) > 0.0
+        off.length() <= near_m || off.dot(next - corner) > 0.0 && off.dot(corner - path[self.corner - 1]) > 0.0
     }
 
     /// True if it has arrived; it may have come by other corners than those of the path.
@@ -184,9 +184,9 @@ impl<V: Space> AgentProgress<V> {
     }
 
     /// Remaining length: to the corner, and from there along the path (m).
-    fn remaining_length(&self, way: &[V], at: V) -> f32 {
-        let Some(&corner) = way.get(self.corner) else { return 0.0 };
-        (at - corner).length() + way[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
+    fn remaining_length(&self, path: &[V], at: V) -> f32 {
+        let Some(&corner) = path.get(self.corner) else { return 0.0 };
+        (at - corner).length() + path[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
     }
 }
 

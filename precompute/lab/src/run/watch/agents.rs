@@ -28,8 +28,8 @@ pub struct AgentsSummary {
 
 /// Applies an expression to the agents of a group, on the ground or in the air, and to their watch.
 macro_rules! with_agents {
-    ($watch:expr, $cast:expr, |$w:ident, $agents:ident| $work:expr) => {
-        match ($watch, $cast) {
+    ($watch:expr, $character_group:expr, |$w:ident, $agents:ident| $work:expr) => {
+        match ($watch, $character_group) {
             (AnyAgentWatch::Ground($w), AnyCharacterGroup::Ground($agents)) => Some($work),
             (AnyAgentWatch::Air($w), AnyCharacterGroup::Air($agents)) => Some($work),
             _ => None,
@@ -61,11 +61,11 @@ impl AgentsMeter {
 
     /// Meter of the agents of some groups, by their number; none without agents.
     pub(super) fn of_groups(sim: &Simulation, is_seen: impl Fn(usize) -> bool) -> Option<Self> {
-        let cast = sim
+        let character_group = sim
             .character_groups()
             .iter()
             .position(|c| matches!(c, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)))?;
-        let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == cast);
+        let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == character_group);
         let first = groups().next()?.1.characters.start;
         let seen = groups().filter(|(number, _)| is_seen(*number)).flat_map(|(_, g)| g.characters.clone());
         let agents: Vec<usize> = seen.map(|c| c - first).collect();
@@ -73,12 +73,12 @@ impl AgentsMeter {
             return None;
         }
         let config = &sim.scene().measure;
-        let agents = match &sim.character_groups()[cast] {
+        let agents = match &sim.character_groups()[character_group] {
             AnyCharacterGroup::Ground(all) => AnyAgentWatch::Ground(AgentWatch::new(all, config, agents)),
             AnyCharacterGroup::Air(all) => AnyAgentWatch::Air(AgentWatch::new(all, config, agents)),
             _ => return None,
         };
-        Some(Self { character_group: cast, first, agents })
+        Some(Self { character_group, first, agents })
     }
 
     /// Observes all agents; to be called at most 30 times a simulated second.
@@ -249,8 +249,8 @@ fn num_events(c: &EventCounts) -> u64 {
 fn goes_along<V: Space>(agents: &crowd::SceneAgents<V>, along: Vec2) -> Vec<bool> {
     let layout = agents.layout();
     let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
-    for (way, &group) in layout.paths.iter().zip(&layout.groups) {
-        sums[group] += (ground_coordinates(way[way.len() - 1]) - ground_coordinates(way[0])).dot(along);
+    for (path, &group) in layout.paths.iter().zip(&layout.groups) {
+        sums[group] += (ground_coordinates(path[path.len() - 1]) - ground_coordinates(path[0])).dot(along);
     }
     sums.iter().map(|s| *s > 0.0).collect()
 }

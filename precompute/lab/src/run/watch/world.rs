@@ -62,11 +62,11 @@ pub(super) struct WorldWatch {
 }
 
 impl WorldWatch {
-    pub fn new(sim: &Simulation, cast: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
-        let group = sim.groups().iter().find(|g| g.character_group == cast).map_or(0, |g| g.number);
+    pub fn new(sim: &Simulation, character_group: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
+        let group = sim.groups().iter().find(|g| g.character_group == character_group).map_or(0, |g| g.number);
         let bundle = sim.compiled().bundle(group).map_err(config_error)?;
         Ok(Self {
-            character_group: cast,
+            character_group,
             body: BodySpheres::new(bundle.skeleton()),
             geometry: world_geometry(sim.compiled(), group)?,
             faults: Vec::new(),
@@ -108,8 +108,8 @@ impl WorldWatch {
             }
         }
         if !self.last.is_empty() {
-            let way = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
-            self.travelled_m += way.sum::<f64>();
+            let distance = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
+            self.travelled_m += distance.sum::<f64>();
         }
         self.last = trunks.iter().map(|t| t[0]).collect();
         let begins = |hips: &Vec3| PathStretch { end: hips.xz(), direction: Vec2::ZERO };

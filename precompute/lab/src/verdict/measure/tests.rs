@@ -78,10 +78,10 @@ fn a_poor_trial_says_where_and_why_and_what_would_mend_it() {
         (motion.stops, motion.starts, rest.source_slip_mps) = (0, 0, 0.1);
     });
     assert_eq!((verdict.word, verdict.worst), ("poor", "targets reached"));
-    let (told, advice) = (verdict.sentences.join("\n"), verdict.advice.join("\n"));
-    assert!(told.starts_with("poor: 60 % of the targets were reached within 15 s"), "{told}");
-    assert!(told.contains("of those behind: 30 % (poor)") && !told.contains("2 to 3 m"), "{told}");
-    assert!(told.contains("3.0 times as fast as in the clips (100) (poor)"), "{told}");
+    let (sentence, advice) = (verdict.sentences.join("\n"), verdict.advice.join("\n"));
+    assert!(sentence.starts_with("poor: 60 % of the targets were reached within 15 s"), "{sentence}");
+    assert!(sentence.contains("of those behind: 30 % (poor)") && !sentence.contains("2 to 3 m"), "{sentence}");
+    assert!(sentence.contains("3.0 times as fast as in the clips (100) (poor)"), "{sentence}");
     for part in ["no stop", "for 8 s a character heeds nothing", "feet slip where clips are joined"] {
         assert!(advice.contains(part), "{advice}");
     }
@@ -111,10 +111,10 @@ fn the_verdict_is_that_of_the_worst_measure() {
     };
     let toes =
         |mps| MotionQuality { toe_speed_low_p95_mps: mps, source_toe_speed_low_p95_mps: 0.1, ..Default::default() };
-    let check = |v: Verdict, word: &str, worst: &str, told: &str, advice: &str| {
+    let check = |v: Verdict, word: &str, worst: &str, sentence: &str, advice: &str| {
         assert_eq!((v.word, v.worst), (word, worst), "{v:?}");
         let first = &v.sentences[0];
-        assert!(first.starts_with(&format!("{word}: ")) && first.contains(told), "{first}");
+        assert!(first.starts_with(&format!("{word}: ")) && first.contains(sentence), "{first}");
         assert!(advice.is_empty() || v.advice.iter().any(|a| a.contains(advice)), "{:?}", v.advice);
         assert!(v.sentences.iter().any(|s| s.contains("% of the targets were")), "{v:?}");
     };

@@ -27,12 +27,12 @@ fn outwards(t: f32) -> f32 {
 }
 
 /// A clip of 3 s; `local` gives rotations by time, `way` adds to where the hips are.
-fn clip(rate_hz: f64, way: impl Fn(f32) -> Vec3, local: impl Fn(f32, &mut [Quat])) -> Clip {
+fn clip(rate_hz: f64, path: impl Fn(f32) -> Vec3, local: impl Fn(f32, &mut [Quat])) -> Clip {
     let num = (3.0 * rate_hz) as usize;
     let (mut root_positions, mut rotations) = (Vec::new(), vec![Quat::IDENTITY; num * NUM_JOINTS]);
     for (frame, pose) in rotations.chunks_mut(NUM_JOINTS).enumerate() {
         let t = (frame as f64 / rate_hz) as f32;
-        root_positions.push(Skeleton::default().offsets[0] + way(t));
+        root_positions.push(Skeleton::default().offsets[0] + path(t));
         local(t, pose);
     }
     Clip { contacts: vec![Contacts::NONE; num], ..Clip::new("boxer", rate_hz, root_positions, rotations) }
@@ -57,8 +57,8 @@ fn reach_at(pose: &mut [Quat], distance: f32, above: f32) {
 }
 
 /// Throws three straight punches with the right hand while the hips go their way.
-fn boxer(rate_hz: f64, way: impl Fn(f32) -> Vec3) -> Clip {
-    clip(rate_hz, way, |t, pose| reach_ahead(pose, REACH[0] + (REACH[1] - REACH[0]) * outwards(t)))
+fn boxer(rate_hz: f64, path: impl Fn(f32) -> Vec3) -> Clip {
+    clip(rate_hz, path, |t, pose| reach_ahead(pose, REACH[0] + (REACH[1] - REACH[0]) * outwards(t)))
 }
 
 /// Lifts the bent right arm by an angle: elbow at a right angle, the fist scoops upwards (rad).
@@ -108,7 +108,7 @@ fn frames(hits: &[ClipHit]) -> Vec<usize> {
     hits.iter().map(|h| h.frame).collect()
 }
 
-fn laid(clip: &Clip, by: Planar) -> Clip {
+fn moved(clip: &Clip, by: Planar) -> Clip {
     let mut out = clip.clone();
     for (frame, p) in out.root_positions.iter_mut().enumerate() {
         *p = by.rotation() * *p + by.translation();
@@ -154,7 +154,7 @@ proptest! {
     #[test]
     fn where_a_clip_lies_changes_nothing(x in -50.0f32..50.0, z in -50.0f32..50.0, heading in -PI..PI) {
         let (clip, cfg) = (boxer(30.0, |t| Vec3::Z * 0.3 * (TAU * t).sin()), HitConfig::default());
-        let (here, there) = (hits(&clip, &cfg), hits(&laid(&clip, Planar::new(x, z, heading)), &cfg));
+        let (here, there) = (hits(&clip, &cfg), hits(&moved(&clip, Planar::new(x, z, heading)), &cfg));
         prop_assert_eq!(frames(&here), frames(&there));
         for (a, b) in here.iter().zip(&there) {
             prop_assert!(a.position.distance(b.position) < 1e-3 && a.direction.distance(b.direction) < 1e-2);

@@ -59,8 +59,8 @@ impl LimbTrack {
     pub fn new(poses: &Poses, skeleton: &Skeleton, limb: StrikingLimb, rate_hz: f64) -> Self {
         let tips = striking_points(poses, skeleton, limb.end);
         let velocities = velocities(&tips, rate_hz);
-        let way: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();
-        let own: Vec<Vec3> = velocities.iter().zip(self::velocities(&way, rate_hz)).map(|(v, w)| *v - w).collect();
+        let path: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();
+        let own: Vec<Vec3> = velocities.iter().zip(self::velocities(&path, rate_hz)).map(|(v, w)| *v - w).collect();
         let at = |pose: &[(Vec3, Quat); NUM_JOINTS], j: Joint| pose[j.index()].0;
         let axes: Vec<Vec3> =
             poses.iter().map(|p| (at(p, limb.end) - at(p, limb.middle)).normalize_or_zero()).collect();

@@ -52,13 +52,13 @@ pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<Cadence
     let (mut intervals, mut speeds, mut last, mut ahead) = (Vec::new(), Vec::new(), None, 0.0);
     for f in 0..clip.num_frames {
         let (from, to) = (f.saturating_sub(half), (f + half).min(clip.num_frames - 1));
-        let way = places[to][0] - places[from][0];
-        let speed = way.length() * clip.rate_hz as f32 / (to - from).max(1) as f32;
+        let offset = places[to][0] - places[from][0];
+        let speed = offset.length() * clip.rate_hz as f32 / (to - from).max(1) as f32;
         if speed < WALKING_MPS {
             (last, ahead) = (None, 0.0);
             continue;
         }
-        let by = (places[f][1] - places[f][2]).dot(way.normalize());
+        let by = (places[f][1] - places[f][2]).dot(offset.normalize());
         if by.abs() < AHEAD_M {
             continue;
         }

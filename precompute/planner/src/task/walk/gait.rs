@@ -113,21 +113,21 @@ impl WalkRecording {
         let ahead = DVec2::new(maths::sin(heading), maths::cos(heading));
         // Distance (m) and speed (m/s).
         let along = |t: f64| {
-            let mut way = 0.0;
+            let mut walked_m = 0.0;
             for w in pace.windows(2) {
                 let (length, t) = (w[1].t_s - w[0].t_s, (t - w[0].t_s).min(w[1].t_s - w[0].t_s));
                 let gain = (w[1].speed_mps - w[0].speed_mps) / length;
                 if t < length {
-                    return (way + t * (w[0].speed_mps + 0.5 * gain * t), w[0].speed_mps + gain * t);
+                    return (walked_m + t * (w[0].speed_mps + 0.5 * gain * t), w[0].speed_mps + gain * t);
                 }
-                way += 0.5 * length * (w[0].speed_mps + w[1].speed_mps);
+                walked_m += 0.5 * length * (w[0].speed_mps + w[1].speed_mps);
             }
-            (way, pace[pace.len() - 1].speed_mps)
+            (walked_m, pace[pace.len() - 1].speed_mps)
         };
         while self.time_s() - start_s + 0.5 / self.rate_hz < end_s {
             self.step_frame(|t| {
-                let (way, speed) = along(t - start_s);
-                (from + ahead * way, ahead * speed, heading)
+                let (walked_m, speed) = along(t - start_s);
+                (from + ahead * walked_m, ahead * speed, heading)
             })?;
         }
         self.position = from + ahead * along(end_s).0;
@@ -158,10 +158,10 @@ impl WalkRecording {
     ///
     /// - `way`: x and z (m, two at least), the first where the walker stands.
     /// - returns the time at which the path ends (s).
-    pub fn walk_along(&mut self, way: &[DVec2], speed_mps: f64) -> Result<f64> {
-        let lengths: Vec<f64> = way.windows(2).map(|w| w[0].distance(w[1])).collect();
+    pub fn walk_along(&mut self, path: &[DVec2], speed_mps: f64) -> Result<f64> {
+        let lengths: Vec<f64> = path.windows(2).map(|w| w[0].distance(w[1])).collect();
         let length: f64 = lengths.iter().sum();
-        let Some(first) = way.windows(2).find(|w| w[0].distance(w[1]) > 1e-6) else { return Ok(self.time_s()) };
+        let Some(first) = path.windows(2).find(|w| w[0].distance(w[1]) > 1e-6) else { return Ok(self.time_s()) };
         let tangent = heading_of(first[1] - first[0]);
         if wrap_angle(tangent - self.heading).abs() > ON_THE_WAY {
             self.turn_to(tangent)?;
@@ -186,14 +186,14 @@ impl WalkRecording {
             let mut heading = self.heading;
             self.step_frame(|t| {
                 let (s, v) = along(t);
-                let (at, tangent) = point_on_path(way, &lengths, s);
+                let (at, tangent) = point_on_path(path, &lengths, s);
                 heading = heading_of(tangent);
                 (at, tangent * v, heading)
             })?;
             self.heading = heading;
         }
-        self.position = way[way.len() - 1];
-        self.heading = heading_of(point_on_path(way, &lengths, length).1);
+        self.position = path[path.len() - 1];
+        self.heading = heading_of(point_on_path(path, &lengths, length).1);
         Ok(self.time_s())
     }
 
@@ -233,16 +233,16 @@ impl WalkRecording {
 }
 
 /// Point of a path at a length, and its direction.
-fn point_on_path(way: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
+fn point_on_path(path: &[DVec2], lengths: &[f64], along: f64) -> (DVec2, DVec2) {
     let mut left = along;
-    for (w, length) in way.windows(2).zip(lengths) {
+    for (w, length) in path.windows(2).zip(lengths) {
         if left <= *length && *length > 1e-9 {
             return (w[0].lerp(w[1], left / length), (w[1] - w[0]) / *length);
         }
         left -= length;
     }
-    let last = way.windows(2).rev().find(|w| w[0].distance(w[1]) > 1e-9);
-    (way[way.len() - 1], last.map_or(DVec2::Y, |w| (w[1] - w[0]).normalize()))
+    let last = path.windows(2).rev().find(|w| w[0].distance(w[1]) > 1e-9);
+    (path[path.len() - 1], last.map_or(DVec2::Y, |w| (w[1] - w[0]).normalize()))
 }
 
 /// The heading of a direction (x and z): 0 along z, a quarter turn along x (rad).

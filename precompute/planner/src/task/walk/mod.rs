@@ -224,8 +224,8 @@ fn walk_to_step(
         let is_here = stand.position == from && stand.heading == heading;
         let mut walked_s = after.time_s();
         if !is_here {
-            let Some(way) = wanted.route_obstacles(stand).find_path(from, stand.position) else { continue };
-            walked_s = after.walk_along(&way, speed_mps).map_err(wrong)?;
+            let Some(path) = wanted.route_obstacles(stand).find_path(from, stand.position) else { continue };
+            walked_s = after.walk_along(&path, speed_mps).map_err(wrong)?;
             after.turn_to(stand.heading).map_err(wrong)?;
         }
         let from_s = (walked_s - EARLY_S).max(free_s).max(0.0);

@@ -41,7 +41,7 @@ impl RouteObstacles {
         let corners = [SPARE_M, 0.0].into_iter().find_map(|spare_m| {
             RouteSearch { ground: self, ends: [from, to], spare_m, cells: HashMap::new() }.find_path()
         })?;
-        let is_free = |way: &Vec<DVec2>| way.windows(2).all(|w| self.is_line_free(w[0], w[1], [from, to], 0.0));
+        let is_free = |path: &Vec<DVec2>| path.windows(2).all(|w| self.is_line_free(w[0], w[1], [from, to], 0.0));
         let smooth = CUTS_M.into_iter().map(|most| cut_corners(&corners, most)).find(is_free);
         Some(smooth.unwrap_or(corners))
     }
@@ -147,19 +147,19 @@ impl RouteSearch<'_> {
 }
 
 /// Cuts corners of a path, again and again; its ends stay.
-fn cut_corners(way: &[DVec2], most_m: f64) -> Vec<DVec2> {
-    let mut way = way.to_vec();
+fn cut_corners(path: &[DVec2], most_m: f64) -> Vec<DVec2> {
+    let mut path = path.to_vec();
     for round in 0..CUTS {
         let most = most_m / f64::from(1u32 << round);
-        let mut out = vec![way[0]];
-        for w in way.windows(3) {
+        let mut out = vec![path[0]];
+        for w in path.windows(3) {
             let [a, b] = [w[0], w[2]].map(|p| w[1] + (p - w[1]).clamp_length_max(most.min(0.25 * p.distance(w[1]))));
             out.extend([a, b]);
         }
-        out.push(way[way.len() - 1]);
-        way = out;
+        out.push(path[path.len() - 1]);
+        path = out;
     }
-    way
+    path
 }
 
 #[cfg(test)]
@@ -180,13 +180,13 @@ mod tests {
             (DVec3::new(2.0, 2.0, 0.1), DVec3::new(0.3, 1.0, 0.0)),
             (DVec3::splat(0.3), DVec3::new(-1.2, 2.4, 0.0)),
         ]);
-        let way = wall.find_path(from, to).expect("a way");
-        assert!(way[0] == from && way[way.len() - 1] == to && way.len() > 4);
-        let length: f64 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
+        let path = wall.find_path(from, to).expect("a way");
+        assert!(path[0] == from && path[path.len() - 1] == to && path.len() > 4);
+        let length: f64 = path.windows(2).map(|w| w[0].distance(w[1])).sum();
         // Round the nearer end: at least as far as a string with the room that a walker needs.
         let corner = DVec2::new(-0.7 - 0.32, 0.0);
         assert!(length > 2.0 * corner.distance(to) - 0.2 && length < 2.0 * corner.distance(to) + 0.5, "{length}");
-        for w in way.windows(2) {
+        for w in path.windows(2) {
             for i in 0..20 {
                 let p = w[0].lerp(w[1], f64::from(i) / 20.0);
                 let beside = DVec2::new((p.x - 0.3).abs() - 1.0, p.y.abs() - 0.05).max(DVec2::ZERO).length();

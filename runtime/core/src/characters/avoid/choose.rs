@@ -18,7 +18,7 @@ use throng_base::maths;
 use throng_base::simd::LANES;
 
 /// Time after which a held character chooses again (frames).
-const LOOK_AGAIN: f32 = 8.0;
+const CHOOSE_AGAIN_FRAMES: f32 = 8.0;
 
 /// Number of failed choices up to which a character waits rather than turn aside widely, and after which it takes any
 /// action that leads away.
@@ -122,7 +122,7 @@ fn choose_one(
                 b.pace[lane] = pace::HELD_STILL;
                 b.time[lane] = b.length[lane] as f32;
             }
-            b.wait[lane] = LOOK_AGAIN - ago;
+            b.wait[lane] = CHOOSE_AGAIN_FRAMES - ago;
             return;
         }
         None => {

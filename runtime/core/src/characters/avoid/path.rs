@@ -59,8 +59,8 @@ pub fn path_of_plan(
         }
         _ => {
             laying.add_segment(plan, from);
-            let way = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
-            laying.out.velocity = way / laying.time_s;
+            let offset = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
+            laying.out.velocity = offset / laying.time_s;
             match plan.pace {
                 pace::SLOWING => laying.add_stand(motion_set.stops.stops[end as usize].radius),
                 _ => laying.add_stop(end),

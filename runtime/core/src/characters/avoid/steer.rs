@@ -57,8 +57,8 @@ pub fn ranked_directions(
     book: &PathReservations,
     config: &AvoidConfig,
 ) -> [f32; NUM_DIRECTIONS] {
-    let way = chooser.target - chooser.place;
-    let distance = way.length();
+    let offset = chooser.target - chooser.place;
+    let distance = offset.length();
     let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
     if distance > NEAR_M && config.horizon_s > 0.0 {
         let others = &mut [NearbyCharacter::default(); OTHERS];
@@ -66,7 +66,7 @@ pub fn ranked_directions(
         let horizon = config.horizon_s.min(distance / chooser.speed_mps);
         for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
             // The left of the direction is towards +X where +Z is ahead.
-            let ahead = Vec2::new(way.x * cos + way.y * sin, way.y * cos - way.x * sin) / distance;
+            let ahead = Vec2::new(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin) / distance;
             let velocity = ahead * chooser.speed_mps;
             let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
             let soonest = soonest.min(walls_ahead(chooser, velocity, book, config));

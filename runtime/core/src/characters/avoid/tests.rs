@@ -21,19 +21,19 @@ fn config(bend_rad_per_m: f32, choice: ActionChoice) -> CharactersConfig {
 }
 
 /// Characters at the starts that have room, among those asked for.
-fn cast(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
-    let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
+fn character_group_of(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
+    let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
     for &(x, z, heading, state) in starts {
-        match cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+        match group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
             Ok(_) | Err(Error::Occupied { .. }) => {}
             Err(e) => panic!("{e}"),
         }
     }
-    cast
+    group
 }
 
-fn places(cast: &PolicyCharacters) -> Vec<Vec2> {
-    cast.bodies().roots.iter().map(|r| Vec2::new(r.x, r.z)).collect()
+fn places(group: &PolicyCharacters) -> Vec<Vec2> {
+    group.bodies().roots.iter().map(|r| Vec2::new(r.x, r.z)).collect()
 }
 
 /// Smallest gap between the discs of any two characters (m).
@@ -43,9 +43,9 @@ fn least_room(places: &[Vec2]) -> f32 {
 }
 
 /// Asserts that every character is on its reserved path.
-fn assert_on_paths(cast: &PolicyCharacters) {
-    let book = cast.characters().reservations().expect("they make way");
-    for (at, place) in places(cast).iter().enumerate() {
+fn assert_on_paths(group: &PolicyCharacters) {
+    let book = group.characters().reservations().expect("they make way");
+    for (at, place) in places(group).iter().enumerate() {
         let reserved = book.path(at).position_now();
         assert!(place.distance(reserved) < 0.012, "character {at} is at {place}, its path at {reserved}");
     }
@@ -71,27 +71,27 @@ proptest! {
         starts in starts(), choice in choices(), bend in prop_oneof![Just(0.0f32), 0.0f32..0.6],
         steps in proptest::collection::vec((0.001f32..0.25, -4.0f32..4.0, -4.0f32..4.0, any::<u8>()), 40..160),
     ) {
-        let mut cast = cast(&starts, config(bend, choice));
-        let ids: Vec<Id> = cast.ids().to_vec();
+        let mut group = character_group_of(&starts, config(bend, choice));
+        let ids: Vec<Id> = group.ids().to_vec();
         for (k, (dt_s, x, z, what)) in steps.into_iter().enumerate() {
             let id = ids[usize::from(what) % ids.len()];
             // Goals in others, segments at once, places anywhere.
             match what / 32 {
-                0 | 1 => cast.order(id, PolicyOrder::towards(0, Vec3::new(x, 0.0, z))).unwrap(),
+                0 | 1 => group.order(id, PolicyOrder::towards(0, Vec3::new(x, 0.0, z))).unwrap(),
                 2 => {
-                    let other = cast.bodies().roots[usize::from(what) / 3 % ids.len()];
-                    cast.order(id, PolicyOrder::towards(0, Vec3::new(other.x, 0.0, other.z))).unwrap();
+                    let other = group.bodies().roots[usize::from(what) / 3 % ids.len()];
+                    group.order(id, PolicyOrder::towards(0, Vec3::new(other.x, 0.0, other.z))).unwrap();
                 }
-                3 => drop(cast.play_segment(id, u32::from(what) % 4)),
-                4 => drop(cast.place(id, Planar::new(x, z, x))),
+                3 => drop(group.play_segment(id, u32::from(what) % 4)),
+                4 => drop(group.place(id, Planar::new(x, z, x))),
                 _ => {}
             }
             // Many short steps look between.
             let parts = 1 + k % 3;
             for _ in 0..parts {
-                cast.step(dt_s / parts as f32, &Inline).unwrap();
-                assert_on_paths(&cast);
-                let room = least_room(&places(&cast));
+                group.step(dt_s / parts as f32, &Inline).unwrap();
+                assert_on_paths(&group);
+                let room = least_room(&places(&group));
                 prop_assert!(room > -1e-3, "{} m in each other", -room);
             }
         }
@@ -103,23 +103,23 @@ proptest! {
     ) {
         let wall = Capsule2d { from: Vec2::new(ends[0], ends[1]), to: Vec2::new(ends[2], ends[3]), radius_m: 0.05 };
         let gap = |p: Vec2| {
-            let way = wall.to - wall.from;
-            let share = ((p - wall.from).dot(way) / way.length_squared().max(1e-9)).clamp(0.0, 1.0);
-            p.distance(wall.from + way * share) - wall.radius_m - RADIUS_M
+            let offset = wall.to - wall.from;
+            let share = ((p - wall.from).dot(offset) / offset.length_squared().max(1e-9)).clamp(0.0, 1.0);
+            p.distance(wall.from + offset * share) - wall.radius_m - RADIUS_M
         };
-        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
-        cast.set_walls(&[wall]);
+        let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
+        group.set_walls(&[wall]);
         for (x, z, heading, state) in starts {
-            if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
-                cast.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+                group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
         for step in 0..200 {
-            cast.step(1.0 / 30.0, &Inline).unwrap();
+            group.step(1.0 / 30.0, &Inline).unwrap();
             if step == 90 {
-                cast.adopt(&tables()).unwrap();
+                group.adopt(&tables()).unwrap();
             }
-            let room = places(&cast).into_iter().map(gap).fold(f32::INFINITY, f32::min);
+            let room = places(&group).into_iter().map(gap).fold(f32::INFINITY, f32::min);
             prop_assert!(room > -1e-3, "{} m in the wall at step {step}", -room);
         }
     }
@@ -129,37 +129,37 @@ proptest! {
         starts in starts(), before in 1usize..80, target in [-5.0f32..5.0, -5.0f32..5.0],
     ) {
         let config = config(0.2, ActionChoice::BestAction);
-        let mut cast = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
+        let mut group = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
         for (x, z, heading, state) in starts {
-            if let Ok(id) = cast.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
-                cast.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
+            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+                group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
-        (0..before).for_each(|_| cast.step(0.04, &Inline).unwrap());
-        let paces = |cast: &mut PolicyCharacters| -> Vec<_> {
-            let of = |at| cast.characters().last_choice(at).is_some().then_some(at);
-            let begun: Vec<usize> = (0..cast.ids().len()).filter_map(of).collect();
+        (0..before).for_each(|_| group.step(0.04, &Inline).unwrap());
+        let paces = |group: &mut PolicyCharacters| -> Vec<_> {
+            let of = |at| group.characters().last_choice(at).is_some().then_some(at);
+            let begun: Vec<usize> = (0..group.ids().len()).filter_map(of).collect();
             begun.into_iter().map(|at| {
-                let (b, _, lane) = cast.characters.lane_mut(at);
+                let (b, _, lane) = group.characters.lane_mut(at);
                 (at, b.pace[lane], b.wait[lane].to_bits())
             }).collect()
         };
-        let then = paces(&mut cast);
-        cast.hold_entrants();
-        cast.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0) }).unwrap();
-        cast.release_entrants();
-        prop_assert_eq!(then, paces(&mut cast));
+        let then = paces(&mut group);
+        group.hold_entrants();
+        group.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0) }).unwrap();
+        group.release_entrants();
+        prop_assert_eq!(then, paces(&mut group));
         for _ in 0..60 {
-            assert_on_paths(&cast);
-            cast.step(0.04, &Inline).unwrap();
-            let room = least_room(&places(&cast));
+            assert_on_paths(&group);
+            group.step(0.04, &Inline).unwrap();
+            let room = least_room(&places(&group));
             prop_assert!(room > -1e-3, "{} m in each other", -room);
         }
     }
 
     #[test]
     fn a_snapshot_goes_on_as_what_was_saved(starts in starts(), before in 1usize..60, target in [-5.0f32..5.0, -5.0f32..5.0]) {
-        let mut first = cast(&starts, config(0.2, ActionChoice::LookAhead { temperature: 0.5 }));
+        let mut first = character_group_of(&starts, config(0.2, ActionChoice::LookAhead { temperature: 0.5 }));
         for &id in &first.ids().to_vec() {
             first.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
         }
@@ -178,11 +178,11 @@ proptest! {
 
 #[test]
 fn the_stop_of_one_who_has_not_begun_follows_its_segment() {
-    let mut cast = cast(&[(0.0, 0.0, 0.0, 1)], config(0.0, ActionChoice::BestAction));
+    let mut group = character_group_of(&[(0.0, 0.0, 0.0, 1)], config(0.0, ActionChoice::BestAction));
     let (tables, mut out) = (tables(), crate::reserve::ReservedPath::default());
     let motion_set = crate::characters::MotionSet::new(&tables);
     // A step has passed the end of the segment, and every path is reserved anew before the next choice.
-    let (block, _, lane) = cast.characters.lane_mut(0);
+    let (block, _, lane) = group.characters.lane_mut(0);
     let end_s = block.length[lane] as f32 / motion_set.rate_hz;
     block.time[lane] = block.length[lane] as f32 + 0.7;
     super::path::path_of_state(block, lane, &motion_set, &mut out);
@@ -194,63 +194,65 @@ fn threads_change_nothing() {
     let crowd: Vec<_> =
         (0..400).map(|i| ((i % 20) as f32 * 1.1, (i / 20) as f32 * 1.1, i as f32, i as u32 % 4)).collect();
     let run = |run: &dyn Executor| {
-        let mut cast = cast(&crowd, config(0.1, ActionChoice::LookAhead { temperature: 0.3 }));
-        for (k, &id) in cast.ids().to_vec().iter().enumerate() {
-            cast.order(id, PolicyOrder::towards(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32))).unwrap();
+        let mut group = character_group_of(&crowd, config(0.1, ActionChoice::LookAhead { temperature: 0.3 }));
+        for (k, &id) in group.ids().to_vec().iter().enumerate() {
+            group
+                .order(id, PolicyOrder::towards(0, Vec3::new((k * 7 % 22) as f32, 0.0, (k * 13 % 22) as f32)))
+                .unwrap();
         }
-        (0..90).for_each(|_| cast.step(0.05, run).unwrap());
-        assert!(least_room(&places(&cast)) > -1e-3);
-        cast.hash()
+        (0..90).for_each(|_| group.step(0.05, run).unwrap());
+        assert!(least_room(&places(&group)) > -1e-3);
+        group.hash()
     };
     assert_eq!(run(&Inline), run(&TwoThreads));
 }
 
 #[test]
 fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
-    let mut cast = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, ActionChoice::BestAction)).unwrap();
-    let first = cast.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, ActionChoice::BestAction)).unwrap();
+    let first = group.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
     let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0) };
-    assert!(matches!(cast.spawn(near), Err(Error::Occupied { .. })));
-    let far = cast.spawn(Spawn { root: Planar::new(9.0, 0.0, 0.0), state: Some(0) }).unwrap();
-    let before = cast.hash();
-    assert!(matches!(cast.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
-    assert_eq!(cast.hash(), before);
+    assert!(matches!(group.spawn(near), Err(Error::Occupied { .. })));
+    let far = group.spawn(Spawn { root: Planar::new(9.0, 0.0, 0.0), state: Some(0) }).unwrap();
+    let before = group.hash();
+    assert!(matches!(group.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
+    assert_eq!(group.hash(), before);
     // The same places without avoidance: two overlap, which characters with avoidance do not accept.
     let blind = CharactersConfig { avoid: None, ..config(0.0, ActionChoice::BestAction) };
     let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
     others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
     others.spawn(near).unwrap();
-    assert_eq!(cast.characters.find_path_conflict(&cast.motion_set, &others.characters.saved_blocks().0, 2), Some(1));
-    cast.despawn(first).unwrap();
-    assert_eq!(cast.characters.find_path_conflict(&cast.motion_set, &cast.characters.saved_blocks().0, 1), None);
+    assert_eq!(group.characters.find_path_conflict(&group.motion_set, &others.characters.saved_blocks().0, 2), Some(1));
+    group.despawn(first).unwrap();
+    assert_eq!(group.characters.find_path_conflict(&group.motion_set, &group.characters.saved_blocks().0, 1), None);
 }
 
 #[test]
 fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
     let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0) };
-    let mut cast = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, ActionChoice::BestAction)).unwrap();
-    let gone = cast.spawn(at(20.0)).unwrap();
-    let ids = [0.0, 0.65].map(|x| cast.spawn(at(x)).unwrap());
+    let mut group = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, ActionChoice::BestAction)).unwrap();
+    let gone = group.spawn(at(20.0)).unwrap();
+    let ids = [0.0, 0.65].map(|x| group.spawn(at(x)).unwrap());
     // Ids and rows are not the same from here on.
-    cast.despawn(gone).unwrap();
-    cast.step(0.04, &Inline).unwrap();
-    let before = cast.hash();
-    assert!(matches!(cast.spawn(at(0.3)), Err(Error::Occupied { .. })));
-    assert_eq!(cast.hash(), before, "a spawn is refused");
+    group.despawn(gone).unwrap();
+    group.step(0.04, &Inline).unwrap();
+    let before = group.hash();
+    assert!(matches!(group.spawn(at(0.3)), Err(Error::Occupied { .. })));
+    assert_eq!(group.hash(), before, "a spawn is refused");
     let bad = [Vec3::X, Vec3::NAN];
-    assert!(matches!(cast.aim_all(&bad, &bad), Err(Error::Value { .. })));
-    assert_eq!(cast.hash(), before, "targets are refused");
-    let targets = ids.map(|id| cast.order_of(id).unwrap().target());
+    assert!(matches!(group.aim_all(&bad, &bad), Err(Error::Value { .. })));
+    assert_eq!(group.hash(), before, "targets are refused");
+    let targets = ids.map(|id| group.order_of(id).unwrap().target());
     for (k, id) in ids.into_iter().enumerate() {
         let towards = Vec2::new(if k == 0 { 0.3 } else { -0.3 }, 0.0);
-        cast.shift_by(id, towards).unwrap();
-        assert_eq!(cast.hash(), before, "it stays where it is");
+        group.shift_by(id, towards).unwrap();
+        assert_eq!(group.hash(), before, "it stays where it is");
     }
     // A character that has turned to the other one has room to stop, and none to walk on.
-    let (mut refused, segments) = (0, 0..cast.motion_set().graph().segments.len() as u32);
+    let (mut refused, segments) = (0, 0..group.motion_set().graph().segments.len() as u32);
     for (x, segment) in (8..30).flat_map(|k| segments.clone().map(move |s| (0.1 * k as f32, s))) {
         for heading in [-1.6, 1.6] {
-            let (id, mut other) = (ids[1], cast.clone());
+            let (id, mut other) = (ids[1], group.clone());
             if other.place(id, Planar::new(x, 0.0, heading)).is_err() {
                 continue;
             }
@@ -266,8 +268,8 @@ fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
         }
     }
     assert!(refused > 0);
-    cast.step(0.04, &Inline).unwrap();
-    assert_eq!(ids.map(|id| cast.order_of(id).unwrap().target()), targets);
+    group.step(0.04, &Inline).unwrap();
+    assert_eq!(ids.map(|id| group.order_of(id).unwrap().target()), targets);
 }
 
 #[test]
@@ -275,14 +277,14 @@ fn blows_come_in_the_order_of_their_numbers() {
     // Every character strikes twice: at the end of a segment and at the start of the next one.
     let hits: Vec<_> = (0..80).map(crate::characters::tests::blows::hit).collect();
     let tables = crate::characters::made_up::tables_with(&hits);
-    let mut cast = PolicyCharacters::with_capacity(&tables, 12, config(0.0, ActionChoice::BestAction)).unwrap();
+    let mut group = PolicyCharacters::with_capacity(&tables, 12, config(0.0, ActionChoice::BestAction)).unwrap();
     (0..12).for_each(|k| {
-        _ = cast.spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4) }).unwrap()
+        _ = group.spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4) }).unwrap()
     });
     let mut twice = 0;
     for _ in 0..300 {
-        cast.step(0.1, &Inline).unwrap();
-        let who: Vec<u32> = cast.characters().blows().iter().map(|b| b.character).collect();
+        group.step(0.1, &Inline).unwrap();
+        let who: Vec<u32> = group.characters().blows().iter().map(|b| b.character).collect();
         assert!(who.is_sorted(), "{who:?}");
         twice += who.windows(2).filter(|w| w[0] == w[1]).count();
     }
@@ -292,11 +294,13 @@ fn blows_come_in_the_order_of_their_numbers() {
 #[test]
 fn two_who_meet_pass_each_other() {
     // The made-up motion only walks ahead: one is held until the other is gone.
-    let mut cast =
-        cast(&[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)], config(0.3, ActionChoice::BestAction));
-    assert_eq!(cast.ids().len(), 2);
-    (0..400).for_each(|_| cast.step(0.02, &Inline).unwrap());
-    assert!(cast.ids().iter().enumerate().all(|(at, _)| cast.characters().num_choices(at) > 3));
+    let mut group = character_group_of(
+        &[(0.0, 0.0, 0.0, 0), (0.35, 6.0, std::f32::consts::PI, 0)],
+        config(0.3, ActionChoice::BestAction),
+    );
+    assert_eq!(group.ids().len(), 2);
+    (0..400).for_each(|_| group.step(0.02, &Inline).unwrap());
+    assert!(group.ids().iter().enumerate().all(|(at, _)| group.characters().num_choices(at) > 3));
 }
 
 /// The made-up bundle, where a frame of the second segment, and the node of its sweep, lie elsewhere.
@@ -326,21 +330,21 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
         for trial in 0..100 {
             let draw = |n: u64| uniform_random(k as u64, trial, n);
             let config = config(0.2, ActionChoice::BestAction);
-            let mut cast = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
+            let mut group = PolicyCharacters::with_capacity(&bundle, 6, config).unwrap();
             for n in 0..6 {
                 let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));
                 let target = Vec3::new(8.0 * draw(n + 10), 0.0, 8.0 * draw(n + 20));
                 // Some starts lie on another character's long path.
-                if let Ok(id) = cast.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
-                    cast.order(id, PolicyOrder::towards(0, target)).unwrap();
+                if let Ok(id) = group.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
+                    group.order(id, PolicyOrder::towards(0, target)).unwrap();
                 }
             }
-            assert!(cast.ids().len() >= 2);
+            assert!(group.ids().len() >= 2);
             for step in 0..20 {
-                cast.step(0.1, &Inline).unwrap();
+                group.step(0.1, &Inline).unwrap();
                 let mut saved = Vec::new();
-                cast.save(&mut saved);
-                cast.clone().load(&saved).unwrap_or_else(|e| panic!("{x} m, trial {trial}, step {step}: {e}"));
+                group.save(&mut saved);
+                group.clone().load(&saved).unwrap_or_else(|e| panic!("{x} m, trial {trial}, step {step}: {e}"));
             }
         }
     }

@@ -18,25 +18,25 @@ fn target(i: usize) -> Vec3 {
     Vec3::new(3.0 - i as f32, 0.0, 1.0 + 0.3 * i as f32)
 }
 
-fn spawn(cast: &mut PolicyCharacters, i: usize) -> Id {
-    let id = cast.spawn(Spawn { root: root(i), state: Some(i as u32 % 4) }).unwrap();
-    cast.order(id, PolicyOrder::towards(0, target(i))).unwrap();
+fn spawn(group: &mut PolicyCharacters, i: usize) -> Id {
+    let id = group.spawn(Spawn { root: root(i), state: Some(i as u32 % 4) }).unwrap();
+    group.order(id, PolicyOrder::towards(0, target(i))).unwrap();
     id
 }
 
-fn cast_of(n: usize, capacity: usize) -> PolicyCharacters {
-    let mut cast = PolicyCharacters::with_capacity(&tables(), capacity, config()).unwrap();
-    (0..n).for_each(|i| assert_eq!(spawn(&mut cast, i), Id::first(i)));
-    cast
+fn group_of(n: usize, capacity: usize) -> PolicyCharacters {
+    let mut group = PolicyCharacters::with_capacity(&tables(), capacity, config()).unwrap();
+    (0..n).for_each(|i| assert_eq!(spawn(&mut group, i), Id::first(i)));
+    group
 }
 
-fn step(cast: &mut PolicyCharacters, times: usize) {
-    (0..times).for_each(|_| cast.step(DT, &Inline).unwrap());
+fn step(group: &mut PolicyCharacters, times: usize) {
+    (0..times).for_each(|_| group.step(DT, &Inline).unwrap());
 }
 
 /// Planar root and pose of a character.
-fn seen(cast: &PolicyCharacters, id: Id) -> (Planar, [crate::Mat3x4; NUM_JOINTS]) {
-    let bodies = cast.bodies();
+fn seen(group: &PolicyCharacters, id: Id) -> (Planar, [crate::Mat3x4; NUM_JOINTS]) {
+    let bodies = group.bodies();
     let body = bodies.get(id).unwrap();
     (body.root, *body.model)
 }
@@ -44,23 +44,23 @@ fn seen(cast: &PolicyCharacters, id: Id) -> (Planar, [crate::Mat3x4; NUM_JOINTS]
 #[test]
 fn orders_of_each_are_those_of_all_where_they_are_the_same() {
     let n = 150;
-    let mut cast = cast_of(n, 200);
+    let mut group = group_of(n, 200);
     let motion_set = MotionSet::new(&tables());
     let starts: Vec<CharacterStart> = (0..n).map(|i| CharacterStart { root: root(i), state: i as u32 % 4 }).collect();
     let orders: Vec<PolicyOrder> = (0..n).map(|i| PolicyOrder::towards(0, target(i))).collect();
     let mut batch = Characters::new(&motion_set, config(), &starts).unwrap();
     for _ in 0..100 {
-        cast.step(DT, &Inline).unwrap();
+        group.step(DT, &Inline).unwrap();
         batch.step(&motion_set, DT, &orders).unwrap();
     }
-    assert!(cast.bodies().model.as_flattened() == batch.model_matrices());
-    assert!((0..n).all(|c| cast.bodies().roots[c] == batch.root(c)) && batch.num_choices(0) > 2);
+    assert!(group.bodies().model.as_flattened() == batch.model_matrices());
+    assert!((0..n).all(|c| group.bodies().roots[c] == batch.root(c)) && batch.num_choices(0) > 2);
 }
 
 #[test]
 fn neither_threads_nor_who_left_before_change_what_others_do() {
     let n = 300;
-    let (mut whole, mut split) = (cast_of(n, n), cast_of(n, n));
+    let (mut whole, mut split) = (group_of(n, n), group_of(n, n));
     step(&mut whole, 20);
     (0..20).for_each(|_| split.step(DT, &TwoThreads).unwrap());
     assert_eq!(whole.hash(), split.hash());
@@ -78,80 +78,83 @@ fn neither_threads_nor_who_left_before_change_what_others_do() {
 
 #[test]
 fn who_has_left_is_gone_and_the_next_one_is_somebody_else() {
-    let mut cast = cast_of(3, 3);
-    assert!(matches!(cast.spawn(Spawn::standing_at(root(3))), Err(Error::Full { capacity: 3 })));
+    let mut group = group_of(3, 3);
+    assert!(matches!(group.spawn(Spawn::standing_at(root(3))), Err(Error::Full { capacity: 3 })));
     let gone = Id::first(1);
-    cast.despawn(gone).unwrap();
-    assert!(cast.bodies().get(gone).is_none());
-    for result in
-        [cast.despawn(gone), cast.place(gone, root(1)), cast.order(gone, PolicyOrder::IDLE), cast.play_segment(gone, 0)]
-    {
+    group.despawn(gone).unwrap();
+    assert!(group.bodies().get(gone).is_none());
+    for result in [
+        group.despawn(gone),
+        group.place(gone, root(1)),
+        group.order(gone, PolicyOrder::IDLE),
+        group.play_segment(gone, 0),
+    ] {
         assert!(matches!(result, Err(Error::Gone(id)) if id == gone));
     }
-    assert!(matches!(cast.status(gone), Err(Error::Gone(_))) && cast.contacts(gone).is_err());
-    step(&mut cast, 5);
-    let next = cast.spawn(Spawn::standing_at(root(9))).unwrap();
+    assert!(matches!(group.status(gone), Err(Error::Gone(_))) && group.contacts(gone).is_err());
+    step(&mut group, 5);
+    let next = group.spawn(Spawn::standing_at(root(9))).unwrap();
     assert_eq!(next, Id { index: 1, generation: 1 });
-    assert_eq!((cast.bodies().get(next).unwrap().root, cast.status(next).unwrap()), (root(9), OrderStatus::Idle));
-    step(&mut cast, 5);
-    assert!(cast.bodies().ids.len() == 3 && cast.bodies().get(gone).is_none());
+    assert_eq!((group.bodies().get(next).unwrap().root, group.status(next).unwrap()), (root(9), OrderStatus::Idle));
+    step(&mut group, 5);
+    assert!(group.bodies().ids.len() == 3 && group.bodies().get(gone).is_none());
 }
 
 #[test]
 fn an_order_stays_until_it_is_changed() {
-    let mut cast = cast_of(2, 2);
+    let mut group = group_of(2, 2);
     let [a, b] = [0, 1].map(Id::first);
-    cast.order(a, PolicyOrder::towards(0, Vec3::new(400.0, 0.0, 0.0))).unwrap();
-    step(&mut cast, 80);
-    assert_eq!(cast.order_of(a).unwrap().target().x, 400.0);
-    let OrderStatus::Going { left_m } = cast.status(a).unwrap() else { panic!("it cannot be there yet") };
-    let at = cast.bodies().get(a).unwrap().root;
+    group.order(a, PolicyOrder::towards(0, Vec3::new(400.0, 0.0, 0.0))).unwrap();
+    step(&mut group, 80);
+    assert_eq!(group.order_of(a).unwrap().target().x, 400.0);
+    let OrderStatus::Going { left_m } = group.status(a).unwrap() else { panic!("it cannot be there yet") };
+    let at = group.bodies().get(a).unwrap().root;
     assert!((left_m - (400.0 - at.x).hypot(at.z)).abs() < 1e-2);
-    let here = cast.bodies().get(b).unwrap().root;
-    cast.order(b, PolicyOrder::towards(0, here.translation())).unwrap();
-    assert_eq!(cast.status(b).unwrap(), OrderStatus::Arrived);
-    cast.order(b, PolicyOrder::IDLE).unwrap();
-    assert_eq!(cast.status(b).unwrap(), OrderStatus::Idle);
-    let e = cast.order(b, PolicyOrder::towards(0, Vec3::new(f32::NAN, 0.0, 0.0))).unwrap_err().to_string();
+    let here = group.bodies().get(b).unwrap().root;
+    group.order(b, PolicyOrder::towards(0, here.translation())).unwrap();
+    assert_eq!(group.status(b).unwrap(), OrderStatus::Arrived);
+    group.order(b, PolicyOrder::IDLE).unwrap();
+    assert_eq!(group.status(b).unwrap(), OrderStatus::Idle);
+    let e = group.order(b, PolicyOrder::towards(0, Vec3::new(f32::NAN, 0.0, 0.0))).unwrap_err().to_string();
     assert!(e.contains("target x") && e.starts_with("1: "), "{e}");
-    assert_eq!(cast.status(b).unwrap(), OrderStatus::Idle);
+    assert_eq!(group.status(b).unwrap(), OrderStatus::Idle);
 }
 
 #[test]
 fn who_is_placed_elsewhere_is_there_at_once_with_free_feet() {
-    let mut cast = cast_of(9, 9);
-    step(&mut cast, 30);
+    let mut group = group_of(9, 9);
+    step(&mut group, 30);
     let (id, there) = (Id::first(4), Planar::new(50.0, -30.0, 1.0));
-    let (_, before) = seen(&cast, id);
-    cast.place(id, there).unwrap();
-    assert_eq!(cast.bodies().get(id).unwrap().root, there);
-    cast.step(0.0, &Inline).unwrap();
-    let (root, model) = seen(&cast, id);
+    let (_, before) = seen(&group, id);
+    group.place(id, there).unwrap();
+    assert_eq!(group.bodies().get(id).unwrap().root, there);
+    group.step(0.0, &Inline).unwrap();
+    let (root, model) = seen(&group, id);
     assert!((root.x - there.x).hypot(root.z - there.z) < 1e-4 && (root.heading - there.heading).abs() < 1e-4);
     // Feet were held back by no more than the lock allows; nothing is drawn after from where it stood.
     for (a, b) in before.iter().zip(&model) {
         assert!(a.translation().distance(b.translation()) < 0.3);
     }
-    assert!(cast.place(id, Planar::new(f32::NAN, 0.0, 0.0)).is_err());
+    assert!(group.place(id, Planar::new(f32::NAN, 0.0, 0.0)).is_err());
 }
 
 #[test]
 fn what_was_saved_comes_back_and_goes_on_as_it_did() {
-    let mut cast = cast_of(21, 30);
-    step(&mut cast, 37);
-    cast.despawn(Id::first(3)).unwrap();
+    let mut group = group_of(21, 30);
+    step(&mut group, 37);
+    group.despawn(Id::first(3)).unwrap();
     let mut bytes = Vec::new();
-    cast.save(&mut bytes);
-    let before = cast.hash();
+    group.save(&mut bytes);
+    let before = group.hash();
     let mut record = Vec::new();
     for k in 0..60 {
         if k == 10 {
-            spawn(&mut cast, 25);
+            spawn(&mut group, 25);
         }
-        cast.step(DT, &Inline).unwrap();
-        record.push(cast.bodies().model.to_vec());
+        group.step(DT, &Inline).unwrap();
+        record.push(group.bodies().model.to_vec());
     }
-    for target in [&mut cast.clone(), &mut cast_of(1, 30)] {
+    for target in [&mut group.clone(), &mut group_of(1, 30)] {
         target.load(&bytes).unwrap();
         assert_eq!(target.hash(), before);
         for (k, poses) in record.iter().enumerate() {
@@ -162,13 +165,13 @@ fn what_was_saved_comes_back_and_goes_on_as_it_did() {
             assert!(target.bodies().model == poses);
         }
     }
-    assert_ne!(cast.hash(), before);
+    assert_ne!(group.hash(), before);
 }
 
 #[test]
 fn what_is_only_written_besides_changes_neither_hash_nor_snapshot() {
     let more = CharactersConfig { local_transforms: true, instances: true, timed: true, ..config() };
-    let mut plain = cast_of(20, 20);
+    let mut plain = group_of(20, 20);
     let mut other = PolicyCharacters::with_capacity(&tables(), 20, more).unwrap();
     (0..20).for_each(|i| _ = spawn(&mut other, i));
     step(&mut plain, 30);
@@ -183,28 +186,28 @@ fn what_is_only_written_besides_changes_neither_hash_nor_snapshot() {
 
 #[test]
 fn damaged_and_foreign_snapshots_are_refused_and_change_nothing() {
-    let mut cast = cast_of(3, 4);
-    step(&mut cast, 10);
+    let mut group = group_of(3, 4);
+    step(&mut group, 10);
     let mut bytes = Vec::new();
-    cast.save(&mut bytes);
-    let hash = cast.hash();
+    group.save(&mut bytes);
+    let hash = group.hash();
     for at in 0..bytes.len() {
         let mut other = bytes.clone();
         other[at] ^= 1 << (at % 8);
-        assert!(cast.load(&other).is_err(), "byte {at}");
+        assert!(group.load(&other).is_err(), "byte {at}");
     }
     for len in (0..bytes.len()).step_by(37) {
-        assert!(cast.load(&bytes[..len]).is_err(), "{len} bytes");
+        assert!(group.load(&bytes[..len]).is_err(), "{len} bytes");
     }
-    assert!(cast.load(&[&bytes[..], &[0]].concat()).is_err());
-    assert_eq!(cast.hash(), hash);
-    let (mut laid, mut kept) = (cast.clone(), Vec::new());
-    let (block, _, lane) = laid.characters.lane_mut(1);
+    assert!(group.load(&[&bytes[..], &[0]].concat()).is_err());
+    assert_eq!(group.hash(), hash);
+    let (mut scheduled, mut kept) = (group.clone(), Vec::new());
+    let (block, _, lane) = scheduled.characters.lane_mut(1);
     block.segment[lane] = SCHEDULED;
-    laid.save(&mut kept);
-    let e = cast.load(&kept).unwrap_err().to_string();
+    scheduled.save(&mut kept);
+    let e = group.load(&kept).unwrap_err().to_string();
     assert!(e.contains("character 1 plays what the bundle does not have"), "{e}");
-    assert!(cast_of(3, 5).load(&bytes).is_err(), "another capacity");
+    assert!(group_of(3, 5).load(&bytes).is_err(), "another capacity");
     let seed = CharactersConfig { seed: 2, ..config() };
     let mut other = PolicyCharacters::with_capacity(&tables(), 4, seed).unwrap();
     assert!(other.load(&bytes).is_err(), "another config");
@@ -212,20 +215,20 @@ fn damaged_and_foreign_snapshots_are_refused_and_change_nothing() {
 
 #[test]
 fn another_bundle_is_taken_over_without_a_jump() {
-    let mut cast = cast_of(12, 16);
-    step(&mut cast, 33);
-    let before: Vec<_> = cast.ids().iter().map(|&id| seen(&cast, id)).collect();
-    let adopted = cast.adopt(&tables()).unwrap();
+    let mut group = group_of(12, 16);
+    step(&mut group, 33);
+    let before: Vec<_> = group.ids().iter().map(|&id| seen(&group, id)).collect();
+    let adopted = group.adopt(&tables()).unwrap();
     assert_eq!(adopted.num_characters, 12);
     assert!(adopted.farthest_m > 0.0 && adopted.farthest_m < 1.0, "{adopted:?}");
-    cast.step(1e-4, &Inline).unwrap();
-    for (&id, (root, model)) in cast.ids().iter().zip(&before) {
-        let (new_root, new_model) = seen(&cast, id);
+    group.step(1e-4, &Inline).unwrap();
+    for (&id, (root, model)) in group.ids().iter().zip(&before) {
+        let (new_root, new_model) = seen(&group, id);
         assert!((new_root.x - root.x).hypot(new_root.z - root.z) < 1e-2, "{root:?} {new_root:?}");
         for (a, b) in model.iter().zip(&new_model) {
             assert!(a.translation().distance(b.translation()) < 0.03, "{}", a.translation().distance(b.translation()));
         }
     }
-    step(&mut cast, 50);
-    assert_eq!(cast.order_of(Id::first(2)).unwrap().target(), target(2));
+    step(&mut group, 50);
+    assert_eq!(group.order_of(Id::first(2)).unwrap().target(), target(2));
 }

@@ -85,7 +85,7 @@ impl<V: Space> Engine<V> {
         let kind = if entered.is_some() { CrowdEventKind::Entering } else { CrowdEventKind::Leaving };
         self.report_event(plan.index, kind);
         if let Some((low, high)) = entered {
-            self.look(o, plan, low, high);
+            self.visit_cells(o, plan, low, high);
         }
         self.wait(o, plan);
     }
@@ -182,11 +182,11 @@ impl<V: Space> Engine<V> {
         let occupant = &mut o.occupants[plan.index as usize];
         occupant.meeting = (f64::INFINITY, Cause::Region);
         let (low, high) = (occupant.low, occupant.high);
-        self.look(o, plan, low, high);
+        self.visit_cells(o, plan, low, high);
     }
 
     /// Looks for contacts in some cells that are before the one that is known, and before the end of the plan.
-    fn look(&self, o: &mut Occupancy, plan: &MotionPlan<V>, low: [i32; 3], high: [i32; 3]) {
+    fn visit_cells(&self, o: &mut Occupancy, plan: &MotionPlan<V>, low: [i32; 3], high: [i32; 3]) {
         let (bound, me) = (Bound::from(plan), plan.index);
         let Some(occupant) = o.occupants.get(me as usize) else { return };
         let earliest = occupant.asked.max(plan.start) + f64::from(self.scenery.interval);

@@ -375,9 +375,9 @@ impl Streets {
 
     /// Free distance from a point along a unit vector, less the clearance (m).
     fn free_distance(&self, from: Vec2, along: Vec2) -> f32 {
-        let mut way = 0.0;
-        while way < WIDEST_M {
-            let x = from + along * way;
+        let mut distance = 0.0;
+        while distance < WIDEST_M {
+            let x = from + along * distance;
             let mut nearest = WIDEST_M;
             for ((outline, &door), &(low, high)) in self.outlines.iter().zip(&self.doors).zip(&self.bounds) {
                 // A hair less, for rounding.
@@ -387,13 +387,13 @@ impl Streets {
                 }
             }
             nearest -= self.clearance;
-            if way > 0.0 && nearest < 0.02 {
+            if distance > 0.0 && nearest < 0.02 {
                 break;
             }
             // Where it begins, its own corner is just as near as may be.
-            way += nearest.max(0.05);
+            distance += nearest.max(0.05);
         }
-        way.min(WIDEST_M)
+        distance.min(WIDEST_M)
     }
 
     /// Largest memory of [`Streets::find_costs`]: points, and points that wait to be expanded.

@@ -96,8 +96,8 @@ impl Streets {
         let GoalCosts { points: of, seen, .. } = costs;
         of.clear();
         of.resize(self.points.len(), PointCost::NO_PATH);
-        for &(n, way, doors) in &*seen {
-            self.reach_point(n, PointCost { length: way, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
+        for &(n, length, doors) in &*seen {
+            self.reach_point(n, PointCost { length, next: NONE, closed: self.num_closed(doors, 0) }, of, open);
         }
         while let Some(OpenPoint { length, n, .. }) = open.pop() {
             let at = of[n];
@@ -143,13 +143,13 @@ impl Streets {
                 }
                 let off = *p - from;
                 let far = off.length();
-                let way = cost + far;
+                let length = cost + far;
                 let is_taut = off.dot(*away).abs() <= TAUT * far || far < 2.0 * self.clearance;
-                if way < best.0 && is_taut && (way, n) > last {
-                    best = (way, n);
+                if length < best.0 && is_taut && (length, n) > last {
+                    best = (length, n);
                 }
             }
-            let (way, n) = best;
+            let (length, n) = best;
             if n == NONE {
                 break;
             }
@@ -170,9 +170,9 @@ impl Streets {
             let (next, rest) =
                 if self.around[on].2 == number { (goal, 0.0) } else { (self.points[on], costs.points[on].length) };
             out[num] =
-                Some(RouteCorner { at: self.points[n], out: away, free, number, next, rest, distance_left: way });
+                Some(RouteCorner { at: self.points[n], out: away, free, number, next, rest, distance_left: length });
             num += 1;
-            most = most.min(way + longer);
+            most = most.min(length + longer);
         }
         num
     }
@@ -198,14 +198,14 @@ impl Streets {
         });
         while let Some(OpenPoint { length, n, .. }) = open.pop() {
             if n == goal {
-                let mut way = vec![ends.to];
+                let mut path = vec![ends.to];
                 let mut at = previous[goal];
                 while at != usize::MAX {
-                    way.push(place(at));
+                    path.push(place(at));
                     at = previous[at];
                 }
-                way.reverse();
-                return Some(way);
+                path.reverse();
+                return Some(path);
             }
             if best[n] < length {
                 continue;
@@ -239,6 +239,6 @@ impl Streets {
 }
 
 /// Length of a path (m).
-pub(super) fn path_length(way: &[Vec2]) -> f32 {
-    way.windows(2).map(|w| w[0].distance(w[1])).sum()
+pub(super) fn path_length(path: &[Vec2]) -> f32 {
+    path.windows(2).map(|w| w[0].distance(w[1])).sum()
 }

@@ -76,14 +76,14 @@ fn ways_are_as_short_as_over_a_grid_and_keep_the_clearance() {
         let map = streets(solids, 0.4, 0.3);
         for (from, to) in [([-4.0, 0.0], [4.0, 0.0]), ([-4.0, -4.0], [4.0, 3.0]), ([-4.0, 2.0], [3.0, -1.0])] {
             let (from, to) = (Vec2::from(from), Vec2::from(to));
-            let way = map.flat_corners(from, to).unwrap();
-            assert_eq!((way[0], way[way.len() - 1]), (from, to));
-            for leg in way.windows(2) {
+            let path = map.flat_corners(from, to).unwrap();
+            assert_eq!((path[0], path[path.len() - 1]), (from, to));
+            for leg in path.windows(2) {
                 assert!(map.is_clear(leg[0], leg[1], 0.399), "scene {s}: {leg:?}");
             }
             let brute = over_grid(&map, from, to, 6.0, 0.1).expect("a way over the grid");
-            assert!(path_length(&way) <= 1.01 * brute, "scene {s}: {} against {brute}", path_length(&way));
-            assert!(path_length(&way) >= 0.95 * brute, "scene {s}: {} against {brute}", path_length(&way));
+            assert!(path_length(&path) <= 1.01 * brute, "scene {s}: {} against {brute}", path_length(&path));
+            assert!(path_length(&path) >= 0.95 * brute, "scene {s}: {} against {brute}", path_length(&path));
         }
     }
 }
@@ -93,9 +93,9 @@ fn ways_are_as_short_as_over_a_grid_and_keep_the_clearance() {
 fn way_round_a_wall_end_is_nearly_shortest() {
     let map = streets(vec![wall([0.0, -50.0], [0.0, 0.0])], 1.0, 1.0);
     let reach = SQRT_2;
-    let way = map.flat_corners(Vec2::new(-reach, 0.0), Vec2::new(reach, 0.0)).unwrap();
+    let path = map.flat_corners(Vec2::new(-reach, 0.0), Vec2::new(reach, 0.0)).unwrap();
     let exact = 2.0 * 1.0 + FRAC_PI_2;
-    assert!(path_length(&way) >= exact && path_length(&way) < 1.05 * exact, "{} against {exact}", path_length(&way));
+    assert!(path_length(&path) >= exact && path_length(&path) < 1.05 * exact, "{} against {exact}", path_length(&path));
 }
 
 #[test]
@@ -146,8 +146,8 @@ fn more_corners_than_a_graph_has_room_for_are_refused() {
     let block =
         |&([x, z], size): &([f32; 2], f32)| Obstacle::Box { min: ground([x, z]), max: ground([x + size, z + size]) };
     let map = Streets::new(&boxes.iter().map(block).collect::<Vec<_>>(), 0.4).unwrap();
-    let way = map.corners(ground([-2.0, -2.0]), ground([180.0, 180.0])).unwrap();
-    let flat: Vec<Vec2> = way.iter().map(|p| p.xz()).collect();
+    let path = map.corners(ground([-2.0, -2.0]), ground([180.0, 180.0])).unwrap();
+    let flat: Vec<Vec2> = path.iter().map(|p| p.xz()).collect();
     assert!(path_length(&flat) < 182.0 * 2.0 && path_length(&flat) > 182.0 * SQRT_2, "{}", path_length(&flat));
 }
 
@@ -193,11 +193,11 @@ fn ways_lead_to_a_closed_door_where_no_other_leads_on() {
     for (first, second) in [(3, 4), (4, 3)] {
         map.set_open(second, false).unwrap();
         map.set_open(first, true).unwrap();
-        let way = map.flat_corners(from, to).unwrap();
+        let path = map.flat_corners(from, to).unwrap();
         let (z, half) = if first == 3 { (0.0, 0.6) } else { (-4.4, 0.6) };
         let at = |w: &[Vec2]| w[0].lerp(w[1], w[0].x / (w[0].x - w[1].x)).y;
-        let crosses = way.windows(2).find(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(at).unwrap();
-        assert!((crosses - z).abs() < half, "door {first}: {way:?}");
+        let crosses = path.windows(2).find(|w| w[0].x <= 0.0 && w[1].x > 0.0).map(at).unwrap();
+        assert!((crosses - z).abs() < half, "door {first}: {path:?}");
     }
 }
 
@@ -206,9 +206,9 @@ fn ways_in_the_air_pass_above_what_is_low_and_rise_evenly() {
     let column = |x: f32, high: f32| Obstacle::Wall { from: Vec3::X * x, to: Vec3::new(x, high, 0.0), radius: 1.0 };
     let streets = Streets::with_limits(&[column(5.0, 3.0), column(0.0, 30.0)], Some([5.0, 20.0]), 1.5, 1.0).unwrap();
     let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
-    let way = streets.corners(from, to).unwrap();
-    assert!(way.len() > 2 && way[0] == from && way[way.len() - 1] == to, "{way:?}");
-    assert!(way.windows(2).all(|w| w[0].y < w[1].y), "{way:?}");
+    let path = streets.corners(from, to).unwrap();
+    assert!(path.len() > 2 && path[0] == from && path[path.len() - 1] == to, "{path:?}");
+    assert!(path.windows(2).all(|w| w[0].y < w[1].y), "{path:?}");
     assert_eq!(streets.corners(from, Vec3::new(0.0, 9.0, 0.5)), Err(NoPath::Goal(1)));
 }
 

@@ -92,8 +92,10 @@ impl ScenarioCompiler<'_> {
         trigger: u16,
     ) -> CompileResult<CompiledAction> {
         // `speed` is an action of its own, and an argument of others.
-        let verbs: Vec<&String> = action.keys().filter(|k| self.out.primitives.find_action(k).is_some()).collect();
-        let own: Vec<&String> = verbs.iter().copied().filter(|k| verbs.len() == 1 || *k != "speed").collect();
+        let action_names: Vec<&String> =
+            action.keys().filter(|k| self.out.primitives.find_action(k).is_some()).collect();
+        let own: Vec<&String> =
+            action_names.iter().copied().filter(|k| action_names.len() == 1 || *k != "speed").collect();
         let [name] = own[..] else {
             let found: Vec<_> = action.keys().map(String::as_str).collect();
             let help =
@@ -106,13 +108,13 @@ impl ScenarioCompiler<'_> {
             };
             return compile_fault(key, why);
         };
-        let Some((verb, words)) = self.out.primitives.find_action(name) else {
+        let Some((action_name, words)) = self.out.primitives.find_action(name) else {
             return compile_fault(key, "expected an action");
         };
         let mut said = [ActionOperand::Nothing; MAX_WORDS];
-        let (mut motion, mut way, mut claims) = (None, None, ActionClaim::Nothing);
+        let (mut motion, mut route, mut claims) = (None, None, ActionClaim::Nothing);
         let dimensions = self.scene.environment.space.dimensions();
-        if let RegisteredAction::Primitive(number) = verb {
+        if let RegisteredAction::Primitive(number) = action_name {
             motion = self.out.primitives.get(number).motion.map(|tag| self.motion_number(tag));
         }
         for (word, value) in action {
@@ -131,7 +133,7 @@ impl ScenarioCompiler<'_> {
                     ActionOperand::Nothing
                 }
                 (WordKind::Points, WordConfig::Points(points)) if (2..=MOST_POINTS).contains(&points.len()) => {
-                    way = Some(self.out.paths.len() as u16);
+                    route = Some(self.out.paths.len() as u16);
                     let at = |(i, p): (usize, &Vec<f32>)| checked_point(p, &format!("{word_key}[{i}]"), dimensions);
                     self.out.paths.push(points.iter().enumerate().map(at).collect::<CompileResult<_>>()?);
                     ActionOperand::Nothing
@@ -161,10 +163,10 @@ impl ScenarioCompiler<'_> {
             }
             _ => {}
         }
-        Ok(match verb {
+        Ok(match action_name {
             RegisteredAction::Effect(effect) => CompiledAction::Effect(effect, said),
             RegisteredAction::Primitive(number) => {
-                CompiledAction::Primitive { number, words: said, motion, way, claims }
+                CompiledAction::Primitive { number, words: said, motion, route, claims }
             }
         })
     }

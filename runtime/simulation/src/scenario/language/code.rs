@@ -56,7 +56,7 @@ pub enum Load {
     /// Attribute of a place.
     Place(SpotName, PlaceAttribute),
     /// Set of the events on the global blackboard (`false`) or also on those of the agent's cells (`true`).
-    Board(bool),
+    Blackboard(bool),
     /// Distance between two spots; infinite where one is not there (m).
     Distance(SpotName, SpotName),
     /// Friendship of one agent for another (-1 to 1).

@@ -77,8 +77,8 @@ const WORDS: &[(&str, Load, Type)] = &[
     ("place.kind", Load::Place(SpotName::Here, PlaceAttribute::Kind), Type::Name(NameKind::Kind)),
     ("place.free", Load::Place(SpotName::Here, PlaceAttribute::Free), Type::Number),
     ("place.held", Load::Place(SpotName::Here, PlaceAttribute::Held), Type::Number),
-    ("board", Load::Board(false), Type::Set),
-    ("cell", Load::Board(true), Type::Set),
+    ("blackboard", Load::Blackboard(false), Type::Set),
+    ("cell", Load::Blackboard(true), Type::Set),
 ];
 
 /// Attributes of `me` and `other`, beside the values of the scene.
@@ -342,7 +342,7 @@ impl ExpressionCompiler<'_> {
         if let Some(&(_, load, of)) = WORDS.iter().find(|w| w.0 == word) {
             match load {
                 Load::Place(spot, _) => self.check_available(spot, at)?,
-                Load::Random | Load::Board(true) if self.names.is_of_all => {
+                Load::Random | Load::Blackboard(true) if self.names.is_of_all => {
                     return ExpressionFault::new(at, format!("there is no `{word}`: {OF_ALL}"));
                 }
                 _ => {}

@@ -15,14 +15,14 @@ fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
     let story = format!("{WAIT}[[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.number < 2\"\ntold_on = true\n");
     let script =
         [(0.5, Signal::Met(0, 2)), (2.0, Signal::Met(1, 2)), (3.0, Signal::Met(0, 2)), (4.0, Signal::Met(2, 3))];
-    let (minds, _) = played(4, &story, &script, 5.0);
-    let known = |agent: usize| explained(&minds, agent).knows.first().map(|k| (k.how.clone(), k.from, k.time_s));
+    let (brains, _) = played(4, &story, &script, 5.0);
+    let known = |agent: usize| explained(&brains, agent).knows.first().map(|k| (k.how.clone(), k.from, k.time_s));
     assert_eq!(known(0), Some(("happens".into(), None, 1.0)));
-    assert_eq!(known(2), Some(("told".into(), Some(1), 2.0)), "at 0.5 s nobody knew, at 3 s it was no news");
-    assert_eq!(known(3), Some(("told".into(), Some(2), 4.0)));
-    let tree = minds.event_learners("fire").unwrap();
+    assert_eq!(known(2), Some(("passed_on".into(), Some(1), 2.0)), "at 0.5 s nobody knew, at 3 s it was no news");
+    assert_eq!(known(3), Some(("passed_on".into(), Some(2), 4.0)));
+    let tree = brains.event_learners("fire").unwrap();
     assert_eq!(tree.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), [0, 1, 2, 3]);
-    assert!(minds.event_learners("flood").unwrap_err().to_string().contains("fire"));
+    assert!(brains.event_learners("flood").unwrap_err().to_string().contains("fire"));
 }
 
 #[test]
@@ -30,8 +30,8 @@ fn old_news_are_told_no_more() {
     let story = format!(
         "{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\nfresh_s = 2.0\n"
     );
-    let (minds, _) = played(3, &story, &[(2.9, Signal::Met(0, 1)), (3.1, Signal::Met(0, 2))], 5.0);
-    assert_eq!([0, 1, 2].map(|a| minds.num_known(a)), [1, 1, 0]);
+    let (brains, _) = played(3, &story, &[(2.9, Signal::Met(0, 1)), (3.1, Signal::Met(0, 2))], 5.0);
+    assert_eq!([0, 1, 2].map(|a| brains.num_known(a)), [1, 1, 0]);
 }
 
 #[test]
@@ -42,8 +42,8 @@ fn a_threshold_is_reached_between_events_at_the_time_that_is_solved_for() {
         { from = \"a\", to = \"b\", on = \"linear > 0.7\" }, { from = \"b\", to = \"c\", on = \"curved > 0.9\" } ]\n\
         [graphs.life.states]\na = { do = [{ stay = 1000 }] }\nb = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\n";
     for (until, state, since) in [(4.99, "a", 0.0), (5.01, "b", 5.0), (8.99, "b", 5.0), (9.01, "c", 9.0)] {
-        let (minds, _) = played(1, story, &[], until);
-        let why = explained(&minds, 0);
+        let (brains, _) = played(1, story, &[], until);
+        let why = explained(&brains, 0);
         assert_eq!(why.states, [state]);
         assert!((why.because.time_s - since).abs() < 1e-5, "{why:?}");
     }
@@ -55,8 +55,8 @@ fn what_is_done_at_once_is_no_reason_and_values_are_those_of_the_time() {
         [[rules]]\nname = \"runs\"\non = \"alarm\"\ndo = [{ stay = 100 }]\n\
         [[rules]]\nname = \"counts\"\non = \"bell\"\ndo = [{ add = \"count\", by = 1.0 }]\n\
         [[events]]\nname = \"alarm\"\nat_s = 2.0\n[[events]]\nname = \"bell\"\nat_s = 4.0\n";
-    let (minds, _) = played(1, story, &[], 6.0);
-    let why = minds.explain(0, 19.0);
+    let (brains, _) = played(1, story, &[], 6.0);
+    let why = brains.explain(0, 19.0);
     assert_eq!((why.because.rule.as_deref(), why.because.time_s), (Some("runs"), 2.0), "{why:?}");
     let value = |name: &str| why.values.iter().find(|v| v.name == name).unwrap().value;
     assert!(value("count") == 1.0 && (value("hunger") - 0.95).abs() < 1e-6 && why.time_s == 19.0, "{why:?}");
@@ -69,8 +69,8 @@ fn a_threshold_is_passed_again_only_after_it_was_left() {
         [[rules]]\non = \"up\"\ndo = [{ add = \"anger\", by = 0.3 }]\n[[rules]]\non = \"down\"\ndo = [{ set = \"anger\", to = 0.4 }]\n\
         [[events]]\nname = \"up\"\nperiod_s = 1.0\n[[events]]\nname = \"down\"\nat_s = 4.5\n";
     // 0.3 0.6 0.9 1.0 | 0.4 0.7 1.0: twice above 0.5.
-    let (minds, _) = played(1, story, &[], 6.9);
-    let value = |name: &str| explained(&minds, 0).values.iter().find(|v| v.name == name).unwrap().value;
+    let (brains, _) = played(1, story, &[], 6.9);
+    let value = |name: &str| explained(&brains, 0).values.iter().find(|v| v.name == name).unwrap().value;
     assert_eq!((value("count"), value("anger")), (2.0, 1.0));
 }
 
@@ -94,7 +94,7 @@ fn a_change_above_begins_below_anew_and_an_edge_to_itself_changes_nothing() {
 fn a_rule_interrupts_and_what_it_interrupted_begins_again() {
     let story = "[[rules]]\nname = \"hello\"\non = \"meets\"\ndo = [{ greet = \"other\", for_s = 2.0 }]\npause_s = 10.0\n\
         [graphs.life]\nlevel = \"social\"\nstart = \"a\"\n[graphs.life.states]\na = { do = [{ go = [50.0, 0.0] }, { stay = 1000 }] }\n";
-    let (minds, stage) = played(2, story, &[(1.0, Signal::Met(0, 1)), (2.0, Signal::Met(0, 1))], 8.0);
+    let (brains, stage) = played(2, story, &[(1.0, Signal::Met(0, 1)), (2.0, Signal::Met(0, 1))], 8.0);
     let own: Vec<&str> = stage.log.iter().filter(|l| l.split(' ').nth(1) == Some("0")).map(|l| l.as_str()).collect();
     let walks: Vec<&&str> = own.iter().filter(|l| l.contains(" go ") || l.contains("halt")).collect();
     assert!(walks[0].starts_with("0.000000 0 go 50") && walks[1].starts_with("1.000000 0 halt"), "{own:#?}");
@@ -102,7 +102,7 @@ fn a_rule_interrupts_and_what_it_interrupted_begins_again() {
         walks[2].starts_with("3.000000 0 go 50"),
         "after two seconds, and not interrupted within the pause: {own:#?}"
     );
-    assert!(!explained(&minds, 0).interrupted);
+    assert!(!explained(&brains, 0).interrupted);
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn what_ends_a_behaviour_is_forgotten_once_another_one_has_begun() {
         on = \"full\" }]\n[graphs.life.states]\na = { do = [{ buy = \"till\", for_s = 99 }, { buy = \"till\", for_s = 99 }] }\n\
         b = { do = [{ stay = 2 }] }\nc = { do = [{ stay = 99 }] }\n";
     for (until, state) in [(1.0, "b"), (1.99, "b"), (5.0, "b")] {
-        let (minds, _) = played(2, story, &[], until);
-        assert_eq!(explained(&minds, 1).states, [state], "{until}");
+        let (brains, _) = played(2, story, &[], until);
+        assert_eq!(explained(&brains, 1).states, [state], "{until}");
     }
 }
 
@@ -127,11 +127,11 @@ fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
         b = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\n";
     // The line has six slots. The first of eight stands at its head and goes on to the till at once; one finds it full.
     let at = |until: f64| {
-        let (minds, _) = played(8, story, &[], until);
-        assert_eq!(minds.num_holding_twice(), 0);
-        let mut states = minds.num_in_states();
+        let (brains, _) = played(8, story, &[], until);
+        assert_eq!(brains.num_holding_twice(), 0);
+        let mut states = brains.num_in_states();
         states.sort();
-        (states, minds.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
+        (states, brains.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
     };
     assert_eq!(at(1.0), (vec![("a".into(), 7), ("c".into(), 1)], 7));
     // One at the till, six in line; it is done 1.7 + 10 s after it is its turn.
@@ -145,10 +145,10 @@ fn boards_are_read_where_they_are_and_not_for_ever() {
         do = [{ post = \"way\", cells = 0, for_s = 10 }]\n[[events]]\nname = \"way\"\n[[places]]\nname = \"post\"\nat = [3.0, 0.0]\n\
         guidepost = true\n[[rules]]\non = \"enters\"\ndo = [{ speed = 1.0 }]\n";
     // Agent 0 is at 0 m and posts in the cell up to 4 m; agent 1 is at 3 m, agent 2 at 6 m.
-    let (minds, _) = played(3, story, &[(1.0, Signal::CameTo(1, 0)), (1.0, Signal::Crossed(2))], 2.0);
-    assert_eq!([0, 1, 2].map(|a| minds.num_known(a)), [0, 1, 0]);
-    let (minds, _) = played(3, story, &[(11.0, Signal::CameTo(1, 0))], 12.0);
-    assert_eq!(minds.num_known(1), 0, "it was taken down");
+    let (brains, _) = played(3, story, &[(1.0, Signal::CameTo(1, 0)), (1.0, Signal::Crossed(2))], 2.0);
+    assert_eq!([0, 1, 2].map(|a| brains.num_known(a)), [0, 1, 0]);
+    let (brains, _) = played(3, story, &[(11.0, Signal::CameTo(1, 0))], 12.0);
+    assert_eq!(brains.num_known(1), 0, "it was taken down");
 }
 
 #[test]
@@ -156,16 +156,16 @@ fn boards_say_who_wrote_what_and_until_when() {
     let story = "[agents]\ncell_m = 4.0\n[[rules]]\non = \"starts\"\nwhen = \"me.number == 2\"\n\
         do = [{ post = \"way\", cells = 1, for_s = 10 }]\n[[events]]\nname = \"way\"\n[[events]]\nname = \"bell\"\nat_s = 1.0\n\
         posted = true\nfresh_s = 5.0\n";
-    let (minds, _) = played(3, story, &[], 2.0);
-    let posts: Vec<_> = minds.posts().collect();
+    let (brains, _) = played(3, story, &[], 2.0);
+    let posts: Vec<_> = brains.posts().collect();
     assert_eq!((posts[0].event, posts[0].cell, posts[0].by, posts[0].until_s), (1, None, None, 6.0));
     let (cell, by) = (posts[1].cell.expect("a cell"), posts[1].by);
     // Agent 2 is at 6 m; cells of level 1 are 8 m wide.
     assert_eq!((cell.level, cell.middle, cell.side_m, by), (1, [4.0, 4.0], 8.0, Some(2)));
     assert_eq!((posts.len(), posts[1].since_s, posts[1].until_s), (2, 0.0, 10.0));
-    let (minds, _) = played(3, story, &[(7.0, Signal::Crossed(0))], 8.0);
-    assert_eq!(minds.posts().map(|p| p.event).collect::<Vec<_>>(), [0], "the bell is taken down");
-    assert_eq!(minds.blackboard_levels(), Some((4.0, 4)));
+    let (brains, _) = played(3, story, &[(7.0, Signal::Crossed(0))], 8.0);
+    assert_eq!(brains.posts().map(|p| p.event).collect::<Vec<_>>(), [0], "the bell is taken down");
+    assert_eq!(brains.blackboard_levels(), Some((4.0, 4)));
 }
 
 #[test]
@@ -173,12 +173,12 @@ fn those_who_watch_are_told_of_every_turn_in_its_order() {
     let story = format!(
         "{GRAPHS}[[events]]\nname = \"bell\"\nat_s = 1.0\nwho = \"me.number == 1\"\n[[rules]]\nname = \"hear\"\non = \"bell\"\ndo = [{{ timer = 9 }}]\n"
     );
-    let mut minds = super::minds(&super::scene(2, &story));
-    minds.record_turns();
+    let mut brains = super::brains(&super::scene(2, &story));
+    brains.record_turns();
     let mut stage = super::Paper::new(2);
-    super::Lives::begin(&mut minds, &mut stage);
-    super::play(&mut minds, &mut stage, &[], 1.5);
-    let kinds: Vec<_> = minds.turns().iter().map(|t| (t.time_s, t.agent, t.kind)).collect();
+    super::Lives::begin(&mut brains, &mut stage);
+    super::play(&mut brains, &mut stage, &[], 1.5);
+    let kinds: Vec<_> = brains.turns().iter().map(|t| (t.time_s, t.agent, t.kind)).collect();
     let takes = TurnKind::Takes { level: 0, graph: 1, edge: 0, changes: true };
     assert_eq!(
         kinds,
@@ -190,14 +190,14 @@ fn those_who_watch_are_told_of_every_turn_in_its_order() {
             (1.0, 1, takes),
         ]
     );
-    assert_eq!((minds.rule_name(0), minds.trigger_name(minds.turns()[2].on)), ("hear", "bell".into()));
-    let now = |agent: usize| minds.states_of(agent).map(|s| s.map(|s| (s.graph, s.state)));
+    assert_eq!((brains.rule_name(0), brains.trigger_name(brains.turns()[2].on)), ("hear", "bell".into()));
+    let now = |agent: usize| brains.states_of(agent).map(|s| s.map(|s| (s.graph, s.state)));
     assert_eq!(now(0), [Some(("life", "up")), Some(("below", "x")), None]);
     assert_eq!(now(1), [Some(("life", "down")), None, None]);
-    let learnt = minds.learnt_event(1, 0).expect("it knows");
+    let learnt = brains.learnt_event(1, 0).expect("it knows");
     assert_eq!((learnt.source_agent(), learnt.mode_name(), learnt.time_s), (None, "happens", 1.0));
-    minds.clear_turns();
-    assert!(minds.turns().is_empty() && minds.learnt_event(0, 0).is_none());
+    brains.clear_turns();
+    assert!(brains.turns().is_empty() && brains.learnt_event(0, 0).is_none());
 }
 
 /// Two levels; a bell leads down, where there is nothing below.
@@ -214,8 +214,8 @@ fn what_is_felt_weakens_with_the_distance() {
          [[rules]]\non = \"scare\"\ndo = [{{ set = \"fear\", to = \"event.strength\" }}]\n"
     );
     // Agents stand 3 m apart.
-    let (minds, _) = played(6, &story, &[], 2.0);
-    let fear = |a: usize| explained(&minds, a).values[0].value;
+    let (brains, _) = played(6, &story, &[], 2.0);
+    let fear = |a: usize| explained(&brains, a).values[0].value;
     assert_eq!((fear(0), fear(1), fear(3)), (0.0, 0.0, 0.0), "6 m off, nothing is left; who scares is not scared");
     assert!((fear(2) - 0.5).abs() < 1e-6 && (fear(4) - 0.5).abs() < 1e-6, "{} {}", fear(2), fear(4));
 }
@@ -224,8 +224,8 @@ fn what_is_felt_weakens_with_the_distance() {
 fn a_circle_within_one_instant_is_told_with_its_rule() {
     let story = "[values.a]\n[[rules]]\nname = \"up\"\non = \"a > 0.5\"\ndo = [{ set = \"a\", to = 0.0 }]\n\
         [[rules]]\nname = \"down\"\non = \"a < 0.2\"\ndo = [{ set = \"a\", to = 1.0 }]\n[[rules]]\non = \"starts\"\ndo = [{ set = \"a\", to = 1.0 }]\n";
-    let mut minds = super::minds(&super::scene(1, story));
-    let e = minds.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    let mut brains = super::brains(&super::scene(1, story));
+    let e = brains.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
     assert!(e.contains("circle") && (e.contains("\"up\"") || e.contains("\"down\"")), "{e}");
 }
 
@@ -245,8 +245,8 @@ fn conditions_that_follow_each_other_in_a_circle_are_told() {
         event("d", "not open('d1') and not open('d2')", "opens = [\"d2\"]"),
         event("e", "time > 9", ""),
     ];
-    let mut minds = super::minds(&super::scene(1, &story.concat()));
-    let e = minds.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
+    let mut brains = super::brains(&super::scene(1, &story.concat()));
+    let e = brains.begin_scene(&mut super::Paper::new(1), &[1.3]).unwrap_err().to_string();
     assert!(e.contains("circle") && e.contains("`a`, `b`, `c`, `d`:"), "{e}");
 }
 
@@ -254,8 +254,8 @@ fn conditions_that_follow_each_other_in_a_circle_are_told() {
 fn who_queues_at_slots_that_are_no_queue_goes_on() {
     let story = "[[places]]\nname = \"stalls\"\nat = [50.0, 0.0]\nslots = [{ at = [50.0, 1.0] }, { at = [50.0, 2.0] }]\n\
                  [[rules]]\non = \"enters\"\ndo = [{ queue = \"place\" }, { speed = 0.5 }]\n";
-    let (minds, stage) = played(2, story, &[(1.0, Signal::CameTo(0, 0)), (1.0, Signal::CameTo(1, 0))], 4.0);
-    assert_eq!([0, 1].map(|m| minds.brains[m].speed), [0.5, 0.5], "{:?}", stage.log);
+    let (brains, stage) = played(2, story, &[(1.0, Signal::CameTo(0, 0)), (1.0, Signal::CameTo(1, 0))], 4.0);
+    assert_eq!([0, 1].map(|m| brains.brains[m].speed), [0.5, 0.5], "{:?}", stage.log);
 }
 
 #[test]
@@ -271,12 +271,12 @@ fn who_is_near_a_happening_in_the_air_is_near_in_height_too() {
     let text = "environment.space = \"air\"\n[values.x]\n[[happenings]]\ntime_s = 1.0\ngoal = { stay = {} }\n\
                 near = { at = [0.0, -4.0, 0.5], radius_m = 5.0 }\n[[groups]]\nmotion = \"none\"\ncount = 2\ngoal = { stay = {} }\n\
                 place = { block = { from = [0.0, 0.0, 0.0], to = [9.0, 9.0, 9.0] } }\n";
-    let mut minds = super::minds(&Scene::parse(text, Path::new("scene.toml")).unwrap());
+    let mut brains = super::brains(&Scene::parse(text, Path::new("scene.toml")).unwrap());
     let mut stage = super::Paper::new(2);
     stage.at[1] = Some((Vec3::Y, Vec3::ZERO));
-    super::Lives::begin(&mut minds, &mut stage);
-    super::play(&mut minds, &mut stage, &[], 2.0);
-    assert_eq!([0, 1].map(|m| minds.num_known(m)), [1, 0], "the other is 5.02 m off");
+    super::Lives::begin(&mut brains, &mut stage);
+    super::play(&mut brains, &mut stage, &[], 2.0);
+    assert_eq!([0, 1].map(|m| brains.num_known(m)), [1, 0], "the other is 5.02 m off");
 }
 
 #[test]
@@ -405,7 +405,7 @@ fn as_much_as_has_a_number_is_taken_and_no_more() {
     graph += &format!("edges = [{}]\n[graphs.life.states]\n", (0..num).map(edge).collect::<Vec<_>>().join(", "));
     (0..num).for_each(|k| graph += &format!("s{k} = {{ do = [{{ stay = 1 }}] }}\n"));
     let mut scene = super::scene(1, &format!("{graph}[[events]]\nname = \"bell\"\n"));
-    assert_eq!(super::minds(&scene).scenario.edges.len(), num);
+    assert_eq!(super::brains(&scene).scenario.edges.len(), num);
     let thing =
         |k: usize| ThingConfig { name: format!("t{k}"), at: [0.0; 3], size_m: [0.1; 3], carried: CarryStyle::Level };
     scene.things = (0..65_536).map(thing).collect();
@@ -424,8 +424,8 @@ fn actions_that_take_no_time_follow_each_other_however_many() {
 fn who_queues_where_there_are_no_slots_goes_on() {
     let story = "[[places]]\nname = \"door\"\nat = [50.0, 0.0]\n[[rules]]\non = \"enters\"\n\
                  do = [{ queue = \"place\" }, { speed = 0.5 }]\n";
-    let (minds, stage) = played(1, story, &[(1.0, Signal::CameTo(0, 0))], 4.0);
-    assert_eq!(minds.brains[0].speed, 0.5, "{:?}", stage.log);
+    let (brains, stage) = played(1, story, &[(1.0, Signal::CameTo(0, 0))], 4.0);
+    assert_eq!(brains.brains[0].speed, 0.5, "{:?}", stage.log);
 }
 
 #[test]
@@ -433,23 +433,23 @@ fn amounts_are_numbers_and_not_too_large() {
     let story = "[values.mood]\n[values.haste]\n[[events]]\nname = \"bell\"\nat_s = 1.0\n[[rules]]\non = \"bell\"\ndo = [\
                  { set = \"mood\", to = \"0 * distance(me, other)\" }, { rate = \"haste\", to = 1e39 },\
                  { stay = \"event.age - event.age * 1\" }]\n";
-    let (minds, _) = played(1, story, &[], 2.0);
-    assert_eq!(minds.feelings.iter().map(|f| (f.value, f.rate)).collect::<Vec<_>>(), [(0.0, 1e9), (0.0, 0.0)]);
+    let (brains, _) = played(1, story, &[], 2.0);
+    assert_eq!(brains.feelings.iter().map(|f| (f.value, f.rate)).collect::<Vec<_>>(), [(0.0, 1e9), (0.0, 0.0)]);
     let mut bytes = Vec::new();
-    minds.save(&mut bytes);
-    minds.clone().load(&bytes, 2.0).unwrap();
+    brains.save(&mut bytes);
+    brains.clone().load(&bytes, 2.0).unwrap();
 }
 
 #[test]
-fn minds_that_cannot_be_are_refused() {
+fn impossible_agent_brains_are_refused() {
     let story =
         "[[events]]\nname = \"bell\"\nperiod_s = 4.0\n[[rules]]\non = \"starts\"\ndo = [{ timer = 9 }, { stay = 9 }]\n";
-    let (minds, _) = played(2, story, &[], 2.0);
+    let (brains, _) = played(2, story, &[], 2.0);
     let is_refused = |change: fn(&mut AgentBrains)| {
-        let (mut forged, mut bytes) = (minds.clone(), Vec::new());
+        let (mut forged, mut bytes) = (brains.clone(), Vec::new());
         change(&mut forged);
         forged.save(&mut bytes);
-        minds.clone().load(&bytes, 2.0).is_err()
+        brains.clone().load(&bytes, 2.0).is_err()
     };
     assert!(!is_refused(|_| ()));
     for (n, change) in [
@@ -469,6 +469,6 @@ fn minds_that_cannot_be_are_refused() {
 }
 
 #[test]
-fn a_mind_is_small() {
+fn an_agent_brain_is_small() {
     assert!(size_of::<super::super::AgentBrain>() <= 208, "{}", size_of::<super::super::AgentBrain>());
 }

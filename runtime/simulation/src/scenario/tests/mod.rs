@@ -33,7 +33,7 @@ pub(super) struct Paper {
 }
 
 /// How long every way takes on paper (s).
-pub(super) const WAY_S: f64 = 1.7;
+pub(super) const WALK_S: f64 = 1.7;
 
 impl Paper {
     pub fn new(num: usize) -> Self {
@@ -64,12 +64,12 @@ impl ScenarioStage for Paper {
     }
     fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool> {
         self.note(agent, format!("go {:.3} {:.3} {arrival_m:.2} {leaves}", at.x, at.z));
-        self.arrivals[agent as usize] = self.now + WAY_S;
+        self.arrivals[agent as usize] = self.now + WALK_S;
         Ok(true)
     }
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
         self.note(agent, format!("follow {} {again}", points.len()));
-        self.arrivals[agent as usize] = if again { f64::INFINITY } else { self.now + WAY_S };
+        self.arrivals[agent as usize] = if again { f64::INFINITY } else { self.now + WALK_S };
         Ok(true)
     }
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
@@ -185,7 +185,7 @@ pub(super) fn play(lives: &mut impl Lives, stage: &mut Paper, script: &[(f64, Si
             let least = all.iter().copied().fold(f64::INFINITY, f64::min);
             (least, all.iter().position(|t| *t == least).unwrap_or(0) as u32)
         };
-        let ((arrival, who), (timer, whose)) = (first(&stage.arrivals), first(&stage.timers));
+        let ((arrival, who), (timer, timer_agent)) = (first(&stage.arrivals), first(&stage.timers));
         let now = external.min(scripted).min(arrival).min(timer);
         if now > until_s {
             stage.now = until_s;
@@ -202,8 +202,8 @@ pub(super) fn play(lives: &mut impl Lives, stage: &mut Paper, script: &[(f64, Si
             stage.arrivals[who as usize] = f64::INFINITY;
             lives.signal(stage, now, Signal::Arrived(who));
         } else {
-            stage.timers[whose as usize] = f64::INFINITY;
-            lives.signal(stage, now, Signal::Timer(whose));
+            stage.timers[timer_agent as usize] = f64::INFINITY;
+            lives.signal(stage, now, Signal::Timer(timer_agent));
         }
     }
 }
@@ -219,7 +219,7 @@ pub(super) fn scene(num: usize, more: &str) -> Scene {
     Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-pub(super) fn minds(scene: &Scene) -> AgentBrains {
+pub(super) fn brains(scene: &Scene) -> AgentBrains {
     let scenario = Scenario::new(scene, &ActionRegistry::default()).unwrap_or_else(|e| panic!("{e}")).expect("a story");
     let doors: Vec<bool> = scene.environment.doors.iter().map(|d| d.open).collect();
     AgentBrains::new(Arc::new(scenario), scene.seed, &doors)
@@ -227,15 +227,15 @@ pub(super) fn minds(scene: &Scene) -> AgentBrains {
 
 /// A scene that has run on paper.
 pub(super) fn played(num: usize, more: &str, script: &[(f64, Signal)], until_s: f64) -> (AgentBrains, Paper) {
-    let mut minds = minds(&scene(num, more));
+    let mut brains = brains(&scene(num, more));
     let mut stage = Paper::new(num);
-    Lives::begin(&mut minds, &mut stage);
-    play(&mut minds, &mut stage, script, until_s);
-    (minds, stage)
+    Lives::begin(&mut brains, &mut stage);
+    play(&mut brains, &mut stage, script, until_s);
+    (brains, stage)
 }
 
-pub(super) fn explained(minds: &AgentBrains, agent: usize) -> Explanation {
-    minds.explain(agent, 0.0)
+pub(super) fn explained(brains: &AgentBrains, agent: usize) -> Explanation {
+    brains.explain(agent, 0.0)
 }
 
 /// The error of a scene that is refused.

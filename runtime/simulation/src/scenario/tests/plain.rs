@@ -5,7 +5,7 @@ use super::super::action_registry::{ActionArguments, ActionCommand, ActionRegist
 use super::super::language::{ExpressionNode, ExpressionTree, parse_expression};
 use super::super::perceive::hashed_chance;
 use super::random::script;
-use super::{Lives, Paper, ScenarioStage, Signal, minds, play, scene};
+use super::{Lives, Paper, ScenarioStage, Signal, brains, play, scene};
 use crate::scene::{ActionConfig, Scene, StateConfig, StoryBehaviour, WordConfig};
 use glam::Vec3;
 use proptest::prelude::*;
@@ -50,7 +50,7 @@ struct Person {
     /// Thresholds that are passed.
     passed: BTreeSet<String>,
     slot: Option<(String, usize)>,
-    bonds: Vec<(u32, f32)>,
+    relationships: Vec<(u32, f32)>,
     followed: BTreeMap<usize, f64>,
     draws: u32,
     home: Vec3,
@@ -186,8 +186,8 @@ impl Plain {
                 r.share >= 1.0 || hashed_chance(self.scene.seed ^ n as u64, a.min(b), a.max(b)) < f64::from(r.share);
             r.friendship.filter(|_| knows)
         });
-        let bond = self.people[a as usize].bonds.iter().find(|b2| b2.0 == b).map_or(0.0, |b| b.1);
-        (of_all.unwrap_or(0.0) + bond).clamp(-1.0, 1.0)
+        let relationship = self.people[a as usize].relationships.iter().find(|b2| b2.0 == b).map_or(0.0, |b| b.1);
+        (of_all.unwrap_or(0.0) + relationship).clamp(-1.0, 1.0)
     }
 
     /// What an expression is worth: a number, or a truth as 0 or 1.
@@ -244,7 +244,7 @@ impl Plain {
 
     fn learn(&mut self, a: u32, about: About) {
         let known = self.people[a as usize].news.contains(&about.event);
-        if known && ["told", "read"].contains(&about.how) {
+        if known && ["passed_on", "read"].contains(&about.how) {
             return;
         }
         let person = &mut self.people[a as usize];
@@ -281,7 +281,7 @@ impl Plain {
     }
 
     /// The verb of an action, and what is said of it.
-    fn verb(action: &ActionConfig) -> &str {
+    fn action_name(action: &ActionConfig) -> &str {
         let known = [
             "set", "add", "timer", "post", "convey", "befriend", "release", "greet", "flee", "roam", "stay", "go",
             "buy",
@@ -290,7 +290,7 @@ impl Plain {
     }
 
     fn takes_time(action: &ActionConfig) -> bool {
-        ["greet", "flee", "roam", "stay", "go", "buy"].contains(&Self::verb(action))
+        ["greet", "flee", "roam", "stay", "go", "buy"].contains(&Self::action_name(action))
     }
 
     fn said(&mut self, a: u32, about: &About, word: Option<&WordConfig>) -> Option<f64> {
@@ -308,7 +308,7 @@ impl Plain {
             other => panic!("{other:?}"),
         };
         let of = |plain: &mut Self, word: &str| plain.said(a, about, action.get(word));
-        match Self::verb(action) {
+        match Self::action_name(action) {
             "set" => {
                 let to = of(self, "to").unwrap() as f32;
                 self.change(a, &text("set"), |v, _| *v = to);
@@ -346,10 +346,10 @@ impl Plain {
             }
             "befriend" => {
                 let (Some(other), by) = (about.other, of(self, "befriend").unwrap() as f32) else { return };
-                let bonds = &mut self.people[a as usize].bonds;
-                let old = bonds.iter().position(|b| b.0 == other).map_or(0.0, |i| bonds.remove(i).1);
-                bonds.insert(0, (other, (old + by).clamp(-2.0, 2.0)));
-                bonds.truncate(4);
+                let relationships = &mut self.people[a as usize].relationships;
+                let old = relationships.iter().position(|b| b.0 == other).map_or(0.0, |i| relationships.remove(i).1);
+                relationships.insert(0, (other, (old + by).clamp(-2.0, 2.0)));
+                relationships.truncate(4);
             }
             "release" => self.people[a as usize].slot = None,
             other => panic!("{other}"),
@@ -395,9 +395,16 @@ impl Plain {
     }
 
     /// The deed that an action asks for now.
-    fn deed(&mut self, stage: &Paper, a: u32, action: &ActionConfig, about: &About, chance: [f32; 2]) -> ActionCommand {
+    fn command(
+        &mut self,
+        stage: &Paper,
+        a: u32,
+        action: &ActionConfig,
+        about: &About,
+        chance: [f32; 2],
+    ) -> ActionCommand {
         let primitives = ActionRegistry::default();
-        let name = Self::verb(action);
+        let name = Self::action_name(action);
         let primitive = (0..).map(|n| *primitives.get(n)).find(|p| p.name == name).unwrap();
         let mut said = ActionArguments { arrival_m: 0.5, ..ActionArguments::default() };
         for (i, (word, kind)) in primitive.words.iter().enumerate() {
@@ -434,7 +441,7 @@ impl Plain {
     fn perform(&mut self, stage: &mut Paper, a: u32, action: &ActionConfig, about: &About) {
         // Amounts are asked for before chances, as they are said first.
         let draws = self.people[a as usize].draws;
-        if Self::verb(action) == "buy" {
+        if Self::action_name(action) == "buy" {
             let WordConfig::Text(name) = &action["buy"] else { panic!() };
             let site = self.scene.places.iter().find(|p| p.name == *name).unwrap().clone();
             let at = stage.position(a).unwrap();
@@ -449,7 +456,7 @@ impl Plain {
                 let free = (0..site.slots.len()).filter(|s| !holds(self, *s)).min_by(|x, y| far(x).total_cmp(&far(y)));
                 let Some(slot) = free else {
                     // What is said is asked for all the same.
-                    self.deed(stage, a, action, about, [0.0; 2]);
+                    self.command(stage, a, action, about, [0.0; 2]);
                     self.push(a, "full", About::default());
                     return self.ended(stage, a);
                 };
@@ -459,24 +466,24 @@ impl Plain {
             self.people[a as usize].slot = None;
         }
         // Amounts draw first, then two chances; the function is asked with both.
-        self.deed(stage, a, action, about, [0.0; 2]);
+        self.command(stage, a, action, about, [0.0; 2]);
         let chance = [self.chance(a) as f32, self.chance(a) as f32];
         let after = self.people[a as usize].draws;
         self.people[a as usize].draws = draws;
-        let deed = self.deed(stage, a, action, about, chance);
+        let command = self.command(stage, a, action, about, chance);
         self.people[a as usize].draws = after;
-        if let Some(speed) = deed.speed_mps {
+        if let Some(speed) = command.speed_mps {
             stage.set_speed(a, speed).unwrap();
         }
         let now = self.now;
         let position = stage.position(a).unwrap();
         let person = &mut self.people[a as usize];
-        person.most = now + deed.most_s;
-        match deed.walk {
+        person.most = now + command.most_s;
+        match command.walk {
             WalkCommand::Halt => {
                 stage.order_halt(a).unwrap();
-                stage.show_activity(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
-                if deed.stay_s > 0.0 { person.until = now + deed.stay_s } else { self.ended(stage, a) }
+                stage.show_activity(a, ["greet", "buy"].contains(&Self::action_name(action)).then_some(0), None);
+                if command.stay_s > 0.0 { person.until = now + command.stay_s } else { self.ended(stage, a) }
             }
             WalkCommand::To { at, arrival_m } => {
                 person.walks = true;
@@ -493,14 +500,14 @@ impl Plain {
     fn arrived(&mut self, stage: &mut Paper, a: u32) {
         let doing = self.people[a as usize].doing.clone().unwrap();
         let action = &doing.actions[doing.at];
-        let deed = self.deed(stage, a, action, &doing.about, [0.0; 2]);
+        let command = self.command(stage, a, action, &doing.about, [0.0; 2]);
         self.people[a as usize].walks = false;
-        if deed.stay_s <= 0.0 {
+        if command.stay_s <= 0.0 {
             self.people[a as usize].walks = true;
             return self.ended(stage, a);
         }
-        stage.show_activity(a, ["greet", "buy"].contains(&Self::verb(action)).then_some(0), None);
-        self.people[a as usize].until = self.now + deed.stay_s;
+        stage.show_activity(a, ["greet", "buy"].contains(&Self::action_name(action)).then_some(0), None);
+        self.people[a as usize].until = self.now + command.stay_s;
     }
 
     fn enter_state(&mut self, stage: &mut Paper, a: u32, graph: &str, state: &str, about: &About) {
@@ -669,12 +676,15 @@ impl Lives for Plain {
                 self.touch(a);
                 self.touch(b);
                 for (from, to) in [(a, b), (b, a)] {
-                    for e in self.scene.events.clone().into_iter().filter(|e| e.told_on) {
+                    for e in self.scene.events.clone().into_iter().filter(|e| e.passed_on) {
                         let is_fresh =
                             self.happened.get(&e.name).is_some_and(|t| now - t <= e.fresh_s.unwrap_or(NEVER));
                         let has = |p: u32| self.people[p as usize].news.contains(&e.name);
                         if is_fresh && has(from) && !has(to) {
-                            self.learn(to, About { event: e.name, how: "told", other: Some(from), ..About::default() });
+                            self.learn(
+                                to,
+                                About { event: e.name, how: "passed_on", other: Some(from), ..About::default() },
+                            );
                         }
                     }
                 }
@@ -737,7 +747,7 @@ proptest! {
     ) {
         let scene = scene(num, &super::random::lively(period, rate, probability));
         let script = script(num as u32, seed, 20.0);
-        let (mut fast, mut slow) = (minds(&scene), Plain::new(&scene));
+        let (mut fast, mut slow) = (brains(&scene), Plain::new(&scene));
         let (mut a, mut b) = (Paper::new(num), Paper::new(num));
         Lives::begin(&mut fast, &mut a);
         slow.begin(&mut b);

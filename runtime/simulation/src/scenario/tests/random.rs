@@ -1,6 +1,6 @@
 //! Frequencies, and the same again after a snapshot.
 
-use super::{Lives, Paper, Signal, minds, play, played, scene};
+use super::{Lives, Paper, Signal, brains, play, played, scene};
 use proptest::prelude::*;
 
 /// The sum of (seen - expected)^2 / expected.
@@ -18,14 +18,14 @@ fn edges_and_rules_are_taken_as_often_as_they_say() {
         { from = \"a\", to = \"d\", on = \"bell\" }, { from = \"a\", to = \"e\", on = \"bell\" } ]\n[graphs.life.states]\n\
         a = { do = [{ stay = 1000 }] }\nb = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\nd = { do = [{ stay = 1000 }] }\n\
         e = { do = [{ stay = 1000 }] }\n[[events]]\nname = \"bell\"\nat_s = 1.0\n";
-    let (minds, _) = played(8000, story, &[], 2.0);
-    let states = minds.num_in_states();
+    let (brains, _) = played(8000, story, &[], 2.0);
+    let states = brains.num_in_states();
     let count = |name: &str| states.iter().find(|s| s.0 == name).map_or(0, |s| s.1);
     let seen = ["a", "b", "c", "d", "e"].map(count);
     // Of four degrees of freedom, above 18.5 once in a thousand.
     let chi = chi_squared(&seen, &[0.1, 0.5, 0.2, 0.1, 0.1]);
     assert!(chi < 18.5, "{seen:?}: {chi}");
-    let hits = (0..8000).filter(|a| minds.explain(*a, 0.0).values[0].value == 1.0).count();
+    let hits = (0..8000).filter(|a| brains.explain(*a, 0.0).values[0].value == 1.0).count();
     let chi = chi_squared(&[hits, 8000 - hits], &[0.3, 0.7]);
     assert!(chi < 10.8, "{hits} of 8000: {chi}");
 }
@@ -34,8 +34,8 @@ fn edges_and_rules_are_taken_as_often_as_they_say() {
 fn random_events_come_as_often_as_they_say() {
     let story = "[values.count]\nlimits = [0.0, 100000.0]\n[[rules]]\non = \"bell\"\ndo = [{ add = \"count\", by = 1.0 }]\n\
         [[events]]\nname = \"bell\"\nevery_s = 2.0\n";
-    let (minds, _) = played(1, story, &[], 8000.0);
-    let count = minds.explain(0, 0.0).values[0].value;
+    let (brains, _) = played(1, story, &[], 8000.0);
+    let count = brains.explain(0, 0.0).values[0].value;
     // 4000 expected; four standard deviations are 253.
     assert!((count - 4000.0).abs() < 253.0, "{count}");
 }
@@ -93,17 +93,17 @@ proptest! {
     fn what_follows_a_snapshot_is_the_same(period in 0.5f64..4.0, rate in -0.05f64..0.3, probability in 0.0f64..1.0, seed in any::<u64>(), cut in 0usize..60) {
         let scene = scene(6, &lively(period, rate, probability));
         let script = script(6, seed, 15.0);
-        let mut whole = (minds(&scene), Paper::new(6));
+        let mut whole = (brains(&scene), Paper::new(6));
         Lives::begin(&mut whole.0, &mut whole.1);
         let at = script[cut % script.len()].0;
         play(&mut whole.0, &mut whole.1, &script[..cut % script.len()], at);
         let mut bytes = Vec::new();
         whole.0.save(&mut bytes);
-        let mut again = (minds(&scene), whole.1.clone());
+        let mut again = (brains(&scene), whole.1.clone());
         again.0.load(&bytes, at).unwrap();
-        for (minds, stage) in [&mut whole, &mut again] {
-            play(minds, stage, &script[cut % script.len()..], 15.0);
-            prop_assert_eq!(minds.num_holding_twice(), 0);
+        for (brains, stage) in [&mut whole, &mut again] {
+            play(brains, stage, &script[cut % script.len()..], 15.0);
+            prop_assert_eq!(brains.num_holding_twice(), 0);
         }
         prop_assert_eq!(&whole.1.log, &again.1.log);
         let all = |m: &super::AgentBrains| (0..6).map(|a| m.explain(a, 0.0)).collect::<Vec<_>>();
@@ -120,16 +120,16 @@ proptest! {
 
     /// Bytes that were changed are refused, or give minds that go on.
     #[test]
-    fn forged_minds_do_no_harm(seed in any::<u64>(), at in any::<prop::sample::Index>(), flip in 1u8..=255) {
+    fn forged_agent_brains_do_no_harm(seed in any::<u64>(), at in any::<prop::sample::Index>(), flip in 1u8..=255) {
         let scene = scene(4, &lively(1.0, 0.1, 0.5));
         let script = script(4, seed, 4.0);
-        let mut own = (minds(&scene), Paper::new(4));
+        let mut own = (brains(&scene), Paper::new(4));
         Lives::begin(&mut own.0, &mut own.1);
         play(&mut own.0, &mut own.1, &script, 4.0);
         let mut bytes = Vec::new();
         own.0.save(&mut bytes);
         let at = at.index(bytes.len());
         bytes[at] ^= flip;
-        prop_assert!(minds(&scene).load(&bytes, 4.0).is_err(), "the checksum shows it");
+        prop_assert!(brains(&scene).load(&bytes, 4.0).is_err(), "the checksum shows it");
     }
 }

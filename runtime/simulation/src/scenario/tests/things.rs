@@ -34,14 +34,14 @@ fn lines(stage: &Paper, what: &str) -> Vec<String> {
 
 #[test]
 fn one_takes_a_thing_and_the_other_hears_that_it_is_taken() {
-    let (minds, stage) = played(2, CUP, &[], 20.0);
+    let (brains, stage) = played(2, CUP, &[], 20.0);
     // One second, the way, two seconds of taking, the way.
-    let takes = format!("{:.6} 0 takes 0", 1.0 + WAY_S);
-    let puts = format!("{:.6} 0 puts 0", 1.0 + WAY_S + 2.0 + WAY_S);
+    let takes = format!("{:.6} 0 takes 0", 1.0 + WALK_S);
+    let puts = format!("{:.6} 0 puts 0", 1.0 + WALK_S + 2.0 + WALK_S);
     assert_eq!((lines(&stage, "takes"), lines(&stage, "puts")), (vec![takes], vec![puts]));
     assert_eq!(stage.in_hand, []);
-    assert!(!minds.has_claimed(0, 0) && !minds.has_claimed(1, 0));
-    let thirst = |agent: u32| minds.feelings[agent as usize].value;
+    assert!(!brains.has_claimed(0, 0) && !brains.has_claimed(1, 0));
+    let thirst = |agent: u32| brains.feelings[agent as usize].value;
     assert_eq!([thirst(0), thirst(1)], [0.0, 0.7]);
 }
 
@@ -50,11 +50,11 @@ fn who_is_interrupted_before_the_grasp_has_no_claim() {
     // The fire interrupts at 3.5 s: between the arrival (2.7 s) and the end of taking (4.7 s).
     let flees = "\n[[rules]]\non = \"fire\"\npriority = 1\ndo = [{ stay = 1.0 }]\n";
     let text = format!("{}{flees}", CUP.replace(", { put = \"cup\", on = [4.0, 0.8, 9.0], for_s = 2.0 }", ""));
-    let (minds, stage) = played(1, &text, &[], 4.0);
-    assert!(!minds.has_claimed(0, 0) && stage.in_hand.is_empty(), "the hand had not closed");
+    let (brains, stage) = played(1, &text, &[], 4.0);
+    assert!(!brains.has_claimed(0, 0) && stage.in_hand.is_empty(), "the hand had not closed");
     // Who was interrupted before by nothing takes it.
-    let (minds, stage) = played(1, &text.replace(flees, ""), &[], 4.8);
-    assert!(minds.has_claimed(0, 0) && stage.in_hand == [(0, 0)]);
+    let (brains, stage) = played(1, &text.replace(flees, ""), &[], 4.8);
+    assert!(brains.has_claimed(0, 0) && stage.in_hand == [(0, 0)]);
 }
 
 #[test]
@@ -66,11 +66,11 @@ when = "holds(me, 'cup') and taken('cup')"
 do = [{ set = "thirst", to = 0.3 }]
 "#;
     let text = format!("{}{asks}", CUP.replace("at_s = 3.5", "at_s = 4.9"));
-    let (mut minds, mut stage) = played(2, &text, &[], 5.0);
-    assert_eq!([minds.feelings[0].value, minds.feelings[1].value], [0.3, 0.7]);
+    let (mut brains, mut stage) = played(2, &text, &[], 5.0);
+    assert_eq!([brains.feelings[0].value, brains.feelings[1].value], [0.3, 0.7]);
     assert_eq!(stage.in_hand, [(0, 0)]);
-    AgentBrains::handle_signal(&mut minds, &mut stage, 5.0, Signal::Left(0)).expect("it leaves");
-    assert!(stage.in_hand.is_empty() && !minds.has_claimed(0, 0));
+    AgentBrains::handle_signal(&mut brains, &mut stage, 5.0, Signal::Left(0)).expect("it leaves");
+    assert!(stage.in_hand.is_empty() && !brains.has_claimed(0, 0));
 }
 
 #[test]

@@ -192,7 +192,7 @@ pub struct EventConfig {
     /// Time between regular occurrences (s, 0.01 to 1e6).
     pub period_s: Option<f64>,
     /// Condition: the event happens each time that it becomes true. It has only words about no agent in particular (`time`, `count`,
-    /// `free`, `held`, `open`, `board`), and is evaluated whenever something happens to any agent.
+    /// `free`, `held`, `open`, `blackboard`), and is evaluated whenever something happens to any agent.
     pub when: Option<String>,
     /// Predicate of the agents to which it happens; all where absent, none where `nobody = true`.
     pub who: Option<String>,
@@ -203,7 +203,7 @@ pub struct EventConfig {
     /// Doors that close with it, as soon as no agent stands in them.
     pub closes: Vec<String>,
     /// Whether agents that know of it tell those that they meet.
-    pub told_on: bool,
+    pub passed_on: bool,
     /// Whether it is on the global blackboard from then on.
     pub posted: bool,
     /// Time for which it is passed on and posted; unlimited where absent (s).

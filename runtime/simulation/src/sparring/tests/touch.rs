@@ -17,14 +17,14 @@ fn shapes() -> (SparringBody, [LimbShape; NUM_LIMBS]) {
 }
 
 /// The rest pose with the left arm on its way straight ahead from a guard: 0 with the fist at the shoulder, 1 stretched out.
-fn punch(way: f32) -> [Mat3x4; NUM_JOINTS] {
+fn punch(distance: f32) -> [Mat3x4; NUM_JOINTS] {
     let mut pose = rest_pose();
     let shoulder = pose[LEFT[0].index()].translation();
     let lengths = [1, 2].map(|i| Skeleton::default().offsets[LEFT[i].index()].length());
     // The upper arm swings from straight down to straight ahead, the forearm points ahead.
-    let (sin, cos) = (way * std::f32::consts::FRAC_PI_2).sin_cos();
+    let (sin, cos) = (distance * std::f32::consts::FRAC_PI_2).sin_cos();
     let elbow = shoulder + Vec3::new(0.0, -cos, sin) * lengths[0];
-    let wrist = elbow + Vec3::new(0.0, cos, sin).lerp(Vec3::Z, way).normalize() * lengths[1];
+    let wrist = elbow + Vec3::new(0.0, cos, sin).lerp(Vec3::Z, distance).normalize() * lengths[1];
     let along = |from: Vec3, to: Vec3| Quat::from_rotation_arc(Vec3::X, (to - from).normalize());
     let turns = [along(shoulder, elbow), along(elbow, wrist), along(elbow, wrist)];
     for ((joint, turn), at) in LEFT.into_iter().zip(turns).zip([shoulder, elbow, wrist]) {
@@ -85,10 +85,10 @@ fn lengths(pose: &[Mat3x4; NUM_JOINTS]) -> [f32; 2] {
 const LEG: [Joint; 3] = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot];
 
 /// The rest pose with the straight left leg on its way up ahead: 0 hanging, 1 level, the toes beyond the heel.
-fn kick(way: f32) -> [Mat3x4; NUM_JOINTS] {
+fn kick(distance: f32) -> [Mat3x4; NUM_JOINTS] {
     let mut pose = rest_pose();
     let hip = pose[LEG[0].index()].translation();
-    let turn = Quat::from_rotation_x(-way * std::f32::consts::FRAC_PI_2);
+    let turn = Quat::from_rotation_x(-distance * std::f32::consts::FRAC_PI_2);
     for j in [LEG[0], LEG[1], LEG[2], Joint::LeftToe] {
         let at = hip + turn * (pose[j.index()].translation() - hip);
         pose[j.index()] = Mat3x4::from_rotation_translation(turn * pose[j.index()].rotation(), at);
@@ -118,8 +118,8 @@ fn a_kick_stops_at_the_body_and_comes_back() {
         let (mut touch, mut deepest, mut goes_through) = (LimbTouch::default(), 0.0f32, 0.0f32);
         for i in 0..=60 {
             // Up within a quarter of a second, held, and down again.
-            let way = (i as f32 / 15.0).min((60 - i) as f32 / 15.0).min(1.0);
-            let motion = kick(way);
+            let distance = (i as f32 / 15.0).min((60 - i) as f32 / 15.0).min(1.0);
+            let motion = kick(distance);
             let posed = step_on(&mut touch, ([&motion, &rest], [Contacts::RIGHT, BOTH]), roots, &config().touch);
             let off = |j: Joint| posed[0][j.index()].translation() - motion[j.index()].translation();
             let bone = |from: Joint, to: Joint, pose: &[Mat3x4; NUM_JOINTS]| {
@@ -184,17 +184,17 @@ fn stride(ahead: f32, up: f32) -> [Mat3x4; NUM_JOINTS] {
         let to = rest[ankle].translation() + by;
         let from = pose[hip].translation();
         let [l1, l2] = [1, 2].map(|i| Skeleton::default().offsets[side[i].index()].length());
-        let (way, d) = ((to - from).normalize(), (to - from).length().min(l1 + l2 - 1e-4));
+        let (distance, d) = ((to - from).normalize(), (to - from).length().min(l1 + l2 - 1e-4));
         let along = (l1 * l1 - l2 * l2 + d * d) / (2.0 * d);
-        let bend = (Vec3::Z - way * way.z).normalize() * (l1 * l1 - along * along).max(0.0).sqrt();
-        let knee = from + way * along + bend;
+        let bend = (Vec3::Z - distance * distance.z).normalize() * (l1 * l1 - along * along).max(0.0).sqrt();
+        let knee = from + distance * along + bend;
         let turn = |from: Vec3, to: Vec3| Quat::from_rotation_arc(Vec3::NEG_Y, (to - from).normalize());
         pose[hip] = Mat3x4::from_rotation_translation(turn(from, knee), from);
-        pose[side[1].index()] = Mat3x4::from_rotation_translation(turn(knee, from + way * d), knee);
-        pose[ankle] = Mat3x4::from_rotation_translation(Quat::IDENTITY, from + way * d);
+        pose[side[1].index()] = Mat3x4::from_rotation_translation(turn(knee, from + distance * d), knee);
+        pose[ankle] = Mat3x4::from_rotation_translation(Quat::IDENTITY, from + distance * d);
         pose[toe] = Mat3x4::from_rotation_translation(
             Quat::IDENTITY,
-            from + way * d + rest[toe].translation() - rest[ankle].translation(),
+            from + distance * d + rest[toe].translation() - rest[ankle].translation(),
         );
     }
     pose
@@ -210,9 +210,9 @@ fn a_foot_comes_down_beside_the_other_ones_and_stays_there() {
         let mut last: Option<[Mat3x4; NUM_JOINTS]> = None;
         for i in 0..120 {
             // A step within 0.4 s, half a second on the ground, and back.
-            let way = (i as f32 / 24.0).min((f32::from(78 - i as i16).max(0.0)) / 24.0).clamp(0.0, 1.0);
+            let distance = (i as f32 / 24.0).min((f32::from(78 - i as i16).max(0.0)) / 24.0).clamp(0.0, 1.0);
             let carries = (24..=54).contains(&i) || i >= 78;
-            let motion = stride(0.4 * way, if carries { 0.0 } else { 0.05 });
+            let motion = stride(0.4 * distance, if carries { 0.0 } else { 0.05 });
             let contacts = [if carries { BOTH } else { Contacts::RIGHT }, BOTH];
             let posed = step_on(&mut touch, ([&motion, &rest], contacts), roots, &config().touch);
             in_it |= legs_apart(&[motion, rest], roots) < 0.06;
@@ -309,9 +309,9 @@ fn arms_that_come_back_from_a_body_stay_out_of_it() {
         let (mut touch, mut deepest, mut worst) = (LimbTouch::default(), 0.0f32, 0.0f32);
         for step_no in 0..60 {
             // Out within 0.1 s, back within 0.2 s, and the whole body turns into the blow and back.
-            let way = (step_no as f32 / 6.0).min((24.0 - step_no as f32).max(0.0) / 12.0).min(1.0);
-            let roots = [Planar::new(0.0, 0.1 * way, (0.6 * share(4) - 0.9) * way), other];
-            let motion = punch(way);
+            let distance = (step_no as f32 / 6.0).min((24.0 - step_no as f32).max(0.0) / 12.0).min(1.0);
+            let roots = [Planar::new(0.0, 0.1 * distance, (0.6 * share(4) - 0.9) * distance), other];
+            let motion = punch(distance);
             let posed = step(&mut touch, [&motion, &rest], roots, &config().touch);
             worst = worst.max(depth(&[motion, rest], roots));
             // Whoever stands in the other to begin with has to come out first.

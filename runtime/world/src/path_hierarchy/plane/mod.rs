@@ -290,19 +290,19 @@ impl TilePlane {
     }
 
     /// Cost from a cell; infinite where there is no path (frames).
-    pub fn cost(&self, look: CostLookup, cell: u32) -> f32 {
-        (frames(self.costs[(look.row * self.num_cells + cell) as usize]) + look.more).max(0.0)
+    pub fn cost(&self, lookup: CostLookup, cell: u32) -> f32 {
+        (frames(self.costs[(lookup.row * self.num_cells + cell) as usize]) + lookup.more).max(0.0)
     }
 
     /// The least cost from any cell of a class (frames).
-    pub fn least(&self, look: CostLookup, class: u32) -> f32 {
-        let beyond = self.least_of[look.row as usize * self.classes.len() + class as usize];
-        (frames(beyond) + look.more).max(0.0)
+    pub fn least(&self, lookup: CostLookup, class: u32) -> f32 {
+        let beyond = self.least_of[lookup.row as usize * self.classes.len() + class as usize];
+        (frames(beyond) + lookup.more).max(0.0)
     }
 
     /// The least cost from any cell (frames).
-    pub fn least_of_all(&self, look: CostLookup) -> f32 {
-        (0..self.classes.len() as u32).map(|class| self.least(look, class)).fold(f32::INFINITY, f32::min)
+    pub fn least_of_all(&self, lookup: CostLookup) -> f32 {
+        (0..self.classes.len() as u32).map(|class| self.least(lookup, class)).fold(f32::INFINITY, f32::min)
     }
 
     /// Highest cost to a goal from any cell of another goal nearby, beyond the cost of that cell there: no path to the
@@ -311,9 +311,9 @@ impl TilePlane {
         if offset.iter().any(|w| w.abs() > self.goals[to as usize].radius) {
             return f32::INFINITY;
         }
-        let look = self.lookup(to, offset);
-        let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(look, cell) - f32::from(cost));
-        costs.fold(0.0, f32::max) + self.slack[look.row as usize]
+        let lookup = self.lookup(to, offset);
+        let costs = self.cells(from).iter().map(|&(cell, cost)| self.cost(lookup, cell) - f32::from(cost));
+        costs.fold(0.0, f32::max) + self.slack[lookup.row as usize]
     }
 
     fn rows_of(&self, cells: &[CellCost], radius: i32, search: &mut Dial) -> GoalRows {

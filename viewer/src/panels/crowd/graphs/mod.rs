@@ -16,15 +16,15 @@ use throng_runtime::simulation::scene::{EdgeConfig, StateGraphConfig};
 const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
 
 /// Shows the graphs that the selected agent is in.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, minds: &AgentBrains) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);
-    let selected = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < minds.len());
+    let selected = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len());
     let Some(agent) = selected else {
         ui.weak("Select an agent.");
         return;
     };
-    let states = minds.states_of(agent);
+    let states = brains.states_of(agent);
     if states.iter().all(Option::is_none) {
         ui.weak("It is in no state: it follows its goal and rules.");
         return;

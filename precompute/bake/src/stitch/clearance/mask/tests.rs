@@ -64,7 +64,7 @@ impl Walks {
         Self { units, frames, rotation_code, contacts, links, skeleton: Skeleton::default() }
     }
 
-    fn with<T>(&self, look: impl FnOnce(&LinkRoots, &FrameBodies, &[DistanceField]) -> T) -> T {
+    fn with<T>(&self, sample: impl FnOnce(&LinkRoots, &FrameBodies, &[DistanceField]) -> T) -> T {
         let geometries = geometries(&self.units).expect("shapes");
         let library = Library {
             frames: &self.frames,
@@ -84,7 +84,7 @@ impl Walks {
         };
         let paths = LinkRoots::new(&patches, &library, 0);
         let bodies = FrameBodies::new(&self.frames, &self.rotation_code, &self.contacts, &self.skeleton, DEPTH_M);
-        look(&paths, &bodies, &geometries.iter().map(DistanceField::new).collect::<Vec<_>>())
+        sample(&paths, &bodies, &geometries.iter().map(DistanceField::new).collect::<Vec<_>>())
     }
 
     /// The body of one frame of a link.
@@ -156,8 +156,8 @@ proptest! {
                     match mask.samples.clearance_of[l] {
                         LinkClearance::Collides(touch) => prop_assert!(all[usize::from(touch.frame)] > -1e-4),
                         LinkClearance::Clear(first) => {
-                            for (look, k) in nearest_sampled(all.len()).enumerate() {
-                                let clear = mask.samples.clear[first as usize + look].least();
+                            for (sample, k) in nearest_sampled(all.len()).enumerate() {
+                                let clear = mask.samples.clear[first as usize + sample].least();
                                 prop_assert!(clear <= (-all[k]).max(0.0) + 1e-4, "link {}, frame {}: {}", l, k, clear);
                             }
                         }

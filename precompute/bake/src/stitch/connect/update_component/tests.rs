@@ -270,9 +270,9 @@ fn expected(graph: &JoinedGraph) -> Option<Vec<Vec<ComponentMembership>>> {
     Some((0..graph.parts.len() as u32).map(of_part).collect())
 }
 
-fn found(graph: &JoinedGraph, settled: &ComponentCells) -> Vec<Vec<ComponentMembership>> {
+fn found(graph: &JoinedGraph, component: &ComponentCells) -> Vec<Vec<ComponentMembership>> {
     let of_part = |part: u32| {
-        (0..graph.cells(part).len() as u32).map(|cell| settled.membership(graph, part, cell)).collect::<Vec<_>>()
+        (0..graph.cells(part).len() as u32).map(|cell| component.membership(graph, part, cell)).collect::<Vec<_>>()
     };
     (0..graph.parts.len() as u32).map(of_part).collect()
 }
@@ -284,8 +284,8 @@ fn follow(seed: u64) -> Result<usize, TestCaseError> {
     let columns = rng.random_range(14..30);
     let mut world = World::new(&kinds, columns, &mut rng);
     let mut joined = world.joined();
-    let Some(mut settled) = find_component(&joined, None) else { return Ok(0) };
-    prop_assert_eq!(Some(found(&joined, &settled)), expected(&joined));
+    let Some(mut component) = find_component(&joined, None) else { return Ok(0) };
+    prop_assert_eq!(Some(found(&joined, &component)), expected(&joined));
     let mut soon = 0;
     for _ in 0..4 {
         let was = world.instances.clone();
@@ -293,7 +293,7 @@ fn follow(seed: u64) -> Result<usize, TestCaseError> {
         let changed = world.joined();
         let number = |i: &Instance| was.iter().position(|w| w == i).map_or(NONE, |k| k as u32);
         let same = world.instances.iter().map(number).collect();
-        let before = PriorGraph { joined: &joined, component: &settled, previous_of: same };
+        let before = PriorGraph { joined: &joined, component: &component, previous_of: same };
         let resettled = update_component(&before, &changed);
         let now = find_component(&changed, Some(&before));
         prop_assert_eq!(now.as_ref().map(|now| found(&changed, now)), expected(&changed));
@@ -303,7 +303,7 @@ fn follow(seed: u64) -> Result<usize, TestCaseError> {
             // What is kept for the next change is what a search through everything gives.
             prop_assert_eq!(Some(resettled), find_component(&changed, None));
         }
-        (joined, settled) = (changed, now);
+        (joined, component) = (changed, now);
     }
     Ok(soon)
 }

@@ -66,29 +66,30 @@ fn with<T>(look: impl FnOnce(&Placer<'_>) -> T) -> T {
 }
 
 /// What is said to be as it was is.
-fn is_kept(before: &PlacedPatches, relaid: &UpdatedPlacement) -> Result<(), TestCaseError> {
-    let (laid, kept) = (&relaid.patches, &relaid.kept);
-    let pair = |laid: &PlacedPatches, k: usize| {
-        let (a, b, relation) = laid.pairs[k];
-        ([a, b].map(|i| laid.fitted[i as usize].placement), relation)
+fn is_kept(before: &PlacedPatches, updated: &UpdatedPlacement) -> Result<(), TestCaseError> {
+    let (placed, kept) = (&updated.patches, &updated.kept);
+    let pair = |placed: &PlacedPatches, k: usize| {
+        let (a, b, relation) = placed.pairs[k];
+        ([a, b].map(|i| placed.fitted[i as usize].placement), relation)
     };
     for (k, &was) in kept.previous_pair_of.iter().enumerate().filter(|(_, was)| **was != NONE) {
-        prop_assert_eq!(pair(laid, k), pair(before, was as usize));
+        prop_assert_eq!(pair(placed, k), pair(before, was as usize));
     }
     let around =
-        |laid: &PlacedPatches, i: u32| laid.obstacles.iter().filter(|o| o.0 == i).map(|o| o.2).collect::<Vec<_>>();
+        |placed: &PlacedPatches, i: u32| placed.obstacles.iter().filter(|o| o.0 == i).map(|o| o.2).collect::<Vec<_>>();
     for (i, &was) in (0u32..).zip(&kept.previous_of).filter(|(i, _)| kept.is_alike[*i as usize]) {
-        prop_assert_eq!(around(laid, i), around(before, was));
+        prop_assert_eq!(around(placed, i), around(before, was));
     }
     // All relations that are not there any more are named, and all that are new.
     let relations = |of: &[(u32, u32, RelativePlacement)]| of.iter().map(|p| p.2).collect::<BTreeSet<_>>();
-    for (k, [old, new]) in [[&before.pairs, &laid.pairs], [&before.obstacles, &laid.obstacles]].into_iter().enumerate()
+    for (k, [old, new]) in
+        [[&before.pairs, &placed.pairs], [&before.obstacles, &placed.obstacles]].into_iter().enumerate()
     {
         let named: BTreeSet<_> = kept.removed[k].iter().copied().collect();
         prop_assert!(relations(old).difference(&relations(new)).all(|r| named.contains(r)));
     }
     let new: BTreeSet<_> = kept.new_obstacles.iter().copied().collect();
-    prop_assert!(relations(&laid.obstacles).difference(&relations(&before.obstacles)).all(|r| new.contains(r)));
+    prop_assert!(relations(&placed.obstacles).difference(&relations(&before.obstacles)).all(|r| new.contains(r)));
     Ok(())
 }
 
@@ -116,7 +117,7 @@ proptest! {
         });
         with(|placer| {
             let mut environment = Environment { name: "e".into(), units: panels.collect() };
-            let mut laid = placer.place_patches(&environment).expect("panels");
+            let mut placed = placer.place_patches(&environment).expect("panels");
             // What is refused is left out.
             let grown = units.into_iter().map(|unit| (3, 0, unit));
             for (what, which, unit) in grown.chain(changes) {
@@ -128,18 +129,18 @@ proptest! {
                 };
                 let mut changed = environment.clone();
                 let back = edit.apply(&mut changed.units);
-                match (placer.update_patches(&changed, &laid, &back), placer.place_patches(&changed)) {
-                    (Some(relaid), Ok(anew)) => {
-                        prop_assert_eq!(&relaid.patches, &anew);
-                        for (f, &was) in anew.fitted.iter().zip(&relaid.kept.previous_of).filter(|(_, was)| **was != NONE) {
-                            prop_assert_eq!(f.placement, laid.fitted[was as usize].placement);
+                match (placer.update_patches(&changed, &placed, &back), placer.place_patches(&changed)) {
+                    (Some(updated), Ok(anew)) => {
+                        prop_assert_eq!(&updated.patches, &anew);
+                        for (f, &was) in anew.fitted.iter().zip(&updated.kept.previous_of).filter(|(_, was)| **was != NONE) {
+                            prop_assert_eq!(f.placement, placed.fitted[was as usize].placement);
                         }
-                        is_kept(&laid, &relaid)?;
-                        (environment, laid) = (changed, anew);
+                        is_kept(&placed, &updated)?;
+                        (environment, placed) = (changed, anew);
                     }
                     // Copies that are near each other, turned another way.
-                    (None, Ok(anew)) => (environment, laid) = (changed, anew),
-                    (relaid, Err(_)) => prop_assert!(relaid.is_none()),
+                    (None, Ok(anew)) => (environment, placed) = (changed, anew),
+                    (updated, Err(_)) => prop_assert!(updated.is_none()),
                 }
             }
             Ok(())
@@ -153,12 +154,12 @@ proptest! {
             let mut units: Vec<_> = (0..3).map(|k| step(k as f32)).collect();
             units.push(PlacedUnit { unit: STEP, placement: Placement::new(-9.0, 0.0, 0.0, 0.0) });
             let mut environment = Environment { name: "e".into(), units };
-            let laid = placer.place_patches(&environment).expect("steps");
+            let placed = placer.place_patches(&environment).expect("steps");
             let placement = Placement::new(-9.0, 0.0, to as f32, 0.0);
             let back = EnvironmentEdit::Move { index: 3, placement }.apply(&mut environment.units);
-            let relaid = placer.update_patches(&environment, &laid, &back).expect("it is free");
-            let new: Vec<_> = (0..laid.fitted.len()).filter(|&i| relaid.kept.previous_of[i] == NONE).collect();
-            prop_assert_eq!(new, [laid.fitted.len() - 1]);
+            let updated = placer.update_patches(&environment, &placed, &back).expect("it is free");
+            let new: Vec<_> = (0..placed.fitted.len()).filter(|&i| updated.kept.previous_of[i] == NONE).collect();
+            prop_assert_eq!(new, [placed.fitted.len() - 1]);
             Ok(())
         })?;
     }

@@ -89,7 +89,7 @@ fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, gr
             crowd.set_companions(group).unwrap();
         }
     }
-    let (mut near, mut whole, mut all, mut way, mut abreast, mut pairs) = (0, 0, 0, 0.0, 0.0, 0);
+    let (mut near, mut whole, mut all, mut distance, mut abreast, mut pairs) = (0, 0, 0, 0.0, 0.0, 0);
     let mut through = 0.0;
     let signs: Vec<f32> = starts.iter().map(|s| s.x.signum()).collect();
     let mut before = starts;
@@ -103,7 +103,7 @@ fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, gr
             let there: Vec<Vec3> = group.iter().filter_map(|&id| crowd.position(id, crowd.time_s())).collect();
             for (m, &id) in group.iter().enumerate() {
                 if let Some(now) = crowd.position(id, crowd.time_s()) {
-                    way += (now.x - before[g * size + m].x).abs();
+                    distance += (now.x - before[g * size + m].x).abs();
                     before[g * size + m] = now;
                     all += 1;
                 }
@@ -125,7 +125,7 @@ fn walk(crowd: &mut Crowd, ids: &[Id], size: usize, far: f32, seconds: usize, gr
     Together {
         share: near as f32 / whole as f32,
         through,
-        speed: way / (0.1 * all as f32),
+        speed: distance / (0.1 * all as f32),
         abreast: abreast / pairs.max(1) as f32,
     }
 }
