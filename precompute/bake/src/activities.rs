@@ -3,14 +3,13 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use throng_base::thresholds::ACTIVITY_STANDING_MPS;
 use throng_core::Contacts;
 use throng_core::format::ActivityMeta;
 use throng_motion::clip::{Clip, ClipSet, FrameRange};
 use throng_motion::error::BuildError;
 use throng_motion::import::matches;
 
-/// Fastest hips of a standing body (m/s).
-const STANDING_MPS: f32 = 0.35;
 /// Hips lower than this share of their height at the beginning show a body that sits or kneels.
 const SEATED: f32 = 0.8;
 
@@ -128,7 +127,7 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     for (place, frame) in [("beginning", range.start), ("end", range.end - 2)] {
         let step = clip.root_positions[frame + 1] - clip.root_positions[frame];
         let mps = step.length() * clip.rate_hz as f32;
-        if mps > STANDING_MPS {
+        if mps > ACTIVITY_STANDING_MPS {
             return Err(format!("expected a person who stands at the {place}, found hips at {mps:.1} m/s. {HELP}"));
         }
         let down = |foot| clip.contacts[frame].any(foot);

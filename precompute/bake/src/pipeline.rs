@@ -18,6 +18,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use throng_base::thresholds::ANY_WALKING_MPS;
 use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::clip::{ClipSet, FrameRange};
@@ -191,15 +192,13 @@ fn describe_motion(clips: &ClipSet) -> String {
 
 /// True if the motion shows walking.
 fn shows_walking(clips: &ClipSet) -> bool {
-    /// Least mean speed of walking over a second (m/s).
-    const WALKING_MPS: f32 = 0.3;
     /// Shortest motion that shows walking (s).
     const SHORTEST_S: f32 = 0.2;
     clips.clips.iter().filter(|c| !c.mirrored).any(|clip| {
         let second = clip.rate_hz.round().max(1.0) as usize;
         let goes = |w: &[Vec3]| {
             let seconds = (w.len() - 1) as f32 / clip.rate_hz as f32;
-            seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > WALKING_MPS * seconds
+            seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > ANY_WALKING_MPS * seconds
         };
         // A shorter clip is taken as a whole.
         let window = |r: &FrameRange| r.len().min(second + 1).max(1);

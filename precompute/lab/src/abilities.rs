@@ -2,14 +2,11 @@
 
 use crate::frames::runs;
 use std::f64::consts::PI;
+use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
 use throng_motion::clip::{ClipSet, runs_where};
 use throng_runtime::format::ClipRecord;
 use throng_runtime::{Bundle, Planar};
 
-/// Least speed over ground that counts as walking (m/s).
-const WALKING_MPS: f64 = 0.5;
-/// Greatest speed over ground that counts as standing (m/s).
-const STANDING_MPS: f64 = 0.15;
 /// Shortest time that counts as standing (s).
 const STANDING_S: f64 = 0.3;
 /// Time over which a speed is measured (s).
@@ -99,12 +96,12 @@ impl Abilities {
         let frames = |s: f64| (s * rate_hz).round().max(1.0) as usize;
         let velocities = ground_velocities(roots, frames(0.5 * SPEED_S), rate_hz);
         let speeds: Vec<f64> = velocities.iter().map(|[x, z]| x.hypot(*z)).collect();
-        let walks = |f: usize| speeds[f] >= WALKING_MPS;
+        let walks = |f: usize| speeds[f] >= f64::from(WALKING_MPS);
         let backwards = |f: usize| {
             let (sin, cos) = f64::from(roots[f].heading).sin_cos();
             velocities[f][0] * sin + velocities[f][1] * cos < BACKWARDS * speeds[f]
         };
-        let standing: Vec<_> = runs_where(0..roots.len(), |f| speeds[f] < STANDING_MPS);
+        let standing: Vec<_> = runs_where(0..roots.len(), |f| speeds[f] < STANDING_MPS_F64);
         let standing: Vec<_> = standing.into_iter().filter(|r| r.len() >= frames(STANDING_S)).collect();
         let near = frames(STOP_S);
         for r in &standing {

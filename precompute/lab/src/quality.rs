@@ -6,11 +6,10 @@ use glam::Vec3;
 use serde::Serialize;
 use std::f32::consts::TAU;
 use throng_base::maths;
+use throng_base::thresholds::TOE_LOW_M;
 use throng_motion::clip::joint_transforms;
 use throng_runtime::{Bundle, Joint, NUM_JOINTS, Planar};
 
-/// A toe counts as low within this of its lowest place (m).
-const LOW_M: f32 = 0.015;
 /// Frames on either side of a change of segment that count as near it.
 const NEAR: usize = 5;
 /// Frames whose spectrum is taken at a time: two seconds at 30 Hz.
@@ -18,7 +17,7 @@ const WINDOW: usize = 64;
 /// Power of accelerations is told above this (Hz).
 const FAST_HZ: f32 = 6.0;
 /// Hands that accelerate less do not move (m/s2, root mean square of a window).
-const STILL_MPS2: f32 = 0.5;
+const HANDS_AT_REST_MPS2: f32 = 0.5;
 /// Legs and toes.
 const LEGS: [[Joint; 4]; 2] = [
     [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
@@ -170,7 +169,7 @@ impl QualityMeter {
             let bend = |i: usize| (at(i, hip) - at(i, knee)).angle_between(at(i, ankle) - at(i, knee));
             for i in self.stride..track.positions.len() {
                 let before = i - self.stride;
-                if at(i, toe).y.max(at(before, toe).y) < lowest + LOW_M {
+                if at(i, toe).y.max(at(before, toe).y) < lowest + TOE_LOW_M {
                     self.low_speeds.push((at(i, toe) - at(before, toe)).length() * self.frame_hz);
                 }
                 self.knee_rates.push((bend(i) - bend(before)).abs() * self.frame_hz);
@@ -201,7 +200,7 @@ impl QualityMeter {
         let acceleration: Vec<Vec3> = hand.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]) * rate * rate).collect();
         for window in acceleration.chunks_exact(WINDOW) {
             let power: f32 = window.iter().map(|a| a.length_squared()).sum();
-            if power < STILL_MPS2 * STILL_MPS2 * WINDOW as f32 {
+            if power < HANDS_AT_REST_MPS2 * HANDS_AT_REST_MPS2 * WINDOW as f32 {
                 continue;
             }
             for k in 1..WINDOW / 2 {

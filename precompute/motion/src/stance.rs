@@ -4,13 +4,12 @@ use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use throng_base::thresholds::LOWEST_FOOT_MPS;
 use throng_core::{Joint, Skeleton};
 
 /// The joints of the feet.
 pub const FEET: [Joint; 4] = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe];
 
-/// Speed below which the lowest part of the feet may be standing (m/s).
-const STANDING_SPEED: f32 = 0.4;
 /// Least time of standing; a jumping body hardly moves at the top, for a shorter time (s).
 const SHORTEST: f64 = 0.12;
 
@@ -34,7 +33,7 @@ pub fn lowest_feet(feet: impl Iterator<Item = [Vec3; 4]>, skeleton: &Skeleton, r
     let stand = |(frame, at): (usize, [Vec3; 4])| {
         let clearance = |i: usize| at[i].y - rest[FEET[i].index()].y;
         let lowest = (0..4).min_by(|&a, &b| clearance(a).total_cmp(&clearance(b))).unwrap_or(0);
-        let slow = |b: [Vec3; 4]| (at[lowest] - b[lowest]).length() * (rate_hz as f32) < STANDING_SPEED;
+        let slow = |b: [Vec3; 4]| (at[lowest] - b[lowest]).length() * (rate_hz as f32) < LOWEST_FOOT_MPS;
         let stands = before.replace(at).is_some_and(slow);
         FootSample { frame, position: at[lowest].with_y(clearance(lowest)), is_still: stands }
     };

@@ -2,6 +2,7 @@
 
 use crate::rotation::Rigid;
 use glam::{DVec2, DVec3};
+use throng_base::thresholds::BALANCE_HEEL_PER_BALL_F64;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Segment from one joint to another: its share of the body's mass, and where along it the mass is.
@@ -25,8 +26,6 @@ const SEGMENTS: [(Joint, Joint, f64, f64); 14] = [
     (Joint::LeftFoot, Joint::LeftToe, 0.0145, 0.5),
     (Joint::RightFoot, Joint::RightToe, 0.0145, 0.5),
 ];
-/// Length of a foot behind its ankle, as a share of the way from the ankle to the toe's joint.
-const HEEL: f64 = 0.4;
 /// Half width of a foot (m).
 const HALF_WIDTH_M: f64 = 0.04;
 
@@ -52,7 +51,9 @@ pub fn distance_off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], cont
         let (ankle, ball) = (flat(places[ankle.index()].position), flat(places[toe.index()].position));
         let end = flat(places[toe.index()].transform_point(tip.as_dvec3()));
         let aside = (end - ankle).perp().normalize_or_zero() * HALF_WIDTH_M;
-        corners.extend([ankle - HEEL * (ball - ankle), end].into_iter().flat_map(|p| [p + aside, p - aside]));
+        corners.extend(
+            [ankle - BALANCE_HEEL_PER_BALL_F64 * (ball - ankle), end].into_iter().flat_map(|p| [p + aside, p - aside]),
+        );
     }
     let com = centre_of_mass(places);
     (!corners.is_empty()).then(|| distance_outside(&hull(corners), DVec2::new(com.x, com.z)))

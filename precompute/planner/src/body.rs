@@ -1,6 +1,7 @@
 //! A body as capsules, each fixed to a joint.
 
 use glam::DVec3;
+use throng_base::thresholds::REFERENCE_LEG_M_F64;
 use throng_core::{Joint, Skeleton};
 use throng_geometry::Segment;
 
@@ -22,13 +23,10 @@ pub struct BodyCapsules {
     pub capsules: Vec<BodyCapsule>,
 }
 
-/// Leg length that the radii are for: the default skeleton's (m).
-const REFERENCE_LEG: f64 = 0.83;
-
 impl BodyCapsules {
     /// Fits capsules along a skeleton's segments, as thick as those of people with its leg length.
     pub fn fitted(skeleton: &Skeleton) -> Self {
-        let scale = f64::from(skeleton.leg_length()) / REFERENCE_LEG;
+        let scale = f64::from(skeleton.leg_length()) / REFERENCE_LEG_M_F64;
         let mut capsules = Vec::new();
         let mut add = |joint: Joint, a: DVec3, b: DVec3, radius: f64| {
             capsules.push(BodyCapsule { joint, core: Segment::new(a, b), radius: radius * scale });

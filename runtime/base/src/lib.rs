@@ -16,6 +16,7 @@ pub mod simd;
 mod snapshot;
 #[cfg(feature = "text")]
 pub mod text;
+pub mod thresholds;
 
 pub use checksum::{crc32, crc32_of_pieces};
 pub use comm::{Comm, LocalComm, SingleRank, Traffic, rank_range, unexpected_message};

@@ -4,6 +4,7 @@ use crate::skeleton::{Joint, Skeleton};
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use throng_base::maths;
+pub use throng_base::thresholds::FIST_PER_FOREARM;
 
 /// [`HitRecord::kind`] of a blow with a fist.
 pub const KIND_PUNCH: u32 = 0;
@@ -11,9 +12,6 @@ pub const KIND_PUNCH: u32 = 0;
 pub const KIND_KICK: u32 = 1;
 /// Names of the kinds that every bundle has; those of tags follow.
 pub const KIND_NAMES: [&str; 2] = ["punch", "kick"];
-
-/// Distance from the wrist to the tip of the fist, as a share of the forearm's length.
-pub const FIST_PER_FOREARM: f32 = 0.35;
 
 /// Effective hit. Positions are relative to the planar root of its frame: +X left, Y above the ground, +Z ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

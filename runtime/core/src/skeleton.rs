@@ -1,6 +1,7 @@
 //! The skeleton: joints, parents, rest offsets.
 
 use glam::Vec3;
+use throng_base::thresholds::HEEL_PER_BALL;
 
 /// Joints of the database skeleton.
 pub const NUM_JOINTS: usize = 22;
@@ -150,11 +151,9 @@ impl Skeleton {
     /// Bottoms of the left and the right heel, from the ankle in the foot's frame: as far behind the ankle as feet are
     /// for their length (m).
     pub fn heels(&self) -> [Vec3; 2] {
-        /// Distance of the heel behind the ankle, over that of the ball before it.
-        const BEHIND: f32 = 0.3;
         let rest = self.rest_positions();
         let feet = [(Joint::LeftFoot, Joint::LeftToe), (Joint::RightFoot, Joint::RightToe)];
-        feet.map(|(foot, toe)| Vec3::new(0.0, -rest[foot.index()].y, -BEHIND * self.offsets[toe.index()].z))
+        feet.map(|(foot, toe)| Vec3::new(0.0, -rest[foot.index()].y, -HEEL_PER_BALL * self.offsets[toe.index()].z))
     }
 }
 
@@ -205,5 +204,10 @@ mod tests {
             assert_eq!(j.mirrored().name().replace("right", "left"), j.name().replace("right", "left"));
             assert_eq!(Joint::from_name(j.name()), Some(j));
         }
+    }
+
+    #[test]
+    fn the_default_skeleton_has_legs_of_reference() {
+        assert_eq!(Skeleton::default().leg_length(), throng_base::thresholds::REFERENCE_LEG_M);
     }
 }

@@ -8,7 +8,8 @@ use crate::graph::MotionSegment;
 use bytemuck::{Pod, Zeroable};
 
 /// A body takes a disc of this radius about its planar root, or a larger one where trunk and head reach beyond it (m).
-pub const BODY_RADIUS_M: f32 = 0.25;
+pub use throng_base::thresholds::BODY_RADIUS_M;
+
 /// Pieces of an action that is bent are no longer (frames).
 pub(crate) const PIECE_FRAMES: u32 = 4;
 /// Radius of the capsule from the hips to the neck (m).

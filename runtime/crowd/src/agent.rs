@@ -1,6 +1,7 @@
 //! Agents of a crowd.
 
 use glam::Vec3;
+use throng_base::thresholds::{AGENT_RADIUS_M, WALK_SPEED_MPS};
 
 /// Agent as it enters the crowd.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +30,17 @@ impl<V: Default> Default for Agent<V> {
 }
 
 impl<V: Default> Agent<V> {
-    /// A pedestrian of average size, at rest: 0.3 m, 1.3 m/s, 5 m/s2.
+    /// A pedestrian of average size, at rest: [`AGENT_RADIUS_M`], [`WALK_SPEED_MPS`], 5 m/s2.
     pub fn standing_at(position: V) -> Self {
-        Self { position, velocity: V::default(), radius: 0.3, acceleration: 5.0, speed: 1.3, route: None, field: 0 }
+        Self {
+            position,
+            velocity: V::default(),
+            radius: AGENT_RADIUS_M,
+            acceleration: 5.0,
+            speed: WALK_SPEED_MPS,
+            route: None,
+            field: 0,
+        }
     }
 }
 

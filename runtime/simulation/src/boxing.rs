@@ -12,6 +12,7 @@ use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_base::error::check_index;
 use throng_base::ground::ReservedRegion;
+use throng_base::thresholds::HALF_HEAD_M;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyOrder, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
@@ -241,9 +242,6 @@ fn unreachable_message(regions: &[RegionRecord], what: &str, height: f32, help: 
     let high = regions.iter().map(|r| r.height[1]).fold(f32::NEG_INFINITY, f32::max);
     format!("nobody can reach a {what} {height:.2} m high: blows land {low:.2} to {high:.2} m high; {help}")
 }
-
-/// Largest height of a blow above or below the centre of a head that it meets (m).
-const HALF_HEAD_M: f32 = 0.12;
 
 /// Regions in which blows of the striking behaviours land.
 fn hit_regions(bundle: &Bundle, policies: &[usize]) -> Vec<RegionRecord> {

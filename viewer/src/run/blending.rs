@@ -1,14 +1,12 @@
 //! Blend request: a point of a blend space, and a body.
 
+use throng_base::thresholds::WALK_SPEED_MPS;
 use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
 
 /// Sizes that a body may have (size of the database skeleton).
 pub const SIZES: [f32; 2] = [0.7, 1.2];
 /// Lengths of legs over that, as factors.
 pub const LEGS: [f32; 2] = [0.85, 1.15];
-
-/// Speed that a walk begins with (m/s).
-const BEGIN_MPS: f32 = 1.3;
 
 /// Characters walking beside it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +42,7 @@ impl Blending {
     pub fn straight_walk(space: usize, blend: &BlendSpace) -> Self {
         let mut point = [0.0; MAX_AXES];
         for (p, axis) in point.iter_mut().zip(blend.axes()) {
-            let wanted = if axis.kind == axis::SPEED { BEGIN_MPS } else { 0.0 };
+            let wanted = if axis.kind == axis::SPEED { WALK_SPEED_MPS } else { 0.0 };
             *p = wanted.clamp(axis.low, axis.high);
         }
         Self { space, point, size: 1.0, legs: 1.0, retarget: true, companions: BlendCompanions::None }

@@ -8,6 +8,7 @@ use crate::render::{CharacterInstance, OrbitCamera, Ray, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
+use throng_base::thresholds::AGENT_RADIUS_M;
 use throng_runtime::patch::Placement;
 use throng_runtime::simulation::agents::Disc;
 use throng_runtime::simulation::scenario::AgentBrains;
@@ -23,8 +24,6 @@ const FAST_MPS: f32 = 3.0;
 const BELOW_BODIES: f32 = 0.35;
 /// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;
-/// Radius in which a character without a disc is met (m).
-const BODY_M: f32 = 0.3;
 /// Distance within which a click still selects a character (pixels).
 const MISSED_PX: f32 = 8.0;
 
@@ -183,7 +182,7 @@ pub fn pick(scene: &SceneDocument, camera: &OrbitCamera, ray: &Ray, view: Vec2) 
     let missed = |who: usize| {
         let (at, radius) = match simulation.disc(who) {
             Some(disc) => (disc.centre, disc.radius),
-            None => (simulation.root(who)?.translation(), BODY_M),
+            None => (simulation.root(who)?.translation(), AGENT_RADIUS_M),
         };
         let along = (at - ray.origin).dot(ray.direction);
         let from = match at.y > radius {

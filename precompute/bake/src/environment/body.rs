@@ -2,15 +2,13 @@
 
 use super::{PlacedGeometry, UnitGeometry};
 use glam::{Quat, Vec3};
+use throng_base::thresholds::REFERENCE_LEG_M;
 use throng_core::patch::Placement;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::BoundingBox;
 
 /// Number of spheres of a body.
 pub const NUM_SPHERES: usize = 31;
-
-/// Leg length for which the radii are given: the default skeleton's (m).
-const REFERENCE_LEG: f32 = 0.83;
 
 /// Both feet.
 const FEET: Contacts = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
@@ -67,7 +65,7 @@ impl BodySpheres {
     /// Spheres of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
         let mut parts = Vec::with_capacity(NUM_SPHERES);
-        let scale = skeleton.leg_length() / REFERENCE_LEG;
+        let scale = skeleton.leg_length() / REFERENCE_LEG_M;
         let mut add = |joint: Joint, offset: Vec3, radius: f32, contact: Contacts| {
             parts.push(JointSphere { joint, offset, radius: radius * scale, contact });
         };

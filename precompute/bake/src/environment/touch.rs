@@ -3,6 +3,9 @@
 use glam::{Quat, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::{
+    BODY_IN_UNIT_M, FOOT_CONTACT_M, HAND_CONTACT_M, HEEL_PER_BALL, REFERENCE_LEG_M, SEAT_CONTACT_M,
+};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::error::{BuildError, check_ranges};
 
@@ -33,13 +36,13 @@ pub struct GeometryTouchConfig {
 impl Default for GeometryTouchConfig {
     fn default() -> Self {
         Self {
-            foot_on: 0.025,
-            foot_off: 0.045,
-            hand_on: 0.03,
-            hand_off: 0.05,
-            seat_on: 0.03,
-            seat_off: 0.06,
-            penetration: 0.06,
+            foot_on: FOOT_CONTACT_M[0],
+            foot_off: FOOT_CONTACT_M[1],
+            hand_on: HAND_CONTACT_M[0],
+            hand_off: HAND_CONTACT_M[1],
+            seat_on: SEAT_CONTACT_M[0],
+            seat_off: SEAT_CONTACT_M[1],
+            penetration: BODY_IN_UNIT_M,
         }
     }
 }
@@ -65,9 +68,6 @@ impl GeometryTouchConfig {
         check_ranges([("penetration", f64::from(self.penetration), 0.0, 1.0)])
     }
 }
-
-/// Leg length for which lengths are given: the default skeleton's (m).
-pub(super) const REFERENCE_LEG: f32 = 0.83;
 
 /// Parts that contacts distinguish, in the order of their bits.
 pub(super) const PARTS: [Contacts; 7] = [
@@ -109,7 +109,7 @@ impl SkinPoint {
 impl SkinPoints {
     /// Skin points of a body with a skeleton's proportions.
     pub fn new(skeleton: &Skeleton) -> Self {
-        let scale = skeleton.leg_length() / REFERENCE_LEG;
+        let scale = skeleton.leg_length() / REFERENCE_LEG_M;
         let [left_heel, left_toe] = foot(skeleton, Joint::LeftFoot, Joint::LeftToe, skeleton.tips[1]);
         let [right_heel, right_toe] = foot(skeleton, Joint::RightFoot, Joint::RightToe, skeleton.tips[2]);
         let hands = [Joint::LeftHand, Joint::RightHand].map(|j| hand(skeleton, j, scale));
@@ -141,7 +141,7 @@ fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<SkinPoi
     let to_ball = skeleton.offsets[toe.index()];
     let probe =
         |joint: Joint, x: f32, y: f32, z: f32, radius: f32| SkinPoint { joint, offset: Vec3::new(x, y, z), radius };
-    let heel = vec![probe(foot, 0.0, -ankle, -0.3 * to_ball.z, 0.0), probe(foot, 0.0, -ankle, 0.0, 0.0)];
+    let heel = vec![probe(foot, 0.0, -ankle, -HEEL_PER_BALL * to_ball.z, 0.0), probe(foot, 0.0, -ankle, 0.0, 0.0)];
     let arch = probe(foot, 0.5 * to_ball.x, -ankle, 0.5 * to_ball.z, -0.015);
     let toes = vec![probe(toe, 0.0, -ball, 0.0, 0.0), probe(toe, tip.x, -ball, tip.z, 0.0), arch];
     [heel, toes]

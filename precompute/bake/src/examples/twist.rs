@@ -4,9 +4,7 @@ use super::arc::{Arc, wrap_angle};
 use super::steps::StepCycle;
 use super::track::ClipTrack;
 use glam::DVec2;
-
-/// Speed below which a path shows no direction, so that the body's heading gives the turn (m/s).
-const SLOW: f64 = 0.15;
+use throng_base::thresholds::STANDING_MPS_F64;
 
 /// Constant velocity and turning rate of a facing frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,7 +63,7 @@ impl FacingTwist {
         let seconds = (end - start - period) / track.rate();
         let chord = Self::from_motion(path[0], facing[0], path[n], facing[n], seconds);
         match Arc::fit(&path) {
-            Some(arc) if arc.length > SLOW * seconds => {
+            Some(arc) if arc.length > STANDING_MPS_F64 * seconds => {
                 Self::from_arc(&arc, &path, &facing, seconds, period / track.rate())
             }
             _ => chord,

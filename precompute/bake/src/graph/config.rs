@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::STANDING_MPS_F64;
 use throng_motion::error::{BuildError, check_ranges};
 
 /// Settings of [`super::connect`].
@@ -58,7 +59,7 @@ impl Default for MotionGraphConfig {
             outcome_distance: 0.1,
             outcome_angle: 0.1,
             outcome_horizon_s: 1.0,
-            standing_speed_mps: 0.15,
+            standing_speed_mps: STANDING_MPS_F64,
             standing_min_s: 0.3,
             standing_interval_s: 0.25,
             min_swing_s: 0.1,

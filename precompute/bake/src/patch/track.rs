@@ -2,14 +2,13 @@
 
 use crate::cluster::PoseGroups;
 use std::collections::BTreeMap;
+use throng_base::thresholds::PATCH_STANDING_MPS;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 use throng_motion::error::BuildError;
 
-/// Largest speed of a standing root (m/s).
-const STANDING_MPS: f32 = 0.12;
 /// Largest speed of a standing joint (rad/s).
 const STANDING_RADPS: f32 = 1.0;
 /// Most names of tags of a clip set, as links store 15 bits.
@@ -142,7 +141,7 @@ pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
     let speed = (b.x - a.x).hypot(b.z - a.z) * rate;
     let (before, after) = (clip.frame_rotations(g - 1), clip.frame_rotations(g));
     let turning = |j: usize| before[j].angle_between(after[j]) * rate;
-    speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
+    speed < PATCH_STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
 }
 
 /// Number of frames before each frame that lie in one of the ranges (len + 1).

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::BODY_IN_WORLD_M;
 use throng_motion::error::{BuildError, check_ranges};
 
 /// Settings for fitting patches into an environment and joining them where they overlap.
@@ -37,7 +38,7 @@ impl Default for StitchConfig {
             heading_deg: 10.0,
             min_frames: 10,
             joints_per_cell: 16,
-            penetration_m: 0.05,
+            penetration_m: BODY_IN_WORLD_M,
             overlap_m: 0.15,
             obstacles: Vec::new(),
             allow_unreachable: false,

@@ -5,6 +5,7 @@ use crate::overlap::{BodyOverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
+use throng_base::thresholds::TRIAL_STANDING_MPS;
 use throng_runtime::characters::{Characters, PolicyCharacters};
 use throng_runtime::{Bundle, CharacterGroup, Planar, PosedBody};
 
@@ -12,8 +13,6 @@ use throng_runtime::{Bundle, CharacterGroup, Planar, PosedBody};
 const STILL_M: f32 = 0.15;
 /// See [`STILL_M`] (s).
 const STILL_S: f32 = 1.0;
-/// Speed below which a character does not walk (m/s).
-const STANDING_MPS: f32 = 0.1;
 /// Number of characters whose motion is compared with the clips.
 const TRACKED: usize = 50;
 /// Most recorded poses of each of them, and of the recorded character.
@@ -134,7 +133,7 @@ impl<'a> TrialWatch<'a> {
             }
             let root = characters.root(c);
             if self.record.arrivals_s[c].is_infinite() {
-                let stands = ground_position(root).distance(ground_position(self.before[c])) < STANDING_MPS * dt;
+                let stands = ground_position(root).distance(ground_position(self.before[c])) < TRIAL_STANDING_MPS * dt;
                 self.on_the_way[0] += 1;
                 self.on_the_way[1] += u64::from(stands && step > 0);
             }

@@ -5,6 +5,7 @@ use crate::trial::{ReachShare, TrialReport};
 use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
+use throng_base::thresholds::{SLIP_UNSEEN_MPS_F64, TOES_SLOW_MPS_F64};
 use throng_motion::stance::{self, StanceReport};
 use throng_runtime::Bundle;
 
@@ -16,10 +17,6 @@ pub(super) const GOOD_REACH: f64 = 0.95;
 const MIN_GROUP: usize = 10;
 /// A group of targets is reported if its share is below the mean by this much.
 const BEHIND_SHARE: f64 = 0.1;
-/// Foot slip below which feet look still, even if those of the clips slip less (m/s).
-const STILL_FEET_MPS: f64 = 0.03;
-/// Speed of low toes that does not catch the eye, even if those of the clips are slower (m/s).
-const SLOW_TOES_MPS: f64 = 0.8;
 /// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
 const HELD_UP_SHARE: f64 = 0.7;
 /// Most clips that are named.
@@ -258,7 +255,7 @@ fn foot_slip(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     let [mm, source_mm] = [here, there].map(|mps| 1000.0 * mps);
     let sentence = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
     // Relative to the slip of the clips, or to an invisible slip.
-    let limit = |times: f64| (times * there).max(STILL_FEET_MPS);
+    let limit = |times: f64| (times * there).max(SLIP_UNSEEN_MPS_F64);
     let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], sentence).always_reported();
     vec![m.with_advice(|| {
         let out = "add clips that lie between the poses of the others, so that nearer ones can follow each other, or \
@@ -304,7 +301,7 @@ fn feet_from_ground(source: &SourceFeet) -> Option<Measure> {
 fn low_toes(trial: &TrialReport) -> Measure {
     let (here, there) = (trial.quality.toe_speed_low_p95_mps, trial.quality.source_toe_speed_low_p95_mps);
     let sentence = format!("toes near the ground move at up to {here:.2} m/s ({there:.2} in the clips)");
-    let limit = |times: f64| (times * there).max(times / 1.5 * SLOW_TOES_MPS);
+    let limit = |times: f64| (times * there).max(times / 1.5 * TOES_SLOW_MPS_F64);
     let m = measure("low toes, 95th percentile (m/s)", here, [limit(1.5), limit(3.0)], sentence);
     m.with_advice(|| vec!["add walks whose steps are alike, or lower `graph.max_error`".into()])
 }

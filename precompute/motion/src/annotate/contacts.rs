@@ -5,6 +5,7 @@ use crate::error::{BuildError, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::{FOOT_CONTACT_M, FOOT_FREE_MPS, FOOT_PLANTED_MPS, REFERENCE_LEG_M};
 use throng_core::{Contacts, Joint, Skeleton};
 
 /// Thresholds by which a heel or toe counts as planted.
@@ -40,10 +41,10 @@ pub struct ContactConfig {
 impl Default for ContactConfig {
     fn default() -> Self {
         Self {
-            height_on: 0.025,
-            height_off: 0.045,
-            speed_on: 0.15,
-            speed_off: 0.3,
+            height_on: FOOT_CONTACT_M[0],
+            height_off: FOOT_CONTACT_M[1],
+            speed_on: FOOT_PLANTED_MPS,
+            speed_off: FOOT_FREE_MPS,
             vertical_speed_off: 0.15,
             speed_share: 0.1,
             min_duration: 0.09,
@@ -86,12 +87,6 @@ pub enum GroundShape {
     Uneven,
 }
 
-/// Leg length that the thresholds are for: the default skeleton's (m).
-const REFERENCE_LEG: f32 = 0.83;
-
-/// Speed below which a foot may be standing, so that its height shows where the floor is (m/s).
-const SLOW: f32 = 0.3;
-
 /// Half width of the window over which the local floor on uneven ground is found (s).
 const LOCAL_WINDOW: f32 = 0.33;
 
@@ -108,12 +103,12 @@ pub const FOOT_PARTS: [(Joint, Contacts); 4] = [
 
 /// Contacts of every frame (num_frames).
 pub fn detect_contacts(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Vec<Contacts> {
-    let scale = skeleton.leg_length() / REFERENCE_LEG;
+    let scale = skeleton.leg_length() / REFERENCE_LEG_M;
     let rest = skeleton.rest_positions();
     let tracks = tracks(clip, skeleton);
     let path: Vec<Vec3> = clip.root_positions.iter().map(|p| p.with_y(0.0)).collect();
     let pace = speeds(&path, clip.rate_hz);
-    let slow = SLOW * scale;
+    let slow = FOOT_FREE_MPS * scale;
     let uneven = match cfg.ground {
         GroundShape::Flat => false,
         GroundShape::Uneven => true,

@@ -4,6 +4,7 @@ use crate::import::{Forward, ImportedClip, LEG_DOWN, LEG_SEGMENTS};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_base::thresholds::RIG_FOOT_PLANTED_MPS;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Source joint of every role (NUM_JOINTS).
@@ -34,9 +35,6 @@ pub type RolePose = [(Vec3, Quat); NUM_JOINTS];
 
 /// Number of frames sampled over all clips of a skeleton, to measure what its offsets alone do not show.
 const MAX_SAMPLES: usize = 3000;
-
-/// Speed of both ankle and toe below which a foot may be planted (m/s).
-const PLANTED_SPEED: f32 = 0.12;
 
 /// A sampled frame.
 #[derive(Clone, Debug)]
@@ -159,7 +157,7 @@ fn sample_frames(sources: &[RetargetSource]) -> Vec<PoseSample> {
             let next = (frame + 1).min(source.clip.num_frames - 1);
             let ahead = role_pose(*source, next, &mut scratch);
             let rate = source.clip.rate_hz as f32;
-            let slow = |j: Joint| (ahead[j.index()].0 - pose[j.index()].0).length() * rate < PLANTED_SPEED;
+            let slow = |j: Joint| (ahead[j.index()].0 - pose[j.index()].0).length() * rate < RIG_FOOT_PLANTED_MPS;
             let still_feet =
                 [slow(Joint::LeftFoot) && slow(Joint::LeftToe), slow(Joint::RightFoot) && slow(Joint::RightToe)];
             out.push(PoseSample { pose, still_feet });

@@ -8,6 +8,7 @@ use super::super::walk::roll::{Footfall, standing};
 use super::drive::Drive;
 use super::spline::Spline;
 use glam::{DQuat, DVec2, DVec3};
+use throng_base::thresholds::TOE_CLEARANCE_M_F64;
 
 /// Key of the leg during the swing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,8 +62,6 @@ pub struct RunnerFoot {
 
 /// Share of a flight after which the toes are in line with the foot.
 const TOES: f64 = 0.45;
-/// Least height of the sole as the leg passes under the body (m).
-const CLEARANCE: f64 = 0.02;
 /// Distance by which the swinging ankle is nearer to the middle of the body than the hip (m).
 const INWARD: f64 = 0.012;
 /// Largest rate of the knee at begin and end of a swing. A foot pinned to the ground would need more of a nearly
@@ -87,7 +86,7 @@ impl RunnerFoot {
         let missing = |u: f64| {
             let t = from.lift + u * (to.land - from.lift);
             let foot = self.pose_in_flight(from, to, &self.flights[i], t, hip(t));
-            (CLEARANCE - self.shape.sole(&foot, |_| 0.0)) / passing(u)
+            (TOE_CLEARANCE_M_F64 - self.shape.sole(&foot, |_| 0.0)) / passing(u)
         };
         moments.map(missing).fold(0.0, f64::max)
     }
@@ -223,7 +222,7 @@ mod tests {
         for k in 1..100 {
             let t = 0.22 + 0.0048 * f64::from(k);
             let sole = foot.shape.sole(&foot.pose(t, hip(t)), |_| 0.0);
-            let least = if (0.4..0.6).contains(&t) { CLEARANCE - 1e-3 } else { -0.004 };
+            let least = if (0.4..0.6).contains(&t) { TOE_CLEARANCE_M_F64 - 1e-3 } else { -0.004 };
             assert!(sole > least, "at {t}: {sole}");
         }
     }

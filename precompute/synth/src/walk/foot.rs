@@ -5,6 +5,7 @@ use super::super::side::{LateralSide, forward, leftward};
 use super::super::signal::{PieceEnd, bump, cruise, early_bump, quintic};
 use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
 use glam::{DVec2, DVec3};
+use throng_base::thresholds::WALK_CLEARANCE_M_F64;
 
 /// The flight between two footfalls, beyond the data of its ends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,8 +26,6 @@ pub struct FootTrack {
     flights: Vec<StepFlight>,
 }
 
-/// Least height of the sole in the middle of a flight (m).
-const CLEARANCE: f64 = 0.015;
 /// Droop of the toes at half of a flight, as a share of the heel's rise at toe-off: the foot follows the shank rather
 /// than the ground.
 const HANG: f64 = 0.38;
@@ -117,7 +116,7 @@ impl FootTrack {
 
     /// Extra height that flight `i` needs for its sole to clear the ground (m).
     fn clearance_height(&self, i: usize, ground: &impl Fn(DVec2) -> f64) -> f64 {
-        let missing = |t: f64| CLEARANCE - self.shape.sole(&self.pose_in_flight(i, t), ground);
+        let missing = |t: f64| WALK_CLEARANCE_M_F64 - self.shape.sole(&self.pose_in_flight(i, t), ground);
         self.flight_moments(i).filter(|m| m.1 > 0.3).map(|(t, b)| missing(t) / b).fold(0.0, f64::max)
     }
 
@@ -205,7 +204,7 @@ mod tests {
         for k in 0..=100 {
             let u = f64::from(k) / 100.0;
             let p = track.pose(0.7 + 0.4 * u);
-            let least = if (0.3..0.7).contains(&u) { CLEARANCE - 1e-3 } else { -1e-9 };
+            let least = if (0.3..0.7).contains(&u) { WALK_CLEARANCE_M_F64 - 1e-3 } else { -1e-9 };
             assert!(track.shape.sole(&p, |_| 0.0) >= least, "at {u}: {}", track.shape.sole(&p, |_| 0.0));
             assert!((DVec2::new(p.ankle.x, p.ankle.z) - DVec2::new(-0.02, 0.65)).length() > PASSING - 5e-3);
         }

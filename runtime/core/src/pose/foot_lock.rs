@@ -12,6 +12,7 @@ use super::leg::{LegJoints, NO_CORRECTION, move_leg, turn_foot};
 use super::placement::PlacementLanes;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, V};
+use throng_base::thresholds::{FOOT_RELEASED_MPS, TOE_CLEARANCE_M, TOE_RAISED_MPS, TOE_SWING_MPS};
 
 /// Settings of the foot lock.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +41,7 @@ impl Default for FootLockConfig {
             planted_half_life_s: 2.0,
             planted_return_mps: 0.01,
             max_correction_m: 0.3,
-            swing_clearance_m: 0.02,
+            swing_clearance_m: TOE_CLEARANCE_M,
         }
     }
 }
@@ -48,17 +49,9 @@ impl Default for FootLockConfig {
 /// Time in which the vertical correction of a planted foot halves, and its turn where heel or toe alone is planted (s).
 const PLANTED_HEIGHT_HALF_LIFE_S: f32 = 0.3;
 
-/// Largest speed of the correction of a foot in the air, over the ground (m/s).
-const RELEASED_MPS: f32 = 1.2;
-
 /// Largest correction of the vector from ankle to toe, as a share of it: a foot that would turn by more than about 30
 /// degrees slides.
 const MAX_TURN: f32 = 0.5;
-
-/// Speed over the ground at which a toe begins to clear it, and at which it clears it wholly (m/s).
-const SWING_MPS: [f32; 2] = [0.2, 0.5];
-/// Fastest that a toe is raised to clear the ground (m/s).
-const RAISED_MPS: f32 = 0.8;
 
 /// The lock of one foot of eight characters.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
@@ -113,9 +106,9 @@ impl LockStep {
             planted: keep(config.planted_half_life_s),
             height: keep(PLANTED_HEIGHT_HALF_LIFE_S),
             returned: config.planted_return_mps * dt_s,
-            released: RELEASED_MPS * dt_s,
-            raised: RAISED_MPS * dt_s,
-            swing: SWING_MPS.map(|speed| speed * dt_s),
+            released: FOOT_RELEASED_MPS * dt_s,
+            raised: TOE_RAISED_MPS * dt_s,
+            swing: TOE_SWING_MPS.map(|speed| speed * dt_s),
             max_correction: config.max_correction_m,
             clearance: config.swing_clearance_m,
         }

@@ -11,13 +11,10 @@ use super::footing::FootGround;
 use super::spring::DampedSpring;
 use crate::pose::{Lane, PlacementLanes, load, store};
 use throng_base::simd::{Lanes, Q, V};
+use throng_base::thresholds::{FOOT_NEAR_M, FOOT_SETTLED_M};
 
 /// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears (m).
 const FLAT_M: f32 = 0.005;
-/// Height over the ground from which a planted foot counts as standing (m).
-const STANDING_HEIGHT_M: f32 = 0.002;
-/// Height over the ground up to which a foot is planted (m).
-const NEAR_M: f32 = 0.06;
 /// Height that a foot is lifted to in a step of its own (m).
 const STEP_HEIGHT_M: f32 = 0.06;
 /// Offset beyond which a foot is reset, not brought back: the character was moved elsewhere (m).
@@ -79,7 +76,7 @@ pub(crate) fn place_foot<F: Lanes>(
     let share = ball_share(t.leg, t.scale, over_ground(t, heel), over_ground(t, ball));
     let stepping = F::select_lt(F::load(&foot.step), one, one, zero);
     // A foot that is far from the ground does not bear.
-    let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(NEAR_M) * t.scale, one, zero);
+    let near = F::select_lt(F::load(&foot.height) + F::load(&foot.rise), F::splat(FOOT_NEAR_M) * t.scale, one, zero);
     let down = t.contact * (one - stepping) * near;
     let held = down * F::load(&foot.down);
 
@@ -102,7 +99,7 @@ pub(crate) fn place_foot<F: Lanes>(
     foot.down = down.to_array();
     progress_step(t, foot, down, offset, turn[1]);
     // What still comes down does not stand yet.
-    let standing = F::select_lt(left, F::splat(STANDING_HEIGHT_M), held * t.ground.at_rest, zero);
+    let standing = F::select_lt(left, F::splat(FOOT_SETTLED_M), held * t.ground.at_rest, zero);
     let heel = F::select_lt(share, F::splat(0.7), standing, zero);
     let ball = F::select_lt(share, F::splat(0.3), zero, standing);
     (sole, [heel.to_array(), ball.to_array()])

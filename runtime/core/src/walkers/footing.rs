@@ -13,6 +13,7 @@ use crate::planar::Planar;
 use crate::pose::{Lane3, PlacementLanes, load};
 use glam::Vec2;
 use throng_base::simd::{LANES, Lanes, V};
+use throng_base::thresholds::{FOOT_PLANE_SETTLED_M, FOOT_STANDS_M};
 
 /// Steepest plane along a foot, and to its side. Over an edge a foot stands on the higher side.
 const STEEPEST: [f32; 2] = [0.35, 0.35];
@@ -20,10 +21,6 @@ const STEEPEST: [f32; 2] = [0.35, 0.35];
 const AHEAD_S: [f32; 2] = [0.05, 0.1];
 /// Distance of the two points whose heights give the slope to the side (m).
 const WIDTH_M: f32 = 0.1;
-/// Distance between plane and ground below which the plane counts as at rest (m).
-const REST_HEIGHT_M: f32 = 0.0015;
-/// Distance from the ground up to which a part of a foot stands (m).
-const STANDING_M: f32 = 0.005;
 /// Points along the heading over whose mean height the hips are held, from the root (m).
 const BASE_M: [f32; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 /// Time in which a difference to the ground below a foot halves, in the air and planted (s).
@@ -129,7 +126,7 @@ pub(crate) fn follow_ground<F: Lanes>(
     let left = [0, 1].map(|k: usize| (plane[k] - wanted[k]).abs());
     // The part that does not bear has time.
     let left = (left[0] * (one - share)).max(left[1] * share);
-    let settled = F::select_lt(left, F::splat(REST_HEIGHT_M), one, zero);
+    let settled = F::select_lt(left, F::splat(FOOT_PLANE_SETTLED_M), one, zero);
     FootGround { plane: [height, slopes.x, slopes.z], at_rest: settled }
 }
 
@@ -154,7 +151,7 @@ pub(crate) fn keep_planted(ground: &HeightField, leg: &LaneLeg, foot: &WalkerFoo
     for ((part, thickness), bearing) in parts.into_iter().zip(bearing) {
         for (lane, bears) in bearing.iter_mut().enumerate() {
             let height = ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height + thickness[lane];
-            if *bears > 0.5 && (part[1][lane] - height).abs() > STANDING_M {
+            if *bears > 0.5 && (part[1][lane] - height).abs() > FOOT_STANDS_M {
                 *bears = 0.0;
             }
         }

@@ -10,9 +10,8 @@ use crate::blend::{Activity, ActivityId, ActivitySample, ActivitySet, AxisRecord
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::{STANDING_MPS, STRIDING_MPS};
 
-/// Speed asked for from which a body walks away instead (m/s).
-const WALKING_MPS: f32 = 0.3;
 /// Time in which half of a change from the blend to an activity, or back, is made (s).
 const HALF_LIFE_S: f32 = 0.09;
 /// Time before its end at which an activity begins to fade (s).
@@ -21,10 +20,9 @@ const LEAD_S: f32 = 0.25;
 const CROSS_S: f32 = 0.35;
 /// Share of an activity that is none.
 const GONE: f32 = 1e-3;
-/// A body stands and has turned: what is left of its turn, its turning rate, and its speed (rad, rad/s, m/s).
+/// A body that stands has turned: what is left of its turn, and its turning rate (rad, rad/s).
 const TURNED: f32 = 0.03;
 const TURNING: f32 = 0.15;
-const STANDING_MPS: f32 = 0.15;
 
 /// An activity to perform.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -298,5 +296,5 @@ impl Performance {
 }
 
 fn walks(control: &Control) -> bool {
-    control.velocity.length_squared() > WALKING_MPS * WALKING_MPS
+    control.velocity.length_squared() > STRIDING_MPS * STRIDING_MPS
 }

@@ -10,11 +10,7 @@ use crate::planar::wrap_angle;
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_base::maths;
-
-/// Least speed at which the direction of movement is used (m/s).
-const MOVING_MPS: f32 = 0.1;
-/// Least speed of a blend at which its direction is used (m/s).
-const STRIDING_MPS: f32 = 0.3;
+use throng_base::thresholds::{MOVING_DIRECTION_MPS, STRIDING_MPS};
 
 /// Fastest change of a parameter that is followed without delay, in widths of the box per second.
 const STEADY_PER_S: f32 = 0.8;
@@ -93,10 +89,10 @@ impl<'a> WalkerSteering<'a> {
     fn aim_heading(&self, block: &WalkerBlock, lane: usize, control: &Control, speed: f32) -> f32 {
         let travel = maths::atan2(control.velocity.x, control.velocity.y);
         match control.heading {
-            Some(heading) if self.sideways || speed < MOVING_MPS => heading,
+            Some(heading) if self.sideways || speed < MOVING_DIRECTION_MPS => heading,
             // Without side steps, the body has to face along or against the movement.
             Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
-            None if speed < MOVING_MPS => block.aim[lane],
+            None if speed < MOVING_DIRECTION_MPS => block.aim[lane],
             // The forward direction of the blend is aligned with the trajectory's tangent (Kim, Kim and Shin 2003a,
             // section 4.2.3).
             _ => travel - lean(block.travel, lane),

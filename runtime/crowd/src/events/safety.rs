@@ -5,9 +5,7 @@ use crate::Space;
 use crate::safety::reach::PlanReach;
 use crate::safety::rule::{PlanCandidate, SafetyViolation, lever, violation_of_region, violation_of_solid};
 use crate::space::plan::MotionPlan;
-
-/// Speed that every agent may reach while it yields, whatever its desired speed (m/s).
-const SLOWEST_MPS: f32 = 0.5;
+use throng_base::thresholds::GIVING_WAY_MPS;
 
 /// The motion that a new plan is wanted to have.
 #[derive(Clone, Copy, Debug)]
@@ -83,7 +81,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
     pub(super) fn max_speed(&self, state: &AgentState<V>) -> f32 {
-        let own = state.speed.max(SLOWEST_MPS) * self.scenery.steering.largest_speed_ratio;
+        let own = state.speed.max(GIVING_WAY_MPS) * self.scenery.steering.largest_speed_ratio;
         own.min(self.scenery.fastest)
     }
 

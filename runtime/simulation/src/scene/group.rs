@@ -5,6 +5,7 @@ use super::place::PlaceConfig;
 use super::story::SourceConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use throng_base::thresholds::{AGENT_RADIUS_M, WALK_SPEED_MPS};
 
 /// Group of characters or agents that are moved alike.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -138,11 +139,11 @@ pub(super) fn arrival() -> f32 {
 }
 
 pub(super) fn radius() -> [f32; 2] {
-    [0.3; 2]
+    [AGENT_RADIUS_M; 2]
 }
 
 pub(super) fn speed() -> [f32; 2] {
-    [1.3; 2]
+    [WALK_SPEED_MPS; 2]
 }
 
 pub(super) fn acceleration() -> [f32; 2] {

@@ -2,6 +2,7 @@
 
 use super::body::BodyShape;
 use throng_base::error::check_value;
+use throng_base::thresholds::FLESH_GIVES_M;
 use throng_base::{Hash128, Result};
 use throng_core::characters::CharactersConfig;
 
@@ -47,7 +48,7 @@ pub struct TouchConfig {
 
 impl Default for TouchConfig {
     fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.1, give_m: 0.015, elbow_radps: 33.0 }
+        Self { enabled: true, half_life_s: 0.1, give_m: FLESH_GIVES_M, elbow_radps: 33.0 }
     }
 }
 

@@ -16,6 +16,7 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::maths;
+use throng_base::thresholds::LEG_RAISED_M;
 use throng_core::pose::{LocalTransform, Mat3x4};
 use throng_core::skeleton::{Joint, Skeleton};
 use throng_core::{Contacts, Planar};
@@ -36,8 +37,6 @@ const REACH_M: f32 = 1.3;
 const AT_REST_M: f32 = 5e-4;
 /// Least length of a bone of a limb (m).
 const LEAST_M: f32 = 1e-3;
-/// Height of an ankle above the other one from which on the leg counts as kicking (m).
-const RAISED_M: f32 = 0.25;
 
 /// Root, middle and end of each limb: shoulder, elbow and wrist, then hip, knee and ankle.
 const LIMBS: [[Joint; 3]; NUM_LIMBS] = [
@@ -400,7 +399,7 @@ fn limb_freedoms(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [LimbFreed
     let ankles = [0, 1].map(|k| now[LEGS + k][2].y);
     std::array::from_fn(|l| match l {
         0..LEGS => LimbFreedom::Free,
-        _ if ankles[l - LEGS] > ankles[LEGS + 1 - l] + RAISED_M => LimbFreedom::Free,
+        _ if ankles[l - LEGS] > ankles[LEGS + 1 - l] + LEG_RAISED_M => LimbFreedom::Free,
         _ if contacts.any(SOLES[l - LEGS]) => LimbFreedom::Stays,
         _ => LimbFreedom::Level,
     })

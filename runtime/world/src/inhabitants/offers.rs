@@ -2,6 +2,7 @@
 
 use super::{InhabitantActivity, InhabitantGoal, Inhabitants};
 use crate::{WorldGraph, WorldNode};
+use throng_base::thresholds::STROLL_MPS;
 use throng_core::patch::LinkRecord;
 
 /// Instances that offer each tag, by `tag - 1`.
@@ -25,8 +26,6 @@ pub(super) fn offers_by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
     out
 }
 
-/// Speed by which waiting is weighed against a walk elsewhere (m/s).
-const WALK_MPS: f32 = 1.2;
 /// Assumed stay of a character that has arrived at its place (s).
 const STAY_S: f32 = 60.0;
 
@@ -35,7 +34,7 @@ impl Inhabitants {
     pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
-        let far = |i: u32| (graph.centre(i) - here).length() + WALK_MPS * self.others_held_for_s(graph, character, i);
+        let far = |i: u32| (graph.centre(i) - here).length() + STROLL_MPS * self.others_held_for_s(graph, character, i);
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 

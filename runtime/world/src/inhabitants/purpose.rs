@@ -11,8 +11,6 @@ const STEPS: [f32; 2] = [6.0, 18.0];
 /// Cosine of the largest angle between a free step and the direction; without a nearer step a character chooses another
 /// direction (cosine of 45 degrees).
 const AHEAD: f32 = 0.7;
-/// Steps that are slower are taken more seldom, as the square of their speed (m/s).
-pub(super) const BRISK_MPS: f32 = 1.2;
 /// Weight of a step that leads back, relative to one straight ahead, and of a step that leads nowhere: an action in one
 /// place.
 const BACK: f32 = 1e-3;
@@ -42,7 +40,8 @@ impl Purpose {
 
     /// Weight of a step from a point in a random choice.
     ///
-    /// - `brisk`: time for a metre at [`BRISK_MPS`] (frames).
+    /// - `brisk`: time for a metre at [`throng_base::thresholds::STROLL_MPS`] (frames). Slower steps are taken more seldom, as
+    ///   the square of their speed.
     pub fn step_weight(&self, graph: &WorldGraph, from: [f32; 2], step: &WorldStep, brisk: f32) -> f32 {
         let Some(lead) = self.alignment(graph, from, step) else { return NOWHERE };
         let speed = (graph.step_length(step) * brisk / step.num_frames() as f32).min(1.0);

@@ -1,12 +1,9 @@
 //! Meaning of the figures on contacts, in plain words.
 
+use throng_base::thresholds::{FOOT_PLANTED_MPS, FOOT_SLIDES_MPS};
 use throng_precompute::annotate::ContactSanity;
 use throng_precompute::stance::Grade;
 
-/// Slower than this, planted feet do not visibly slide (m/s).
-const STILL_MPS: f32 = 0.15;
-/// Faster than this, the fastest planted feet slide visibly (m/s).
-const SLIDING_MPS: f32 = 0.5;
 /// Difference of the contact shares of the two feet above which a limp, a turn, or a wrong floor is likely.
 const UNEVEN: f32 = 0.25;
 
@@ -52,9 +49,9 @@ fn stance(c: &ContactSanity) -> (Mood, String) {
 }
 
 fn sliding(c: &ContactSanity) -> (Mood, String) {
-    if c.p95_speed_mps > SLIDING_MPS {
+    if c.p95_speed_mps > FOOT_SLIDES_MPS {
         (Mood::Odd, "Planted feet slide at times: expect foot skate, or set the contact thresholds lower.".to_owned())
-    } else if c.mean_speed_mps > STILL_MPS {
+    } else if c.mean_speed_mps > FOOT_PLANTED_MPS {
         (Mood::Odd, "Planted feet move a little: foot lock will have some work to do.".to_owned())
     } else {
         (Mood::Good, "Planted feet stay where they are.".to_owned())

@@ -4,12 +4,11 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::Vec2;
 use std::fmt;
+use throng_base::thresholds::WALKING_MPS;
 use throng_core::Joint;
 
 /// Time over which the velocity of the hips is measured (s).
 const WAY_S: f64 = 0.4;
-/// Speed below which nobody takes steps (m/s).
-const WALKING_MPS: f32 = 0.5;
 /// Distance by which a foot is ahead of the other one (m).
 const AHEAD_M: f32 = 0.08;
 /// Least number of times from a step to the next that are conclusive.

@@ -5,20 +5,15 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec2, Vec3};
 use std::fmt;
+use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS};
 use throng_core::Joint;
 
 /// Time over which speeds are measured (s).
 const SPEED_S: f64 = 0.1;
 /// Time over which the travel of the hips is measured: about a step (s).
 const STEP_S: f64 = 0.6;
-/// Height above its lowest place below which a foot carries weight (m).
-const LOW_M: f32 = 0.04;
-/// Speed above which feet that carry weight slide (m/s).
-const SLIDING_MPS: f32 = 0.3;
-/// Share of that speed below which the hips stay.
+/// Share of the speed of sliding feet below which the hips stay.
 const STAYING: f32 = 0.35;
-/// Speed below which a foot that carries weight stands (m/s).
-const STANDING_MPS: f32 = 0.15;
 /// Least duration of a slide (s).
 const SLIDE_S: f64 = 0.12;
 /// Share of the clip above which it is a walk on the spot.
@@ -77,19 +72,20 @@ pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<InPl
     };
     let ground = [0, 1].map(|side| [0, 1].map(|part| lowest(side, part)));
     let low = |side: usize, part: usize, f: usize| {
-        parts[f][side][part].zip(ground[side][part]).is_some_and(|(at, ground)| at.y < ground + LOW_M)
+        parts[f][side][part].zip(ground[side][part]).is_some_and(|(at, ground)| at.y < ground + FOOT_LOW_M)
     };
     let foot = |side: usize, part: usize, f: usize| {
         velocity(&|f| parts[f][side][part].map(|v| Vec2::new(v.x, v.z)), f, SPEED_S)
     };
     let all_parts = || (0..2).flat_map(|side| (0..2).map(move |part| (side, part)));
-    let stands =
-        |f: usize| all_parts().any(|(s, p)| low(s, p, f) && foot(s, p, f).is_some_and(|v| v.length() < STANDING_MPS));
+    let stands = |f: usize| {
+        all_parts().any(|(s, p)| low(s, p, f) && foot(s, p, f).is_some_and(|v| v.length() < FOOT_PLANTED_MPS))
+    };
     // Speed of a foot that carries weight and slides, while the hips stay.
     let slide = |side: usize, f: usize| {
         let foot = foot(side, (0..2).find(|&part| low(side, part, f))?, f)?;
         let body = velocity(&|f| Some(roots[f]), f, STEP_S)?;
-        let slides = foot.length() > SLIDING_MPS && body.length() < STAYING * foot.length() && !stands(f);
+        let slides = foot.length() > FOOT_FREE_MPS && body.length() < STAYING * foot.length() && !stands(f);
         slides.then(|| foot.length())
     };
     let (mut sliding, mut speeds, mut slides) = (vec![false; n], Vec::new(), [false; 2]);

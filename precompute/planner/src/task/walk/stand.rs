@@ -13,6 +13,7 @@ use crate::task::stage::{TaskStage, ThingPlacement};
 use crate::task::step::TaskStep;
 use glam::{DQuat, DVec2, DVec3};
 use std::f64::consts::TAU;
+use throng_base::thresholds::BODY_RADIUS_M;
 use throng_core::{Joint, NUM_JOINTS};
 use throng_geometry::SolidShape;
 
@@ -38,8 +39,6 @@ const WALK_M: f64 = 0.004;
 const PRESS_M: f64 = 0.02;
 /// Guess of the time for turns at the beginning and at the end, and for coming to a stand (s).
 const AROUND_S: f64 = 2.0;
-/// Radius around other characters that no path enters (m).
-const BODY_M: f64 = 0.25;
 
 /// A standing place.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +159,7 @@ impl<'a> StandSearch<'a> {
             let steps = ((stand.at_s - self.now_s) / 0.5).ceil() as usize;
             for k in 0..=steps {
                 let at = other.joint_place(Joint::Hips, self.now_s + 0.5 * k as f64).position;
-                ground.discs.push((DVec2::new(at.x, at.z), BODY_M));
+                ground.discs.push((DVec2::new(at.x, at.z), f64::from(BODY_RADIUS_M)));
             }
         }
         ground

@@ -23,6 +23,7 @@ use std::collections::BinaryHeap;
 use throng_base::Result;
 use throng_base::error::check_value;
 use throng_base::simd::LANES;
+use throng_base::thresholds::SEGMENT_WALKING_MPS;
 use throng_geometry::Capsule2d;
 
 pub(crate) use choose::{ChoiceInputs, choose_avoiding};
@@ -144,7 +145,8 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
         let d = s.displacement();
         throng_base::maths::hypot(d.x, d.z) * motion_set.rate_hz / s.num_frames as f32
     };
-    let mut speeds: Vec<f32> = motion_set.graph.segments.iter().map(speed).filter(|v| *v > 0.4).collect();
+    let mut speeds: Vec<f32> =
+        motion_set.graph.segments.iter().map(speed).filter(|v| *v > SEGMENT_WALKING_MPS).collect();
     speeds.sort_unstable_by(f32::total_cmp);
     speeds.get(speeds.len() / 2).copied().unwrap_or(1.0)
 }
