@@ -135,7 +135,7 @@ impl Progress for ProgressLines {
     }
 
     fn enter_stage(&self, stage: &'static str) {
-        lock(&self.status).enter(stage);
+        lock(&self.status).enter_stage(stage);
         if self.prints_json {
             eprintln!("{}", serde_json::json!({ "stage": stage }));
         }

@@ -36,7 +36,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     doors(out, scene.surroundings(), simulation, &brush);
     things(out, scene.surroundings(), simulation, &brush);
     obstacles::lay_out(&mut out.shapes, scene.surroundings(), simulation.time_s(), &brush);
-    agents::blackboards(&mut out.shapes, simulation, &model.selection.scene, &brush);
+    agents::lay_out_blackboards(&mut out.shapes, simulation, &model.selection.scene, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
             let colour = match by_message(model, simulation, who) {

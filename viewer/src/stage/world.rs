@@ -146,7 +146,7 @@ fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, pale
         root,
         colour: colour(c),
         is_selected: selected == Some(c),
-        options: 0,
+        look: 0,
     }));
 }
 

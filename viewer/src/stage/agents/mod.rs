@@ -6,7 +6,7 @@ pub(super) mod obstacles;
 mod selected;
 mod spread;
 
-pub(super) use blackboards::lay_out as blackboards;
+pub(super) use blackboards::lay_out as lay_out_blackboards;
 pub use blackboards::{cell_at, colour_of_message};
 pub use marks::colour_of as colour_of_event;
 pub use selected::{TAKEN, colour_of_force};
