@@ -6,7 +6,7 @@
 use crate::events::decide::{Decider, Decision};
 use crate::events::engine::Engine;
 use crate::senses::SensingState;
-use crate::space::plan::Plan;
+use crate::space::plan::MotionPlan;
 use crate::{CrowdConfig, CrowdError, NONE, Scheme, Space};
 use serde::{Deserialize, Serialize};
 
@@ -120,7 +120,7 @@ impl<V: Space> Engine<V> {
             let agent = decision.plan.index;
             let cell = self.states[agent as usize].cell;
             if cell != NONE {
-                let plan = Plan { end, ..self.cells.plan(agent) };
+                let plan = MotionPlan { end, ..self.cells.plan(agent) };
                 self.cells.set(cell, cell, &plan);
             }
         }
@@ -145,7 +145,7 @@ impl<V: Space> Engine<V> {
         let fastest = scenery.fastest;
         let end = (fresh.velocity + desired.acceleration * step).at_most(fastest);
         let acceleration = ((end - fresh.velocity) * step.recip()).at_most(fresh.limit);
-        let plan = Plan { end: self.now + f64::from(step), acceleration, ..fresh };
+        let plan = MotionPlan { end: self.now + f64::from(step), acceleration, ..fresh };
         let mut state = desired.state;
         let struck_by = decider.striking_obstacle(&plan);
         state.is_struck = struck_by != NONE;
