@@ -99,7 +99,7 @@ fn a_text_of_a_gigabyte_is_refused_by_its_length() {
         return;
     }
     let reads: Vec<&[&str]> = READS.into_iter().filter(|r| r.contains(&"{}.toml")).collect();
-    assert_eq!(reads.len(), 6);
+    assert_eq!(reads.len(), 5);
     each_refused(&folder, "zeros", &reads, |args, message| {
         assert!(message.contains("zeros.toml") && message.contains("17 MB at most"), "{args:?}: {message}");
     });

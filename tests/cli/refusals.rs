@@ -159,7 +159,7 @@ fn worlds_that_cannot_be_are_refused_with_the_way_out() {
     let e = failed(&["stitch", &world]);
     assert!(e.contains("square.toml:2") && e.contains("`place`"), "{e}");
     let scene = at(&folder, "scene.toml");
-    std::fs::write(&scene, "world = \"square.toml\"\ncharacters = 3\n").expect("a file");
+    std::fs::write(&scene, "world = \"square.toml\"\n").expect("a file");
     let e = failed(&["run", &scene]);
     assert!(e.contains("scene.toml:1:1: unknown field `world`"), "{e}");
 }

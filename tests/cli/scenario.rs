@@ -4,7 +4,7 @@ use super::*;
 
 const STORY: &str = "seconds = 6.0\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 12\n\
     place = { block = { from = [-6.0, -4.0], to = [6.0, 4.0] } }\ngraph = \"life\"\n\
-    [[events]]\nname = \"bell\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\n\
+    [[events]]\nname = \"bell\"\nat_s = 1.0\nwho = \"me.number == 0\"\npassed_on = true\n\
     [graphs.life]\nlevel = \"social\"\nstart = \"idle\"\nedges = [{ from = \"idle\", to = \"go\", on = \"bell\" }]\n\
     [graphs.life.states]\nidle = { do = [{ stay = 100 }] }\ngo = { do = [{ go = [0.0, 8.0], within_m = 2.0 }] }\n";
 

@@ -375,7 +375,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn starts_and_wishes_that_cannot_be_are_refused() {
+fn starts_and_goals_that_cannot_be_are_refused() {
     let world = open(&["###.###", "#b#.###", "###.###"]);
     let graph = world.graph();
     let rest = graph.rest_cells(1).next().unwrap();

@@ -86,7 +86,7 @@ impl Square {
         let path = self.folder.path().join("scene.toml");
         let text = format!(
             "bundle = \"tiles.throng\"\n[environment]\nworld = \"square.world\"\nworld_config = \"square.toml\"\n\
-                 [[groups]]\nmotion = \"patches\"\ncount = {characters}\nwishes = [{{ goal = {{ visit = {{}} }} }}]\n"
+                 [[groups]]\nmotion = \"patches\"\ncount = {characters}\ngoals = [{{ goal = {{ visit = {{}} }} }}]\n"
         );
         std::fs::write(&path, text).expect("a scene");
         path

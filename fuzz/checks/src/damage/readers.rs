@@ -93,7 +93,7 @@ fn live_in(world: &throng_world::World, bytes: &[u8], floor: &Bundle) {
     let path = in_folder("damaged.world", |path| {
         let _ = std::fs::write(path, bytes);
     });
-    let group = "motion = \"patches\"\ncount = 3\nwishes = [{ share = 1.0, goal = { perform = { tag = \"sit\", \
+    let group = "motion = \"patches\"\ncount = 3\ngoals = [{ share = 1.0, goal = { perform = { tag = \"sit\", \
                  seconds = [0.5, 1.0] } } }, { share = 1.0, goal = { roam = { seconds = [0.5, 2.0] } } }, \
                  { share = 2.0, goal = { visit = {} } }]";
     let world = toml::Value::from(path.to_string_lossy().as_ref());

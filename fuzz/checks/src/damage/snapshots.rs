@@ -30,7 +30,7 @@ const SCENES: [(&str, &str); 6] = [
     ),
     (
         "patches",
-        "[[groups]]\nmotion = \"patches\"\nbundle = \"FLOOR.throng\"\nworld = \"FLOOR.world\"\ncount = 4\nwishes = [\n\
+        "[[groups]]\nmotion = \"patches\"\nbundle = \"FLOOR.throng\"\nworld = \"FLOOR.world\"\ncount = 4\ngoals = [\n\
          { share = 1.0, goal = { perform = { tag = \"sit\", seconds = [0.5, 1.5] } } },\n\
          { share = 1.0, goal = { roam = { seconds = [0.5, 2.0] } } },\n{ share = 1.0, goal = { visit = {} } },\n]\n",
     ),
@@ -48,7 +48,7 @@ const SCENES: [(&str, &str); 6] = [
          goal = { wander = { from = [-9.0, -6.0], to = [9.0, 6.0] } }\n\n[[environment.obstacles]]\n\
          wall = { points = [[0.0, -1.5], [0.0, 1.5]], radius_m = 0.2 }\n\n[[happenings]]\ntime_s = 1.0\n\
          near = { at = [4.0, 0.0], radius_m = 4.0 }\ngoal = { area = { from = [-9.0, -3.0], to = [-3.0, 3.0] } }\n\
-         speed_mps = 2.0\ntold_on = true\n",
+         speed_mps = 2.0\npassed_on = true\n",
     ),
     (
         "air",

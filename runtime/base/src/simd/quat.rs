@@ -122,7 +122,7 @@ impl<F: Lanes> Q<F> {
 
     /// The shortest rotation that takes the direction of `a` to that of `b`; none where one is 0 long or they are opposite.
     #[inline(always)]
-    pub fn rotation_between(a: V<F>, b: V<F>) -> Self {
+    pub fn shortest_arc(a: V<F>, b: V<F>) -> Self {
         let k = (a.dot(a) * b.dot(b)).sqrt();
         // The square of what is put in place of 0 is a normal number.
         Self::new(a.cross(b), (k + a.dot(b)).max(F::splat(1e-18))).normalize()
@@ -212,7 +212,7 @@ mod tests {
         fn between_takes_one_direction_to_the_other(a in unit(), b in unit()) {
             let (u, v) = (a * Vec3::X * 2.0, b * Vec3::Y * 0.5);
             prop_assume!(u.dot(v) > -0.98);
-            let q = first(Q::rotation_between(V::splat(u), V::splat(v)));
+            let q = first(Q::shortest_arc(V::splat(u), V::splat(v)));
             prop_assert!((q * u.normalize()).abs_diff_eq(v.normalize(), 1e-4));
         }
     }
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn nothing_turns_between_directions_of_which_one_is_none() {
         for (a, b) in [(Vec3::ZERO, Vec3::X), (Vec3::X, Vec3::ZERO), (Vec3::ZERO, Vec3::ZERO), (Vec3::X, Vec3::NEG_X)] {
-            assert_eq!(first(Q::rotation_between(V::splat(a), V::splat(b))), Quat::IDENTITY, "{a} {b}");
+            assert_eq!(first(Q::shortest_arc(V::splat(a), V::splat(b))), Quat::IDENTITY, "{a} {b}");
         }
     }
 }

@@ -71,7 +71,7 @@ pub(crate) fn move_leg<F: Lanes>(leg: &LegJoints, correction: V<F>, pose: &mut M
 
     // The leg swings as a whole, then its knee bends in the plane it bent in before: it would point the other way where the
     // hip comes past the ankle. Where the leg is straight, it bends towards the toes.
-    let swing = Q::rotation_between(before, aim);
+    let swing = Q::shortest_arc(before, aim);
     let forward = pose.rotations[leg.thigh].rotate(V::splat(glam::Vec3::Z));
     let (upper, lower) = (swing.rotate(knee - hip), swing.rotate(ankle - knee));
     let new_knee = bent_middle(hip, direction, d, [l1, l2], upper + swing.rotate(forward) * F::splat(0.02));
@@ -80,8 +80,8 @@ pub(crate) fn move_leg<F: Lanes>(leg: &LegJoints, correction: V<F>, pose: &mut M
     // Lanes that need no correction keep their leg to the last bit, whatever their neighbours do.
     let amount = correction.dot(correction);
     let (thigh, shin) = (pose.rotations[leg.thigh], pose.rotations[leg.shin]);
-    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::rotation_between(upper, new_knee - hip) * swing * thigh);
-    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::rotation_between(lower, new_ankle - new_knee) * swing * shin);
+    pose.rotations[leg.thigh] = chosen_q(amount, thigh, Q::shortest_arc(upper, new_knee - hip) * swing * thigh);
+    pose.rotations[leg.shin] = chosen_q(amount, shin, Q::shortest_arc(lower, new_ankle - new_knee) * swing * shin);
     let toe = pose.positions[leg.toe];
     pose.positions[leg.toe] = chosen_v(amount, toe, toe + (new_ankle - ankle));
     pose.positions[leg.shin] = chosen_v(amount, knee, new_knee);
@@ -92,7 +92,7 @@ pub(crate) fn move_leg<F: Lanes>(leg: &LegJoints, correction: V<F>, pose: &mut M
 #[inline(always)]
 pub(crate) fn turn_foot<F: Lanes>(leg: &LegJoints, turn: V<F>, pose: &mut ModelPose<F>) {
     let (ankle, toe) = (pose.positions[leg.foot], pose.positions[leg.toe]);
-    let by = Q::rotation_between(toe - ankle, toe - ankle + turn);
+    let by = Q::shortest_arc(toe - ankle, toe - ankle + turn);
     let amount = turn.dot(turn);
     for joint in [leg.foot, leg.toe] {
         pose.rotations[joint] = chosen_q(amount, pose.rotations[joint], by * pose.rotations[joint]);

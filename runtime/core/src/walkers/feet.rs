@@ -111,7 +111,7 @@ fn tilt_sole<F: Lanes>(t: &FootPlacement<'_, F>, sole: SolePose<F>) -> SolePose<
     let [_, x, z] = t.ground.plane;
     let up = V::new(F::splat(0.0), F::splat(1.0), F::splat(0.0));
     let normal = V::new(-(x * t.importance), F::splat(1.0), -(z * t.importance));
-    let q = Q::rotation_between(up, normal);
+    let q = Q::shortest_arc(up, normal);
     SolePose { foot: q * sole.foot, toe: q * sole.toe, ..sole }
 }
 
@@ -222,7 +222,7 @@ fn bend_toe<F: Lanes>(t: &FootPlacement<'_, F>, sole: &SolePose<F>, ball: V<F>) 
     let (zero, tip) = (F::splat(0.0), sole.toe.rotate(load(&t.leg.tip)));
     let height = sole.ankle.y + over_ground(t, ball + tip) - t.ground.plane[0];
     let bent = V::new(tip.x, tip.y - height.min(zero), tip.z);
-    Q::rotation_between(tip, bent) * sole.toe
+    Q::shortest_arc(tip, bent) * sole.toe
 }
 
 /// Begins a corrective step where a planted foot has been left too far behind, or advances one.

@@ -64,7 +64,7 @@ pub(crate) fn lean_trunk<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share
             [length, arm],
             trunk + V::splat(Vec3::Z * 1e-3),
         );
-        let turn = Q::rotation_between(trunk, aim - pivot).to_mrp();
+        let turn = Q::shortest_arc(trunk, aim - pivot).to_mrp();
         let angle = turn.length().max(tiny);
         let is_short = F::select_lt(arm, (to - shoulder).length(), one, F::splat(0.0));
         let kept = (F::splat(MOST) / angle).min(F::splat(part)) * share * is_short;

@@ -88,7 +88,7 @@ pub(crate) fn raise_heel<F: Lanes>(
     let d = distance.min((foot + wanted) * F::splat(HARD));
     let ankle = bent_middle(ball, from_ball * (one / distance), d, [foot, wanted], sole.ankle - ball);
     let ankle = V::select_lt(reach, leg_now, ankle, sole.ankle);
-    let raised = Q::rotation_between(V::new(zero, zero, zero) - to_ball, ankle - ball);
+    let raised = Q::shortest_arc(V::new(zero, zero, zero) - to_ball, ankle - ball);
     let risen = ankle.y - sole.ankle.y;
     bearing[0] = F::select_lt(F::splat(LIFTED_M), risen, zero, F::load(&bearing[0])).to_array();
     sole.foot = raised * sole.foot;
@@ -286,11 +286,11 @@ fn reach_with_limb<F: Lanes>(
     let direction = aim * (F::splat(1.0) / distance);
     let d = soft_distance(distance, lengths);
     // The middle turns with the limb: it would point the other way where the end goes past it.
-    let pole = Q::rotation_between(was - start, aim).rotate((middle - start) + hint);
+    let pole = Q::shortest_arc(was - start, aim).rotate((middle - start) + hint);
     let new_middle = bent_middle(start, direction, d, lengths, pole);
     let new_end = start + direction * d;
-    pose.rotations[upper] = Q::rotation_between(middle - start, new_middle - start) * pose.rotations[upper];
-    pose.rotations[lower] = Q::rotation_between(was - middle, new_end - new_middle) * pose.rotations[lower];
+    pose.rotations[upper] = Q::shortest_arc(middle - start, new_middle - start) * pose.rotations[upper];
+    pose.rotations[lower] = Q::shortest_arc(was - middle, new_end - new_middle) * pose.rotations[lower];
     pose.positions[lower] = new_middle;
     pose.positions[end] = new_end;
 }

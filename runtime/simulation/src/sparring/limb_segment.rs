@@ -165,7 +165,7 @@ pub(super) fn swing_rotation(
 ) -> Option<Quat> {
     let segment = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
     let (at, _, by) = penetration(segment.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
-    Some(rotation_between(at - root, at + by - root))
+    Some(shortest_arc(at - root, at + by - root))
 }
 
 /// Nearest points of two axes, and the displacement of the first one, if they are nearer than allowed (m).
@@ -248,7 +248,7 @@ pub(super) fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
 
 /// Rotation from one direction to another; the identity where either has no length. Small rotations are exact, unlike those
 /// of glam, which omits rotations below 0.7 mrad.
-pub(super) fn rotation_between(from: Vec3, to: Vec3) -> Quat {
+pub(super) fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
     let w = 1.0 + from.dot(to);
     if w < 1e-6 {

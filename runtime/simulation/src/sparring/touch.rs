@@ -9,7 +9,7 @@
 use super::body::{NUM_CORE, SparringBody, WorldPose};
 use super::config::{TouchConfig, check_within};
 use super::limb_segment::{
-    BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, rotation_between, separate_segments,
+    BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, separate_segments, shortest_arc,
     solve_two_bones, swing_rotation,
 };
 use glam::{Quat, Vec3};
@@ -354,8 +354,8 @@ impl LimbTouch {
             let [root, middle, end] = joints.map(|j| model[j].translation());
             let off = limb.off.map(|o| maths::rotate(to_model, o));
             let [to_middle, to_end] = [middle + off[0], end + off[1]];
-            let upper = rotation_between(middle - root, to_middle - root);
-            let lower = rotation_between(end - middle, to_end - to_middle);
+            let upper = shortest_arc(middle - root, to_middle - root);
+            let lower = shortest_arc(end - middle, to_end - to_middle);
             let mut turn = |j: usize, turn: Quat, at: Vec3| {
                 model[j] = Mat3x4::from_rotation_translation(turn, Vec3::ZERO) * model[j];
                 model[j].rows.iter_mut().zip(at.to_array()).for_each(|(row, v)| row[3] = v);

@@ -12,7 +12,7 @@ const WAIT: &str =
 
 #[test]
 fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
-    let story = format!("{WAIT}[[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.number < 2\"\ntold_on = true\n");
+    let story = format!("{WAIT}[[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.number < 2\"\npassed_on = true\n");
     let script =
         [(0.5, Signal::Met(0, 2)), (2.0, Signal::Met(1, 2)), (3.0, Signal::Met(0, 2)), (4.0, Signal::Met(2, 3))];
     let (brains, _) = played(4, &story, &script, 5.0);
@@ -28,7 +28,7 @@ fn two_tell_a_third_who_learns_it_from_the_first_it_meets() {
 #[test]
 fn old_news_are_told_no_more() {
     let story = format!(
-        "{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\ntold_on = true\nfresh_s = 2.0\n"
+        "{WAIT}[[events]]\nname = \"sale\"\nat_s = 1.0\nwho = \"me.number == 0\"\npassed_on = true\nfresh_s = 2.0\n"
     );
     let (brains, _) = played(3, &story, &[(2.9, Signal::Met(0, 1)), (3.1, Signal::Met(0, 2))], 5.0);
     assert_eq!([0, 1, 2].map(|a| brains.num_known(a)), [1, 1, 0]);

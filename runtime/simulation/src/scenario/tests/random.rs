@@ -46,7 +46,7 @@ pub(super) fn lively(period: f64, rate: f64, probability: f64) -> String {
         "[agents]\ncell_m = 3.0\n[values.anger]\nstart = [0.0, 0.6]\nrate_per_s = {rate}\n[values.joy]\nstart = [0.1, 0.9]\nrest = 0.4\n\
          half_life_s = 2.0\n[[relations]]\nof = \"people\"\nto = \"people\"\nshare = 0.5\nfriendship = 0.7\n\
          [[places]]\nname = \"shop\"\nat = [3.0, 0.0]\nguidepost = true\nslots = [{{ at = [3.0, 1.0] }}, {{ at = [4.0, 1.0] }}]\n\
-         [[events]]\nname = \"news\"\nperiod_s = {period}\nwho = \"random < 0.3\"\ntold_on = true\nfresh_s = 3.0\n\
+         [[events]]\nname = \"news\"\nperiod_s = {period}\nwho = \"random < 0.3\"\npassed_on = true\nfresh_s = 3.0\n\
          [[events]]\nname = \"shout\"\n[[rules]]\nname = \"cry\"\non = \"anger > 0.8\"\n\
          do = [{{ convey = \"shout\", within_m = 7.0, friends = true }}, {{ set = \"anger\", to = 0.1 }}, {{ post = \"shout\", cells = 1, for_s = 4 }}]\n\
          [[rules]]\nname = \"greet\"\non = \"meets\"\nwhen = \"friendship(me, other) > 0.5 and not other.busy\"\npause_s = 2.0\n\
