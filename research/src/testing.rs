@@ -9,8 +9,8 @@ use throng_planner::linkage::{Limb, LimbPose, Linkage};
 use throng_planner::problem::{LimbState, MovingSolid};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
-use throng_runtime::geometry::SolidShape;
 use throng_planner::track::RigidPath;
+use throng_runtime::geometry::SolidShape;
 
 /// Somebody who stands at the origin and looks along +Z.
 pub struct Somebody {

@@ -1,12 +1,12 @@
 //! `boxing`: the figures of Lee and Lee (2004) beside those of a build.
 
-use crate::args::{CacheArgs, Outcome};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{output, progress};
 use std::path::PathBuf;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files;
 use throng_precompute::pipeline;
-use throng_research::paper::{beside_paper, markdown};
+use throng_research::paper::{compare_with_paper, markdown};
 
 /// Bake a config with hits, and set its figures beside those of Lee and Lee (2004), section 6.
 #[derive(clap::Args)]
@@ -24,12 +24,12 @@ pub struct Args {
     cache: CacheArgs,
 }
 
-pub fn run(args: &Args) -> Outcome {
+pub fn run(args: &Args) -> CommandResult {
     files::check_targets(&args.report, [&args.config].into_iter().chain(&args.out))?;
-    let folder = progress::Scratch::new()?;
+    let folder = progress::ScratchFolder::new()?;
     let out = args.out.clone().unwrap_or_else(|| folder.path().join("boxing.throng"));
     let config = BuildConfig::load(&args.config)?;
-    let bar = progress::Bar::on_interrupt(args.cache.folder());
+    let bar = progress::BuildProgressBar::on_interrupt(args.cache.folder());
     let built = pipeline::build(&config, &out, &args.cache.cache()?, &bar);
     drop(bar);
     let built = built.map_err(|e| e.in_file(&args.config))?;
@@ -38,6 +38,6 @@ pub fn run(args: &Args) -> Outcome {
         let text = markdown(&built);
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
     }
-    let lines = beside_paper(&built);
+    let lines = compare_with_paper(&built);
     output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
 }

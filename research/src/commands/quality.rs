@@ -21,7 +21,7 @@ pub struct Args {
     #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Random (state, target) pairs that are searched.
-    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number::<usize>(&PAIRS))]
+    #[arg(long, default_value_t = 1000, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&PAIRS))]
     pairs: usize,
     /// Print one JSON object.
     #[arg(long)]

@@ -5,7 +5,7 @@ use crate::{keys, output};
 use serde::Serialize;
 use throng_research::steering::{self, CASES, Case, SteeringFigures};
 use throng_runtime::base::limits;
-use throng_runtime::crowd::{Setup, SteeringConfig};
+use throng_runtime::crowd::{CrowdSetup, SteeringConfig};
 
 /// Measure how crowds get on: corridors, bends, crossings, doors, posts, rooms and rings.
 ///
@@ -145,7 +145,7 @@ fn swept(args: &Args) -> Result<Vec<Swept>, Box<dyn std::error::Error>> {
     for (constant, default) in chosen {
         for value in [0.5 * default, 2.0 * default] {
             // Some cannot be halved or doubled.
-            let mut probe = Setup::default();
+            let mut probe = CrowdSetup::default();
             let is_within =
                 change(&mut probe, &constant, value).is_ok() && throng_runtime::crowd::Crowd::on_ground(probe).is_ok();
             if default == 0.0 || !is_within {
@@ -183,7 +183,7 @@ fn parse(text: &str) -> Result<(String, f64), Box<dyn std::error::Error>> {
 }
 
 /// Changes a constant of a crowd.
-fn change(setup: &mut Setup, name: &str, value: f64) -> CommandResult {
+fn change(setup: &mut CrowdSetup, name: &str, value: f64) -> CommandResult {
     let mut all = serde_json::to_value(setup.config.steering)?;
     all[name] = if all[name].is_u64() { (value.round() as u64).into() } else { value.into() };
     setup.config.steering = serde_json::from_value(all)?;

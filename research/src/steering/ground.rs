@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
-use throng_runtime::crowd::{Agent, AtEnd, Obstacle, Route, Setup, Streets};
+use throng_runtime::crowd::{Agent, AtEnd, CrowdSetup, Obstacle, Route, Streets};
 
 /// A rectangle along the axes: lowest and highest x and z (m).
 pub type Area = [f32; 4];
@@ -29,7 +29,7 @@ impl People {
 #[derive(Clone, Debug)]
 pub struct Ground {
     /// What the engine is given.
-    pub setup: Setup,
+    pub setup: CrowdSetup,
     /// Where agents start, for what may not be too near (m).
     taken: Vec<(Vec2, f32)>,
     rng: Pcg64Mcg,
@@ -39,7 +39,7 @@ pub struct Ground {
 impl Ground {
     /// Nobody, nowhere.
     pub fn new(seed: u64, people: People) -> Self {
-        Self { setup: Setup::default(), taken: Vec::new(), rng: Pcg64Mcg::seed_from_u64(seed), people }
+        Self { setup: CrowdSetup::default(), taken: Vec::new(), rng: Pcg64Mcg::seed_from_u64(seed), people }
     }
 
     /// A share by chance (0 to 1).
@@ -121,10 +121,10 @@ impl Ground {
     }
 
     /// Lets agents find their ways round what stands.
-    pub fn finish(mut self) -> Setup {
+    pub fn finish(mut self) -> CrowdSetup {
         self.setup.config.largest_speed_mps = 2.0;
         let radius = self.people.radius_m[1];
-        let streets = Streets::with(&self.setup.obstacles, None, radius + 0.15, radius);
+        let streets = Streets::with_limits(&self.setup.obstacles, None, radius + 0.15, radius);
         self.setup.streets = streets.ok().filter(|s| !s.is_open());
         self.setup
     }

@@ -9,7 +9,7 @@ pub use trial::{SteeringFigures, run};
 
 use ground::{Ground, People, Points};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
-use throng_runtime::crowd::Setup;
+use throng_runtime::crowd::CrowdSetup;
 
 /// A ground with a crowd on it.
 #[derive(Clone, Copy)]
@@ -25,7 +25,7 @@ pub struct Case {
 
 impl Case {
     /// The crowd at its start.
-    pub fn setup(&self, seed: u64) -> Setup {
+    pub fn setup(&self, seed: u64) -> CrowdSetup {
         (self.make)(seed).finish()
     }
 }

@@ -4,7 +4,7 @@ use super::ground::{self, People};
 use super::trial::{SteeringFigures, run};
 use glam::Vec2;
 use serde::Serialize;
-use throng_runtime::crowd::{CrowdError, Field, Setup};
+use throng_runtime::crowd::{CrowdError, CrowdSetup, ForceField};
 
 /// Speed of people at a density (m/s), Weidmann 1993, Transporttechnik der Fussgaenger, eq. 6: free 1.34 m/s, none at 5.4 1/m2.
 pub fn weidmann_mps(density: f64) -> f64 {
@@ -68,9 +68,9 @@ const PEOPLE: People = People { radius_m: [0.21, 0.25], speed_mps: [1.34, 0.26] 
 ///
 /// # Errors
 /// As [`run`].
-pub fn people(seed: u64, change: &dyn Fn(&mut Setup)) -> Result<PeopleFigures, CrowdError> {
-    let change = &|setup: &mut Setup| {
-        setup.fields = vec![Field::STROLLER];
+pub fn people(seed: u64, change: &dyn Fn(&mut CrowdSetup)) -> Result<PeopleFigures, CrowdError> {
+    let change = &|setup: &mut CrowdSetup| {
+        setup.fields = vec![ForceField::STROLLER];
         change(setup);
     };
     let mut out = PeopleFigures::default();
@@ -86,7 +86,7 @@ pub fn people(seed: u64, change: &dyn Fn(&mut Setup)) -> Result<PeopleFigures, C
     Ok(out)
 }
 
-fn ring((seed, density, ways): (u64, f32, usize), change: &dyn Fn(&mut Setup)) -> Result<RingFigures, CrowdError> {
+fn ring((seed, density, ways): (u64, f32, usize), change: &dyn Fn(&mut CrowdSetup)) -> Result<RingFigures, CrowdError> {
     let mut setup = ground::ring(seed, PEOPLE, (density, 4.0), ways).finish();
     change(&mut setup);
     let figures = run(setup, 60.0, &mut |_, _, _, _| {})?;
@@ -110,7 +110,7 @@ fn ring((seed, density, ways): (u64, f32, usize), change: &dyn Fn(&mut Setup)) -
 
 /// Lanes across a ring 5 m wide after 30 s, without rules of sides: those who go one way, then the other, from inside out,
 /// mean over all sectors.
-fn lanes((seed, density): (u64, f32), change: &dyn Fn(&mut Setup)) -> Result<f64, CrowdError> {
+fn lanes((seed, density): (u64, f32), change: &dyn Fn(&mut CrowdSetup)) -> Result<f64, CrowdError> {
     const SECTORS: usize = 24;
     const BINS: usize = 10;
     let mut setup = ground::ring(seed, PEOPLE, (density, 5.0), 2).finish();
@@ -133,7 +133,7 @@ fn lanes((seed, density): (u64, f32), change: &dyn Fn(&mut Setup)) -> Result<f64
     Ok(counted.iter().sum::<usize>() as f64 / counted.len() as f64)
 }
 
-fn gap((seed, width): (u64, f32), change: &dyn Fn(&mut Setup)) -> Result<GapFigures, CrowdError> {
+fn gap((seed, width): (u64, f32), change: &dyn Fn(&mut CrowdSetup)) -> Result<GapFigures, CrowdError> {
     let mut setup = ground::gap(seed, PEOPLE, width, 150).finish();
     change(&mut setup);
     let mut passed = vec![f64::INFINITY; setup.agents.len()];
@@ -153,7 +153,7 @@ fn gap((seed, width): (u64, f32), change: &dyn Fn(&mut Setup)) -> Result<GapFigu
 }
 
 /// See [`PeopleFigures::stripe_order`].
-fn stripes(seed: u64, change: &dyn Fn(&mut Setup)) -> Result<f64, CrowdError> {
+fn stripes(seed: u64, change: &dyn Fn(&mut CrowdSetup)) -> Result<f64, CrowdError> {
     let mut setup = ground::streams(seed, PEOPLE, 150).finish();
     change(&mut setup);
     let half = setup.agents.len() / 2;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::crowd::{AtEnd, Crowd, CrowdError, Id, Obstacle, Setup, Streets};
+use throng_runtime::crowd::{AtEnd, Crowd, CrowdError, CrowdSetup, Id, Obstacle, Streets};
 
 /// Who stays within this distance ... (m)
 const STANDS_M: f32 = 0.5;
@@ -68,7 +68,7 @@ impl Seen {
 /// # Errors
 /// As [`Crowd::on_ground`] and [`Crowd::advance`].
 pub fn run(
-    setup: Setup,
+    setup: CrowdSetup,
     seconds: f64,
     look: &mut impl FnMut(f64, usize, Vec2, Vec2),
 ) -> Result<SteeringFigures, CrowdError> {
