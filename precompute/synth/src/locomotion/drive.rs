@@ -41,7 +41,7 @@ impl Drive {
     }
 
     /// A ground point in the body's frame at `t` seconds: to the left, ahead (m).
-    pub fn to_body_frame(&self, t: f64, point: DVec2) -> DVec2 {
+    pub fn to_body_frame(self, t: f64, point: DVec2) -> DVec2 {
         let (heading, from) = (self.heading_at(t), point - self.position_at(t));
         DVec2::new(from.dot(leftward(heading)), from.dot(forward(heading)))
     }

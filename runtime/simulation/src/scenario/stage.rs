@@ -85,7 +85,7 @@ pub trait ScenarioStage {
     /// Stand from which an agent takes a thing or puts it down with motion of a tag, and distance from it at which it has arrived (m).
     ///
     /// - `side`: number of the side of the thing: 0 is the one from which the agent comes, others follow to the left and to the right;
-    /// from 8 on the same sides at a larger distance, where the body leans.
+    ///   from 8 on the same sides at a larger distance, where the body leans.
     ///
     /// # Errors
     /// The reason why there is no stand.
