@@ -355,7 +355,7 @@ fn scenarios() {
         ..Args::default()
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
-    for (args, name) in [(args, "panel_crowd_agent_brains"), (light, "panel_crowd_minds_light")] {
+    for (args, name) in [(args, "panel_crowd_agent_brains"), (light, "panel_crowd_agent_brains_light")] {
         let mut v = Viewing::new(&args, vec2(1000.0, 2150.0));
         let kinds = AgentEventKind::all().map(|what| !what.is_of_engine());
         v.apply(ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions {

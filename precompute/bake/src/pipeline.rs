@@ -58,7 +58,7 @@ pub fn build_possible(
 /// kept.
 ///
 /// # Errors
-/// As [`provenance::collect`].
+/// As [`provenance::collect_provenance`].
 pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, BuildError> {
     cfg.check()?;
     let key = CacheKey::for_stage("bundle", &[provenance::collect_provenance(cfg)?.key()?], cfg)?;

@@ -13,7 +13,7 @@ impl BuildConfig {
     /// - returns what was dropped, and its substitutes, one sentence each.
     ///
     /// # Errors
-    /// As [`import::find`].
+    /// As [`import::find_motion_files`].
     pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>, BuildError> {
         let names: Vec<String> = import::find_motion_files(&inputs)?.into_iter().map(|f| f.name).collect();
         let mut warnings = Vec::new();

@@ -1,7 +1,7 @@
 //! Planning of limb motion in time with everything that moves.
 //!
-//! A [`problem::Problem`] is built from an application's specification ([`setup::ProblemSpec`]); a [`planner::Planner`]
-//! searches joint angles and time for a path and smooths it. [`correct::correct`] and [`manipulate::reach`] apply this to
+//! A [`problem::Problem`] is built from an application's specification ([`setup::ProblemSpec`]); a [`planner::LimbPlanner`]
+//! searches joint angles and time for a path and smooths it. [`correct::correct_clip`] and [`manipulate::reach_target`] apply this to
 //! clips, [`recheck::Recheck`] verifies the result.
 //!
 //! # Source

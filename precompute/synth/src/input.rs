@@ -54,7 +54,7 @@ impl SynthInput {
 /// - `rate_hz`: of the clips (Hz).
 ///
 /// # Errors
-/// As [`make_set`] and [`import::made`].
+/// As [`make_set`].
 pub fn input(
     cfg: &SynthInput,
     rate_hz: f64,

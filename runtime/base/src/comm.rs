@@ -101,7 +101,7 @@ pub struct Traffic {
     pub waited_s: f64,
 }
 
-/// Range of one rank among `count` items, see [`Comm::share`].
+/// Range of one rank among `count` items, see [`Comm::own_range`].
 pub fn rank_range(count: usize, rank: usize, num_ranks: usize) -> std::ops::Range<usize> {
     let begin = |rank: usize| (count as u128 * rank as u128 / num_ranks as u128) as usize;
     begin(rank)..begin(rank + 1)

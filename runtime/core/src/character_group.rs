@@ -39,7 +39,7 @@ pub trait CharacterGroup {
     /// Gives a character a new order.
     ///
     /// # Errors
-    /// [`Error::Gone`], or why the order is impossible: [`Error::NoWay`], [`Error::Value`], [`Error::Index`].
+    /// [`Error::Gone`], or why the order is impossible: [`Error::NoPath`], [`Error::Value`], [`Error::Index`].
     fn order(&mut self, id: Id, order: Self::Order) -> Result<()>;
 
     /// Moves time on (s). Results do not depend on `run`.

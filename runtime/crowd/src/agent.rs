@@ -16,9 +16,9 @@ pub struct Agent<V = Vec3> {
     pub acceleration: f32,
     /// Desired speed, v_des in Kim, Kim and Shin (2003b), eq. 17 (m/s, >= 0).
     pub speed: f32,
-    /// Number of its route in [`crate::Setup::routes`]. Without one it stays where it is until it has an order.
+    /// Number of its route in [`crate::CrowdSetup::routes`]. Without one it stays where it is until it has an order.
     pub route: Option<usize>,
-    /// Number of its force field in [`crate::Setup::fields`].
+    /// Number of its force field in [`crate::CrowdSetup::fields`].
     pub field: usize,
 }
 

@@ -144,7 +144,7 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_sense(id, sense))
     }
 
-    /// Wakes an agent at a time, once, with [`crate::EventKind::Timer`]; `None` lets it sleep.
+    /// Wakes an agent at a time, once, with [`crate::CrowdEventKind::Timer`]; `None` lets it sleep.
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a time in the past.
@@ -282,7 +282,7 @@ impl Crowd {
     /// Where the crowd knows its streets, a goal of any agent's present or recent order costs no search.
     ///
     /// # Errors
-    /// [`throng_base::Error::NoWay`] where no path leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
+    /// [`throng_base::Error::NoPath`] where no path leads to the goal, and [`CrowdError`] for a goal in an obstacle or a
     /// setting out of its range; nothing has changed then.
     pub fn order(&mut self, id: Id, order: AgentOrder) -> Result<()> {
         each!(&mut self.engine, e => e.order(id, &order.map(Space::from_world)))

@@ -279,7 +279,7 @@ macro_rules! impl_orders {
                 Ok(())
             }
 
-            /// Makes a character play a segment at once, see [`throng_core::characters::PolicyCharacters::play`].
+            /// Makes a character play a segment at once, see [`throng_core::characters::PolicyCharacters::play_segment`].
             ///
             /// # Errors
             /// [`Error::Text`] for a character or segment that does not exist.

@@ -145,7 +145,7 @@ impl CharacterGroup for Pedestrians {
     /// Moves an agent, at rest. It goes on with its order from there; an agent without an order, or at its goal, stays there.
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::Occupied`] for a place that another agent or an obstacle takes, [`Error::NoWay`] where its
+    /// [`Error::Gone`], [`Error::Occupied`] for a place that another agent or an obstacle takes, [`Error::NoPath`] where its
     /// order cannot be followed from there, [`Error::Value`].
     fn place(&mut self, id: Id, root: Planar) -> Result<()> {
         let row = self.row(id)?;
@@ -157,7 +157,7 @@ impl CharacterGroup for Pedestrians {
     /// Gives an order, which counts from the agent's next event on.
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::NoWay`], [`Error::Occupied`] for subgoals in an obstacle, [`Error::Value`] for a speed or
+    /// [`Error::Gone`], [`Error::NoPath`], [`Error::Occupied`] for subgoals in an obstacle, [`Error::Value`] for a speed or
     /// place out of range, [`Error::Index`] for a route that does not exist.
     fn order(&mut self, id: Id, order: AgentOrder) -> Result<()> {
         self.crowd.order(id, order).map_err(|e| match e {
@@ -189,7 +189,7 @@ impl CharacterGroup for Pedestrians {
         self.troop.step(&self.crowd, dt_s, run)
     }
 
-    /// Status of an agent, never [`OrderStatus::Idle`] nor [`OrderStatus::NoWay`]: an agent without an order is where it should be, and
+    /// Status of an agent, never [`OrderStatus::Idle`] nor [`OrderStatus::NoPath`]: an agent without an order is where it should be, and
     /// an order without a path is refused.
     fn status(&self, id: Id) -> Result<OrderStatus> {
         Ok(match self.crowd.status(id)? {

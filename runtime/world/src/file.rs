@@ -252,7 +252,7 @@ impl WorldData {
     /// Checks the world as a file of it would be: every index against its table, every number for being finite.
     ///
     /// # Errors
-    /// [`FormatError::Value`] or [`FormatError::SectionLayout`].
+    /// [`FormatError::Value`] or [`FormatError::Section`].
     pub fn check(&self, patches: &throng_core::patch::PatchTables) -> Result<(), FormatError> {
         check::world(&self.tables(), patches)
     }

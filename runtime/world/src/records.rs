@@ -11,7 +11,7 @@ use throng_core::patch::Placement;
 pub struct InstanceRecord {
     /// Number of the patch in the bundle.
     pub patch: u32,
-    /// For a tile, where its edges' neighbours stand in [`super::WorldView::neighbours`], one an edge.
+    /// For a tile, where its edges' neighbours stand in [`super::WorldTables::neighbours`], one an edge.
     pub first_neighbour: u32,
     /// The patch's frame in the world.
     pub placement: Placement,
@@ -23,7 +23,7 @@ pub struct InstanceRecord {
     pub first_adjacency: u32,
     /// Number of adjacencies.
     pub num_adjacencies: u32,
-    /// First of the resources a character holds while it is here, in [`super::WorldView::resources`].
+    /// First of the resources a character holds while it is here, in [`super::WorldTables::resources`].
     pub first_resource: u32,
     /// Number of resources (> 0).
     pub num_resources: u32,

@@ -15,7 +15,7 @@ use throng_runtime::simulation::{CompiledScene, SceneGroup, Simulation};
 const PATH_M: f32 = 16.0;
 const APART_M: f32 = 0.9;
 
-/// Draws a scene that was run with [`crate::run::RunConfig::recorded`].
+/// Draws a scene that was run with [`crate::run::SceneRunConfig::recorded`].
 ///
 /// # Errors
 /// [`BuildError`] for a style or a world that cannot be shown.

@@ -118,7 +118,7 @@ impl RetargetPlan {
     /// - `lender`: called for the motion of a few clips of each source skeleton.
     ///
     /// # Errors
-    /// Errors of [`super::onto`] and of `lender`.
+    /// Errors of [`super::retarget_clips`] and of `lender`.
     pub fn new(
         sources: &[RetargetSource],
         provider: &ClipProvider<'_>,

@@ -94,7 +94,7 @@ impl LimbIk {
     /// Prepares for a chain and the limits of its joints.
     ///
     /// # Panics
-    /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::of_linkage`] gives limits that fit.
+    /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::linkage_limits`] gives limits that fit.
     pub fn new(chain: &Chain, limits: &[JointLimits; MAX_JOINTS]) -> Self {
         let first = chain.len() - 3;
         let joints = chain.linkage.limb.joints();

@@ -19,7 +19,7 @@ const STEEPEST: f32 = 1e4;
 /// One blend space of a bundle (Kim, Kim and Shin 2003a, section 4). Owned: it keeps the bundle's file open.
 ///
 /// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
-/// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::pose`] blends postures.
+/// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::blend_postures`] blends postures.
 /// [`crate::walkers::Walkers`] does all of it for characters on trajectories.
 #[derive(Clone, Debug)]
 pub struct BlendSpace {

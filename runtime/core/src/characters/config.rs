@@ -41,7 +41,7 @@ pub struct CharactersConfig {
     pub avoid: Option<AvoidConfig>,
     /// Also write local transforms.
     pub local_transforms: bool,
-    /// True to also write an [`super::Instance`] of every character.
+    /// True to also write an [`super::PoseInstance`] of every character.
     pub instances: bool,
     /// Also measure where the time of a step goes, see [`super::Characters::times`].
     pub timed: bool,

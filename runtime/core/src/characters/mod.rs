@@ -74,7 +74,7 @@ pub struct CharacterStart {
 /// The engine beneath [`PolicyCharacters`], which applications use: rows without ids or orders.
 ///
 /// Characters that move together, eight to a block; all memory is allocated in [`Characters::new`] or
-/// [`Characters::new_laid`].
+/// [`Characters::new_scheduled`].
 ///
 /// Every tick, [`Characters::step`] moves time on, lets characters at the end of a segment choose their next action by
 /// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,
@@ -134,7 +134,7 @@ impl Characters {
         }
     }
 
-    /// Room for characters that enter later: see [`Characters::enter_laid`].
+    /// Room for characters that enter later: see [`Characters::enter_scheduled`].
     ///
     /// # Errors
     /// [`Error::Value`] for a setting or capacity out of its range.

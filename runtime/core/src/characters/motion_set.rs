@@ -67,7 +67,7 @@ impl MotionSet {
         self.contacts.len()
     }
 
-    /// Number of policies; an [`super::Order`] names one of them.
+    /// Number of policies; an [`super::PolicyOrder`] names one of them.
     pub fn num_policies(&self) -> usize {
         self.policies.len()
     }

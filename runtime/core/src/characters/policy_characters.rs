@@ -165,7 +165,7 @@ impl PolicyCharacters {
         Ok(())
     }
 
-    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift`]. One that makes way stays
+    /// Moves a character over the ground as a whole, at the next step; see [`Characters::shift_by`]. One that makes way stays
     /// where that would bring it into another's.
     ///
     /// # Errors
@@ -224,7 +224,7 @@ impl PolicyCharacters {
         self.characters.instances()
     }
 
-    /// Adds all bodies and the ground that they hold, see [`Characters::hold_ground`].
+    /// Adds all bodies and the ground that they hold, see [`Characters::add_reserved_regions`].
     pub fn add_reserved_regions(&mut self, out: &mut ReservedRegion) {
         self.characters.add_reserved_regions(&self.motion_set, out);
     }

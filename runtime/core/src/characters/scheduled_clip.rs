@@ -96,7 +96,7 @@ impl Characters {
     /// the next step. Allocates nothing.
     ///
     /// # Errors
-    /// As [`Characters::lay`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.
+    /// As [`Characters::schedule_clip`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.
     pub fn enter_scheduled(&mut self, motion_set: &MotionSet, scheduled_clip: &ScheduledClip) -> Result<()> {
         let at = self.num_characters;
         check_index("character", None, at, self.matrices.len() / NUM_JOINTS)?;
@@ -111,7 +111,7 @@ impl Characters {
     /// Starts a scheduled clip at once, with free feet and without a transition.
     ///
     /// # Errors
-    /// As [`Characters::lay`].
+    /// As [`Characters::schedule_clip`].
     pub fn start_scheduled(
         &mut self,
         motion_set: &MotionSet,

@@ -93,7 +93,7 @@ impl SectionEntry {
     /// Byte range of this section, or why it cannot be one.
     ///
     /// # Errors
-    /// [`FormatError::SectionEntry`] where it is misaligned or reaches past the end of the file.
+    /// [`FormatError::Section`] where it is misaligned or reaches past the end of the file.
     pub fn range(&self, file_len: u64) -> Result<Range<usize>, FormatError> {
         let byte_len = self.count.saturating_mul(self.elem_size.into());
         match self.offset.checked_add(byte_len) {

@@ -16,7 +16,7 @@ pub enum CrowdEventKind {
     },
     /// The bound touched an obstacle.
     Meeting {
-        /// Number in [`crate::Setup::obstacles`].
+        /// Number in [`crate::CrowdSetup::obstacles`].
         obstacle: usize,
     },
     /// The bound touched a face, and occupies the cells behind it (`Scheme::Occupancy`).
@@ -39,7 +39,7 @@ pub enum CrowdEventKind {
     Left,
     /// An obstacle that moves ran into it.
     Struck {
-        /// Number in [`crate::Setup::obstacles`].
+        /// Number in [`crate::CrowdSetup::obstacles`].
         obstacle: usize,
     },
     /// The agent and another one have come near each other, and one sends on a channel that the other receives;

@@ -39,7 +39,7 @@ impl<V> AgentOrder<V> {
         Self::new(OrderDestination::AlongSubgoals(subgoals))
     }
 
-    /// Along a route of [`crate::Setup::routes`] or [`crate::Crowd::add_route`], which says what is done at its end.
+    /// Along a route of [`crate::CrowdSetup::routes`] or [`crate::Crowd::add_route`], which says what is done at its end.
     pub fn on_route(number: usize) -> Self {
         Self::new(OrderDestination::Route(number))
     }

@@ -42,7 +42,7 @@ pub struct Sense {
     pub sends: u32,
     /// Channels on which it hears.
     pub receives: u32,
-    /// Channels among [`Sense::hears`] on which only an approach counts. On the others, a near agent is met at once
+    /// Channels among [`Sense::receives`] on which only an approach counts. On the others, a near agent is met at once
     /// when either begins to send or to receive.
     pub once: u32,
     /// True where it senses zones.

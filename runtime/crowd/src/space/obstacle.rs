@@ -15,7 +15,7 @@ pub enum Obstacle<V = Vec3> {
         radius: f32,
     },
     /// Disc or ball that moves through points, at constant speed between two of them; it never stops. Agents get out of
-    /// its way as far as they can: a trapped agent is struck, which [`crate::EventKind::Struck`] reports.
+    /// its way as far as they can: a trapped agent is struck, which [`crate::CrowdEventKind::Struck`] reports.
     Mover {
         /// Positions at times. Before the first and after the last it stands still. (s, m, >= 1, times rise)
         path: Vec<(f64, V)>,

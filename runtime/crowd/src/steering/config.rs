@@ -68,7 +68,7 @@ macro_rules! config_of_numbers {
 }
 
 config_of_numbers! {
-/// Steering of agents, beyond the parameters of their [`crate::Field`]: the same for all agents of a crowd.
+/// Steering of agents, beyond the parameters of their [`crate::ForceField`]: the same for all agents of a crowd.
 ///
 /// The defaults were found by trial, mostly in corridors 1.6 to 14 m wide with 38 to 2000 agents. Squares are those of
 /// the density grid, whose side is [`SteeringConfig::square_radii`] times the largest radius.
@@ -145,7 +145,7 @@ SteeringConfig {
     past_cosine: f32 = 0.02, 0.0, 1.0;
     /// Gap to a solid that counts as none (m, 0 to 1).
     touching_m: f32 = 0.02, 0.0, 1.0;
-    /// Share of [`crate::Field::right`] that counts without oncoming agents. With all of it, agents that walk behind
+    /// Share of [`crate::ForceField::right`] that counts without oncoming agents. With all of it, agents that walk behind
     /// each other drift to the right; with none, large head-on crowds take longer to sort (0 to 1).
     right_among_own: f32 = 0.5, 0.0, 1.0;
 

@@ -48,7 +48,7 @@ struct CellPost {
 /// Post that a blackboard shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlackboardPost {
-    /// Number of the event, in [`super::Minds::events`].
+    /// Number of the event, among those of the scenario.
     pub event: usize,
     /// Cell of the blackboard; `None` for the global one.
     pub cell: Option<BlackboardArea>,

@@ -21,7 +21,7 @@ impl AgentBrains {
     /// Runs all external events that are due: events of the scene, closing doors, and entries of agents.
     ///
     /// # Errors
-    /// As [`AgentBrains::begin`].
+    /// As [`AgentBrains::begin_scene`].
     pub fn run_external_events(&mut self, stage: &mut impl ScenarioStage, now: f64) -> Result<()> {
         self.now = now;
         for e in 0..self.due.len() {
@@ -54,7 +54,7 @@ impl AgentBrains {
     /// Raises an event on request of the application.
     ///
     /// # Errors
-    /// As [`AgentBrains::begin`]; [`Error::Unknown`] for a name that no event has.
+    /// As [`AgentBrains::begin_scene`]; [`Error::Unknown`] for a name that no event has.
     pub fn raise_event(&mut self, stage: &mut impl ScenarioStage, now: f64, event: &str) -> Result<()> {
         let Some(e) = self.scenario.names.events.number_of(event) else {
             let known = self.scenario.names.events.0.clone();
@@ -68,7 +68,7 @@ impl AgentBrains {
     /// Handles a signal of the crowd.
     ///
     /// # Errors
-    /// As [`AgentBrains::begin`].
+    /// As [`AgentBrains::begin_scene`].
     pub fn handle_signal(&mut self, stage: &mut impl ScenarioStage, now: f64, signal: Signal) -> Result<()> {
         self.now = now;
         self.mark_touched(signal.agent());

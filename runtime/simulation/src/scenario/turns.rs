@@ -19,7 +19,7 @@ pub struct Turn {
     pub other: Option<usize>,
     /// Number of the place, in [`AgentBrains::place_names`].
     pub place: Option<usize>,
-    /// Number of the event, in [`AgentBrains::events`].
+    /// Number of the event, in [`AgentBrains::event_names`].
     pub event: Option<usize>,
 }
 
@@ -70,7 +70,7 @@ impl AgentBrains {
     }
 
     /// Turns of the last step, or of the last external call, in order; empty unless they are recorded
-    /// ([`crate::agents::Agents::record_events`]).
+    /// ([`crate::agents::SceneAgents::record_events`]).
     pub fn turns(&self) -> &[Turn] {
         self.turns.as_deref().unwrap_or_default()
     }

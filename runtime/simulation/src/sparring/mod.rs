@@ -2,7 +2,7 @@
 //!
 //! [`Sparring`] takes each character's head as the other's target, tests at effective hits which blows land, and
 //! pushes what is struck. [`TargetPractice`] gives every character a [`StruckTarget`] of its own instead. Both are a
-//! [`throng_core::Cast`] of [`throng_core::characters::PolicyCharacters`], with the same orders.
+//! [`throng_core::CharacterGroup`] of [`throng_core::characters::PolicyCharacters`], with the same orders.
 
 mod body;
 mod bout;

@@ -90,7 +90,7 @@ impl Inhabitants {
 }
 
 impl CharacterGroup for Inhabitants {
-    /// A node where one can stay: of [`crate::World::near`] or [`super::scatter`].
+    /// A node where one can stay: of [`crate::World::nearest_place`] or [`super::scatter_rest_nodes`].
     type Start = WorldNode;
     type Order = InhabitantGoal;
     type Event = InhabitantEvent;
@@ -174,7 +174,7 @@ impl CharacterGroup for Inhabitants {
     /// Sets the goal of a character, which it pursues from the end of its reserved steps on.
     ///
     /// # Errors
-    /// [`Error::Gone`], [`Error::NoWay`] where it is plain that no path leads there, [`Error::Index`] or
+    /// [`Error::Gone`], [`Error::NoPath`] where it is plain that no path leads there, [`Error::Index`] or
     /// [`Error::Value`] for a place, instance or tag that does not exist or where no character can stay.
     fn order(&mut self, id: Id, goal: InhabitantGoal) -> Result<()> {
         let c = self.roster.row(id)?;

@@ -52,7 +52,7 @@ pub enum InhabitantGoal {
     },
     /// Go to a place, and stay.
     GoToPlace {
-        /// See [`crate::World::near`].
+        /// See [`crate::World::nearest_place`].
         place: RestPlace,
     },
     /// Go to the free place nearest to a point, and stay there; go to another one if it is taken first.
@@ -69,7 +69,7 @@ pub enum InhabitantGoal {
         /// Duration (s, >= 0).
         seconds: f32,
     },
-    /// Perform an action with a partner, again and again, then stay; set by [`super::Inhabitants::meet`] alone.
+    /// Perform an action with a partner, again and again, then stay; set by [`super::Inhabitants::order_meeting`] alone.
     Meet {
         /// Tag of the action, as for [`InhabitantGoal::Perform`].
         tag: u16,

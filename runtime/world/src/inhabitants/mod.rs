@@ -123,7 +123,7 @@ impl InhabitantMemory {
     }
 }
 
-/// Characters in a world, with their goals, as a [`throng_core::Cast`]. All memory is allocated in
+/// Characters in a world, with their goals, as a [`throng_core::CharacterGroup`]. All memory is allocated in
 /// [`Inhabitants::new`], except for saving and loading.
 ///
 /// Each holds the units of the instance it is in, and takes all units that it needs up to the next node from which a
