@@ -5,7 +5,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use throng_precompute::progress::{Progress, Status};
+use throng_precompute::progress::{BuildStatus, Progress};
 
 /// Time between two samples of a rank's status.
 const SAMPLE_PERIOD: Duration = Duration::from_secs(1);
@@ -52,7 +52,7 @@ impl StatusBoard for LocalStatusBoard {
 /// Posts the status of its rank every second. On the first rank it prints its own status and that of the slowest rank every
 /// few seconds; as JSON lines, also the stages that it enters.
 pub struct ProgressLines {
-    status: Arc<Mutex<Status>>,
+    status: Arc<Mutex<BuildStatus>>,
     prints_json: bool,
     /// Ends the thread when it is dropped.
     stop_sender: Option<Sender<()>>,
@@ -62,7 +62,7 @@ pub struct ProgressLines {
 impl ProgressLines {
     /// Begins to post and print, as JSON lines if `json`.
     pub fn new(json: bool, rank: usize, board: &Arc<dyn StatusBoard>) -> Self {
-        let status = Arc::<Mutex<Status>>::default();
+        let status = Arc::<Mutex<BuildStatus>>::default();
         let (watched, board) = (status.clone(), board.clone());
         let (stop_sender, ended) = channel();
         let thread = std::thread::spawn(move || {
@@ -92,7 +92,7 @@ impl Drop for ProgressLines {
     }
 }
 
-fn print_status(status: &Status, far: &str, statuses: &[Option<RankStatus>], json: bool) {
+fn print_status(status: &BuildStatus, far: &str, statuses: &[Option<RankStatus>], json: bool) {
     let slowest_rank = slowest_rank(statuses);
     if json {
         let slowest_rank = slowest_rank.map(

@@ -48,7 +48,7 @@ fn crowd_of_several_processes_is_that_of_one() {
 fn motion(minutes: f64) -> (tempfile::TempDir, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let settings = SynthConfig { minutes, clip_seconds: 8.0, ..SynthConfig::default() };
-    synth::write(SynthSet::Walk, &settings, &folder.path().join("clips")).expect("synthetic clips can be written");
+    synth::write_set(SynthSet::Walk, &settings, &folder.path().join("clips")).expect("synthetic clips can be written");
     let config = folder.path().join("walk.toml");
     std::fs::write(&config, "name = \"walk\"\ninputs = [\"clips\"]\n").expect("a config");
     let config = config.to_str().expect("a readable path").to_owned();
@@ -61,7 +61,7 @@ fn bundle_of_several_processes_is_that_of_one() {
     let at = |name: &str| folder.path().join(name).to_str().expect("a readable path").to_owned();
     let (alone, shared, cache) = (at("alone.throng"), at("shared.throng"), at("cache"));
     let of = BuildConfig::load(Path::new(&config)).expect("a config");
-    pipeline::build(&of, Path::new(&alone), &Cache::none(), &Silent).expect("it builds");
+    pipeline::build(&of, Path::new(&alone), &Cache::disabled(), &Silent).expect("it builds");
     let bytes = |path: &str| std::fs::read(path).expect("a bundle");
     for ranks in [1, 2, 4] {
         let told = json(&mpirun(ranks, &["build", &config, "--out", &shared, "--no-cache", "--json"]));
@@ -115,7 +115,7 @@ fn killed_process_ends_all_and_the_next_build_goes_on() {
     assert!(told["cached"].as_array().is_some_and(|all| all.iter().any(|stage| stage == "graph")), "{told}");
     let alone = at("alone.throng");
     let of = BuildConfig::load(Path::new(&config)).expect("a config");
-    pipeline::build(&of, Path::new(&alone), &Cache::none(), &Silent).expect("it builds");
+    pipeline::build(&of, Path::new(&alone), &Cache::disabled(), &Silent).expect("it builds");
     assert!(std::fs::read(&out).expect("a bundle") == std::fs::read(&alone).expect("a bundle"));
 }
 
