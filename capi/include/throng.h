@@ -374,7 +374,8 @@ extern "C" {
  * @pre
  * `buffer` must have room for `size` bytes.
  */
-size_t throng_last_error(char *buffer, size_t size);
+size_t throng_last_error(char *buffer,
+                         size_t size);
 
 /**
  * Opens a bundle file. Later changes to the file do not matter.
