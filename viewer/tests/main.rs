@@ -1,4 +1,4 @@
-//! The viewer as its users see it, one module for each part.
+//! The viewer as its users see it, one module for each part. Builds, which keep their cache in the current folder, are in `start.rs`.
 
 mod app;
 mod blend;
@@ -7,7 +7,6 @@ mod common;
 mod crowd;
 mod picture;
 mod snapshots;
-mod start;
 mod task;
 mod window;
 mod world;

@@ -1,6 +1,7 @@
 //! The start page and builds in the window, driven as people drive them: motion is dropped, built, stopped, refused.
 
-use crate::common;
+mod common;
+
 use crate::common::paces::Paces;
 use crate::common::{Viewing, bvh, drop_files, golden};
 use egui_kittest::kittest::Queryable;
