@@ -13,7 +13,7 @@ beside a checkout, and are skipped without it. `differ` lists what differs, and 
 import argparse, hashlib, json, os, re, shutil, struct, subprocess, sys, tempfile, zipfile
 
 ROW = '<4sIQQII'
-TIMES = re.compile(r'wall|per_second|^us_|_ns$|_us$|_ms$|seconds$|^seconds|steps_a_second|_bytes$|memory|milliseconds|ratio_to')
+TIMES = re.compile(r'wall|per_second|^us_|_ns$|_us$|_ms$|seconds$|^seconds|steps_a_second|_bytes$|memory|milliseconds|ratio_to|^first_solution_s$|^total_s$')
 
 
 def digest(data):
@@ -71,6 +71,12 @@ class Runner:
         out, failed = self.run(*words)
         self.note(name, f'failed: {failed}' if failed else sections(os.path.join(self.root, path)))
 
+    def file_whole(self, name, path):
+        path = os.path.join(self.root, path)
+        if os.path.exists(path):
+            self.note(name, digest(open(path, 'rb').read()))
+            os.remove(path)
+
     def poses(self, name, scene):
         path = os.path.join(self.root, 'take.npz')
         if os.path.exists(path):
@@ -116,6 +122,7 @@ def results(args):
         for task in sorted(os.listdir(os.path.join(data, 'tasks'))):
             if task.endswith('.toml') and runner.wanted(f'task {task}'):
                 runner.report(f'task {task}', 'plan', f'data/tasks/{task}', '--out', 'planned.bvh')
+                runner.file_whole(f'motion {task}', 'planned.bvh')
         for engine in ('events', 'occupancy'):
             if runner.wanted(f'engine {engine}'):
                 for scene in ('lanes', 'bottleneck'):
