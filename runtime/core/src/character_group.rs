@@ -1,8 +1,8 @@
 //! The interface of all kinds of motion.
 
+use crate::body::Mat3x4;
 use crate::bundle::Bundle;
 use crate::planar::Planar;
-use crate::pose::Mat3x4;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Mat4, Vec3};
 use throng_base::{Error, Executor, Hash128, Id, Result, maths};

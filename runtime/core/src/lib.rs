@@ -4,6 +4,7 @@
 //! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters.
 
 pub mod blend;
+pub mod body;
 pub mod bundle;
 pub mod character_group;
 pub mod characters;
@@ -16,13 +17,14 @@ mod placement;
 mod plain_body;
 pub mod planar;
 pub mod policy;
-pub mod pose;
+
 pub mod reserve;
 mod roster;
 pub mod skeleton;
 pub mod stops;
 pub mod walkers;
 
+pub use body::{LocalTransform, Mat3x4};
 pub use bundle::Bundle;
 pub use character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies, PosedBody};
 pub use contacts::Contacts;
@@ -30,7 +32,6 @@ pub use format::FormatError;
 pub use hits::HitRecord;
 pub use plain_body::PlainBody;
 pub use planar::Planar;
-pub use pose::{LocalTransform, Mat3x4};
 pub use roster::Roster;
 pub use skeleton::{Joint, NUM_JOINTS, Skeleton};
 #[cfg(feature = "rayon")]

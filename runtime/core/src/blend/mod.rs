@@ -3,17 +3,16 @@
 
 mod activity;
 mod grid;
-mod ground;
 mod posture;
 mod records;
 mod slopes;
 mod space;
 mod warp;
 
+pub use crate::body::{GroundPoint, HeightField};
 pub(crate) use activity::ActivitySample;
 pub use activity::{Activity, ActivityId, ActivitySet, ArmPlaces};
 pub use grid::{MAX_KNOTS, WeightGrid};
-pub use ground::{GroundPoint, HeightField};
 pub use posture::BlendedPosture;
 pub use space::BlendSpace;
 

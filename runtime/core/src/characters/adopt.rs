@@ -4,9 +4,9 @@ use super::block::{ROTATION_CODES, encode};
 use super::motion_set::MotionSet;
 use super::policy_characters::{PolicyCharacters, no_graph};
 use super::{CharacterStart, Characters, SampleJob, segments_into_states};
+use crate::body::{Mat3x4, PARENTS, set_lane};
 use crate::bundle::Bundle;
 use crate::character_group::AdoptReport;
-use crate::pose::{Mat3x4, PARENTS, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
 use throng_base::{Result, maths};
@@ -38,6 +38,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     }
     characters.copy_surroundings(&group.characters);
     characters.detail = group.characters.detail;
+    characters.ground = group.characters.ground.clone();
     characters.reserve_all(&motion_set);
     group.bundle = new.clone();
     group.motion_set = motion_set;

@@ -2,11 +2,10 @@
 
 use super::motion_set::MotionSet;
 use super::pace;
-use super::reaction::Reaction;
+use crate::body::{BodyState, FootLock, Lane, Lane3, Lanewise, get_lane, lanewise_fields, planar_of_lane, set_lane};
 use crate::contacts::Contacts;
 use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::pose::{FootLock, Lane, Lane3, Lanewise, get_lane, lanewise_fields, planar_of_lane, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use bytemuck::Zeroable;
 use glam::Vec3;
@@ -131,9 +130,9 @@ pub(crate) struct BodyBlock {
     /// Left, right.
     pub feet: [FootLock; 2],
     pub offsets: Offsets,
-    pub reaction: Reaction,
+    pub state: BodyState,
     #[serde(skip)]
-    pub(super) fill: [u32; 12],
+    pub(super) fill: [u32; 4],
 }
 
 const _: () = assert!(align_of::<BodyBlock>() <= 16 && size_of::<BodyBlock>().is_multiple_of(64));
@@ -144,13 +143,13 @@ impl BodyBlock {
         unused: [0; 11],
         feet: [FootLock::ZERO; 2],
         offsets: Offsets::ZERO,
-        reaction: Reaction::ZERO,
-        fill: [0; 12],
+        state: BodyState::ZERO,
+        fill: [0; 4],
     };
 
     /// Frees a lane. Memory that was never written stays so.
     pub fn clear(&mut self, lane: usize) {
-        if self.awake == 1 || self.reaction.active[lane] != 0.0 {
+        if self.awake == 1 || self.state.is_used(lane) {
             self.copy_lane(lane, &Self::ZERO, 0);
         }
     }
@@ -161,7 +160,7 @@ impl BodyBlock {
             1 => self.copy_lane(lane, from, from_lane),
             _ => {
                 self.clear(lane);
-                self.reaction.copy_lane(lane, &from.reaction, from_lane);
+                self.state.copy_lane(lane, &from.state, from_lane);
             }
         }
     }
@@ -293,14 +292,14 @@ lanewise_fields!(MotionBlock {
 
 impl Lanewise for BodyBlock {
     fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        let Self { awake: _, unused: _, feet, offsets, reaction, fill: _ } = self;
+        let Self { awake: _, unused: _, feet, offsets, state, fill: _ } = self;
         feet.copy_lane(lane, &from.feet, from_lane);
         offsets.copy_lane(lane, &from.offsets, from_lane);
-        reaction.copy_lane(lane, &from.reaction, from_lane);
+        state.copy_lane(lane, &from.state, from_lane);
     }
 
     fn is_near(&self, lane: usize) -> bool {
-        let Self { awake, unused: _, feet, offsets, reaction, fill: _ } = self;
-        *awake <= 1 && feet.is_near(lane) && offsets.is_near(lane) && reaction.is_near(lane)
+        let Self { awake, unused: _, feet, offsets, state, fill: _ } = self;
+        *awake <= 1 && feet.is_near(lane) && offsets.is_near(lane) && state.is_near(lane)
     }
 }

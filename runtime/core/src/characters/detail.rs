@@ -1,10 +1,9 @@
 //! Level of detail: near characters are posed whole, far ones leave a record of 32 bytes.
 
 use super::block::{BodyBlock, MotionBlock};
-use super::decay::{Decay, HALF_LIVES_KEPT};
 use super::motion_set::MotionSet;
 use super::transition;
-use crate::pose::{FramePosition, PlacementLanes};
+use crate::body::{Decay, FramePosition, HALF_LIVES_KEPT, PlacementLanes};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec2;
 use throng_base::Result;

@@ -1,7 +1,6 @@
 //! Characters: many characters, moved and posed together.
 
 mod adopt;
-mod anatomy;
 mod avoid;
 mod bent;
 mod block;
@@ -16,7 +15,7 @@ mod motion_set;
 mod order;
 mod pace;
 mod policy_characters;
-mod reaction;
+
 mod sample_job;
 mod scheduled_clip;
 mod snapshot;
@@ -24,16 +23,17 @@ mod spawn;
 mod step;
 #[cfg(test)]
 pub(crate) mod tests;
-mod times;
 mod transition;
 
+pub use crate::body::FootLockConfig;
+pub use crate::body::ReactionConfig;
+pub use crate::body::StepTimes;
+pub use crate::body::head_centre;
+use crate::body::{HeightField, Laps, LocalTransform, Mat3x4, PhaseClock, RANGE_BLOCKS, RANGE_LEN, StepPhase};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-pub use crate::pose::FootLockConfig;
-use crate::pose::{LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
 use crate::skeleton::{Joint, NUM_JOINTS};
-pub use anatomy::head_centre;
 pub use avoid::AvoidConfig;
 use avoid::PathAvoidance;
 use block::{BodyBlock, MotionBlock};
@@ -47,7 +47,6 @@ use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
 pub use order::{BundlePolicy, PolicyOrder};
 pub use policy_characters::{ARRIVED_M, PolicyCharacters, Spawn};
-pub use reaction::ReactionConfig;
 pub use sample_job::SampleJob;
 pub use scheduled_clip::ScheduledClip;
 pub use snapshot::CharactersSnapshot;
@@ -56,8 +55,6 @@ use throng_base::error::{check_index, check_length, check_value};
 use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each};
-pub use times::StepTimes;
-use times::{Laps, PhaseClock, StepPhase};
 
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
@@ -99,6 +96,8 @@ pub struct Characters {
     matrices: Vec<Mat3x4>,
     locals: Vec<LocalTransform>,
     instances: Vec<PoseInstance>,
+    /// The ground that all stand on.
+    ground: HeightField,
     /// Collision avoidance, if it is on.
     avoiding: Option<Box<PathAvoidance>>,
     times: StepTimes,
@@ -160,6 +159,7 @@ impl Characters {
             matrices: zeroed_vec(capacity * NUM_JOINTS),
             locals: vec![LocalTransform::default(); if config.local_transforms { capacity * NUM_JOINTS } else { 0 }],
             instances: zeroed_vec(if config.instances { capacity } else { 0 }),
+            ground: HeightField::flat(),
             avoiding: config.avoid.map(|avoid| Box::new(PathAvoidance::new(motion_set, &avoid, capacity))),
             times: StepTimes::default(),
         })
@@ -210,7 +210,8 @@ impl Characters {
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder], run: &dyn Executor) {
         let clock = self.config.timed.then(PhaseClock::default);
         let config = self.config;
-        let tick = CharactersTick { dt_s, motion_set, config: &config, orders, clock: clock.as_ref() };
+        let ground = self.ground.clone();
+        let tick = CharactersTick { dt_s, motion_set, config: &config, ground: &ground, orders, clock: clock.as_ref() };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_LEN);
         if let Some(detail) = &self.detail {
@@ -254,6 +255,12 @@ impl Characters {
             let (locals, instances) = (locals.next().unwrap_or_default(), instances.next().unwrap_or_default());
             CharacterRange { first, count, blocks, bodies, levels, passed, matrices, locals, instances }
         })
+    }
+
+    /// Changes the ground that all stand on: feet follow it from the next step on. The ground of clips that are laid on
+    /// heights of their own adds to it.
+    pub fn set_ground(&mut self, ground: HeightField) {
+        self.ground = ground;
     }
 
     /// Sets viewpoint and distances of the level of detail from the next step on; with none, all characters are posed
@@ -384,13 +391,8 @@ impl Characters {
     /// that is not finite; nothing has changed then.
     pub fn push(&mut self, character: usize, joint: Joint, displacement: Vec3) -> Result<()> {
         check_index("character", None, character, self.num_characters)?;
-        let largest = displacement.abs().max_element();
-        check_value("displacement", None, largest, displacement.is_finite() && largest < 1e3, "finite and below 1e3")?;
-        if self.config.reaction.enabled {
-            let body = &mut self.bodies[character / LANES];
-            reaction::push(&mut body.reaction, character % LANES, &self.config.reaction, joint, displacement);
-        }
-        Ok(())
+        let state = &mut self.bodies[character / LANES].state;
+        state.push(character % LANES, &self.config.reaction, None, joint, displacement)
     }
 
     /// Moves a character over the ground as a whole, at the next step. Planted feet stay, where they are locked and as

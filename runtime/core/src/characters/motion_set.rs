@@ -1,5 +1,6 @@
 //! Views of a bundle that a step reads, checked once.
 
+use crate::body::{FramePosition, LaneBody, WINDOW, sample_number};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::format::{ClipRecord, FrameRow, RotationCode, Table};
@@ -7,11 +8,9 @@ use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::PolicyTable;
-use crate::pose::{FramePosition, WINDOW, sample_number};
 use crate::skeleton::{Joint, Skeleton};
 use crate::stops::StopTables;
 
-use super::anatomy::Anatomy;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use std::sync::Arc;
@@ -34,7 +33,8 @@ pub struct MotionSet {
     pub(crate) stops: StopTables,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
-    pub(crate) anatomy: Anatomy,
+    /// The skeleton, in all lanes.
+    pub(crate) body: Arc<LaneBody>,
     /// Bundle that all views are taken from.
     pub(crate) bundle: Bundle,
     /// Frames a second (Hz).
@@ -56,7 +56,7 @@ impl MotionSet {
             stops: tables.stops().clone(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
-            anatomy: Anatomy::new(tables.skeleton()),
+            body: Arc::new(LaneBody::from_skeleton(tables.skeleton())),
             bundle: tables.clone(),
             rate_hz: tables.meta().rate_hz as f32,
         }
@@ -205,10 +205,10 @@ fn segment_hits(graph: &MotionGraph, hits: &[HitRecord]) -> Vec<[u32; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::Mat3x4;
     use crate::characters::block::{BodyBlock, MotionBlock};
     use crate::characters::tests::tables;
     use crate::characters::{Characters, CharactersConfig, SampleJob, ScheduledClip};
-    use crate::pose::Mat3x4;
     use crate::skeleton::NUM_JOINTS;
 
     #[test]

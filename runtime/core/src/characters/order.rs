@@ -2,6 +2,7 @@
 
 use super::control::MAX_GOALS;
 use super::motion_set::MotionSet;
+use crate::body::BodyLayers;
 use crate::bundle::Bundle;
 use crate::policy::PolicyTable;
 use glam::Vec3;
@@ -55,6 +56,7 @@ pub struct PolicyOrder {
     target: Vec3,
     /// Target of policies on space-time grids.
     threat: Vec3,
+    pub(super) layers: BodyLayers,
 }
 
 impl PolicyOrder {
@@ -65,6 +67,7 @@ impl PolicyOrder {
         num_goals: 0,
         target: Vec3::ZERO,
         threat: Vec3::ZERO,
+        layers: BodyLayers { look_at: None, hands: [None; 2] },
     };
 
     /// Order of one behaviour.
@@ -97,6 +100,11 @@ impl PolicyOrder {
     /// - `threat`: x and z of the place, y the seconds left (m, s, m).
     pub fn with_threat(self, threat: Vec3) -> Self {
         Self { threat, ..self }
+    }
+
+    /// Adds what the body does beside its motion: a point to look at, places to reach for.
+    pub fn with_layers(self, layers: BodyLayers) -> Self {
+        Self { layers, ..self }
     }
 
     /// Replaces the weights of the behaviours (policies().len()).
@@ -148,6 +156,7 @@ impl PolicyOrder {
             check_index("policy", who, policy as usize, motion_set.num_policies())?;
             check_value("weight", who, weight, weight.abs() < 1e6, "a finite number below 1e6")?;
         }
+        self.layers.check(who)?;
         self.check_target(who)
     }
 

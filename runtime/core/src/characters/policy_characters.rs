@@ -8,16 +8,16 @@ use super::{
     Blow, CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
     segments_into_states,
 };
+use crate::body::{HeightField, LocalTransform, Mat3x4};
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{LocalTransform, Mat3x4};
 use crate::reserve::ReservedRegion;
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
-use throng_base::error::{check_index, check_value};
+use throng_base::error::check_index;
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
@@ -180,12 +180,15 @@ impl PolicyCharacters {
     /// # Errors
     /// [`Error::Gone`], or [`Error::Value`] for a displacement that is not finite.
     pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
-        let largest = displacement.abs().max_element();
-        let good = displacement.is_finite() && largest < 1e3;
-        check_value("displacement", Some(id), largest, good, "finite and below 1e3 (m)")?;
         let at = self.roster.row(id)?;
-        self.characters.push(at, joint, displacement).unwrap_or_else(|e| unreachable!("checked: {e}"));
-        Ok(())
+        let reaction = self.characters.config().reaction;
+        let (_, body, lane) = self.characters.lane_mut(at);
+        body.state.push(lane, &reaction, Some(id), joint, displacement)
+    }
+
+    /// Changes the ground that all stand on, see [`Characters::set_ground`].
+    pub fn set_ground(&mut self, ground: HeightField) {
+        self.characters.set_ground(ground);
     }
 
     /// Sets the walls, see [`Characters::set_walls`].
@@ -261,7 +264,7 @@ impl PolicyCharacters {
         let outputs =
             CharactersConfig { local_transforms: false, instances: false, timed: false, ..*self.characters.config() };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 5, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 6, setup: setup.finish() }
     }
 
     /// Reason why a state cannot be that of these characters; none where it can.

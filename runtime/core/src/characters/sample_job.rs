@@ -1,7 +1,7 @@
 //! Poses straight from the database, without characters.
 
 use super::motion_set::MotionSet;
-use crate::pose::{FrameCursor, Mat3x4, sample_pose, shared, to_model, write_matrices};
+use crate::body::{FrameCursor, Mat3x4, sample_pose, shared, to_model, write_matrices};
 use crate::skeleton::NUM_JOINTS;
 use throng_base::Result;
 use throng_base::error::{check_index, check_length, check_value};

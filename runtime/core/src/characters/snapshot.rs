@@ -5,7 +5,7 @@ use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::step::{self, CharactersTick};
-use crate::pose::{Lanewise, Mat3x4};
+use crate::body::{Lanewise, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
@@ -19,7 +19,7 @@ const MOST_ADDED: f32 = 1.1e6;
 const MOST_BENT: f32 = 3.2;
 
 /// State of characters at one instant: all that their next steps depend on, without poses. It can be written and read,
-/// and be changed there: [`Characters::restore`] checks it. (about 520 bytes a character)
+/// and be changed there: [`Characters::restore`] checks it. (about 650 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
     blocks: Vec<MotionBlock>,
@@ -129,7 +129,8 @@ impl Characters {
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let config = self.config;
-        let tick = CharactersTick { dt_s: 0.0, motion_set, config: &config, orders: &[], clock: None };
+        let ground = self.ground.clone();
+        let tick = CharactersTick { dt_s: 0.0, motion_set, config: &config, ground: &ground, orders: &[], clock: None };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
         (self.blocks, self.bodies) = kept;
         self.blows.gather_blows(&[], motion_set);
@@ -179,7 +180,7 @@ pub(super) fn is_sound(
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
     let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.num_frames());
     let body = &bodies[at / LANES];
-    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane) && body.reaction.is_moderate(lane);
+    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane) && body.state.reaction.is_moderate(lane);
     exists && chose && aged && paced && in_time && named && changed && near
 }
 

@@ -4,8 +4,8 @@ use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharacterStart, Characters, CharactersConfig};
+use crate::body::{FootLock, Lanewise, LocalTransform, Mat3x4, set_lane};
 use crate::planar::Planar;
-use crate::pose::{FootLock, Lanewise, LocalTransform, Mat3x4, set_lane};
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
 use throng_base::simd::LANES;
@@ -141,6 +141,7 @@ impl Characters {
         let body = &mut self.bodies[at / LANES];
         if body.awake == 1 {
             body.feet.iter_mut().for_each(|foot| foot.copy_lane(lane, &FootLock::ZERO, 0));
+            body.state.seen[lane] = 0.0;
         }
     }
 
@@ -163,9 +164,9 @@ impl Characters {
     pub(super) fn carry_over(&mut self, old: &Self, at: usize) {
         let (from, lane) = (&old.blocks[at / LANES], at % LANES);
         self.blocks[at / LANES].num_choices[lane] = from.num_choices[lane];
-        let reaction = &old.bodies[at / LANES].reaction;
-        if reaction.active[lane] != 0.0 {
-            self.bodies[at / LANES].reaction.copy_lane(lane, reaction, lane);
+        let state = &old.bodies[at / LANES].state;
+        if state.is_used(lane) {
+            self.bodies[at / LANES].state.copy_lane(lane, state, lane);
         }
         if let Some(shown) = old.last_pose(at) {
             self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(shown);

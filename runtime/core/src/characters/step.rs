@@ -1,4 +1,4 @@
-//! One tick, in reading order: advance -> control -> sample -> reaction -> foot lock -> poses.
+//! One tick, in reading order: advance -> control -> sample -> body ([`crate::body`]).
 //!
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not
 //! depend on how characters are split.
@@ -11,14 +11,13 @@ use super::decay::add_offsets;
 use super::detail::{self, DetailLevel, PoseInstance};
 use super::motion_set::MotionSet;
 use super::pace;
-use super::reaction;
-use super::times::{Laps, PhaseClock, StepPhase};
 use super::{CharactersConfig, PolicyOrder};
-use crate::contacts::Contacts;
-use crate::pose::{
-    FrameCursor, FramePosition, LocalTransform, LockStep, Mat3x4, PlacementLanes, PlantedParts, lock_foot, sample_pose,
-    shared, to_model, write_locals, write_matrices,
+use crate::body::{
+    BodyState, BodyTick, FeetTick, FrameCursor, FramePosition, HeightField, Laps, LayerLanes, LocalTransform, Mat3x4,
+    ModelPose, PhaseClock, PlacementLanes, PlantedParts, PoseOutput, StepPhase, planar_of_lane, pose_block,
+    sample_pose,
 };
+use crate::contacts::Contacts;
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, dispatch};
 
@@ -27,6 +26,7 @@ pub(crate) struct CharactersTick<'a> {
     pub dt_s: f32,
     pub motion_set: &'a MotionSet,
     pub config: &'a CharactersConfig,
+    pub ground: &'a HeightField,
     pub orders: &'a [PolicyOrder],
     /// Sums of the times of each phase, if they are measured.
     pub clock: Option<&'a PhaseClock>,
@@ -63,19 +63,19 @@ pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     pose_all(range, tick);
 }
 
-/// The second half of the list: sample -> reaction -> foot lock -> poses, for all blocks of a range.
+/// The second half of the list: sample -> body, for all blocks of a range.
 pub(crate) fn pose_all(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
-    let reaction = reaction::ReactionStep::new(&tick.config.reaction, tick.dt_s);
-    let lock = LockStep::new(&tick.config.foot_lock, tick.dt_s);
-    dispatch(PoseAllJob { range, tick, reaction, lock });
+    let body = BodyTick::new(tick.ground, &tick.config.reaction, tick.dt_s);
+    let feet = FeetTick::new(tick.ground, &tick.config.foot_lock, tick.dt_s);
+    dispatch(PoseAllJob { range, tick, body, feet });
 }
 
 /// The arguments of [`pose_all`].
 struct PoseAllJob<'a, 't> {
     range: CharacterRange<'a>,
     tick: &'a CharactersTick<'t>,
-    reaction: reaction::ReactionStep,
-    lock: LockStep,
+    body: BodyTick<'a>,
+    feet: FeetTick<'a>,
 }
 
 impl LaneWork for PoseAllJob<'_, '_> {
@@ -83,31 +83,33 @@ impl LaneWork for PoseAllJob<'_, '_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let CharacterRange { blocks, bodies, levels, count, matrices, locals, instances, .. } = self.range;
+        let CharacterRange { blocks, bodies, levels, first, count, matrices, locals, instances, .. } = self.range;
         let half_life_s = self.tick.config.half_life_s;
         let mut poses = matrices.chunks_mut(LANES * NUM_JOINTS);
         for (i, (block, body)) in blocks.iter_mut().zip(bodies).enumerate() {
             let Some(matrices) = poses.next() else { break };
-            let first = i * LANES;
-            let records = instances.get_mut(first..count.min(first + LANES)).unwrap_or_default();
+            let at = i * LANES;
+            let records = instances.get_mut(at..count.min(at + LANES)).unwrap_or_default();
             detail::set_awake(levels[i], block, body, self.tick.motion_set, half_life_s);
-            let locals = locals.get_mut(first * NUM_JOINTS..).unwrap_or_default();
+            let locals = locals.get_mut(at * NUM_JOINTS..).unwrap_or_default();
             let len = locals.len().min(matrices.len());
-            let to = PoseOutput { level: levels[i], matrices, locals: &mut locals[..len], records };
-            pose_block::<F>(block, body, to, self.tick, &self.reaction, &self.lock);
+            let to = PoseOutput { matrices, locals: &mut locals[..len] };
+            let orders = self.tick.orders.get(first + at..first + count.min(at + LANES)).unwrap_or_default();
+            let block = CharacterBlock { block, body, level: levels[i], records, orders };
+            block.pose::<F>(to, self.tick, &self.body, &self.feet);
         }
     }
 }
 
-/// Outputs of a block.
-struct PoseOutput<'a> {
+/// A block of eight characters that is posed.
+struct CharacterBlock<'a> {
+    block: &'a mut MotionBlock,
+    body: &'a mut BodyBlock,
     level: DetailLevel,
-    /// (characters * NUM_JOINTS)
-    matrices: &'a mut [Mat3x4],
-    /// (characters * NUM_JOINTS, or 0)
-    locals: &'a mut [LocalTransform],
     /// (characters, or 0)
     records: &'a mut [PoseInstance],
+    /// (characters, or 0 where all play scheduled clips)
+    orders: &'a [PolicyOrder],
 }
 
 /// The first entry of the list: moves time on, turns the path of characters with bent actions, and notes the hits that are
@@ -148,65 +150,67 @@ pub(crate) fn advance_all(
     laps.end(StepPhase::Advance);
 }
 
-/// Samples a block, displaces struck characters, locks feet and writes its poses.
-#[inline(always)]
-fn pose_block<F: Lanes>(
-    block: &mut MotionBlock,
-    body: &mut BodyBlock,
-    to: PoseOutput<'_>,
-    tick: &CharactersTick<'_>,
-    reaction_step: &reaction::ReactionStep,
-    lock_step: &LockStep,
-) {
-    let r = tick.motion_set;
-    let mut laps = Laps::start(tick.clock);
-    let mut spots = [FramePosition::default(); LANES];
-    for (lane, spot) in spots.iter_mut().enumerate() {
-        // The last frame of a clip has no successor, so it is reached from the one before.
-        let time = block.time[lane].max(0.0);
-        let whole = (time as u32).min(block.length[lane].saturating_sub(1));
-        let frame = block.first[lane] + whole;
-        // Within a segment, all neighbours are of its clip.
-        let is_within = whole > 0 && whole + 2 <= block.length[lane];
-        *spot = r.frame_position(frame, time - whole as f32, is_within);
-        block.contacts[lane] = r.contacts[spot.frame + usize::from(spot.ratio > 0.5)];
-    }
-    let cursor: FrameCursor<'_, F> = FrameCursor::at_positions(&spots, &r.frames, &r.rotation_code);
-    let [x, z, heading, height] = cursor.root();
-    let place = update_roots(block, [x, z, heading]);
-    if !to.records.is_empty() {
-        detail::write_instances(to.records, block, &spots, &place, r, tick.config.half_life_s);
-    }
-    if to.level == DetailLevel::Record {
-        laps.end(StepPhase::Sample);
-        return;
-    }
-    let mut local = sample_pose(&cursor, height);
-    local.root.y = local.root.y + place.y;
-    add_offsets(&mut local, block, body, tick.config.half_life_s);
-    let mut model = to_model(shared(&r.skeleton), local);
-    laps.end(StepPhase::Sample);
-    if tick.config.reaction.enabled && reaction::any_lane_reacts::<F>(&body.reaction) {
-        reaction::react_lanes(&r.anatomy, &tick.config.reaction, reaction_step, &place, &mut body.reaction, &mut model);
-    }
-    laps.end(StepPhase::Reaction);
-    if tick.config.foot_lock.enabled && to.level == DetailLevel::Full {
-        let planted = |c: Contacts| block.contacts.map(|have| f32::from(u8::from(have.any(c))));
-        let parts = [
-            PlantedParts { heel: planted(Contacts::LEFT_HEEL), toe: planted(Contacts::LEFT_TOE) },
-            PlantedParts { heel: planted(Contacts::RIGHT_HEEL), toe: planted(Contacts::RIGHT_TOE) },
-        ];
-        for (foot, planted) in parts.iter().enumerate() {
-            let lock = &mut body.feet[foot];
-            lock_foot(&r.anatomy.legs[foot], lock_step, planted, &place, lock, &mut model);
+impl CharacterBlock<'_> {
+    /// Samples a block and takes it through the list of bodies.
+    #[inline(always)]
+    fn pose<F: Lanes>(
+        self,
+        to: PoseOutput<'_>,
+        tick: &CharactersTick<'_>,
+        body_tick: &BodyTick<'_>,
+        feet_tick: &FeetTick<'_>,
+    ) {
+        let Self { block, body, level, records, orders } = self;
+        let r = tick.motion_set;
+        let mut laps = Laps::start(tick.clock);
+        let mut spots = [FramePosition::default(); LANES];
+        for (lane, spot) in spots.iter_mut().enumerate() {
+            // The last frame of a clip has no successor, so it is reached from the one before.
+            let time = block.time[lane].max(0.0);
+            let whole = (time as u32).min(block.length[lane].saturating_sub(1));
+            let frame = block.first[lane] + whole;
+            // Within a segment, all neighbours are of its clip.
+            let is_within = whole > 0 && whole + 2 <= block.length[lane];
+            *spot = r.frame_position(frame, time - whole as f32, is_within);
+            block.contacts[lane] = r.contacts[spot.frame + usize::from(spot.ratio > 0.5)];
         }
+        let cursor: FrameCursor<'_, F> = FrameCursor::at_positions(&spots, &r.frames, &r.rotation_code);
+        let [x, z, heading, height] = cursor.root();
+        let was = block.root;
+        let mut place = update_roots(block, [x, z, heading]);
+        if !tick.ground.is_flat() {
+            let speed = std::array::from_fn(|lane| {
+                let moved = planar_of_lane(&was, lane).to_local(block.root(lane)).z;
+                if tick.dt_s > 0.0 && body.state.seen[lane] > 0.5 { moved / tick.dt_s } else { 0.0 }
+            });
+            body.state.follow_base(tick.ground, &body_tick.base, |lane| block.root(lane), &speed);
+            place.y = place.y + F::load(&body.state.base);
+        }
+        if !records.is_empty() {
+            detail::write_instances(records, block, &spots, &place, r, tick.config.half_life_s);
+        }
+        if level == DetailLevel::Record {
+            laps.end(StepPhase::Sample);
+            return;
+        }
+        let mut motion = sample_pose(&cursor, height);
+        motion.root.y = motion.root.y + place.y;
+        add_offsets(&mut motion, block, body, tick.config.half_life_s);
+        let orders = orders.iter().map(|order| order.layers);
+        let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &body.state);
+        let BodyBlock { state, feet, .. } = body;
+        let contacts = &block.contacts;
+        let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| {
+            let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
+            let parts = [
+                PlantedParts { heel: planted(Contacts::LEFT_HEEL), toe: planted(Contacts::LEFT_TOE) },
+                PlantedParts { heel: planted(Contacts::RIGHT_HEEL), toe: planted(Contacts::RIGHT_TOE) },
+            ];
+            let sunk = layers.hips_sink(&r.body, pose);
+            feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
+        };
+        pose_block(&r.body, motion, &place, &layers, body_tick, state, plant, to, &mut laps);
     }
-    laps.end(StepPhase::FootLock);
-    write_matrices(&model, to.matrices);
-    if !to.locals.is_empty() {
-        write_locals(shared(&r.skeleton), &model, to.locals.len() / NUM_JOINTS, to.locals);
-    }
-    laps.end(StepPhase::Poses);
 }
 
 /// Updates the planar roots.

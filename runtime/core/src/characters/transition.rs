@@ -6,10 +6,9 @@
 
 use super::MotionSet;
 use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, SCHEDULED, VELOCITY_CODES, decode, encode};
-use super::decay::{Decay, HALF_LIVES_KEPT};
+use crate::body::{Decay, HALF_LIVES_KEPT, get_lane, load, set_lane, store};
 use crate::format::FrameRow;
 use crate::planar::Planar;
-use crate::pose::{get_lane, load, set_lane, store};
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::Vec3;
 use throng_base::simd::{LANES, LaneWork, Lanes, Q, V, dispatch};
@@ -43,7 +42,7 @@ pub(crate) fn start_transitions(
 
 /// Wakes the bodies of a block: feet are free, and the last transition of each is as if it had always been posed.
 pub(crate) fn wake_block(block: &MotionBlock, body: &mut BodyBlock, motion_set: &MotionSet, half_life_s: f32) {
-    *body = BodyBlock { awake: 1, reaction: body.reaction, ..BodyBlock::ZERO };
+    *body = BodyBlock { awake: 1, state: body.state, ..BodyBlock::ZERO };
     let mut changes = [SegmentChange::default(); LANES];
     let mut num_changes = 0;
     for lane in 0..LANES {

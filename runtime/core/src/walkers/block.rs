@@ -1,70 +1,12 @@
 //! The state of eight walkers.
 
 use crate::blend::MAX_AXES;
+use crate::body::{BodyState, Lane, Lane3, Lanewise, PlacedFoot, is_share, lanewise_fields, planar_of_lane, set_lane};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{Lane, Lane3, Lanewise, lanewise_fields, planar_of_lane, set_lane};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
-
-/// Tolerance of the ranges of shares and cosines.
-const ROUNDING: f32 = 1e-3;
-
-/// Feet of eight walkers on one side.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(crate) struct WalkerFoot {
-    /// Offset of the ankle from its position in the examples, in world space (m).
-    pub offset: Lane3,
-    /// Rate of the offset (m/s).
-    pub offset_rate: Lane3,
-    /// Sine and cosine of the foot's turn about the vertical.
-    pub turn: [Lane; 2],
-    /// Bottom of the heel, and the ball, at the last step, in world space (m).
-    pub heel: Lane3,
-    pub ball: Lane3,
-    /// 1 where it was planted at the last step, else 0.
-    pub down: Lane,
-    /// Height above its position in the examples (m).
-    pub rise: Lane,
-    /// Rate of the rise (m/s).
-    pub rise_rate: Lane,
-    /// Height over the ground in the examples, at the last step (m).
-    pub height: Lane,
-    /// The plane that it is held over: height below the heel and below the ball (m), rise to the left a metre; and how fast they
-    /// change (1/s).
-    pub below: Lane3,
-    pub below_rate: Lane3,
-    /// Cosine of half the knee's angle at the last step: 0 for a straight leg; -1 until the first step.
-    pub bent: Lane,
-    /// Progress of a corrective step, 0 to 1; 1 if none is taken.
-    pub step: Lane,
-}
-
-impl WalkerFoot {
-    const ZERO: Self = Self {
-        offset: [[0.0; LANES]; 3],
-        offset_rate: [[0.0; LANES]; 3],
-        turn: [[0.0; LANES], [1.0; LANES]],
-        heel: [[0.0; LANES]; 3],
-        ball: [[0.0; LANES]; 3],
-        down: [0.0; LANES],
-        rise: [0.0; LANES],
-        rise_rate: [0.0; LANES],
-        height: [0.0; LANES],
-        below: [[0.0; LANES]; 3],
-        below_rate: [[0.0; LANES]; 3],
-        bent: [-1.0; LANES],
-        step: [1.0; LANES],
-    };
-
-    /// True where shares and cosines of a lane are within their ranges.
-    fn is_sound(&self, lane: usize) -> bool {
-        let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
-        let is_cosine = |of: &Lane| of[lane].abs() <= 1.0 + ROUNDING;
-        is_share(&self.step) && is_share(&self.down) && is_cosine(&self.bent) && self.turn.iter().all(is_cosine)
-    }
-}
 
 /// The state of eight walkers.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -88,37 +30,16 @@ pub(crate) struct WalkerBlock {
     pub asked: [[f32; MAX_AXES]; LANES],
     /// Generic time, in [0, 1).
     pub phase: Lane,
-    /// Height of the ground that the hips are held over (m), and how fast it changes (m/s).
-    pub base: Lane,
-    pub base_rate: Lane,
-    /// Lowering of the hips so that both legs reach (m).
-    pub drop: Lane,
-    /// Rate of the lowering (m/s).
-    pub drop_rate: Lane,
     /// 0 until the first step.
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
     /// Left, right.
-    pub feet: [WalkerFoot; 2],
+    pub feet: [PlacedFoot; 2],
+    pub body: BodyState,
 }
 
-lanewise_fields!(WalkerFoot {
-    offset,
-    offset_rate,
-    turn,
-    heel,
-    ball,
-    down,
-    rise,
-    rise_rate,
-    height,
-    below,
-    below_rate,
-    bent,
-    step
-});
 lanewise_fields!(WalkerBlock {
-    root, aim, speed, turning, travel, phase, base, base_rate, drop, drop_rate, placed, contacts, feet;
+    root, aim, speed, turning, travel, phase, placed, contacts, feet, body;
     parameters, parameter_rates, asked
 });
 
@@ -133,13 +54,10 @@ impl WalkerBlock {
         parameter_rates: [[0.0; MAX_AXES]; LANES],
         asked: [[0.0; MAX_AXES]; LANES],
         phase: [0.0; LANES],
-        base: [0.0; LANES],
-        base_rate: [0.0; LANES],
-        drop: [0.0; LANES],
-        drop_rate: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
-        feet: [WalkerFoot::ZERO; 2],
+        feet: [PlacedFoot::ZERO; 2],
+        body: BodyState::ZERO,
     };
 
     /// Planar root of one lane at the last step.
@@ -149,10 +67,9 @@ impl WalkerBlock {
 
     /// True where a walker's numbers can be: shares and cosines within their ranges, everything finite and below 1e7.
     pub fn is_sound(&self, lane: usize) -> bool {
-        let is_share = |of: &Lane| (-ROUNDING..=1.0 + ROUNDING).contains(&of[lane]);
         self.is_near(lane)
-            && is_share(&self.phase)
-            && is_share(&self.placed)
+            && is_share(self.phase[lane])
+            && is_share(self.placed[lane])
             && self.feet.iter().all(|foot| foot.is_sound(lane))
     }
 
@@ -162,7 +79,8 @@ impl WalkerBlock {
         self.aim[lane] = root.heading;
         self.turning[lane] = 0.0;
         self.contacts[lane] = Contacts::NONE;
-        self.feet.copy_lane(lane, &[WalkerFoot::ZERO; 2], lane);
+        self.feet.copy_lane(lane, &[PlacedFoot::ZERO; 2], lane);
+        self.body.copy_lane(lane, &BodyState::ZERO, lane);
     }
 }
 

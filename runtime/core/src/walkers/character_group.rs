@@ -1,11 +1,11 @@
 //! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, WalkerActivity, WalkerStart, Walkers, WalkersState, config};
+use crate::body::Lanewise;
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::Lanewise;
 use crate::skeleton::NUM_JOINTS;
 use crate::walkers::block::WalkerBlock;
 use serde::{Deserialize, Serialize};
@@ -146,7 +146,7 @@ impl CharacterGroup for Walkers {
         }
         let can_be = |row: usize, id: Id| {
             let act = &kept.acts[row];
-            let acts = act.acting.is_sound(self.space.activities()) && act.gaze.is_sound();
+            let acts = act.acting.is_sound(self.space.activities());
             acts && kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].is_sound(row % LANES)
         };
         if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
@@ -193,7 +193,7 @@ impl CharacterGroup for Walkers {
 
 impl Walkers {
     fn kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "walkers", tag: *b"WALK", version: 5, setup: self.setup }
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 6, setup: self.setup }
     }
 
     /// Bodies and poses of all walkers, from the state.

@@ -1,7 +1,7 @@
 //! Settings, starts and orders of walkers, and the limits of their numbers.
 
-use super::body::{ARMS, LEGS};
 use crate::blend::MAX_AXES;
+use crate::body::{ARMS, BodyLayers, HandReach, LEGS, ReactionConfig};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
 use glam::{Vec2, Vec3};
@@ -34,6 +34,8 @@ pub struct WalkersConfig {
     pub foot_reach_m: f32,
     /// False leaves the bodies as blended: joint angles alone, feet that slide.
     pub retarget: bool,
+    /// Effect of pushes, see [`Walkers::push`](super::Walkers::push).
+    pub reaction: ReactionConfig,
     /// Also write local transforms.
     pub local_transforms: bool,
 }
@@ -48,6 +50,7 @@ impl Default for WalkersConfig {
             foot_half_life_s: 0.08,
             foot_reach_m: 0.22,
             retarget: true,
+            reaction: ReactionConfig::default(),
             local_transforms: false,
         }
     }
@@ -87,21 +90,15 @@ pub struct Control {
     pub hands: [Option<HandReach>; 2],
 }
 
-/// Target of a palm, reached by turning upper arm and forearm; the hand keeps its direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HandReach {
-    /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
-    /// the arm is too short.
-    pub place: (Vec3, f32),
-    /// A place relative to the root, on the ground below the hips (m), and the weight with which the palm is taken
-    /// there (0 to 1, and no more than the other one leaves).
-    pub level: (Vec3, f32),
-}
-
 impl Control {
     /// Walks from where the walker is, at a velocity along x and z (m/s).
     pub fn walk(velocity: Vec2) -> Self {
         Self { velocity, ..Self::default() }
+    }
+
+    /// What the body does beside its motion.
+    pub(super) fn layers(&self) -> BodyLayers {
+        BodyLayers { look_at: self.look_at, hands: self.hands }
     }
 
     /// Takes the position at the end of a step that starts at `root`, and continues the turn where no position is
@@ -125,7 +122,6 @@ impl Control {
     /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more.
     pub fn check(&self, who: Id) -> Result<()> {
         let position = self.position.unwrap_or_default();
-        let look_at = self.look_at.unwrap_or_default();
         for (what, got) in [
             ("position x", position.x),
             ("position z", position.y),
@@ -133,20 +129,10 @@ impl Control {
             ("velocity z", self.velocity.y),
             ("heading", self.heading.unwrap_or(0.0)),
             ("turning_rate", self.turning_rate.unwrap_or(0.0)),
-            ("look_at x", look_at.x),
-            ("look_at y", look_at.y),
-            ("look_at z", look_at.z),
         ] {
             check_moderate(what, Some(who), got)?;
         }
-        for reach in self.hands.iter().flatten() {
-            for (at, share) in [reach.place, reach.level] {
-                at.to_array().into_iter().try_for_each(|got| check_moderate("place of a hand", Some(who), got))?;
-                check_value("share of a reach", Some(who), share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
-            }
-            let both = reach.place.1 + reach.level.1;
-            check_value("shares of a reach", Some(who), both, both <= 1.0 + 1e-6, "at most 1 together")?;
-        }
+        self.layers().check(Some(who))?;
         self.style.iter().try_for_each(|&got| check_moderate("style", Some(who), got))
     }
 }
@@ -168,6 +154,7 @@ pub(super) fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
 
 impl WalkersConfig {
     pub(super) fn check(&self) -> Result<()> {
+        self.reaction.check()?;
         for (what, got) in
             [("parameter_half_life_s", self.parameter_half_life_s), ("heading_half_life_s", self.heading_half_life_s)]
         {

@@ -1,32 +1,24 @@
 //! Walkers: many characters on free trajectories, whose bodies come from a blend space.
 
 mod block;
-mod body;
 mod character_group;
 mod config;
-mod feet;
-mod footing;
-mod gaze;
-mod lean;
 mod perform;
-mod reach;
-mod spring;
 mod steer;
 mod step;
 
 use crate::blend::BlendSpace;
 use crate::blend::HeightField;
 use crate::blend::MAX_AXES;
+pub use crate::body::HandReach;
+use crate::body::{LEGS, LaneBody, LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use block::WalkerBlock;
-use body::LaneBody;
 pub use character_group::WalkerEvent;
-pub use config::{Control, HandReach, WalkerStart, WalkersConfig};
-use gaze::Gaze;
+pub use config::{Control, WalkerStart, WalkersConfig};
 use glam::Vec3;
 use perform::PerformanceState;
 pub use perform::{Performance, PerformancePart, PerformanceProgress};
@@ -88,7 +80,6 @@ struct WalkersState {
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct WalkerActivity {
     acting: PerformanceState,
-    gaze: Gaze,
     /// True if its performance ended in the last step.
     has_ended: bool,
 }
@@ -211,6 +202,18 @@ impl Walkers {
         self.state.acts[row].acting.performance_progress()
     }
 
+    /// Displaces a part of a walker's body, which then comes back; see [`ReactionConfig`](crate::body::ReactionConfig).
+    ///
+    /// - `displacement`: in the world (m).
+    ///
+    /// # Errors
+    /// [`Error::Gone`](throng_base::Error::Gone), or [`Error::Value`](throng_base::Error::Value) for a displacement that is
+    /// not finite.
+    pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
+        let row = self.row(id)?;
+        self.state.blocks[row / LANES].body.push(row % LANES, &self.config.reaction, Some(id), joint, displacement)
+    }
+
     /// Generic time, in 0..1 (row < len).
     pub fn phase(&self, row: usize) -> f32 {
         self.state.blocks[row / LANES].phase[row % LANES]
@@ -250,7 +253,7 @@ impl Walkers {
         let (turn, move_by) = (root.rotation(), root.translation());
         let body = &self.bodies[row / LANES];
         std::array::from_fn(|side| {
-            let [_, _, foot, toe] = body::LEGS[side].map(Joint::index);
+            let [_, _, foot, toe] = LEGS[side].map(Joint::index);
             let heel = Vec3::from_array(body.legs[side].heel.map(|axis| axis[row % LANES]));
             let heel = pose[foot].translation() + maths::rotate(pose[foot].rotation(), heel);
             [heel, pose[toe].translation()].map(|p| maths::rotate(turn, p) + move_by)

@@ -5,8 +5,8 @@
 
 use super::Control;
 use super::block::WalkerBlock;
-use super::spring::DampedSpring;
 use crate::blend::{Activity, ActivityId, ActivitySample, ActivitySet, AxisRecord, BlendedPosture, MAX_AXES, axis};
+use crate::body::DampedSpring;
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};

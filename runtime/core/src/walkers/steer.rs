@@ -1,11 +1,11 @@
 //! Steering: from a trajectory to a position in the parameter box, with heading, speeds and turning rate eased.
 
 use super::block::WalkerBlock;
-use super::body::LaneBody;
-use super::spring::DampedSpring;
 use super::{Control, WalkersConfig};
 use crate::blend::BlendSpace;
 use crate::blend::{AxisRecord, MAX_AXES, axis};
+use crate::body::DampedSpring;
+use crate::body::LaneBody;
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};

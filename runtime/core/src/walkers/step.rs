@@ -4,27 +4,20 @@
 //! on how walkers are split. Postures are blended one by one, with a lane for each joint, and retargeted by eights,
 //! with a lane for each character.
 
-use super::block::{WalkerBlock, WalkerFoot};
-use super::body::{LEGS, LaneBody};
-use super::feet::{Bearing, FootPlacement, SolePose, about_y, ball_share, place_foot};
-use super::footing::{self, FootGround, FootState};
-use super::gaze::Eyes;
+use super::block::WalkerBlock;
 use super::perform::PerformanceInputs;
-use super::reach::{Hands, is_stretched, lower_body, raise_heel, reach_foot, reach_hand, slow_knee};
-use super::spring::DampedSpring;
 use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
-use crate::blend::BlendSpace;
-use crate::blend::BlendedPosture;
-use crate::blend::HeightField;
-use crate::blend::channel;
+use crate::blend::{BlendSpace, BlendedPosture, channel};
+use crate::body::{
+    Bearing, BodyState, BodyTick, DampedSpring, FootGround, FootOverGround, FootPlacement, HALF_LIVES_S, HeightField,
+    LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacedFoot, PlacementLanes,
+    PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground, is_stretched, keep_planted, load,
+    lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot, reach_hand, slow_knee,
+};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::pose::{
-    Lane, LanePose, LocalTransform, Mat3x4, ModelPose, PlacementLanes, load, to_model, write_locals, write_matrices,
-};
 use crate::skeleton::NUM_JOINTS;
-use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
 use throng_base::thresholds::STEP_TIME_MPS;
@@ -38,8 +31,6 @@ const KNEE_RATE_BY_SPEED: f32 = 1.8;
 /// Share of the reach at which a foot of a character that stands takes a step.
 const STANDING_REACH: f32 = 0.4;
 
-/// Time in which a difference in how far the hips are lowered halves, on flat ground and elsewhere (s).
-const DROP_HALF_LIVES_S: [f32; 2] = [0.03, 0.06];
 /// Time in which a planted foot's height over the ground halves (s).
 const LANDING_HALF_LIFE_S: f32 = 0.02;
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
@@ -50,7 +41,7 @@ pub(crate) struct WalkersTick<'a> {
     space: &'a BlendSpace,
     config: &'a WalkersConfig,
     steering: WalkerSteering<'a>,
-    ground: &'a HeightField,
+    body: BodyTick<'a>,
     dt_s: f32,
     /// Ticks a second; 0 for a tick of no time (1/s).
     rate: f32,
@@ -62,11 +53,9 @@ pub(crate) struct WalkersTick<'a> {
     landing: DampedSpring,
     /// Spring that lowers the hips.
     drop: DampedSpring,
-    /// Springs of the ground below feet and hips.
+    /// Springs of the ground below feet, in the air and planted.
     footing: [DampedSpring; 2],
-    base: DampedSpring,
     stage: PerformanceInputs<'a>,
-    eyes: Eyes,
 }
 
 impl<'a> WalkersTick<'a> {
@@ -77,17 +66,15 @@ impl<'a> WalkersTick<'a> {
             space,
             config,
             steering: WalkerSteering::new(space, config, dt_s),
-            ground,
+            body: BodyTick::new(ground, &config.reaction, dt_s),
             dt_s,
             rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
             keep,
             air: spring(config.foot_half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
-            drop: spring(DROP_HALF_LIVES_S[usize::from(!ground.is_flat())]),
-            footing: footing::HALF_LIVES_S.map(spring),
-            base: spring(footing::BASE_HALF_LIFE_S),
+            drop: drop_spring(ground, dt_s),
+            footing: HALF_LIVES_S.map(spring),
             stage: PerformanceInputs::new(space.activities(), space.axes(), dt_s),
-            eyes: Eyes::new(dt_s),
         }
     }
 }
@@ -148,57 +135,45 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let weights = &mut weights[from * space.stride()..][..count * space.stride()];
             space.weigh_batch::<F>(&block.parameters[..count], weights);
             let mut postures = [BlendedPosture::default(); LANES];
-            let mut importance = [[0.0; LANES]; 2];
+            let (mut importance, mut still) = ([[0.0; LANES]; 2], [0.0; LANES]);
             for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
                 advance_phase::<F>(block, body, lane, weights, self.tick);
                 let place = space.phase_interval(block.phase[lane]);
                 space.blend_posture::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
-                let (act, look_at) = (&mut acts[from + lane], controls[from + lane].look_at);
-                let share = act.overlay_posture(self.tick, look_at, block, body, lane, &mut postures[lane]);
+                let share = acts[from + lane].overlay_posture(self.tick, &mut postures[lane]);
+                still[lane] = share;
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let hands = Hands::from_orders(&controls[from..from + count], block);
-            let mut model = retarget_postures::<F>(block, body, &postures, &importance, hands.as_ref(), self.tick);
-            if let Some(hands) = hands {
-                hands.reach_places(body, &mut model);
-            }
+            let place = update_placement::<F>(block, self.tick);
+            let postures = transpose::<F>(&postures);
+            let mut root = postures.hips * F::load(&body.scale);
+            root.y = root.y + F::load(&body.lift) + place.y;
+            let motion = LanePose { root, rotations: postures.rotations };
+            let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
+            let root = |lane: usize| planar_of_lane(root, lane);
+            let orders = controls[from..from + count].iter().map(Control::layers);
+            let layers = LayerLanes::new(orders, still, root, state);
+            let mut walking =
+                WalkingFeet { feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
-            write_matrices(&model, &mut matrices[joints.clone()]);
-            if let Some(locals) = locals.get_mut(joints) {
-                write_locals(|j| load(&body.offsets[j]), &model, count, locals);
-            }
+            let to = PoseOutput {
+                matrices: &mut matrices[joints.clone()],
+                locals: locals.get_mut(joints).unwrap_or_default(),
+            };
+            let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| walking.plant(&layers, &place, state, pose);
+            let mut laps = Laps::start(None);
+            pose_block(body, motion, &place, &layers, &self.tick.body, state, plant, to, &mut laps);
             from += count;
         }
     }
 }
 
 impl WalkerActivity {
-    /// Mixes the performance into a blended posture, and turns its head.
-    ///
-    /// - returns the share of the performance.
+    /// Mixes the performance into a blended posture; returns its share.
     #[inline(always)]
-    fn overlay_posture(
-        &mut self,
-        tick: &WalkersTick<'_>,
-        look_at: Option<Vec3>,
-        block: &WalkerBlock,
-        body: &LaneBody,
-        lane: usize,
-        posture: &mut BlendedPosture,
-    ) -> f32 {
-        let share =
-            if self.acting.is_idle() { 0.0 } else { self.acting.overlay_posture(tick.stage.activities, posture) };
-        if look_at.is_some() || !self.gaze.is_off() {
-            let root = block.root(lane);
-            let point = look_at.map(|p| {
-                let p = p - Vec3::Y * block.base[lane];
-                let at = root.inverse_transform_point(Vec2::new(p.x, p.z));
-                Vec3::new(at.x, p.y, at.y)
-            });
-            self.gaze.turn_posture(&tick.eyes, point, body, lane, share, posture);
-        }
-        share
+    fn overlay_posture(&mut self, tick: &WalkersTick<'_>, posture: &mut BlendedPosture) -> f32 {
+        if self.acting.is_idle() { 0.0 } else { self.acting.overlay_posture(tick.stage.activities, posture) }
     }
 }
 
@@ -265,54 +240,63 @@ fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
     }
 }
 
-/// Retargets the postures to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
-#[inline(always)]
-fn retarget_postures<F: Lanes>(
-    block: &mut WalkerBlock,
-    body: &LaneBody,
-    postures: &[BlendedPosture; LANES],
-    importance: &[Lane; 2],
-    hands: Option<&Hands>,
-    tick: &WalkersTick<'_>,
-) -> ModelPose<F> {
-    let t = transpose::<F>(postures);
-    let place = update_placement::<F>(block, tick);
-    let mut root = t.hips * F::load(&body.scale);
-    root.y = root.y + F::load(&body.lift) + place.y;
-    let mut model = to_model(|j| load(&body.offsets[j]), LanePose { root, rotations: t.rotations });
-    if !tick.config.retarget {
-        block.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
-        return model;
-    }
-    let importance = [F::load(&importance[0]), F::load(&importance[1])];
-    let (left, left_bears) = plant_foot(block, body, 0, &t, importance[0], &place, &model, tick);
-    let (right, right_bears) = plant_foot(block, body, 1, &t, importance[1], &place, &model, tick);
-    let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
-    for (side, sole) in soles.iter_mut().enumerate() {
-        raise_heel(body, side, sole, &mut bearing[side], &model);
-    }
-    let sunk = hands.map_or(F::splat(0.0), |hands| hands.hips_sink(body, &model));
-    lower_body(body, &soles, importance, [&mut block.drop, &mut block.drop_rate], &tick.drop, sunk, &mut model);
-    let pace = F::load(&body.pace);
-    let knee_rate = F::splat(KNEE_RATE) / pace + F::load(&block.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
-    for (side, sole) in soles.iter_mut().enumerate() {
-        slow_knee(body, side, &mut block.feet[side], sole, knee_rate * F::splat(tick.dt_s), &model);
-        release_foot(&mut block.feet[side], &mut bearing[side], is_stretched(body, side, sole, &model));
-        reach_foot(body, side, sole, &mut model);
-    }
-    for (side, &touch) in t.touches.iter().enumerate() {
-        if touch.any_gt(F::splat(0.0)) {
-            let to = model.positions[0] + t.hands[side] * F::load(&body.arm_scale);
-            reach_hand(body, side, to, touch.max(F::splat(0.0)).min(F::splat(1.0)), &mut model);
+/// The feet of a block, which the postures are retargeted with.
+struct WalkingFeet<'a, 't, F> {
+    feet: &'a mut [PlacedFoot; 2],
+    contacts: &'a mut [Contacts; LANES],
+    /// (m/s)
+    speed: &'a Lane,
+    body: &'a LaneBody,
+    postures: &'a PostureLanes<F>,
+    importance: [Lane; 2],
+    tick: &'a WalkersTick<'t>,
+}
+
+impl<F: Lanes> WalkingFeet<'_, '_, F> {
+    /// Retargets a pose to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
+    #[inline(always)]
+    fn plant(
+        &mut self,
+        layers: &LayerLanes,
+        place: &PlacementLanes<F>,
+        state: &mut BodyState,
+        pose: &mut ModelPose<F>,
+    ) {
+        let (body, t, tick) = (self.body, self.postures, self.tick);
+        if !tick.config.retarget {
+            *self.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
+            return;
         }
+        let importance = [F::load(&self.importance[0]), F::load(&self.importance[1])];
+        let seen = F::load(&state.seen);
+        let (left, left_bears) = self.plant_foot(0, importance[0], seen, place, pose);
+        let (right, right_bears) = self.plant_foot(1, importance[1], seen, place, pose);
+        let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
+        for (side, sole) in soles.iter_mut().enumerate() {
+            raise_heel(body, side, sole, &mut bearing[side], pose);
+        }
+        let sunk = layers.hips_sink(body, pose).unwrap_or(F::splat(0.0));
+        lower_body(body, &soles, importance, [&mut state.drop, &mut state.drop_rate], &tick.drop, sunk, pose);
+        let pace = F::load(&body.pace);
+        let knee_rate = F::splat(KNEE_RATE) / pace + F::load(self.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
+        for (side, sole) in soles.iter_mut().enumerate() {
+            slow_knee(body, side, &mut self.feet[side], sole, knee_rate * F::splat(tick.dt_s), pose);
+            release_foot(&mut self.feet[side], &mut bearing[side], is_stretched(body, side, sole, pose));
+            reach_foot(body, side, sole, pose);
+        }
+        for (side, &touch) in t.touches.iter().enumerate() {
+            if touch.any_gt(F::splat(0.0)) {
+                let to = pose.positions[0] + t.hands[side] * F::load(&body.arm_scale);
+                reach_hand(body, side, to, touch.max(F::splat(0.0)).min(F::splat(1.0)), pose);
+            }
+        }
+        *self.contacts = contacts(bearing);
     }
-    block.contacts = contacts(bearing);
-    model
 }
 
 /// Releases a planted foot that the leg does not reach, so that it takes a step to where it belongs.
 #[inline(always)]
-fn release_foot<F: Lanes>(foot: &mut WalkerFoot, bearing: &mut Bearing, stretched: F) {
+fn release_foot<F: Lanes>(foot: &mut PlacedFoot, bearing: &mut Bearing, stretched: F) {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
     let let_go = stretched * F::load(&foot.down);
     foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
@@ -324,88 +308,86 @@ fn release_foot<F: Lanes>(foot: &mut WalkerFoot, bearing: &mut Bearing, stretche
 /// Placement of eight characters in the world. The hips follow the ground smoothly.
 #[inline(always)]
 fn update_placement<F: Lanes>(block: &mut WalkerBlock, tick: &WalkersTick<'_>) -> PlacementLanes<F> {
-    if tick.ground.is_flat() {
-        (block.base, block.base_rate) = ([0.0; LANES], [0.0; LANES]);
-    } else {
-        for lane in 0..LANES {
-            let wanted = footing::hips_ground_height(tick.ground, block.root(lane), block.speed[lane]);
-            let (off, rate) = tick.base.pull_towards_zero(block.base[lane] - wanted, block.base_rate[lane]);
-            let is_new = block.feet[0].bent[lane] < 0.0;
-            (block.base[lane], block.base_rate[lane]) = match is_new {
-                true => (wanted, 0.0),
-                false => (wanted + off, rate),
-            };
-        }
-    }
-    let [x, z, heading] = &block.root;
+    let WalkerBlock { root, speed, body: state, .. } = block;
+    state.follow_base(tick.body.ground, &tick.body.base, |lane| planar_of_lane(root, lane), speed);
+    let [x, z, heading] = root;
     let (sin, cos) = F::load(heading).sin_cos8();
-    PlacementLanes { x: F::load(x), y: F::load(&block.base), z: F::load(z), sin, cos }
+    PlacementLanes { x: F::load(x), y: F::load(&state.base), z: F::load(z), sin, cos }
 }
 
-/// Position and bearing parts of one foot.
-///
-/// The examples' ankle is scaled to the body, and taken in proportion to the importance of its position; the joint
-/// angles give the rest.
-#[inline(always)]
-#[expect(
-    clippy::too_many_arguments,
-    reason = "the parts of one foot; a record of them would be made for this call alone"
-)]
-fn plant_foot<F: Lanes>(
-    block: &mut WalkerBlock,
-    body: &LaneBody,
-    side: usize,
-    t: &PostureLanes<F>,
-    importance: F,
-    place: &PlacementLanes<F>,
-    model: &ModelPose<F>,
-    tick: &WalkersTick<'_>,
-) -> (SolePose<F>, Bearing) {
-    let (zero, one) = (F::splat(0.0), F::splat(1.0));
-    let (leg, scale) = (&body.legs[side], F::load(&body.scale));
-    let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
-    let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
-    let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
-    let mut ankle = by_angles + (scaled - by_angles) * importance;
-    let ground = match tick.ground.is_flat() {
-        true => FootGround::level(),
-        false => {
-            let turned = model.rotations[foot];
-            let [heel, ball] = [&leg.heel, &leg.ball].map(|part| turned.rotate(load(part)));
-            let spin = about_y(block.feet[side].turn.map(|of| F::load(&of)));
-            let share = ball_share(leg, scale, heel.y, ball.y);
-            let [heel, ball] = [heel, ball].map(|part| spin.rotate(part));
-            let over = FootState { leg, place, ankle, heel, ball, share, rate: F::splat(tick.rate) };
-            footing::follow_ground(tick.ground, &over, &tick.footing, &mut block.feet[side])
-        }
-    };
-    ankle.y = ankle.y + ground.plane[0];
-    let other = &block.feet[1 - side];
-    // A standing walker brings back a foot that is only a little off.
-    let going = (F::load(&block.speed) * F::splat(2.0)).min(one);
-    let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
-    let [plants, stays] = PLANTED.map(F::splat);
-    let threshold = plants + (stays - plants) * F::load(&block.feet[side].down);
-    let tread_in = FootPlacement {
-        leg,
-        place,
-        scale,
-        ground,
-        contact: F::select_lt(threshold, t.contacts[side], one, zero),
-        importance,
-        dt_s: F::splat(tick.dt_s),
-        rate: F::splat(tick.rate),
-        turn_left: F::splat(tick.keep),
-        air: &tick.air,
-        landing: &tick.landing,
-        step_s: F::splat(STEP_S) * F::load(&body.pace),
-        reach: F::splat(tick.config.foot_reach_m) * share * scale,
-        other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
-    };
-    let wanted = SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
-    let (sole, mut bearing) = place_foot(&tread_in, &mut block.feet[side], wanted);
-    footing::keep_planted(tick.ground, leg, &block.feet[side], &mut bearing);
-    (sole, bearing)
+impl<F: Lanes> WalkingFeet<'_, '_, F> {
+    /// Position and bearing parts of one foot.
+    ///
+    /// The examples' ankle is scaled to the body, and taken in proportion to the importance of its position; the joint
+    /// angles give the rest.
+    #[inline(always)]
+    fn plant_foot(
+        &mut self,
+        side: usize,
+        importance: F,
+        seen: F,
+        place: &PlacementLanes<F>,
+        model: &ModelPose<F>,
+    ) -> (SolePose<F>, Bearing) {
+        let (body, t, tick) = (self.body, self.postures, self.tick);
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let (leg, scale) = (&body.legs[side], F::load(&body.scale));
+        let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
+        let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
+        let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
+        let mut ankle = by_angles + (scaled - by_angles) * importance;
+        let ground = match tick.body.ground.is_flat() {
+            true => FootGround::level(),
+            false => {
+                let turned = model.rotations[foot];
+                let [heel, ball] = [&leg.heel, &leg.ball].map(|part| turned.rotate(load(part)));
+                let spin = about_y(self.feet[side].turn.map(|of| F::load(&of)));
+                let share = ball_share(leg, scale, heel.y, ball.y);
+                let [heel, ball] = [heel, ball].map(|part| spin.rotate(part));
+                let foot = &mut self.feet[side];
+                let over = FootOverGround {
+                    leg,
+                    place,
+                    ankle,
+                    heel,
+                    ball,
+                    share,
+                    offset: load(&foot.offset),
+                    is_down: F::load(&foot.down),
+                    is_new: one - seen,
+                    rate: F::splat(tick.rate),
+                };
+                follow_ground(tick.body.ground, &over, &tick.footing, &mut foot.plane)
+            }
+        };
+        ankle.y = ankle.y + ground.plane[0];
+        let other = &self.feet[1 - side];
+        // A standing walker brings back a foot that is only a little off.
+        let going = (F::load(self.speed) * F::splat(2.0)).min(one);
+        let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
+        let [plants, stays] = PLANTED.map(F::splat);
+        let threshold = plants + (stays - plants) * F::load(&self.feet[side].down);
+        let tread_in = FootPlacement {
+            leg,
+            place,
+            scale,
+            ground,
+            contact: F::select_lt(threshold, t.contacts[side], one, zero),
+            importance,
+            dt_s: F::splat(tick.dt_s),
+            rate: F::splat(tick.rate),
+            turn_left: F::splat(tick.keep),
+            air: &tick.air,
+            landing: &tick.landing,
+            step_s: F::splat(STEP_S) * F::load(&body.pace),
+            reach: F::splat(tick.config.foot_reach_m) * share * scale,
+            other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
+        };
+        let wanted = SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
+        let (sole, mut bearing) = place_foot(&tread_in, &mut self.feet[side], wanted);
+        keep_planted(tick.body.ground, leg, &self.feet[side].plane, &mut bearing);
+        (sole, bearing)
+    }
 }
 
 /// 1 where more than half of the blend has a foot on the ground.

@@ -12,7 +12,7 @@ use throng_core::characters::{Blow, CharactersConfig, PolicyOrder, Spawn};
 use throng_core::contacts::Contacts;
 use throng_core::hits::{HitRecord, striking_offset};
 use throng_core::planar::Planar;
-use throng_core::pose::Mat3x4;
+use throng_core::body::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 mod bodies;

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::maths;
 use throng_base::thresholds::LEG_RAISED_M;
-use throng_core::pose::{LocalTransform, Mat3x4};
+use throng_core::body::{LocalTransform, Mat3x4};
 use throng_core::skeleton::{Joint, Skeleton};
 use throng_core::{Contacts, Planar};
 use throng_geometry::Capsule;

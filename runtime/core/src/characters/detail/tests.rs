@@ -89,7 +89,7 @@ fn people_go_where_they_would_go_whoever_looks() {
 #[test]
 fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
     let (r, orders) = (MotionSet::new(&tables()), orders(N));
-    let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
+    let free = crate::body::FootLockConfig { enabled: false, ..Default::default() };
     let config = CharactersConfig { foot_lock: free, ..config(false) };
     let mut characters = Characters::new(&r, config, &starts(N)).unwrap();
     let dt = 1.0 / 240.0;
@@ -119,7 +119,7 @@ fn a_record_is_the_pose_but_for_transitions_and_does_not_jump_there() {
 #[test]
 fn who_comes_near_is_posed_as_if_always_seen() {
     let (r, orders) = (MotionSet::new(&tables()), orders(N));
-    let free = crate::pose::FootLockConfig { enabled: false, ..Default::default() };
+    let free = crate::body::FootLockConfig { enabled: false, ..Default::default() };
     // Transitions settle before the next, so that the last one is all that counts.
     let config = CharactersConfig { foot_lock: free, half_life_s: 0.05, ..config(false) };
     for woken_at in 0..40 {

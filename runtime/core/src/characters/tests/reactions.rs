@@ -30,7 +30,7 @@ fn walking_twins(n: usize) -> (MotionSet, [Characters; 2]) {
 /// World position of the middle of the head (m).
 fn head(r: &MotionSet, t: &Characters, c: usize) -> Vec3 {
     let (root, m) = (t.root(c), &t.pose(c)[Joint::Head.index()]);
-    root.rotation() * m.to_mat4().transform_point3(r.anatomy.head_centre) + root.translation()
+    root.rotation() * m.to_mat4().transform_point3(crate::body::head_centre(&r.skeleton)) + root.translation()
 }
 
 fn joint(t: &Characters, c: usize, j: Joint) -> Vec3 {
@@ -83,10 +83,10 @@ fn what_is_struck_moves_as_far_as_asked_and_comes_back() {
 #[test]
 fn half_of_a_displacement_is_left_after_the_half_life() {
     let config = ReactionConfig { half_life_s: 0.2, ..ReactionConfig::default() };
-    let mut reaction = crate::characters::reaction::tests::reaction_to_push(&config, Vec3::new(0.1, 0.0, 0.0));
+    let mut reaction = crate::body::reaction::tests::reaction_to_push(&config, Vec3::new(0.1, 0.0, 0.0));
     let mut path = Vec::new();
     for _ in 0..2000 {
-        path.push(crate::characters::reaction::tests::trunk_after(&mut reaction, &config, 1e-3).x);
+        path.push(crate::body::reaction::tests::trunk_after(&mut reaction, &config, 1e-3).x);
     }
     let peak = path.iter().copied().fold(0.0, f32::max);
     let at = path.iter().position(|p| *p == peak).unwrap();

@@ -44,7 +44,7 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
         |b, _| b.time[3] = f32::NAN,
         |b, _| b.name[3] = 9,
         |b, _| b.choice_state[3] = 77,
-        |_, b| b.reaction.head.place[1][3] = f32::INFINITY,
+        |_, b| b.state.reaction.head.place[1][3] = f32::INFINITY,
         |b, _| b.lift[3] = 1.0,
         |b, _| b.turn[3] = 9e6,
         |b, _| b.drift_from[3] = -9e6,
@@ -52,8 +52,8 @@ fn a_restored_characters_repeats_what_followed_bit_by_bit() {
         |b, _| b.drift[1][3] = 1e-3,
         |b, _| b.bend[3] = 1.0,
         |b, _| b.change[1][3] = 2 * FRAMES,
-        |_, b| b.reaction.trunk.place[0][3] = 9e6,
-        |_, b| b.reaction.trunk.velocity[0][3] = 9e6,
+        |_, b| b.state.reaction.trunk.place[0][3] = 9e6,
+        |_, b| b.state.reaction.trunk.velocity[0][3] = 9e6,
     ];
     for spoil in bad {
         let mut kept = kept.clone();

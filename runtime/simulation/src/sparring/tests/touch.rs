@@ -3,7 +3,7 @@
 use super::super::limb_segment::LimbShape;
 use super::super::touch::{LimbTouch, NUM_LIMBS, limb_shapes};
 use super::*;
-use throng_core::pose::LocalTransform;
+use throng_core::body::LocalTransform;
 use throng_geometry::nearest_points;
 
 const DT: f32 = 1.0 / 60.0;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 /// Time of each phase of a step, summed over the threads that took part; zero where characters are not timed.
 ///
-/// Ask for it with [`super::CharactersConfig::timed`]; reading the clock costs a step a few percent.
+/// Ask for it with [`crate::characters::CharactersConfig::timed`]; reading the clock costs a step a few percent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepTimes {
     /// Moving time on, bending paths (s).

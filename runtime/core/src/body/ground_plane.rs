@@ -4,14 +4,17 @@
 //! the slope to the side. In the air the plane follows the ground that the foot passes next, so that a foot rises
 //! before a step and never jumps. A planted foot keeps its position, and so its plane comes to rest.
 
-use super::block::WalkerFoot;
-use super::body::LaneLeg;
-use super::feet::{Bearing, ratio_or};
-use super::spring::DampedSpring;
-use crate::blend::HeightField;
+use super::foot_placement::{Bearing, ratio_or};
+use super::ground::HeightField;
+use super::lane_body::LaneLeg;
+use super::lanes::{Lane3, load};
+use super::lanewise::lanewise_fields;
+use super::placement::PlacementLanes;
+use super::springs::DampedSpring;
 use crate::planar::Planar;
-use crate::pose::{Lane3, PlacementLanes, load};
+use bytemuck::Zeroable;
 use glam::Vec2;
+use serde::{Deserialize, Serialize};
 use throng_base::simd::{LANES, Lanes, V};
 use throng_base::thresholds::{FOOT_PLANE_SETTLED_M, FOOT_STANDS_M};
 
@@ -47,8 +50,29 @@ impl<F: Lanes> FootGround<F> {
     }
 }
 
+/// The plane that the feet of eight characters on one side are held over, and where they were.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
+#[repr(C)]
+pub(crate) struct FootPlane {
+    /// Bottom of the heel, and the ball, at the last step, in world space (m).
+    pub heel: Lane3,
+    pub ball: Lane3,
+    /// Height below the heel and below the ball (m), rise to the left a metre; and how fast they change (1/s).
+    pub below: Lane3,
+    pub below_rate: Lane3,
+}
+
+impl FootPlane {
+    pub const ZERO: Self = {
+        let zero = [[0.0; LANES]; 3];
+        Self { heel: zero, ball: zero, below: zero, below_rate: zero }
+    };
+}
+
+lanewise_fields!(FootPlane { heel, ball, below, below_rate });
+
 /// Position of a foot, as far as its ground depends on it.
-pub(crate) struct FootState<'a, F> {
+pub(crate) struct FootOverGround<'a, F> {
     pub leg: &'a LaneLeg,
     pub place: &'a PlacementLanes<F>,
     /// Ankle, heel and ball where the examples have them, in model space.
@@ -57,6 +81,12 @@ pub(crate) struct FootState<'a, F> {
     pub ball: V<F>,
     /// Share of the weight that the ball bears.
     pub share: F,
+    /// Offset of the foot from there, in world space (m).
+    pub offset: V<F>,
+    /// 1 where the foot was planted at the last step, else 0.
+    pub is_down: F,
+    /// 1 where the foot is seen for the first time, else 0.
+    pub is_new: F,
     /// Ticks a second; 0 for a tick of no time (1/s).
     pub rate: F,
 }
@@ -67,16 +97,16 @@ pub(crate) struct FootState<'a, F> {
 #[inline(always)]
 pub(crate) fn follow_ground<F: Lanes>(
     ground: &HeightField,
-    over: &FootState<'_, F>,
+    over: &FootOverGround<'_, F>,
     springs: &[DampedSpring; 2],
-    foot: &mut WalkerFoot,
+    foot: &mut FootPlane,
 ) -> FootGround<F> {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let share = over.share;
-    let offset = load::<F>(&foot.offset);
+    let offset = over.offset;
     let (was_heel, was_ball) = (load::<F>(&foot.heel), load::<F>(&foot.ball));
     let was = was_heel.mix(was_ball, share);
-    let is_down = F::load(&foot.down);
+    let (is_down, is_new) = (over.is_down, over.is_new);
     let at = over.place.to_world(over.ankle + over.heel.mix(over.ball, share)) + offset;
     let at = V::select_lt(half, is_down, was, at);
     let along = V::select_lt(half, is_down, was_ball - was_heel, over.place.vector_to_world(over.ball - over.heel));
@@ -84,7 +114,6 @@ pub(crate) fn follow_ground<F: Lanes>(
     let length = level_length(&over.leg.heel, &over.leg.ball);
 
     // A foot that is seen for the first time has not moved, nor has one that stands.
-    let is_new = F::select_lt(F::load(&foot.bent), zero, one, zero);
     let moves = (one - is_down) * (one - is_new) * over.rate;
     let velocity = [(at.x - was.x) * moves, (at.z - was.z) * moves];
     let heel = [at.x - dx * length * share, at.z - dz * length * share];
@@ -143,7 +172,7 @@ pub(crate) fn hips_ground_height(ground: &HeightField, root: Planar, speed: f32)
 
 /// Keeps those parts of a foot that are on the ground, of heel and ball.
 #[inline(always)]
-pub(crate) fn keep_planted(ground: &HeightField, leg: &LaneLeg, foot: &WalkerFoot, bearing: &mut Bearing) {
+pub(crate) fn keep_planted(ground: &HeightField, leg: &LaneLeg, foot: &FootPlane, bearing: &mut Bearing) {
     if ground.is_flat() {
         return;
     }

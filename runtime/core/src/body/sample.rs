@@ -5,6 +5,7 @@
 
 use crate::format::{FrameRow, RotationCode};
 use crate::skeleton::NUM_JOINTS;
+use glam::Quat;
 use throng_base::simd::{ArrayLanes, LANES, Lanes, Q, V};
 
 /// Rows that a pose is made of.
@@ -136,6 +137,26 @@ pub(crate) struct LanePose<F> {
     pub root: V<F>,
     /// Relative to the parent; the hips' in model space.
     pub rotations: [Q<F>; NUM_JOINTS],
+}
+
+impl<F: Lanes> LanePose<F> {
+    /// Rotation of a joint of one lane.
+    pub fn rotation(&self, joint: usize, lane: usize) -> Quat {
+        let Q { v, w } = self.rotations[joint];
+        let [x, y, z, w] = [v.x, v.y, v.z, w].map(|part| part.to_array()[lane]);
+        Quat::from_xyzw(x, y, z, w)
+    }
+
+    /// Replaces the rotation of a joint of one lane.
+    pub fn set_rotation(&mut self, joint: usize, lane: usize, to: Quat) {
+        let Q { v, w } = self.rotations[joint];
+        let mut parts = [v.x, v.y, v.z, w].map(|part| part.to_array());
+        for (part, value) in parts.iter_mut().zip(to.to_array()) {
+            part[lane] = value;
+        }
+        let [x, y, z, w] = parts.map(F::from_array);
+        self.rotations[joint] = Q::new(V::new(x, y, z), w);
+    }
 }
 
 /// Samples eight characters.

@@ -5,10 +5,12 @@
 //! ground and a bend of the spine, and the *head*, on top of it. Inverse kinematics moves the joints there: the spine
 //! and the neck bend, arms follow the trunk, and the legs reach from the hips to where the feet were.
 
-use super::anatomy::Anatomy;
-use crate::pose::{
-    Lane, Lane3, ModelPose, PARENTS, PlacementLanes, get_lane, lanewise_fields, load, move_leg, set_lane, store,
-};
+use super::hierarchy::{ModelPose, PARENTS};
+use super::lane_body::{LEGS, LaneBody};
+use super::lanes::{Lane, Lane3, get_lane, load, set_lane, store};
+use super::lanewise::lanewise_fields;
+use super::limbs::move_leg;
+use super::placement::PlacementLanes;
 use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
@@ -94,7 +96,7 @@ const NUM_UPPER: usize = Joint::RightHand.index() + 1;
 
 /// A spring of each of eight characters, in world space.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize, bytemuck::Zeroable)]
-pub(super) struct ReactionSpring {
+pub(crate) struct ReactionSpring {
     /// (m)
     pub place: Lane3,
     /// (m/s)
@@ -178,18 +180,18 @@ impl ReactionStep {
 #[repr(C)]
 pub(crate) struct Reaction {
     /// 1 where a character reacts, else 0.
-    pub(super) active: Lane,
+    pub(crate) active: Lane,
     /// Spring of the upper trunk.
-    pub(super) trunk: ReactionSpring,
+    pub(crate) trunk: ReactionSpring,
     /// Spring of the head, relative to the trunk.
-    pub(super) head: ReactionSpring,
+    pub(crate) head: ReactionSpring,
 }
 
 impl Reaction {
     pub const ZERO: Self = Self { active: [0.0; LANES], trunk: ReactionSpring::ZERO, head: ReactionSpring::ZERO };
 
     /// True where a lane is displaced as bodies are, not as what is damaged.
-    pub(super) fn is_moderate(&self, lane: usize) -> bool {
+    pub(crate) fn is_moderate(&self, lane: usize) -> bool {
         let is_moderate = |s: &ReactionSpring| {
             get_lane(&s.place, lane).abs().max_element() < FARTHEST_M
                 && get_lane(&s.velocity, lane).abs().max_element() < FASTEST_MPS
@@ -220,7 +222,7 @@ pub(crate) fn push(reaction: &mut Reaction, lane: usize, config: &ReactionConfig
 /// Moves the springs on and the bodies with them. Lanes that do not react keep their pose to the last bit.
 #[inline(always)]
 pub(crate) fn react_lanes<F: Lanes>(
-    anatomy: &Anatomy,
+    skeleton: &LaneBody,
     config: &ReactionConfig,
     step: &ReactionStep,
     place: &PlacementLanes<F>,
@@ -230,7 +232,7 @@ pub(crate) fn react_lanes<F: Lanes>(
     let (trunk, trunk_size) = reaction.trunk.step::<F>(step);
     let (head, head_size) = reaction.head.step::<F>(step);
     let (size, active) = (trunk_size + head_size, F::load(&reaction.active));
-    displace(anatomy, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
+    displace(skeleton, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
     reaction.trunk.stop(size);
     reaction.head.stop(size);
     let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
@@ -240,7 +242,7 @@ pub(crate) fn react_lanes<F: Lanes>(
 /// Displaces upper trunk and head of the active lanes. Displacements in model space (m).
 #[inline(always)]
 fn displace<F: Lanes>(
-    anatomy: &Anatomy,
+    skeleton: &LaneBody,
     config: &ReactionConfig,
     trunk: V<F>,
     head: V<F>,
@@ -249,7 +251,7 @@ fn displace<F: Lanes>(
 ) {
     let share = F::splat(config.hips_share);
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
-    let turns = upper_turns(anatomy, hips, trunk, head, pose);
+    let turns = upper_turns(skeleton, hips, trunk, head, pose);
     let half = F::splat(0.5);
     let old = pose.positions;
     for j in 0..NUM_UPPER {
@@ -262,18 +264,18 @@ fn displace<F: Lanes>(
     }
     // The feet stay: legs move with the hips, then reach back.
     let hips = V::select_lt(half, active, hips, V::splat(Vec3::ZERO));
-    for leg in &anatomy.legs {
-        for j in [leg.thigh, leg.shin, leg.foot, leg.toe] {
+    for (side, leg) in LEGS.into_iter().enumerate() {
+        for j in leg.map(Joint::index) {
             pose.positions[j] = V::select_lt(half, active, old[j] + hips, old[j]);
         }
-        move_leg(leg, V::splat(Vec3::ZERO) - hips, pose);
+        move_leg(skeleton, side, V::splat(Vec3::ZERO) - hips, pose);
     }
 }
 
 /// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.
 #[inline(always)]
 fn upper_turns<F: Lanes>(
-    anatomy: &Anatomy,
+    skeleton: &LaneBody,
     hips: V<F>,
     trunk: V<F>,
     head: V<F>,
@@ -289,7 +291,7 @@ fn upper_turns<F: Lanes>(
     let spine = bend(links, trunk - hips);
     // Neck and head, bent alike, carry the middle of the head; the face turns away with the blow.
     let turned = pose.rotations[Head.index()];
-    let centre = turned.rotate(V::splat(anatomy.head_centre));
+    let centre = turned.rotate(load(&skeleton.head_centre));
     let face = turned.rotate(V::splat(Vec3::Z));
     let away = turn(face.cross(head) * F::splat(TURN_RAD_PER_M));
     let carry = spine[2];

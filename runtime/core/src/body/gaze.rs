@@ -1,14 +1,16 @@
-//! Looking at a point: head, neck and chest turn from where the posture has them, within limits.
+//! Looking at a point: head, neck and chest turn from where the motion has them, within limits.
 
-use super::body::LaneBody;
-use crate::blend::{BlendedPosture, channel};
+use super::lane_body::LaneBody;
+use super::lanes::get_lane;
+use super::sample::LanePose;
+use super::springs::DampedSpring;
 use crate::planar::wrap_angle;
-use crate::pose::get_lane;
 use crate::skeleton::Joint;
-use crate::walkers::spring::DampedSpring;
+use bytemuck::Zeroable;
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
+use throng_base::simd::Lanes;
 
 /// Largest angles of the gaze to a side and up or down of where the body faces (rad).
 const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];
@@ -29,8 +31,9 @@ const NECK: f32 = 0.55;
 /// Joints from the hips to the head.
 const CHAIN: [Joint; 6] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck, Joint::Head];
 
-/// Turn of a walker's gaze from where its posture faces.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Turn of a character's gaze from where its motion faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Zeroable)]
+#[repr(C)]
 pub(crate) struct Gaze {
     /// Angles to the left and up (rad).
     off: [f32; 2],
@@ -50,7 +53,7 @@ impl Eyes {
     }
 }
 
-/// The trunk of a posture in the facing frame.
+/// The trunk of a pose in model space.
 struct GazeTrunk {
     /// World rotations of the chain.
     rotations: [Quat; 6],
@@ -60,26 +63,29 @@ struct GazeTrunk {
 }
 
 impl Gaze {
-    /// True where head and posture agree.
+    /// A gaze that follows the motion.
+    pub const ZERO: Self = Self { off: [0.0; 2], rate: [0.0; 2] };
+
+    /// True where head and motion agree.
     #[inline(always)]
     pub fn is_off(&self) -> bool {
-        *self == Self::default()
+        *self == Self::ZERO
     }
 
-    /// Follows a point and turns a posture towards it.
+    /// Follows a point and turns the pose of one lane towards it.
     ///
-    /// - `point`: from the ground below the root, in the facing frame (m).
+    /// - `point`: in model space (m).
     /// - `still`: how little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
-    pub fn turn_posture(
+    pub fn turn_pose<F: Lanes>(
         &mut self,
         eyes: &Eyes,
         point: Option<Vec3>,
         body: &LaneBody,
         lane: usize,
         still: f32,
-        posture: &mut BlendedPosture,
+        pose: &mut LanePose<F>,
     ) {
-        let trunk = GazeTrunk::from_posture(posture, body, lane);
+        let trunk = GazeTrunk::from_pose(pose, body, lane);
         let chest = CHEST * (1.0 - still);
         let forward = direction(maths::rotate(trunk.rotations[5], Vec3::Z));
         let to = point.and_then(|p| {
@@ -92,7 +98,7 @@ impl Gaze {
         let turned = trunk.turned(self.off, chest, forward);
         for k in 3..6 {
             let local = maths::compose(turned[k - 1].conjugate(), turned[k]);
-            posture.set_rotation(CHAIN[k].index(), maths::normalize_or_identity(local));
+            pose.set_rotation(CHAIN[k].index(), lane, maths::normalize_or_identity(local));
         }
     }
 
@@ -108,7 +114,7 @@ impl Gaze {
             *off += *rate * eyes.dt_s;
         }
         if to == [0.0; 2] && self.off.iter().chain(&self.rate).all(|v| v.abs() < NONE) {
-            *self = Self::default();
+            *self = Self::ZERO;
         }
     }
 
@@ -119,13 +125,13 @@ impl Gaze {
 }
 
 impl GazeTrunk {
-    fn from_posture(posture: &BlendedPosture, body: &LaneBody, lane: usize) -> Self {
-        let mut rotations = CHAIN.map(|j| posture.rotation(j));
+    fn from_pose<F: Lanes>(pose: &LanePose<F>, body: &LaneBody, lane: usize) -> Self {
+        let mut rotations = CHAIN.map(|j| pose.rotation(j.index(), lane));
         (1..6)
             .for_each(|k| rotations[k] = maths::normalize_or_identity(maths::compose(rotations[k - 1], rotations[k])));
         let offsets = CHAIN.map(|j| get_lane(&body.offsets[j.index()], lane));
-        let hips = posture.vector(channel::HIPS) * body.scale[lane] + Vec3::Y * body.lift[lane];
-        Self { rotations, offsets, hips }
+        let hips = [pose.root.x, pose.root.y, pose.root.z].map(|axis| axis.to_array()[lane]);
+        Self { rotations, offsets, hips: Vec3::from_array(hips) }
     }
 
     /// The chain, turned from where its end faces.

@@ -43,7 +43,7 @@ impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
 /// destructuring names every field, so that none can be forgotten.
 macro_rules! lanewise_fields {
     ($kind:ident { $($field:ident),+ $(; $($row:ident),+)? }) => {
-        impl $crate::pose::Lanewise for $kind {
+        impl $crate::body::Lanewise for $kind {
             fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 let Self { $($field,)+ $($($row),+)? } = self;
                 $($field.copy_lane(lane, &from.$field, from_lane);)+

@@ -5,12 +5,14 @@
 //! of the part that bears the weight, which rolls from the heel to the ball; in the air they fade. A foot that is left
 //! too far behind takes a step. Nothing jumps at any of these moments.
 
-use super::block::WalkerFoot;
-use super::body::LaneLeg;
-use super::footing::FootGround;
-use super::spring::DampedSpring;
-use crate::pose::{Lane, PlacementLanes, load, store};
-use throng_base::simd::{Lanes, Q, V};
+use super::ground_plane::{FootGround, FootPlane};
+use super::lane_body::LaneLeg;
+use super::lanes::{Lane, Lane3, load, store};
+use super::lanewise::lanewise_fields;
+use super::placement::PlacementLanes;
+use super::springs::DampedSpring;
+use serde::{Deserialize, Serialize};
+use throng_base::simd::{LANES, Lanes, Q, V};
 use throng_base::thresholds::{FOOT_NEAR_M, FOOT_SETTLED_M};
 
 /// Height of the heel over the ball, as a share of the leg's scale, from which the ball alone bears (m).
@@ -21,6 +23,64 @@ const STEP_HEIGHT_M: f32 = 0.06;
 const LOST_M: f32 = 1.2;
 /// Cosine of the turn of a planted foot from which it takes a step.
 const LARGEST_TURN_COS: f32 = 0.75;
+
+/// Tolerance of the ranges of shares and cosines.
+const ROUNDING: f32 = 1e-3;
+
+/// True for a number from 0 to 1, up to rounding.
+pub(crate) fn is_share(of: f32) -> bool {
+    (-ROUNDING..=1.0 + ROUNDING).contains(&of)
+}
+
+/// Feet of eight characters on one side, as [`place_foot`] left them.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct PlacedFoot {
+    /// Offset of the ankle from its position in the examples, in world space (m).
+    pub offset: Lane3,
+    /// Rate of the offset (m/s).
+    pub offset_rate: Lane3,
+    /// Sine and cosine of the foot's turn about the vertical.
+    pub turn: [Lane; 2],
+    /// 1 where it was planted at the last step, else 0.
+    pub down: Lane,
+    /// Height above its position in the examples (m).
+    pub rise: Lane,
+    /// Rate of the rise (m/s).
+    pub rise_rate: Lane,
+    /// Height over the ground in the examples, at the last step (m).
+    pub height: Lane,
+    pub plane: FootPlane,
+    /// Cosine of half the knee's angle at the last step: 0 for a straight leg; -1 until the first step.
+    pub bent: Lane,
+    /// Progress of a corrective step, 0 to 1; 1 if none is taken.
+    pub step: Lane,
+}
+
+impl PlacedFoot {
+    pub const ZERO: Self = Self {
+        offset: [[0.0; LANES]; 3],
+        offset_rate: [[0.0; LANES]; 3],
+        turn: [[0.0; LANES], [1.0; LANES]],
+        down: [0.0; LANES],
+        rise: [0.0; LANES],
+        rise_rate: [0.0; LANES],
+        height: [0.0; LANES],
+        plane: FootPlane::ZERO,
+        bent: [-1.0; LANES],
+        step: [1.0; LANES],
+    };
+
+    /// True where shares and cosines of a lane are within their ranges.
+    pub fn is_sound(&self, lane: usize) -> bool {
+        let is_cosine = |of: &Lane| of[lane].abs() <= 1.0 + ROUNDING;
+        is_share(self.step[lane])
+            && is_share(self.down[lane])
+            && is_cosine(&self.bent)
+            && self.turn.iter().all(is_cosine)
+    }
+}
+
+lanewise_fields!(PlacedFoot { offset, offset_rate, turn, down, rise, rise_rate, height, plane, bent, step });
 
 /// Inputs of the placement of one foot.
 pub(crate) struct FootPlacement<'a, F> {
@@ -67,7 +127,7 @@ pub(crate) type Bearing = [Lane; 2];
 #[inline(always)]
 pub(crate) fn place_foot<F: Lanes>(
     t: &FootPlacement<'_, F>,
-    foot: &mut WalkerFoot,
+    foot: &mut PlacedFoot,
     wanted: SolePose<F>,
 ) -> (SolePose<F>, Bearing) {
     let (zero, one) = (F::splat(0.0), F::splat(1.0));
@@ -94,8 +154,8 @@ pub(crate) fn place_foot<F: Lanes>(
     sole.toe = bend_toe(t, &sole, ball);
 
     [foot.turn[0], foot.turn[1]] = turn.map(F::to_array);
-    store(&mut foot.heel, t.place.to_world(sole.ankle + heel));
-    store(&mut foot.ball, t.place.to_world(sole.ankle + ball));
+    store(&mut foot.plane.heel, t.place.to_world(sole.ankle + heel));
+    store(&mut foot.plane.ball, t.place.to_world(sole.ankle + ball));
     foot.down = down.to_array();
     progress_step(t, foot, down, offset, turn[1]);
     // What still comes down does not stand yet.
@@ -133,9 +193,9 @@ fn over_ground<F: Lanes>(t: &FootPlacement<'_, F>, v: V<F>) -> F {
 
 /// Sine and cosine of the turn about the vertical: it keeps a planted foot's direction, and fades in the air.
 #[inline(always)]
-fn turn_of<F: Lanes>(t: &FootPlacement<'_, F>, foot: &WalkerFoot, held: F, along: V<F>) -> [F; 2] {
+fn turn_of<F: Lanes>(t: &FootPlacement<'_, F>, foot: &PlacedFoot, held: F, along: V<F>) -> [F; 2] {
     let (one, tiny) = (F::splat(1.0), F::splat(1e-6));
-    let was = t.place.vector_to_model(load::<F>(&foot.ball) - load(&foot.heel));
+    let was = t.place.vector_to_model(load::<F>(&foot.plane.ball) - load(&foot.plane.heel));
     let lengths = ((along.x * along.x + along.z * along.z) * (was.x * was.x + was.z * was.z)).sqrt().max(tiny);
     let sin = (was.x * along.z - was.z * along.x) / lengths;
     let cos = (was.x * along.x + was.z * along.z) / lengths;
@@ -166,14 +226,14 @@ pub(crate) fn about_y<F: Lanes>([sin, cos]: [F; 2]) -> Q<F> {
 #[inline(always)]
 fn offset_of<F: Lanes>(
     t: &FootPlacement<'_, F>,
-    foot: &mut WalkerFoot,
+    foot: &mut PlacedFoot,
     held: F,
     ankle: V<F>,
     [heel, ball]: [V<F>; 2],
     share: F,
 ) -> V<F> {
     let (zero, half) = (F::splat(0.0), F::splat(0.5));
-    let was = t.place.point_to_model(load(&foot.heel)).mix(t.place.point_to_model(load(&foot.ball)), share);
+    let was = t.place.point_to_model(load(&foot.plane.heel)).mix(t.place.point_to_model(load(&foot.plane.ball)), share);
     let holding = was - (ankle + heel.mix(ball, share));
     let (before, rate) = (load::<F>(&foot.offset), load::<F>(&foot.offset_rate));
     let ((x, rate_x), (z, rate_z)) = (t.air.pull_lanes(before.x, rate.x), t.air.pull_lanes(before.z, rate.z));
@@ -193,7 +253,7 @@ fn offset_of<F: Lanes>(
 #[inline(always)]
 fn foot_rise<F: Lanes>(
     t: &FootPlacement<'_, F>,
-    foot: &mut WalkerFoot,
+    foot: &mut PlacedFoot,
     down: F,
     ankle: V<F>,
     [heel, ball]: [V<F>; 2],
@@ -227,7 +287,7 @@ fn bend_toe<F: Lanes>(t: &FootPlacement<'_, F>, sole: &SolePose<F>, ball: V<F>) 
 
 /// Begins a corrective step where a planted foot has been left too far behind, or advances one.
 #[inline(always)]
-fn progress_step<F: Lanes>(t: &FootPlacement<'_, F>, foot: &mut WalkerFoot, down: F, offset: V<F>, turn_cos: F) {
+fn progress_step<F: Lanes>(t: &FootPlacement<'_, F>, foot: &mut PlacedFoot, down: F, offset: V<F>, turn_cos: F) {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let step = F::load(&foot.step);
     let moved = F::select_lt(step, one, (step + t.dt_s / t.step_s).min(one), one);

@@ -1,6 +1,6 @@
-//! Bodies of other sizes and proportions than the database skeleton.
+//! The body that a pose is for: lengths of limbs and points of the feet, of the database skeleton or of another size.
 
-use crate::pose::{Lane, Lane3, set_lane};
+use super::lanes::{Lane, Lane3, set_lane};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::Vec3;
 use throng_base::simd::LANES;
@@ -16,7 +16,7 @@ pub(crate) const ARMS: [[Joint; 3]; 2] = [
     [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
 ];
 
-/// A leg of eight walkers (m).
+/// A leg of eight characters (m).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneLeg {
     /// Thigh, shin.
@@ -32,7 +32,7 @@ pub(crate) struct LaneLeg {
     pub tip: Lane3,
 }
 
-/// The bodies of eight walkers, relative to the database skeleton.
+/// The bodies of eight characters, relative to the database skeleton.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneBody {
     /// Offset of every joint from its parent (m).
@@ -49,6 +49,8 @@ pub(crate) struct LaneBody {
     pub arms: [[Lane; 2]; 2],
     /// Length of the arms over those of the database skeleton.
     pub arm_scale: Lane,
+    /// Middle of the head, in the head joint's frame (m).
+    pub head_centre: Lane3,
 }
 
 impl LaneBody {
@@ -63,6 +65,7 @@ impl LaneBody {
             legs: [leg; 2],
             arms: [[lane; 2]; 2],
             arm_scale: lane,
+            head_centre: lane3,
         }
     };
 
@@ -92,6 +95,7 @@ impl LaneBody {
         }
         let arms = |s: &Skeleton| ARMS.iter().map(|a| length(s, a[1]) + length(s, a[2])).sum::<f32>();
         self.arm_scale[lane] = arms(body) / arms(database).max(1e-3);
+        set_lane(&mut self.head_centre, lane, head_centre(body));
     }
 }
 
@@ -109,4 +113,9 @@ impl LaneLeg {
         let tip = body.tips[1 + side];
         set_lane(&mut self.tip, lane, Vec3::new(tip.x, tip.y - rest[toe].y, tip.z));
     }
+}
+
+/// Middle of the head, in the head joint's frame (m).
+pub fn head_centre(skeleton: &Skeleton) -> Vec3 {
+    skeleton.tips[0] * 0.5
 }

@@ -5,13 +5,21 @@
 //! both stay where they are; free corrections decay. There is no moment at which anything jumps. The leg reaches the
 //! corrected ankle by analytic inverse kinematics, and the foot turns about it.
 
+use super::foot_placement::{SolePose, ball_share};
+use super::ground::HeightField;
+use super::ground_plane::{FootOverGround, FootPlane, HALF_LIVES_S, follow_ground};
 use super::hierarchy::ModelPose;
+use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, Lane3, load, store};
 use super::lanewise::lanewise_fields;
-use super::leg::{LegJoints, NO_CORRECTION, move_leg, turn_foot};
+use super::limbs::{NO_CORRECTION, move_leg, turn_foot};
 use super::placement::PlacementLanes;
+use super::reach::{drop_spring, lower_body};
+use super::springs::DampedSpring;
+use super::step::BodyState;
+use crate::skeleton::Joint;
 use throng_base::maths;
-use throng_base::simd::{LANES, Lanes, V};
+use throng_base::simd::{LANES, Lanes, Q, V};
 use throng_base::thresholds::{FOOT_RELEASED_MPS, TOE_CLEARANCE_M, TOE_RAISED_MPS, TOE_SWING_MPS};
 
 /// Settings of the foot lock.
@@ -67,9 +75,10 @@ pub(crate) struct FootLock {
     /// 1 where heel, toe were planted at the last step, else 0.
     pub heel_down: Lane,
     pub toe_down: Lane,
+    pub plane: FootPlane,
 }
 
-lanewise_fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down });
+lanewise_fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down, plane });
 
 impl FootLock {
     pub const ZERO: Self = Self {
@@ -79,6 +88,7 @@ impl FootLock {
         toe: [[0.0; LANES]; 3],
         heel_down: [0.0; LANES],
         toe_down: [0.0; LANES],
+        plane: FootPlane::ZERO,
     };
 }
 
@@ -139,41 +149,197 @@ pub(crate) struct PlantedParts {
     pub toe: Lane,
 }
 
+/// Height of a foot in its clip from which it does not tilt with the ground any more (m, of the database skeleton).
+const TILT_FADES_M: f32 = 0.15;
+/// Lowering of the hips that cannot be seen (m).
+const NOT_LOWERED_M: f32 = 1e-5;
+
+/// Effect of a tick on the feet.
+pub(crate) struct FeetTick<'a> {
+    ground: &'a HeightField,
+    /// The lock; none leaves planted feet to their clips.
+    lock: Option<LockStep>,
+    /// Springs of the ground below feet, in the air and planted.
+    planes: [DampedSpring; 2],
+    drop: DampedSpring,
+    /// Ticks a second; 0 for a tick of no time (1/s).
+    rate: f32,
+}
+
+impl<'a> FeetTick<'a> {
+    pub fn new(ground: &'a HeightField, config: &FootLockConfig, dt_s: f32) -> Self {
+        Self {
+            ground,
+            lock: config.enabled.then(|| LockStep::new(config, dt_s)),
+            planes: HALF_LIVES_S.map(|half_life_s| DampedSpring::new(dt_s, half_life_s)),
+            drop: drop_spring(ground, dt_s),
+            rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
+        }
+    }
+
+    /// Takes both feet to the ground below them, lowers the hips as far as legs and hands need it, and holds what is planted.
+    ///
+    /// - `locks`: false leaves planted feet to their clips.
+    /// - `planted`: left, right.
+    /// - `sunk`: how low hips are at least, for what hands reach for; none where no hand reaches (m).
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "the feet of one block, in one call")]
+    pub fn hold_feet<F: Lanes>(
+        &self,
+        body: &LaneBody,
+        locks: bool,
+        planted: &[PlantedParts; 2],
+        place: &PlacementLanes<F>,
+        sunk: Option<F>,
+        state: &mut BodyState,
+        feet: &mut [FootLock; 2],
+        pose: &mut ModelPose<F>,
+    ) {
+        let is_flat = self.ground.is_flat();
+        let mut floors = [place.y; 2];
+        if !is_flat || sunk.is_some() || state.drop != [0.0; LANES] {
+            floors = self.stand(body, place, sunk, state, feet, pose);
+        }
+        let Some(lock) = self.lock.as_ref().filter(|_| locks) else { return };
+        for (side, foot) in feet.iter_mut().enumerate() {
+            lock_foot(body, side, lock, &planted[side], floors[side], place, foot, pose);
+        }
+    }
+
+    /// Lays the feet of a pose onto the ground; returns its heights below the toes (m).
+    #[inline(always)]
+    fn stand<F: Lanes>(
+        &self,
+        body: &LaneBody,
+        place: &PlacementLanes<F>,
+        sunk: Option<F>,
+        state: &mut BodyState,
+        feet: &mut [FootLock; 2],
+        pose: &mut ModelPose<F>,
+    ) -> [F; 2] {
+        let zero = F::splat(0.0);
+        let is_flat = self.ground.is_flat();
+        let stood = [0, 1].map(|side: usize| {
+            let joints = LEGS[side].map(Joint::index);
+            let sole = SolePose {
+                ankle: pose.positions[joints[2]],
+                foot: pose.rotations[joints[2]],
+                toe: pose.rotations[joints[3]],
+            };
+            match is_flat {
+                true => (sole, zero, place.y),
+                false => self.lay_sole(body, side, place, &state.seen, &mut feet[side], sole),
+            }
+        });
+        // On flat ground the legs reach as their clip has them.
+        let matters = if is_flat { [zero; 2] } else { [stood[0].1, stood[1].1] };
+        let soles = [stood[0].0, stood[1].0];
+        let drop = [&mut state.drop, &mut state.drop_rate];
+        lower_body(body, &soles, matters, drop, &self.drop, sunk.unwrap_or(zero), pose);
+        let still = F::splat(NOT_LOWERED_M);
+        let (drop, rate) = (F::load(&state.drop), F::load(&state.drop_rate));
+        let size = drop.abs().max(rate.abs());
+        state.drop = F::select_lt(size, still, zero, drop).to_array();
+        state.drop_rate = F::select_lt(size, still, zero, rate).to_array();
+        for (side, sole) in soles.iter().enumerate() {
+            let [_, _, foot, toe] = LEGS[side].map(Joint::index);
+            move_leg(body, side, sole.ankle - pose.positions[foot], pose);
+            (pose.rotations[foot], pose.rotations[toe]) = (sole.foot, sole.toe);
+            pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
+        }
+        [stood[0].2, stood[1].2]
+    }
+
+    /// Lays one sole onto the ground: it is as high over the ground below it as its clip has it over the clip's, and tilts with
+    /// it where it is near. Returns how near it is, 0 to 1, and the height of the ground below the toe (m).
+    #[inline(always)]
+    fn lay_sole<F: Lanes>(
+        &self,
+        body: &LaneBody,
+        side: usize,
+        place: &PlacementLanes<F>,
+        seen: &Lane,
+        foot: &mut FootLock,
+        sole: SolePose<F>,
+    ) -> (SolePose<F>, F, F) {
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let (leg, toe) = (&body.legs[side], LEGS[side][3].index());
+        let thickness = F::load(&leg.thickness);
+        let in_clip = sole.ankle - V::new(zero, place.y, zero);
+        let [heel, ball] = [&leg.heel, &body.offsets[toe]].map(|part| sole.foot.rotate(load(part)));
+        let lowest = in_clip.y + heel.y.min(ball.y - thickness);
+        let share = ball_share(leg, F::load(&body.scale), heel.y, ball.y);
+        let offset = load::<F>(&foot.correction);
+        let over = FootOverGround {
+            leg,
+            place,
+            ankle: in_clip,
+            heel,
+            ball,
+            share,
+            offset: V::new(offset.x, zero, offset.z),
+            is_down: F::load(&foot.heel_down).max(F::load(&foot.toe_down)),
+            is_new: one - F::load(seen),
+            rate: F::splat(self.rate),
+        };
+        let ground = follow_ground(self.ground, &over, &self.planes, &mut foot.plane);
+        let near = (one - lowest.max(zero) * F::splat(1.0 / TILT_FADES_M)).max(zero);
+        let [height, x, z] = ground.plane;
+        let normal = V::new(-(x * near), one, -(z * near));
+        let tilt = Q::shortest_arc(V::new(zero, one, zero), normal);
+        let mut laid = SolePose { foot: tilt * sole.foot, toe: tilt * sole.toe, ..sole };
+        let [heel, ball] = [heel, ball].map(|part| tilt.rotate(part));
+        let over_slope = |v: V<F>| v.y - x * v.x - z * v.z;
+        laid.ankle.y = height + lowest - over_slope(heel).min(over_slope(ball) - thickness);
+        store(&mut foot.plane.heel, place.to_world(laid.ankle + heel) + offset);
+        store(&mut foot.plane.ball, place.to_world(laid.ankle + ball) + offset);
+        (laid, near, height + x * ball.x + z * ball.z)
+    }
+}
+
 /// Updates the lock of one foot and moves the leg.
+///
+/// - `floor`: height of the ground below the toe (m).
 #[inline(always)]
-pub(crate) fn lock_foot<F: Lanes>(
-    leg: &LegJoints,
+#[expect(clippy::too_many_arguments, reason = "one foot of one block, in one call")]
+fn lock_foot<F: Lanes>(
+    body: &LaneBody,
+    side: usize,
     step: &LockStep,
     planted: &PlantedParts,
+    floor: F,
     place: &PlacementLanes<F>,
     lock: &mut FootLock,
     pose: &mut ModelPose<F>,
 ) {
-    let (ankle, toe) = (place.to_world(pose.positions[leg.foot]), place.to_world(pose.positions[leg.toe]));
-    let (correction, turn) = update(leg, step, planted, lock, ankle, toe, place.y);
+    let [_, _, foot_at, toe_at] = LEGS[side].map(Joint::index);
+    let (ankle, toe) = (place.to_world(pose.positions[foot_at]), place.to_world(pose.positions[toe_at]));
+    let flat = floor + F::load(&body.legs[side].thickness);
+    let (correction, turn) = update(step, planted, lock, ankle, toe, flat);
     store(&mut lock.correction, correction);
     store(&mut lock.turn, turn);
     store(&mut lock.ankle, ankle);
     store(&mut lock.toe, toe);
     (lock.heel_down, lock.toe_down) = (planted.heel, planted.toe);
     if correction.dot(correction).any_gt(F::splat(NO_CORRECTION)) {
-        move_leg(leg, place.vector_to_model(correction), pose);
+        move_leg(body, side, place.vector_to_model(correction), pose);
     }
     if turn.dot(turn).any_gt(F::splat(NO_CORRECTION)) {
-        turn_foot(leg, place.vector_to_model(turn), pose);
+        turn_foot(side, place.vector_to_model(turn), pose);
     }
 }
 
 /// Corrections of the ankle, and of the vector from there to the toe.
+///
+/// - `flat`: height of the toe where the foot stands flat (m).
 #[inline(always)]
 fn update<F: Lanes>(
-    leg: &LegJoints,
     step: &LockStep,
     planted: &PlantedParts,
     lock: &FootLock,
     ankle: V<F>,
     toe: V<F>,
-    ground: F,
+    flat: F,
 ) -> (V<F>, V<F>) {
     let (half, one) = (F::splat(0.5), F::splat(1.0));
     let (heel, toe_planted) = (F::load(&planted.heel), F::load(&planted.toe));
@@ -201,7 +367,7 @@ fn update<F: Lanes>(
     let mut new = step.eased(was - slide, held, in_air, F::splat(step.max_correction));
 
     // A fast toe passes over the ground, and none goes below it.
-    let floor = ground + F::splat(leg.toe_height) - toe.y - turn.y;
+    let floor = flat - toe.y - turn.y;
     let moved = (toe_moved.x * toe_moved.x + toe_moved.z * toe_moved.z).sqrt();
     let [slow, fast] = step.swing;
     let share = ((moved - F::splat(slow)) * F::splat(1.0 / (fast - slow).max(1e-6))).max(F::splat(0.0)).min(one);
@@ -222,14 +388,14 @@ mod tests {
     ///
     /// - `height`: where its clip has it (m).
     fn heights(speed_mps: f32, height: f32, planted: f32) -> Vec<f32> {
-        let (leg, dt_s) = (LegJoints::left_and_right(&Skeleton::default())[0], 1.0 / 60.0);
+        let (flat, dt_s) = (Skeleton::default().rest_positions()[Joint::LeftToe.index()].y, 1.0 / 60.0);
         let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
-            let toe = Vec3::new(0.0, leg.toe_height + height, speed_mps * dt_s * i as f32);
+            let toe = Vec3::new(0.0, flat + height, speed_mps * dt_s * i as f32);
             let (ankle, toe) = (V::<ArrayLanes>::splat(toe + Vec3::Y * 0.1), V::splat(toe));
             let planted = PlantedParts { heel: [0.0; LANES], toe: [planted; LANES] };
-            let (new, turn) = update(&leg, &lock_step, &planted, &lock, ankle, toe, ArrayLanes::splat(0.0));
+            let (new, turn) = update(&lock_step, &planted, &lock, ankle, toe, ArrayLanes::splat(flat));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, ankle);
@@ -256,16 +422,16 @@ mod tests {
     ///
     /// - `speed_mps`, `rate`: how fast it slides and turns there (m/s, rad/s).
     fn shown(speed_mps: f32, rate: f32, planted: impl Fn(i32) -> (f32, f32)) -> Vec<[Vec3; 2]> {
-        let (leg, dt_s) = (LegJoints::left_and_right(&Skeleton::default())[0], 1.0 / 60.0);
+        let (flat, dt_s) = (Skeleton::default().rest_positions()[Joint::LeftToe.index()].y, 1.0 / 60.0);
         let lock_step = LockStep::new(&FootLockConfig::default(), dt_s);
         let mut lock = FootLock::ZERO;
         let step = |i: i32| {
             let (time, (heel, ball)) = (dt_s * i as f32, planted(i));
             let ankle = Vec3::new(speed_mps * time, 0.1, 0.0);
-            let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, leg.toe_height - 0.1, 0.14);
+            let toe = ankle + glam::Quat::from_rotation_y(rate * time) * Vec3::new(0.0, flat - 0.1, 0.14);
             let (a, t) = (V::<ArrayLanes>::splat(ankle), V::splat(toe));
             let planted = PlantedParts { heel: [heel; LANES], toe: [ball; LANES] };
-            let (new, turn) = update(&leg, &lock_step, &planted, &lock, a, t, ArrayLanes::splat(0.0));
+            let (new, turn) = update(&lock_step, &planted, &lock, a, t, ArrayLanes::splat(flat));
             store(&mut lock.correction, new);
             store(&mut lock.turn, turn);
             store(&mut lock.ankle, a);

@@ -1,16 +1,21 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::block::{WalkerBlock, WalkerFoot};
-use super::body::{ARMS, LEGS, LaneBody};
-use super::feet::{Bearing, SolePose};
+use super::foot_placement::{Bearing, PlacedFoot, SolePose};
+use super::ground::HeightField;
+use super::hierarchy::ModelPose;
+use super::lane_body::{ARMS, LEGS, LaneBody};
+use super::lanes::{Lane, load};
 use super::lean::{hips_sink, lean_trunk};
-use super::spring::DampedSpring;
-use super::{Control, HandReach};
+use super::limbs::bent_middle;
+use super::springs::DampedSpring;
 use crate::hits::FIST_PER_FOREARM;
-use crate::pose::{Lane, ModelPose, bent_middle, load};
+use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+use throng_base::error::check_value;
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
+use throng_base::{Id, Result};
 
 /// Share of a leg's length beyond which its distance is softened, and the share that it never exceeds.
 const SOFT: f32 = 0.97;
@@ -24,6 +29,14 @@ const TRAILING_M: f32 = 0.1;
 const LIFTED_M: f32 = 0.002;
 /// Furthest that the hips are lowered for legs (m, of the database skeleton).
 const LOWEST_M: f32 = 0.08;
+
+/// Time in which a difference in how far the hips are lowered halves, on flat ground and elsewhere (s).
+const DROP_HALF_LIVES_S: [f32; 2] = [0.03, 0.06];
+
+/// Spring by which hips are lowered.
+pub(crate) fn drop_spring(ground: &HeightField, dt_s: f32) -> DampedSpring {
+    DampedSpring::new(dt_s, DROP_HALF_LIVES_S[usize::from(!ground.is_flat())])
+}
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
 ///
@@ -112,7 +125,7 @@ pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePo
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
     side: usize,
-    foot: &mut WalkerFoot,
+    foot: &mut PlacedFoot,
     sole: &mut SolePose<F>,
     change: F,
     pose: &ModelPose<F>,
@@ -170,6 +183,34 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     }
 }
 
+/// Target of a palm, reached by turning upper arm and forearm; the hand keeps its direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HandReach {
+    /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
+    /// the arm is too short.
+    pub place: (Vec3, f32),
+    /// A place relative to the root, on the ground below the hips (m), and the weight with which the palm is taken
+    /// there (0 to 1, and no more than the other one leaves).
+    pub level: (Vec3, f32),
+}
+
+impl HandReach {
+    /// Checks all numbers.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Value`] for a place that is not finite, or shares that are none.
+    pub(crate) fn check(&self, who: Option<Id>) -> Result<()> {
+        for (at, share) in [self.place, self.level] {
+            for got in at.to_array() {
+                check_value("place of a hand", who, got, got.abs() < 1e6, "a finite number below 1e6")?;
+            }
+            check_value("share of a reach", who, share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
+        }
+        let both = self.place.1 + self.level.1;
+        check_value("shares of a reach", who, both, both <= 1.0 + 1e-6, "at most 1 together")
+    }
+}
+
 /// Targets of the hands of eight characters.
 pub(crate) struct Hands {
     /// Position of the left and right palm in model space (m), and its weight: a place in the world, for which the
@@ -181,18 +222,25 @@ pub(crate) struct Hands {
 
 impl Hands {
     /// Hand targets of the characters of a block; none where no hand has one.
-    pub fn from_orders(controls: &[Control], block: &WalkerBlock) -> Option<Self> {
-        if controls.iter().all(|c| c.hands == [None; 2]) {
+    ///
+    /// - `root`: planar root of a lane.
+    /// - `base`: height of the ground that the hips are held over (m).
+    pub fn from_orders(
+        orders: impl Iterator<Item = [Option<HandReach>; 2]> + Clone,
+        root: impl Fn(usize) -> Planar,
+        base: &Lane,
+    ) -> Option<Self> {
+        if orders.clone().all(|hands| hands == [None; 2]) {
             return None;
         }
         let none = [([[0.0; LANES]; 3], [0.0; LANES]); 2];
         let mut out = Self { place: none, to: none };
-        for (lane, control) in controls.iter().enumerate() {
-            for (side, reach) in control.hands.iter().enumerate() {
+        for (lane, hands) in orders.enumerate() {
+            for (side, reach) in hands.iter().enumerate() {
                 let Some(HandReach { place: (place, near), level: (level, raised) }) = *reach else { continue };
-                let flat = block.root(lane).inverse_transform_point(Vec2::new(place.x, place.z));
+                let flat = root(lane).inverse_transform_point(Vec2::new(place.x, place.z));
                 let place = Vec3::new(flat.x, place.y, flat.y);
-                let level = level + Vec3::Y * block.base[lane];
+                let level = level + Vec3::Y * base[lane];
                 let share = near + raised;
                 let to = (place * near + level * raised) / share.max(f32::MIN_POSITIVE);
                 let set = |(lanes, shares): &mut ([Lane; 3], Lane), at: Vec3, share: f32| {

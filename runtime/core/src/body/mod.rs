@@ -1,0 +1,49 @@
+//! The body: what pose exactly. Eight characters at a time, a step of their bodies is one list for everybody:
+//!
+//! source -> transition -> gaze -> reactions -> feet -> reach -> write
+//!
+//! Sources are frame rows ([`sample`]) and blends. Whoever moves characters chooses source and control, and nothing else.
+
+mod foot_lock;
+mod foot_placement;
+mod gaze;
+mod ground;
+mod ground_plane;
+mod hierarchy;
+mod lane_body;
+mod lanes;
+mod lanewise;
+mod lean;
+mod limbs;
+mod matrix;
+mod placement;
+mod reach;
+pub(crate) mod reaction;
+mod sample;
+mod springs;
+mod step;
+mod times;
+
+pub use foot_lock::FootLockConfig;
+pub(crate) use foot_lock::{FeetTick, FootLock, PlantedParts};
+pub(crate) use foot_placement::{
+    Bearing, FootPlacement, PlacedFoot, SolePose, about_y, ball_share, is_share, place_foot,
+};
+pub use ground::{GroundPoint, HeightField};
+pub(crate) use ground_plane::{FootGround, FootOverGround, HALF_LIVES_S, follow_ground, keep_planted};
+pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_matrices};
+pub use lane_body::head_centre;
+pub(crate) use lane_body::{ARMS, LEGS, LaneBody};
+pub(crate) use lanes::{Lane, Lane3, RANGE_BLOCKS, RANGE_LEN, get_lane, load, planar_of_lane, set_lane, store};
+pub(crate) use lanewise::{Lanewise, lanewise_fields};
+pub use matrix::{LocalTransform, Mat3x4};
+pub(crate) use placement::PlacementLanes;
+pub use reach::HandReach;
+pub(crate) use reach::{drop_spring, is_stretched, lower_body, raise_heel, reach_foot, reach_hand, slow_knee};
+pub use reaction::ReactionConfig;
+pub(crate) use sample::{FrameCursor, FramePosition, LanePose, WINDOW, sample_number, sample_pose};
+pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};
+pub use step::BodyLayers;
+pub(crate) use step::{BodyState, BodyTick, LayerLanes, PoseOutput, pose_block};
+pub use times::StepTimes;
+pub(crate) use times::{Laps, PhaseClock, StepPhase};
