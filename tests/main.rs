@@ -2,6 +2,7 @@
 
 mod architecture;
 mod blend;
+mod bodies;
 mod cli;
 mod common;
 mod crowd;

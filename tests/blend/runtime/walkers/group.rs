@@ -111,3 +111,43 @@ fn each_foot_comes_down_once_a_cycle() {
         }
     }
 }
+
+#[test]
+fn a_walker_that_is_pushed_gives_way_where_it_is_struck_and_comes_back() {
+    let made_up = MadeUp::locomotion();
+    let mut struck = Outing::new(&made_up, WalkersConfig::default(), 6);
+    (0..90).for_each(|_| struck.step(wandering));
+    let mut alone = struck.clone();
+    let by = Vec3::new(0.06, 0.0, -0.1);
+    for c in (0..6).step_by(2) {
+        struck.walkers.push(struck.ids[c], Joint::Head, by).expect("a push");
+    }
+    let off = |a: &Outing, b: &Outing, c: usize, j: Joint| {
+        let [a, b] = [a, b].map(|o| o.walkers.joint_positions(c)[j.index()]);
+        a - b
+    };
+    let mut furthest = [Vec3::ZERO; 6];
+    for _ in 0..180 {
+        struck.step(wandering);
+        alone.step(wandering);
+        for (c, furthest) in furthest.iter_mut().enumerate() {
+            let head = off(&struck, &alone, c, Joint::Head);
+            if head.length() > furthest.length() {
+                *furthest = head;
+            }
+            let foot = off(&struck, &alone, c, Joint::LeftFoot).length();
+            assert!(foot < 0.02, "the feet of {c} stay where they are, within {foot} m");
+        }
+    }
+    for (c, furthest) in furthest.into_iter().enumerate() {
+        if c % 2 == 1 {
+            assert_eq!(furthest, Vec3::ZERO, "{c} was not pushed");
+            continue;
+        }
+        let share = furthest.dot(by) / by.length_squared();
+        assert!((0.3..1.1).contains(&share), "the head of {c} goes {furthest}");
+        assert!(off(&struck, &alone, c, Joint::Head).length() < 1e-3, "and comes back");
+    }
+    let refused = struck.walkers.push(struck.ids[0], Joint::Head, Vec3::splat(f32::NAN));
+    assert!(matches!(refused, Err(Error::Value { what: "displacement", .. })), "{refused:?}");
+}

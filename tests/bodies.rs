@@ -1,0 +1,225 @@
+//! Bodies of policy characters on real motion: feet on uneven ground, heads that look, palms that reach.
+
+use crate::common;
+use glam::{Vec2, Vec3};
+use throng_runtime::blend::HeightField;
+use throng_runtime::body::{BodyLayers, HandReach};
+use throng_runtime::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
+use throng_runtime::{Bundle, CharacterGroup, Contacts, Inline, Joint, Planar, Skeleton};
+
+const DT_S: f32 = 1.0 / 60.0;
+const PEOPLE: usize = 11;
+const LEGS: [[Joint; 4]; 2] = [
+    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
+    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
+];
+const PARTS: [[Contacts; 2]; 2] =
+    [[Contacts::LEFT_HEEL, Contacts::LEFT_TOE], [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]];
+
+fn people(tables: &Bundle, ground: HeightField) -> PolicyCharacters {
+    let mut people =
+        PolicyCharacters::with_capacity(tables, PEOPLE, CharactersConfig::default()).expect("policy characters");
+    people.set_ground(ground);
+    for c in 0..PEOPLE {
+        let root = Planar::new(3.0 * c as f32, 0.4 * c as f32, 0.7 * c as f32);
+        people.spawn(Spawn { root, state: Some((37 * c % tables.graph().states.len()) as u32) }).expect("room");
+    }
+    people
+}
+
+/// Orders that lead each about a place of its own.
+fn order(c: usize, time_s: f32) -> PolicyOrder {
+    let angle = 0.25 * time_s + 0.8 * c as f32;
+    PolicyOrder::towards(0, Vec3::new(3.0 * c as f32 + 4.0 * angle.sin(), 0.0, 4.0 * angle.cos()))
+}
+
+/// Bottom of the heel, and of the ball where the foot is flat, in the world (m).
+fn sole(people: &PolicyCharacters, skeleton: &Skeleton, c: usize, side: usize) -> [Vec3; 2] {
+    let body = people.bodies();
+    let body = body.get(people.ids()[c]).expect("a body");
+    let [_, _, foot, toe] = LEGS[side];
+    let heel = body.world(foot).transform_point3(skeleton.heels()[side]);
+    let up = Vec3::Y * skeleton.rest_positions()[toe.index()].y;
+    [heel, body.position(toe) - up]
+}
+
+struct Seen {
+    /// Distances of planted parts from the ground (m), and their speeds (m/s), ascending.
+    gaps: Vec<f32>,
+    speeds: Vec<f32>,
+    /// Deepest that a toe goes below the ground (m), fastest knee (rad/s), fastest hips up or down (m/s).
+    deepest: f32,
+    knee_rate: f32,
+    hips_mps: f32,
+}
+
+fn p95(values: &[f32]) -> f32 {
+    values[values.len() * 95 / 100]
+}
+
+fn walk(ground: &HeightField) -> Seen {
+    let tables = common::tables();
+    let skeleton = tables.skeleton().clone();
+    let mut people = people(&tables, ground.clone());
+    let mut seen = Seen { gaps: Vec::new(), speeds: Vec::new(), deepest: 0.0, knee_rate: 0.0, hips_mps: 0.0 };
+    let mut before = vec![None; PEOPLE];
+    for k in 0..900 {
+        for c in 0..PEOPLE {
+            people.order(people.ids()[c], order(c, k as f32 * DT_S)).expect("an order");
+        }
+        people.step(DT_S, &Inline).expect("a step");
+        if k < 30 {
+            continue;
+        }
+        for (c, before) in before.iter_mut().enumerate() {
+            let id = people.ids()[c];
+            let contacts = people.contacts(id).expect("contacts");
+            let soles = [0, 1].map(|side| sole(&people, &skeleton, c, side));
+            let down = [0, 1].map(|side| [0, 1].map(|part| contacts.any(PARTS[side][part])));
+            let bodies = people.bodies();
+            let body = bodies.get(id).expect("a body");
+            let knees = LEGS.map(|[thigh, shin, foot, _]| {
+                let [a, b, d] = [thigh, shin, foot].map(|j| body.position(j));
+                (b - a).angle_between(d - b)
+            });
+            let hips = body.position(Joint::Hips).y;
+            for side in 0..2 {
+                for part in 0..2 {
+                    let p = soles[side][part];
+                    let over = p.y - ground.ground_at(Vec2::new(p.x, p.z)).height;
+                    if down[side][part] {
+                        seen.gaps.push(over.abs());
+                    }
+                    if part == 1 {
+                        seen.deepest = seen.deepest.max(-over);
+                    }
+                }
+            }
+            let now = (soles, down, knees, hips);
+            let Some((was, was_down, was_knees, was_hips)): Option<([[Vec3; 2]; 2], [[bool; 2]; 2], [f32; 2], f32)> =
+                before.replace(now)
+            else {
+                continue;
+            };
+            seen.hips_mps = seen.hips_mps.max((hips - was_hips).abs() / DT_S);
+            for side in 0..2 {
+                seen.knee_rate = seen.knee_rate.max((knees[side] - was_knees[side]).abs() / DT_S);
+                for part in 0..2 {
+                    if down[side][part] && was_down[side][part] {
+                        seen.speeds.push((soles[side][part] - was[side][part]).length() / DT_S);
+                    }
+                }
+            }
+        }
+    }
+    seen.gaps.sort_by(f32::total_cmp);
+    seen.speeds.sort_by(f32::total_cmp);
+    seen
+}
+
+/// Ground of a height (m) at knots so far apart (m).
+fn field(spacing: f32, height: impl Fn(Vec2) -> f32) -> HeightField {
+    let n = (70.0 / spacing) as usize + 1;
+    let origin = Vec2::new(-20.0, -30.0);
+    let at = |i: usize| origin + spacing * Vec2::new((i % n) as f32, (i / n) as f32);
+    HeightField::new(origin, spacing, [n, n], (0..n * n).map(|i| height(at(i))).collect()).expect("a field")
+}
+
+#[test]
+fn feet_of_policy_characters_stand_on_uneven_ground() {
+    let flat = walk(&HeightField::flat());
+    println!("flat: off {} m, slip {} m/s, knees {} rad/s", p95(&flat.gaps), p95(&flat.speeds), flat.knee_rate);
+    for (name, ground) in [
+        ("slope of 0.15", field(2.0, |p| 0.15 * p.y)),
+        ("side slope of 0.2", field(2.0, |p| 0.2 * p.x)),
+        ("hills", field(0.25, |p| 0.3 * (0.7 * p.x).sin() * (0.8 * p.y).cos())),
+        ("stairs of 0.1 m", field(0.05, |p| 0.1 * (p.y / 0.4 + 1e-3).floor())),
+    ] {
+        let seen = walk(&ground);
+        let (gap, slip) = (p95(&seen.gaps), p95(&seen.speeds));
+        let worst = seen.speeds.last().expect("planted feet");
+        let Seen { deepest, knee_rate, hips_mps, .. } = seen;
+        println!("{name}: off {gap} m, {deepest} m deep, slip {slip} {worst} m/s, knees {knee_rate} rad/s, hips {hips_mps} m/s");
+        assert!(gap < p95(&flat.gaps) + 0.015, "{name}: {gap} m off the ground, {} on flat ground", p95(&flat.gaps));
+        assert!(deepest < flat.deepest + 0.04, "{name}: a toe is {deepest} m deep");
+        assert!(slip < p95(&flat.speeds) + 0.08, "{name}: slips at {slip} m/s, {} on flat ground", p95(&flat.speeds));
+        assert!(knee_rate < 1.6 * flat.knee_rate, "{name}: a knee turns at {knee_rate} rad/s, {}", flat.knee_rate);
+        assert!(hips_mps < flat.hips_mps + 1.2, "{name}: hips go up or down at {hips_mps} m/s");
+    }
+}
+
+/// Characters that walk for a time, each with layers that depend on its root.
+fn walk_with(layers: impl Fn(usize, Planar) -> BodyLayers, seconds: f32) -> (PolicyCharacters, Skeleton) {
+    let tables = common::tables();
+    let mut people = people(&tables, HeightField::flat());
+    for k in 0..(seconds / DT_S) as usize {
+        for c in 0..PEOPLE {
+            let id = people.ids()[c];
+            let root = people.bodies().roots[c];
+            people.order(id, order(c, k as f32 * DT_S).with_layers(layers(c, root))).expect("an order");
+        }
+        people.step(DT_S, &Inline).expect("a step");
+    }
+    (people, tables.skeleton().clone())
+}
+
+fn in_world(root: Planar, point: Vec3) -> Vec3 {
+    root.rotation() * point + root.translation()
+}
+
+#[test]
+fn heads_of_policy_characters_turn_to_what_they_look_at() {
+    // Every second one looks at a point to its left.
+    let aside = Vec3::new(1.6, 1.6, 1.9);
+    let layers = |c: usize, root| BodyLayers {
+        look_at: (c % 2 == 0).then(|| in_world(root, aside)),
+        ..BodyLayers::default()
+    };
+    let (people, _) = walk_with(layers, 3.0);
+    let (plain, _) = walk_with(|_, _| BodyLayers::default(), 3.0);
+    for c in 0..PEOPLE {
+        let [body, same] = [&people, &plain].map(|p| *p.bodies().model.get(c).expect("a pose"));
+        if c % 2 == 1 {
+            assert!(body == same, "character {c} looks at nothing");
+            continue;
+        }
+        let head = body[Joint::Head.index()];
+        let forward = head.rotation() * Vec3::Z;
+        let off = forward.angle_between(aside - head.translation()).to_degrees();
+        let before = (same[Joint::Head.index()].rotation() * Vec3::Z).angle_between(aside - head.translation());
+        // The point moves with the root, which turns and sways as it walks.
+        assert!(off < 12.0, "character {c} looks {off} degrees past it; {} without", before.to_degrees());
+        assert!(before.to_degrees() > 20.0, "it would not have looked there by itself");
+    }
+}
+
+#[test]
+fn palms_of_policy_characters_reach_high_and_low() {
+    for (height, ahead, near) in [(1.2, 0.4, 0.02), (0.95, 0.55, 0.03), (0.35, 0.45, 0.05)] {
+        let at = Vec3::new(0.2, height, ahead);
+        let reach = |root| HandReach { place: (in_world(root, at), 1.0), level: (Vec3::ZERO, 0.0) };
+        let layers = |c: usize, root| BodyLayers {
+            hands: if c % 2 == 0 { [Some(reach(root)), None] } else { [None; 2] },
+            ..BodyLayers::default()
+        };
+        let (people, skeleton) = walk_with(layers, 2.0);
+        let (plain, _) = walk_with(|_, _| BodyLayers::default(), 2.0);
+        for c in 0..PEOPLE {
+            let [body, same] = [&people, &plain].map(|p| *p.bodies().model.get(c).expect("a pose"));
+            if c % 2 == 1 {
+                let moved = body.iter().zip(&same).map(|(a, b)| a.translation().distance(b.translation()));
+                assert!(moved.fold(0.0, f32::max) < 1e-4, "character {c} reaches for nothing");
+                continue;
+            }
+            let hand = body[Joint::LeftHand.index()];
+            let palm = hand.translation() + hand.rotation() * (skeleton.offsets[Joint::LeftHand.index()] * 0.35);
+            // The place is of the root before the step, which has gone on by a few centimetres.
+            let off = palm.distance(at) - 1.8 * DT_S;
+            assert!(off < near, "character {c} is {off} m from a place {height} m high");
+            for (side, [.., foot, _]) in LEGS.into_iter().enumerate() {
+                let [a, b] = [body, same].map(|pose| pose[foot.index()].translation());
+                assert!(a.distance(b) < 0.03, "character {c}: reaching moves foot {side} by {} m", a.distance(b));
+            }
+        }
+    }
+}
