@@ -1,14 +1,12 @@
 //! Overlaps between characters, and their depths.
 
-use glam::{Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
-use throng_geometry::segment_distance;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use std::collections::HashSet;
+use throng_geometry::{Bounds2d, BoxGrid, distance_to_segment, segment_distance};
+use throng_runtime::crowd::{Obstacle, Space};
 use throng_runtime::skeleton::Skeleton;
 use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
 use throng_runtime::{Joint, Planar, PosedBody};
-
-/// Side of a cell of the neighbour grid, which no character exceeds (m).
-const CELL_M: f32 = 2.0;
 
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -31,50 +29,110 @@ impl PresentCharacter {
         let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
         Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, trunk }
     }
+
+    /// Box around disc and body, over the ground.
+    fn bounds(&self) -> Bounds2d {
+        let disc = Bounds2d::around_disc(self.place, self.radius_m);
+        let Some([hips, neck, head]) = self.trunk else { return disc };
+        let around = |p: Vec3, radius_m: f32| Bounds2d::around_disc(p.xz(), radius_m);
+        let trunk = around(hips, TRUNK_RADIUS_M).union(around(neck, TRUNK_RADIUS_M));
+        disc.union(trunk).union(around(head, HEAD_RADIUS_M))
+    }
 }
 
-/// Measures overlaps from step to step.
+/// Measures overlaps from step to step: of discs and balls, and of characters with bodies.
 ///
 /// Two characters overlap if the discs around their roots do, or the capsules of trunk and head.
 #[derive(Clone, Debug, Default)]
-pub struct BodyOverlapMeter {
+pub struct OverlapMeter {
+    /// Pairs of discs or balls that overlapped by more than 1 mm, over all frames.
+    pub over_1mm: u64,
+    /// Pairs of discs or balls that overlapped by more than 1 cm, over all frames.
+    pub over_1cm: u64,
+    /// Sum of the numbers of discs and balls over all frames.
+    pub agent_frames: u64,
+    /// Deepest overlap of any pair; 0 without overlaps (m).
+    pub deepest_m: f64,
     pairs: HashSet<(usize, usize)>,
-    deepest_m: f32,
+    near: NearPairs,
 }
 
-impl BodyOverlapMeter {
-    /// Measures all characters at one time.
-    pub fn observe(&mut self, all: &[PresentCharacter]) {
-        self.observe_except(all, |_, _| false);
+impl OverlapMeter {
+    /// Measures all characters at one time, except for pairs that `may_meet` allows to be near each other, given their numbers.
+    pub fn observe_bodies(&mut self, all: &[PresentCharacter], may_meet: impl Fn(usize, usize) -> bool) {
+        self.near.visit(all.iter().map(PresentCharacter::bounds), |i, j| {
+            let (a, b) = (&all[i], &all[j]);
+            let depth = overlap_depth(a, b);
+            if depth > 0.0 && !may_meet(a.number, b.number) {
+                self.pairs.insert((b.number.min(a.number), b.number.max(a.number)));
+                self.deepest_m = self.deepest_m.max(f64::from(depth));
+            }
+        });
     }
 
-    /// Like [`Self::observe`], except for pairs of characters that `may_meet` allows to be near each other.
-    pub fn observe_except(&mut self, all: &[PresentCharacter], may_meet: impl Fn(usize, usize) -> bool) {
-        let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
-        let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
-        for (i, a) in all.iter().enumerate() {
-            let [x, z] = cell(a.place);
-            for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| [x + dx, z + dz])) {
-                for &j in cells.get(&near).map_or(&[][..], Vec::as_slice) {
-                    let depth = overlap_depth(a, &all[j]);
-                    if depth > 0.0 && !may_meet(a.number, all[j].number) {
-                        self.pairs.insert((all[j].number.min(a.number), all[j].number.max(a.number)));
-                        self.deepest_m = self.deepest_m.max(depth);
-                    }
-                }
-            }
-            cells.entry([x, z]).or_default().push(i);
+    /// Measures all discs or balls of a frame.
+    ///
+    /// - `places`: centres and radii of all agents that have not left (m).
+    pub fn observe_discs<V: Space>(&mut self, places: &[(V, f32)]) {
+        self.agent_frames += places.len() as u64;
+        let bounds = |&(at, radius): &(V, f32)| {
+            let [x, y, _] = at.coordinates();
+            Bounds2d::around_disc(Vec2::new(x, y), radius)
+        };
+        self.near.visit(places.iter().map(bounds), |i, j| {
+            let (a, b) = (&places[i], &places[j]);
+            // In f64, so that the difference of two near places is more exact than the least counted depth.
+            let between = (a.0 - b.0).coordinates().map(f64::from);
+            let apart = between.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let deep = f64::from(a.1) + f64::from(b.1) - apart;
+            self.over_1mm += u64::from(deep > 1e-3);
+            self.over_1cm += u64::from(deep > 1e-2);
+            self.deepest_m = self.deepest_m.max(deep);
+        });
+    }
+
+    /// Measures overlaps of discs or balls with obstacles, in the same frame.
+    pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
+        let all = places.iter().flat_map(|&(at, radius)| obstacles.iter().map(move |o| depth_in_obstacle(at, radius, o)));
+        for deep in all.filter(|d| *d > 0.0) {
+            self.over_1mm += u64::from(deep > 1e-3);
+            self.over_1cm += u64::from(deep > 1e-2);
+            self.deepest_m = self.deepest_m.max(deep);
         }
     }
 
-    /// Pairs that overlapped at any time.
+    /// Pairs of characters that overlapped at any time.
     pub fn pairs(&self) -> usize {
         self.pairs.len()
     }
+}
 
-    /// Deepest overlap of any pair; 0 without overlaps (m).
-    pub fn deepest_m(&self) -> f32 {
-        self.deepest_m
+/// Finder of boxes on the ground that intersect.
+#[derive(Clone, Debug)]
+pub(crate) struct NearPairs {
+    grid: BoxGrid,
+}
+
+impl Default for NearPairs {
+    fn default() -> Self {
+        Self { grid: BoxGrid::with_capacity(0) }
+    }
+}
+
+impl NearPairs {
+    /// Calls `found` once with the numbers of every two boxes that intersect, the later one first, and of some that nearly do.
+    pub fn visit(&mut self, boxes: impl Iterator<Item = Bounds2d>, mut found: impl FnMut(usize, usize)) {
+        self.grid.clear();
+        for (i, bounds) in boxes.enumerate() {
+            // More than what rounding takes off the sides of both boxes.
+            let slack = 1e-3 + 1e-6 * bounds.min.abs().max(bounds.max.abs()).max_element();
+            let bounds = bounds.expanded_by(slack);
+            self.grid.visit_intersecting(&bounds, |j| {
+                found(i, j);
+                true
+            });
+            self.grid.set(i, bounds);
+        }
     }
 }
 
@@ -90,9 +148,25 @@ pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
     discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
 }
 
+/// Depth of a disc or ball in a static obstacle; below zero outside (m).
+fn depth_in_obstacle<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f64 {
+    let apart = match obstacle {
+        &Obstacle::Ball { centre, radius } => (at - centre).length() - radius,
+        &Obstacle::Wall { from, to, radius } => distance_to_segment(at, [from, to]) - radius,
+        &Obstacle::Box { min, max } => (at - Space::min(Space::max(at, min), max)).length(),
+        Obstacle::Polygon { corners } => {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(&a, &b)| distance_to_segment(at, [a, b])).fold(f32::INFINITY, f32::min)
+        }
+        _ => f32::INFINITY,
+    };
+    f64::from(radius) - f64::from(apart)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn upright(number: usize, x: f32, y: f32) -> PresentCharacter {
         let trunk = Some([Vec3::new(x, y + 0.95, 0.0), Vec3::new(x, y + 1.4, 0.0), Vec3::new(x, y + 1.6, 0.0)]);
@@ -101,21 +175,21 @@ mod tests {
 
     #[test]
     fn people_on_two_floors_do_not_meet() {
-        let mut meter = BodyOverlapMeter::default();
-        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)]);
+        let mut meter = OverlapMeter::default();
+        meter.observe_bodies(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)], |_, _| false);
         assert_eq!(meter.pairs(), 0);
-        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)]);
+        meter.observe_bodies(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)], |_, _| false);
         assert_eq!(meter.pairs(), 1);
     }
 
     #[test]
     fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
         let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
-        let mut meter = BodyOverlapMeter::default();
-        meter.observe(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)]);
-        meter.observe(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)]);
+        let mut meter = OverlapMeter::default();
+        meter.observe_bodies(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)], |_, _| false);
+        meter.observe_bodies(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)], |_, _| false);
         assert_eq!(meter.pairs(), 3);
-        assert!((meter.deepest_m() - 0.35).abs() < 1e-6);
+        assert!((meter.deepest_m - 0.35).abs() < 1e-6);
         // Discs apart, but one bows: its head meets the other's trunk.
         let body = |x: f32, lean: f32| PresentCharacter {
             trunk: Some([Vec3::new(x, 1.0, 0.0), Vec3::new(x + lean, 1.3, 0.0), Vec3::new(x + 1.6 * lean, 1.3, 0.0)]),
@@ -123,5 +197,41 @@ mod tests {
         };
         assert!(overlap_depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
         assert!((overlap_depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+    }
+
+    fn brute<V: Space>(places: &[(V, f32)], more: f32) -> u64 {
+        let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let deep = |i: usize, j: usize| places[i].1 + places[j].1 - (places[i].0 - places[j].0).length();
+        pairs.filter(|&(i, j)| deep(i, j) > more).count() as u64
+    }
+
+    proptest! {
+        #[test]
+        fn every_pair_counts_once(
+            flat in prop::collection::vec(([-9.0f32..9.0, -3.0f32..3.0], 0.1f32..0.6), 0..120),
+            high in prop::collection::vec(([-9.0f32..9.0, -3.0f32..3.0, -4.0f32..4.0], 0.1f32..0.6), 0..120),
+        ) {
+            let flat: Vec<(Vec2, f32)> = flat.into_iter().map(|(p, r)| (p.into(), r)).collect();
+            let mut meter = OverlapMeter::default();
+            meter.observe_discs(&flat);
+            // A hair of difference between f32 and f64 decides few pairs.
+            let (low, high_count) = (brute(&flat, 1e-3 + 1e-5), brute(&flat, 1e-3 - 1e-5));
+            prop_assert!((low..=high_count).contains(&meter.over_1mm), "{} {low} {high_count}", meter.over_1mm);
+            let high: Vec<(Vec3, f32)> = high.into_iter().map(|(p, r)| (p.into(), r)).collect();
+            let mut meter = OverlapMeter::default();
+            meter.observe_discs(&high);
+            prop_assert!((brute(&high, 1e-2 + 1e-5)..=brute(&high, 1e-2 - 1e-5)).contains(&meter.over_1cm));
+        }
+    }
+
+    #[test]
+    fn depth_is_exact_far_from_the_origin_and_far_apart() {
+        let mut meter = OverlapMeter::default();
+        let places = [[0.0, 0.0], [0.5, 0.0], [9e4, 9e4]].map(|p| (Vec2::from(p), 0.3));
+        meter.observe_discs(&places);
+        meter.observe_discs(&places[..1]);
+        assert_eq!([meter.over_1mm, meter.over_1cm, meter.agent_frames], [1, 1, 4]);
+        assert!((meter.deepest_m - 0.1).abs() < 1e-6, "{}", meter.deepest_m);
+        meter.observe_discs::<Vec2>(&[]);
     }
 }

@@ -6,7 +6,7 @@ mod world;
 
 use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures};
 use super::report::SAMPLE_HZ;
-use crate::overlap::{BodyOverlapMeter, PresentCharacter};
+use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
@@ -44,7 +44,7 @@ pub struct SceneWatch {
     paths: PathMeter,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
-    overlaps: BodyOverlapMeter,
+    overlaps: OverlapMeter,
     present: Vec<PresentCharacter>,
     skeletons: Vec<Option<Skeleton>>,
 }
@@ -61,7 +61,7 @@ impl SceneWatch {
             paths: PathMeter::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
-            overlaps: BodyOverlapMeter::default(),
+            overlaps: OverlapMeter::default(),
             present: Vec::new(),
             skeletons: sim
                 .groups()
@@ -167,7 +167,7 @@ impl SceneWatch {
             }
             _ => false,
         };
-        self.overlaps.observe_except(&self.present, are_opponents);
+        self.overlaps.observe_bodies(&self.present, are_opponents);
     }
 
     /// Faults that were observed: time (s), character, description.
@@ -204,7 +204,7 @@ impl SceneWatch {
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
             paths: number(&|_, c| matches!(c, AnyCharacterGroup::Paths(_))).map(|_| self.paths.figures()),
             character_overlaps: characters.map(|_| self.overlaps.pairs()),
-            deepest_overlap_m: characters.map(|_| f64::from(self.overlaps.deepest_m())),
+            deepest_overlap_m: characters.map(|_| self.overlaps.deepest_m),
             foot_slip_mean_mps: has_feet.then(|| self.feet.mean_mps()),
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
             ..SceneFigures::default()
