@@ -17,6 +17,7 @@ mod triangle;
 mod triangle_mesh;
 mod triangle_surface;
 mod triangle_tree;
+mod two_bones;
 
 pub use bounds::{BoundingBox, BoundsTree};
 pub use box_grid::BoxGrid;
@@ -29,3 +30,4 @@ pub use surface::{SurfacePoint, nearest_on_bar, nearest_on_box};
 pub use triangle::{RayCrossing, ray_crossing};
 pub use triangle_mesh::{MeshError, TriangleMesh};
 pub use triangle_surface::TriangleSurface;
+pub use two_bones::two_bone_offsets;
