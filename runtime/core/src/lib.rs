@@ -4,6 +4,7 @@
 //! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters.
 
 pub mod blend;
+mod body_volume;
 pub mod bundle;
 pub mod character_group;
 pub mod characters;
@@ -23,6 +24,7 @@ pub mod skeleton;
 pub mod stops;
 pub mod walkers;
 
+pub use body_volume::{BodyVolume, JointCapsule};
 pub use bundle::Bundle;
 pub use character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies, PosedBody};
 pub use contacts::Contacts;
