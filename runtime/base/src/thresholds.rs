@@ -156,6 +156,10 @@ pub const HALF_HEAD_M: f32 = 0.12;
 ///
 /// Used for blows, hands that reach, and palms.
 pub const FIST_PER_FOREARM: f32 = 0.35;
+/// Distance from an arm at which it catches a fist (m). Chosen, about the radius of a fist.
+///
+/// Used for blows.
+pub const FIST_REACH_M: f32 = 0.05;
 /// Distance of the heel behind the ankle, as a share of that of the ball before it (1). Chosen.
 ///
 /// Used for heels of skeletons, and for the skin of feet.
