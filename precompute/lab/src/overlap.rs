@@ -1,12 +1,11 @@
 //! Overlaps between characters, and their depths.
 
-use glam::{Vec2, Vec3, Vec3Swizzles};
+use glam::{Vec2, Vec3Swizzles};
 use std::collections::HashSet;
-use throng_geometry::{Bounds2d, BoxGrid, distance_to_segment, segment_distance};
+use throng_geometry::{Bounds2d, BoxGrid, Capsule, distance_to_segment};
 use throng_runtime::crowd::{Obstacle, Space};
-use throng_runtime::skeleton::Skeleton;
-use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
-use throng_runtime::{Joint, Planar, PosedBody};
+use throng_runtime::stops::BODY_RADIUS_M;
+use throng_runtime::{BodyVolume, Planar, PosedBody};
 
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -17,32 +16,29 @@ pub struct PresentCharacter {
     pub place: Vec2,
     /// Radius of its disc on the ground; 0 for a character that may be above or below others (m).
     pub radius_m: f32,
-    /// Hips, neck and middle of the head, if it has a body (m).
-    pub trunk: Option<[Vec3; 3]>,
+    /// Trunk, neck and head, if it has a body.
+    pub core: Option<[Capsule; BodyVolume::CORE.len()]>,
 }
 
 impl PresentCharacter {
     /// A character with a body.
-    pub fn with_body(number: usize, body: &PosedBody<'_>, skeleton: &Skeleton) -> Self {
+    pub fn with_body(number: usize, body: &PosedBody<'_>, volume: &BodyVolume) -> Self {
         let Planar { x, z, .. } = body.root;
-        let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
-        let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
-        Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, trunk }
+        let core = Some(volume.place_core(|joint, p| body.world(joint).transform_point3(p)));
+        Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, core }
     }
 
     /// Box around disc and body, over the ground.
     fn bounds(&self) -> Bounds2d {
-        let disc = Bounds2d::around_disc(self.place, self.radius_m);
-        let Some([hips, neck, head]) = self.trunk else { return disc };
-        let around = |p: Vec3, radius_m: f32| Bounds2d::around_disc(p.xz(), radius_m);
-        let trunk = around(hips, TRUNK_RADIUS_M).union(around(neck, TRUNK_RADIUS_M));
-        disc.union(trunk).union(around(head, HEAD_RADIUS_M))
+        let discs =
+            self.core.iter().flatten().flat_map(|c| c.ends.map(|end| Bounds2d::around_disc(end.xz(), c.radius)));
+        discs.fold(Bounds2d::around_disc(self.place, self.radius_m), Bounds2d::union)
     }
 }
 
 /// Measures overlaps from step to step: of discs and balls, and of characters with bodies.
 ///
-/// Two characters overlap if the discs around their roots do, or the capsules of trunk and head.
+/// Two characters overlap if the discs around their roots do, or the capsules of trunk, neck and head.
 #[derive(Clone, Debug, Default)]
 pub struct OverlapMeter {
     /// Pairs of discs or balls that overlapped by more than 1 mm, over all frames.
@@ -93,7 +89,8 @@ impl OverlapMeter {
 
     /// Measures overlaps of discs or balls with obstacles, in the same frame.
     pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
-        let all = places.iter().flat_map(|&(at, radius)| obstacles.iter().map(move |o| depth_in_obstacle(at, radius, o)));
+        let all =
+            places.iter().flat_map(|&(at, radius)| obstacles.iter().map(move |o| depth_in_obstacle(at, radius, o)));
         for deep in all.filter(|d| *d > 0.0) {
             self.over_1mm += u64::from(deep > 1e-3);
             self.over_1cm += u64::from(deep > 1e-2);
@@ -140,12 +137,8 @@ impl NearPairs {
 pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
     let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
     let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };
-    let (Some([hips_a, neck_a, head_a]), Some([hips_b, neck_b, head_b])) = (a.trunk, b.trunk) else { return discs };
-    let (trunk_a, trunk_b) = ([hips_a, neck_a], [hips_b, neck_b]);
-    let trunks = 2.0 * TRUNK_RADIUS_M - segment_distance(trunk_a, trunk_b);
-    let heads = 2.0 * HEAD_RADIUS_M - head_a.distance(head_b);
-    let head_trunk = segment_distance([head_a; 2], trunk_b).min(segment_distance([head_b; 2], trunk_a));
-    discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
+    let (Some(a), Some(b)) = (&a.core, &b.core) else { return discs };
+    BodyVolume::overlap_depth(a, b, discs)
 }
 
 /// Depth of a disc or ball in a static obstacle; below zero outside (m).
@@ -166,11 +159,24 @@ fn depth_in_obstacle<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Quat, Vec3};
     use proptest::prelude::*;
+    use throng_runtime::{Mat3x4, Skeleton};
+
+    /// A body whose hips are bent forwards (rad).
+    fn bent(number: usize, at: Vec3, angle: f32) -> PresentCharacter {
+        let skeleton = Skeleton::default();
+        let rest = skeleton.rest_positions();
+        let pose = rest.map(|p| {
+            let turn = Quat::from_rotation_x(angle);
+            Mat3x4::from_rotation_translation(turn, rest[0] + turn * (p - rest[0]) + Vec3::Y * at.y)
+        });
+        let body = PosedBody { root: Planar::new(at.x, at.z, 0.0), model: &pose };
+        PresentCharacter::with_body(number, &body, &BodyVolume::new(&skeleton))
+    }
 
     fn upright(number: usize, x: f32, y: f32) -> PresentCharacter {
-        let trunk = Some([Vec3::new(x, y + 0.95, 0.0), Vec3::new(x, y + 1.4, 0.0), Vec3::new(x, y + 1.6, 0.0)]);
-        PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.0, trunk }
+        PresentCharacter { radius_m: 0.0, ..bent(number, Vec3::new(x, y, 0.0), 0.0) }
     }
 
     #[test]
@@ -184,19 +190,21 @@ mod tests {
 
     #[test]
     fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
-        let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
+        let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, core: None };
         let mut meter = OverlapMeter::default();
         meter.observe_bodies(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)], |_, _| false);
         meter.observe_bodies(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)], |_, _| false);
         assert_eq!(meter.pairs(), 3);
         assert!((meter.deepest_m - 0.35).abs() < 1e-6);
-        // Discs apart, but one bows: its head meets the other's trunk.
-        let body = |x: f32, lean: f32| PresentCharacter {
-            trunk: Some([Vec3::new(x, 1.0, 0.0), Vec3::new(x + lean, 1.3, 0.0), Vec3::new(x + 1.6 * lean, 1.3, 0.0)]),
-            ..at(0, x)
-        };
-        assert!(overlap_depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
-        assert!((overlap_depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+        // Discs apart, but one bows by a right angle: its head, 0.74 m from the hips at its end and of 0.1 m, meets the
+        // other's hips of 0.12 m.
+        let (first, other) = (bent(0, Vec3::ZERO, 0.0), bent(1, Vec3::Z * 0.8, 0.0));
+        assert!(overlap_depth(&first, &other) < 0.0);
+        let bows = bent(0, Vec3::ZERO, std::f32::consts::FRAC_PI_2);
+        let head = 0.095 + 0.125 + 0.13 + 0.19 + 0.09 + 0.55 * 0.2;
+        let deep = overlap_depth(&bows, &other);
+        // In a bow the head's joint is 15 mm below the neck's.
+        assert!((deep - (0.1 + 0.12 - (0.8f32 - head).hypot(0.015))).abs() < 2e-3, "{deep}");
     }
 
     fn brute<V: Space>(places: &[(V, f32)], more: f32) -> u64 {

@@ -15,10 +15,9 @@ use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{AnyCharacterGroup, GroupMotion, Simulation};
-use throng_runtime::skeleton::Skeleton;
 use throng_runtime::sparring::BlowTally;
 use throng_runtime::stops::BODY_RADIUS_M;
-use throng_runtime::{Joint, NUM_JOINTS, PosedBody};
+use throng_runtime::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -46,7 +45,7 @@ pub struct SceneWatch {
     agents: Option<AgentsMeter>,
     overlaps: OverlapMeter,
     present: Vec<PresentCharacter>,
-    skeletons: Vec<Option<Skeleton>>,
+    volumes: Vec<Option<BodyVolume>>,
 }
 
 impl SceneWatch {
@@ -63,10 +62,10 @@ impl SceneWatch {
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
             overlaps: OverlapMeter::default(),
             present: Vec::new(),
-            skeletons: sim
+            volumes: sim
                 .groups()
                 .iter()
-                .map(|g| Some(sim.compiled().find_bundle(g.number)?.skeleton().clone()))
+                .map(|g| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton())))
                 .collect(),
         };
         for c in (0..sim.character_groups().len())
@@ -138,15 +137,15 @@ impl SceneWatch {
             for who in g.characters.clone() {
                 let Some(root) = sim.root(who) else { continue };
                 let (character_group, member) = sim.locate(who);
-                let mut one = match (sim.pose(who), &self.skeletons[g.number]) {
-                    (Some(pose), Some(skeleton)) if !is_agents(character_group) => {
-                        PresentCharacter::with_body(who, &PosedBody { root, model: pose }, skeleton)
+                let mut one = match (sim.pose(who), &self.volumes[g.number]) {
+                    (Some(pose), Some(volume)) if !is_agents(character_group) => {
+                        PresentCharacter::with_body(who, &PosedBody { root, model: pose }, volume)
                     }
                     _ => PresentCharacter {
                         number: who,
                         place: Vec2::new(root.x, root.z),
                         radius_m: BODY_RADIUS_M,
-                        trunk: None,
+                        core: None,
                     },
                 };
                 match character_group {

@@ -7,7 +7,7 @@ use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use throng_base::thresholds::TRIAL_STANDING_MPS;
 use throng_runtime::characters::{Characters, PolicyCharacters};
-use throng_runtime::{Bundle, CharacterGroup, Planar, PosedBody};
+use throng_runtime::{BodyVolume, Bundle, CharacterGroup, Planar, PosedBody};
 
 /// Largest movement over [`STILL_S`] that counts as standing still (m).
 const STILL_M: f32 = 0.15;
@@ -107,12 +107,9 @@ impl<'a> TrialWatch<'a> {
     pub(super) fn observe(&mut self, group: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
         let (characters, bodies) = (group.characters(), group.bodies());
         self.present.clear();
+        let volume = BodyVolume::new(self.tables.skeleton());
         let one = |c: usize| {
-            PresentCharacter::with_body(
-                c,
-                &PosedBody { root: bodies.roots[c], model: &bodies.model[c] },
-                self.tables.skeleton(),
-            )
+            PresentCharacter::with_body(c, &PosedBody { root: bodies.roots[c], model: &bodies.model[c] }, &volume)
         };
         self.present.extend((0..config.characters).map(one));
         self.overlaps.observe_bodies(&self.present, |_, _| false);
