@@ -133,8 +133,6 @@ pub const TOE_RAISED_MPS: f32 = 0.8;
 ///
 /// Used to scale contacts and bodies to other skeletons.
 pub const REFERENCE_LEG_M: f32 = 0.83;
-/// [`REFERENCE_LEG_M`] in double precision (m).
-pub const REFERENCE_LEG_M_F64: f64 = 0.83;
 /// Radius of the disc that a standing body takes on the ground (m). Chosen, about half of the breadth of the shoulders.
 ///
 /// Used in stop tables, where characters avoid each other, and for other people in planned tasks.
@@ -245,7 +243,6 @@ mod tests {
         for (single, double) in [
             (STANDING_MPS, STANDING_MPS_F64),
             (PATCH_STANDING_MPS, PLAYGROUND_STANDING_MPS_F64),
-            (REFERENCE_LEG_M, REFERENCE_LEG_M_F64),
             (TOE_CLEARANCE_M, TOE_CLEARANCE_M_F64),
         ] {
             assert_eq!(single, double as f32);
