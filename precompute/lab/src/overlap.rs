@@ -1,14 +1,11 @@
 //! Overlaps between characters, and their depths.
 
-use glam::{Vec2, Vec3};
-use std::collections::{HashMap, HashSet};
-use throng_geometry::segment_distance;
-use throng_runtime::skeleton::Skeleton;
-use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
-use throng_runtime::{Joint, Planar, PosedBody};
-
-/// Side of a cell of the neighbour grid, which no character exceeds (m).
-const CELL_M: f32 = 2.0;
+use glam::{Vec2, Vec3Swizzles};
+use std::collections::HashSet;
+use throng_geometry::{Bounds2d, BoxGrid, Capsule, distance_to_segment};
+use throng_runtime::crowd::{Obstacle, Space};
+use throng_runtime::stops::BODY_RADIUS_M;
+use throng_runtime::{BodyVolume, Planar, PosedBody};
 
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -19,62 +16,120 @@ pub struct PresentCharacter {
     pub place: Vec2,
     /// Radius of its disc on the ground; 0 for a character that may be above or below others (m).
     pub radius_m: f32,
-    /// Hips, neck and middle of the head, if it has a body (m).
-    pub trunk: Option<[Vec3; 3]>,
+    /// Trunk, neck and head, if it has a body.
+    pub core: Option<[Capsule; BodyVolume::CORE.len()]>,
 }
 
 impl PresentCharacter {
     /// A character with a body.
-    pub fn with_body(number: usize, body: &PosedBody<'_>, skeleton: &Skeleton) -> Self {
+    pub fn with_body(number: usize, body: &PosedBody<'_>, volume: &BodyVolume) -> Self {
         let Planar { x, z, .. } = body.root;
-        let head = body.world(Joint::Head).transform_point3(skeleton.tips[0] * 0.5);
-        let trunk = Some([body.position(Joint::Hips), body.position(Joint::Neck), head]);
-        Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, trunk }
+        let core = Some(volume.place_core(|joint, p| body.world(joint).transform_point3(p)));
+        Self { number, place: Vec2::new(x, z), radius_m: BODY_RADIUS_M, core }
+    }
+
+    /// Box around disc and body, over the ground.
+    fn bounds(&self) -> Bounds2d {
+        let discs =
+            self.core.iter().flatten().flat_map(|c| c.ends.map(|end| Bounds2d::around_disc(end.xz(), c.radius)));
+        discs.fold(Bounds2d::around_disc(self.place, self.radius_m), Bounds2d::union)
     }
 }
 
-/// Measures overlaps from step to step.
+/// Measures overlaps from step to step: of discs and balls, and of characters with bodies.
 ///
-/// Two characters overlap if the discs around their roots do, or the capsules of trunk and head.
+/// Two characters overlap if the discs around their roots do, or the capsules of trunk, neck and head.
 #[derive(Clone, Debug, Default)]
-pub struct BodyOverlapMeter {
+pub struct OverlapMeter {
+    /// Pairs of discs or balls that overlapped by more than 1 mm, over all frames.
+    pub over_1mm: u64,
+    /// Pairs of discs or balls that overlapped by more than 1 cm, over all frames.
+    pub over_1cm: u64,
+    /// Sum of the numbers of discs and balls over all frames.
+    pub agent_frames: u64,
+    /// Deepest overlap of any pair; 0 without overlaps (m).
+    pub deepest_m: f64,
     pairs: HashSet<(usize, usize)>,
-    deepest_m: f32,
+    near: NearPairs,
 }
 
-impl BodyOverlapMeter {
-    /// Measures all characters at one time.
-    pub fn observe(&mut self, all: &[PresentCharacter]) {
-        self.observe_except(all, |_, _| false);
+impl OverlapMeter {
+    /// Measures all characters at one time, except for pairs that `may_meet` allows to be near each other, given their numbers.
+    pub fn observe_bodies(&mut self, all: &[PresentCharacter], may_meet: impl Fn(usize, usize) -> bool) {
+        self.near.visit(all.iter().map(PresentCharacter::bounds), |i, j| {
+            let (a, b) = (&all[i], &all[j]);
+            let depth = overlap_depth(a, b);
+            if depth > 0.0 && !may_meet(a.number, b.number) {
+                self.pairs.insert((b.number.min(a.number), b.number.max(a.number)));
+                self.deepest_m = self.deepest_m.max(f64::from(depth));
+            }
+        });
     }
 
-    /// Like [`Self::observe`], except for pairs of characters that `may_meet` allows to be near each other.
-    pub fn observe_except(&mut self, all: &[PresentCharacter], may_meet: impl Fn(usize, usize) -> bool) {
-        let cell = |p: Vec2| (p / CELL_M).floor().to_array().map(|v| v as i32);
-        let mut cells: HashMap<[i32; 2], Vec<usize>> = HashMap::new();
-        for (i, a) in all.iter().enumerate() {
-            let [x, z] = cell(a.place);
-            for near in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| [x + dx, z + dz])) {
-                for &j in cells.get(&near).map_or(&[][..], Vec::as_slice) {
-                    let depth = overlap_depth(a, &all[j]);
-                    if depth > 0.0 && !may_meet(a.number, all[j].number) {
-                        self.pairs.insert((all[j].number.min(a.number), all[j].number.max(a.number)));
-                        self.deepest_m = self.deepest_m.max(depth);
-                    }
-                }
-            }
-            cells.entry([x, z]).or_default().push(i);
+    /// Measures all discs or balls of a frame.
+    ///
+    /// - `places`: centres and radii of all agents that have not left (m).
+    pub fn observe_discs<V: Space>(&mut self, places: &[(V, f32)]) {
+        self.agent_frames += places.len() as u64;
+        let bounds = |&(at, radius): &(V, f32)| {
+            let [x, y, _] = at.coordinates();
+            Bounds2d::around_disc(Vec2::new(x, y), radius)
+        };
+        self.near.visit(places.iter().map(bounds), |i, j| {
+            let (a, b) = (&places[i], &places[j]);
+            // In f64, so that the difference of two near places is more exact than the least counted depth.
+            let between = (a.0 - b.0).coordinates().map(f64::from);
+            let apart = between.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let deep = f64::from(a.1) + f64::from(b.1) - apart;
+            self.over_1mm += u64::from(deep > 1e-3);
+            self.over_1cm += u64::from(deep > 1e-2);
+            self.deepest_m = self.deepest_m.max(deep);
+        });
+    }
+
+    /// Measures overlaps of discs or balls with obstacles, in the same frame.
+    pub fn observe_solids<V: Space>(&mut self, places: &[(V, f32)], obstacles: &[Obstacle<V>]) {
+        let all =
+            places.iter().flat_map(|&(at, radius)| obstacles.iter().map(move |o| depth_in_obstacle(at, radius, o)));
+        for deep in all.filter(|d| *d > 0.0) {
+            self.over_1mm += u64::from(deep > 1e-3);
+            self.over_1cm += u64::from(deep > 1e-2);
+            self.deepest_m = self.deepest_m.max(deep);
         }
     }
 
-    /// Pairs that overlapped at any time.
+    /// Pairs of characters that overlapped at any time.
     pub fn pairs(&self) -> usize {
         self.pairs.len()
     }
+}
 
-    /// Deepest overlap of any pair; 0 without overlaps (m).
-    pub fn deepest_m(&self) -> f32 {
-        self.deepest_m
+/// Finder of boxes on the ground that intersect.
+#[derive(Clone, Debug)]
+pub(crate) struct NearPairs {
+    grid: BoxGrid,
+}
+
+impl Default for NearPairs {
+    fn default() -> Self {
+        Self { grid: BoxGrid::with_capacity(0) }
+    }
+}
+
+impl NearPairs {
+    /// Calls `found` once with the numbers of every two boxes that intersect, the later one first, and of some that nearly do.
+    pub fn visit(&mut self, boxes: impl Iterator<Item = Bounds2d>, mut found: impl FnMut(usize, usize)) {
+        self.grid.clear();
+        for (i, bounds) in boxes.enumerate() {
+            // More than what rounding takes off the sides of both boxes.
+            let slack = 1e-3 + 1e-6 * bounds.min.abs().max(bounds.max.abs()).max_element();
+            let bounds = bounds.expanded_by(slack);
+            self.grid.visit_intersecting(&bounds, |j| {
+                found(i, j);
+                true
+            });
+            self.grid.set(i, bounds);
+        }
     }
 }
 
@@ -82,46 +137,109 @@ impl BodyOverlapMeter {
 pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
     let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
     let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };
-    let (Some([hips_a, neck_a, head_a]), Some([hips_b, neck_b, head_b])) = (a.trunk, b.trunk) else { return discs };
-    let (trunk_a, trunk_b) = ([hips_a, neck_a], [hips_b, neck_b]);
-    let trunks = 2.0 * TRUNK_RADIUS_M - segment_distance(trunk_a, trunk_b);
-    let heads = 2.0 * HEAD_RADIUS_M - head_a.distance(head_b);
-    let head_trunk = segment_distance([head_a; 2], trunk_b).min(segment_distance([head_b; 2], trunk_a));
-    discs.max(trunks).max(heads).max(TRUNK_RADIUS_M + HEAD_RADIUS_M - head_trunk)
+    let (Some(a), Some(b)) = (&a.core, &b.core) else { return discs };
+    BodyVolume::overlap_depth(a, b, discs)
+}
+
+/// Depth of a disc or ball in a static obstacle; below zero outside (m).
+fn depth_in_obstacle<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f64 {
+    let apart = match obstacle {
+        &Obstacle::Ball { centre, radius } => (at - centre).length() - radius,
+        &Obstacle::Wall { from, to, radius } => distance_to_segment(at, [from, to]) - radius,
+        &Obstacle::Box { min, max } => (at - Space::min(Space::max(at, min), max)).length(),
+        Obstacle::Polygon { corners } => {
+            let next = corners.iter().cycle().skip(1);
+            corners.iter().zip(next).map(|(&a, &b)| distance_to_segment(at, [a, b])).fold(f32::INFINITY, f32::min)
+        }
+        _ => f32::INFINITY,
+    };
+    f64::from(radius) - f64::from(apart)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::{Quat, Vec3};
+    use proptest::prelude::*;
+    use throng_runtime::{Mat3x4, Skeleton};
+
+    /// A body whose hips are bent forwards (rad).
+    fn bent(number: usize, at: Vec3, angle: f32) -> PresentCharacter {
+        let skeleton = Skeleton::default();
+        let rest = skeleton.rest_positions();
+        let pose = rest.map(|p| {
+            let turn = Quat::from_rotation_x(angle);
+            Mat3x4::from_rotation_translation(turn, rest[0] + turn * (p - rest[0]) + Vec3::Y * at.y)
+        });
+        let body = PosedBody { root: Planar::new(at.x, at.z, 0.0), model: &pose };
+        PresentCharacter::with_body(number, &body, &BodyVolume::new(&skeleton))
+    }
 
     fn upright(number: usize, x: f32, y: f32) -> PresentCharacter {
-        let trunk = Some([Vec3::new(x, y + 0.95, 0.0), Vec3::new(x, y + 1.4, 0.0), Vec3::new(x, y + 1.6, 0.0)]);
-        PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.0, trunk }
+        PresentCharacter { radius_m: 0.0, ..bent(number, Vec3::new(x, y, 0.0), 0.0) }
     }
 
     #[test]
     fn people_on_two_floors_do_not_meet() {
-        let mut meter = BodyOverlapMeter::default();
-        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)]);
+        let mut meter = OverlapMeter::default();
+        meter.observe_bodies(&[upright(0, 0.0, 0.0), upright(1, 0.0, 2.1)], |_, _| false);
         assert_eq!(meter.pairs(), 0);
-        meter.observe(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)]);
+        meter.observe_bodies(&[upright(0, 0.0, 0.0), upright(1, 0.2, 0.0)], |_, _| false);
         assert_eq!(meter.pairs(), 1);
     }
 
     #[test]
     fn discs_trunks_and_heads_overlap_as_drawn_by_hand() {
-        let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, trunk: None };
-        let mut meter = BodyOverlapMeter::default();
-        meter.observe(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)]);
-        meter.observe(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)]);
+        let at = |number, x: f32| PresentCharacter { number, place: Vec2::new(x, 0.0), radius_m: 0.25, core: None };
+        let mut meter = OverlapMeter::default();
+        meter.observe_bodies(&[at(0, 0.0), at(1, 0.4), at(2, 5.0)], |_, _| false);
+        meter.observe_bodies(&[at(0, 0.0), at(1, 0.6), at(2, 0.45)], |_, _| false);
         assert_eq!(meter.pairs(), 3);
-        assert!((meter.deepest_m() - 0.35).abs() < 1e-6);
-        // Discs apart, but one bows: its head meets the other's trunk.
-        let body = |x: f32, lean: f32| PresentCharacter {
-            trunk: Some([Vec3::new(x, 1.0, 0.0), Vec3::new(x + lean, 1.3, 0.0), Vec3::new(x + 1.6 * lean, 1.3, 0.0)]),
-            ..at(0, x)
-        };
-        assert!(overlap_depth(&body(0.0, 0.0), &body(0.6, 0.0)) < 0.0);
-        assert!((overlap_depth(&body(0.0, 0.3), &body(0.6, 0.0)) - (0.25 - 0.12)).abs() < 1e-6);
+        assert!((meter.deepest_m - 0.35).abs() < 1e-6);
+        // Discs apart, but one bows by a right angle: its head, 0.74 m from the hips at its end and of 0.1 m, meets the
+        // other's hips of 0.12 m.
+        let (first, other) = (bent(0, Vec3::ZERO, 0.0), bent(1, Vec3::Z * 0.8, 0.0));
+        assert!(overlap_depth(&first, &other) < 0.0);
+        let bows = bent(0, Vec3::ZERO, std::f32::consts::FRAC_PI_2);
+        let head = 0.095 + 0.125 + 0.13 + 0.19 + 0.09 + 0.55 * 0.2;
+        let deep = overlap_depth(&bows, &other);
+        // In a bow the head's joint is 15 mm below the neck's.
+        assert!((deep - (0.1 + 0.12 - (0.8f32 - head).hypot(0.015))).abs() < 2e-3, "{deep}");
+    }
+
+    fn brute<V: Space>(places: &[(V, f32)], more: f32) -> u64 {
+        let pairs = (0..places.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let deep = |i: usize, j: usize| places[i].1 + places[j].1 - (places[i].0 - places[j].0).length();
+        pairs.filter(|&(i, j)| deep(i, j) > more).count() as u64
+    }
+
+    proptest! {
+        #[test]
+        fn every_pair_counts_once(
+            flat in prop::collection::vec(([-9.0f32..9.0, -3.0f32..3.0], 0.1f32..0.6), 0..120),
+            high in prop::collection::vec(([-9.0f32..9.0, -3.0f32..3.0, -4.0f32..4.0], 0.1f32..0.6), 0..120),
+        ) {
+            let flat: Vec<(Vec2, f32)> = flat.into_iter().map(|(p, r)| (p.into(), r)).collect();
+            let mut meter = OverlapMeter::default();
+            meter.observe_discs(&flat);
+            // A hair of difference between f32 and f64 decides few pairs.
+            let (low, high_count) = (brute(&flat, 1e-3 + 1e-5), brute(&flat, 1e-3 - 1e-5));
+            prop_assert!((low..=high_count).contains(&meter.over_1mm), "{} {low} {high_count}", meter.over_1mm);
+            let high: Vec<(Vec3, f32)> = high.into_iter().map(|(p, r)| (p.into(), r)).collect();
+            let mut meter = OverlapMeter::default();
+            meter.observe_discs(&high);
+            prop_assert!((brute(&high, 1e-2 + 1e-5)..=brute(&high, 1e-2 - 1e-5)).contains(&meter.over_1cm));
+        }
+    }
+
+    #[test]
+    fn depth_is_exact_far_from_the_origin_and_far_apart() {
+        let mut meter = OverlapMeter::default();
+        let places = [[0.0, 0.0], [0.5, 0.0], [9e4, 9e4]].map(|p| (Vec2::from(p), 0.3));
+        meter.observe_discs(&places);
+        meter.observe_discs(&places[..1]);
+        assert_eq!([meter.over_1mm, meter.over_1cm, meter.agent_frames], [1, 1, 4]);
+        assert!((meter.deepest_m - 0.1).abs() < 1e-6, "{}", meter.deepest_m);
+        meter.observe_discs::<Vec2>(&[]);
     }
 }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::Serialize;
 use throng_geometry::segment_distance;
 use throng_runtime::sparring::{Sparring, StruckPart};
-use throng_runtime::{Bundle, CharacterGroup, Joint, NUM_JOINTS};
+use throng_runtime::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 
 /// Figures of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -33,12 +33,16 @@ pub struct TouchFigures {
     pub elbow_rate_p999_ratio: f64,
 }
 
+/// Depth of a forearm or a hand from which it is in a body or a head (m). Chosen.
+const DEEP_TOUCH_M: f32 = 0.062;
+/// Depth of legs from which they are in each other (m). Chosen.
+const DEEP_LEGS_M: f32 = 0.03;
 /// Distance from a spine below which forearms, shins and feet are in the body (m).
-const IN_BODY_M: f32 = 0.1;
+const IN_BODY_M: f32 = BodyVolume::radius_m(Joint::Chest) + BodyVolume::radius_m(Joint::LeftForearm) - DEEP_TOUCH_M;
 /// Distance from the middle of a head below which wrists are in it (m).
-const IN_HEAD_M: f32 = 0.08;
+const IN_HEAD_M: f32 = BodyVolume::radius_m(Joint::Head) + BodyVolume::radius_m(Joint::LeftHand) - DEEP_TOUCH_M;
 /// Distance from the opponent's shins and feet below which shins and feet are in them (m).
-const IN_LEG_M: f32 = 0.08;
+const IN_LEG_M: f32 = 2.0 * BodyVolume::radius_m(Joint::LeftShin) - DEEP_LEGS_M;
 /// Distance of heads below which opponents are too near to strike (m).
 const CLOSE_M: f32 = 0.45;
 /// Time after its blow has landed in which a wrist may be in the head (s).

@@ -1,8 +1,7 @@
 //! A body as capsules, each fixed to a joint.
 
-use glam::DVec3;
-use throng_base::thresholds::REFERENCE_LEG_M_F64;
-use throng_core::{Joint, Skeleton};
+use glam::Vec3;
+use throng_core::{BodyVolume, Joint, JointCapsule, Skeleton};
 use throng_geometry::Segment;
 
 /// A capsule of a body.
@@ -24,43 +23,14 @@ pub struct BodyCapsules {
 }
 
 impl BodyCapsules {
-    /// Fits capsules along a skeleton's segments, as thick as those of people with its leg length.
+    /// Capsules of the [`BodyVolume`] of a skeleton, without the collar bones, which are in the chest's.
     pub fn fitted(skeleton: &Skeleton) -> Self {
-        let scale = f64::from(skeleton.leg_length()) / REFERENCE_LEG_M_F64;
-        let mut capsules = Vec::new();
-        let mut add = |joint: Joint, a: DVec3, b: DVec3, radius: f64| {
-            capsules.push(BodyCapsule { joint, core: Segment::new(a, b), radius: radius * scale });
+        let is_apart = |c: &JointCapsule| !matches!(c.joint, Joint::LeftClavicle | Joint::RightClavicle);
+        let one = |c: JointCapsule| {
+            let [a, b] = c.ends.map(Vec3::as_dvec3);
+            BodyCapsule { joint: c.joint, core: Segment::new(a, b), radius: f64::from(c.radius) }
         };
-        let to = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-        let [head, left_toe, right_toe] = skeleton.tips.map(|t| t.as_dvec3());
-        let zero = DVec3::ZERO;
-        add(Joint::Hips, 0.7 * to(Joint::LeftThigh), 0.7 * to(Joint::RightThigh), 0.1);
-        let side = DVec3::X * 0.04 * scale;
-        add(Joint::Spine, side, -side, 0.1);
-        add(Joint::Chest, side, -side, 0.105);
-        let up = 0.3 * to(Joint::Neck);
-        add(Joint::UpperChest, up + 1.5 * side, up - 1.5 * side, 0.1);
-        add(Joint::Neck, zero, to(Joint::Head), 0.05);
-        add(Joint::Head, 0.35 * head, 0.55 * head, 0.095);
-        for (upper, fore, hand) in [
-            (Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand),
-            (Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand),
-        ] {
-            add(upper, zero, to(fore), 0.045);
-            add(fore, zero, to(hand), 0.036);
-            let along = to(hand).normalize_or_zero();
-            add(hand, 0.02 * scale * along, 0.1 * scale * along, 0.034);
-        }
-        for (thigh, shin, foot, toe, tip) in [
-            (Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe, left_toe),
-            (Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe, right_toe),
-        ] {
-            add(thigh, 0.2 * to(shin), to(shin), 0.065);
-            add(shin, zero, to(foot), 0.048);
-            add(foot, zero, 0.9 * to(toe), 0.033);
-            add(toe, zero, 0.7 * tip, 0.022);
-        }
-        Self { capsules }
+        Self { capsules: BodyVolume::new(skeleton).capsules.into_iter().filter(is_apart).map(one).collect() }
     }
 }
 

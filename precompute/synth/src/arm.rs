@@ -1,5 +1,6 @@
 //! Analytic arm IK: upper arm and forearm that bring a wrist to a position, with the elbow towards a pole.
 
+use super::leg::two_bone_angles;
 use super::side::LateralSide;
 use glam::{DMat3, DQuat, DVec3};
 
@@ -39,11 +40,9 @@ impl ArmShape {
     ///
     /// - `pole`: direction, not along the arm.
     pub fn solve(&self, side: LateralSide, shoulder: DVec3, wrist: DVec3, pole: DVec3) -> ArmReach {
-        let (a, b) = (self.upper_arm, self.forearm);
         let to_wrist = wrist - shoulder;
         let length = soft_clamp(to_wrist.length() / self.length()) * self.length();
-        let elbow = ((length * length - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();
-        let at_shoulder = ((a * a + length * length - b * b) / (2.0 * a * length)).clamp(-1.0, 1.0).acos();
+        let [at_shoulder, elbow] = two_bone_angles([self.upper_arm, self.forearm], length);
         let along = to_wrist.normalize_or(DVec3::Z);
         let aside = (pole - along * pole.dot(along)).normalize_or(along.any_orthonormal_vector());
         let (sin, cos) = at_shoulder.sin_cos();

@@ -21,6 +21,14 @@ pub struct LegShape {
     pub shin: f64,
 }
 
+/// Angles of a limb of two bones whose ends are `distance` apart: of the first bone from the line between the ends, and the
+/// flexion at the joint; those of a straight limb for distances out of reach (rad).
+pub(crate) fn two_bone_angles([a, b]: [f64; 2], distance: f64) -> [f64; 2] {
+    let at_root = ((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0).acos();
+    let flexion = ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();
+    [at_root, flexion]
+}
+
 impl LegShape {
     /// Dimensions of a skeleton's left leg.
     pub fn from_skeleton(skeleton: &Skeleton) -> Self {
@@ -36,8 +44,7 @@ impl LegShape {
 
     /// Flexion of the knee at a distance from hip to ankle; that of a straight leg for distances out of reach (rad).
     pub fn flexion(&self, distance: f64) -> f64 {
-        let (a, b) = (self.thigh, self.shin);
-        ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos()
+        two_bone_angles([self.thigh, self.shin], distance)[1]
     }
 
     /// Bends the leg so that it reaches from `hip` to `ankle`, the knee towards `facing`.
@@ -49,8 +56,7 @@ impl LegShape {
         let (a, b) = (self.thigh, self.shin);
         let d = ankle - hip;
         let length = d.length().clamp((a - b).abs() + 1e-6, a + b);
-        let knee = self.flexion(length);
-        let at_hip = ((a * a + length * length - b * b) / (2.0 * a * length)).clamp(-1.0, 1.0).acos();
+        let [at_hip, knee] = two_bone_angles([a, b], length);
         let down = d.normalize_or(DVec3::NEG_Y);
         let left = facing.cross(down).normalize_or(DVec3::X);
         let up = DQuat::from_axis_angle(left, -at_hip) * -down;

@@ -133,8 +133,6 @@ pub const TOE_RAISED_MPS: f32 = 0.8;
 ///
 /// Used to scale contacts and bodies to other skeletons.
 pub const REFERENCE_LEG_M: f32 = 0.83;
-/// [`REFERENCE_LEG_M`] in double precision (m).
-pub const REFERENCE_LEG_M_F64: f64 = 0.83;
 /// Radius of the disc that a standing body takes on the ground (m). Chosen, about half of the breadth of the shoulders.
 ///
 /// Used in stop tables, where characters avoid each other, and for other people in planned tasks.
@@ -156,6 +154,10 @@ pub const HALF_HEAD_M: f32 = 0.12;
 ///
 /// Used for blows, hands that reach, and palms.
 pub const FIST_PER_FOREARM: f32 = 0.35;
+/// Distance from an arm at which it catches a fist (m). Chosen, about the radius of a fist.
+///
+/// Used for blows.
+pub const FIST_REACH_M: f32 = 0.05;
 /// Distance of the heel behind the ankle, as a share of that of the ball before it (1). Chosen.
 ///
 /// Used for heels of skeletons, and for the skin of feet.
@@ -241,7 +243,6 @@ mod tests {
         for (single, double) in [
             (STANDING_MPS, STANDING_MPS_F64),
             (PATCH_STANDING_MPS, PLAYGROUND_STANDING_MPS_F64),
-            (REFERENCE_LEG_M, REFERENCE_LEG_M_F64),
             (TOE_CLEARANCE_M, TOE_CLEARANCE_M_F64),
         ] {
             assert_eq!(single, double as f32);

@@ -5,6 +5,7 @@
 
 pub mod blend;
 pub mod body;
+mod body_volume;
 pub mod bundle;
 pub mod character_group;
 pub mod characters;
@@ -25,6 +26,7 @@ pub mod stops;
 pub mod walkers;
 
 pub use body::{LocalTransform, Mat3x4};
+pub use body_volume::{BodyVolume, JointCapsule};
 pub use bundle::Bundle;
 pub use character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies, PosedBody};
 pub use contacts::Contacts;

@@ -1,9 +1,11 @@
-//! A plain body of capsules, so that motion can be seen: one around every limb, rigid on the joint at its start.
+//! A plain body, so that motion can be seen: the capsules of a [`BodyVolume`], each rigid on its joint.
 
+use crate::body_volume::BodyVolume;
 use crate::skeleton::{Joint, Skeleton};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};
 use throng_base::maths::sin_cos;
+use throng_geometry::Capsule;
 
 /// Triangles that joints carry, in the rest pose on the ground.
 #[derive(Clone, Debug, Default)]
@@ -28,40 +30,28 @@ struct Roundness {
 }
 
 impl PlainBody {
-    /// Body of a skeleton in its rest pose: 1664 triangles.
+    /// Body of a skeleton in its rest pose: 1408 triangles.
     pub fn fine(skeleton: &Skeleton) -> Self {
         Self::round(skeleton, Roundness { sides: 8, rings: 2 })
     }
 
-    /// Coarse body for distant characters: 416 triangles.
+    /// Coarse body for distant characters: 352 triangles.
     pub fn coarse(skeleton: &Skeleton) -> Self {
         Self::round(skeleton, Roundness { sides: 4, rings: 1 })
     }
 
     fn round(skeleton: &Skeleton, round: Roundness) -> Self {
         let rest = skeleton.rest_positions();
-        let scale = (skeleton.leg_length() / Skeleton::default().leg_length()).clamp(0.2, 5.0);
         let mut body = Self::default();
-        for joint in &Joint::ALL[1..] {
-            let parent = joint.parent().unwrap_or(Joint::Hips);
-            body.capsule(round, parent, rest[parent.index()], rest[joint.index()], scale * radius(*joint));
-        }
-        let hand = |joint: Joint| skeleton.offsets[joint.index()] * 0.45;
-        for (joint, tip, radius) in [
-            (Joint::Head, skeleton.tips[0] * 0.58, 0.085),
-            (Joint::LeftToe, skeleton.tips[1], 0.03),
-            (Joint::RightToe, skeleton.tips[2], 0.03),
-            (Joint::LeftHand, hand(Joint::LeftHand), 0.03),
-            (Joint::RightHand, hand(Joint::RightHand), 0.03),
-        ] {
-            let from = rest[joint.index()];
-            body.capsule(round, joint, from, from + tip, scale * radius);
+        for limb in BodyVolume::new(skeleton).capsules {
+            body.add_capsule(round, limb.joint, &limb.placed(|joint, p| rest[joint.index()] + p));
         }
         body
     }
 
-    fn capsule(&mut self, round: Roundness, joint: Joint, from: Vec3, to: Vec3, radius: f32) {
+    fn add_capsule(&mut self, round: Roundness, joint: Joint, capsule: &Capsule) {
         let Roundness { sides, rings } = round;
+        let Capsule { ends: [from, to], radius } = *capsule;
         let along = (to - from).normalize_or(Vec3::Y);
         let u = along.any_orthonormal_vector();
         let v = along.cross(u);
@@ -97,22 +87,6 @@ impl PlainBody {
     }
 }
 
-/// Radius of the limb that ends in a joint (m).
-fn radius(joint: Joint) -> f32 {
-    use Joint::*;
-    match joint {
-        Hips | Spine | Chest => 0.1,
-        UpperChest => 0.105,
-        Neck => 0.07,
-        LeftThigh | RightThigh => 0.074,
-        LeftShin | RightShin => 0.068,
-        LeftFoot | RightFoot | LeftClavicle | RightClavicle | LeftUpperArm | RightUpperArm => 0.05,
-        Head | LeftForearm | RightForearm => 0.045,
-        LeftHand | RightHand => 0.034,
-        LeftToe | RightToe => 0.03,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,7 +94,7 @@ mod tests {
     #[test]
     fn bodies_are_closed_and_face_outwards() {
         for (body, triangles) in
-            [(PlainBody::fine(&Skeleton::default()), 1664), (PlainBody::coarse(&Skeleton::default()), 416)]
+            [(PlainBody::fine(&Skeleton::default()), 1408), (PlainBody::coarse(&Skeleton::default()), 352)]
         {
             assert_eq!(body.triangles.len(), triangles);
             check(&body);

@@ -12,10 +12,6 @@ pub use throng_base::thresholds::BODY_RADIUS_M;
 
 /// Pieces of an action that is bent are no longer (frames).
 pub(crate) const PIECE_FRAMES: u32 = 4;
-/// Radius of the capsule from the hips to the neck (m).
-pub const TRUNK_RADIUS_M: f32 = 0.14;
-/// Radius of the head (m).
-pub const HEAD_RADIUS_M: f32 = 0.11;
 /// Furthest that the root is from the line between two nodes of a sweep; radii contain it (m).
 pub const SWEEP_TOLERANCE_M: f32 = 0.01;
 

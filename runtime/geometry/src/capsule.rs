@@ -1,6 +1,7 @@
 //! Capsules, and how deep they overlap.
 
-use crate::nearest::segment_distance;
+use crate::nearest::{distance_to_segment, segment_distance};
+use crate::round_cone::ray_round_cone;
 use glam::Vec3;
 
 /// Capsule between two points.
@@ -25,6 +26,18 @@ impl Capsule {
     pub fn bounding_gap(&self, other: &Self) -> f32 {
         let apart = (self.ends[0] + self.ends[1]).distance(other.ends[0] + other.ends[1]) * 0.5;
         apart - (self.radius + other.radius + 0.5 * (self.length() + other.length()))
+    }
+
+    /// Distance along a ray at which it meets the capsule; 0 where it starts inside (m).
+    ///
+    /// - `direction`: unit.
+    pub fn meet_ray(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
+        let [a, b] = self.ends;
+        if distance_to_segment(origin, self.ends) <= self.radius {
+            return Some(0.0);
+        }
+        let hit = ray_round_cone(origin - a, direction, b - a, [self.radius; 2])?;
+        (hit.distance >= 0.0).then_some(hit.distance)
     }
 }
 

@@ -2,8 +2,11 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
-use throng_runtime::geometry::nearest_on_segment;
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_runtime::geometry::Capsule;
+use throng_runtime::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Skeleton};
+
+/// Width around a body within which it is picked (m).
+const PICK_ROOM_M: f32 = 0.02;
 
 /// Nearest intersection of a ray with a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +21,7 @@ pub struct PickedCharacter {
 
 /// The character that a ray meets first.
 ///
-/// Bodies are treated as capsules between joints and their parents; spheres around whole characters are tested first.
+/// Bodies are the capsules of their [`BodyVolume`] with a little room; spheres around whole characters are tested first.
 /// Characters with fewer than `num_joints` matrices in the palette are skipped.
 ///
 /// - `palette`: joints in model space (num_characters * num_joints).
@@ -28,14 +31,14 @@ pub fn pick(
     palette: &[Mat3x4],
     instances: &[CharacterInstance],
 ) -> Option<PickedCharacter> {
-    let reach = cull::reach(skeleton);
+    let (reach, volume) = (cull::reach(skeleton), BodyVolume::new(skeleton));
     let mut nearest: Option<PickedCharacter> = None;
     for (character, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
         let limit = nearest.map_or(f32::INFINITY, |h| h.distance);
         if !may_hit_sphere(ray, world_position(instance, pose[0].translation()), reach, limit) {
             continue;
         }
-        let found = pick_one(ray, skeleton, pose, instance).filter(|(_, d)| *d < limit);
+        let found = pick_one(ray, &volume, pose, instance).filter(|(_, d)| *d < limit);
         nearest = found.map(|(joint, distance)| PickedCharacter { character, joint, distance }).or(nearest);
     }
     nearest
@@ -54,80 +57,18 @@ fn may_hit_sphere(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
 }
 
 /// The nearest limb of one character.
-fn pick_one(ray: &Ray, skeleton: &Skeleton, pose: &[Mat3x4], instance: &CharacterInstance) -> Option<(Joint, f32)> {
-    let scale = skeleton.leg_length() / Skeleton::default().leg_length();
-    let mut joints = [Vec3::ZERO; NUM_JOINTS];
-    joints.iter_mut().zip(pose).for_each(|(p, m)| *p = world_position(instance, m.translation()));
+fn pick_one(ray: &Ray, volume: &BodyVolume, pose: &[Mat3x4], instance: &CharacterInstance) -> Option<(Joint, f32)> {
+    let place = |joint: Joint, p: Vec3| world_position(instance, pose[joint.index()].to_mat4().transform_point3(p));
     let mut nearest: Option<(Joint, f32)> = None;
-    let mut consider = |ends: [(Joint, Vec3); 2], radius: f32| {
-        let [(_, a), (_, b)] = ends;
-        if let Some(t) = intersect_capsule(ray, a, b, radius * scale).filter(|t| nearest.is_none_or(|n| *t < n.1)) {
-            let p = ray.point_at(t);
-            let near = usize::from(p.distance_squared(b) < p.distance_squared(a));
-            nearest = Some((ends[near].0, t));
+    for limb in &volume.capsules {
+        let capsule = limb.placed(place);
+        let wide = Capsule { radius: capsule.radius + PICK_ROOM_M, ..capsule };
+        if let Some(t) = wide.meet_ray(ray.origin, ray.direction).filter(|t| nearest.is_none_or(|n| *t < n.1)) {
+            let [a, b] = capsule.ends.map(|end| end.distance_squared(ray.point_at(t)));
+            nearest = Some((limb.next.filter(|_| b < a).unwrap_or(limb.joint), t));
         }
-    };
-    for joint in Joint::ALL {
-        if let Some(parent) = joint.parent() {
-            consider([(parent, joints[parent.index()]), (joint, joints[joint.index()])], radius(joint));
-        }
-    }
-    for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
-        let m = &pose[joint.index()];
-        let tip = world_position(instance, m.to_mat4().transform_point3(skeleton.tips[i]));
-        consider([(joint, joints[joint.index()]), (joint, tip)], if i == 0 { 0.08 } else { 0.03 });
     }
     nearest
-}
-
-/// Radius of the limb that ends in a joint (m).
-fn radius(joint: Joint) -> f32 {
-    use Joint::*;
-    match joint {
-        Hips | Spine | Chest | UpperChest => 0.14,
-        Neck => 0.11,
-        Head => 0.06,
-        LeftShin | RightShin | LeftThigh | RightThigh => 0.085,
-        LeftFoot | RightFoot => 0.055,
-        LeftToe | RightToe => 0.045,
-        _ => 0.055,
-    }
-}
-
-/// Distance along a ray to a capsule; 0 where it starts inside.
-fn intersect_capsule(ray: &Ray, a: Vec3, b: Vec3, radius: f32) -> Option<f32> {
-    let axis = b - a;
-    let from_axis = ray.origin - nearest_on_segment(ray.origin, [a, b]);
-    if from_axis.length_squared() <= radius * radius {
-        return Some(0.0);
-    }
-    let spheres = [a, b].into_iter().filter_map(|c| intersect_sphere(ray, c, radius));
-    spheres.chain(intersect_cylinder(ray, a, axis, radius)).reduce(f32::min)
-}
-
-fn intersect_sphere(ray: &Ray, centre: Vec3, radius: f32) -> Option<f32> {
-    let from = ray.origin - centre;
-    let m = from.dot(ray.direction);
-    let h = m * m - from.length_squared() + radius * radius;
-    (h >= 0.0).then(|| -m - h.sqrt()).filter(|t| *t >= 0.0)
-}
-
-/// The mantle of a cylinder between its two ends.
-fn intersect_cylinder(ray: &Ray, a: Vec3, axis: Vec3, radius: f32) -> Option<f32> {
-    let length2 = axis.length_squared();
-    if length2 < 1e-12 {
-        return None;
-    }
-    let across = |v: Vec3| v - axis * (v.dot(axis) / length2);
-    let (from, direction) = (across(ray.origin - a), across(ray.direction));
-    let (q2, q1, q0) = (direction.length_squared(), from.dot(direction), from.length_squared() - radius * radius);
-    let h = q1 * q1 - q2 * q0;
-    if q2 < 1e-9 || h < 0.0 {
-        return None;
-    }
-    let t = (-q1 - h.sqrt()) / q2;
-    let along = (ray.point_at(t) - a).dot(axis) / length2;
-    (t >= 0.0 && (0.0..=1.0).contains(&along)).then_some(t)
 }
 
 #[cfg(test)]
@@ -158,6 +99,7 @@ mod tests {
     fn finds_the_same_as_an_exhaustive_search() {
         let (skeleton, mut rng) = (Skeleton::default(), Pcg32::seed_from_u64(11));
         let (palette, instances) = crowd(60, &mut rng);
+        let volume = BodyVolume::new(&skeleton);
         let mut hits = 0;
         for _ in 0..600 {
             let origin = Vec3::new(rng.random_range(-9.0..9.0), rng.random_range(0.2..6.0), 12.0);
@@ -165,7 +107,7 @@ mod tests {
             let ray = Ray { origin, direction: (aim - origin).normalize() };
             let poses = palette.chunks_exact(NUM_JOINTS);
             let all = poses.zip(&instances).enumerate().filter_map(|(character, (pose, instance))| {
-                let (joint, distance) = pick_one(&ray, &skeleton, pose, instance)?;
+                let (joint, distance) = pick_one(&ray, &volume, pose, instance)?;
                 Some(PickedCharacter { character, joint, distance })
             });
             let expected = all.min_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -193,7 +135,7 @@ mod tests {
             for _ in 0..500 {
                 t += distance(ray.point_at(t)).max(0.0);
             }
-            match intersect_capsule(&ray, a, b, 0.2) {
+            match (Capsule { ends: [a, b], radius: 0.2 }).meet_ray(ray.origin, ray.direction) {
                 Some(found) => {
                     met += 1;
                     assert!((found - t).abs() < 2e-2, "{found} {t}");

@@ -2,9 +2,10 @@
 
 use super::camera::PictureCamera;
 use super::colour::Colour;
-use super::solid::{RoundCone, SurfaceHit};
+use super::solid::RoundCone;
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, UnitGeometry};
+use throng_geometry::SurfaceHit;
 use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
 use throng_runtime::patch::Placement;
 

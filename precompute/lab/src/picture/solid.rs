@@ -1,6 +1,7 @@
 //! Solids of bodies: round cones (two spheres and the cone between them), flattened along one axis.
 
 use glam::{Mat3, Vec3};
+use throng_geometry::{SurfaceHit, ray_round_cone};
 
 /// A round cone in the world, flattened along one axis.
 ///
@@ -15,15 +16,6 @@ pub(super) struct RoundCone {
     to_round: Mat3,
     /// Largest extent of either end beyond its centre (m).
     reach: f32,
-}
-
-/// A hit of a ray on a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct SurfaceHit {
-    /// Distance along the ray (m).
-    pub distance: f32,
-    /// Outward direction of the surface in the world. Unit.
-    pub normal: Vec3,
 }
 
 impl RoundCone {
@@ -62,45 +54,10 @@ impl RoundCone {
         let direction = self.to_round * direction;
         let stretch = direction.length();
         let direction = direction / stretch;
-        let (t, normal) = self.intersect_round(self.to_round * (origin - self.a), direction)?;
-        Some(SurfaceHit { distance: t / stretch, normal: (self.to_round * normal).normalize_or_zero() })
-    }
-
-    /// First hit of a ray on a plain round cone whose first end is the origin.
-    ///
-    /// The cone that touches both spheres gives a quadratic in the distance; where its root lies beyond the touching
-    /// circles, the spheres decide. After Inigo Quilez, *Rounded cone, intersection* (iquilezles.org, intersectors).
-    fn intersect_round(&self, oa: Vec3, rd: Vec3) -> Option<(f32, Vec3)> {
-        let (ra, rb) = (self.radius_a, self.radius_b);
-        let ba = self.to_round * (self.b - self.a);
-        let ob = oa - ba;
-        let rr = ra - rb;
-        let length2 = ba.length_squared();
-        let d2 = length2 - rr * rr;
-        let sphere = |o: Vec3, r: f32| {
-            let m = o.dot(rd);
-            let h = m * m - o.length_squared() + r * r;
-            (h >= 0.0).then(|| -m - h.sqrt()).map(|t| (t, (o + rd * t) / r))
-        };
-        if d2 <= 1e-9 {
-            return if ra >= rb { sphere(oa, ra) } else { sphere(ob, rb) };
-        }
-        let (m1, m2) = (ba.dot(oa), ba.dot(rd));
-        let k2 = d2 - m2 * m2;
-        let k1 = d2 * rd.dot(oa) - m1 * m2 + m2 * rr * ra;
-        let k0 = d2 * oa.length_squared() - m1 * m1 + 2.0 * m1 * rr * ra - length2 * ra * ra;
-        let h = k1 * k1 - k0 * k2;
-        if h >= 0.0 && k2.abs() > 1e-9 {
-            let t = (-h.sqrt() - k1) / k2;
-            let y = m1 - ra * rr + t * m2;
-            if y > 0.0 && y < d2 {
-                return Some((t, (d2 * (oa + rd * t) - ba * y).normalize_or_zero()));
-            }
-        }
-        match (sphere(oa, ra), sphere(ob, rb)) {
-            (Some(p), Some(q)) => Some(if p.0 <= q.0 { p } else { q }),
-            (p, q) => p.or(q),
-        }
+        let axis = self.to_round * (self.b - self.a);
+        let from = self.to_round * (origin - self.a);
+        let SurfaceHit { distance, normal } = ray_round_cone(from, direction, axis, [self.radius_a, self.radius_b])?;
+        Some(SurfaceHit { distance: distance / stretch, normal: (self.to_round * normal).normalize_or_zero() })
     }
 }
 

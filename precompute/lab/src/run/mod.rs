@@ -19,7 +19,7 @@ pub use ensure::{
     BuildContext, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion, motion_name,
 };
 pub use figures::{AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures};
-pub use meter::{AgentSample, DiscOverlapMeter, GateFlow, HUMAN_FLOW_PER_M_S, ProgressMeter};
+pub use meter::{AgentSample, GateFlow, HUMAN_FLOW_PER_M_S, ProgressMeter};
 pub use news::News;
 pub use record::{
     AgentsRecord, CrowdMoment, FightFrame, FightRecord, JointPositions, PathsRecord, PeopleSample, RecordedAgent,

@@ -1,8 +1,11 @@
 //! Speed of scenes with rules, state graphs and news, timed part by part.
 
 use super::report::config_error;
+use crate::overlap::NearPairs;
+use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
+use throng_geometry::Bounds2d;
 use throng_motion::error::BuildError;
 use throng_runtime::base::limits::THREADS;
 use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
@@ -153,18 +156,15 @@ fn measure_in_pool(
     })
 }
 
-/// Deepest current overlap of two agents; negative if none overlap (m).
+/// Deepest current overlap of two agents; negative or minus infinity if none overlap (m).
 fn deepest_overlap_m(sim: &Simulation) -> f64 {
-    let mut places: Vec<_> =
-        (0..sim.num_characters()).filter_map(|who| sim.disc(who)).map(|d| (d.centre, d.radius)).collect();
-    places.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
-    let widest = places.iter().map(|p| p.1).fold(0.0, f32::max);
+    let discs: Vec<_> = (0..sim.num_characters()).filter_map(|who| sim.disc(who)).collect();
     let mut most = f64::NEG_INFINITY;
-    for (i, (a, r)) in places.iter().enumerate() {
-        for (b, s) in places[i + 1..].iter().take_while(|(b, _)| b.x - a.x < r + widest) {
-            most = most.max(f64::from(r + s - a.distance(*b)));
-        }
-    }
+    let bounds = discs.iter().map(|d| Bounds2d::around_disc(d.centre.xz(), d.radius));
+    NearPairs::default().visit(bounds, |i, j| {
+        let (a, b) = (&discs[i], &discs[j]);
+        most = most.max(f64::from(a.radius + b.radius - a.centre.distance(b.centre)));
+    });
     most
 }
 

@@ -6,7 +6,7 @@ mod world;
 
 use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures};
 use super::report::SAMPLE_HZ;
-use crate::overlap::{BodyOverlapMeter, PresentCharacter};
+use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
@@ -15,10 +15,9 @@ use throng_motion::error::BuildError;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{AnyCharacterGroup, GroupMotion, Simulation};
-use throng_runtime::skeleton::Skeleton;
 use throng_runtime::sparring::BlowTally;
 use throng_runtime::stops::BODY_RADIUS_M;
-use throng_runtime::{Joint, NUM_JOINTS, PosedBody};
+use throng_runtime::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -44,9 +43,9 @@ pub struct SceneWatch {
     paths: PathMeter,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
-    overlaps: BodyOverlapMeter,
+    overlaps: OverlapMeter,
     present: Vec<PresentCharacter>,
-    skeletons: Vec<Option<Skeleton>>,
+    volumes: Vec<Option<BodyVolume>>,
 }
 
 impl SceneWatch {
@@ -61,12 +60,12 @@ impl SceneWatch {
             paths: PathMeter::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
-            overlaps: BodyOverlapMeter::default(),
+            overlaps: OverlapMeter::default(),
             present: Vec::new(),
-            skeletons: sim
+            volumes: sim
                 .groups()
                 .iter()
-                .map(|g| Some(sim.compiled().find_bundle(g.number)?.skeleton().clone()))
+                .map(|g| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton())))
                 .collect(),
         };
         for c in (0..sim.character_groups().len())
@@ -138,15 +137,15 @@ impl SceneWatch {
             for who in g.characters.clone() {
                 let Some(root) = sim.root(who) else { continue };
                 let (character_group, member) = sim.locate(who);
-                let mut one = match (sim.pose(who), &self.skeletons[g.number]) {
-                    (Some(pose), Some(skeleton)) if !is_agents(character_group) => {
-                        PresentCharacter::with_body(who, &PosedBody { root, model: pose }, skeleton)
+                let mut one = match (sim.pose(who), &self.volumes[g.number]) {
+                    (Some(pose), Some(volume)) if !is_agents(character_group) => {
+                        PresentCharacter::with_body(who, &PosedBody { root, model: pose }, volume)
                     }
                     _ => PresentCharacter {
                         number: who,
                         place: Vec2::new(root.x, root.z),
                         radius_m: BODY_RADIUS_M,
-                        trunk: None,
+                        core: None,
                     },
                 };
                 match character_group {
@@ -167,7 +166,7 @@ impl SceneWatch {
             }
             _ => false,
         };
-        self.overlaps.observe_except(&self.present, are_opponents);
+        self.overlaps.observe_bodies(&self.present, are_opponents);
     }
 
     /// Faults that were observed: time (s), character, description.
@@ -204,7 +203,7 @@ impl SceneWatch {
             world: (!self.worlds.is_empty()).then(|| WorldWatch::figures(&self.worlds, sim, seconds)),
             paths: number(&|_, c| matches!(c, AnyCharacterGroup::Paths(_))).map(|_| self.paths.figures()),
             character_overlaps: characters.map(|_| self.overlaps.pairs()),
-            deepest_overlap_m: characters.map(|_| f64::from(self.overlaps.deepest_m())),
+            deepest_overlap_m: characters.map(|_| self.overlaps.deepest_m),
             foot_slip_mean_mps: has_feet.then(|| self.feet.mean_mps()),
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
             ..SceneFigures::default()

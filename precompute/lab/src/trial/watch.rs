@@ -1,13 +1,13 @@
 //! Observes a trial after every step, and computes its report.
 
 use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport};
-use crate::overlap::{BodyOverlapMeter, PresentCharacter};
+use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use throng_base::thresholds::TRIAL_STANDING_MPS;
 use throng_runtime::characters::{Characters, PolicyCharacters};
-use throng_runtime::{Bundle, CharacterGroup, Planar, PosedBody};
+use throng_runtime::{BodyVolume, Bundle, CharacterGroup, Planar, PosedBody};
 
 /// Largest movement over [`STILL_S`] that counts as standing still (m).
 const STILL_M: f32 = 0.15;
@@ -63,7 +63,7 @@ pub(super) struct TrialWatch<'a> {
     starts: Vec<Planar>,
     /// Number of choices of each character, and the time of the last one (s).
     choices: Vec<(u32, f32)>,
-    overlaps: BodyOverlapMeter,
+    overlaps: OverlapMeter,
     present: Vec<PresentCharacter>,
     /// Roots at the last step.
     before: Vec<Planar>,
@@ -94,7 +94,7 @@ impl<'a> TrialWatch<'a> {
             before: starts.clone(),
             starts,
             choices,
-            overlaps: BodyOverlapMeter::default(),
+            overlaps: OverlapMeter::default(),
             present: Vec::with_capacity(n),
             on_the_way: [0; 2],
             longest_wait_s: 0.0,
@@ -107,15 +107,12 @@ impl<'a> TrialWatch<'a> {
     pub(super) fn observe(&mut self, group: &PolicyCharacters, config: &TrialConfig, step: usize, dt: f32) {
         let (characters, bodies) = (group.characters(), group.bodies());
         self.present.clear();
+        let volume = BodyVolume::new(self.tables.skeleton());
         let one = |c: usize| {
-            PresentCharacter::with_body(
-                c,
-                &PosedBody { root: bodies.roots[c], model: &bodies.model[c] },
-                self.tables.skeleton(),
-            )
+            PresentCharacter::with_body(c, &PosedBody { root: bodies.roots[c], model: &bodies.model[c] }, &volume)
         };
         self.present.extend((0..config.characters).map(one));
-        self.overlaps.observe(&self.present);
+        self.overlaps.observe_bodies(&self.present, |_, _| false);
         let time_s = step as f32 * dt;
         if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
             self.extend_trails(characters, config, step, time_s, dt);
@@ -231,7 +228,7 @@ impl<'a> TrialWatch<'a> {
             mean_arrival_s: (!arrived.is_empty()).then(|| arrived.iter().sum::<f64>() / arrived.len() as f64),
             mean_final_distance_m: (0..n).map(left).sum::<f64>() / n as f64,
             character_overlaps: self.overlaps.pairs(),
-            deepest_overlap_m: f64::from(self.overlaps.deepest_m()),
+            deepest_overlap_m: self.overlaps.deepest_m,
             stopped_share: self.on_the_way[1] as f64 / self.on_the_way[0].max(1) as f64,
             foot_slip_mean_mps: self.slip.mean_mps(),
             foot_slip_p95_mps: self.slip.p95_mps(),

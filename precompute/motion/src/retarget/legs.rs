@@ -7,6 +7,7 @@ use super::body::RolePose;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_geometry::two_bone_offsets;
 
 /// Thigh, shin, foot and toe of both sides.
 const LEGS: [[Joint; 4]; 2] = {
@@ -80,8 +81,8 @@ impl<'a> LegTransfer<'a> {
         let ahead =
             ahead.unwrap_or_else(|| (model[thigh] * Vec3::Z).reject_from_normalized(along).normalize_or(Vec3::Z));
         let ahead = Quat::from_rotation_arc(along, to) * ahead;
-        let forth = (a * a - b * b + distance * distance) / (2.0 * distance);
-        let knee = to * forth + ahead * (a * a - forth * forth).max(0.0).sqrt();
+        let [along, across] = two_bone_offsets([a, b], distance, |v| v.max(0.0).sqrt());
+        let knee = to * along + ahead * across;
         let turned = |from: Vec3, to: Vec3, by: Quat| match (from.try_normalize(), to.try_normalize()) {
             (Some(from), Some(to)) => maths::compose(Quat::from_rotation_arc(from, to), by).normalize(),
             _ => by,

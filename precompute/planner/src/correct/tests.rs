@@ -118,7 +118,7 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
             others: &[],
             allowed: &allowed,
             penetration_m: 1e-3,
-            self_press_m: 0.02,
+            self_press_m: crate::setup::SELF_PRESS_M,
         };
         let found = recheck.run();
         assert_eq!(found.violations, []);

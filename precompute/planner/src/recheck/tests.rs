@@ -67,7 +67,7 @@ fn check<'a>(
         others: &[],
         allowed: &[],
         penetration_m: 1e-3,
-        self_press_m: 0.02,
+        self_press_m: crate::setup::SELF_PRESS_M,
     }
 }
 

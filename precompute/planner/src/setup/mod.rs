@@ -8,4 +8,4 @@ pub(crate) mod tests;
 
 pub use crate::problem::UprightConstraint;
 pub use error::ProblemError;
-pub use spec::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, Tether};
+pub use spec::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, SELF_PRESS_M, Tether};

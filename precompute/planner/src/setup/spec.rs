@@ -6,8 +6,12 @@ use crate::limits::BodyLimits;
 use crate::linkage::Linkage;
 use crate::problem::{LimbState, MovingSolid, UprightConstraint};
 use glam::DVec3;
+use throng_base::thresholds::FLESH_GIVES_M;
 use throng_core::{Joint, Skeleton};
 use throng_geometry::Segment;
+
+/// Depth to which parts of the own body press into each other where clothes give, and the flesh of one of them (m). Chosen.
+pub const SELF_PRESS_M: f64 = 0.02 + FLESH_GIVES_M as f64;
 
 /// Another character.
 #[derive(Clone, Copy, Debug)]
@@ -84,7 +88,8 @@ pub struct ProblemSpec<'a> {
     pub upright: Option<UprightConstraint>,
     /// Least distance from solids and other characters (m, >= 0).
     pub clearance_m: f64,
-    /// Depth to which parts of the own body may press into each other, as flesh does (m, >= 0).
+    /// Depth to which parts of the own body may press into each other, as flesh does; [`SELF_PRESS_M`] unless told otherwise
+    /// (m, >= 0).
     pub self_press_m: f64,
     /// True widens limits until both ends are within them: performers bend farther than books say.
     pub admit_ends: bool,
@@ -117,7 +122,7 @@ impl<'a> ProblemSpec<'a> {
             tether: None,
             upright: None,
             clearance_m: 0.005,
-            self_press_m: 0.02,
+            self_press_m: SELF_PRESS_M,
             admit_ends: false,
             admit_driven: false,
         }

@@ -8,7 +8,7 @@ use crate::limits::JointLimits;
 use crate::linkage::Linkage;
 use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, RecheckViolation, limit_excess, place_at};
 use crate::rotation::{Rigid, angle_between};
-use crate::setup::AllowedContact;
+use crate::setup::{AllowedContact, SELF_PRESS_M};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use throng_base::maths;
@@ -124,7 +124,7 @@ fn recheck_piece(
         others: &others,
         allowed: &around.allowed,
         penetration_m: PENETRATION_M,
-        self_press_m: 0.02,
+        self_press_m: SELF_PRESS_M,
     };
     recheck.check_span(report);
 }

@@ -4,6 +4,7 @@ use super::hierarchy::ModelPose;
 use super::lane_body::{LEGS, LaneBody};
 use crate::skeleton::Joint;
 use throng_base::simd::{Lanes, Q, V};
+use throng_geometry::two_bone_offsets;
 
 /// Share of the leg's length past which a corrected leg is not stretched, so that the knee stays soft.
 const SOFT_REACH: f32 = 0.995;
@@ -16,11 +17,10 @@ pub(crate) const NO_CORRECTION: f32 = 1e-10;
 /// - `lengths`: of the upper and the lower part (m).
 /// - `pole`: direction of the knee; its component along the leg has no effect.
 #[inline(always)]
-pub(crate) fn bent_middle<F: Lanes>(start: V<F>, direction: V<F>, d: F, [l1, l2]: [F; 2], pole: V<F>) -> V<F> {
+pub(crate) fn bent_middle<F: Lanes>(start: V<F>, direction: V<F>, d: F, lengths: [F; 2], pole: V<F>) -> V<F> {
     let pole = pole - direction * pole.dot(direction);
     let pole = pole * (F::splat(1.0) / pole.length().max(F::splat(1e-6)));
-    let along = (l1 * l1 - l2 * l2 + d * d) / (d + d);
-    let across = (l1 * l1 - along * along).max(F::splat(0.0)).sqrt();
+    let [along, across] = two_bone_offsets(lengths, d, |v| v.max(F::splat(0.0)).sqrt());
     start + direction * along + pole * across
 }
 

@@ -4,6 +4,7 @@ use super::config::check_within;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::maths;
+use throng_core::BodyVolume;
 use throng_core::planar::Planar;
 use throng_core::body::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
@@ -26,8 +27,8 @@ pub enum StruckPart {
     Leg,
 }
 
-/// Radii of the capsules of the default skeleton; those of other bodies are scaled by their height
-/// (m, 0.001 to 1).
+/// Radii of the capsules of the default skeleton; those of other bodies are scaled by the length of
+/// their legs (m, 0.001 to 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct BodyShape {
@@ -45,17 +46,18 @@ pub struct BodyShape {
 
 impl Default for BodyShape {
     fn default() -> Self {
+        let radius_m = BodyVolume::radius_m;
         Self {
-            head_m: 0.1,
-            neck_m: 0.06,
-            chest_m: 0.12,
-            waist_m: 0.12,
-            pelvis_m: 0.12,
-            upper_arm_m: 0.05,
-            forearm_m: 0.045,
-            hand_m: 0.05,
-            thigh_m: 0.08,
-            shin_m: 0.055,
+            head_m: radius_m(Joint::Head),
+            neck_m: radius_m(Joint::Neck),
+            chest_m: radius_m(Joint::UpperChest),
+            waist_m: radius_m(Joint::Chest),
+            pelvis_m: radius_m(Joint::Hips),
+            upper_arm_m: radius_m(Joint::LeftUpperArm),
+            forearm_m: radius_m(Joint::LeftForearm),
+            hand_m: radius_m(Joint::LeftHand),
+            thigh_m: radius_m(Joint::LeftThigh),
+            shin_m: radius_m(Joint::LeftShin),
         }
     }
 }
@@ -81,115 +83,83 @@ impl BodyShape {
 }
 
 /// Number of capsules of a body.
-pub const NUM_CAPSULES: usize = 15;
-/// Number of core capsules, which come first: head, neck, chest, waist, pelvis.
-pub const NUM_CORE: usize = 5;
+pub const NUM_CAPSULES: usize = STRUCK.len();
+/// Number of core capsules, which come first: [`BodyVolume::CORE`].
+pub const NUM_CORE: usize = BodyVolume::CORE.len();
 
-/// Numbers of the waist, the left forearm, and the left thigh, which the shin follows.
-const WAIST: usize = 3;
-const FOREARM: usize = 6;
-const THIGH: usize = 11;
-
-/// Capsule that is attached to joints.
-#[derive(Clone, Copy, Debug)]
-struct JointCapsule {
-    part: StruckPart,
-    /// Joint that is pushed by a blow.
-    joint: Joint,
-    /// Ends of the axis, each in the frame of a joint (m).
-    ends: [(Joint, Vec3); 2],
-    radius: f32,
-}
+/// Joints whose capsules are struck: the core, arms and legs.
+const STRUCK: [Joint; 16] = {
+    use Joint::*;
+    let [a, b, c, d, e, f] = BodyVolume::CORE;
+    let [g, h, i] = [LeftUpperArm, LeftForearm, LeftHand];
+    let [j, k, l] = [RightUpperArm, RightForearm, RightHand];
+    [a, b, c, d, e, f, g, h, i, j, k, l, LeftThigh, LeftShin, RightThigh, RightShin]
+};
 
 /// Capsules of a skeleton's body.
 #[derive(Clone, Debug)]
 pub struct SparringBody {
-    limbs: [JointCapsule; NUM_CAPSULES],
+    volume: BodyVolume,
     head_centre: Vec3,
 }
 
-/// Height of the top of the head above the ankles, in rest pose (m).
-fn standing_height(skeleton: &Skeleton) -> f32 {
-    let rest = skeleton.rest_positions();
-    rest[Joint::Head.index()].y + skeleton.tips[0].y - rest[Joint::LeftFoot.index()].y
-}
-
 impl SparringBody {
-    /// Fits capsules to a skeleton.
+    /// Volume of a skeleton's body, with the radii of a shape.
     pub fn new(skeleton: &Skeleton, shape: &BodyShape) -> Self {
         use Joint::*;
-        let rest = skeleton.rest_positions();
-        let scale = standing_height(skeleton) / standing_height(&Skeleton::default());
-        let at = |j: Joint, offset: Vec3| (j, offset);
-        let head_centre = throng_core::characters::head_centre(skeleton);
-        // Flat parts are capsules from side to side, shorter than the body is wide by about their radius.
-        let side = |j: Joint, outer: Joint, share: f32| {
-            let x = Vec3::X * ((rest[outer.index()].x - rest[j.index()].x).abs() * share);
-            [(j, x), (j, -x)]
-        };
-        let joint = |j: Joint| at(j, Vec3::ZERO);
-        let limb = |part, joint, ends, radius| JointCapsule { part, joint, ends, radius: radius * scale };
-        let hand = |j: Joint| [joint(j), at(j, throng_core::hits::striking_offset(skeleton, j))];
-        Self {
-            head_centre,
-            limbs: [
-                limb(StruckPart::Head, Head, [at(Head, head_centre * 0.7), at(Head, head_centre * 1.1)], shape.head_m),
-                limb(StruckPart::Neck, Neck, [joint(Neck), joint(Head)], shape.neck_m),
-                limb(StruckPart::Trunk, UpperChest, side(UpperChest, LeftUpperArm, 0.4), shape.chest_m),
-                limb(StruckPart::Trunk, Chest, [joint(Spine), joint(Chest)], shape.waist_m),
-                limb(StruckPart::Pelvis, Hips, side(Hips, LeftThigh, 0.5), shape.pelvis_m),
-                limb(StruckPart::Arm, LeftUpperArm, [joint(LeftUpperArm), joint(LeftForearm)], shape.upper_arm_m),
-                limb(StruckPart::Arm, LeftForearm, [joint(LeftForearm), joint(LeftHand)], shape.forearm_m),
-                limb(StruckPart::Arm, LeftHand, hand(LeftHand), shape.hand_m),
-                limb(StruckPart::Arm, RightUpperArm, [joint(RightUpperArm), joint(RightForearm)], shape.upper_arm_m),
-                limb(StruckPart::Arm, RightForearm, [joint(RightForearm), joint(RightHand)], shape.forearm_m),
-                limb(StruckPart::Arm, RightHand, hand(RightHand), shape.hand_m),
-                limb(StruckPart::Leg, LeftThigh, [joint(LeftThigh), joint(LeftShin)], shape.thigh_m),
-                limb(StruckPart::Leg, LeftShin, [joint(LeftShin), joint(LeftFoot)], shape.shin_m),
-                limb(StruckPart::Leg, RightThigh, [joint(RightThigh), joint(RightShin)], shape.thigh_m),
-                limb(StruckPart::Leg, RightShin, [joint(RightShin), joint(RightFoot)], shape.shin_m),
-            ],
+        let scale = BodyVolume::scale(skeleton);
+        let mut volume = BodyVolume::new(skeleton);
+        for joint in STRUCK {
+            volume.capsules[joint.index()].radius = scale
+                * match joint {
+                    Head => shape.head_m,
+                    Neck => shape.neck_m,
+                    UpperChest => shape.chest_m,
+                    Hips => shape.pelvis_m,
+                    LeftUpperArm | RightUpperArm => shape.upper_arm_m,
+                    LeftForearm | RightForearm => shape.forearm_m,
+                    LeftHand | RightHand => shape.hand_m,
+                    LeftThigh | RightThigh => shape.thigh_m,
+                    LeftShin | RightShin => shape.shin_m,
+                    _ => shape.waist_m,
+                };
         }
+        Self { volume, head_centre: throng_core::characters::head_centre(skeleton) }
     }
 
     /// Body part of a capsule (capsule < NUM_CAPSULES).
     pub fn part_of(&self, capsule: usize) -> StruckPart {
-        self.limbs[capsule].part
+        match capsule {
+            0 => StruckPart::Head,
+            1 => StruckPart::Neck,
+            2..=4 => StruckPart::Trunk,
+            5 => StruckPart::Pelvis,
+            6..=11 => StruckPart::Arm,
+            _ => StruckPart::Leg,
+        }
     }
 
-    /// Joint that is pushed where a capsule is struck (capsule < NUM_CAPSULES).
+    /// Joint that is pushed where a capsule is struck: its own, or the chest for the waist (capsule < NUM_CAPSULES).
     pub fn joint_of(&self, capsule: usize) -> Joint {
-        self.limbs[capsule].joint
+        match STRUCK[capsule] {
+            Joint::Spine => Joint::Chest,
+            joint => joint,
+        }
     }
 
-    /// Radius of a forearm (m).
-    pub(super) fn forearm_radius(&self) -> f32 {
-        self.limbs[FOREARM].radius
-    }
-
-    /// Radii of a thigh and a shin (m).
-    pub(super) fn leg_radii(&self) -> [f32; 2] {
-        [THIGH, THIGH + 1].map(|i| self.limbs[i].radius)
+    /// Radius of a joint's capsule (m).
+    pub(super) fn radius(&self, joint: Joint) -> f32 {
+        self.volume.capsules[joint.index()].radius
     }
 
     /// Capsules of a pose in the world.
     pub fn capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CAPSULES] {
-        std::array::from_fn(|i| self.capsule(i, pose))
+        STRUCK.map(|joint| self.volume.capsules[joint.index()].placed(|j, p| pose.point_in_world(j, p)))
     }
 
-    /// Core capsules of a pose in the world.
+    /// Core capsules of a pose in the world, which stop the limbs of an opponent.
     pub fn core_capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CORE] {
-        std::array::from_fn(|i| self.capsule(i, pose))
-    }
-
-    /// Capsules that stop the limbs of an opponent, in the world: the core, and the whole spine between pelvis and neck.
-    pub(super) fn obstacle_capsules(&self, pose: &WorldPose<'_>) -> [Capsule; NUM_CORE + 1] {
-        let mut all = [self.capsule(WAIST, pose); NUM_CORE + 1];
-        all[..NUM_CORE].copy_from_slice(&self.core_capsules(pose));
-        let [hips, chest, neck] = [Joint::Hips, Joint::Chest, Joint::Neck].map(|j| pose.point_in_world(j, Vec3::ZERO));
-        all[WAIST].ends = [hips, chest];
-        all[NUM_CORE].ends = [chest, neck];
-        all
+        self.volume.place_core(|joint, p| pose.point_in_world(joint, p))
     }
 
     /// Middle of the head in the world (m).
@@ -200,11 +170,6 @@ impl SparringBody {
     /// The middle of the head in the head joint's own frame (m).
     pub fn head_centre(&self) -> Vec3 {
         self.head_centre
-    }
-
-    fn capsule(&self, i: usize, pose: &WorldPose<'_>) -> Capsule {
-        let limb = &self.limbs[i];
-        Capsule { ends: limb.ends.map(|(joint, offset)| pose.point_in_world(joint, offset)), radius: limb.radius }
     }
 }
 

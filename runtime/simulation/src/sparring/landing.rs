@@ -3,6 +3,7 @@
 use super::body::{NUM_CAPSULES, SparringBody, StruckPart, WorldPose};
 use super::config::SparringConfig;
 use throng_base::Id;
+use throng_base::thresholds::FIST_REACH_M;
 use throng_core::characters::Blow;
 use throng_core::skeleton::Joint;
 use throng_geometry::nearest_points;
@@ -51,7 +52,7 @@ pub(crate) fn find_struck_capsule(
             (i, capsules[i].radius + reach_m - p.distance(q))
         }
     };
-    let arms = (0..NUM_CAPSULES).filter(|&i| body.part_of(i) == StruckPart::Arm).map(on_way(config.body.hand_m));
+    let arms = (0..NUM_CAPSULES).filter(|&i| body.part_of(i) == StruckPart::Arm).map(on_way(FIST_REACH_M));
     if let Some(arm) = arms.fold(None, deepest) {
         return Some(arm);
     }

@@ -3,8 +3,7 @@
 
 use glam::{Quat, Vec3};
 use throng_base::maths;
-use throng_geometry::Capsule;
-use throng_geometry::nearest_points;
+use throng_geometry::{Capsule, nearest_points, two_bone_offsets};
 
 /// Overlap below which a limb counts as free (m).
 const ENOUGH_M: f32 = 1e-3;
@@ -218,8 +217,7 @@ pub(super) fn solve_two_bones(
     let pole = across(elbow - shoulder);
     let soft = (SOFT_ELBOW_M * soft - pole.length()).max(0.0);
     let pole = (pole + across(out).normalize_or_zero() * soft).normalize_or_zero();
-    let along = (l1 * l1 - l2 * l2 + d * d) / (2.0 * d);
-    let across = (l1 * l1 - along * along).max(0.0).sqrt();
+    let [along, across] = two_bone_offsets(shape.lengths, d, |v| v.max(0.0).sqrt());
     [shoulder + direction * along + pole * across, shoulder + direction * d]
 }
 /// Ball around a capsule.

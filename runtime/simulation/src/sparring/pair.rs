@@ -5,8 +5,8 @@ use super::config::SeparationConfig;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
+use throng_core::BodyVolume;
 use throng_core::contacts::Contacts;
-use throng_geometry::overlap_depth;
 
 /// Time constant of the speed of separation (s).
 const ADAPT_S: f32 = 0.15;
@@ -95,15 +95,5 @@ fn core_overlap(body: &SparringBody, [a, b]: [&WorldPose<'_>; 2], margin_m: f32)
     if hips(a).distance_squared(hips(b)) > 4.0 * REACH * REACH {
         return -margin_m;
     }
-    let (a, b) = (body.core_capsules(a), body.core_capsules(b));
-    let mut deepest = -margin_m;
-    for p in &a {
-        for q in &b {
-            // Spheres around the capsules first: most pairs are far apart.
-            if p.bounding_gap(q) < -deepest {
-                deepest = deepest.max(overlap_depth(p, q));
-            }
-        }
-    }
-    deepest
+    BodyVolume::overlap_depth(&body.core_capsules(a), &body.core_capsules(b), -margin_m)
 }

@@ -144,11 +144,12 @@ pub(crate) struct LimbTouch {
 /// Shapes of a skeleton's limbs, in the order of [`LIMBS`].
 pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &SparringBody) -> [LimbShape; NUM_LIMBS] {
     std::array::from_fn(|l| {
-        let [_, middle, end] = LIMBS[l];
+        let [root, middle, end] = LIMBS[l];
         let lengths = [middle, end].map(|j| skeleton.offsets[j.index()].length().max(LEAST_M));
         let is_leg = l >= LEGS;
         // An upper arm is tested with the radius of a forearm.
-        let [upper_radius, radius] = if is_leg { body.leg_radii() } else { [body.forearm_radius(); 2] };
+        let upper = if is_leg { root } else { middle };
+        let [upper_radius, radius] = [upper, middle].map(|joint| body.radius(joint));
         let fist_m = if is_leg { 0.0 } else { throng_core::hits::striking_offset(skeleton, end).length() };
         LimbShape { lengths, hand_m: (fist_m - radius).max(0.0), radius, upper_radius }
     })
@@ -199,7 +200,7 @@ impl LimbTouch {
         let hips = poses.each_ref().map(|p| p.point_in_world(Joint::Hips, Vec3::ZERO));
         let is_near = hips[0].distance_squared(hips[1]) < 4.0 * REACH_M * REACH_M;
         let touches = config.enabled && is_near && self.may_touch(shapes, &now, &ways, &hips);
-        let cores = touches.then(|| poses.each_ref().map(|p| body.obstacle_capsules(p)));
+        let cores = touches.then(|| poses.each_ref().map(|p| body.core_capsules(p)));
         if let Some(cores) = &cores {
             let toes = [0, 1].map(|k| TOES.map(|j| poses[k].point_in_world(j, Vec3::ZERO)));
             let fastest = self.limbs.iter().flatten().zip(now.iter().flatten()).zip(ways.iter().flatten());
@@ -413,14 +414,14 @@ fn bend_directions(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
 }
 
 /// Number of obstacles of a limb: the opponent's thighs, for legs alone, upper arms, then the core, for upper arms and thighs too.
-const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE + 1;
+const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE;
 const FOR_ARMS: usize = 2;
 const FOR_UPPER: usize = FOR_ARMS + LEGS;
 
 fn limb_obstacles(
     limbs: &[[Vec3; 3]; NUM_LIMBS],
     shapes: &[LimbShape; NUM_LIMBS],
-    core: &[Capsule; NUM_CORE + 1],
+    core: &[Capsule; NUM_CORE],
 ) -> [Capsule; NUM_OBSTACLES] {
     let upper = |l: usize| Capsule { ends: [limbs[l][0], limbs[l][1]], radius: shapes[l].upper_radius };
     std::array::from_fn(|i| match i {

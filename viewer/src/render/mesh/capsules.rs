@@ -1,10 +1,11 @@
-//! A body of capsules: one around every limb, rigid on the joint at its start.
+//! A body of capsules: those of its [`BodyVolume`], each rigid on its joint, and a visor.
 
 use super::loft::{Loft, Ring, equal_area};
 use super::{BodyMesh, BodySide, Influence, SurfacePart};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
-use throng_runtime::{Joint, Skeleton};
+use throng_runtime::geometry::Capsule;
+use throng_runtime::{BodyVolume, Joint, JointCapsule, Skeleton};
 
 /// Levels of detail that are made of capsules.
 pub(super) const LEVELS: usize = 3;
@@ -27,10 +28,8 @@ const DETAIL: [CapsuleDetail; LEVELS] = [
 /// The body at one level of detail.
 pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
     let mut mesh = BodyMesh::default();
-    let scale = skeleton.leg_length() / Skeleton::default().leg_length();
-    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028) {
-        let side = BodySide::of_joint(limb.joint);
-        capsule(&limb, limb.radius * scale, side, DETAIL[level], &mut mesh);
+    for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028 * BodyVolume::scale(skeleton)) {
+        add_capsule(&limb, BodySide::of_joint(limb.joint), DETAIL[level], &mut mesh);
     }
     mesh
 }
@@ -46,65 +45,37 @@ struct LimbCapsule {
 
 fn limbs(skeleton: &Skeleton) -> Vec<LimbCapsule> {
     let rest = skeleton.rest_positions();
-    let mut limbs: Vec<LimbCapsule> = Vec::with_capacity(26);
-    for joint in Joint::ALL {
-        if let Some(parent) = joint.parent() {
-            let (radius, part) = limb_style(joint);
-            limbs.push(LimbCapsule {
-                joint: parent,
-                from: rest[parent.index()],
-                to: rest[joint.index()],
-                radius,
-                part,
-            });
-        }
-    }
-    for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
-        let from = rest[joint.index()];
-        let (radius, part) = if i == 0 { (0.085, SurfacePart::Skin) } else { (0.02, SurfacePart::Shoe) };
-        let to = from + skeleton.tips[i] * if i == 0 { 0.58 } else { 1.0 };
-        limbs.push(LimbCapsule { joint, from, to, radius, part });
-    }
+    let one = |c: JointCapsule| {
+        let Capsule { ends: [from, to], radius } = c.placed(|joint, p| rest[joint.index()] + p);
+        LimbCapsule { joint: c.joint, from, to, radius, part: surface_part(c.joint) }
+    };
+    let mut limbs: Vec<LimbCapsule> = BodyVolume::new(skeleton).capsules.map(one).into();
     // The face.
     let top = skeleton.tips[0].length().clamp(0.05, 0.6);
-    let eye = |x: f32| rest[Joint::Head.index()] + Vec3::new(x * top, 0.42 * top, 0.36 * top);
+    let eye = |x: f32| rest[Joint::Head.index()] + Vec3::new(x * top, 0.42 * top, 0.42 * top);
     limbs.push(LimbCapsule {
         joint: Joint::Head,
         from: eye(0.18),
         to: eye(-0.18),
-        radius: 0.029,
+        radius: 0.029 * BodyVolume::scale(skeleton),
         part: SurfacePart::Visor,
     });
-    for side in BodySide::BOTH {
-        let joint = side.joint_on_side(Joint::LeftHand);
-        let fore = skeleton.offsets[joint.index()];
-        let from = rest[joint.index()];
-        limbs.push(LimbCapsule { joint, from, to: from + fore * 0.45, radius: 0.028, part: SurfacePart::Skin });
-    }
     limbs
 }
 
-/// Radius and part of the limb that ends in a joint (m).
-fn limb_style(joint: Joint) -> (f32, SurfacePart) {
+/// Part of the surface that a joint's capsule is.
+fn surface_part(joint: Joint) -> SurfacePart {
     use Joint::*;
     match joint {
-        Hips | Spine => (0.1, SurfacePart::Trousers),
-        Chest => (0.1, SurfacePart::Shirt),
-        UpperChest => (0.105, SurfacePart::Shirt),
-        Neck => (0.07, SurfacePart::Shirt),
-        Head => (0.045, SurfacePart::Skin),
-        LeftClavicle | RightClavicle => (0.05, SurfacePart::Shirt),
-        LeftUpperArm | RightUpperArm => (0.05, SurfacePart::Shirt),
-        LeftForearm | RightForearm => (0.045, SurfacePart::Shirt),
-        LeftHand | RightHand => (0.034, SurfacePart::Shirt),
-        LeftThigh | RightThigh => (0.074, SurfacePart::Trousers),
-        LeftShin | RightShin => (0.068, SurfacePart::Trousers),
-        LeftFoot | RightFoot => (0.05, SurfacePart::Trousers),
-        LeftToe | RightToe => (0.03, SurfacePart::Shoe),
+        Neck | Head | LeftHand | RightHand => SurfacePart::Skin,
+        Hips | LeftThigh | RightThigh | LeftShin | RightShin => SurfacePart::Trousers,
+        LeftFoot | RightFoot | LeftToe | RightToe => SurfacePart::Shoe,
+        _ => SurfacePart::Shirt,
     }
 }
 
-fn capsule(limb: &LimbCapsule, radius: f32, side: BodySide, detail: CapsuleDetail, mesh: &mut BodyMesh) {
+fn add_capsule(limb: &LimbCapsule, side: BodySide, detail: CapsuleDetail, mesh: &mut BodyMesh) {
+    let radius = limb.radius;
     let CapsuleDetail { segments, end_rings } = detail;
     // Feet do not sink into the ground.
     let lift = |p: Vec3| if limb.part == SurfacePart::Shoe { p.with_y(p.y.max(radius)) } else { p };

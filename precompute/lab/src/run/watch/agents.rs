@@ -1,7 +1,8 @@
 //! Measures agents: overlaps, progress, flow, lanes.
 
+use crate::overlap::OverlapMeter;
 use crate::run::figures::{AgentFigures, ThingFigures};
-use crate::run::meter::{AgentSample, DiscOverlapMeter, GateMeter, LaneMeter, ProgressMeter};
+use crate::run::meter::{AgentSample, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
 use throng_runtime::Joint;
 use throng_runtime::crowd::{AtEnd, EventCounts, Space};
@@ -110,7 +111,7 @@ impl AgentsMeter {
 pub(in crate::run) struct AgentWatch<V> {
     /// Numbers of the agents in the crowd.
     agents: Vec<usize>,
-    overlaps: DiscOverlapMeter,
+    overlaps: OverlapMeter,
     progress: ProgressMeter<V>,
     gate: Option<GateMeter>,
     lanes: Option<LaneMeter>,
@@ -126,7 +127,7 @@ impl<V: Space> AgentWatch<V> {
     pub fn new(agents: &crowd::SceneAgents<V>, config: &SceneMeasureConfig, numbers: Vec<usize>) -> Self {
         Self {
             agents: numbers,
-            overlaps: DiscOverlapMeter::default(),
+            overlaps: OverlapMeter::default(),
             progress: ProgressMeter::default(),
             gate: config.gate.as_ref().map(GateMeter::new),
             lanes: config.lanes.as_ref().map(LaneMeter::new),
@@ -144,7 +145,7 @@ impl<V: Space> AgentWatch<V> {
         let all = || self.agents.iter().copied();
         self.places.clear();
         self.places.extend(all().filter_map(|m| Some((at(m)?, layout.setup.agents[m].radius))));
-        self.overlaps.observe(&self.places);
+        self.overlaps.observe_discs(&self.places);
         let (walls, doors) = layout.walls_and_doors();
         self.overlaps.observe_solids(&self.places, walls);
         for (_, door) in doors.chunks(1).enumerate().filter(|(d, _)| !agents.is_open(*d)) {
@@ -176,7 +177,7 @@ impl<V: Space> AgentWatch<V> {
         AgentsSummary {
             present: self.places.len(),
             overlaps: self.overlaps.over_1mm - before,
-            deepest_m: self.overlaps.max_m,
+            deepest_m: self.overlaps.deepest_m,
             progress_mps: self.progress.progress_mps(),
             arrived: self.progress.arrived(),
             stuck: self.progress.stuck(),
@@ -210,7 +211,7 @@ impl<V: Space> AgentWatch<V> {
             decisions_per_agent_second: a_second(counts.decisions),
             overlap_over_1mm_fraction: self.overlaps.over_1mm as f64 / frames,
             overlap_over_1cm_fraction: self.overlaps.over_1cm as f64 / frames,
-            max_overlap_m: self.overlaps.max_m,
+            max_overlap_m: self.overlaps.deepest_m,
             progress_mps: self.progress.progress_mps(),
             progress_by_10s_mps: self.progress.progress_by_10s_mps(),
             stuck_at_end: self.progress.stuck_at(agents.crowd().time_s()),

@@ -25,7 +25,7 @@ fn blows_meet_the_part_they_come_to() {
     for (point, part, joint) in [
         (face, StruckPart::Head, Joint::Head),
         (at(Joint::Head) + Vec3::new(0.13, 0.1, 0.0), StruckPart::Head, Joint::Head),
-        (at(Joint::UpperChest) + Vec3::Z * 0.15, StruckPart::Trunk, Joint::UpperChest),
+        (at(Joint::UpperChest) + Vec3::new(0.0, 0.05, 0.15), StruckPart::Trunk, Joint::UpperChest),
         (at(Joint::Spine) + Vec3::Z * 0.15, StruckPart::Trunk, Joint::Chest),
         (at(Joint::Hips) + Vec3::new(0.05, -0.03, 0.15), StruckPart::Pelvis, Joint::Hips),
         (at(Joint::LeftForearm) + Vec3::new(0.1, 0.0, 0.05), StruckPart::Arm, Joint::LeftForearm),
@@ -75,7 +75,7 @@ fn capsules_follow_the_joints_of_a_turned_pose() {
     pose[Joint::LeftHand.index()] = Mat3x4::from_rotation_translation(turn, at);
     let root = Planar::new(-2.0, 0.7, 1.9);
     let body = SparringBody::new(&skeleton, &BodyShape::default());
-    let fist = body.capsules(&WorldPose::new(&pose, root))[7];
+    let fist = body.capsules(&WorldPose::new(&pose, root))[8];
     let world = |p: Vec3| root.rotation() * p + root.translation();
     assert!(fist.ends[0].distance(world(at)) < 1e-5);
     assert!(fist.ends[1].distance(world(at + turn * striking_offset(&skeleton, Joint::LeftHand))) < 1e-5);

@@ -65,13 +65,13 @@ fn step_on(
 fn depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
     let (body, _) = shapes();
     let [own, other] = [0, 1].map(|k| WorldPose::new(&poses[k], roots[k]));
-    let obstacles = body.obstacle_capsules(&other);
+    let obstacles = body.core_capsules(&other);
     let forearms = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
     let mut deepest = f32::NEG_INFINITY;
     for ends in forearms.map(|f| f.map(|j| own.point_in_world(j, Vec3::ZERO))) {
         for o in &obstacles {
             let [p, q] = nearest_points(ends, o.ends);
-            deepest = deepest.max(o.radius + body.forearm_radius() - config().touch.give_m - p.distance(q));
+            deepest = deepest.max(o.radius + body.radius(Joint::LeftForearm) - config().touch.give_m - p.distance(q));
         }
     }
     deepest
@@ -102,9 +102,9 @@ fn leg_depth(poses: &[[Mat3x4; NUM_JOINTS]; 2], roots: [Planar; 2]) -> f32 {
     let [own, other] = [0, 1].map(|k| WorldPose::new(&poses[k], roots[k]));
     let mut deepest = f32::NEG_INFINITY;
     for bone in [[LEG[1], LEG[2]], [LEG[2], Joint::LeftToe]] {
-        for o in &body.obstacle_capsules(&other) {
+        for o in &body.core_capsules(&other) {
             let [p, q] = nearest_points(bone.map(|j| own.point_in_world(j, Vec3::ZERO)), o.ends);
-            deepest = deepest.max(o.radius + body.leg_radii()[1] - config().touch.give_m - p.distance(q));
+            deepest = deepest.max(o.radius + body.radius(Joint::LeftShin) - config().touch.give_m - p.distance(q));
         }
     }
     deepest
