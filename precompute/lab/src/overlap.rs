@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3};
 use std::collections::{HashMap, HashSet};
+use throng_core::skeleton::Skeleton;
+use throng_core::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
+use throng_core::{Joint, Planar, PosedBody};
 use throng_geometry::segment_distance;
-use throng_runtime::skeleton::Skeleton;
-use throng_runtime::stops::{BODY_RADIUS_M, HEAD_RADIUS_M, TRUNK_RADIUS_M};
-use throng_runtime::{Joint, Planar, PosedBody};
 
 /// Side of a cell of the neighbour grid, which no character exceeds (m).
 const CELL_M: f32 = 2.0;

@@ -2,8 +2,8 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
-use throng_runtime::geometry::nearest_on_segment;
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_geometry::nearest_on_segment;
 
 /// Nearest intersection of a ray with a character.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -137,7 +137,7 @@ mod tests {
     use glam::Quat;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
-    use throng_runtime::Planar;
+    use throng_core::Planar;
 
     fn rest_pose(skeleton: &Skeleton) -> [Mat3x4; NUM_JOINTS] {
         skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p))

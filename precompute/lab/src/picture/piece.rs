@@ -5,8 +5,8 @@ use super::colour::Colour;
 use super::solid::{RoundCone, SurfaceHit};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, UnitGeometry};
+use throng_core::patch::Placement;
 use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
-use throng_runtime::patch::Placement;
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
 const EDGE: f32 = 1e-5;

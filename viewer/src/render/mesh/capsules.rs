@@ -4,7 +4,7 @@ use super::loft::{Loft, Ring, equal_area};
 use super::{BodyMesh, BodySide, Influence, SurfacePart};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
-use throng_runtime::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton};
 
 /// Levels of detail that are made of capsules.
 pub(super) const LEVELS: usize = 3;

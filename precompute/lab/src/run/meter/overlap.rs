@@ -1,7 +1,7 @@
 //! Measures overlaps of agents.
 
+use throng_crowd::{Obstacle, Space};
 use throng_geometry::distance_to_segment;
-use throng_runtime::crowd::{Obstacle, Space};
 
 /// Overlaps of pairs, counted over frames.
 #[derive(Clone, Debug, Default)]
