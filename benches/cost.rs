@@ -12,17 +12,17 @@
 use glam::{Vec2, Vec3};
 use std::error::Error;
 use std::path::Path;
+use throng_core::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Inline, Planar};
+use throng_crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, PolicyOrder, Spawn};
-use throng_runtime::crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup};
-use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
-use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::sparring::{Sparring, SparringConfig};
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
+use throng_simulation::sparring::{Sparring, SparringConfig};
+use throng_simulation::{Scene, Simulation};
 
 /// Configs of the bundles: names of files, and what is baked into them.
 const BUNDLES: [(&str, &str); 3] = [

@@ -13,13 +13,13 @@ use std::f64::consts::TAU;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use throng_core::{Joint, NUM_JOINTS};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::retarget::{RetargetConfig, retarget_clips};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{Clip, ClipSet, Warnings, export, import, memory, mirror, pipeline};
-use throng_runtime::{Joint, NUM_JOINTS};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -83,7 +83,7 @@ fn synthetic(most_minutes: f64) -> Result<ClipSet, Failure> {
     }
     let longest = of_sets.iter().map(Vec::len).max().unwrap_or(0);
     let clips = (0..longest).flat_map(|k| of_sets.iter().filter_map(move |set| set.get(k).cloned())).collect();
-    Ok(ClipSet { skeleton: throng_runtime::Skeleton::default(), clips })
+    Ok(ClipSet { skeleton: throng_core::Skeleton::default(), clips })
 }
 
 /// The clips of files and folders, on the database skeleton.

@@ -5,8 +5,8 @@
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
-use throng_runtime::Bundle;
-use throng_runtime::format::{ALIGN, FileHeader, SectionEntry, SectionTag, crc32};
+use throng_core::Bundle;
+use throng_core::format::{ALIGN, FileHeader, SectionEntry, SectionTag, crc32};
 
 /// Methods to open a file.
 const OPEN_METHODS: [&str; 4] = ["open", "map", "open_unverified", "map_unverified"];
@@ -82,7 +82,7 @@ fn memory() -> [f64; 2] {
 /// The golden tables with an additional section that is not read: a file of about `size` bytes.
 fn padded(size: usize) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join(format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION));
+        .join(format!("data/golden/tables_v{}.throng", throng_core::format::VERSION));
     let golden = std::fs::read(path)?;
     let head = size_of::<FileHeader>();
     let mut header: FileHeader = bytemuck::pod_read_unaligned(&golden[..head]);

@@ -7,15 +7,15 @@
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
+use throng_core::characters::{
+    ActionChoice, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, ReactionConfig, Spawn,
+};
+use throng_core::{Bundle, CharacterGroup, Inline, Planar};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_precompute::progress::Silent;
-use throng_runtime::characters::{
-    ActionChoice, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, ReactionConfig, Spawn,
-};
-use throng_runtime::sparring::{Sparring, SparringConfig};
-use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
+use throng_simulation::sparring::{Sparring, SparringConfig};
 
 /// Config of the bundle: the two behaviours of Lee and Lee (2004) on grids of their size, and evasion.
 const CONFIG: &str = r#"

@@ -7,8 +7,7 @@
 
 use glam::Vec3;
 use std::path::Path;
-use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
+use throng_runtime::world::{InhabitantGoal, Inhabitants, InhabitantsConfig, World, scatter_rest_nodes};
 use throng_runtime::{Bundle, CharacterGroup, Error, Inline, Planar};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,17 +1,17 @@
 //! Arguments that several subcommands share.
 
 use std::path::{Path, PathBuf};
+use throng_core::Bundle;
+use throng_core::base::limits;
+use throng_core::characters::ActionChoice;
+use throng_crowd::Scheme;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::import;
 use throng_precompute::trial::TrialConfig;
-use throng_runtime::Bundle;
-use throng_runtime::base::limits;
-use throng_runtime::characters::ActionChoice;
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::Scene;
-use throng_runtime::simulation::scene::engine;
+use throng_simulation::Scene;
+use throng_simulation::scene::engine;
 
 /// Text that is printed if no command is given.
 pub const FIRST_STEPS: &str = "\
@@ -44,7 +44,7 @@ pub fn is_bundle(file: &Path) -> bool {
 /// Opens a bundle; messages name the file.
 pub fn open_bundle(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
     Bundle::open(path).map_err(|e| match e {
-        throng_runtime::FormatError::Io { .. } => e.to_string().into(),
+        throng_core::FormatError::Io { .. } => e.to_string().into(),
         e => format!("{}: {e}", path.display()).into(),
     })
 }

@@ -7,7 +7,7 @@ use crate::{keys, output};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
-use throng_runtime::simulation::{Scene, Simulation};
+use throng_simulation::{Scene, Simulation};
 
 /// Check a scene: every name, number, rule and state, and actions that its bundles have no motion for. Or check a task of
 /// `throng plan`: which targets limbs reach, how long joints need at least, where clips collide, which meshes have holes.

@@ -6,9 +6,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::PathBuf;
+use throng_core::base::limits;
 use throng_precompute::run::RunRecording;
-use throng_runtime::base::limits;
-use throng_runtime::simulation::scenario::{AgentBrains, Explanation, KnownEvent};
+use throng_simulation::scenario::{AgentBrains, Explanation, KnownEvent};
 
 /// Replay a run that `throng run SCENE --record FILE` has recorded, and explain what an agent did, why, and from whom it
 /// learnt of events.

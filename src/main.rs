@@ -34,7 +34,7 @@ mod view;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
-use throng_runtime::base::limit_threads;
+use throng_core::base::limit_threads;
 
 /// Bakes motion capture into tables, and drives thousands of characters by looking things up.
 #[derive(Parser)]

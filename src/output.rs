@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::io::Write;
-use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
+use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
 
 /// Prints one JSON object on standard output, without control characters for a terminal.
 pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {

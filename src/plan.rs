@@ -5,10 +5,10 @@ mod strip;
 use crate::args::{CacheArgs, CommandResult, ReadArgs, fail};
 use crate::{keys, output};
 use std::path::PathBuf;
+use throng_core::base::limits;
 use throng_planner::task::{RunOptions, Task};
 use throng_precompute::files;
 use throng_precompute::plans::{self, PlanReport};
-use throng_runtime::base::limits;
 
 /// Change a clip so that limbs perform a task: avoid obstacles, reach for things, take, carry and drop them, in time with
 /// everything that moves.

@@ -8,6 +8,8 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use throng_core::Bundle;
+use throng_core::base::limits;
 use throng_precompute::error::BuildError;
 use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
@@ -15,9 +17,7 @@ use throng_precompute::picture;
 use throng_precompute::run::{self, BuildContext, SceneReport, SceneRunConfig, TrajectoryPoint};
 use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
 use throng_precompute::verdict::Verdict;
-use throng_runtime::Bundle;
-use throng_runtime::base::limits;
-use throng_runtime::simulation::{CompiledScene, GroupMotion, Scene};
+use throng_simulation::{CompiledScene, GroupMotion, Scene};
 
 /// Run a scene, or characters on a bundle that each chase a target of their own, and measure them.
 #[derive(clap::Args)]

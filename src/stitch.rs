@@ -5,11 +5,11 @@ use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use throng_core::Bundle;
 use throng_precompute::cache::Cache;
 use throng_precompute::run::{self, BuildContext};
 use throng_precompute::stitch::{self, StitchKit, StitchReport, WorldSource};
-use throng_runtime::Bundle;
-use throng_runtime::world::World;
+use throng_world::World;
 
 /// Stitch a world: place the motion patches of a bundle in a target environment and join them.
 #[derive(clap::Args)]

@@ -5,9 +5,9 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_core::base::{Hash128, limits};
 use throng_precompute::import;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_runtime::base::{Hash128, limits};
 
 /// Write synthetic motion as BVH files, with its events as tags in sidecars.
 #[derive(clap::Args)]

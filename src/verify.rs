@@ -50,7 +50,7 @@ pub fn run(args: &Args) -> CommandResult {
         file: args.file.clone(),
         name: tables.meta().name.clone(),
         generator: tables.meta().generator.clone(),
-        version: throng_runtime::format::VERSION,
+        version: throng_core::format::VERSION,
         bundle_bytes: tables.num_bytes(),
         frames: tables.frames().len(),
         clips: tables.clips().len(),

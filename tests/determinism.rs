@@ -3,11 +3,11 @@
 use crate::common;
 use glam::Vec3;
 use std::path::Path;
+use throng_core::characters::{ActionChoice, Characters, CharactersConfig, MotionSet, PolicyOrder};
+use throng_core::{Bundle, CharacterGroup, Inline, Rayon};
 use throng_precompute::cache::{Cache, content_hash};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::characters::{ActionChoice, Characters, CharactersConfig, MotionSet, PolicyOrder};
-use throng_runtime::sparring::Sparring;
-use throng_runtime::{Bundle, CharacterGroup, Inline, Rayon};
+use throng_simulation::sparring::Sparring;
 
 fn on_threads<T: Send>(num_threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(num_threads).build().expect("a thread pool").install(work)

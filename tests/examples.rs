@@ -1,7 +1,7 @@
 //! Promise: the examples do what they say.
 
 use std::path::PathBuf;
-use throng_runtime::world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
+use throng_world::{PathCosts, WorldGraph, made_up_floor as made_up_world};
 
 #[allow(dead_code, reason = "started by the tests, not by its own `main`")]
 #[path = "../examples/agents_with_bodies.rs"]
@@ -43,7 +43,7 @@ const SPACE: &str = "walks";
 
 /// The golden tables of the current version: a policy and a blend space.
 fn golden() -> PathBuf {
-    let name = format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION);
+    let name = format!("data/golden/tables_v{}.throng", throng_core::format::VERSION);
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
@@ -63,7 +63,7 @@ fn bake_writes_a_bundle_that_opens() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("walk.throng");
     bake::run(&out).expect("the example bakes");
-    throng_runtime::Bundle::open(&out).expect("what it baked opens");
+    throng_core::Bundle::open(&out).expect("what it baked opens");
 }
 
 #[test]

@@ -3,11 +3,11 @@
 //! `examples/make_golden.rs` makes those of `data/golden/`. Headers of other versions are forged.
 
 use std::path::PathBuf;
-use throng_runtime::characters::{
+use throng_core::characters::{
     ActionChoice, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
 };
-use throng_runtime::format::{AlignedBytes, FileHeader, FormatError, VERSION};
-use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::format::{AlignedBytes, FileHeader, FormatError, VERSION};
+use throng_core::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 fn golden() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("data/golden/tables_v{VERSION}.throng"))

@@ -4,6 +4,10 @@ use crate::common::mocap::recording;
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::{PI, TAU};
+use throng_core::Bundle;
+use throng_core::base::SingleRank;
+use throng_core::format::{AlignedBytes, Meta};
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_precompute::annotate::{self, AnnotateConfig, Sidecars};
 use throng_precompute::clip::{Exclusion, ExclusionReason, FrameId};
 use throng_precompute::features::{self, Features, FeaturesConfig};
@@ -15,10 +19,6 @@ use throng_precompute::retarget::{self, RetargetConfig};
 use throng_precompute::stops;
 use throng_precompute::write::{self, BundleInputs};
 use throng_precompute::{BuildError, Clip, ClipSet, Warnings};
-use throng_runtime::Bundle;
-use throng_runtime::base::SingleRank;
-use throng_runtime::format::{AlignedBytes, Meta};
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
 const RATE_HZ: f64 = 30.0;
 
@@ -199,7 +199,7 @@ fn displacement_is_the_composition_of_the_frames_of_a_segment() {
         let (clip, first) = clip_of(&clips, s.start);
         let steps = (first..first + s.num_frames as usize).map(|f| {
             let step = clips.clips[clip].planar(f).to_local(clips.clips[clip].planar(f + 1));
-            Planar { heading: throng_runtime::planar::wrap_angle(step.heading), ..step }
+            Planar { heading: throng_core::planar::wrap_angle(step.heading), ..step }
         });
         let whole = steps.fold(Planar::IDENTITY, Planar::compose);
         assert!((whole.x - s.displacement.x).hypot(whole.z - s.displacement.z) < 1e-4);
@@ -319,7 +319,7 @@ fn json_lists_states_and_actions() {
     let baked = BundleInputs {
         clips: &clips,
         graph: &graph,
-        stops: &stops::find_stops(&clips, &graph, &throng_runtime::base::SingleRank).unwrap().0,
+        stops: &stops::find_stops(&clips, &graph, &throng_core::base::SingleRank).unwrap().0,
         policies: &[],
         groups: None,
         patches: None,

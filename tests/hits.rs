@@ -3,12 +3,12 @@
 use crate::common;
 use std::collections::BTreeMap;
 use std::path::Path;
+use throng_core::{Joint, Skeleton};
 use throng_precompute::Warnings;
 use throng_precompute::annotate::HitConfig;
 use throng_precompute::clip::{Clip, ClipSet, HitKind};
 use throng_precompute::import::{ImportConfig, expand, read_clip};
 use throng_precompute::pipeline;
-use throng_runtime::{Joint, Skeleton};
 
 /// A clip as a build with default settings annotates it.
 fn annotated(path: &Path) -> ClipSet {

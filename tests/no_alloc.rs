@@ -12,22 +12,20 @@ use counting::allocations;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
 use std::path::Path;
-use throng_precompute::run::{SceneRunConfig, run};
-use throng_runtime::blend::{BlendedPosture, HeightField, MAX_AXES};
-use throng_runtime::characters::{
+use throng_core::blend::{BlendedPosture, HeightField, MAX_AXES};
+use throng_core::characters::{
     ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
 };
-use throng_runtime::crowd::{
-    Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup, Obstacle, Route, Scheme, Streets,
-};
-use throng_runtime::policy::{self, BestActionJob, LookAheadJob, RankedActions};
-use throng_runtime::simulation::{Pedestrians, Scene, Simulation};
-use throng_runtime::sparring::{PracticeConfig, TargetPractice};
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
-use throng_runtime::world::made_up_floor as made_up;
-use throng_runtime::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar};
+use throng_crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdConfig, CrowdSetup, Obstacle, Route, Scheme, Streets};
+use throng_precompute::run::{SceneRunConfig, run};
+use throng_simulation::sparring::{PracticeConfig, TargetPractice};
+use throng_simulation::{Pedestrians, Scene, Simulation};
+use throng_world::World;
+use throng_world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
+use throng_world::made_up_floor as made_up;
 
 /// Where a target hangs before its boxer (m).
 const HOME: Vec3 = Vec3::new(0.0, 1.5, 0.6);
@@ -197,7 +195,7 @@ goal = { shift = { by = [-8.0, 0.0] } }
 
 #[test]
 fn a_simulation_allocates_nothing() {
-    let golden = format!("data/golden/tables_v{}.throng", throng_runtime::format::VERSION);
+    let golden = format!("data/golden/tables_v{}.throng", throng_core::format::VERSION);
     let golden = std::path::absolute(golden).expect("a path");
     let scene = Scene::parse(&SCENE.replace("GOLDEN", &golden.to_string_lossy()), "scene.toml".as_ref());
     let scene = scene.and_then(|s| s.compile(&common::boxing_tables())).expect("a scene");

@@ -5,6 +5,9 @@ use crate::common::mocap::recording;
 use crate::common::{build, orders, small_config, starts, write_clips};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
+use throng_core::characters::{Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob};
+use throng_core::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
+use throng_core::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 use throng_precompute::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_precompute::cache::Cache;
 use throng_precompute::clip::ClipSet;
@@ -18,9 +21,6 @@ use throng_precompute::retarget::{RetargetConfig, retarget_clips};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig};
 use throng_precompute::{BuildError, Warnings};
-use throng_runtime::characters::{Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob};
-use throng_runtime::policy::{MAX_ACTIONS, PATH_POINTS, PolicyTable};
-use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 /// Frames of the bundle as poses in the world of their clip.
 fn sampled(tables: &Bundle) -> Vec<(Planar, Vec<Mat3x4>)> {
@@ -96,7 +96,7 @@ fn sampled_poses_are_those_of_the_retargeted_clips() {
             let row = tables.frames()[starts[c] as usize + f];
             let (root, wanted) = (Planar::new(row.planar[0], row.planar[1], row.planar[2]), clip.planar(f));
             let apart = wanted.to_local(root);
-            let turned = throng_runtime::planar::wrap_angle(apart.heading);
+            let turned = throng_core::planar::wrap_angle(apart.heading);
             assert!(apart.x.hypot(apart.z) < 1e-4 && turned.abs() < 1e-4, "{} frame {f}: {apart:?}", clip.name);
             assert_eq!(tables.contacts()[starts[c] as usize + f], clip.contacts[f], "{} frame {f}", clip.name);
         }

@@ -2,6 +2,7 @@
 
 use crate::common::mocap::recording;
 use std::path::PathBuf;
+use throng_core::Joint;
 use throng_precompute::Warnings;
 use throng_precompute::annotate::{AnnotateConfig, Sidecars, annotate, contact_sanity};
 use throng_precompute::clip::ExclusionReason;
@@ -9,7 +10,6 @@ use throng_precompute::import::{ImportConfig, ImportedClip, read};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::{ResampleConfig, resample};
 use throng_precompute::retarget::{Proportions, RetargetConfig, retarget_clips, skeleton_of};
-use throng_runtime::Joint;
 
 /// Clips of the recordings, where there are any.
 fn clips(patterns: &[&str]) -> Option<Vec<ImportedClip>> {

@@ -4,10 +4,10 @@ use crate::common;
 use glam::Vec3;
 use std::path::Path;
 use std::sync::LazyLock;
+use throng_core::{Bundle, Joint};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
-use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Bundle, Joint};
+use throng_simulation::{Scene, Simulation};
 
 /// Walking in one manner, and what people do who stand.
 const CONFIG: &str = r#"

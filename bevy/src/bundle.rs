@@ -3,8 +3,8 @@
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, LoadContext};
 use bevy::prelude::*;
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::{Bundle, FormatError};
+use throng_runtime::Bundle;
+use throng_runtime::format::{AlignedBytes, FormatError};
 
 /// A bundle (`*.throng`), as `throng build` writes it.
 #[derive(Asset, TypePath, Clone, Debug)]

@@ -7,7 +7,7 @@ use bevy::asset::AssetLoadFailedEvent;
 use bevy::prelude::*;
 use bevy::tasks::{ComputeTaskPool, TaskPool};
 use throng_runtime::characters::{Detail, PolicyOrder, Spawn};
-use throng_runtime::{CharacterGroup, Planar, base::limits::STEP_S, glam};
+use throng_runtime::{CharacterGroup, Planar, STEP_S, glam};
 
 /// Who is posed, though it has no joints yet: steps move people a little (m).
 const MARGIN_M: f32 = 2.0;

@@ -1,7 +1,7 @@
 //! Steps on Bevy's threads.
 
 use bevy::tasks::ComputeTaskPool;
-use throng_runtime::base::Executor;
+use throng_runtime::Executor;
 
 /// The pool on which systems run.
 pub struct Pool(pub &'static ComputeTaskPool);

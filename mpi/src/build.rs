@@ -7,14 +7,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
+use throng_core::base::text::escape_for_terminal;
+use throng_core::base::{Comm, limits, unexpected_message};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::memory;
 use throng_precompute::parts::RequiredParts;
 use throng_precompute::pipeline;
 use throng_precompute::report::{BuildReport, StageCost};
-use throng_runtime::base::text::escape_for_terminal;
-use throng_runtime::base::{Comm, limits, unexpected_message};
 
 /// Bake the motion of a config into a bundle in several processes.
 ///

@@ -12,8 +12,8 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
-use throng_runtime::base::clock::{process_cpu_s, thread_cpu_s};
-use throng_runtime::base::{Comm, Error, Result, Traffic};
+use throng_core::base::clock::{process_cpu_s, thread_cpu_s};
+use throng_core::base::{Comm, Error, Result, Traffic};
 
 /// Communication between all processes that `mpirun` has started. If one of them ends, MPI ends all.
 pub struct MpiComm {

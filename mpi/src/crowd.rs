@@ -4,9 +4,9 @@ use crate::progress::{ProgressLines, StatusBoard};
 use crate::{MpiResult, print_json};
 use std::path::Path;
 use std::sync::Arc;
+use throng_core::base::{Comm, limits};
 use throng_precompute::run::{BUILT_IN_SCENES, SharedFigures, built_in_scene, run_shared};
-use throng_runtime::base::{Comm, limits};
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Move the agents of a scene in several processes, each of which has a region and hands agents over at its borders.
 ///

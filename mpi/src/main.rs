@@ -11,8 +11,8 @@ use progress::{LocalStatusBoard, StatusBoard};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
-use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
-use throng_runtime::base::{Comm, LocalComm, limit_threads, limits};
+use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
+use throng_core::base::{Comm, LocalComm, limit_threads, limits};
 
 /// Moves crowds in several processes: `mpirun -n RANKS throng-mpi ...`.
 ///

@@ -6,8 +6,8 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
-use throng_runtime::base::glam::Vec3;
-use throng_runtime::format::SectionTag;
+use throng_core::format::SectionTag;
+use throng_runtime::glam::Vec3;
 use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
 use throng_runtime::{Bundle, Joint};
 

@@ -6,10 +6,10 @@ use crate::simulation::write_pose;
 use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use throng_runtime::base::glam::{Vec2, Vec3};
-use throng_runtime::base::{Id, Inline};
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
+use throng_runtime::glam::{Vec2, Vec3};
 use throng_runtime::{CharacterGroup, NUM_JOINTS, Planar};
+use throng_runtime::{Id, Inline};
 
 /// Characters that follow one behaviour of a bundle to targets of their own.
 ///

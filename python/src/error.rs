@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use std::fmt::Display;
 use std::path::Path;
 use throng_precompute::error::{BuildError, ImportError};
-use throng_runtime::base::Error;
+use throng_runtime::Error;
 use throng_runtime::format::FormatError;
 
 /// An exception of `throng._errors`.

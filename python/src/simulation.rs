@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadwriteArray2, PyR
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
-use throng_runtime::base::{Executor, Inline, Rayon};
 use throng_runtime::simulation::{CharacterEvent, Scene, Simulation};
+use throng_runtime::{Executor, Inline, Rayon};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
 /// A simulation of a scene, see `throng.Simulation`.
@@ -135,7 +135,7 @@ impl PySimulation {
     /// Groups of the scene: name, motion, number of the first character, number of characters.
     #[getter]
     fn groups<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let group = |g: &throng_runtime::simulation::SceneGroup| {
+        let group = |g: &throng_simulation::SceneGroup| {
             let out = PyDict::new(py);
             out.set_item("name", &g.name)?;
             out.set_item("motion", format!("{:?}", g.motion).to_lowercase())?;

@@ -41,7 +41,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
     for threshold in [0.2, 0.3, 0.45] {
         let config = ClusterConfig { threshold };
         let (begun, worked) = (Instant::now(), processor_seconds());
-        let groups = group(clips, &whole, &config, &Silent, &throng_runtime::base::SingleRank)?;
+        let groups = group(clips, &whole, &config, &Silent, &throng_core::base::SingleRank)?;
         println!(
             "{name}, below {threshold} rad: {} frames in {} groups, widest {:.4} rad, {:.2} s, {:.2} s of processors, \
              peak {:.0} MB",
@@ -54,7 +54,7 @@ fn measure(name: &str, clips: &ClipSet, exact_frames: usize) -> Result<(), Build
         );
         if exact_frames > 0 {
             let begun = Instant::now();
-            let ours = group(&first, &features, &config, &Silent, &throng_runtime::base::SingleRank)?.num_groups();
+            let ours = group(&first, &features, &config, &Silent, &throng_core::base::SingleRank)?.num_groups();
             let (seconds, begun) = (begun.elapsed().as_secs_f64(), Instant::now());
             let exact = reference::complete_linkage(&first, &features, &config)?.len();
             let ratio = seconds / begun.elapsed().as_secs_f64();
@@ -100,7 +100,7 @@ fn first_frames(clips: &ClipSet, mut num_frames: usize) -> ClipSet {
         num_frames -= n;
         first.push(Clip {
             root_positions: clip.root_positions[..n].to_vec(),
-            rotations: clip.rotations[..n * throng_runtime::NUM_JOINTS].to_vec(),
+            rotations: clip.rotations[..n * throng_core::NUM_JOINTS].to_vec(),
             contacts: clip.contacts[..n].to_vec(),
             ..clip.clone()
         });

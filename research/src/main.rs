@@ -21,7 +21,7 @@ mod progress;
 use clap::{Parser, Subcommand};
 use commands::{blend, boxing, people, plan, quality, steering, world};
 use std::process::ExitCode;
-use throng_runtime::base::limit_threads;
+use throng_core::base::limit_threads;
 
 /// Compares Throng with other methods, with people, and with the figures of papers.
 #[derive(Parser)]

@@ -1,12 +1,12 @@
 //! A problem as plain numbers, for planners outside of this workspace: everything stands still as at its beginning.
 
 use serde::Serialize;
+use throng_geometry::{Segment, SolidShape};
 use throng_planner::collide::Checker;
 use throng_planner::limits::{Coordinates, JointLimits, PoseSampler, Style, SwingLimit};
 use throng_planner::linkage::LimbPose;
 use throng_planner::planner::seeded_rng;
 use throng_planner::problem::{CollisionTarget, LimbState, Problem};
-use throng_runtime::geometry::{Segment, SolidShape};
 
 /// A problem at its beginning. Metres, radians; Y is up; quaternions are x, y, z, w.
 #[derive(Clone, Debug, Serialize)]

@@ -7,11 +7,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
 use throng_bake::policy::{ActionSelection, PolicySituation, collect_rewards, play, random_target};
+use throng_core::Bundle;
+use throng_core::base::limits::Limit;
 use throng_core::policy::PolicyTable;
 use throng_lab::measure::timing::fail;
 use throng_motion::error::BuildError;
-use throng_runtime::Bundle;
-use throng_runtime::base::limits::Limit;
 
 /// Numbers of pairs that may be asked for.
 pub static PAIRS: Limit = Limit { quantity: "number of pairs", least: 1.0, most: 10_000_000.0, range: "1 to 10000000" };
@@ -224,8 +224,8 @@ mod tests {
     use super::*;
     use throng_bake::policy::made_up::SyntheticProblem;
     use throng_bake::policy::{Approach, PolicyConfig, solve_behaviours};
+    use throng_core::base::SingleRank;
     use throng_motion::progress::Silent;
-    use throng_runtime::base::SingleRank;
 
     /// The policy of a behaviour in a made-up problem.
     fn solved(small: &SyntheticProblem, behaviour: &Approach) -> PolicyTable {

@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use throng_core::{NUM_JOINTS, Skeleton};
+use throng_geometry::SolidShape;
 use throng_planner::body::BodyCapsules;
 use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
@@ -10,7 +11,6 @@ use throng_planner::problem::{LimbState, MovingSolid};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
 use throng_planner::track::RigidPath;
-use throng_runtime::geometry::SolidShape;
 
 /// Somebody who stands at the origin and looks along +Z.
 pub struct Somebody {

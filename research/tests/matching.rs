@@ -5,11 +5,11 @@
 mod common;
 
 use glam::{Vec2, Vec3};
+use throng_core::Planar;
 use throng_research::matching::{
     BoxSearch, Character, Database, FeatureWeights, KdTree, Nearest, SEARCH_FRAMES, WIDTH, Wish, brute_force,
 };
 use throng_research::measure::{self, MatchingConfig};
-use throng_runtime::Planar;
 
 fn squared(a: &[f32; WIDTH], b: &[f32; WIDTH]) -> f32 {
     a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()

@@ -1,17 +1,78 @@
-//! Facade for applications: re-exports the crates of the runtime under one name.
+//! Facade for applications: the types that they write, of all crates of the runtime, under one name.
 //!
 //! A bundle (`*.throng`) is opened as [`Bundle`]; [`characters::PolicyCharacters`] and [`walkers::Walkers`] are
-//! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters. Features add [`crowd`]
-//! (agents without bodies), [`world`] (patch worlds) and [`sparring`].
+//! [`CharacterGroup`]s that move and pose people. [`policy`] answers single queries without characters. Features add `crowd`
+//! (agents without bodies), `world` (patch worlds), `simulation` (scenes) and `sparring`.
+//!
+//! Every name is listed here, and a test counts the types. A program that needs more depends on the crate that has it.
 
-pub use throng_core::*;
+pub use throng_base::ground::ReservedRegion;
+pub use throng_base::limits::STEP_S;
+pub use throng_base::{Error, Executor, Id, Inline, Result, glam};
+#[cfg(feature = "rayon")]
+pub use throng_core::Rayon;
+pub use throng_core::{
+    AdoptReport, Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, OrderStatus, PlainBody, Planar, PosedBodies,
+    Skeleton,
+};
+pub use throng_geometry::Capsule2d;
+
+/// Files of bundles.
+pub mod format {
+    pub use throng_core::format::{AlignedBytes, FormatError, VERSION};
+}
+
+/// Characters that choose their motion by policies.
+pub mod characters {
+    pub use throng_core::characters::{
+        ActionChoice, AvoidConfig, Blow, CharactersConfig, Detail, MotionSet, PolicyCharacters, PolicyOrder,
+        PoseInstance, SampleJob, Spawn,
+    };
+}
+
+/// Answers of policies, without characters.
+pub mod policy {
+    pub use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
+}
+
+/// Characters that follow a trajectory, blended from examples.
+pub mod walkers {
+    pub use throng_core::blend::{BlendSpace, HeightField};
+    pub use throng_core::walkers::{Control, HandReach, Performance, WalkerEvent, WalkerStart, Walkers, WalkersConfig};
+}
+
+/// Agents without bodies, which never overlap.
 #[cfg(feature = "crowd")]
-pub use throng_crowd as crowd;
-pub use throng_geometry as geometry;
-#[cfg(feature = "simulation")]
-pub use throng_simulation::{self as simulation, sparring};
+pub mod crowd {
+    pub use throng_crowd::{
+        Agent, AgentOrder, AgentStatus, AtEnd, Crowd, CrowdConfig, CrowdError, CrowdEventKind, CrowdSetup, ForceField,
+        Obstacle, Route, Streets,
+    };
+}
+
+/// People in a world of motion patches.
 #[cfg(feature = "world")]
-pub use throng_world as world;
+pub mod world {
+    pub use throng_world::World;
+    pub use throng_world::inhabitants::{
+        InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
+    };
+}
+
+/// Scenes: all kinds of motion on one clock, and the actions that an application adds to them.
+#[cfg(feature = "simulation")]
+pub mod simulation {
+    pub use throng_simulation::scenario::{
+        ActionArguments, ActionCommand, ActionRegistry, PrimitiveBehaviour, PrimitiveInput, WalkCommand, WordKind,
+    };
+    pub use throng_simulation::{CharacterEvent, CompiledScene, Pedestrians, Scene, Simulation, SimulationEvent};
+}
+
+/// Boxers, in pairs and before a target.
+#[cfg(feature = "simulation")]
+pub mod sparring {
+    pub use throng_simulation::sparring::{BlowLanding, PracticeConfig, Sparring, SparringConfig, TargetPractice};
+}
 
 /// The program in the README compiles.
 #[cfg(doctest)]

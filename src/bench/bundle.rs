@@ -5,8 +5,8 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_core::base::limits;
 use throng_precompute::measure::{self, BundleMeasureConfig, BundleMeasureReport, LevelFigures};
-use throng_runtime::base::limits;
 
 /// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
 #[derive(clap::Args)]

@@ -5,11 +5,11 @@ use crate::figures::figures;
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::Path;
+use throng_core::base::limits;
+use throng_crowd::Scheme;
 use throng_precompute::picture::{self, Plot};
 use throng_precompute::run::{self, BUILT_IN_SCENES, SceneFigures, built_in_scene};
-use throng_runtime::base::limits;
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Name that stands for all built-in scenes.
 const ALL: &str = "all";

@@ -4,9 +4,9 @@ use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use throng_core::base::limits;
 use throng_precompute::run::{ScenarioFigures, measure_scenario};
-use throng_runtime::base::limits;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Measure scenes in which people live by rules, state graphs and news.
 #[derive(clap::Args)]

@@ -6,6 +6,7 @@ use crate::{output, progress};
 use std::error::Error;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use throng_core::base::limits;
 use throng_precompute::export::{Glb, Take, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
 use throng_precompute::import::read_clip;
 use throng_precompute::perform::{self, PerformConfig, PerformSource, perform};
@@ -13,8 +14,7 @@ use throng_precompute::run::RunRecording;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
-use throng_runtime::base::limits;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Options of takes.
 #[derive(clap::Args)]

@@ -2,15 +2,15 @@
 
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
+use throng_core::Joint;
+use throng_geometry::SolidShape;
+use throng_geometry::TriangleSurface;
 use throng_planner::rotation::Rigid;
 use throng_planner::task::{ActorClip, Task, TaskGaze, TaskOutcome};
 use throng_precompute::environment::UnitSolid;
 use throng_precompute::picture::{
     self, BodyColours, BodyFigure, Colour, Picture, WorldFigure, WorldMoment, WorldStrip,
 };
-use throng_runtime::Joint;
-use throng_runtime::geometry::SolidShape;
-use throng_runtime::geometry::TriangleSurface;
 
 /// Number of moments side by side.
 const COLUMNS: usize = 10;

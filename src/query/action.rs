@@ -6,8 +6,8 @@ use glam::Vec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
-use throng_runtime::base::limits;
-use throng_runtime::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
+use throng_core::base::limits;
+use throng_core::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
 
 /// Ask a policy of a bundle for the action of a state and a target.
 #[derive(clap::Args)]

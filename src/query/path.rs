@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
 use throng_precompute::stitch::WorldSource;
-use throng_runtime::world::plan::{PlanTarget, WorldPlanner};
-use throng_runtime::world::{WorldGraph, WorldNode, WorldStep};
+use throng_world::plan::{PlanTarget, WorldPlanner};
+use throng_world::{WorldGraph, WorldNode, WorldStep};
 
 /// Most steps of a path: half an hour of walking.
 const MAX_STEPS: usize = 4096;

@@ -2,6 +2,7 @@
 
 mod cycles;
 mod dependencies;
+mod facade;
 mod maths;
 mod programs;
 mod workspace;

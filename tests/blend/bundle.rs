@@ -6,18 +6,18 @@ use glam::Vec2;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
+use throng_core::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
+use throng_core::bundle::tags;
+use throng_core::format::{AlignedBytes, Meta, SectionTag};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Id, Inline};
 use throng_precompute::examples::{self, BlendSpaces};
 use throng_precompute::graph::RawMotionGraph;
 use throng_precompute::inspect::BundleReport;
 use throng_precompute::progress::Silent;
 use throng_precompute::stops::StopRows;
 use throng_precompute::write::{self, BundleInputs};
-use throng_runtime::blend::{BlendRecord, ChannelRow, ExampleRecord, ReferenceRow, channel};
-use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, Meta, SectionTag};
-use throng_runtime::simulation::Scene;
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Id, Inline};
+use throng_simulation::Scene;
 
 fn spaces() -> BlendSpaces {
     let line = "axes = [{ kind = 'speed', range = [0.0, 2.0] }]\nexamples = [{ clip = 'slow' }, { clip = 'fast' }]\nphases = 8";

@@ -4,12 +4,12 @@ use crate::common::build;
 use crate::common::mocap::recording;
 use glam::Vec2;
 use std::path::{Path, PathBuf};
+use throng_core::blend::{BlendSpace, ExampleRecord, axis};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Inline};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::slip::{Feet, SlipMeter, Soles};
-use throng_runtime::blend::{BlendSpace, ExampleRecord, axis};
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Inline};
 
 const DT_S: f32 = 1.0 / 60.0;
 

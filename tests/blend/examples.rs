@@ -1,13 +1,13 @@
 //! Clips become examples: their arcs, keytimes and names, and what is wrong with those that cannot.
 
 use super::made_up::{Puppet, SIX, config, fit, idle, set, six};
+use throng_core::Contacts;
+use throng_core::blend::ExampleRecord;
 use throng_precompute::Clip;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::examples::{self, BlendConfig};
 use throng_precompute::progress::Silent;
-use throng_runtime::Contacts;
-use throng_runtime::blend::ExampleRecord;
 
 fn near(a: f32, b: f32, tolerance: f32) -> bool {
     (a - b).abs() <= tolerance
@@ -204,7 +204,7 @@ fn long_clips_are_split_into_steady_pieces() {
     let n = 240;
     let join = first.frame(4.0).compose(second.frame(0.0).inverse());
     clip.root_positions.truncate(n);
-    clip.rotations.truncate(n * throng_runtime::NUM_JOINTS);
+    clip.rotations.truncate(n * throng_core::NUM_JOINTS);
     clip.contacts.truncate(n);
     for f in 0..then.num_frames() {
         let (p, mut local) = (then.root_positions[f], then.frame_rotations(f).to_vec());

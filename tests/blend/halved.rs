@@ -2,10 +2,10 @@
 
 use super::made_up::{Puppet, SIX, config, fit, idle, six};
 use glam::Quat;
+use throng_core::blend::channel;
+use throng_core::{Joint, NUM_JOINTS};
 use throng_precompute::Clip;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
-use throng_runtime::blend::channel;
-use throng_runtime::{Joint, NUM_JOINTS};
 
 /// Some frames of a puppet's clip.
 fn cut(puppet: &Puppet, first: usize, end: usize) -> Clip {

@@ -3,12 +3,12 @@
 use glam::{Quat, Vec2, Vec3};
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_precompute::clip::ClipTag;
 use throng_precompute::error::BuildError;
 use throng_precompute::examples::{self, BlendConfig, BlendSpaces};
 use throng_precompute::progress::Silent;
 use throng_precompute::{Clip, ClipSet};
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
 /// Frames a second of the clips.
 pub const RATE_HZ: f32 = 60.0;

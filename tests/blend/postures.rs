@@ -2,11 +2,11 @@
 
 use super::made_up::{Puppet, RATE_HZ, SIX, config, fit, six};
 use glam::{Quat, Vec3};
+use throng_core::blend::{ChannelRow, channel};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_precompute::clip::joint_transforms;
 use throng_precompute::examples::RawBlendSpace;
 use throng_precompute::examples::average::{exponential, reference};
-use throng_runtime::blend::{ChannelRow, channel};
-use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 
 fn space() -> RawBlendSpace {
     fit(six(), &config(SIX)).expect("a space").spaces.remove(0)

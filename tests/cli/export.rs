@@ -4,10 +4,10 @@ use super::{Place, at, done, failed, folder, refused};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::LazyLock;
+use throng_core::{Bundle, Inline, Joint, NUM_JOINTS};
 use throng_precompute::import::{ImportConfig, read_clips};
 use throng_precompute::trial::{self, TrialConfig};
-use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Bundle, Inline, Joint, NUM_JOINTS};
+use throng_simulation::{Scene, Simulation};
 
 /// Walks at several speeds and turns, which blend.
 const WALKS: &str = "name = \"walks\"\nsynth = { set = \"locomotion\", minutes = 2.0 }\nbehaviours = []\n\
@@ -154,7 +154,7 @@ fn characters_of_a_bundle_are_those_of_its_trial() {
     for frame in 0..31 {
         let k = 3 * 31 + frame;
         let (clip, at) = (&stored[clips[k] as usize], times[k] * bundle.meta().rate_hz as f32);
-        let root = throng_runtime::Planar::new(places[3 * k], places[3 * k + 1], places[3 * k + 2]);
+        let root = throng_core::Planar::new(places[3 * k], places[3 * k + 1], places[3 * k + 2]);
         let (before, after) = (&clip[at as usize], &clip[(at.ceil() as usize).min(clip.len() - 1)]);
         let want = every_second[frame][0].expect("a body");
         for j in 0..NUM_JOINTS {

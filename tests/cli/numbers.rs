@@ -1,7 +1,7 @@
 //! Every number on the command line has a range; what is outside of it is refused with the option and the range.
 
 use super::{Place, at, done, folder, text, throng_soon};
-use throng_runtime::base::limits::{self, Limit};
+use throng_core::base::limits::{self, Limit};
 
 /// Options that take a number, and their ranges.
 type Options = &'static [(&'static str, &'static Limit)];

@@ -6,6 +6,9 @@ pub mod mocap;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use throng_core::characters::{ActionChoice, CharacterStart, CharactersConfig, PolicyOrder, Spawn};
+use throng_core::format::AlignedBytes;
+use throng_core::{Bundle, CharacterGroup, Planar, Result};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
@@ -13,10 +16,7 @@ use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
-use throng_runtime::characters::{ActionChoice, CharacterStart, CharactersConfig, PolicyOrder, Spawn};
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::sparring::{Sparring, SparringConfig};
-use throng_runtime::{Bundle, CharacterGroup, Planar, Result};
+use throng_simulation::sparring::{Sparring, SparringConfig};
 
 /// Writes synthetic clips of a total length into a folder (min).
 pub fn write_clips(folder: &Path, minutes: f64) {

@@ -5,7 +5,7 @@ mod starts;
 
 use std::path::Path;
 use throng_precompute::run::built_in_scene;
-use throng_runtime::simulation::{CompiledScene, Scene};
+use throng_simulation::{CompiledScene, Scene};
 
 /// A scene from its text.
 fn scene(text: &str) -> CompiledScene {

@@ -2,10 +2,10 @@
 
 use super::{own, scene};
 use glam::Vec2;
+use throng_core::Inline;
 use throng_precompute::run::{SceneFigures, SceneRunConfig, run, run_agents};
-use throng_runtime::Inline;
-use throng_runtime::simulation::Scene;
-use throng_runtime::simulation::agents::SceneAgents;
+use throng_simulation::Scene;
+use throng_simulation::agents::SceneAgents;
 
 fn agents(scene: &Scene, seconds: f64, threads: usize) -> SceneFigures {
     run_agents(&scene.open().expect("it names no files"), Some(seconds), threads).expect("it runs")

@@ -2,7 +2,7 @@
 
 use super::scene;
 use throng_precompute::run::{SceneRunConfig, run};
-use throng_runtime::simulation::Simulation;
+use throng_simulation::Simulation;
 
 /// The message of a scene that cannot be run.
 fn refused(text: &str) -> String {

@@ -4,10 +4,10 @@ use super::patch::{Frame, Parts, open_unverified};
 use crate::common::{bundle, orders, starts};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::Bundle;
-use throng_runtime::characters::{ActionChoice, Characters, CharactersConfig, MotionSet};
-use throng_runtime::format::SectionEntry;
-use throng_runtime::policy::MAX_ACTIONS;
+use throng_core::Bundle;
+use throng_core::characters::{ActionChoice, Characters, CharactersConfig, MotionSet};
+use throng_core::format::SectionEntry;
+use throng_core::policy::MAX_ACTIONS;
 
 /// Characters of a step.
 const N: usize = 8;
@@ -81,9 +81,9 @@ fn damaged_content_is_refused_or_stays_steppable() {
 
 #[test]
 fn values_as_large_as_the_checks_allow_stay_steppable() {
-    use throng_runtime::bundle::tags;
-    use throng_runtime::format::{FrameRow, SkeletonRecord};
-    use throng_runtime::policy::SegmentRecord;
+    use throng_core::bundle::tags;
+    use throng_core::format::{FrameRow, SkeletonRecord};
+    use throng_core::policy::SegmentRecord;
     let mut parts = Parts::of(bundle());
     // As far away, and turned as often: segments and sweeps lead where their frames do.
     parts.edit::<FrameRow>(tags::FRAMES, |rows| {

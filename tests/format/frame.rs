@@ -4,8 +4,8 @@ use super::patch::{Frame, Parts, open, open_unverified, refusal};
 use crate::common::bundle;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use throng_runtime::format::{FileHeader, FormatError, SectionEntry, VERSION};
-use throng_runtime::{Bundle, bundle::tags};
+use throng_core::format::{FileHeader, FormatError, SectionEntry, VERSION};
+use throng_core::{Bundle, bundle::tags};
 
 #[test]
 fn the_writer_lays_bundles_out_as_the_format_says() {
@@ -242,7 +242,7 @@ fn wrong_checksums_are_refused_unless_they_are_not_wanted() {
         // The row's crc32, with table and header made right by hand: sealing would mend it.
         bytes[64 + 32 * i + 24] ^= 1;
         let mut header: FileHeader = bytemuck::pod_read_unaligned(&bytes[..64]);
-        header.table_crc32 = throng_runtime::format::crc32(&bytes[64..][..32 * header.num_sections as usize]);
+        header.table_crc32 = throng_core::format::crc32(&bytes[64..][..32 * header.num_sections as usize]);
         header.header_crc32 = header.checksum();
         bytes[..64].copy_from_slice(bytemuck::bytes_of(&header));
         assert!(matches!(open(&bytes), Err(FormatError::Checksum { .. })));

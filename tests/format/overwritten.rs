@@ -3,10 +3,10 @@
 use crate::common::{bundle, tables};
 use std::fs::OpenOptions;
 use std::io::Write;
-use throng_runtime::base::Hash128;
-use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
-use throng_runtime::format::FormatError;
-use throng_runtime::{Bundle, CharacterGroup, Inline, Planar};
+use throng_core::base::Hash128;
+use throng_core::characters::{CharactersConfig, PolicyCharacters, Spawn};
+use throng_core::format::FormatError;
+use throng_core::{Bundle, CharacterGroup, Inline, Planar};
 
 /// Poses and values that come from every part of the tables.
 fn use_it(tables: &Bundle) -> (u128, u128, u64) {
@@ -16,7 +16,7 @@ fn use_it(tables: &Bundle) -> (u128, u128, u64) {
     }
     let policy = &tables.policies()[0];
     for state in 0..tables.graph().states.len() as u32 {
-        values.add_bytes(&policy.value(state, throng_runtime::glam::Vec3::new(1.0, 0.0, 2.0)).to_le_bytes());
+        values.add_bytes(&policy.value(state, throng_core::glam::Vec3::new(1.0, 0.0, 2.0)).to_le_bytes());
     }
     let mut group = PolicyCharacters::with_capacity(tables, 4, CharactersConfig::default()).expect("characters");
     for i in 0..4 {

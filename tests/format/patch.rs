@@ -2,10 +2,10 @@
 //! and not the one before it.
 
 use bytemuck::Pod;
-use throng_runtime::format::{
+use throng_core::format::{
     ALIGN, AlignedBytes, FileHeader, FormatError, Meta, SectionEntry, SectionTag, VERSION, crc32,
 };
-use throng_runtime::{Bundle, bundle::tags};
+use throng_core::{Bundle, bundle::tags};
 
 /// The sections of a bundle, to be changed in content and length.
 #[derive(Clone)]

@@ -2,12 +2,12 @@
 
 use super::patch::{Change, Parts};
 use crate::common::{bundle, tables};
-use throng_runtime::bundle::tags;
-use throng_runtime::format::{AlignedBytes, ClipRecord, FrameRow, JointCode, RotationCode, SectionTag, SkeletonRecord};
-use throng_runtime::graph::{MotionSegment, StateRecord};
-use throng_runtime::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
-use throng_runtime::stops::SweepNode;
-use throng_runtime::{Bundle, Contacts};
+use throng_core::bundle::tags;
+use throng_core::format::{AlignedBytes, ClipRecord, FrameRow, JointCode, RotationCode, SectionTag, SkeletonRecord};
+use throng_core::graph::{MotionSegment, StateRecord};
+use throng_core::policy::{NO_ACTION, PolicyRecord, SegmentRecord, StateGridRecord};
+use throng_core::stops::SweepNode;
+use throng_core::{Bundle, Contacts};
 
 fn refuses(tag: Option<SectionTag>, changes: &[Change<'_>]) {
     super::patch::refuses(bundle(), tag, changes);
@@ -227,7 +227,7 @@ fn skeletons_have_lengths() {
         ];
         refuses(Some(tags::SKELETON), &changes);
     }
-    let shin = throng_runtime::Joint::LeftShin.index();
+    let shin = throng_core::Joint::LeftShin.index();
     refuses(Some(tags::SKELETON), &[("no thigh", &|p| skeleton(p, &|s| s.offsets[shin] = [0.0; 3]))]);
     refuses(
         None,
@@ -361,7 +361,7 @@ fn adaptive_in_part() -> Parts {
 
 #[test]
 fn what_a_bundle_says_of_itself_fits_its_tables() {
-    let meta = |p: &mut Parts, f: &dyn Fn(&mut throng_runtime::format::Meta)| p.edit_meta(f);
+    let meta = |p: &mut Parts, f: &dyn Fn(&mut throng_core::format::Meta)| p.edit_meta(f);
     refuses(
         None,
         &[

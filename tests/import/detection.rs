@@ -4,12 +4,12 @@ use super::body;
 use glam::{Quat, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
+use throng_core::Joint;
 use throng_precompute::ImportError;
 use throng_precompute::import::profile::{Profile, load_profiles};
 use throng_precompute::import::{Forward, ImportConfig, ImportedClip, RestPoseKind, UpAxis, bvh, interpret, read};
 use throng_precompute::inspect::inspect;
 use throng_precompute::progress::Silent;
-use throng_runtime::Joint;
 
 fn same(name: &str) -> String {
     name.to_owned()

@@ -1,9 +1,9 @@
 //! Real motion capture reads as bodies of plausible size on plausible ground. Skipped where it is not at hand.
 
 use crate::common::mocap::recording;
+use throng_core::Joint;
 use throng_precompute::import::{ImportConfig, ImportedClip, RestPoseKind, read};
 use throng_precompute::progress::Silent;
-use throng_runtime::Joint;
 
 /// The clips of a folder of the recordings.
 fn clips(folder: &str) -> Option<Vec<ImportedClip>> {

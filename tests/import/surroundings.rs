@@ -3,6 +3,7 @@
 
 use crate::common::mocap::recording;
 use std::path::Path;
+use throng_core::{Contacts, Joint, Skeleton};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::environment::{InferredEnvironment, PlacedGeometry, infer_environment};
@@ -10,7 +11,6 @@ use throng_precompute::import::{ImportConfig, read};
 use throng_precompute::progress::Silent;
 use throng_precompute::resample::ResampleConfig;
 use throng_precompute::{Clip, ClipSet, Warnings, annotate, pipeline, resample, retarget};
-use throng_runtime::{Contacts, Joint, Skeleton};
 
 /// Planted feet are nearer than this to what was inferred (m).
 const NEAR: f32 = 0.08;

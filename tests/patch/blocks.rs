@@ -5,14 +5,14 @@ use super::glides::{Glide, clip_of, groups_of, set_of};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::TAU;
+use throng_core::Planar;
+use throng_core::patch::{CellRecord, KIND_BLOCK, Placement};
+use throng_core::planar::wrap_angle;
 use throng_precompute::clip::ClipTag;
 use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, UnitObject, UnitSet};
 use throng_precompute::patch::{self, CaptureSetting, PatchConfig, RawPatches};
 use throng_precompute::progress::Silent;
 use throng_precompute::{Clip, ClipSet};
-use throng_runtime::Planar;
-use throng_runtime::patch::{CellRecord, KIND_BLOCK, Placement};
-use throng_runtime::planar::wrap_angle;
 
 const GROUND: usize = 0;
 const TABLE: usize = 1;

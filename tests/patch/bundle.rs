@@ -2,9 +2,9 @@
 
 use super::made_up_world as made_up;
 use super::parts::{Parts, refusal};
-use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, MotionSet};
-use throng_runtime::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
-use throng_runtime::{Planar, bundle::tags};
+use throng_core::characters::{CharacterStart, Characters, CharactersConfig, MotionSet};
+use throng_core::patch::{CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PairRecord, PatchRecord};
+use throng_core::{Planar, bundle::tags};
 
 #[test]
 fn patches_need_no_motion_graph() {
@@ -140,7 +140,7 @@ fn patches_that_cannot_be_are_refused() {
     parts.edit::<u32>(tags::POSE_GROUPS, |g| g[5] = NONE);
     assert!(super::parts::open(&parts.join()).is_ok(), "a frame without a group");
     for (what, change) in [
-        ("a name less", (|m| drop(m.patches.pop())) as fn(&mut throng_runtime::format::Meta)),
+        ("a name less", (|m| drop(m.patches.pop())) as fn(&mut throng_core::format::Meta)),
         ("a name twice", |m| m.patches[1].name = m.patches[0].name.clone()),
         ("a patch without units", |m| m.patches[0].units.clear()),
         ("fewer groups", |m| m.pose_groups = 1),

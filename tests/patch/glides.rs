@@ -1,10 +1,10 @@
 //! Clips of a body that keeps its pose while its root glides along.
 
 use glam::Quat;
+use throng_core::{Contacts, NUM_JOINTS, Planar, Skeleton};
 use throng_precompute::clip::FrameId;
 use throng_precompute::cluster::PoseGroups;
 use throng_precompute::{Clip, ClipSet};
-use throng_runtime::{Contacts, NUM_JOINTS, Planar, Skeleton};
 
 pub const NO_GROUP: u32 = PoseGroups::NO_GROUP;
 

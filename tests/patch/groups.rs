@@ -2,14 +2,14 @@
 
 use glam::Vec2;
 use proptest::prelude::*;
+use throng_core::base::SingleRank;
+use throng_core::{NUM_JOINTS, Planar};
 use throng_precompute::clip::{Exclusion, ExclusionReason, FrameId};
 use throng_precompute::cluster::{ClusterConfig, PoseGroups, group};
 use throng_precompute::features::{Features, FeaturesConfig, extract};
 use throng_precompute::progress::Silent;
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, ClipSet};
-use throng_runtime::base::SingleRank;
-use throng_runtime::{NUM_JOINTS, Planar};
 
 fn walk(seed: u64, minutes: f64) -> ClipSet {
     let config = SynthConfig { seed, minutes, clip_seconds: 10.0, ..SynthConfig::default() };

@@ -2,13 +2,13 @@
 
 use super::made_up_world::{self, GIVE, SIDE, SIT};
 use glam::Vec3;
-use throng_runtime::characters::CharactersConfig;
-use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{
+use throng_core::characters::CharactersConfig;
+use throng_core::patch::Placement;
+use throng_core::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, OrderStatus, Planar, Rayon};
+use throng_world::inhabitants::{
     InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
 };
-use throng_runtime::world::{RestPlace, World, WorldNode};
-use throng_runtime::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, OrderStatus, Planar, Rayon};
+use throng_world::{RestPlace, World, WorldNode};
 
 const DT: f32 = 1.0 / 30.0;
 const PLAIN: [&str; 5] = ["#####"; 5];
@@ -63,7 +63,7 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
             been.insert(status.node.instance);
             let (end, node) = (people.characters().scheduled_end(world.motion_set(), c), graph.place(status.node));
             let away = (end.x - node.x).hypot(end.z - node.z);
-            let turned = throng_runtime::planar::wrap_angle(end.heading - node.heading);
+            let turned = throng_core::planar::wrap_angle(end.heading - node.heading);
             assert!(away < 1e-4 && turned.abs() < 1e-4, "{end:?} {node:?}");
         }
     }
@@ -202,8 +202,7 @@ fn who_roams_walks_on_rather_than_round_about() {
         for _ in 0..6 {
             [x, z] = [x + [0, 1, 0, -1][heading], z + [1, 0, -1, 0][heading]];
             draw += 1;
-            heading =
-                (heading + [0, 1, 3][(throng_runtime::characters::uniform_random(1, 1, draw) * 3.0) as usize]) % 4;
+            heading = (heading + [0, 1, 3][(throng_core::characters::uniform_random(1, 1, draw) * 3.0) as usize]) % 4;
         }
         far += ((x * x + z * z) as f32).sqrt() / 6000.0;
     }

@@ -3,13 +3,13 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use throng_precompute::environment::{Environment, PlacedUnit, UnitGeometry, UnitSet, geometries};
-use throng_precompute::stitch::Library;
-use throng_runtime::format::{FrameRow, PatchMeta, ROTATION_BYTES, RotationCode};
-use throng_runtime::patch::{
+use throng_core::format::{FrameRow, PatchMeta, ROTATION_BYTES, RotationCode};
+use throng_core::patch::{
     CellRecord, EdgeRecord, KIND_BLOCK, KIND_TILE, LinkRecord, NONE, PatchRecord, PatchTables, Placement,
 };
-use throng_runtime::{Contacts, Skeleton};
+use throng_core::{Contacts, Skeleton};
+use throng_precompute::environment::{Environment, PlacedUnit, UnitGeometry, UnitSet, geometries};
+use throng_precompute::stitch::Library;
 
 /// Number of each unit.
 pub const GROUND: usize = 0;

@@ -15,4 +15,4 @@ mod tiles;
 mod world_file;
 
 use crate::format::patch as parts;
-use throng_runtime::world::made_up_floor as made_up_world;
+use throng_world::made_up_floor as made_up_world;

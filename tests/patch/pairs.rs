@@ -3,15 +3,15 @@
 use super::inhabitants::open;
 use super::made_up_world::{GIVE, SIDE, SIT};
 use glam::Vec2;
-use throng_runtime::base::ground::ReservedRegion;
-use throng_runtime::characters::CharactersConfig;
-use throng_runtime::geometry::Capsule2d;
-use throng_runtime::planar::wrap_angle;
-use throng_runtime::world::inhabitants::{
+use throng_core::base::ground::ReservedRegion;
+use throng_core::characters::CharactersConfig;
+use throng_core::planar::wrap_angle;
+use throng_core::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, Planar, Rayon};
+use throng_geometry::Capsule2d;
+use throng_world::inhabitants::{
     InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
 };
-use throng_runtime::world::{World, WorldNode};
-use throng_runtime::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, Planar, Rayon};
+use throng_world::{World, WorldNode};
 
 const DT: f32 = 1.0 / 60.0;
 const PLAIN: [&str; 4] = ["####"; 4];

@@ -5,9 +5,9 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::collections::{BTreeMap, BTreeSet};
-use throng_runtime::Bundle;
-use throng_runtime::world::plan::{PlanTarget, WORST, WorldPlan, WorldPlanner};
-use throng_runtime::world::{WorldData, WorldGraph, WorldNode, WorldStep};
+use throng_core::Bundle;
+use throng_world::plan::{PlanTarget, WORST, WorldPlan, WorldPlanner};
+use throng_world::{WorldData, WorldGraph, WorldNode, WorldStep};
 
 /// Least frames from a node to every other one.
 fn dijkstra(graph: &WorldGraph, from: WorldNode) -> BTreeMap<WorldNode, u32> {

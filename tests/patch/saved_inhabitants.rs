@@ -3,13 +3,13 @@
 use super::inhabitants::open;
 use super::made_up_world::SIT;
 use glam::Vec3;
-use throng_runtime::base::crc32;
-use throng_runtime::characters::CharactersConfig;
-use throng_runtime::world::World;
-use throng_runtime::world::inhabitants::{
+use throng_core::base::crc32;
+use throng_core::characters::CharactersConfig;
+use throng_core::{CharacterGroup, Error, Id, Inline};
+use throng_world::World;
+use throng_world::inhabitants::{
     InhabitantActivity, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
 };
-use throng_runtime::{CharacterGroup, Error, Id, Inline};
 
 const DT: f32 = 1.0 / 30.0;
 /// Where the checksum of a snapshot lies, and where its state begins.

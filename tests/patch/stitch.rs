@@ -3,13 +3,13 @@
 use super::made_up::{BENCH, GROUND, MadeUp, PANEL_M, WALL, panels, with};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
+use throng_core::patch::{CellRecord, NONE, Placement};
+use throng_core::planar::wrap_angle;
 use throng_precompute::clip::joint_transforms;
 use throng_precompute::environment::{BodySpheres, Environment, PlacedGeometry, PlacedUnit};
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, InstanceItem, RemovalReason, StitchConfig, StitchReport, stitch};
-use throng_runtime::patch::{CellRecord, NONE, Placement};
-use throng_runtime::planar::wrap_angle;
-use throng_runtime::world::{InstanceRecord, WorldData, is_set};
+use throng_world::{InstanceRecord, WorldData, is_set};
 
 fn config() -> StitchConfig {
     StitchConfig {
@@ -217,7 +217,7 @@ fn colliding(m: &MadeUp, w: &WorldData, e: &Environment, i: usize, depth: f32) -
         let unit = if r.patch == 0 { GROUND } else { BENCH };
         e.units[u].unit == unit && (p.translation() - r.placement.translation()).length() < 0.02
     };
-    let collides = |link: &throng_runtime::patch::LinkRecord, k: u32| {
+    let collides = |link: &throng_core::patch::LinkRecord, k: u32| {
         let row = &m.frames[(link.frame + k) as usize];
         let at = r.placement.compose(m.hips(link, k));
         let turn = at.planar().rotation();

@@ -7,6 +7,9 @@ use rand_pcg::Pcg64;
 use std::collections::BTreeSet;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
+use throng_core::Planar;
+use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
+use throng_core::planar::wrap_angle;
 use throng_precompute::clip::{Exclusion, ExclusionReason};
 use throng_precompute::cluster::{self, ClusterConfig, PoseGroups};
 use throng_precompute::environment::{Environment, PlacedUnit, TileEdges, UnitObject, UnitSet};
@@ -18,9 +21,6 @@ use throng_precompute::progress::Silent;
 use throng_precompute::resample::{self, ResampleConfig};
 use throng_precompute::synth::{self, SynthConfig, SynthSet};
 use throng_precompute::{BuildError, Clip, ClipSet};
-use throng_runtime::Planar;
-use throng_runtime::patch::{CellRecord, LinkRecord, NONE, Placement};
-use throng_runtime::planar::wrap_angle;
 
 const PANEL_M: f32 = 3.0;
 
@@ -44,8 +44,7 @@ static WALK: LazyLock<(ClipSet, PoseGroups)> = LazyLock::new(|| {
     let clips = resample::resample(&made, &ResampleConfig::default()).unwrap();
     let features = features::extract(&clips, &FeaturesConfig::default()).unwrap();
     let groups =
-        cluster::group(&clips, &features, &ClusterConfig::default(), &Silent, &throng_runtime::base::SingleRank)
-            .unwrap();
+        cluster::group(&clips, &features, &ClusterConfig::default(), &Silent, &throng_core::base::SingleRank).unwrap();
     (clips, groups)
 });
 
@@ -448,7 +447,7 @@ fn with_partners() -> (ClipSet, PoseGroups) {
     let mut longer = pairs[..2].to_vec();
     let (root, contact) = (*longer[1].root_positions.last().unwrap(), *longer[1].contacts.last().unwrap());
     longer[1].root_positions.push(root);
-    let last = longer[1].rotations[longer[1].rotations.len() - throng_runtime::NUM_JOINTS..].to_vec();
+    let last = longer[1].rotations[longer[1].rotations.len() - throng_core::NUM_JOINTS..].to_vec();
     longer[1].rotations.extend(last);
     longer[1].contacts.push(contact);
     let mut unnamed = pairs[..2].to_vec();

@@ -3,11 +3,11 @@
 use super::made_up_world;
 use bytemuck::Pod;
 use std::sync::OnceLock;
+use throng_core::Bundle;
+use throng_core::format::{AlignedBytes, FileHeader};
+use throng_core::patch::NONE;
 use throng_precompute::stitch;
-use throng_runtime::Bundle;
-use throng_runtime::format::{AlignedBytes, FileHeader};
-use throng_runtime::patch::NONE;
-use throng_runtime::world::{PathCosts, WORLD_MAGIC, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
+use throng_world::{PathCosts, WORLD_MAGIC, WORLD_VERSION, World, WorldData, WorldError, WorldGraph};
 
 fn world(tables: &Bundle) -> WorldData {
     made_up_world::world(tables, &["####", "#b##", "###."])
@@ -191,7 +191,7 @@ fn scramble<T: Pod>(name: &str, tables: &Bundle, of: impl Fn(&mut WorldData) -> 
 }
 
 fn walk(file: &World, tables: &Bundle, name: &str) {
-    use throng_runtime::world::{WorldGraph, WorldNode};
+    use throng_world::{WorldGraph, WorldNode};
     let graph = WorldGraph::new(tables.patches(), file.view()).unwrap();
     for instance in 0..graph.num_instances() as u32 {
         for cell in 0..graph.cells(instance).len() as u32 {

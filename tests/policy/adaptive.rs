@@ -4,6 +4,11 @@ use super::naive::{Hit, random_model};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use throng_core::Joint;
+use throng_core::base::SingleRank;
+use throng_core::policy::{
+    BestActionJob, LookAheadGoal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
+};
 use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
     ActionModel, AdaptiveConfig, Approach, BehaviourKind, BehaviourSpec, GridConfig, PolicyBehaviour,
@@ -11,11 +16,6 @@ use throng_precompute::policy::{
     solve_behaviours, value_iteration,
 };
 use throng_precompute::progress::Silent;
-use throng_runtime::Joint;
-use throng_runtime::base::SingleRank;
-use throng_runtime::policy::{
-    BestActionJob, LookAheadGoal, LookAheadJob, MAX_ACTIONS, PolicyTable, RankedActions, SegmentRecord, TargetGrid,
-};
 
 /// Another behaviour's rewards on a grid that may be adaptive.
 struct Compact<'a> {

@@ -5,11 +5,11 @@ use glam::Vec3;
 use proptest::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use throng_precompute::policy::{PolicyConfig, RewardForm};
-use throng_runtime::policy::{
+use throng_core::policy::{
     ActionTable, BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, PolicyRecord, PolicySlices, PolicyTable,
     RankedActions, SegmentRecord,
 };
+use throng_precompute::policy::{PolicyConfig, RewardForm};
 
 /// Sound tables, to be spoilt.
 fn sound() -> Parts {

@@ -9,15 +9,15 @@ use glam::{Vec2, Vec3};
 use naive::{ARITHMETIC, Hit, Naive, approach, largest_error, model, random_model, segment, solved};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use throng_core::Planar;
+use throng_core::base::SingleRank;
+use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
     ActionModel, Approach, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, RewardForm, bake,
     solve_behaviours, value_iteration,
 };
 use throng_precompute::progress::Silent;
-use throng_runtime::Planar;
-use throng_runtime::base::SingleRank;
-use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 
 #[test]
 fn chain_of_three_states_has_the_values_worked_out_by_hand() {

@@ -3,16 +3,14 @@
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use throng_core::Planar;
+use throng_core::base::SingleRank;
+use throng_core::policy::{COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_precompute::policy::{
     ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig,
     PolicyTables, RewardForm, SegmentMotion, segment_records, solve_behaviours,
 };
 use throng_precompute::progress::Silent;
-use throng_runtime::Planar;
-use throng_runtime::base::SingleRank;
-use throng_runtime::policy::{
-    COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid,
-};
 
 /// A second behaviour: an impulsive hit (Lee and Lee 2004, equations 2 and 6) on a grid of angle, distance and height.
 pub struct Hit {

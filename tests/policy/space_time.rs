@@ -4,10 +4,10 @@ use super::naive::{ARITHMETIC, Naive, random_model, solved};
 use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use throng_precompute::policy::{ActionModel, BehaviourSpec, PolicyBehaviour, PolicyConfig, SegmentMotion};
-use throng_runtime::policy::{
+use throng_core::policy::{
     KERNEL_EXPONENTIAL, MAX_ACTIONS, PATH_POINTS, PathRecord, Reward, RewardRecord, SegmentRecord, TargetGrid,
 };
+use throng_precompute::policy::{ActionModel, BehaviourSpec, PolicyBehaviour, PolicyConfig, SegmentMotion};
 
 /// Being hit at a height of 1.6 m costs; the guarded point goes random ways.
 struct Dodge {

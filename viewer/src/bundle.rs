@@ -3,10 +3,10 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use throng_runtime::blend::BlendSpace;
-use throng_runtime::characters::{MotionSet, SampleJob};
-use throng_runtime::format::{BlendMeta, ClipMeta, ClipRecord};
-use throng_runtime::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::blend::BlendSpace;
+use throng_core::characters::{MotionSet, SampleJob};
+use throng_core::format::{BlendMeta, ClipMeta, ClipRecord};
+use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
 pub struct OpenBundle {

@@ -21,8 +21,8 @@ pub(crate) mod square;
 use crate::bundle::OpenBundle;
 use crate::document::OngoingBuild;
 use std::path::{Path, PathBuf};
+use throng_core::format::VERSION;
 use throng_precompute::run::BuildContext;
-use throng_runtime::format::VERSION;
 
 /// The bundle of the current version that every checkout has.
 pub(crate) fn golden_path() -> PathBuf {

@@ -5,8 +5,8 @@ use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
-use throng_runtime::base::limit_threads;
-use throng_runtime::base::text::{escape_for_terminal, escape_json_for_terminal};
+use throng_core::base::limit_threads;
+use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
 use throng_viewer::args::Args;
 use throng_viewer::{headless, window};
 

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
-use throng_runtime::policy::{PolicyTable, RegionRecord, TargetGrid};
+use throng_core::policy::{PolicyTable, RegionRecord, TargetGrid};
 
 /// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;

@@ -10,7 +10,7 @@ use eframe::egui_wgpu::{WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use throng_runtime::base::file::{MAX_BUNDLE_BYTES, open_file};
+use throng_core::base::file::{MAX_BUNDLE_BYTES, open_file};
 
 /// Under this name the settings are kept between runs.
 const APP_ID: &str = "throng-viewer";

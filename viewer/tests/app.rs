@@ -7,7 +7,7 @@ use eframe::egui::{self, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use std::path::PathBuf;
-use throng_runtime::simulation::AnyCharacterGroup;
+use throng_simulation::AnyCharacterGroup;
 use throng_viewer::command::{SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;

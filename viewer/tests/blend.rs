@@ -4,7 +4,7 @@ use crate::common::Viewing;
 use crate::common::paces::Paces;
 use eframe::egui::{Key, Pos2, pos2};
 use egui_kittest::kittest::Queryable;
-use throng_runtime::NUM_JOINTS;
+use throng_core::NUM_JOINTS;
 use throng_viewer::command::{SceneCommand, ViewStage, ViewerCommand};
 use throng_viewer::document::SceneChoice;
 use throng_viewer::run::{BlendRun, Blending};
@@ -142,7 +142,7 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
 
 #[test]
 fn who_walks_in_a_blend_space_is_steered_with_keys() {
-    use throng_runtime::blend::axis;
+    use throng_core::blend::axis;
     let paces = Paces::new();
     let mut v = Viewing::of(&paces.bundle());
     v.key(Key::G, true);

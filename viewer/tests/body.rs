@@ -65,12 +65,12 @@ fn everybody_wears_the_mesh_of_a_file() {
 
 #[test]
 fn feet_of_the_mesh_stand_where_those_of_the_motion_do() {
-    use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
+    use throng_core::{Joint, NUM_JOINTS, Skeleton};
     let folder = tempfile::tempdir().expect("a folder");
     let outfit = UserOutfit::open(&written(folder.path())).expect("a character");
     let skeleton = Skeleton::default();
     let rest = skeleton.rest_positions().map(|p| (p, glam::Quat::IDENTITY));
-    let mut matrices = vec![throng_runtime::Mat3x4::default(); outfit.figure.num_frames()];
+    let mut matrices = vec![throng_core::Mat3x4::default(); outfit.figure.num_frames()];
     outfit.figure.pose_matrices(&skeleton, &rest, &mut matrices);
     let (surface, mut off) = (outfit.figure.surface(), Vec::new());
     for joint in [Joint::LeftFoot, Joint::RightFoot, Joint::LeftHand, Joint::RightHand, Joint::Head] {

@@ -13,8 +13,8 @@ use eframe::egui::{self, Rect, vec2};
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{SnapshotOptions, SnapshotResults};
 use std::path::PathBuf;
+use throng_core::patch::Placement;
 use throng_precompute::run::News;
-use throng_runtime::patch::Placement;
 use throng_viewer::args::{Args, CharacterArg, PanelChoice, ThemeName};
 use throng_viewer::command::{
     OverlayScope, PlanCommand, PlanViewOptions, SceneCommand, SceneViewOptions, Tool, ViewerCommand, WorldCommand,

@@ -5,10 +5,10 @@ use crate::common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use throng_runtime::world::inhabitants::InhabitantGoal;
 use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};
 use throng_viewer::command::{Tool, ViewerCommand, WorldCommand};
 use throng_viewer::settings::PanelKind;
+use throng_world::inhabitants::InhabitantGoal;
 
 /// The panel Patches beside the view.
 fn opened(file: &std::path::Path) -> Viewing {
@@ -102,7 +102,7 @@ fn units_are_edited_and_characters_get_orders() {
 
     // A panel that cannot be reached is refused with the reason.
     tool(&mut v, Tool::Select);
-    let far = throng_runtime::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
+    let far = throng_core::patch::Placement::new(70.0, 0.0, 0.0, 0.0);
     let change = throng_viewer::document::world::UnitChange::Add { unit: 0, at: far };
     v.apply(ViewerCommand::World(WorldCommand::Edit(change)));
     stitched(&mut v);

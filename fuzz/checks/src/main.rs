@@ -7,10 +7,10 @@ use std::process::ExitCode;
 use throng_bake::cache::Cache;
 use throng_checks::damage::write_corpus;
 use throng_checks::soak::{self, SoakConfig, SoakReport};
+use throng_core::base::limit_threads;
 use throng_lab::run::{BuildContext, ensure_scene};
 use throng_motion::progress::Silent;
-use throng_runtime::base::limit_threads;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Seeds of the fuzz targets.
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../corpus");

@@ -11,7 +11,7 @@ use throng_bake::cache::Cache;
 use throng_checks::soak::{self, Pools, SoakConfig, SoakReport};
 use throng_lab::run::{BuildContext, built_in_scene};
 use throng_motion::progress::Silent;
-use throng_runtime::simulation::Simulation;
+use throng_simulation::Simulation;
 
 /// What is allocated now, by all threads (bytes).
 static IN_USE: AtomicI64 = AtomicI64::new(0);

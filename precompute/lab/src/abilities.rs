@@ -3,9 +3,9 @@
 use crate::frames::runs;
 use std::f64::consts::PI;
 use throng_base::thresholds::{STANDING_MPS_F64, WALKING_MPS};
+use throng_core::format::ClipRecord;
+use throng_core::{Bundle, Planar};
 use throng_motion::clip::{ClipSet, runs_where};
-use throng_runtime::format::ClipRecord;
-use throng_runtime::{Bundle, Planar};
 
 /// Shortest time that counts as standing (s).
 const STANDING_S: f64 = 0.3;

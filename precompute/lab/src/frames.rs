@@ -1,7 +1,7 @@
 //! Frames of a bundle that may be played.
 
 use std::ops::Range;
-use throng_runtime::Bundle;
+use throng_core::Bundle;
 
 /// Runs of usable frames, in order: those of each clip between the frames that were excluded.
 pub fn runs(tables: &Bundle) -> Vec<Range<u32>> {

@@ -11,13 +11,13 @@ use std::fmt;
 use std::path::Path;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
+use throng_core::Skeleton;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::annotate::{self, ContactSanity};
 use throng_motion::clip::{Clip, ClipSet, Exclusion};
 use throng_motion::error::{BuildError, Warnings};
 use throng_motion::import::{self, ImportConfig, ImportedClip};
 use throng_motion::raw::{RawClip, SourceFormat};
-use throng_runtime::Skeleton;
 
 /// Findings of import in a clip. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
@@ -172,7 +172,7 @@ impl fmt::Display for ClipReport {
             writeln!(f, "    {finding}")?;
         }
         writeln!(f, "  roles")?;
-        for role in throng_runtime::Joint::ALL {
+        for role in throng_core::Joint::ALL {
             let joint = self.roles.get(role.name()).map_or("-", String::as_str);
             writeln!(f, "    {:<16} {joint}", role.name())?;
         }

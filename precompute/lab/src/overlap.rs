@@ -3,9 +3,9 @@
 use glam::{Vec2, Vec3Swizzles};
 use std::collections::HashSet;
 use throng_geometry::{Bounds2d, BoxGrid, Capsule, distance_to_segment};
-use throng_runtime::crowd::{Obstacle, Space};
-use throng_runtime::stops::BODY_RADIUS_M;
-use throng_runtime::{BodyVolume, Planar, PosedBody};
+use throng_crowd::{Obstacle, Space};
+use throng_core::stops::BODY_RADIUS_M;
+use throng_core::{BodyVolume, Planar, PosedBody};
 
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use glam::{Quat, Vec3};
     use proptest::prelude::*;
-    use throng_runtime::{Mat3x4, Skeleton};
+    use throng_core::{Mat3x4, Skeleton};
 
     /// A body whose hips are bent forwards (rad).
     fn bent(number: usize, at: Vec3, angle: f32) -> PresentCharacter {

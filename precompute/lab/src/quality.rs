@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use throng_base::maths;
 use throng_base::thresholds::TOE_LOW_M;
+use throng_core::{Bundle, Joint, NUM_JOINTS, Planar};
 use throng_motion::clip::joint_transforms;
-use throng_runtime::{Bundle, Joint, NUM_JOINTS, Planar};
 
 /// Frames on either side of a change of segment that count as near it.
 const NEAR: usize = 5;

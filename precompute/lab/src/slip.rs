@@ -2,10 +2,10 @@
 
 use crate::histogram::Histogram;
 use glam::{Vec2, Vec3};
+use throng_core::characters::{Characters, DetailLevel};
+use throng_core::{Contacts, Joint};
 use throng_motion::annotate::contacts::FOOT_PARTS;
-use throng_runtime::characters::{Characters, DetailLevel};
-use throng_runtime::simulation::Simulation;
-use throng_runtime::{Contacts, Joint};
+use throng_simulation::Simulation;
 
 /// Histogram of the speeds of planted feet, up to 4 m/s, in bins of 1 mm/s.
 type SpeedHistogram = Histogram<1000, 4000>;

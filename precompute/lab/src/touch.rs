@@ -5,9 +5,10 @@ use crate::histogram::Histogram;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
+use throng_core::{Bundle, CharacterGroup, Joint, NUM_JOINTS};
 use throng_geometry::segment_distance;
-use throng_runtime::sparring::{Sparring, StruckPart};
-use throng_runtime::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
+use throng_simulation::sparring::{Sparring, StruckPart};
+use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 
 /// Figures of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -211,7 +212,7 @@ mod tests {
 
     #[test]
     fn feet_of_two_are_as_far_from_each_other_as_they_stand() {
-        let joints = throng_runtime::skeleton::Skeleton::default().rest_positions();
+        let joints = throng_core::skeleton::Skeleton::default().rest_positions();
         let [near, ahead] = LEGS.map(|leg| lower_leg(leg, &joints));
         let apart = near[0][1].distance(ahead[0][1]);
         let least = |by: Vec3| {
@@ -225,7 +226,7 @@ mod tests {
 
     #[test]
     fn forearms_are_as_far_from_a_spine_as_they_are() {
-        let joints = throng_runtime::skeleton::Skeleton::default().rest_positions();
+        let joints = throng_core::skeleton::Skeleton::default().rest_positions();
         let chest = joints[Joint::Chest.index()];
         let [a, b] = [chest + Vec3::new(-0.2, 0.0, 0.3), chest + Vec3::new(0.2, 0.0, 0.3)];
         let off = spine_distance([a, b], &joints);

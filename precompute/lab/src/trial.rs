@@ -10,11 +10,11 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 use std::time::Instant;
+use throng_core::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
+use throng_core::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::stops::REST;
+use throng_core::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
 use throng_motion::error::BuildError;
-use throng_runtime::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
-use throng_runtime::stops::REST;
-use throng_runtime::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
 use watch::TrialWatch;
 
 /// Settings of a trial.
@@ -325,7 +325,7 @@ fn cells_around(p: Vec2) -> impl Iterator<Item = [i32; 2]> {
 mod tests {
     use super::*;
     use throng_core::characters::made_up;
-    use throng_runtime::format::AlignedBytes;
+    use throng_core::format::AlignedBytes;
 
     #[test]
     fn characters_without_room_begin_farther_from_each_other() {

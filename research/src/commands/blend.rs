@@ -5,11 +5,11 @@ use crate::{keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use throng_core::Bundle;
+use throng_core::base::limits;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::pipeline;
 use throng_research::measure::{self, BlendFigures};
-use throng_runtime::Bundle;
-use throng_runtime::base::limits;
 
 /// Synthetic locomotion; this config names no file.
 const LOCOMOTION: &str = include_str!("../../../data/locomotion.toml");

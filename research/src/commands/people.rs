@@ -2,8 +2,8 @@
 
 use crate::args::CommandResult;
 use crate::{keys, output};
+use throng_core::base::limits;
 use throng_research::steering::{PeopleFigures, people};
-use throng_runtime::base::limits;
 
 /// Compare crowds with people: speed and flow over density, lanes, flow through gaps, stripes where streams cross.
 ///
@@ -21,7 +21,7 @@ pub struct Args {
 
 /// Runs all rings, gaps and crossings.
 pub fn run(args: &Args) -> CommandResult {
-    let figures = people(args.seed, &|_| {}).map_err(throng_runtime::Error::from)?;
+    let figures = people(args.seed, &|_| {}).map_err(throng_core::Error::from)?;
     if args.json {
         return output::json(&figures);
     }

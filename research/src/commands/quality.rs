@@ -5,9 +5,9 @@ use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_core::base::limits;
 use throng_research::measure::{self, MatchingConfig, MatchingFigures};
 use throng_research::quality::{PAIRS, Quality, QualityConfig, quality};
-use throng_runtime::base::limits;
 
 /// Measure what policies collect against search to a depth of four actions, and against motion matching over all frames of
 /// the bundle, with the same targets.

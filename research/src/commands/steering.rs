@@ -3,9 +3,9 @@
 use crate::args::{CommandResult, fail};
 use crate::{keys, output};
 use serde::Serialize;
+use throng_core::base::limits;
+use throng_crowd::{CrowdSetup, SteeringConfig};
 use throng_research::steering::{self, CASES, Case, SteeringFigures};
-use throng_runtime::base::limits;
-use throng_runtime::crowd::{CrowdSetup, SteeringConfig};
 
 /// Measure how crowds get on: corridors, bends, crossings, doors, posts, rooms and rings.
 ///
@@ -106,7 +106,7 @@ fn measure(case: &Case, args: &Args, changes: &[(String, f64)]) -> Result<Row, B
         let mut setup = case.setup(args.seed.wrapping_add(repeat));
         changes.iter().try_for_each(|(name, value)| change(&mut setup, name, *value))?;
         let seconds = args.seconds.unwrap_or(case.seconds);
-        all.push(steering::run(setup, seconds, &mut |_, _, _, _| {}).map_err(throng_runtime::Error::from)?);
+        all.push(steering::run(setup, seconds, &mut |_, _, _, _| {}).map_err(throng_core::Error::from)?);
     }
     let mut stuck: Vec<usize> = all.iter().map(|f| f.stuck).collect();
     stuck.sort_unstable();
@@ -147,7 +147,7 @@ fn swept(args: &Args) -> Result<Vec<Swept>, Box<dyn std::error::Error>> {
             // Some cannot be halved or doubled.
             let mut probe = CrowdSetup::default();
             let is_within =
-                change(&mut probe, &constant, value).is_ok() && throng_runtime::crowd::Crowd::on_ground(probe).is_ok();
+                change(&mut probe, &constant, value).is_ok() && throng_crowd::Crowd::on_ground(probe).is_ok();
             if default == 0.0 || !is_within {
                 continue;
             }

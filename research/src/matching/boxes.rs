@@ -2,7 +2,7 @@
 
 use super::distance::{Nearest, to_box, to_row};
 use super::features::{Row, WIDTH};
-use throng_runtime::simd::vectorize;
+use throng_core::simd::vectorize;
 
 /// Rows in a small and in a large box.
 const SIZES: [usize; 2] = [16, 64];

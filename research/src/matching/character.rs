@@ -5,7 +5,7 @@ use super::database::Database;
 use super::distance::Nearest;
 use super::features::Row;
 use super::wish::Wish;
-use throng_runtime::Planar;
+use throng_core::Planar;
 
 /// Frames between two searches.
 pub const SEARCH_FRAMES: u32 = 10;

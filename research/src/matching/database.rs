@@ -4,10 +4,10 @@ use super::features::{AHEAD_S, FeatureWeights, Group, POSE, Row, WIDTH};
 use super::wish::Wish;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
+use throng_core::characters::{MotionSet, SampleJob};
+use throng_core::hits::striking_point;
+use throng_core::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 use throng_lab::frames::runs;
-use throng_runtime::characters::{MotionSet, SampleJob};
-use throng_runtime::hits::striking_point;
-use throng_runtime::{Bundle, Joint, Mat3x4, NUM_JOINTS, Planar};
 
 /// How far ahead a hit is a feature (s).
 pub const HIT_HORIZON_S: f32 = 1.0;

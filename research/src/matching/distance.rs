@@ -1,7 +1,7 @@
 //! The distance of two rows, and the search that looks at all of them.
 
 use super::features::{Row, WIDTH};
-use throng_runtime::simd::vectorize;
+use throng_core::simd::vectorize;
 
 /// Numbers that are added side by side.
 const LANES: usize = 8;

@@ -3,7 +3,7 @@
 use super::boxes::bounding_box;
 use super::distance::{Nearest, to_box, to_row};
 use super::features::{Row, WIDTH};
-use throng_runtime::simd::vectorize;
+use throng_core::simd::vectorize;
 
 /// Rows in a leaf, at most.
 const LEAF: usize = 32;

@@ -7,13 +7,13 @@ use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
 use throng_bake::stitch::{Editor, StitchKit, WorldSource};
+use throng_core::format::AlignedBytes;
+use throng_core::patch::Placement;
+use throng_core::{Bundle, CharacterGroup, Error, Inline};
 use throng_motion::error::BuildError;
 use throng_motion::progress::Silent;
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::{Inhabitants, InhabitantsConfig, scatter_rest_nodes};
-use throng_runtime::world::{PathCosts, World, WorldData, WorldGraph};
-use throng_runtime::{Bundle, CharacterGroup, Error, Inline};
+use throng_world::inhabitants::{Inhabitants, InhabitantsConfig, scatter_rest_nodes};
+use throng_world::{PathCosts, World, WorldData, WorldGraph};
 
 /// Number of timed moves of a unit, and distance of each from the one before (m).
 const EDITS: usize = 7;

@@ -10,9 +10,9 @@ use throng_bake::policy::{
     PolicyConfig, PolicyTables, SegmentMotion, collect_rewards, segment_records, solve_behaviours,
 };
 use throng_core::Planar;
+use throng_core::base::SingleRank;
 use throng_core::policy::{COMBINE_SUM, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_motion::progress::Silent;
-use throng_runtime::base::SingleRank;
 
 /// Two blows an action, at made-up places of different heights.
 struct Blows;

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
-use throng_runtime::crowd::{Agent, AtEnd, CrowdSetup, Obstacle, Route, Streets};
+use throng_crowd::{Agent, AtEnd, CrowdSetup, Obstacle, Route, Streets};
 
 /// A rectangle along the axes: lowest and highest x and z (m).
 pub type Area = [f32; 4];

@@ -9,7 +9,7 @@ pub use trial::{SteeringFigures, run};
 
 use ground::{Ground, People, Points};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
-use throng_runtime::crowd::CrowdSetup;
+use throng_crowd::CrowdSetup;
 
 /// A ground with a crowd on it.
 #[derive(Clone, Copy)]
@@ -84,7 +84,7 @@ fn one_way(seed: u64, people: People) -> Ground {
     }
     let starts = g.places(750, [-30.0, -5.0, 0.0, 5.0]);
     for start in starts {
-        g.agent(start, vec![start.0 + glam::Vec2::X * 110.0], throng_runtime::crowd::AtEnd::Leave);
+        g.agent(start, vec![start.0 + glam::Vec2::X * 110.0], throng_crowd::AtEnd::Leave);
     }
     g
 }

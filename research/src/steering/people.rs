@@ -4,7 +4,7 @@ use super::ground::{self, People};
 use super::trial::{SteeringFigures, run};
 use glam::Vec2;
 use serde::Serialize;
-use throng_runtime::crowd::{CrowdError, CrowdSetup, ForceField};
+use throng_crowd::{CrowdError, CrowdSetup, ForceField};
 
 /// Speed of people at a density (m/s), Weidmann 1993, Transporttechnik der Fussgaenger, eq. 6: free 1.34 m/s, none at 5.4 1/m2.
 pub fn weidmann_mps(density: f64) -> f64 {

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::crowd::{AtEnd, Crowd, CrowdError, CrowdSetup, Id, Obstacle, Streets};
+use throng_crowd::{AtEnd, Crowd, CrowdError, CrowdSetup, Id, Obstacle, Streets};
 
 /// Who stays within this distance ... (m)
 const STANDS_M: f32 = 0.5;

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use std::time::Instant;
+use throng_core::Skeleton;
 use throng_planner::ik::LimbIk;
 use throng_planner::limits::{BodyLimits, PoseSampler, Style};
 use throng_planner::linkage::{Chain, Limb, LimbPose, Linkage};
 use throng_planner::rotation::{Rigid, exp};
-use throng_runtime::Skeleton;
 
 /// Figures of inverse kinematics.
 pub struct IkFigures {

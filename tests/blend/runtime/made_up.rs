@@ -3,11 +3,11 @@
 use bytemuck::Zeroable;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
-use throng_runtime::blend::{
+use throng_core::blend::{
     AxisRecord, BlendRecord, BlendSpace, Blends, ChannelRow, ExampleRecord, MAX_AXES, PADDED_JOINTS, ReferenceRow,
     axis, channel,
 };
-use throng_runtime::{Joint, Planar, Skeleton};
+use throng_core::{Joint, Planar, Skeleton};
 
 /// Rows of the posture tables.
 pub const PHASES: usize = 32;

@@ -3,8 +3,8 @@
 use super::made_up::{MadeUp, PHASES};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
-use throng_runtime::blend::{BlendedPosture, PADDED_JOINTS, channel};
-use throng_runtime::{Joint, NUM_JOINTS};
+use throng_core::blend::{BlendedPosture, PADDED_JOINTS, channel};
+use throng_core::{Joint, NUM_JOINTS};
 
 /// A space with references that differ from row to row, some of them antipodal to their neighbours.
 fn with_references() -> MadeUp {

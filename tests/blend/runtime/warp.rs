@@ -2,7 +2,7 @@
 
 use super::made_up::{MadeUp, PHASES, cycle_s};
 use proptest::prelude::*;
-use throng_runtime::blend::channel;
+use throng_core::blend::channel;
 
 /// Examples whose rates differ from row to row.
 fn uneven() -> MadeUp {

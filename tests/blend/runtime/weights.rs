@@ -2,7 +2,7 @@
 
 use super::made_up::MadeUp;
 use proptest::prelude::*;
-use throng_runtime::blend::{AxisRecord, BlendSpace, MAX_AXES, MAX_KNOTS, WeightGrid};
+use throng_core::blend::{AxisRecord, BlendSpace, MAX_AXES, MAX_KNOTS, WeightGrid};
 
 /// Axes of 2, 3, 4, ... knots.
 fn axes(num_axes: usize) -> Vec<AxisRecord> {
@@ -203,5 +203,5 @@ fn broken_tables_are_refused_and_named() {
     refuse(|m| m.spaces[0].num_phases = 1, "reference rows");
     refuse(|m| m.spaces[0].first_row = 1, "reference rows");
     refuse(|m| m.spaces[0].first_channel_row = 1, "channel rows");
-    refuse(|m| m.channels[7].values[throng_runtime::blend::channel::RATE] = 0.0, "rates");
+    refuse(|m| m.channels[7].values[throng_core::blend::channel::RATE] = 0.0, "rates");
 }

@@ -6,8 +6,8 @@ mod scene;
 pub use parse::{AdapterChoice, BodyChoice, CameraArg, CharacterArg, PanelChoice, PictureSize, StageName, ThemeName};
 
 use std::path::PathBuf;
-use throng_runtime::base::limits::{self, number_parser};
-use throng_runtime::crowd::Scheme;
+use throng_core::base::limits::{self, number_parser};
+use throng_crowd::Scheme;
 
 /// Frames that run before a picture, unless given (1/60 s).
 pub const PICTURE_FRAMES: u32 = 150;

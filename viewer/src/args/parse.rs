@@ -6,9 +6,9 @@ use crate::settings::{BODIES, PanelKind};
 use eframe::egui::ThemePreference;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use throng_runtime::base::limits::{self, number_parser};
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::scene::engine as engines;
+use throng_core::base::limits::{self, number_parser};
+use throng_crowd::Scheme;
+use throng_simulation::scene::engine as engines;
 
 /// Size of a picture or a window (pixels).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

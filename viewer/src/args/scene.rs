@@ -6,11 +6,11 @@ use crate::document::{OpenDocument, SceneChoice, UserOutfit};
 use crate::model::Model;
 use crate::settings::ViewerSettings;
 use eframe::egui;
+use throng_core::base::text::escape_for_terminal;
 use throng_precompute::cache::Cache;
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News};
-use throng_runtime::base::text::escape_for_terminal;
-use throng_runtime::simulation::scene::engine;
+use throng_simulation::scene::engine;
 
 /// Prints the stages of a build, on standard error.
 struct StageNamePrinter;
@@ -242,8 +242,8 @@ mod tests {
     use crate::args::{CharacterArg, StageName};
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
+    use throng_crowd::Scheme;
     use throng_precompute::synth::{SynthConfig, SynthSet};
-    use throng_runtime::crowd::Scheme;
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(ViewerSettings::default()));

@@ -3,7 +3,7 @@
 use crate::document::SceneChoice;
 use crate::run::agents::AgentEventKind;
 use std::path::PathBuf;
-use throng_runtime::simulation::scenario::BlackboardArea;
+use throng_simulation::scenario::BlackboardArea;
 
 /// For which agents something is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

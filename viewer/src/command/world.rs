@@ -2,8 +2,8 @@
 
 use crate::document::world::UnitChange;
 use std::path::PathBuf;
-use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_core::patch::Placement;
+use throng_world::inhabitants::InhabitantGoal;
 
 /// Tool: the effect of a click in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use crate::render::SolidMesh;
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
-use throng_runtime::crowd::Obstacle;
+use throng_crowd::Obstacle;
 
 /// Height of doors (m).
 pub const DOOR_M: f32 = 0.35;

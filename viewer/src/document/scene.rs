@@ -10,16 +10,16 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
+use throng_core::blend::HeightField;
+use throng_core::patch::Placement;
+use throng_crowd::{Obstacle, Scheme};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
 use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world};
 use throng_precompute::stitch::StitchKit;
-use throng_runtime::base::file::{MAX_SNAPSHOT_BYTES, read_file};
-use throng_runtime::blend::HeightField;
-use throng_runtime::crowd::{Obstacle, Scheme};
-use throng_runtime::patch::Placement;
-use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
+use throng_simulation::scene::engine;
+use throng_simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
 pub const MAX_SCENE_CHARACTERS: usize = 100_000;

@@ -4,7 +4,7 @@ use super::Model;
 use crate::document::{OpenDocument, SceneDocument, TaskDocument, WorldDocument};
 use crate::run::agents::agent_route;
 use glam::Vec3;
-use throng_runtime::crowd::Obstacle;
+use throng_crowd::Obstacle;
 
 impl Model {
     /// A box around all that is shown (m).

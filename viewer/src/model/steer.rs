@@ -11,10 +11,10 @@ pub use lag::Lags;
 use lag::Twin;
 use std::f32::consts::PI;
 use throng_base::thresholds::WALK_SPEED_MPS;
-use throng_runtime::blend::axis;
-use throng_runtime::planar::wrap_angle;
-use throng_runtime::world::inhabitants::InhabitantGoal;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::blend::axis;
+use throng_core::planar::wrap_angle;
+use throng_core::{Mat3x4, NUM_JOINTS, Planar};
+use throng_world::inhabitants::InhabitantGoal;
 
 /// Distance of a policy's target ahead of the steered character, when walking and when running (m).
 const AHEAD_M: [f32; 2] = [1.6, 4.5];

@@ -4,8 +4,8 @@ use super::Model;
 use crate::command::WorldCommand;
 use crate::document::world::{EditStatus, EditorOrder};
 use crate::document::{OpenDocument, WorldDocument};
+use throng_core::patch::Placement;
 use throng_precompute::environment::UnitObject;
-use throng_runtime::patch::Placement;
 
 impl Model {
     /// The world with the shown inhabitants; none while a clip is shown.

@@ -5,9 +5,9 @@ use crate::model::Model;
 use crate::theme::ThemePalette;
 use eframe::egui::Color32;
 use std::ops::Range;
+use throng_core::format::ClipMeta;
 use throng_precompute::clip::ExclusionReason;
 use throng_precompute::import::{Glitch, GlitchTreatment};
-use throng_runtime::format::ClipMeta;
 
 /// A glitch of a clip.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use crate::model::{Model, name_of};
 use crate::render::CameraPreset;
 use crate::settings::{Colouring, RawView, ViewerSettings};
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::scene::engine;
+use throng_crowd::Scheme;
+use throng_simulation::scene::engine;
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {

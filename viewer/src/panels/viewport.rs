@@ -17,8 +17,8 @@ use crate::stage::{self, StageLayout, ValueCell};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
-use throng_runtime::simulation::AnyCharacterGroup;
-use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_simulation::AnyCharacterGroup;
+use throng_world::inhabitants::InhabitantGoal;
 
 /// Distance from the pointer within which a target can be grabbed (points).
 const GRAB: f32 = 16.0;

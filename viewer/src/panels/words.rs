@@ -2,9 +2,9 @@
 
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
-use throng_runtime::Planar;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
-use throng_runtime::world::inhabitants::{InhabitantActivity, InhabitantGoal, InhabitantState};
+use throng_core::Planar;
+use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal, InhabitantState};
 
 /// Turns smaller than this are not worth a word (degrees).
 const STRAIGHT_DEG: f32 = 3.0;

@@ -10,8 +10,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
-use throng_runtime::characters::PoseInstance;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::characters::PoseInstance;
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use wgpu::Face;
 
 /// From these heights in pixels on, a body is drawn at a level of detail, finest first; below, at the coarsest.

@@ -1,7 +1,7 @@
 //! Which characters are in view: bounding spheres against the planes of the frustum.
 
 use glam::{Mat4, Vec3, Vec4};
-use throng_runtime::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton};
 
 /// The planes that bound the camera's view; there is no far plane.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +25,7 @@ impl Frustum {
 
 /// Radius around the hips that no part of a body leaves in any pose (m).
 pub(super) fn reach(skeleton: &Skeleton) -> f32 {
-    let mut chain = [0.0_f32; throng_runtime::NUM_JOINTS];
+    let mut chain = [0.0_f32; throng_core::NUM_JOINTS];
     for joint in Joint::ALL {
         if let Some(parent) = joint.parent() {
             chain[joint.index()] = chain[parent.index()] + skeleton.offsets[joint.index()].length();
@@ -86,7 +86,7 @@ mod tests {
                     Quat::from_rotation_y(rng.random_range(-3.0..3.0))
                         * Quat::from_rotation_x(rng.random_range(-3.0..3.0))
                 };
-                let mut pose = [(Vec3::ZERO, Quat::IDENTITY); throng_runtime::NUM_JOINTS];
+                let mut pose = [(Vec3::ZERO, Quat::IDENTITY); throng_core::NUM_JOINTS];
                 for j in Joint::ALL {
                     let (p, q) = j.parent().map_or((Vec3::ZERO, Quat::IDENTITY), |p| pose[p.index()]);
                     let offset = if j == Joint::Hips { Vec3::ZERO } else { skeleton.offsets[j.index()] };

@@ -2,8 +2,8 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
-use throng_runtime::geometry::Capsule;
-use throng_runtime::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_geometry::Capsule;
+use throng_core::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Width around a body within which it is picked (m).
 const PICK_ROOM_M: f32 = 0.02;
@@ -78,7 +78,7 @@ mod tests {
     use glam::Quat;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
-    use throng_runtime::Planar;
+    use throng_core::Planar;
 
     fn rest_pose(skeleton: &Skeleton) -> [Mat3x4; NUM_JOINTS] {
         skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p))

@@ -9,7 +9,7 @@ use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
 use super::{OrbitCamera, RenderError, SceneColours, ShapeList, Solids, WornFrame};
 use std::sync::Arc;
-use throng_runtime::{Mat3x4, Skeleton};
+use throng_core::{Mat3x4, Skeleton};
 
 /// Storage buffers that the vertex stage reads.
 const STORAGE_BUFFERS: u32 = 3;

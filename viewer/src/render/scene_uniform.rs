@@ -3,7 +3,7 @@
 use super::{OrbitCamera, SceneColours};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
-use throng_runtime::{NUM_JOINTS, Skeleton};
+use throng_core::{NUM_JOINTS, Skeleton};
 
 /// Towards the sun. Steep, so that shadows stay near their feet.
 pub(super) const SUN: Vec3 = Vec3::new(0.34, 0.87, 0.36);

@@ -5,8 +5,8 @@ use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
-use throng_runtime::geometry::{RayCrossing, ray_crossing};
-use throng_runtime::patch::Placement;
+use throng_core::patch::Placement;
+use throng_geometry::{RayCrossing, ray_crossing};
 
 /// Corners around a bar, and rings of each of its ends.
 const AROUND: usize = 10;

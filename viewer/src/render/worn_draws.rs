@@ -8,7 +8,7 @@ use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
-use throng_runtime::Mat3x4;
+use throng_core::Mat3x4;
 
 /// Characters that wear a mesh of the user's own, for one frame.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,10 @@ use super::blending::Blending;
 use super::reel::Reel;
 use crate::bundle::OpenBundle;
 use glam::Vec2;
-use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
-use throng_runtime::simulation::wander::scaled_skeleton;
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{CharacterGroup, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::blend::{BlendSpace, MAX_AXES, axis};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{CharacterGroup, Contacts, Error, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_simulation::wander::scaled_skeleton;
 
 /// Time in which the difference between the requested and the blended point halves (s).
 const HALF_LIFE_S: f32 = 0.12;

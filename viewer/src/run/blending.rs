@@ -1,7 +1,7 @@
 //! Blend request: a point of a blend space, and a body.
 
 use throng_base::thresholds::WALK_SPEED_MPS;
-use throng_runtime::blend::{BlendSpace, MAX_AXES, axis};
+use throng_core::blend::{BlendSpace, MAX_AXES, axis};
 
 /// Sizes that a body may have (size of the database skeleton).
 pub const SIZES: [f32; 2] = [0.7, 1.2];

@@ -1,10 +1,10 @@
 //! Results of blows: marks that stay for a moment.
 
 use glam::Vec3;
-use throng_runtime::CharacterGroup;
-use throng_runtime::characters::Blow;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
-use throng_runtime::sparring::StruckPart;
+use throng_core::CharacterGroup;
+use throng_core::characters::Blow;
+use throng_simulation::sparring::StruckPart;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Result of a blow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use super::{GoalSubject, PolicyChooser};
 use glam::{Vec2, Vec3};
-use throng_runtime::Planar;
+use throng_core::Planar;
 
 /// Contribution of one behaviour to a choice.
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use crate::bundle::OpenBundle;
 use glam::Vec3;
 use std::sync::Arc;
-use throng_runtime::characters::Characters;
+use throng_core::characters::Characters;
 
 /// Subject of a behaviour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Config of a run.
 
 use serde::{Deserialize, Serialize};
-use throng_runtime::base::limits;
-use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, FootLockConfig};
+use throng_core::base::limits;
+use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, FootLockConfig};
 
 /// Steps a second of simulated time (Hz).
 pub const STEP_HZ: f32 = 60.0;

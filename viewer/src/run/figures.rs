@@ -1,10 +1,10 @@
 //! Figures of every step.
 
+use throng_core::characters::StepTimes;
 use throng_precompute::run::AgentsSummary;
 use throng_precompute::slip::SlipMeter;
-use throng_runtime::characters::StepTimes;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
-use throng_runtime::sparring::BlowTally;
+use throng_simulation::sparring::BlowTally;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Speed of planted heels and toes over all characters at one step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -4,8 +4,8 @@ use super::CrowdRun;
 use super::simulation::{CrowdSimulation, RunInput};
 use crate::bundle::OpenBundle;
 use glam::Vec3;
-use throng_runtime::Result;
-use throng_runtime::characters::Characters;
+use throng_core::Result;
+use throng_core::characters::Characters;
 
 /// The characters at one step, which continue without later inputs to the run.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ impl CrowdFork {
     /// One step forward.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be taken.
+    /// [`throng_core::Error`] where a step cannot be taken.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
         self.0.step(bundle).map(|_| ())
     }

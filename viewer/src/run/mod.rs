@@ -36,8 +36,8 @@ use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use recording::CrowdRecording;
 use simulation::CrowdSimulation;
-use throng_runtime::Result;
-use throng_runtime::characters::Characters;
+use throng_core::Result;
+use throng_core::characters::Characters;
 
 /// A run of a crowd, with the record of its last minute.
 #[derive(Clone, Debug)]
@@ -61,7 +61,7 @@ impl CrowdRun {
         }
         // Only the first behaviour counts, until others are requested.
         let mut weights = if weights.is_empty() { vec![1.0] } else { weights.to_vec() };
-        weights.resize(behaviours.min(throng_runtime::characters::MAX_GOALS), 0.0);
+        weights.resize(behaviours.min(throng_core::characters::MAX_GOALS), 0.0);
         let simulation = CrowdSimulation::new(bundle, config.limited(), weights).map_err(|e| e.to_string())?;
         let (recording, last) = (CrowdRecording::new(simulation.keyframe()), StepFigures::default());
         let mut run = Self { simulation, recording, head: PlayHead::default(), last };
@@ -131,7 +131,7 @@ impl CrowdRun {
     /// One step forward: the next recorded one, or a new one at the end of the record.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be taken.
+    /// [`throng_core::Error`] where a step cannot be taken.
     pub fn step(&mut self, bundle: &OpenBundle) -> Result<()> {
         let s = &mut self.simulation;
         self.recording.keep_keyframe(s);
@@ -148,7 +148,7 @@ impl CrowdRun {
     /// Shows the nearest recorded step.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be repeated.
+    /// [`throng_core::Error`] where a step cannot be repeated.
     pub fn seek(&mut self, bundle: &OpenBundle, step: u32) -> Result<()> {
         self.head.seek(step);
         let step = self.head.shown_step();

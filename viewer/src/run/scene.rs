@@ -16,10 +16,10 @@ use state::SceneRunState;
 use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
-use throng_runtime::Result;
-use throng_runtime::crowd::CrowdEvent;
-use throng_runtime::simulation::agents::{SceneAgents, world_vector};
-use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
+use throng_core::Result;
+use throng_crowd::CrowdEvent;
+use throng_simulation::agents::{SceneAgents, world_vector};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
 
 /// Steps between two states.
 const STATE_EVERY: u32 = 60;
@@ -93,7 +93,7 @@ impl SceneRun {
     /// - `kept`: what [`SceneRun::snapshot`] gave for the same scene.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
+    /// [`throng_core::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
     pub fn new(scene: &CompiledScene, kept: Option<&[u8]>) -> Result<Self> {
         let mut simulation = Simulation::new(scene)?;
         if let Some(bytes) = kept {
@@ -182,7 +182,7 @@ impl SceneRun {
     /// One step forward: a recorded one, or a new one.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where the step cannot be taken.
+    /// [`throng_core::Error`] where the step cannot be taken.
     pub fn step(&mut self) -> Result<()> {
         let step = self.head.shown_step() + 1;
         let begin = Instant::now();
@@ -199,7 +199,7 @@ impl SceneRun {
     /// Shows the nearest recorded step.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be repeated.
+    /// [`throng_core::Error`] where a step cannot be repeated.
     pub fn seek(&mut self, step: u32) -> Result<()> {
         let shown = self.head.shown_step();
         self.head.seek(step);
@@ -234,7 +234,7 @@ impl SceneRun {
     /// is kept within [`super::MAX_TARGET_M`]; a target that is not a number is ignored.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] for what cannot be done; nothing has changed then.
+    /// [`throng_core::Error`] for what cannot be done; nothing has changed then.
     pub fn input(&mut self, input: RunInput) -> Result<()> {
         let Some(input) = input.limited() else { return Ok(()) };
         self.state.apply_input(&input)?;
@@ -288,7 +288,7 @@ impl SceneRun {
         }
         let root = self.simulation().root(who)?.translation();
         let Some(pose) = self.simulation().pose(who) else { return Some(root) };
-        use throng_runtime::Joint::{LeftFoot, RightFoot};
+        use throng_core::Joint::{LeftFoot, RightFoot};
         let ankle = [LeftFoot, RightFoot].map(|j| pose[j.index()].translation().y);
         Some(root.with_y(ankle[0].min(ankle[1])))
     }
@@ -384,7 +384,7 @@ impl SceneRun {
 }
 
 /// Writes the events of the last step into a log.
-fn log_engine_events<V: throng_runtime::crowd::Space>(
+fn log_engine_events<V: throng_crowd::Space>(
     log: &mut EventLog,
     first: Option<usize>,
     agents: &SceneAgents<V>,

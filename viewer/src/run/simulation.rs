@@ -10,11 +10,11 @@ use rand_pcg::Pcg64Mcg;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
+use throng_core::characters::{CharacterStart, Characters, CharactersSnapshot, Detail, PolicyOrder};
+use throng_core::{Executor, Inline, Planar, Rayon, Result};
 use throng_precompute::slip::SlipMeter;
 use throng_precompute::trial;
-use throng_runtime::characters::{CharacterStart, Characters, CharactersSnapshot, Detail, PolicyOrder};
-use throng_runtime::world::inhabitants::InhabitantGoal;
-use throng_runtime::{Executor, Inline, Planar, Rayon, Result};
+use throng_world::inhabitants::InhabitantGoal;
 
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 1000;

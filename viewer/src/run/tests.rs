@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixtures::golden as bundle;
-use throng_runtime::Mat3x4;
+use throng_core::Mat3x4;
 
 fn config() -> CrowdRunConfig {
     CrowdRunConfig { characters: 20, temperature: 0.2, ..CrowdRunConfig::default() }

@@ -7,10 +7,10 @@ use super::STEP_HZ;
 use super::reel::Reel;
 use glam::{Vec2, Vec3};
 use std::time::Instant;
-use throng_runtime::characters::CharactersConfig;
-use throng_runtime::world::inhabitants::{InhabitantGoal, InhabitantState, Inhabitants, InhabitantsConfig};
-use throng_runtime::world::{World, WorldNode};
-use throng_runtime::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
+use throng_core::characters::CharactersConfig;
+use throng_core::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
+use throng_world::inhabitants::{InhabitantGoal, InhabitantState, Inhabitants, InhabitantsConfig};
+use throng_world::{World, WorldNode};
 
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
@@ -42,7 +42,7 @@ impl WorldRun {
     /// All inhabitants at rest where they start; they roam.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] for a start without a rest cell, or where two would share a unit.
+    /// [`throng_core::Error`] for a start without a rest cell, or where two would share a unit.
     pub fn new(world: &World, seed: u64, starts: &[WorldNode]) -> Result<Self> {
         let characters = CharactersConfig { seed, ..CharactersConfig::default() };
         let config = InhabitantsConfig { characters, ..InhabitantsConfig::default() };
@@ -68,7 +68,7 @@ impl WorldRun {
     /// One step forward: a recorded one, or a new one.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be taken.
+    /// [`throng_core::Error`] where a step cannot be taken.
     pub fn step(&mut self) -> Result<()> {
         if self.reel.head.advance_recorded() { Ok(()) } else { self.take_step() }
     }
@@ -76,7 +76,7 @@ impl WorldRun {
     /// Gives a character an order, at the last step; none lets it decide for itself.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] for a place or a tag that is not there (character < num_characters).
+    /// [`throng_core::Error`] for a place or a tag that is not there (character < num_characters).
     pub fn give_order(&mut self, character: usize, goal: Option<InhabitantGoal>) -> Result<()> {
         self.inhabitants.order(self.id(character), goal.unwrap_or_default())?;
         self.orders[character] = goal;

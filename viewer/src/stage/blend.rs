@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba};
 use crate::run::{BlendCompanions, BlendMoment, BlendRun};
 use glam::Vec3;
-use throng_runtime::{NUM_JOINTS, Planar};
+use throng_core::{NUM_JOINTS, Planar};
 
 /// Length of the path behind (s).
 const TRAIL_S: f32 = 4.0;

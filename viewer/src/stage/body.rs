@@ -1,7 +1,7 @@
 //! Bodies of other sizes and proportions, drawn with the triangles of the database skeleton's.
 
 use glam::Vec3;
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Ratio of length and thickness of each limb to those of the database skeleton, along its joint's axes.
 pub(super) type Stretch = [Vec3; NUM_JOINTS];
@@ -69,7 +69,7 @@ pub(super) fn push_stretched(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: 
 mod tests {
     use super::*;
     use glam::Quat;
-    use throng_runtime::simulation::wander::scaled_skeleton;
+    use throng_simulation::wander::scaled_skeleton;
 
     #[test]
     fn the_ends_of_limbs_come_to_lie_on_the_next_joints() {

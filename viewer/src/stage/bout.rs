@@ -4,8 +4,8 @@ use super::{StageLayout, StagePalette};
 use crate::render::{Rgba, ShapeList};
 use crate::run::{BlowMark, BlowResult, STEP_HZ, SceneRun};
 use glam::Vec3;
-use throng_runtime::simulation::AnyCharacterGroup;
-use throng_runtime::sparring::{StruckPart, StruckTarget};
+use throng_simulation::AnyCharacterGroup;
+use throng_simulation::sparring::{StruckPart, StruckTarget};
 
 /// Time that a mark stays (s).
 const MARK_S: f32 = 0.6;

@@ -5,8 +5,8 @@ use crate::bundle::OpenBundle;
 use crate::model::Model;
 use crate::render::CharacterInstance;
 use glam::Vec3;
-use throng_runtime::characters::SampleJob;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::characters::SampleJob;
+use throng_core::{Mat3x4, NUM_JOINTS, Planar};
 
 /// Time between two poses of the onion skin (s).
 const SKIN_EVERY_S: f32 = 0.4;

@@ -8,7 +8,7 @@ use crate::run::{CrowdRun, PolicyChooser, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
 use std::sync::Arc;
-use throng_runtime::characters::DetailLevel;
+use throng_core::characters::DetailLevel;
 
 /// Speed at which the colour of speed is that of a fast character (m/s).
 const FAST_MPS: f32 = 2.5;

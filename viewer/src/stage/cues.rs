@@ -6,8 +6,8 @@ use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
 use crate::settings::Overlays;
 use glam::Vec3;
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_precompute::annotate::contacts::FOOT_PARTS;
-use throng_runtime::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Draws contacts and joint axes of a body, as far as they are enabled.
 ///

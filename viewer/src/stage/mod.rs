@@ -19,7 +19,7 @@ use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::render::{CharacterInstance, RecordInstance, Rgba, SceneColours, ShapeList, Solids};
 use std::sync::Arc;
-use throng_runtime::{Mat3x4, Skeleton};
+use throng_core::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
 /// Content of one frame of the 3-D view.
@@ -165,7 +165,7 @@ mod tests {
     use crate::run::CrowdRunConfig;
     use crate::settings::ViewerSettings;
     use eframe::egui;
-    use throng_runtime::NUM_JOINTS;
+    use throng_core::NUM_JOINTS;
 
     fn open() -> Model {
         let run = CrowdRunConfig { characters: 12, ..CrowdRunConfig::default() };

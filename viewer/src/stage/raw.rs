@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::render::CharacterInstance;
 use crate::settings::RawView;
 use glam::Vec3;
-use throng_runtime::{Joint, Mat3x4, Planar};
+use throng_core::{Joint, Mat3x4, Planar};
 
 /// Offset of the source's joints from the body (m).
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);

@@ -9,10 +9,10 @@ use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
 use throng_base::thresholds::AGENT_RADIUS_M;
-use throng_runtime::patch::Placement;
-use throng_runtime::simulation::agents::Disc;
-use throng_runtime::simulation::scenario::AgentBrains;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_core::patch::Placement;
+use throng_simulation::agents::Disc;
+use throng_simulation::scenario::AgentBrains;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Most characters for which cues of all are drawn.
 const MAX_CUES: usize = 1500;

@@ -6,12 +6,12 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use glam::DVec3;
 use std::sync::Arc;
+use throng_core::{Mat3x4, Planar, Skeleton};
 use throng_planner::linkage::{Chain, Linkage};
 use throng_planner::rotation::Rigid;
 use throng_planner::search::LoggedTrees;
 use throng_planner::task::{Handle, StepOutcome};
 use throng_precompute::Clip;
-use throng_runtime::{Mat3x4, Planar, Skeleton};
 
 /// Colours of things, by their number.
 const TINTS: [u32; 6] = [0xb08a4a, 0x5f8f56, 0x87609c, 0xb5653f, 0x4a8f9f, 0x8a8578];

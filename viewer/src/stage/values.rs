@@ -7,8 +7,8 @@ use crate::run::PolicyChooser;
 use crate::theme::viridis;
 use crate::volume::Volume;
 use glam::Vec3;
-use throng_runtime::Planar;
-use throng_runtime::policy::PolicyTable;
+use throng_core::Planar;
+use throng_core::policy::PolicyTable;
 
 /// Cells that are drawn at most; of finer grids every second, third and so on is.
 const MAX_CELLS: usize = 6000;

@@ -14,8 +14,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
 use rayon::prelude::*;
 use std::ops::Range;
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 use throng_precompute::retarget::BodyFit;
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Number of different bodies.
 const NUM_BODIES: usize = 48;

@@ -7,11 +7,11 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use crate::settings::Colouring;
 use glam::Vec3;
+use throng_core::patch::{CellRecord, KIND_TILE, Placement};
+use throng_geometry::BoundingBox;
 use throng_precompute::environment::PlacedUnit;
-use throng_runtime::geometry::BoundingBox;
-use throng_runtime::patch::{CellRecord, KIND_TILE, Placement};
-use throng_runtime::world::inhabitants::InhabitantActivity;
-use throng_runtime::world::{WorldNode, WorldStep};
+use throng_world::inhabitants::InhabitantActivity;
+use throng_world::{WorldNode, WorldStep};
 
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
@@ -160,7 +160,7 @@ fn cues_of(out: &mut StageLayout, model: &Model, world: &WorldDocument, c: usize
         out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
     }
     if o.joint_axes {
-        let pose = &run.moment().poses[c * throng_runtime::NUM_JOINTS..][..throng_runtime::NUM_JOINTS];
+        let pose = &run.moment().poses[c * throng_core::NUM_JOINTS..][..throng_core::NUM_JOINTS];
         cues::joint_axes(&mut out.shapes, run.moment().roots[c], pose);
     }
     if !run.reel.head.is_live() {
@@ -218,7 +218,7 @@ fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: 
         let is_left = graph.is_enabled(node);
         let ground = place.translation().with_y(ground_of(world, instance, c as u32));
         let ahead = place.planar().rotation() * Vec3::Z * 0.18;
-        if is_tile && cell.edge != throng_runtime::patch::NONE {
+        if is_tile && cell.edge != throng_core::patch::NONE {
             let colour = if cell.has_flags(CellRecord::IS_EXIT) { palette.fast } else { palette.slow };
             let colour = if is_left { colour } else { colour.alpha(0.25) };
             out.shapes.arrow(ground - ahead * 0.5, ground + ahead * 0.5, 0.008, colour);

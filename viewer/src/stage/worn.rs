@@ -6,7 +6,7 @@ use crate::document::UserOutfit;
 use crate::model::Model;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
 
 /// Share by which legs may differ from those of the database and still count as the same: a foot lock stretches legs a
 /// little.

@@ -2,7 +2,7 @@
 
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
-use throng_runtime::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton};
 
 /// Units of the file in a metre.
 const UNITS: f32 = 100.0;

@@ -11,6 +11,9 @@ use tempfile::TempDir;
 use throng_bake::config::BuildConfig;
 use throng_bake::environment::{EnvironmentFile, UnitSet, geometries};
 use throng_bake::stitch::WorldSource;
+use throng_core::format::AlignedBytes;
+use throng_core::{Bundle, NUM_JOINTS, Skeleton};
+use throng_geometry::{Segment, TriangleMesh};
 use throng_motion::annotate::{AnnotateConfig, Sidecar, Sidecars, annotate};
 use throng_motion::export::{ActorPose, TakeWriter};
 use throng_motion::import::profile::Profile;
@@ -24,10 +27,7 @@ use throng_planner::collide::EdgeCheck;
 use throng_planner::limits::{BodyLimits, PoseSampler, Style};
 use throng_planner::linkage::{Limb, LimbPose, Linkage};
 use throng_planner::task::{ActorClip, Task, obj_triangles};
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::geometry::{Segment, TriangleMesh};
-use throng_runtime::simulation::{Scene, Simulation};
-use throng_runtime::{Bundle, NUM_JOINTS, Skeleton};
+use throng_simulation::{Scene, Simulation};
 use throng_world::made_up_floor;
 
 /// Parts the two files of an `amc` input: the ASF skeleton before it, the AMC motion after it.

@@ -1,8 +1,8 @@
 //! Puts the checksums of damaged files right, so that what lies behind them is reached.
 
 use std::io::{Cursor, Write};
-use throng_runtime::format::{FileHeader, MAGIC, SectionEntry, VERSION, crc32};
-use throng_runtime::world::{WORLD_MAGIC, WORLD_VERSION};
+use throng_core::format::{FileHeader, MAGIC, SectionEntry, VERSION, crc32};
+use throng_world::{WORLD_MAGIC, WORLD_VERSION};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -103,8 +103,8 @@ pub(super) fn zip(names: &[&str], files: &[&[u8]]) -> Vec<u8> {
 mod tests {
     use super::super::seeds;
     use super::*;
-    use throng_runtime::Bundle;
-    use throng_runtime::format::AlignedBytes;
+    use throng_core::Bundle;
+    use throng_core::format::AlignedBytes;
 
     #[test]
     fn what_is_whole_stays_as_it_is_and_a_flipped_bit_passes_the_checksums() {

@@ -6,9 +6,9 @@ use super::{scenes, snapshots};
 use std::fmt::Write as _;
 use std::path::Path;
 use throng_core::characters::made_up;
+use throng_core::{Joint, Skeleton};
 use throng_motion::import;
 use throng_motion::raw::RawClip;
-use throng_runtime::{Joint, Skeleton};
 use throng_world::{PathCosts, WorldGraph, made_up_floor};
 
 /// A bundle with a blend space.

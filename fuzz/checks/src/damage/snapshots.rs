@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 use throng_core::characters::made_up;
+use throng_core::format::AlignedBytes;
+use throng_core::{Bundle, HitRecord, Inline, Joint};
 use throng_lab::run::RunRecording;
-use throng_runtime::format::AlignedBytes;
-use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
-use throng_runtime::{Bundle, HitRecord, Inline, Joint};
+use throng_simulation::{CompiledScene, Scene, Simulation};
 
 /// Step of all simulations here (s).
 pub(super) const DT: f64 = 1.0 / 30.0;

@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::time::Instant;
 use throng_motion::error::BuildError;
 use throng_motion::memory::resident_bytes;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Rounds over all scenes after which memory must not grow.
 const WARM_UP_ROUNDS: u64 = 3;
@@ -105,7 +105,7 @@ impl SoakReport {
 }
 
 /// What the runtime says, as precompute does.
-fn fault(e: throng_runtime::Error) -> BuildError {
+fn fault(e: throng_core::Error) -> BuildError {
     BuildError::Config { message: e.to_string() }
 }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use throng_lab::run::{BUILT_IN_SCENES, BuildContext, built_in_scene, ensure_scene};
 use throng_motion::error::BuildError;
 use throng_motion::files::write_atomically;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// Names and texts of files.
 const FILES: [(&str, &str); 7] = [

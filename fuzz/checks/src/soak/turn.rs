@@ -5,10 +5,10 @@ use super::{SoakConfig, SoakReport, Worst, fault};
 use rand::{Rng, RngExt};
 use rayon::ThreadPool;
 use std::time::Instant;
+use throng_core::{Inline, Planar, Rayon};
 use throng_lab::run::{SceneFigures, SceneWatch};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
-use throng_runtime::{Inline, Planar, Rayon};
+use throng_simulation::{CompiledScene, Scene, Simulation};
 
 /// Nobody is faster than this on the whole, nor farther from its start than that allows (m/s, m).
 const FASTEST_MPS: f32 = 12.0;
@@ -165,7 +165,7 @@ impl Look {
             self.last[who] = Some(root);
             if let Some(pose) = sim.pose(who) {
                 let finite = pose.iter().all(|m| m.rows.as_flattened().iter().all(|v| v.is_finite()));
-                let joint = |m: &throng_runtime::Mat3x4| m.translation();
+                let joint = |m: &throng_core::Mat3x4| m.translation();
                 let reach = pose.iter().map(|m| joint(m).x.hypot(joint(m).z)).fold(0.0, f32::max);
                 let high = pose.iter().map(|m| joint(m).y.abs()).fold(0.0, f32::max);
                 report.worst.reach_m = report.worst.reach_m.max(f64::from(reach));

@@ -4,8 +4,8 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::path::Path;
+use throng_core::Bundle;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
-use throng_runtime::Bundle;
 
 /// Content of a bundle. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]

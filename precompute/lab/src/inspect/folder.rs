@@ -199,8 +199,8 @@ impl fmt::Display for FolderReport {
 mod tests {
     use super::*;
     use glam::Quat;
+    use throng_core::{NUM_JOINTS, Skeleton};
     use throng_motion::clip::Clip;
-    use throng_runtime::{NUM_JOINTS, Skeleton};
 
     #[test]
     fn all_that_is_odd_about_a_file_is_told_and_what_is_odd_about_a_skeleton_once() {

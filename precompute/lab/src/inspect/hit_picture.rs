@@ -2,9 +2,9 @@
 
 use crate::picture::{BodyFigure, HitView, Picture, hit_views};
 use glam::Vec3;
+use throng_core::{Bundle, Planar, Skeleton};
 use throng_motion::annotate::hits::HitPoint;
 use throng_motion::clip::{ClipSet, joint_transforms};
-use throng_runtime::{Bundle, Planar, Skeleton};
 
 /// Width of the picture (px).
 const WIDTH: u32 = 1600;

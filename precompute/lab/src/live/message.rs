@@ -2,8 +2,8 @@
 
 use rmp::encode::{write_array_len, write_bin, write_f64, write_map_len, write_nil, write_sint, write_str, write_uint};
 use std::io;
-use throng_runtime::simulation::{CharacterEvent, Simulation, SimulationEvent};
-use throng_runtime::{Joint, NUM_JOINTS};
+use throng_core::{Joint, NUM_JOINTS};
+use throng_simulation::{CharacterEvent, Simulation, SimulationEvent};
 
 /// Version of the messages.
 const VERSION: u64 = 1;

@@ -11,10 +11,10 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use throng_core::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
 use throng_motion::error::BuildError;
 use throng_motion::progress::StopRequested;
-use throng_runtime::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
-use throng_runtime::simulation::{CompiledScene, Simulation};
+use throng_simulation::{CompiledScene, Simulation};
 
 /// Most clients at a time; further ones are refused.
 const MAX_CLIENTS: usize = 16;

@@ -3,13 +3,13 @@
 use super::*;
 use std::io::Read;
 use std::path::Path;
-use throng_runtime::simulation::Scene;
-use throng_runtime::{Bundle, Inline};
+use throng_core::{Bundle, Inline};
+use throng_simulation::Scene;
 
 const HZ: f64 = 60.0;
 
 fn scene(count: usize, seconds: f64) -> CompiledScene {
-    let golden = format!("../../data/golden/tables_v{}.throng", throng_runtime::format::VERSION);
+    let golden = format!("../../data/golden/tables_v{}.throng", throng_core::format::VERSION);
     let bundle = Bundle::open(Path::new(env!("CARGO_MANIFEST_DIR")).join(golden)).expect("golden tables");
     let text = format!(
         "bundle = \"b.throng\"\nseconds = {seconds}\n[[groups]]\nmotion = \"blend\"\ncount = {count}\nspaces = [\"walks\"]\n\

@@ -11,13 +11,13 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use throng_bake::policy::made_up::SyntheticProblem;
-use throng_motion::error::BuildError;
-use throng_runtime::base::limits::{CHARACTERS, MEASURING_S, THREADS};
-use throng_runtime::characters::{
+use throng_core::base::limits::{CHARACTERS, MEASURING_S, THREADS};
+use throng_core::characters::{
     AvoidConfig, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
 };
-use throng_runtime::policy::PolicyTable;
-use throng_runtime::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon};
+use throng_core::policy::PolicyTable;
+use throng_core::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon};
+use throng_motion::error::BuildError;
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -95,7 +95,7 @@ impl CharacterBench<'_> {
         let (control, lookahead, lookahead_actions) = self.measure_queries(policy)?;
         let (_, lookahead_62, _) = self.measure_queries(self.large)?;
         let single = CharactersConfig {
-            choice: throng_runtime::characters::ActionChoice::BestAction,
+            choice: throng_core::characters::ActionChoice::BestAction,
             ..CharactersConfig::default()
         };
         let step = self.measure_step(CharactersConfig::default())?;

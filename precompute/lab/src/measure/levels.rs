@@ -8,11 +8,11 @@ use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
+use throng_core::base::limits::{CHARACTERS, MEASURING_S};
+use throng_core::characters::{CharacterStart, Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
+use throng_core::{Bundle, Error, Planar};
 use throng_motion::error::BuildError;
 use throng_motion::memory::resident_bytes;
-use throng_runtime::base::limits::{CHARACTERS, MEASURING_S};
-use throng_runtime::characters::{CharacterStart, Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
-use throng_runtime::{Bundle, Error, Planar};
 
 /// Steps of a round, a second of simulated time.
 const STEPS: usize = 60;

@@ -9,8 +9,8 @@ pub use levels::{LevelFigures, levels};
 
 use serde::Serialize;
 use throng_bake::policy::made_up::{self, SyntheticProblem};
+use throng_core::Bundle;
 use throng_motion::error::BuildError;
-use throng_runtime::Bundle;
 use timing::run_in_pool;
 
 /// Precision of the made-up problem's values.

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
+use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
 use throng_motion::error::BuildError;
-use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
 
 /// An error of a measurement, with a message.
 pub fn fail(message: impl Into<String>) -> BuildError {

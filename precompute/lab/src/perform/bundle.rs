@@ -6,10 +6,10 @@ use crate::trial::{self, TrialConfig};
 use glam::{Quat, Vec3};
 use std::path::Path;
 use throng_base::maths;
+use throng_core::{Bundle, CharacterGroup, NUM_JOINTS, Planar};
 use throng_motion::error::BuildError;
 use throng_motion::export::{ActorPose, CrowdInstance, InstanceRecording, Take, TakeWriter};
 use throng_motion::progress::Progress;
-use throng_runtime::{Bundle, CharacterGroup, NUM_JOINTS, Planar};
 
 pub fn perform_trial(
     bundle: &Bundle,

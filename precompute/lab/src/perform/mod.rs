@@ -9,12 +9,12 @@ pub use bundle::record_instances;
 use std::ops::RangeInclusive;
 use std::path::Path;
 use take_recorder::TakeRecorder;
+use throng_core::Bundle;
+use throng_core::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
 use throng_motion::error::BuildError;
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
-use throng_runtime::Bundle;
-use throng_runtime::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
-use throng_runtime::simulation::{CompiledScene, Simulation};
+use throng_simulation::{CompiledScene, Simulation};
 
 /// Default number of steps a simulated second, as for runs (Hz).
 const RUN_HZ: f64 = 60.0;

@@ -2,11 +2,11 @@
 
 use super::{PerformConfig, TIME_TOLERANCE_S, TakeSpan, export_error, selected_numbers};
 use std::path::Path;
+use throng_core::Skeleton;
 use throng_motion::error::BuildError;
 use throng_motion::export::{ActorPose, Take, TakeWriter};
 use throng_motion::progress::Progress;
-use throng_runtime::Skeleton;
-use throng_runtime::simulation::{GroupMotion, Simulation};
+use throng_simulation::{GroupMotion, Simulation};
 
 /// Records the poses of some characters at evenly spaced times; poses between two steps are blended.
 pub struct TakeRecorder<'a> {

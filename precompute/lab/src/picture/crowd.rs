@@ -11,8 +11,8 @@ use super::sprite;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_core::Planar;
 use throng_geometry::Capsule2d;
-use throng_runtime::Planar;
 
 /// Whether a character has reached its target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -267,7 +267,7 @@ fn draw_legend(page: &mut Picture, unit: f32, view: &CrowdView<'_>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     fn standing(root: Planar) -> CrowdCharacter<'static> {
         let joints = Skeleton::default().rest_positions().map(|p| root.rotation() * p + root.translation());

@@ -9,9 +9,9 @@ use crate::run::{AgentsRecord, JointPositions};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use throng_bake::environment::UnitSolid;
+use throng_core::Joint;
+use throng_crowd::Obstacle;
 use throng_geometry::TriangleSurface;
-use throng_runtime::Joint;
-use throng_runtime::crowd::Obstacle;
 
 /// Width of the picture of bodies (m).
 const PICTURE_WIDTH_M: f32 = 24.0;
@@ -121,7 +121,7 @@ fn circle(centre: Vec3, radius: f32) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     #[test]
     fn bodies_and_outlines_are_drawn_and_an_empty_crowd_is_no_panic() {

@@ -10,7 +10,7 @@ use crate::run::{
 };
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
-use throng_runtime::crowd::Obstacle;
+use throng_crowd::Obstacle;
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];

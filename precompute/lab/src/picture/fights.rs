@@ -13,10 +13,10 @@ use super::text::{Align, TextStyle, draw_text};
 use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
-use throng_runtime::simulation::scene::GroupConfig;
-use throng_runtime::simulation::{CharacterEvent, GroupMotion, SimulationEvent};
-use throng_runtime::sparring::StruckPart;
-use throng_runtime::{Joint, Planar};
+use throng_core::{Joint, Planar};
+use throng_simulation::scene::GroupConfig;
+use throng_simulation::sparring::StruckPart;
+use throng_simulation::{CharacterEvent, GroupMotion, SimulationEvent};
 
 /// Number of moments side by side.
 const COLUMNS: usize = 8;
@@ -214,7 +214,7 @@ const BLOW_COLOUR: Colour = Colour::hex(0xd62728);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     fn event(time_s: f32) -> SimulationEvent {
         let happened = CharacterEvent::Struck { opponent: 1, part: StruckPart::Head, at: Vec3::new(0.0, 1.5, 0.7) };

@@ -3,7 +3,7 @@
 use super::colour::{self, Colour};
 use super::solid::RoundCone;
 use glam::{Quat, Vec3};
-use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Joint positions of one character at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,8 +10,8 @@ use super::furniture::{header, legend};
 use glam::{Vec2, Vec3};
 use panel::{HitPanel, PanelAxis};
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_core::Joint;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
-use throng_runtime::Joint;
 
 /// Input of [`hit_views`].
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +121,7 @@ fn bounds(view: &HitView<'_>) -> (Vec3, Vec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     fn point(kind: &str, joint: Joint, position: Vec3) -> HitPoint {
         HitPoint {

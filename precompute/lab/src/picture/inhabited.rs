@@ -11,8 +11,8 @@ use crate::run::{JointPositions, PeopleSample, SceneFigures, WorldRecord};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_bake::environment::PlacedGeometry;
-use throng_runtime::Joint;
-use throng_runtime::simulation::scene::PictureConfig;
+use throng_core::Joint;
+use throng_simulation::scene::PictureConfig;
 
 /// Number of moments side by side, and of rows.
 const COLUMNS: usize = 10;
@@ -180,7 +180,7 @@ fn liveliest_character(record: &WorldRecord) -> Option<(usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     /// Two characters 1 m apart act together from the third sample on; a third is not followed and joins the second later.
     fn record() -> WorldRecord {

@@ -7,7 +7,6 @@ use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, UnitGeometry};
 use throng_geometry::SurfaceHit;
 use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
-use throng_runtime::patch::Placement;
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
 const EDGE: f32 = 1e-5;

@@ -9,7 +9,7 @@ use super::sheet::sheet;
 use super::walkers::walkers_sheet;
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, WorldRecord, walk_styles, world_geometry};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{CompiledScene, SceneGroup, Simulation};
+use throng_simulation::{CompiledScene, SceneGroup, Simulation};
 
 /// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;

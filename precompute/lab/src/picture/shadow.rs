@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::picture::colour;
     use glam::Vec2;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     #[test]
     fn blur_keeps_the_sum_away_from_the_edges() {

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::picture::colour;
     use glam::Vec3;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     fn standing() -> BodyFigure {
         BodyFigure::from_positions(&Skeleton::default().rest_positions())
@@ -88,7 +88,7 @@ mod tests {
             40.0,
         );
         let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("is drawn");
-        let knee = camera.project(standing().joint(throng_runtime::Joint::LeftShin));
+        let knee = camera.project(standing().joint(throng_core::Joint::LeftShin));
         let i = (knee.y as i32 - sprite.corner.1) as usize * sprite.size.0 + (knee.x as i32 - sprite.corner.0) as usize;
         let seen = sprite.pixels[i];
         assert!(seen.red() > seen.blue(), "seen from the left the left leg, which is warm, is in front: {seen:?}");

@@ -7,7 +7,7 @@ use super::sheet::sheet;
 use super::strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
 use crate::trial::{TrialConfig, TrialRecord, TrialReport};
 use glam::Vec2;
-use throng_runtime::{Bundle, Planar};
+use throng_core::{Bundle, Planar};
 
 /// Time that the strip shows (s).
 const STRIP_S: f32 = 2.6;
@@ -125,7 +125,7 @@ fn longest_stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::{Contacts, Skeleton};
+    use throng_core::{Contacts, Skeleton};
 
     #[test]
     fn the_stretch_is_where_the_root_goes_farthest() {

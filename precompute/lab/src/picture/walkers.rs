@@ -9,7 +9,7 @@ use super::world::{WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip
 use crate::run::{JointPositions, PathsRecord, SceneFigures, StyleWalk, style_path};
 use glam::Vec3;
 use std::f32::consts::PI;
-use throng_runtime::{Joint, NUM_JOINTS};
+use throng_core::{Joint, NUM_JOINTS};
 
 /// Number of moments side by side, and of rows.
 const COLUMNS: usize = 12;

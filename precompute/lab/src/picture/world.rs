@@ -10,9 +10,9 @@ use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
+use throng_core::Joint;
+use throng_core::patch::Placement;
 use throng_geometry::BoundingBox;
-use throng_runtime::Joint;
-use throng_runtime::patch::Placement;
 
 /// Colours of units, by their number in the set.
 const UNIT_COLOURS: [u32; 8] = [0xb9a58a, 0x8fa3ad, 0xa8b39a, 0xb59a9a, 0x9a9cb8, 0xc0b27e, 0x86a8a0, 0xa79aaf];

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3, Quat, Vec3};
 use std::error::Error;
 use std::sync::Arc;
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::{SolidShape, TriangleMesh};
 use throng_motion::Clip;
 use throng_planner::body::BodyCapsules;
@@ -14,7 +15,6 @@ use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::{Rigid, rotation_about, rotation_between};
 use throng_planner::setup::{AllowedContact, ProblemSpec};
 use throng_planner::track::RigidPath;
-use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
 use throng_synth::{SynthConfig, SynthSet, make_set};
 
 /// Names of the scenes, and the time that the paper gives for a similar one (s).

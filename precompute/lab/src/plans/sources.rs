@@ -5,13 +5,13 @@ use crate::run::{BuildContext, News, ensure_bundle};
 use std::path::{Path, PathBuf};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
+use throng_core::base::text::did_you_mean;
+use throng_core::blend::{BlendSpace, axis};
+use throng_core::{Bundle, FormatError, NUM_JOINTS};
 use throng_motion::error::BuildError;
 use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};
 use throng_planner::task::{ActorClip, ActorSource, ClipEntry, Task, WalkEntry, WalkError, WalkedTask};
-use throng_runtime::base::text::did_you_mean;
-use throng_runtime::blend::{BlendSpace, axis};
-use throng_runtime::{Bundle, FormatError, NUM_JOINTS};
 use throng_synth::{SynthConfig, SynthSet, make_set};
 
 /// Motion of every character, loaded once.

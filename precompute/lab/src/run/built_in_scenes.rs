@@ -1,8 +1,8 @@
 //! Built-in scenes of agents, which need no file.
 
 use std::path::Path;
-use throng_runtime::Result;
-use throng_runtime::simulation::Scene;
+use throng_core::Result;
+use throng_simulation::Scene;
 
 /// Names and texts.
 const TEXTS: [(&str, &str); 7] = [
@@ -30,7 +30,7 @@ pub fn built_in_scene(name: &str) -> Result<Option<Scene>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::simulation::Simulation;
+    use throng_simulation::Simulation;
 
     #[test]
     fn every_own_scene_is_read_and_laid_out_and_resized() {

@@ -6,11 +6,11 @@ use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::stitch::{self, StitchKit, StitchReport, WorldSource};
+use throng_core::Bundle;
 use throng_motion::error::{BuildError, ImportError};
 use throng_motion::progress::Progress;
-use throng_runtime::Bundle;
-use throng_runtime::simulation::{GroupMotion, Scene};
-use throng_runtime::world::World;
+use throng_simulation::{GroupMotion, Scene};
+use throng_world::World;
 
 /// Cache, progress and messages for building.
 #[derive(Clone, Copy)]

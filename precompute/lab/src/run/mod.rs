@@ -36,5 +36,5 @@ pub use watch::{AgentsMeter, AgentsSummary, SceneWatch};
 
 /// The JSON schema of scene files.
 pub fn scene_schema() -> serde_json::Value {
-    schemars::schema_for!(throng_runtime::simulation::Scene).to_value()
+    schemars::schema_for!(throng_simulation::Scene).to_value()
 }

@@ -3,13 +3,13 @@
 use super::report::SceneRunConfig;
 use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_core::characters::PolicyCharacters;
+use throng_core::{NUM_JOINTS, Planar};
+use throng_crowd::{Obstacle, Space};
 use throng_geometry::Capsule2d;
-use throng_runtime::characters::PolicyCharacters;
-use throng_runtime::crowd::{Obstacle, Space};
-use throng_runtime::simulation::agents::{SceneAgents, world_vector};
-use throng_runtime::simulation::scene::SiteConfig;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation, SimulationEvent};
-use throng_runtime::{NUM_JOINTS, Planar};
+use throng_simulation::agents::{SceneAgents, world_vector};
+use throng_simulation::scene::SiteConfig;
+use throng_simulation::{AnyCharacterGroup, Simulation, SimulationEvent};
 
 /// Number of recorded moments of agents, the first and the last included.
 const MOMENTS: usize = 4;
@@ -428,7 +428,7 @@ mod tests {
             assert!(position_on_timed_path(&path, time_s).distance(at) < 1e-6, "{time_s}");
         }
     }
-    use throng_runtime::simulation::Scene;
+    use throng_simulation::Scene;
     use throng_world::{PathCosts, WorldGraph, made_up_floor};
 
     #[test]

@@ -3,11 +3,11 @@
 use super::report::{ObservedStep, config_error, play_scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use throng_core::base::file::{MAX_TEXT_BYTES, read_file};
+use throng_core::base::limits::{SECONDS, STEP_HZ};
+use throng_core::base::{Error, SnapshotKind};
 use throng_motion::error::BuildError;
-use throng_runtime::base::file::{MAX_TEXT_BYTES, read_file};
-use throng_runtime::base::limits::{SECONDS, STEP_HZ};
-use throng_runtime::base::{Error, SnapshotKind};
-use throng_runtime::simulation::{CompiledScene, Scene, Simulation};
+use throng_simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
 

@@ -9,12 +9,12 @@ use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
 use throng_base::clock::thread_cpu_s;
+use throng_core::base::limits::{SECONDS, STEP_HZ, THREADS};
+use throng_core::{Error, Executor, Inline, Rayon};
+use throng_crowd::Space;
 use throng_motion::error::BuildError;
-use throng_runtime::base::limits::{SECONDS, STEP_HZ, THREADS};
-use throng_runtime::crowd::Space;
-use throng_runtime::simulation::agents::SceneAgents;
-use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
-use throng_runtime::{Error, Executor, Inline, Rayon};
+use throng_simulation::agents::SceneAgents;
+use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
 
 /// Samples of agents a simulated second (Hz).
 pub(super) const SAMPLE_HZ: f64 = 30.0;
@@ -209,7 +209,7 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
 
 fn measure_agents<V: Space>(
     live: &mut SceneAgents<V>,
-    config: &throng_runtime::simulation::scene::SceneMeasureConfig,
+    config: &throng_simulation::scene::SceneMeasureConfig,
     scene: &CompiledScene,
     seconds: f64,
     threads: usize,
@@ -236,7 +236,7 @@ fn measure_agents<V: Space>(
     }
     let mut figures = SceneFigures {
         agents: Some(live.num_agents()),
-        engine: Some(throng_runtime::simulation::scene::engine::name(scene.scene().agents.engine).into()),
+        engine: Some(throng_simulation::scene::engine::name(scene.scene().agents.engine).into()),
         simulated_s: seconds,
         ..SceneFigures::default()
     };

@@ -7,9 +7,7 @@ use serde::Serialize;
 use std::time::Instant;
 use throng_geometry::Bounds2d;
 use throng_motion::error::BuildError;
-use throng_runtime::base::limits::THREADS;
-use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
-use throng_runtime::{Executor, Inline, Rayon};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;
@@ -172,7 +170,7 @@ fn deepest_overlap_m(sim: &Simulation) -> f64 {
 fn ns_per_evaluation() -> f64 {
     const TIMES: u32 = 400_000;
     let begin = Instant::now();
-    let sum = throng_runtime::simulation::scenario::evaluate_sample(TIMES);
+    let sum = throng_simulation::scenario::evaluate_sample(TIMES);
     let ns = begin.elapsed().as_secs_f64() * 1e9 / f64::from(TIMES);
     // The result has to be used, so that the evaluation is not optimized away.
     if sum.is_finite() { ns } else { f64::NAN }

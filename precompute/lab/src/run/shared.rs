@@ -11,7 +11,7 @@ use throng_crowd::Crowd;
 use throng_motion::error::BuildError;
 use throng_motion::memory;
 use throng_motion::progress::Progress;
-use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 
 /// Samples of overlaps a simulated second (Hz).
 const OVERLAP_HZ: f64 = 10.0;

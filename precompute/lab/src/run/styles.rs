@@ -2,11 +2,11 @@
 
 use super::report::config_error;
 use glam::{Vec2, Vec3};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Inline, NUM_JOINTS};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::CompiledScene;
-use throng_runtime::simulation::scene::PictureStyle;
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Inline, NUM_JOINTS};
+use throng_simulation::CompiledScene;
+use throng_simulation::scene::PictureStyle;
 
 /// One style on the shown path.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ fn walk_style(
     let key = format!("picture.shown[{i}]");
     let space =
         bundle.blend(&style.space).map_err(|e| config_error(scene.scene().fault(&format!("{key}.space"), e)))?;
-    let wrong = |e: throng_runtime::Error| config_error(scene.scene().fault(&key, e));
+    let wrong = |e: throng_core::Error| config_error(scene.scene().fault(&key, e));
     let control = |along: f32| {
         let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { style_path(along) };
         let mut values = Control::default().style;

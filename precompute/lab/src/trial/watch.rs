@@ -6,8 +6,8 @@ use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
 use throng_base::thresholds::TRIAL_STANDING_MPS;
-use throng_runtime::characters::{Characters, PolicyCharacters};
-use throng_runtime::{BodyVolume, Bundle, CharacterGroup, Planar, PosedBody};
+use throng_core::characters::{Characters, PolicyCharacters};
+use throng_core::{BodyVolume, Bundle, CharacterGroup, Planar, PosedBody};
 
 /// Largest movement over [`STILL_S`] that counts as standing still (m).
 const STILL_M: f32 = 0.15;

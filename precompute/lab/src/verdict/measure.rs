@@ -6,8 +6,8 @@ use serde::Serialize;
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
 use throng_base::thresholds::{SLIP_UNSEEN_MPS_F64, TOES_SLOW_MPS_F64};
+use throng_core::Bundle;
 use throng_motion::stance::{self, StanceReport};
-use throng_runtime::Bundle;
 
 /// Words of a measure, from the best.
 pub(super) const WORDS: [&str; 3] = ["good", "fair", "poor"];

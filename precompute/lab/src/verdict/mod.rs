@@ -13,10 +13,10 @@ use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendReport;
 use throng_bake::policy::{self, BehaviourKind, promise};
+use throng_core::Bundle;
+use throng_core::characters::CharactersConfig;
 use throng_motion::error::BuildError;
 use throng_motion::stance::{self, StanceReport};
-use throng_runtime::Bundle;
-use throng_runtime::characters::CharactersConfig;
 
 /// Most unused clips that are named.
 const MAX_NAMED_CLIPS: usize = 4;

@@ -2,11 +2,11 @@
 //! example becomes the nearest, the two are cross-faded without regard to their feet.
 
 use glam::{Quat, Vec3};
+use throng_core::blend::{BlendSpace, BlendedPosture, MAX_AXES, channel};
+use throng_core::walkers::Control;
+use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_lab::slip::Soles;
 use throng_motion::clip::joint_transforms;
-use throng_runtime::blend::{BlendSpace, BlendedPosture, MAX_AXES, channel};
-use throng_runtime::walkers::Control;
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Ankle and ball of both feet.
 const FEET: [[Joint; 2]; 2] = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]];
@@ -63,7 +63,7 @@ impl CrossFadedBody {
         parameters: &[f32; MAX_AXES],
         control: &Control,
         dt_s: f32,
-    ) -> Result<(), throng_runtime::Error> {
+    ) -> Result<(), throng_core::Error> {
         let nearest = nearest_example(space, parameters);
         self.age_s += dt_s;
         if nearest != self.now.example && self.age_s >= FADE_S {
@@ -72,7 +72,7 @@ impl CrossFadedBody {
             self.age_s = 0.0;
         }
         let share = (self.age_s / FADE_S).min(1.0);
-        let mut play = |p: &mut PlayingExample| -> Result<BlendedPosture, throng_runtime::Error> {
+        let mut play = |p: &mut PlayingExample| -> Result<BlendedPosture, throng_core::Error> {
             self.weights.fill(0.0);
             self.weights[p.example] = 1.0;
             let mut phase = [p.phase];

@@ -3,13 +3,13 @@
 use super::cross_fade::CrossFadedBody;
 use super::{STEP_S, advance_control, random_parameters, start_control};
 use glam::Vec3;
+use throng_core::blend::BlendSpace;
+use throng_core::walkers::{WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Contacts, Inline, NUM_JOINTS, Planar};
 use throng_lab::measure::timing::fail;
 use throng_lab::run::knee_angles;
 use throng_lab::slip::{Feet, SlipMeter, Soles};
 use throng_motion::error::BuildError;
-use throng_runtime::blend::BlendSpace;
-use throng_runtime::walkers::{WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Contacts, Inline, NUM_JOINTS, Planar};
 
 /// Number of measured characters, and for how long (s).
 const NUM_CHARACTERS: usize = 32;
@@ -157,7 +157,7 @@ impl JumpMeter {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::Joint;
+    use throng_core::Joint;
 
     #[test]
     fn a_watch_sees_slipping_feet_bending_knees_and_jerks() {

@@ -13,14 +13,14 @@ use std::path::Path;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendConfig;
 use throng_bake::examples::cardinal::CardinalBasis;
+use throng_core::base::limits::MEASURING_S;
+use throng_core::blend::{BlendSpace, BlendedPosture, MAX_AXES, axis};
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{Bundle, CharacterGroup, Inline, NUM_JOINTS, Planar};
 use throng_lab::measure::timing::{fail, median_ns};
 use throng_motion::error::BuildError;
-use throng_runtime::base::limits::MEASURING_S;
-use throng_runtime::blend::{BlendSpace, BlendedPosture, MAX_AXES, axis};
-use throng_runtime::simulation::scene::BodiesConfig;
-use throng_runtime::simulation::wander::random_skeletons;
-use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_runtime::{Bundle, CharacterGroup, Inline, NUM_JOINTS, Planar};
+use throng_simulation::scene::BodiesConfig;
+use throng_simulation::wander::random_skeletons;
 
 /// Characters of a batch.
 const CHARACTERS: usize = 1024;
@@ -161,7 +161,7 @@ fn measure_weights(
     let queries: Vec<Vec<f64>> = parameters.iter().map(place).collect();
     let mut row = vec![0.0; points.len()];
     out.weights_direct_ns_per_query = median_ns(seconds, || {
-        throng_runtime::simd::vectorize(|| queries.iter().for_each(|q| basis.weights(q, black_box(&mut row))));
+        throng_core::simd::vectorize(|| queries.iter().for_each(|q| basis.weights(q, black_box(&mut row))));
     }) / n;
     out.weights_direct_over_table = out.weights_direct_ns_per_query / out.weights_ns_per_query;
     Ok(())
@@ -177,7 +177,7 @@ fn measure_postures(
     let mut weights = vec![0.0; n * space.stride()];
     let mut phases: Vec<f32> = (0..n).map(|c| (c as f32 * 0.381_966).fract()).collect();
     let (ticks, mut postures) = (vec![STEP_S; n], vec![BlendedPosture::default(); n]);
-    let mut step = || -> Result<(), throng_runtime::Error> {
+    let mut step = || -> Result<(), throng_core::Error> {
         space.weights(parameters, &mut weights)?;
         space.advance(&weights, &ticks, &mut phases)?;
         space.blend_postures(&weights, &phases, black_box(&mut postures))

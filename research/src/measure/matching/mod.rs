@@ -6,11 +6,11 @@ mod trials;
 use crate::matching::{BoxSearch, Database, FeatureWeights, KdTree, Nearest, Row, brute_force};
 use serde::Serialize;
 use std::hint::black_box;
+use throng_core::Bundle;
+use throng_core::base::limits::MEASURING_S;
 use throng_lab::measure::timing::{QueryBatch, fail, median_ns, random_queries, run_in_pool};
 use throng_lab::trial::TrialConfig;
 use throng_motion::error::BuildError;
-use throng_runtime::Bundle;
-use throng_runtime::base::limits::MEASURING_S;
 use trials::Scene;
 
 /// What is measured, and how the baseline is set.

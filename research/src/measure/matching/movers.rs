@@ -2,8 +2,8 @@
 
 use crate::matching::{BoxSearch, Character, Database, Nearest, Row, Wish};
 use glam::{Vec2, Vec3};
-use throng_runtime::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions, RegionRecord};
-use throng_runtime::{Bundle, Planar};
+use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions, RegionRecord};
+use throng_core::{Bundle, Planar};
 
 /// A character that can be told where its target is.
 pub(super) trait Mover {

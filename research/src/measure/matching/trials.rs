@@ -8,10 +8,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
+use throng_core::policy::{KIND_CYLINDER, KIND_POLAR, PolicyTable};
+use throng_core::{Bundle, Planar};
 use throng_lab::measure::timing::fail;
 use throng_motion::error::BuildError;
-use throng_runtime::policy::{KIND_CYLINDER, KIND_POLAR, PolicyTable};
-use throng_runtime::{Bundle, Planar};
 
 /// Radius of the circle on which the target of hits moves (m).
 const CIRCLE_M: f32 = 0.6;
@@ -137,7 +137,7 @@ impl<'a> Scene<'a> {
         let (punches, _) = self.goals.get(1)?;
         let r = punches.grid().record();
         let [low, high] = [r.height_start, r.height_start + r.height_spacing * (r.num_heights - 1) as f32];
-        let head = self.tables.skeleton().rest_positions()[throng_runtime::Joint::Head.index()].y;
+        let head = self.tables.skeleton().rest_positions()[throng_core::Joint::Head.index()].y;
         let distance = 0.5 * (r.ring_start + punches.grid().radius());
         let starts = self.starts(self.config.characters.div_ceil(4), [distance; 2], head.clamp(low, high));
         let aim = Aim { reach: Some(*punches.region()), ..self.aim };

@@ -4,8 +4,8 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::time::Instant;
-use throng_runtime::world::plan::{PlanTarget, WorldPlan, WorldPlanner};
-use throng_runtime::world::{WorldGraph, WorldNode, WorldStep};
+use throng_world::plan::{PlanTarget, WorldPlan, WorldPlanner};
+use throng_world::{WorldGraph, WorldNode, WorldStep};
 
 /// Number of planned paths, and how many of them are compared with a plain search.
 const PATHS: usize = 40;

@@ -150,7 +150,7 @@ fn feet_follow_the_ground() {
 
 #[test]
 fn touching_hands_are_placed_as_in_the_examples() {
-    use throng_runtime::blend::channel;
+    use throng_core::blend::channel;
     let mut made_up = MadeUp::locomotion();
     let place = Vec3::new(0.15, 0.35, 0.35);
     for row in &mut made_up.channels {

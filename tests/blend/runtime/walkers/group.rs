@@ -1,7 +1,7 @@
 //! Entering, leaving, orders that stay, events.
 
 use super::*;
-use throng_runtime::walkers::WalkerEvent;
+use throng_core::walkers::WalkerEvent;
 
 #[test]
 fn those_who_stay_do_not_notice_who_enters_and_leaves() {

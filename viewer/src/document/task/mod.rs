@@ -10,13 +10,13 @@ use glam::{DVec3, Quat, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::TryRecvError;
+use throng_core::base::text::TomlSource;
 use throng_planner::planner::Planners;
 use throng_planner::rotation::Rigid;
 use throng_planner::task::{ActorClip, Handle, Task, TaskOutcome, TaskScenery};
 use throng_precompute::Clip;
 use throng_precompute::files::write_atomically;
 use throng_precompute::plans::{self, PlanReport, TaskSources};
-use throng_runtime::base::text::TomlSource;
 
 /// Things are carried where they are farther than this from where they would be by themselves (m).
 const CARRIED_M: f64 = 1e-4;

@@ -5,11 +5,11 @@ use crate::render::SolidMesh;
 use glam::{Quat, Vec3};
 use std::path::Path;
 use std::sync::Arc;
+use throng_geometry::SolidShape;
 use throng_planner::task::{Task, TaskThing};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::plans::{self, TaskSources};
 use throng_precompute::run::BuildContext;
-use throng_runtime::geometry::SolidShape;
 
 impl StagedTask {
     /// Lets the walkers of a task walk.

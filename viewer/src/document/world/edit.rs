@@ -7,9 +7,9 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError};
+use throng_core::patch::Placement;
 use throng_precompute::environment::PlacedUnit;
-use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_world::inhabitants::InhabitantGoal;
 
 /// An edit that was made.
 #[derive(Clone, Debug, PartialEq)]

@@ -19,13 +19,13 @@ use orders::EditHistory;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use throng_core::patch::{LinkRecord, Placement};
 use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitObject};
 use throng_precompute::stitch::{
     InstanceItem, Library, RemovalExplanation, RemovalReason, StitchKit, StitchReport, WorldSource,
 };
-use throng_runtime::patch::{LinkRecord, Placement};
-use throng_runtime::world::WorldGraph;
-use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_world::WorldGraph;
+use throng_world::inhabitants::InhabitantGoal;
 use views::{EditorThread, WalkableWorld};
 
 /// Characters that roam in a world.
@@ -188,8 +188,8 @@ impl WorldDocument {
     /// One step forward, recorded or new, unless an edit is under way.
     ///
     /// # Errors
-    /// [`throng_runtime::Error`] where a step cannot be taken.
-    pub fn step(&mut self) -> throng_runtime::Result<()> {
+    /// [`throng_core::Error`] where a step cannot be taken.
+    pub fn step(&mut self) -> throng_core::Result<()> {
         if self.working.is_some() {
             return Ok(());
         }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use throng_precompute::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
 use throng_precompute::run::{BuildContext, ensure_bundle};
 use throng_precompute::stitch::{StitchKit, WorldSource};
-use throng_runtime::world::inhabitants::scatter_rest_nodes;
+use throng_world::inhabitants::scatter_rest_nodes;
 
 /// Number of characters that roam in a world.
 const ROAMERS: usize = 20;

@@ -1,6 +1,6 @@
 //! Orders to the editor of a world, and the history of its changes.
 
-use throng_runtime::patch::Placement;
+use throng_core::patch::Placement;
 
 /// A change of the placed units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Puts characters back into a world that has changed under them.
 
 use glam::Vec3;
-use throng_runtime::world::{WorldGraph, WorldNode};
+use throng_world::{WorldGraph, WorldNode};
 
 /// For each character, the nearest rest node that shares no unit with the nodes of earlier characters.
 ///

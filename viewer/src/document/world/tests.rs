@@ -5,7 +5,7 @@ use crate::fixtures::quietly;
 use crate::fixtures::square::Square;
 use crate::render::Ray;
 use std::sync::mpsc::channel;
-use throng_runtime::world::inhabitants::InhabitantActivity;
+use throng_world::inhabitants::InhabitantActivity;
 
 fn panel(x: i32, z: i32) -> Placement {
     Placement::new(2.8 * x as f32, 0.0, 2.8 * z as f32, 0.0)

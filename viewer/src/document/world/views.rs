@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, StitchConfig, StitchKit};
-use throng_runtime::world::{World, WorldData, WorldGraph};
+use throng_world::{World, WorldData, WorldGraph};
 
 /// Work for the thread of an editor.
 type EditorRequest = Box<dyn FnOnce(&mut Editor<'_>) + Send>;

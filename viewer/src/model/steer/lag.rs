@@ -4,7 +4,7 @@ use crate::bundle::OpenBundle;
 use crate::command::SteerInput;
 use crate::run::{BlendRun, CrowdFork, CrowdRun, TargetMode};
 use glam::Vec3;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Mat3x4, NUM_JOINTS, Planar};
 
 /// A change is seen where some joint is farther than this from where it would be (m).
 const SEEN_M: f32 = 0.02;

@@ -10,7 +10,7 @@ use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
 };
-use throng_runtime::blend::axis;
+use throng_core::blend::axis;
 
 /// Room for the numbers at the left of the map, and below it (points).
 const LEFT: f32 = 38.0;

@@ -15,8 +15,8 @@ use crate::run::Blending;
 use eframe::egui::{Color32, ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;
-use throng_runtime::blend::{BlendSpace, ExampleRecord};
-use throng_runtime::format::BlendMeta;
+use throng_core::blend::{BlendSpace, ExampleRecord};
+use throng_core::format::BlendMeta;
 
 /// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
@@ -50,7 +50,7 @@ struct BlendPanelInput<'a> {
     /// Weights at the moment shown (number of examples).
     weights: &'a [f32],
     /// The point at that moment.
-    now: &'a [f32; throng_runtime::blend::MAX_AXES],
+    now: &'a [f32; throng_core::blend::MAX_AXES],
     /// Generic time at that moment.
     phase: f32,
     /// Selected example.
@@ -161,7 +161,7 @@ fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, number: usize, spa
     let mut point = fresh.point;
     for (axis, record) in space.axes().iter().enumerate() {
         let same = input.space.axes().iter().position(|a| a.kind == record.kind);
-        if let Some(same) = same.filter(|_| record.kind != throng_runtime::blend::axis::STYLE) {
+        if let Some(same) = same.filter(|_| record.kind != throng_core::blend::axis::STYLE) {
             point[axis] = from.point[same];
         } else if input.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
             point[axis] = from.point[axis];

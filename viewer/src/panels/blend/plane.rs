@@ -2,8 +2,8 @@
 
 use eframe::egui::{Pos2, Rect, pos2};
 use std::ops::RangeInclusive;
+use throng_core::blend::{AxisRecord, ExampleRecord, MAX_AXES, axis};
 use throng_precompute::picture::step_up;
-use throng_runtime::blend::{AxisRecord, ExampleRecord, MAX_AXES, axis};
 
 /// Distance within which a position on the map counts as an example (points).
 const NEAR: f32 = 9.0;

@@ -4,7 +4,7 @@ use super::plane::MapPlane;
 use eframe::egui::Color32;
 use eframe::egui::epaint::Mesh;
 use std::sync::Arc;
-use throng_runtime::blend::{BlendSpace, MAX_AXES};
+use throng_core::blend::{BlendSpace, MAX_AXES};
 
 /// Range of the colours; cardinal weights overshoot 0 and 1 a little.
 pub const RANGE: [f32; 2] = [-0.2, 1.2];
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn moving_the_point_within_the_plane_leaves_the_picture_as_it_is() {
-        let axes = [0, 1, 3].map(|kind| throng_runtime::blend::AxisRecord { kind, num_knots: 2, low: 0.0, high: 1.0 });
+        let axes = [0, 1, 3].map(|kind| throng_core::blend::AxisRecord { kind, num_knots: 2, low: 0.0, high: 1.0 });
         let plane = MapPlane::new(&axes, MapAxes { across: 0, up: Some(1) }, Rect::EVERYTHING);
         let key = |p: [f32; 3]| {
             SurfaceKey::new(1, 0, 0, &std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), plane, true)

@@ -124,7 +124,7 @@ fn examples_are_listed_by_weight_and_a_click_chooses_one() {
 
 #[test]
 fn another_space_keeps_axes_of_the_same_kind() {
-    use throng_runtime::blend::axis;
+    use throng_core::blend::axis;
     let paces = Paces::new();
     let bundle = crate::bundle::OpenBundle::open(&paces.bundle()).unwrap();
     let space = &bundle.blends()[0];

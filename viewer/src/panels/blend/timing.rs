@@ -1,8 +1,8 @@
 //! When feet stand, over generic time: of every example, and of the blend.
 
 use std::ops::Range;
-use throng_runtime::Error;
-use throng_runtime::blend::{BlendSpace, BlendedPosture, ExampleRecord, channel};
+use throng_core::Error;
+use throng_core::blend::{BlendSpace, BlendedPosture, ExampleRecord, channel};
 
 /// Moments at which a blend is sampled.
 const MOMENTS: usize = 96;

@@ -8,10 +8,10 @@ use crate::panels::{offer_first_character, words};
 use crate::run::RunInput;
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
 use std::path::PathBuf;
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::scene::engine;
-use throng_runtime::simulation::{AnyCharacterGroup, CharacterEvent, SceneGroup, Simulation, SimulationEvent};
-use throng_runtime::sparring::StruckPart;
+use throng_crowd::Scheme;
+use throng_simulation::scene::engine;
+use throng_simulation::sparring::StruckPart;
+use throng_simulation::{AnyCharacterGroup, CharacterEvent, SceneGroup, Simulation, SimulationEvent};
 
 /// Events that are listed.
 const MAX_EVENTS: usize = 12;

@@ -10,7 +10,7 @@ use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
 use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
-use throng_runtime::planar::wrap_angle;
+use throng_core::planar::wrap_angle;
 
 /// Width of the bars of forces (points).
 const BAR: f32 = 96.0;

@@ -4,7 +4,7 @@ use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::first_agent;
 use eframe::egui::{Grid, Ui};
-use throng_runtime::simulation::scenario::AgentBrains;
+use throng_simulation::scenario::AgentBrains;
 
 /// Shows states, reason, values and knowledge of the selected agent.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {

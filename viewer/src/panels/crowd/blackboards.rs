@@ -7,7 +7,7 @@ use crate::model::Model;
 use crate::run::agents::first_agent;
 use crate::stage::agents::colour_of_message;
 use eframe::egui::{Role, ScrollArea, TextStyle, Ui, WidgetInfo};
-use throng_runtime::simulation::scenario::{AgentBrains, BlackboardPost};
+use throng_simulation::scenario::{AgentBrains, BlackboardPost};
 
 /// Height of the list (points).
 const HEIGHT: f32 = 120.0;
@@ -117,7 +117,7 @@ pub fn in_words(scene: &SceneDocument, brains: &AgentBrains, entry: &BlackboardP
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::simulation::scenario::BlackboardArea;
+    use throng_simulation::scenario::BlackboardArea;
 
     #[test]
     fn entries_of_the_level_or_of_the_cell_that_is_looked_at_are_listed() {

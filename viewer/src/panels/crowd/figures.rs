@@ -4,7 +4,7 @@ use crate::document::SceneDocument;
 use crate::panels::paint::time_text;
 use crate::theme::ThemePalette;
 use eframe::egui::{Grid, RichText, Ui};
-use throng_runtime::simulation::AnyCharacterGroup;
+use throng_simulation::AnyCharacterGroup;
 
 /// Shows figures of the moment shown.
 pub fn show(ui: &mut Ui, scene: &SceneDocument) {

@@ -8,7 +8,7 @@ use crate::run::{RunInput, STEP_HZ};
 use crate::stage::agents::colour_of_message;
 use eframe::egui::{Grid, Role, Ui, WidgetInfo};
 use egui_plot::{AxisHints, HoverPosition, Line, LineStyle, Plot, PlotPoints, VLine};
-use throng_runtime::simulation::scenario::AgentBrains;
+use throng_simulation::scenario::AgentBrains;
 
 /// Height of the curve (points).
 const HEIGHT: f32 = 110.0;

@@ -3,8 +3,8 @@
 use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
-use throng_runtime::body::Mat3x4;
-use throng_runtime::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_core::body::Mat3x4;
+use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// A body in the plane in which it walks: x ahead, y up, from the point of the ground below its hips.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::track::{StateMark, TimelineTrack};
 use crate::bundle::OpenBundle;
-use throng_runtime::Planar;
+use throng_core::Planar;
 
 /// An action of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]

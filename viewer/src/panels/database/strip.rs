@@ -7,8 +7,8 @@ use crate::panels::paint::FrameAxis;
 use crate::theme::ThemePalette;
 use eframe::egui::{Rect, Stroke, Ui, pos2};
 use glam::{Quat, Vec3};
-use throng_runtime::characters::SampleJob;
-use throng_runtime::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::characters::SampleJob;
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Least distance of two figures, as a share of the height of the strip.
 const DISTANCE: f32 = 0.42;

@@ -5,8 +5,8 @@ use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::glitches::{self, GlitchMark};
 use std::ops::Range;
+use throng_core::Contacts;
 use throng_precompute::clip;
-use throng_runtime::Contacts;
 
 /// The four parts of the feet, from the top lane to the bottom one.
 pub const FEET: [(Contacts, &str); 4] = [

@@ -8,7 +8,7 @@ use crate::theme::{ThemePalette, viridis};
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::text::{LayoutJob, TextFormat, TextWrapping};
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2, pos2};
-use throng_runtime::graph::MotionGraph;
+use throng_core::graph::MotionGraph;
 
 /// Lanes narrower than this have no name (points).
 const NAMED_FROM: f32 = 44.0;

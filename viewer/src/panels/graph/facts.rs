@@ -1,7 +1,7 @@
 //! The numbers of a motion graph, as Lee and Lee (2004), section 6 reports them.
 
 use eframe::egui::{RichText, Ui};
-use throng_runtime::Bundle;
+use throng_core::Bundle;
 
 /// The numbers of a motion graph.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 //! Links of the graph: the actions that lead into a state, and how many play a segment.
 
-use throng_runtime::graph::MotionGraph;
+use throng_core::graph::MotionGraph;
 
 /// An action, by the state that may take it.
 #[derive(Clone, Copy, Debug, PartialEq)]

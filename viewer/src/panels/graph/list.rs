@@ -10,7 +10,7 @@ use crate::panels::words;
 use crate::run::RunInput;
 use eframe::egui::{Response, RichText, Ui};
 use std::cmp::Ordering;
-use throng_runtime::Planar;
+use throng_core::Planar;
 
 /// The columns.
 const COLUMNS: [TableColumn<'static>; 5] = [

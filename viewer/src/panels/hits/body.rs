@@ -4,8 +4,8 @@ use super::view::HitViewPlace;
 use crate::bundle::OpenBundle;
 use eframe::egui::{Color32, Painter, Stroke};
 use glam::Vec3;
-use throng_runtime::characters::SampleJob;
-use throng_runtime::{Joint, Mat3x4, NUM_JOINTS};
+use throng_core::characters::SampleJob;
+use throng_core::{Joint, Mat3x4, NUM_JOINTS};
 
 /// The pose of a frame, as seen from its planar root.
 #[derive(Clone, Debug, PartialEq)]

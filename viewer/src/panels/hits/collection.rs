@@ -5,7 +5,7 @@ use crate::panels::paint::TableSort;
 use glam::Vec3;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// Columns of the list, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,7 +109,7 @@ impl HitCollection {
     /// Collects them.
     pub fn from_bundle(bundle: &OpenBundle) -> Self {
         let tables = bundle.tables();
-        let entry = |h: &throng_runtime::HitRecord| {
+        let entry = |h: &throng_core::HitRecord| {
             let clip = bundle.clip_of(h.frame);
             HitEntry {
                 row: h.frame,

@@ -21,8 +21,8 @@ use eframe::egui::{
     CentralPanel, Color32, ComboBox, Frame, Panel, Rect, Response, RichText, Role, Sense, Ui, Visuals, WidgetInfo,
 };
 use glam::{Vec2, Vec3};
-use throng_runtime::Joint;
-use throng_runtime::policy::PolicyTable;
+use throng_core::Joint;
+use throng_core::policy::PolicyTable;
 use view::{HitBounds, HitViewPlace};
 
 /// Width from which on the list lies beside the views (points).

@@ -4,7 +4,7 @@ use super::view::{HitViewPlace, HitViewpoint};
 use crate::volume::Volume;
 use eframe::egui::{Color32, Painter, Pos2, Shape, Stroke};
 use glam::{Vec2, Vec3};
-use throng_runtime::policy::PolicyTable;
+use throng_core::policy::PolicyTable;
 
 /// Paints the outline of a volume as a view sees it.
 pub fn paint(painter: &Painter, place: &HitViewPlace, volume: &Volume, colour: Color32) {

@@ -8,7 +8,7 @@ use crate::panels::{offer_first_character, words};
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
-use throng_runtime::world::inhabitants::{InhabitantActivity, InhabitantGoal};
+use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal};
 
 /// Default duration of an action (s).
 const PERFORM_S: f32 = 10.0;

@@ -7,7 +7,7 @@ use crate::document::world::UnitChange;
 use crate::model::Model;
 use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
-use throng_runtime::patch::Placement;
+use throng_core::patch::Placement;
 
 /// Shows the editing controls.
 pub fn show(

@@ -5,8 +5,8 @@ use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::stage::world::{DISABLED, ENABLED};
 use eframe::egui::{Color32, ComboBox, Grid, Label, Ui};
+use throng_core::patch::CellRecord;
 use throng_precompute::stitch::{InstanceItem, RemovalReason};
-use throng_runtime::patch::CellRecord;
 
 /// Figures of an instance.
 #[derive(Clone, Debug, Default, PartialEq)]

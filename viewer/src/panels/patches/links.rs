@@ -6,7 +6,7 @@ use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
 use eframe::egui::{CollapsingHeader, Ui, vec2};
-use throng_runtime::patch::LinkRecord;
+use throng_core::patch::LinkRecord;
 
 const COLUMNS: [TableColumn<'static>; 4] = [
     TableColumn::number("link", "Number within the patch", 44.0),

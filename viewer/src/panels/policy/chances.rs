@@ -1,11 +1,11 @@
 //! Probability of each of the ranked actions to be taken.
 
-use throng_runtime::policy::MAX_RANKED;
+use throng_core::policy::MAX_RANKED;
 
 /// Probability of each score, the best first, to be taken by [`RankedActions::choose`] with uniform random numbers.
 /// Beyond the first [`MAX_RANKED`] it is 0.
 ///
-/// [`RankedActions::choose`]: throng_runtime::policy::RankedActions::choose
+/// [`RankedActions::choose`]: throng_core::policy::RankedActions::choose
 pub fn choice_chances(scores: &[f32], temperature: f32) -> Vec<f32> {
     let Some(&best) = scores.first() else { return Vec::new() };
     let unit = temperature * best.abs();
@@ -22,7 +22,7 @@ pub fn choice_chances(scores: &[f32], temperature: f32) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::policy::{NO_ACTION, RankedActions};
+    use throng_core::policy::{NO_ACTION, RankedActions};
 
     #[test]
     fn chances_are_how_often_each_action_is_chosen() {

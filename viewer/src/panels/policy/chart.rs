@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use std::ops::Range;
-use throng_runtime::policy::{GridRecord, KIND_SPACE_TIME, TargetGrid};
+use throng_core::policy::{GridRecord, KIND_SPACE_TIME, TargetGrid};
 
 /// The part of the ground that is nearest to a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use glam::Vec2;
 use std::collections::HashSet;
 use std::f32::consts::TAU;
 use std::sync::Arc;
-use throng_runtime::graph::MotionGraph;
-use throng_runtime::policy::PolicyTable;
+use throng_core::graph::MotionGraph;
+use throng_core::policy::PolicyTable;
 
 /// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;

@@ -15,7 +15,7 @@ use eframe::egui::{
     WidgetInfo,
 };
 use glam::{Vec2, Vec3};
-use throng_runtime::policy::PolicyTable;
+use throng_core::policy::PolicyTable;
 
 /// The arrow of an action is at least as long, so that it shows beside the character (points).
 const MIN_ARROW: f32 = 30.0;

@@ -15,7 +15,7 @@ use crate::run::{GoalSubject, explain_choice};
 use eframe::egui::{ComboBox, RichText, Ui};
 use glam::{Vec2, Vec3};
 use heat::HeatPicture;
-use throng_runtime::policy::PolicyTable;
+use throng_core::policy::PolicyTable;
 use why::behaviour_name;
 
 /// View settings of the policy.

@@ -5,7 +5,7 @@ use crate::bundle::OpenBundle;
 use crate::panels::words;
 use crate::run::{BehaviourScore, ChoiceReason, GoalSubject, PolicyChooser, STEP_HZ};
 use glam::Vec2;
-use throng_runtime::policy::RegionRecord;
+use throng_core::policy::RegionRecord;
 
 /// True if the stored best action of the nearest cell is loaded: weighing several behaviours needs a look-ahead.
 pub fn is_single_load(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> bool {

@@ -5,7 +5,7 @@ use crate::bundle::OpenBundle;
 use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort};
 use eframe::egui::{RichText, ScrollArea, TextEdit, Ui};
 use std::cmp::Ordering;
-use throng_runtime::format::SourceMeta;
+use throng_core::format::SourceMeta;
 
 const COLUMNS: [TableColumn<'static>; 3] = [
     TableColumn::text("File", "As the configuration names it", 120.0, 1.0),

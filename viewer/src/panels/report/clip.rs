@@ -8,8 +8,8 @@ use crate::panels::glitches;
 use crate::panels::paint::time_text;
 use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Frame, Grid, Label, Link, RichText, Sense, Stroke, TextStyle, Ui, vec2};
+use throng_core::Joint;
 use throng_precompute::inspect::ClipReport;
-use throng_runtime::Joint;
 
 /// Shows all that import found.
 pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<ViewerCommand>) {

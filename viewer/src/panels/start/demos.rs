@@ -10,7 +10,7 @@ use std::fmt;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use throng_precompute::run::is_complete;
-use throng_runtime::simulation::Scene;
+use throng_simulation::Scene;
 
 /// A demonstration.
 struct Demo {

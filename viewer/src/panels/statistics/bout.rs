@@ -83,7 +83,7 @@ fn penetration(ui: &mut Ui, history: &[(u32, BoutFigures)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use throng_runtime::sparring::BlowTally;
+    use throng_simulation::sparring::BlowTally;
 
     #[test]
     fn hits_a_minute_are_those_of_the_window() {

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
 use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
-use throng_runtime::Bundle;
+use throng_core::Bundle;
 
 /// Height of a plot (points).
 const PLOT_HEIGHT: f32 = 130.0;

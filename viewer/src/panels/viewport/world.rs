@@ -10,8 +10,8 @@ use crate::stage::StageLayout;
 use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
 use glam::Vec3;
 use std::f32::consts::PI;
-use throng_runtime::patch::Placement;
-use throng_runtime::world::inhabitants::InhabitantGoal;
+use throng_core::patch::Placement;
+use throng_world::inhabitants::InhabitantGoal;
 
 /// Distance within which a free place is searched around the clicked one (m).
 pub const SENT_WITHIN_M: f32 = 5.0;

@@ -45,7 +45,7 @@ impl Default for OrbitCamera {
 impl OrbitCamera {
     /// Turns around the target by a drag (pixels).
     pub fn orbit(&mut self, dx: f32, dy: f32) {
-        self.yaw = throng_runtime::planar::wrap_angle(self.yaw - dx * TURN_PER_PIXEL);
+        self.yaw = throng_core::planar::wrap_angle(self.yaw - dx * TURN_PER_PIXEL);
         self.pitch += dy * TURN_PER_PIXEL;
         self.limit();
     }

@@ -10,7 +10,7 @@ mod weights;
 
 pub use weights::Influence;
 
-use throng_runtime::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton};
 
 /// Levels of detail of a body, finest first.
 pub const LEVELS: usize = 4;
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use std::collections::HashMap;
-    use throng_runtime::NUM_JOINTS;
+    use throng_core::NUM_JOINTS;
 
     fn skeletons() -> [Skeleton; 2] {
         let mut small = Skeleton::default();

@@ -1,6 +1,6 @@
 //! Which joints move a vertex, and how much.
 
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// Up to four joints with weights that sum to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,10 +4,10 @@ use crate::fixtures::golden_path;
 use crate::render::offscreen::read_back;
 use crate::render::{Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
-use throng_runtime::characters::{
+use throng_core::characters::{
     CharacterStart, Characters as People, CharactersConfig, FootLockConfig, PolicyOrder, PoseInstance,
 };
-use throng_runtime::{Joint, NUM_JOINTS, Planar};
+use throng_core::{Joint, NUM_JOINTS, Planar};
 
 const SIZE: [u32; 2] = [400, 300];
 

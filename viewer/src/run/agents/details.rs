@@ -1,9 +1,9 @@
 //! Motion of an agent: its forces, its bound and its route.
 
 use glam::Vec3;
-use throng_runtime::crowd::{Crowd, Id};
-use throng_runtime::simulation::agents::world_vector;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_crowd::{Crowd, Id};
+use throng_simulation::agents::world_vector;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Terms of the force field, with their equations in Kim, Kim and Shin 2003b.
 pub const FORCE_TERMS: [(&str, &str); 6] = [

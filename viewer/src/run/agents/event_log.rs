@@ -3,8 +3,8 @@
 use super::rates::EventRates;
 use glam::Vec3;
 use std::collections::VecDeque;
-use throng_runtime::crowd::{CrowdEventKind, Id};
-use throng_runtime::simulation::scenario::{Turn, TurnKind};
+use throng_crowd::{CrowdEventKind, Id};
+use throng_simulation::scenario::{Turn, TurnKind};
 
 /// Events of a kind that are kept.
 const KEPT: usize = 1500;

@@ -1,6 +1,6 @@
 //! Number of agents that know each message, over time.
 
-use throng_runtime::simulation::scenario::{AgentBrains, Turn, TurnKind};
+use throng_simulation::scenario::{AgentBrains, Turn, TurnKind};
 
 /// When agents came to know of every message, ascending (s).
 #[derive(Clone, Debug, Default)]

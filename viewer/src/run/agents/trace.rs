@@ -1,7 +1,7 @@
 //! How agents came to their states: the last edge at each level, and which levels began anew with it.
 
-use throng_runtime::simulation::Simulation;
-use throng_runtime::simulation::scenario::{Turn, TurnKind};
+use throng_simulation::Simulation;
+use throng_simulation::scenario::{Turn, TurnKind};
 
 /// No edge.
 const NONE: u16 = u16::MAX;

@@ -6,11 +6,11 @@ use crate::run::figures::{BoutFigures, Slip, StepFigures};
 use crate::run::{RunInput, STEP_HZ};
 use glam::Vec3;
 use std::sync::Arc;
+use throng_core::{Executor as Threads, Inline, Rayon, Result};
 use throng_precompute::run::AgentsMeter;
 use throng_precompute::slip::SlipMeter;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
-use throng_runtime::sparring::NO_THREAT_S;
-use throng_runtime::{Executor as Threads, Inline, Rayon, Result};
+use throng_simulation::sparring::NO_THREAT_S;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Steps between two observations of all agents.
 const LOOK_EVERY: u32 = 2;

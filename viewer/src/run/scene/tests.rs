@@ -10,7 +10,7 @@ use crate::fixtures::quietly;
 use crate::run::agents::EventFilter;
 use crate::run::{BlowResult, explain_choice};
 use std::path::Path;
-use throng_runtime::NUM_JOINTS;
+use throng_core::NUM_JOINTS;
 
 fn open(path: &Path) -> SceneDocument {
     quietly(|with| SceneDocument::open(path, with)).unwrap()

@@ -4,8 +4,8 @@ use super::Brush;
 use crate::command::{BlackboardCell, BlackboardFilter, SceneViewOptions};
 use crate::render::{Rgba, ShapeList};
 use glam::{Vec2, Vec3};
-use throng_runtime::simulation::Simulation;
-use throng_runtime::simulation::scenario::{AgentBrains, BlackboardPost};
+use throng_simulation::Simulation;
+use throng_simulation::scenario::{AgentBrains, BlackboardPost};
 
 /// Height of cells above the ground, the smallest the highest (m).
 const CELL_Y: f32 = 0.001;

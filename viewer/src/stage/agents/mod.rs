@@ -19,8 +19,8 @@ use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
 use crate::run::agents::{agent_bound, agent_route, first_agent};
 use glam::Vec3;
-use throng_runtime::crowd::Scheme;
-use throng_runtime::simulation::agents::Disc;
+use throng_crowd::Scheme;
+use throng_simulation::agents::Disc;
 
 /// Most agents whose routes are drawn.
 const MAX_LINES: usize = 1500;

@@ -4,8 +4,8 @@ use super::Brush;
 use crate::document::SceneSurroundings;
 use crate::render::{Rgba, ShapeList};
 use glam::Vec3;
+use throng_crowd::Obstacle;
 use throng_precompute::run::position_on_timed_path;
-use throng_runtime::crowd::Obstacle;
 
 /// Draws outlines of boxes in the air, and moving obstacles; all others have meshes.
 pub(in crate::stage) fn lay_out(shapes: &mut ShapeList, standing: &SceneSurroundings, time_s: f64, brush: &Brush<'_>) {

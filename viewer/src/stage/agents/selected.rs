@@ -5,7 +5,7 @@ use crate::command::{OverlayScope, SceneViewOptions};
 use crate::render::{Rgba, ShapeList};
 use crate::run::agents::{AgentDetails, agent_bound, agent_details};
 use glam::Vec3;
-use throng_runtime::simulation::Simulation;
+use throng_simulation::Simulation;
 
 /// Length of the arrow of the largest acceleration (radii).
 const ARROW_RADII: f32 = 5.0;

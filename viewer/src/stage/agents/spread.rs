@@ -4,7 +4,7 @@ use super::Brush;
 use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
 use glam::Vec3;
-use throng_runtime::simulation::scenario::AgentBrains;
+use throng_simulation::scenario::AgentBrains;
 
 /// Height of lines above the ground (m).
 const LINE_Y: f32 = 0.03;

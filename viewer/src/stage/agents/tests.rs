@@ -75,7 +75,7 @@ fn bodies_are_drawn_over_discs_and_can_be_selected() {
     let mut layout = StageLayout::default();
     layout.lay_out(&model, true);
     assert_eq!(layout.instances.len(), 8);
-    assert_eq!(layout.poses(&model).len(), 8 * throng_runtime::NUM_JOINTS);
+    assert_eq!(layout.poses(&model).len(), 8 * throng_core::NUM_JOINTS);
     let run = model.document.scene().unwrap().run();
     for (i, instance) in layout.instances.iter().enumerate() {
         let at = run.place(layout.drawn[i]).unwrap();

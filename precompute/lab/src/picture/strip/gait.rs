@@ -5,8 +5,8 @@ use super::super::colour;
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{StripFrame, StripLayout};
 use glam::Vec2;
+use throng_core::Contacts;
 use throng_motion::clip::runs_where;
-use throng_runtime::Contacts;
 
 /// Draws a lane for each foot, heel above and toe below, over the columns of the strip.
 pub(super) fn draw(page: &mut Picture, layout: &StripLayout, frames: &[StripFrame]) {

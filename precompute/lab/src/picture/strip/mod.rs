@@ -16,7 +16,7 @@ use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
-use throng_runtime::{Contacts, Joint, Planar};
+use throng_core::{Contacts, Joint, Planar};
 
 /// One frame of a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -217,7 +217,7 @@ fn speed_mps(frames: &[StripFrame], frame: usize) -> Option<f32> {
 mod tests {
     use super::*;
     use glam::Vec3;
-    use throng_runtime::Skeleton;
+    use throng_core::Skeleton;
 
     /// A statue that glides along +X at 1.5 m/s, facing where it goes.
     fn gliding(num_frames: usize) -> Vec<StripFrame> {

@@ -2,7 +2,7 @@ use super::*;
 use std::ops::Range;
 use std::path::Path;
 use throng_bake::environment::UnitSet;
-use throng_runtime::Skeleton;
+use throng_core::Skeleton;
 
 fn wall() -> UnitGeometry {
     let text = "[[units]]\nname = \"wall\"\nshapes = [{ box = { at = [0.0, 0.6, 0.0], size = [2.0, 1.2, 0.1] } }]\n";

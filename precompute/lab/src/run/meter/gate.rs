@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use serde::Serialize;
-use throng_runtime::simulation::scene::GateConfig;
+use throng_simulation::scene::GateConfig;
 
 /// Least and greatest measured flow of people through openings: about 1.2 on level ways (Weidmann 1993, Transporttechnik
 /// der Fussgaenger), 1.3 as escape routes are planned for (Nelson and Mowrer 2002, SFPE Handbook), to 1.9 in experiments with

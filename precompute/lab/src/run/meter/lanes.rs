@@ -1,7 +1,7 @@
 //! Measures how far agents sort themselves into lanes by direction.
 
 use glam::Vec2;
-use throng_runtime::simulation::scene::LanesConfig;
+use throng_simulation::scene::LanesConfig;
 
 /// Least number of others in an agent's band for it to count.
 const MIN_NEIGHBOURS: usize = 2;

@@ -1,6 +1,6 @@
 //! Measures the progress of agents towards their goals.
 
-use throng_runtime::crowd::Space;
+use throng_crowd::Space;
 
 /// An agent that stays within this distance for `STUCK_S` is stuck (m).
 const STUCK_M: f32 = 0.5;

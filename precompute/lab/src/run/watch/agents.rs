@@ -4,11 +4,11 @@ use crate::overlap::OverlapMeter;
 use crate::run::figures::{AgentFigures, ThingFigures};
 use crate::run::meter::{AgentSample, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
-use throng_runtime::Joint;
-use throng_runtime::crowd::{AtEnd, EventCounts, Space};
-use throng_runtime::simulation::agents::{self as crowd, HandlingCounts, ground_coordinates};
-use throng_runtime::simulation::scene::SceneMeasureConfig;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
+use throng_core::Joint;
+use throng_crowd::{AtEnd, EventCounts, Space};
+use throng_simulation::agents::{self as crowd, HandlingCounts, ground_coordinates};
+use throng_simulation::scene::SceneMeasureConfig;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Figures of all agents until now.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

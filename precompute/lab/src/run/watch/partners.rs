@@ -4,8 +4,8 @@ use crate::histogram::Histogram;
 use serde::Serialize;
 use throng_core::CharacterGroup;
 use throng_core::planar::wrap_angle;
-use throng_runtime::simulation::inhabitant_group::InhabitantGroup;
-use throng_runtime::world::inhabitants::{InhabitantEvent, InhabitantGoal};
+use throng_simulation::inhabitant_group::InhabitantGroup;
+use throng_world::inhabitants::{InhabitantEvent, InhabitantGoal};
 
 /// Figures of pairs of people that act together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]

@@ -6,10 +6,10 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
+use throng_core::{Joint, NUM_JOINTS};
 use throng_motion::error::BuildError;
-use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
-use throng_runtime::world::inhabitants::InhabitantActivity;
-use throng_runtime::{Joint, NUM_JOINTS};
+use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_world::inhabitants::InhabitantActivity;
 
 /// Penetrations deeper than this into a unit count (m).
 const PENETRATION_M: f32 = 0.08;

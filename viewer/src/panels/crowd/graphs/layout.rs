@@ -1,7 +1,7 @@
 //! Layout of the states of a small graph: in rows, by number of edges from the start.
 
 use eframe::egui::{Rect, Vec2, pos2, vec2};
-use throng_runtime::simulation::scene::StateGraphConfig;
+use throng_simulation::scene::StateGraphConfig;
 
 /// Space between rows, and between the boxes of a row (points).
 const ROWS: f32 = 40.0;

@@ -9,8 +9,8 @@ use crate::model::Model;
 use crate::run::agents::{StateEntry, first_agent};
 use eframe::egui::Ui;
 use layout::StateGraphShape;
-use throng_runtime::simulation::scenario::{AgentBrains, CurrentState};
-use throng_runtime::simulation::scene::{EdgeConfig, StateGraphConfig};
+use throng_simulation::scenario::{AgentBrains, CurrentState};
+use throng_simulation::scene::{EdgeConfig, StateGraphConfig};
 
 /// Levels by their names, the highest first.
 const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];

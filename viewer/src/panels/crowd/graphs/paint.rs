@@ -7,7 +7,7 @@ use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Role, Sense, Shape as Drawn, Stroke, StrokeKind,
     TextStyle, Ui, Vec2, WidgetInfo, vec2,
 };
-use throng_runtime::simulation::scene::StateGraphConfig;
+use throng_simulation::scene::StateGraphConfig;
 
 /// Space around the name of a state (points).
 const PADDING: Vec2 = vec2(8.0, 4.0);

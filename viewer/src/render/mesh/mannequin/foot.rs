@@ -4,7 +4,7 @@ use super::super::loft::{Loft, Ring};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
 use super::MannequinPlan;
 use glam::Vec3;
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// A cross-section: place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width,
 /// height, shift to the outer side, and the coarsest level of detail that has it (m).

@@ -4,7 +4,7 @@ use super::super::loft::{Loft, Ring};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
 use super::MannequinPlan;
 use glam::Vec3;
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// A cross-section: distance from the wrist, half thickness, half width, how far forward, and the coarsest level of
 /// detail that has it (m).

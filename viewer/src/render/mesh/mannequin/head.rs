@@ -4,7 +4,7 @@ use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
 use super::MannequinPlan;
 use glam::Vec3;
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// A cross-section: height above the head joint, half width, half depth, how far forward, and the coarsest level of
 /// detail that has it. For a head 0.2 m high (m).

@@ -4,7 +4,7 @@ use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
 use super::MannequinPlan;
 use glam::Vec3;
-use throng_runtime::Joint;
+use throng_core::Joint;
 
 /// A cross-section of a limb in a body of the default size.
 struct LimbSection {

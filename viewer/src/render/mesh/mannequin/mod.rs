@@ -12,7 +12,7 @@ mod trunk;
 use super::loft::{Loft, Ring};
 use super::{BodyMesh, BodySide, Influence, LEVELS, SurfacePart};
 use glam::Vec3;
-use throng_runtime::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Data shared by all parts of one mannequin.
 struct MannequinPlan {

@@ -5,7 +5,7 @@ use super::super::weights::smooth;
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart, Vertex};
 use super::MannequinPlan;
 use glam::Vec3;
-use throng_runtime::{Joint, Skeleton};
+use throng_core::{Joint, Skeleton};
 
 /// A cross-section: height, half width, half depth and how far forward, in a body of the default size, and the
 /// coarsest level of detail that has it (m).
