@@ -2,10 +2,10 @@
 
 use crate::common;
 use glam::{Vec2, Vec3};
-use throng_runtime::blend::HeightField;
-use throng_runtime::body::{BodyLayers, HandReach};
-use throng_runtime::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
-use throng_runtime::{Bundle, CharacterGroup, Contacts, Inline, Joint, Planar, Skeleton};
+use throng_core::blend::HeightField;
+use throng_core::body::{BodyLayers, HandReach};
+use throng_core::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::{Bundle, CharacterGroup, Contacts, Inline, Joint, Planar, Skeleton};
 
 const DT_S: f32 = 1.0 / 60.0;
 const PEOPLE: usize = 11;
@@ -139,7 +139,9 @@ fn feet_of_policy_characters_stand_on_uneven_ground() {
         let (gap, slip) = (p95(&seen.gaps), p95(&seen.speeds));
         let worst = seen.speeds.last().expect("planted feet");
         let Seen { deepest, knee_rate, hips_mps, .. } = seen;
-        println!("{name}: off {gap} m, {deepest} m deep, slip {slip} {worst} m/s, knees {knee_rate} rad/s, hips {hips_mps} m/s");
+        println!(
+            "{name}: off {gap} m, {deepest} m deep, slip {slip} {worst} m/s, knees {knee_rate} rad/s, hips {hips_mps} m/s"
+        );
         assert!(gap < p95(&flat.gaps) + 0.015, "{name}: {gap} m off the ground, {} on flat ground", p95(&flat.gaps));
         assert!(deepest < flat.deepest + 0.04, "{name}: a toe is {deepest} m deep");
         assert!(slip < p95(&flat.speeds) + 0.08, "{name}: slips at {slip} m/s, {} on flat ground", p95(&flat.speeds));
@@ -171,10 +173,8 @@ fn in_world(root: Planar, point: Vec3) -> Vec3 {
 fn heads_of_policy_characters_turn_to_what_they_look_at() {
     // Every second one looks at a point to its left.
     let aside = Vec3::new(1.6, 1.6, 1.9);
-    let layers = |c: usize, root| BodyLayers {
-        look_at: (c % 2 == 0).then(|| in_world(root, aside)),
-        ..BodyLayers::default()
-    };
+    let layers =
+        |c: usize, root| BodyLayers { look_at: (c % 2 == 0).then(|| in_world(root, aside)), ..BodyLayers::default() };
     let (people, _) = walk_with(layers, 3.0);
     let (plain, _) = walk_with(|_, _| BodyLayers::default(), 3.0);
     for c in 0..PEOPLE {

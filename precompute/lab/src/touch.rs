@@ -5,10 +5,9 @@ use crate::histogram::Histogram;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
-use throng_core::{Bundle, CharacterGroup, Joint, NUM_JOINTS};
+use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 use throng_geometry::segment_distance;
 use throng_simulation::sparring::{Sparring, StruckPart};
-use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 
 /// Figures of opponents: whether their limbs stop at each other.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]

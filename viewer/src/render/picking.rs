@@ -2,8 +2,8 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
-use throng_geometry::Capsule;
 use throng_core::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_geometry::Capsule;
 
 /// Width around a body within which it is picked (m).
 const PICK_ROOM_M: f32 = 0.02;

@@ -5,6 +5,7 @@ use super::colour::Colour;
 use super::solid::RoundCone;
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, UnitGeometry};
+use throng_core::patch::Placement;
 use throng_geometry::SurfaceHit;
 use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
 

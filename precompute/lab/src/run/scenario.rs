@@ -5,6 +5,8 @@ use crate::overlap::NearPairs;
 use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
+use throng_core::base::limits::THREADS;
+use throng_core::{Executor, Inline, Rayon};
 use throng_geometry::Bounds2d;
 use throng_motion::error::BuildError;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};

@@ -5,8 +5,8 @@ use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::maths;
 use throng_core::BodyVolume;
-use throng_core::planar::Planar;
 use throng_core::body::Mat3x4;
+use throng_core::planar::Planar;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::Capsule;
 

@@ -6,13 +6,13 @@ use super::*;
 use glam::{Quat, Vec3};
 use throng_base::{Error, Id, Inline, Result};
 use throng_core::CharacterGroup;
+use throng_core::body::Mat3x4;
 use throng_core::bundle::Bundle;
 use throng_core::characters::made_up::tables_with;
 use throng_core::characters::{Blow, CharactersConfig, PolicyOrder, Spawn};
 use throng_core::contacts::Contacts;
 use throng_core::hits::{HitRecord, striking_offset};
 use throng_core::planar::Planar;
-use throng_core::body::Mat3x4;
 use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 
 mod bodies;

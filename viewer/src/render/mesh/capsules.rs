@@ -4,8 +4,8 @@ use super::loft::{Loft, Ring, equal_area};
 use super::{BodyMesh, BodySide, Influence, SurfacePart};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;
-use throng_geometry::Capsule;
 use throng_core::{BodyVolume, Joint, JointCapsule, Skeleton};
+use throng_geometry::Capsule;
 
 /// Levels of detail that are made of capsules.
 pub(super) const LEVELS: usize = 3;
