@@ -72,6 +72,40 @@ pub fn boxing_bytes() -> &'static [u8] {
     })
 }
 
+/// A bundle with one blend space of synthetic locomotion; built once a binary.
+pub fn blend_tables() -> Bundle {
+    static BUNDLE: OnceLock<Vec<u8>> = OnceLock::new();
+    let bytes = BUNDLE.get_or_init(|| {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let out = folder.path().join("blend.throng");
+        let config = BuildConfig::parse(BLEND, Path::new("blend.toml")).expect("a config");
+        build(&config, &out, &Cache::disabled());
+        std::fs::read(&out).expect("what was built can be read")
+    });
+    Bundle::from_bytes(AlignedBytes::from_slice(bytes)).expect("the bundle of a blend opens")
+}
+
+const BLEND: &str = r#"
+name = "blend"
+synth = { set = "locomotion" }
+behaviours = []
+[resample]
+rate_hz = 60.0
+mirror = false
+[annotate.ends]
+still = false
+[graph]
+enabled = false
+[blend.ahead]
+axes = [{ kind = "speed" }, { kind = "gyration" }]
+examples = [
+  { clip = "idle_neutral", still = true },
+  { clip = "turn_neutral_*" },
+  { clip = "walk_neutral_*" },
+  { clip = "jog_neutral_v270_*" },
+]
+"#;
+
 /// The bundle of boxing, open.
 pub fn boxing_tables() -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(boxing_bytes())).expect("the bundle of boxing opens")

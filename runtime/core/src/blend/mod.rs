@@ -5,6 +5,7 @@ mod activity;
 mod grid;
 mod posture;
 mod records;
+mod rows;
 mod slopes;
 mod space;
 mod warp;

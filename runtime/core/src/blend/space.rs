@@ -3,9 +3,10 @@
 use super::ActivitySet;
 use super::grid::WeightGrid;
 use super::records::{AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, ReferenceRow};
+use super::rows::ExampleRows;
 use super::warp::PhaseTiming;
 use super::{Blends, slopes};
-use crate::format::{FormatError, Table};
+use crate::format::{ClipRecord, FormatError, Table};
 use crate::skeleton::Skeleton;
 use std::sync::OnceLock;
 use throng_base::Hash128;
@@ -35,6 +36,8 @@ pub struct BlendSpace {
     skeleton: Skeleton,
     hash: OnceLock<u128>,
     activities: ActivitySet,
+    /// Rows of the examples in the bundle, where it is known.
+    pub(super) rows: Option<ExampleRows>,
 }
 
 impl BlendSpace {
@@ -77,13 +80,32 @@ impl BlendSpace {
         }
         let name = blends.names.get(space).cloned().unwrap_or_default();
         let (skeleton, hash) = (blends.skeleton.clone(), OnceLock::new());
-        let activities = ActivitySet::default();
-        Ok(Self { record, examples, grid, references, channels, timing, slopes, name, skeleton, hash, activities })
+        let (activities, rows) = (ActivitySet::default(), None);
+        Ok(Self {
+            record,
+            examples,
+            grid,
+            references,
+            channels,
+            timing,
+            slopes,
+            name,
+            skeleton,
+            hash,
+            activities,
+            rows,
+        })
     }
 
     /// Adds activities that bodies may perform while they stand.
     pub fn with_activities(self, activities: ActivitySet) -> Self {
         Self { activities, ..self }
+    }
+
+    /// Adds the clips of the bundle, by whose rows the examples can be shown.
+    pub(crate) fn with_clips(self, clips: &[ClipRecord], rate_hz: f32) -> Self {
+        let rows = ExampleRows::new(&self.examples, clips, rate_hz);
+        Self { rows, ..self }
     }
 
     /// Activities that bodies may perform while they stand.

@@ -15,6 +15,8 @@ pub(crate) struct PhaseTiming {
     stride: usize,
     /// Seconds per unit of generic time between a row and the next (num_phases * stride).
     rates: Vec<f32>,
+    /// Time from the begin of the cycle to a row (s, num_phases * stride).
+    elapsed: Vec<f32>,
     /// The smallest rate of an example between a row and the next (num_phases).
     floors: Vec<f32>,
     /// Importance of each foot's position, 0 to 1: left, right (num_phases * 2 * stride).
@@ -50,12 +52,19 @@ impl PhaseTiming {
                 }
             }
         }
+        let mut elapsed = vec![0.0; rates.len()];
+        for k in 1..num_phases {
+            for e in 0..n {
+                let before = (k - 1) * stride + e;
+                elapsed[k * stride + e] = elapsed[before] + rates[before] / num_phases as f32;
+            }
+        }
         let mut cycle = vec![0.0; 3 * stride];
         for (e, example) in examples.iter().enumerate() {
             let [x, z] = example.velocity.map(|v| v * example.duration_s);
             [cycle[e], cycle[stride + e], cycle[2 * stride + e]] = [example.duration_s, x, z];
         }
-        Some(Self { stride, rates, floors, importance, cycle })
+        Some(Self { stride, rates, elapsed, floors, importance, cycle })
     }
 
     fn num_phases(&self) -> usize {
@@ -101,6 +110,15 @@ impl PhaseTiming {
                 left %= cycle_s;
             }
         }
+    }
+
+    /// Time from the begin of an example's cycle to a generic time (s).
+    pub fn seconds_of(&self, example: usize, phase: f32) -> f32 {
+        let n = self.num_phases();
+        let at = wrap(phase) * n as f32;
+        let row = (at as usize).min(n - 1);
+        let k = row * self.stride + example;
+        self.elapsed[k] + self.rates[k] * (at - row as f32) / n as f32
     }
 
     /// Duration and displacement of a cycle of the blend (s, m).

@@ -4,6 +4,7 @@
 //!
 //! Sources are frame rows ([`sample`]) and blends. Whoever moves characters chooses source and control, and nothing else.
 
+mod detail;
 mod foot_lock;
 mod foot_placement;
 mod gaze;
@@ -24,6 +25,8 @@ mod springs;
 mod step;
 mod times;
 
+pub(crate) use detail::unorm;
+pub use detail::{Detail, DetailLevel, PoseInstance};
 pub use foot_lock::FootLockConfig;
 pub(crate) use foot_lock::{FeetTick, FootLock, PlantedParts};
 pub(crate) use foot_placement::{

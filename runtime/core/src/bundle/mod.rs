@@ -275,7 +275,10 @@ impl Bundle {
     /// As [`Bundle::find_blend`].
     pub fn blend(&self, name: &str) -> Result<BlendSpace> {
         match BlendSpace::new(self.blends(), self.find_blend(name)?) {
-            Ok(space) => Ok(space.with_activities(self.activities())),
+            Ok(space) => {
+                let rate_hz = self.meta().rate_hz as f32;
+                Ok(space.with_activities(self.activities()).with_clips(self.clips(), rate_hz))
+            }
             Err(e) => unreachable!("checked when the bundle was opened: {e}"),
         }
     }

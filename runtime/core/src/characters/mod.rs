@@ -29,6 +29,7 @@ pub use crate::body::FootLockConfig;
 pub use crate::body::ReactionConfig;
 pub use crate::body::StepTimes;
 pub use crate::body::head_centre;
+pub use crate::body::{Detail, DetailLevel, PoseInstance};
 use crate::body::{HeightField, Laps, LocalTransform, Mat3x4, PhaseClock, RANGE_BLOCKS, RANGE_LEN, StepPhase};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
@@ -42,7 +43,6 @@ use blow::{Blows, PassedHits};
 use bytemuck::zeroed_vec;
 pub use config::{ActionChoice, CharactersConfig};
 pub use control::uniform_random;
-pub use detail::{Detail, DetailLevel, PoseInstance};
 use glam::{Vec2, Vec3};
 pub use motion_set::MotionSet;
 pub use order::{BundlePolicy, PolicyOrder};
@@ -216,7 +216,7 @@ impl Characters {
         let num_ranges = n.div_ceil(RANGE_LEN);
         if let Some(detail) = &self.detail {
             for (at, (level, block)) in self.levels.iter_mut().zip(&self.blocks[..n.div_ceil(LANES)]).enumerate() {
-                *level = detail.level(block, (n - at * LANES).min(LANES));
+                *level = detail.level(&block.root, (n - at * LANES).min(LANES));
             }
         }
         match (&mut self.avoiding, &config.avoid) {

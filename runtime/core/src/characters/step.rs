@@ -8,14 +8,14 @@ use super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::blow::PassedHits;
 use super::control;
 use super::decay::add_offsets;
-use super::detail::{self, DetailLevel, PoseInstance};
+use super::detail;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
-    BodyState, BodyTick, FeetTick, FrameCursor, FramePosition, HeightField, Laps, LayerLanes, LocalTransform, Mat3x4,
-    ModelPose, PhaseClock, PlacementLanes, PlantedParts, PoseOutput, StepPhase, planar_of_lane, pose_block,
-    sample_pose,
+    BodyState, BodyTick, DetailLevel, FeetTick, FrameCursor, FramePosition, HeightField, Laps, LayerLanes,
+    LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes, PlantedParts, PoseInstance, PoseOutput, StepPhase,
+    planar_of_lane, pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::NUM_JOINTS;

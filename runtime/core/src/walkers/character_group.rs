@@ -64,6 +64,9 @@ impl CharacterGroup for Walkers {
         let stride = self.space.stride();
         self.roots.swap_remove(row);
         self.model.swap_remove(row);
+        if self.config.instances {
+            self.instances.swap_remove(row);
+        }
         self.weights.copy_within(last * stride..(last + 1) * stride, row * stride);
         if self.config.local_transforms {
             self.locals.copy_within(last * NUM_JOINTS..(last + 1) * NUM_JOINTS, row * NUM_JOINTS);

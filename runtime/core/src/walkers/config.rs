@@ -38,6 +38,8 @@ pub struct WalkersConfig {
     pub reaction: ReactionConfig,
     /// Also write local transforms.
     pub local_transforms: bool,
+    /// Also write a record of each for GPUs, see [`Walkers::instances`](super::Walkers::instances).
+    pub instances: bool,
 }
 
 impl Default for WalkersConfig {
@@ -52,6 +54,7 @@ impl Default for WalkersConfig {
             retarget: true,
             reaction: ReactionConfig::default(),
             local_transforms: false,
+            instances: false,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::blend::BlendSpace;
 use crate::blend::HeightField;
 use crate::blend::MAX_AXES;
 pub use crate::body::HandReach;
-use crate::body::{LEGS, LaneBody, LocalTransform, Mat3x4, RANGE_BLOCKS, RANGE_LEN};
+use crate::body::{Detail, DetailLevel, LEGS, LaneBody, LocalTransform, Mat3x4, PoseInstance, RANGE_BLOCKS, RANGE_LEN};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::roster::Roster;
@@ -56,6 +56,10 @@ pub struct Walkers {
     roots: Vec<Planar>,
     model: Vec<[Mat3x4; NUM_JOINTS]>,
     locals: Vec<LocalTransform>,
+    instances: Vec<PoseInstance>,
+    detail: Option<Detail>,
+    /// Level at which the last step computed each block.
+    levels: Vec<DetailLevel>,
     events: Vec<(Id, WalkerEvent)>,
     /// Contacts before the step.
     stood: Vec<Contacts>,
@@ -126,6 +130,9 @@ impl Walkers {
             roots: Vec::with_capacity(capacity),
             model: Vec::with_capacity(capacity),
             locals: Vec::with_capacity(locals),
+            instances: Vec::with_capacity(if config.instances { capacity } else { 0 }),
+            detail: None,
+            levels: Vec::with_capacity(blocks),
             events: Vec::with_capacity(3 * capacity),
             stood: Vec::with_capacity(capacity),
             block_weights: vec![0.0; LANES * stride],
@@ -240,6 +247,25 @@ impl Walkers {
         &self.locals
     }
 
+    /// Sets viewpoint and distances of the level of detail from the next step on; with none, all walkers are posed whole.
+    ///
+    /// # Errors
+    /// [`Error::Value`](throng_base::Error::Value) for invalid distances.
+    pub fn set_detail(&mut self, detail: Option<Detail>) -> Result<()> {
+        detail.map_or(Ok(()), |detail| detail.check())?;
+        self.detail = detail;
+        Ok(())
+    }
+
+    /// Records of all walkers, whatever their level; empty unless [`WalkersConfig::instances`] (len).
+    ///
+    /// A record shows the two examples that weigh most, in the size of the database skeleton: a blend of more is not quite
+    /// what it shows. Without the bundle's clips, as in a space that was not opened by [`Bundle::blend`](crate::Bundle::blend), it
+    /// shows the first row.
+    pub fn instances(&self) -> &[PoseInstance] {
+        &self.instances
+    }
+
     /// World positions of the joints (m, row < len).
     pub fn joint_positions(&self, row: usize) -> [Vec3; NUM_JOINTS] {
         let root = self.root(row);
@@ -264,16 +290,25 @@ impl Walkers {
     fn advance(&mut self, dt_s: f32, run: &dyn Executor) {
         let tick = WalkersTick::new(&self.space, &self.config, dt_s, &self.ground);
         let stride = self.space.stride();
+        let n = self.len();
+        for (at, (level, block)) in self.levels.iter_mut().zip(&self.state.blocks).enumerate() {
+            let whole = DetailLevel::Full;
+            *level = self.detail.as_ref().map_or(whole, |d| d.level(&block.root, (n - at * LANES).min(LANES)));
+        }
         let mut locals = self.locals.chunks_mut(RANGE_LEN * NUM_JOINTS);
+        let mut instances = self.instances.chunks_mut(RANGE_LEN);
         let parts = self.state.blocks.chunks_mut(RANGE_BLOCKS).zip(self.bodies.chunks(RANGE_BLOCKS));
         let parts = parts.zip(self.state.orders.chunks_mut(RANGE_LEN)).zip(self.weights.chunks_mut(RANGE_LEN * stride));
         let parts = parts.zip(self.roots.chunks_mut(RANGE_LEN)).zip(self.model.chunks_mut(RANGE_LEN));
-        let parts = parts.zip(self.state.acts.chunks_mut(RANGE_LEN));
-        let ranges = parts.map(|((((((blocks, bodies), controls), weights), roots), model), acts)| {
-            let locals = locals.next().unwrap_or_default();
-            WalkerRange { blocks, bodies, controls, acts, weights, roots, model, locals }
+        let parts = parts.zip(self.state.acts.chunks_mut(RANGE_LEN)).zip(self.levels.chunks(RANGE_BLOCKS));
+        let ranges = parts.map(|(((((((blocks, bodies), controls), weights), roots), model), acts), levels)| {
+            let (locals, instances) = (locals.next().unwrap_or_default(), instances.next().unwrap_or_default());
+            WalkerRange { blocks, bodies, levels, controls, acts, weights, roots, model, locals, instances }
         });
         run_each(run, ranges, |range| step::step(range, &tick));
+        for (record, id) in self.instances.iter_mut().zip(self.state.roster.ids()) {
+            record.variant = id.index() as u32;
+        }
     }
 
     /// Poses walkers as they stand, on copies of their blocks: nothing moves on.
@@ -296,15 +331,19 @@ impl Walkers {
             let mut model = [[Mat3x4::default(); NUM_JOINTS]; LANES];
             let mut locals = [LocalTransform::default(); LANES * NUM_JOINTS];
             let num_locals = if self.config.local_transforms { count * NUM_JOINTS } else { 0 };
+            let mut instances = [PoseInstance::default(); LANES];
+            let num_instances = if self.config.instances { count } else { 0 };
             let range = WalkerRange {
                 blocks: std::slice::from_mut(&mut block),
                 bodies: &self.bodies[b..=b],
+                levels: &[DetailLevel::Full],
                 controls: &mut controls[..count],
                 acts: &mut acts[..count],
                 weights: &mut self.block_weights[..count * stride],
                 roots: &mut roots[..count],
                 model: &mut model[..count],
                 locals: &mut locals[..num_locals],
+                instances: &mut instances[..num_instances],
             };
             step::step(range, &tick);
             for lane in (0..count).filter(|lane| rows.contains(&(from + lane))) {
@@ -312,6 +351,9 @@ impl Walkers {
                 self.roots[row] = self.state.blocks[b].root(lane);
                 self.model[row] = model[lane];
                 self.weights[row * stride..][..stride].copy_from_slice(&self.block_weights[lane * stride..][..stride]);
+                if let Some(to) = self.instances.get_mut(row) {
+                    *to = instances[lane];
+                }
                 if let Some(to) = self.locals.get_mut(row * NUM_JOINTS..(row + 1) * NUM_JOINTS) {
                     to.copy_from_slice(&locals[lane * NUM_JOINTS..][..NUM_JOINTS]);
                 }
@@ -326,6 +368,8 @@ impl Walkers {
         self.model.resize(n, [Mat3x4::default(); NUM_JOINTS]);
         self.weights.resize(n * self.space.stride(), 0.0);
         self.locals.resize(if self.config.local_transforms { n * NUM_JOINTS } else { 0 }, LocalTransform::default());
+        self.instances.resize(if self.config.instances { n } else { 0 }, PoseInstance::default());
+        self.levels.resize(n.div_ceil(LANES), DetailLevel::Full);
         self.state.blocks.resize(n.div_ceil(LANES), WalkerBlock::ZERO);
         if self.bodies.len() != n.div_ceil(LANES) {
             // Lanes without a walker have a body too, so that nothing is divided by 0.

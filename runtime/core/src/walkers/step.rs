@@ -10,10 +10,11 @@ use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
 use crate::blend::{BlendSpace, BlendedPosture, channel};
 use crate::body::{
-    Bearing, BodyState, BodyTick, DampedSpring, FootGround, FootOverGround, FootPlacement, HALF_LIVES_S, HeightField,
-    LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacedFoot, PlacementLanes,
-    PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground, is_stretched, keep_planted, load,
-    lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot, reach_hand, slow_knee,
+    Bearing, BodyState, BodyTick, DampedSpring, DetailLevel, FootGround, FootOverGround, FootPlacement, HALF_LIVES_S,
+    HeightField, LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacedFoot,
+    PlacementLanes, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground, is_stretched,
+    keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot, reach_hand,
+    slow_knee, unorm,
 };
 use crate::contacts::Contacts;
 use crate::planar::Planar;
@@ -83,6 +84,8 @@ impl<'a> WalkersTick<'a> {
 pub(crate) struct WalkerRange<'a> {
     pub blocks: &'a mut [WalkerBlock],
     pub bodies: &'a [LaneBody],
+    /// (blocks)
+    pub levels: &'a [DetailLevel],
     /// Order of each walker; the last block may have empty lanes.
     pub controls: &'a mut [Control],
     /// (controls.len())
@@ -95,6 +98,8 @@ pub(crate) struct WalkerRange<'a> {
     pub model: &'a mut [[Mat3x4; NUM_JOINTS]],
     /// (controls.len() * NUM_JOINTS, or 0 without local transforms)
     pub locals: &'a mut [LocalTransform],
+    /// (controls.len(), or 0 without records)
+    pub instances: &'a mut [PoseInstance],
 }
 
 /// Moves a range on.
@@ -126,18 +131,31 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let WalkerRange { blocks, bodies, controls, acts, weights, model: matrices, locals, .. } = self.range;
+        let WalkerRange { blocks, bodies, levels, controls, acts, weights, model: matrices, locals, instances, .. } =
+            self.range;
         let matrices = matrices.as_flattened_mut();
         let space = self.tick.space;
         let mut from = 0;
-        for (block, body) in blocks.iter_mut().zip(bodies) {
+        for ((block, body), level) in blocks.iter_mut().zip(bodies).zip(levels) {
             let count = LANES.min(controls.len() - from);
             let weights = &mut weights[from * space.stride()..][..count * space.stride()];
             space.weigh_batch::<F>(&block.parameters[..count], weights);
+            for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
+                advance_phase::<F>(block, body, lane, weights, self.tick);
+            }
+            let place = update_placement::<F>(block, self.tick);
+            if let Some(records) = instances.get_mut(from..from + count) {
+                write_instances(records, block, weights, space);
+            }
+            if *level == DetailLevel::Record {
+                // Whoever is posed again later finds its feet anew.
+                (block.feet, block.body.seen) = ([PlacedFoot::ZERO; 2], [0.0; LANES]);
+                from += count;
+                continue;
+            }
             let mut postures = [BlendedPosture::default(); LANES];
             let (mut importance, mut still) = ([[0.0; LANES]; 2], [0.0; LANES]);
             for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
-                advance_phase::<F>(block, body, lane, weights, self.tick);
                 let place = space.phase_interval(block.phase[lane]);
                 space.blend_posture::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
@@ -145,7 +163,6 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 still[lane] = share;
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let place = update_placement::<F>(block, self.tick);
             let postures = transpose::<F>(&postures);
             let mut root = postures.hips * F::load(&body.scale);
             root.y = root.y + F::load(&body.lift) + place.y;
@@ -154,8 +171,9 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let root = |lane: usize| planar_of_lane(root, lane);
             let orders = controls[from..from + count].iter().map(Control::layers);
             let layers = LayerLanes::new(orders, still, root, state);
+            let has_feet = self.tick.config.retarget && *level == DetailLevel::Full;
             let mut walking =
-                WalkingFeet { feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
+                WalkingFeet { has_feet, feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
             let to = PoseOutput {
                 matrices: &mut matrices[joints.clone()],
@@ -174,6 +192,18 @@ impl WalkerActivity {
     #[inline(always)]
     fn overlay_posture(&mut self, tick: &WalkersTick<'_>, posture: &mut BlendedPosture) -> f32 {
         if self.acting.is_idle() { 0.0 } else { self.acting.overlay_posture(tick.stage.activities, posture) }
+    }
+}
+
+/// Writes the records of a block (at most 8).
+fn write_instances(out: &mut [PoseInstance], block: &WalkerBlock, weights: &[f32], space: &BlendSpace) {
+    for (lane, (out, weights)) in out.iter_mut().zip(weights.chunks_exact(space.stride())).enumerate() {
+        let ([a, b], share) = space.heaviest_rows(weights, block.phase[lane]).unwrap_or_default();
+        let Planar { x, z, heading } = block.root(lane);
+        // Both rows share the ratio of the first.
+        let row_b = b.row + u32::from(b.ratio - a.ratio > 0.5);
+        let frac_blend = [unorm(a.ratio), unorm(share)];
+        *out = PoseInstance { row_a: a.row, row_b, frac_blend, x, y: block.body.base[lane], z, heading, ..*out };
     }
 }
 
@@ -242,6 +272,8 @@ fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
 
 /// The feet of a block, which the postures are retargeted with.
 struct WalkingFeet<'a, 't, F> {
+    /// False leaves the feet to the joint angles.
+    has_feet: bool,
     feet: &'a mut [PlacedFoot; 2],
     contacts: &'a mut [Contacts; LANES],
     /// (m/s)
@@ -263,7 +295,7 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
         pose: &mut ModelPose<F>,
     ) {
         let (body, t, tick) = (self.body, self.postures, self.tick);
-        if !tick.config.retarget {
+        if !self.has_feet {
             *self.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
             return;
         }

@@ -1,6 +1,7 @@
 //! Entering, leaving, orders that stay, events.
 
 use super::*;
+use throng_core::characters::{Detail, MotionSet, SampleJob};
 use throng_core::walkers::WalkerEvent;
 
 #[test]
@@ -150,4 +151,72 @@ fn a_walker_that_is_pushed_gives_way_where_it_is_struck_and_comes_back() {
     }
     let refused = struck.walkers.push(struck.ids[0], Joint::Head, Vec3::splat(f32::NAN));
     assert!(matches!(refused, Err(Error::Value { what: "displacement", .. })), "{refused:?}");
+}
+
+#[test]
+fn records_show_walkers_about_where_poses_do() {
+    let tables = crate::common::blend_tables();
+    let space = tables.blend(&tables.meta().blends[0].name).expect("a space");
+    let config = WalkersConfig { instances: true, ..WalkersConfig::default() };
+    let mut walkers = Walkers::with_capacity(space, &[], config, 12).expect("walkers");
+    let ids: Vec<_> = (0..12)
+        .map(|c| {
+            let root = Planar::new(2.0 * c as f32, 0.0, 0.3 * c as f32);
+            walkers.spawn(WalkerStart { root, phase: 0.31 * c as f32, ..WalkerStart::default() }).expect("room")
+        })
+        .collect();
+    for (c, id) in ids.iter().enumerate() {
+        let heading = 0.3 * c as f32;
+        let velocity = (0.8 + 0.1 * c as f32) * Vec2::new(heading.sin(), heading.cos());
+        walkers.order(*id, Control::walk(velocity)).expect("an order");
+    }
+    let set = MotionSet::new(&tables);
+    let (mut offs, mut levels) = (Vec::new(), 0);
+    for k in 0..240 {
+        walkers.step(DT_S, &Inline).expect("a step");
+        if k < 60 {
+            continue;
+        }
+        for (row, record) in walkers.instances().iter().enumerate() {
+            assert_eq!(record.variant, row as u32);
+            let root = walkers.root(row);
+            assert_eq!([record.x, record.z, record.heading], [root.x, root.z, root.heading]);
+            let sample = |at: u32| {
+                let mut pose = [Mat3x4::default(); 22];
+                let ratios = [f32::from(record.frac_blend[0]) / 65535.0];
+                let job = SampleJob { motion_set: &set, frames: &[at], ratios: &ratios, matrices: &mut pose };
+                job.run().expect("rows of the bundle");
+                pose
+            };
+            let (a, b) = (sample(record.row_a), sample(record.row_b));
+            let share = f32::from(record.frac_blend[1]) / 65535.0;
+            for joint in [Joint::Head, Joint::LeftHand, Joint::RightHand, Joint::LeftFoot, Joint::RightFoot] {
+                let [a, b] = [a, b].map(|pose| pose[joint.index()].translation());
+                offs.push(a.lerp(b, share).distance(walkers.pose(row)[joint.index()].translation()));
+            }
+        }
+        levels += 1;
+    }
+    offs.sort_by(f32::total_cmp);
+    let (p50, p95) = (offs[offs.len() / 2], offs[offs.len() * 95 / 100]);
+    println!("records are {p50} m off, {p95} m at the 95th percentile, over {levels} steps");
+    assert!(p50 < 0.06 && p95 < 0.2, "records show joints {p50} and {p95} m away from their poses");
+
+    // Far walkers leave records alone: they go on as they would, and are posed again when somebody comes near.
+    let mut near = walkers.clone();
+    walkers.set_detail(Some(Detail::RECORDS)).expect("distances");
+    let before = *walkers.pose(0);
+    for _ in 0..30 {
+        walkers.step(DT_S, &Inline).expect("a step");
+        near.step(DT_S, &Inline).expect("a step");
+        assert_eq!(walkers.instances(), near.instances());
+    }
+    assert_eq!(*walkers.pose(0), before, "nobody is posed");
+    walkers.set_detail(None).expect("all");
+    for _ in 0..60 {
+        walkers.step(DT_S, &Inline).expect("a step");
+        near.step(DT_S, &Inline).expect("a step");
+    }
+    let off = |j: Joint| walkers.pose(5)[j.index()].translation().distance(near.pose(5)[j.index()].translation());
+    assert!(off(Joint::Head) < 0.02 && off(Joint::LeftFoot) < 0.12, "{} {}", off(Joint::Head), off(Joint::LeftFoot));
 }

@@ -1,10 +1,11 @@
 //! Records and levels against characters that are posed whole.
 
 use super::super::tests::{orders, starts, tables};
-use super::super::{ActionChoice, AvoidConfig, CharacterStart, Characters, CharactersConfig, MotionSet};
+use super::super::{ActionChoice, AvoidConfig, CharacterStart, Characters, CharactersConfig, Detail, MotionSet};
 use super::*;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
+use glam::Vec2;
 use glam::{Quat, Vec3};
 
 const N: usize = 37;
