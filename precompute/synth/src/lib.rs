@@ -8,6 +8,7 @@ mod arm;
 mod attitude;
 mod boxing;
 #[cfg(test)]
+#[path = "../tests/common/checks.rs"]
 mod checks;
 mod deck;
 mod files;

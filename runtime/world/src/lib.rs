@@ -6,8 +6,10 @@ mod file;
 mod graph;
 pub mod inhabitants;
 #[cfg(test)]
+#[path = "../tests/common/made_up.rs"]
 mod made_up;
 #[cfg(any(test, feature = "made-up"))]
+#[path = "../tests/common/made_up_floor.rs"]
 pub mod made_up_floor;
 mod path_hierarchy;
 pub mod plan;
