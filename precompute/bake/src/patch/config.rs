@@ -4,7 +4,7 @@ use crate::environment::GeometryTouchConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Most entries, exits and rest spots of a tile.
 const MOST_SPOTS: usize = 2_000_000;
@@ -156,7 +156,7 @@ fn margin() -> f64 {
 impl PatchConfig {
     /// # Errors
     /// [`BuildError::Key`] naming the first key out of its limits.
-    pub(crate) fn check(&self) -> Result<(), BuildError> {
+    pub(crate) fn check(&self) -> Result<()> {
         let (least, most) = (self.min_link_frames as f64, f64::from(u16::MAX));
         let ranges = [
             ("cell_m", self.cell_m, 0.02, 0.5),
@@ -194,7 +194,7 @@ impl TileConfig {
         }
     }
 
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         let limits = [
             ("slots", self.slots as f64, 1.0, 100.0),
             ("headings", self.headings as f64, 0.0, 20.0),

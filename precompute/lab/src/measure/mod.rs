@@ -9,7 +9,7 @@ pub use levels::{LevelFigures, levels};
 
 use serde::Serialize;
 use throng_bake::policy::made_up::{self, SyntheticProblem};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_runtime::Bundle;
 use timing::run_in_pool;
 
@@ -40,7 +40,7 @@ pub struct BundleMeasureReport {
 ///
 /// # Errors
 /// As [`characters`].
-pub fn measure(tables: &Bundle, config: &BundleMeasureConfig) -> Result<BundleMeasureReport, BuildError> {
+pub fn measure(tables: &Bundle, config: &BundleMeasureConfig) -> Result<BundleMeasureReport> {
     let results = characters(tables, config)?;
     let value_iteration = run_in_pool(1, || SyntheticProblem::default().measure(EPSILON))??;
     Ok(BundleMeasureReport { results, value_iteration })

@@ -3,7 +3,7 @@
 use super::report::config_error;
 use serde::Serialize;
 use std::time::Instant;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_runtime::base::limits::THREADS;
 use throng_runtime::simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 use throng_runtime::{Executor, Inline, Rayon};
@@ -74,7 +74,7 @@ pub fn measure_scenario(
     seconds: Option<f64>,
     threads: usize,
     count: &(dyn Fn() -> Option<u64> + Sync),
-) -> Result<ScenarioFigures, BuildError> {
+) -> Result<ScenarioFigures> {
     THREADS.check_count("threads", threads).map_err(config_error)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
@@ -86,7 +86,7 @@ fn measure_in_pool(
     seconds: Option<f64>,
     threads: usize,
     count: &dyn Fn() -> Option<u64>,
-) -> Result<ScenarioFigures, BuildError> {
+) -> Result<ScenarioFigures> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
     let begin = Instant::now();
     scene.scene().compile_story().map_err(config_error)?;

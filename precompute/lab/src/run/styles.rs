@@ -2,7 +2,7 @@
 
 use super::report::config_error;
 use glam::{Vec2, Vec3};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_runtime::simulation::CompiledScene;
 use throng_runtime::simulation::scene::PictureStyle;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
@@ -23,8 +23,8 @@ pub struct StyleWalk {
 /// - `apart_m`: distance along the path between recorded moments (m).
 ///
 /// # Errors
-/// [`BuildError::Config`] for a blend space that the bundle does not have.
-pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>, BuildError> {
+/// [`throng_motion::error::BuildError::Config`] for a blend space that the bundle does not have.
+pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>> {
     let groups = &scene.scene().groups;
     let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.find_bundle(g)) else {
         return Ok(Vec::new());
@@ -40,7 +40,7 @@ fn walk_style(
     style: &PictureStyle,
     length_m: f32,
     apart_m: f32,
-) -> Result<StyleWalk, BuildError> {
+) -> Result<StyleWalk> {
     const DT_S: f32 = 1.0 / 120.0;
     /// Distance walked before the path begins, so that the gait is steady (m).
     const RUN_UP_M: f32 = 4.0;

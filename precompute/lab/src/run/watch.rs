@@ -11,7 +11,7 @@ use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
 use partners::PartnerMeter;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_runtime::blend::HeightField;
 use throng_runtime::simulation::scene::engine;
 use throng_runtime::simulation::{AnyCharacterGroup, GroupMotion, Simulation};
@@ -51,7 +51,7 @@ pub struct SceneWatch {
 
 impl SceneWatch {
     /// A watch without observations.
-    pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self, BuildError> {
+    pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self> {
         let mut watch = Self {
             groups: groups.to_vec(),
             feet: SlipMeter::new(sim.num_characters()),

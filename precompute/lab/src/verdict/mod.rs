@@ -13,7 +13,7 @@ use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendReport;
 use throng_bake::policy::{self, BehaviourKind, promise};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::stance::{self, StanceReport};
 use throng_runtime::Bundle;
 use throng_runtime::characters::CharactersConfig;
@@ -51,7 +51,7 @@ pub struct Verdict {
 ///
 /// # Errors
 /// As [`trial::run`].
-pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>, BuildError> {
+pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>> {
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
     // Behaviours that the motion does not allow are not in the bundle.
     let first = tables.meta().behaviours.first();

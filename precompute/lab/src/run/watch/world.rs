@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_runtime::simulation::{AnyCharacterGroup, Simulation};
 use throng_runtime::world::inhabitants::InhabitantActivity;
 use throng_runtime::{Joint, NUM_JOINTS};
@@ -62,7 +62,7 @@ pub(super) struct WorldWatch {
 }
 
 impl WorldWatch {
-    pub fn new(sim: &Simulation, character_group: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
+    pub fn new(sim: &Simulation, character_group: usize, characters: Vec<usize>) -> Result<Self> {
         let group = sim.groups().iter().find(|g| g.character_group == character_group).map_or(0, |g| g.number);
         let bundle = sim.compiled().bundle(group).map_err(config_error)?;
         Ok(Self {
