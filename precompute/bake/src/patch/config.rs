@@ -109,48 +109,18 @@ pub struct TileConfig {
     pub margin_m: f64,
 }
 
-fn slots() -> usize {
-    5
-}
-
-fn headings() -> usize {
-    2
-}
-
-fn heading_step() -> f64 {
-    15.0
-}
-
-fn edge_groups() -> usize {
-    6
-}
-
-fn rest_headings() -> usize {
-    8
-}
-
-fn rest_spots() -> usize {
-    3
-}
-
-fn rest_groups() -> usize {
-    2
-}
-
-fn edit_position() -> f64 {
-    0.1
-}
-
-fn edit_heading() -> f64 {
-    8.0
-}
-
-fn variety() -> usize {
-    1
-}
-
-fn margin() -> f64 {
-    0.3
+throng_base::key_defaults! {
+    slots: usize = 5;
+    headings: usize = 2;
+    heading_step: f64 = 15.0;
+    edge_groups: usize = 6;
+    rest_headings: usize = 8;
+    rest_spots: usize = 3;
+    rest_groups: usize = 2;
+    edit_position: f64 = 0.1;
+    edit_heading: f64 = 8.0;
+    variety: usize = 1;
+    margin: f64 = 0.3;
 }
 
 impl PatchConfig {
