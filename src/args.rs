@@ -7,7 +7,7 @@ use throng_core::characters::ActionChoice;
 use throng_crowd::Scheme;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
-use throng_precompute::error::BuildError;
+use throng_precompute::error::Result;
 use throng_precompute::import;
 use throng_precompute::trial::TrialConfig;
 use throng_simulation::Scene;
@@ -134,7 +134,7 @@ impl CacheArgs {
     }
 
     /// Opens the cache of these options.
-    pub fn cache(&self) -> Result<Cache, BuildError> {
+    pub fn cache(&self) -> Result<Cache> {
         match self.no_cache {
             true => Ok(Cache::disabled()),
             false => Cache::at_address(&self.cache, (self.cache_limit * 1e9) as u64),

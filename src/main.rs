@@ -12,6 +12,7 @@ mod build;
 mod cache;
 mod check;
 #[cfg(any(test, fuzzing))]
+#[path = "../tests/common/command_lines.rs"]
 mod command_lines;
 mod completions;
 mod demo;

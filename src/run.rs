@@ -10,7 +10,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use throng_core::Bundle;
 use throng_core::base::limits;
-use throng_precompute::error::BuildError;
+use throng_precompute::error::Result;
 use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
 use throng_precompute::picture;
@@ -250,7 +250,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, cache: &CacheArgs) ->
 }
 
 /// Calls `make` with the cache, a progress bar, and messages on standard error.
-pub fn with_build_context<T>(cache: &CacheArgs, make: impl FnOnce(&BuildContext<'_>) -> T) -> Result<T, BuildError> {
+pub fn with_build_context<T>(cache: &CacheArgs, make: impl FnOnce(&BuildContext<'_>) -> T) -> Result<T> {
     let (cache, progress) = (cache.cache()?, progress::BuildProgressBar::on_interrupt(cache.folder()));
     Ok(make(&BuildContext { cache: &cache, progress: &progress, report_news: &|news| output::print_to_stderr(news) }))
 }

@@ -1,6 +1,6 @@
 //! The viewer without its window: the same code runs in a window, for a picture and in tests.
 
-use crate::command::{SteerCommand, ViewerCommand, WorldCommand};
+use crate::command::{Commands, SteerCommand, ViewerCommand, WorldCommand};
 use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
@@ -34,7 +34,7 @@ pub struct Viewer {
     drawing: Arc<Mutex<Duration>>,
     layout: StageLayout,
     /// Commands that panels asked for in the last frame.
-    pending: Vec<ViewerCommand>,
+    pending: Commands,
     dialog: Option<(SystemDialog, Receiver<Vec<PathBuf>>)>,
     /// Scale of the window as last set.
     zoom: Option<f32>,
@@ -131,7 +131,7 @@ impl Viewer {
         ctx.set_zoom_factor(s.zoom);
     }
 
-    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<ViewerCommand>) {
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Commands) {
         let (model, states) = (&self.model, &mut self.states);
         if matches!(model.document, OpenDocument::Nothing) {
             return start_page(ui, model, states, commands);
@@ -195,7 +195,7 @@ impl Viewer {
         }
     }
 
-    fn keys(&mut self, ctx: &egui::Context, commands: &mut Vec<ViewerCommand>) {
+    fn keys(&mut self, ctx: &egui::Context, commands: &mut Commands) {
         if ctx.text_edit_focused() || egui::Popup::is_any_open(ctx) {
             return;
         }
@@ -215,7 +215,7 @@ impl Viewer {
         }
     }
 
-    fn act(&mut self, action: KeyAction, is_dark: bool, commands: &mut Vec<ViewerCommand>) {
+    fn act(&mut self, action: KeyAction, is_dark: bool, commands: &mut Commands) {
         let m = &self.model;
         let mut s = m.settings.clone();
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
@@ -292,7 +292,7 @@ impl Viewer {
 }
 
 /// Start page, shown while no document is open.
-fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     if !states.bare {
         Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
     }
@@ -303,7 +303,7 @@ fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &m
 }
 
 /// The bars at the top and at the bottom.
-fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
     Panel::bottom("transport").show(ui, |ui| {
         ui.add_space(3.0);

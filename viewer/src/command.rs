@@ -17,7 +17,7 @@ use crate::settings::ViewerSettings;
 use std::path::PathBuf;
 
 /// Stage of a bundle: which of its contents the 3-D view shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ViewStage {
     /// The run of a crowd.
     #[default]
@@ -27,6 +27,9 @@ pub enum ViewStage {
     /// A character walking in a blend space.
     Blend,
 }
+
+/// Requests of panels, in order.
+pub type Commands = Vec<ViewerCommand>;
 
 /// A request of a panel, carried out by the model after all panels have been shown.
 #[derive(Clone, Debug, PartialEq)]

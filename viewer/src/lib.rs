@@ -12,6 +12,7 @@ pub mod volume;
 
 pub mod bundle;
 #[cfg(test)]
+#[path = "../tests/common/fixtures.rs"]
 mod fixtures;
 pub mod run;
 pub mod settings;

@@ -7,7 +7,7 @@ use throng_base::thresholds::ACTIVITY_STANDING_MPS;
 use throng_core::Contacts;
 use throng_core::format::ActivityMeta;
 use throng_motion::clip::{Clip, ClipSet, FrameRange};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
 
 /// Hips lower than this share of their height at the beginning show a body that sits or kneels.
@@ -73,10 +73,7 @@ impl ActivityReport {
 ///
 /// # Errors
 /// [`BuildError::Key`] where nothing shows what a tag asks for, or something that does not begin and end standing.
-pub fn find_activities(
-    clips: &ClipSet,
-    config: &BTreeMap<String, ActivityConfig>,
-) -> Result<Vec<ActivityMeta>, BuildError> {
+pub fn find_activities(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig>) -> Result<Vec<ActivityMeta>> {
     let of_tag = |(tag, config): (&String, &ActivityConfig)| {
         find_of_tag(clips, tag, config).map_err(|why| BuildError::key(format!("activities.{tag}"), why))
     };

@@ -10,7 +10,7 @@ use std::fmt::Debug;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use xxhash_rust::xxh3::Xxh3;
 
 /// Part of every key: the version and a hash of the sources (`build.rs`), as other code may make other outputs of the
@@ -33,7 +33,7 @@ impl CacheKey {
     ///
     /// # Errors
     /// [`BuildError::Format`] for a config that cannot be encoded.
-    pub fn for_stage(stage: &str, inputs: &[Self], config: &impl Serialize) -> Result<Self, BuildError> {
+    pub fn for_stage(stage: &str, inputs: &[Self], config: &impl Serialize) -> Result<Self> {
         let config = bincode::serde::encode_to_vec(config, bincode::config::standard())
             .map_err(|e| BuildError::Format(format!("the config of stage {stage} cannot be encoded: {e}")))?;
         let inputs: Vec<u8> = inputs.iter().flat_map(|k| k.0.to_le_bytes()).collect();
@@ -63,15 +63,15 @@ pub fn content_hash(bytes: &[u8]) -> u128 {
 /// Storage of entries: bytes under names. An entry is complete unless it was damaged later, which [`Cache`] checks.
 trait CacheStorage: Debug + Send + Sync {
     /// Reads the bytes of an entry; `None` if there is no such entry.
-    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError>;
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>>;
     /// True if there is such an entry.
-    fn has_entry(&self, name: &str) -> Result<bool, BuildError>;
+    fn has_entry(&self, name: &str) -> Result<bool>;
     /// Stores an entry atomically: other processes see all of it, or the previous one.
-    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError>;
+    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<()>;
     /// Removes an entry; another process may already have removed it.
-    fn remove(&self, name: &str) -> Result<(), BuildError>;
+    fn remove(&self, name: &str) -> Result<()>;
     /// Lists all files that may be entries: name, length (bytes), time of last use.
-    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError>;
+    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>>;
     /// Notes that an entry was used: now, or just after `last` if the clock has been set back since.
     fn touch(&self, name: &str, last: Option<SystemTime>);
     /// Removes partial entries left by killed processes; returns false if the storage itself frees space.
@@ -138,7 +138,7 @@ impl Cache {
     /// # Errors
     /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the feature
     /// `object-store`.
-    pub fn at_address(address: &Path, limit_bytes: u64) -> Result<Self, BuildError> {
+    pub fn at_address(address: &Path, limit_bytes: u64) -> Result<Self> {
         match address.to_str().filter(|a| a.starts_with(STORE)) {
             Some(address) => Self::in_store(address),
             None => Ok(Self::in_folder(address).limited(limit_bytes)),
@@ -146,12 +146,12 @@ impl Cache {
     }
 
     #[cfg(feature = "object-store")]
-    fn in_store(address: &str) -> Result<Self, BuildError> {
+    fn in_store(address: &str) -> Result<Self> {
         Ok(Self::new(Some(Arc::new(objects::Objects::open(address)?)), LIMIT as u64))
     }
 
     #[cfg(not(feature = "object-store"))]
-    fn in_store(address: &str) -> Result<Self, BuildError> {
+    fn in_store(address: &str) -> Result<Self> {
         let why = "this program knows no stores of objects; build it with `cargo build --release --features object-store`, \
                    or name a folder";
         Err(BuildError::Store { address: address.into(), why: why.into() })
@@ -188,7 +188,7 @@ impl Cache {
     ///
     /// # Errors
     /// [`BuildError::Io`] where the folder cannot be listed; [`BuildError::Store`].
-    pub fn entries(&self) -> Result<Vec<CacheEntry>, BuildError> {
+    pub fn entries(&self) -> Result<Vec<CacheEntry>> {
         let Some(storage) = &self.storage else { return Ok(Vec::new()) };
         let listed = storage.list()?.into_iter();
         let mut entries: Vec<CacheEntry> =
@@ -201,7 +201,7 @@ impl Cache {
     ///
     /// # Errors
     /// [`BuildError::Io`] or [`BuildError::Store`] names the first that cannot be removed.
-    pub fn clear(&self) -> Result<(usize, u64), BuildError> {
+    pub fn clear(&self) -> Result<(usize, u64)> {
         let entries = self.entries()?;
         if let Some(storage) = &self.storage {
             entries.iter().try_for_each(|e| storage.remove(&e.name))?;
@@ -283,7 +283,7 @@ impl Cache {
     }
 
     /// Value of a result; `None` for an error, which is noted for [`Cache::take_fault`].
-    fn note_fault<T>(&self, outcome: Result<T, BuildError>) -> Option<T> {
+    fn note_fault<T>(&self, outcome: Result<T>) -> Option<T> {
         outcome.map_err(|e| _ = self.fault.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(e)).ok()
     }
 
@@ -299,7 +299,7 @@ impl Cache {
         (used == body.len()).then_some(value)
     }
 
-    fn write_entry(&self, storage: &dyn CacheStorage, name: &str, value: &impl Serialize) -> Result<(), BuildError> {
+    fn write_entry(&self, storage: &dyn CacheStorage, name: &str, value: &impl Serialize) -> Result<()> {
         let config = bincode::config::standard().with_fixed_int_encoding();
         let mut bytes = bincode::serde::encode_to_vec(value, config).map_err(|e| BuildError::Format(e.to_string()))?;
         bytes.extend(checksum(name, &bytes).to_le_bytes());
@@ -313,7 +313,7 @@ impl Cache {
 
     /// Removes partial entries of killed processes, then the least recently used entries until the rest fits, sparing
     /// the one just written.
-    fn make_room(&self, written: Option<&str>) -> Result<(), BuildError> {
+    fn make_room(&self, written: Option<&str>) -> Result<()> {
         let Some(storage) = self.storage.as_ref().filter(|p| p.tidy()) else { return Ok(()) };
         let entries = self.entries()?;
         let mut bytes: u64 = entries.iter().map(|e| e.bytes).sum();

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::text::TomlSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::import::{self, ImportConfig};
 use throng_motion::resample::ResampleConfig;
 use throng_motion::retarget::RetargetConfig;
@@ -96,7 +96,7 @@ impl BuildConfig {
     ///
     /// # Errors
     /// Never in practice: the text is part of the program.
-    pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self, BuildError> {
+    pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self> {
         let walk = Self::parse(include_str!("../../../data/walk.toml"), Path::new("walk.toml"))?;
         let (mut config, kind) = (Self { name: name.into(), inputs, ..walk }, BehaviourKind::ThrowPunches);
         config.behaviours.push(PolicyBehaviourConfig {
@@ -112,7 +112,7 @@ impl BuildConfig {
     ///
     /// # Errors
     /// [`BuildError::File`] with file, line and column, and for an unknown key the nearest known one.
-    pub fn load(path: &Path) -> Result<Self, BuildError> {
+    pub fn load(path: &Path) -> Result<Self> {
         let mut config = Self::from_source(&TomlSource::read(path, "a config")?)?;
         if config.name.is_empty() {
             config.name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -140,11 +140,11 @@ impl BuildConfig {
     ///
     /// # Errors
     /// As [`BuildConfig::load`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
         Self::from_source(&TomlSource::new(text, path))
     }
 
-    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self> {
         let config: Self = source.parse("`throng schema` prints what a config may hold.")?;
         config.check().map_err(|e| e.with_position(source))?;
         Ok(config)
@@ -154,7 +154,7 @@ impl BuildConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] for the first fault.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         match (self.inputs.is_empty(), &self.synth) {
             (true, None) => {
                 let why = "expected `inputs = [\"folder\"]` or a table `[synth]`, found neither";
@@ -204,7 +204,7 @@ impl BuildConfig {
     ///
     /// # Errors
     /// [`BuildError::Config`] where a value cannot be written.
-    pub fn to_toml(&self) -> Result<String, BuildError> {
+    pub fn to_toml(&self) -> Result<String> {
         toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
     }
 

@@ -19,7 +19,7 @@ use streamed::StreamedMotion;
 use throng_base::Comm;
 use throng_motion::annotate::{self, Sidecars, hits};
 use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::{self, ClipsResult, ImportedClip, ImportedSet, MotionFile};
 use throng_motion::progress::Progress;
 use throng_motion::{mirror, resample, retarget};
@@ -35,7 +35,7 @@ pub(crate) fn collect_motion(
     units: Option<&UnitSet>,
     from: &Provenance,
     s: &Stages<'_>,
-) -> Result<MotionOutput, BuildError> {
+) -> Result<MotionOutput> {
     shard::bake_together(cfg, parts, from, s)?;
     let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
         read_all(cfg, parts, from, s, streams_motion(cfg, s))?;
@@ -79,7 +79,7 @@ fn read_all<'a>(
     from: &'a Provenance,
     s: &'a Stages<'_>,
     lends: bool,
-) -> Result<ReadMotion<'a>, BuildError> {
+) -> Result<ReadMotion<'a>> {
     let files = from.file_keys(&cfg.import);
     let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
     let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
@@ -125,7 +125,7 @@ fn read_files(
     cache: &Cache,
     streamed: Option<&StreamedMotion<'_>>,
     p: &dyn Progress,
-) -> Result<(ImportedSet, usize), BuildError> {
+) -> Result<(ImportedSet, usize)> {
     let kept = AtomicUsize::new(0);
     let reader = |file: &MotionFile, read: &dyn Fn() -> ClipsResult| {
         let Ok(key) = keys.key_of(&file.path) else { return read() };
@@ -144,7 +144,7 @@ fn report_repeated(
     raw: &mut ImportedSet,
     streamed: Option<&StreamedMotion<'_>>,
     parts: RequiredParts,
-) -> Result<Vec<String>, BuildError> {
+) -> Result<Vec<String>> {
     let repeated = streamed.map_or_else(|| Ok(raw.repeated()), |streamed| streamed.repeated_clips(&raw.clips))?;
     let path = |i: usize| raw.clips[i].clip.path.display();
     let end = if parts == RequiredParts::Possible { "; it is left out" } else { "" };
@@ -165,7 +165,7 @@ fn measure_performers(
     cfg: &BuildConfig,
     cache: &Cache,
     warnings: &mut Warnings,
-) -> Result<retarget::RetargetPlan, BuildError> {
+) -> Result<retarget::RetargetPlan> {
     let sources: Vec<retarget::RetargetSource> = clips.iter().map(retarget::RetargetSource::from).collect();
     let provider: Box<retarget::ClipProvider<'_>> = match streamed {
         Some(streamed) => Box::new(|places, look| streamed.with_motion(clips, places, look)),
@@ -209,12 +209,7 @@ impl ClipMaker<'_> {
     ///
     /// - `comm`: processes each of which keeps the poses of its share only; `None` to keep all here.
     /// - returns also the number of files with cached clips.
-    fn clips(
-        &self,
-        raw: Vec<ImportedClip>,
-        comm: Option<&dyn Comm>,
-        p: &dyn Progress,
-    ) -> Result<(ClipSet, usize), BuildError> {
+    fn clips(&self, raw: Vec<ImportedClip>, comm: Option<&dyn Comm>, p: &dyn Progress) -> Result<(ClipSet, usize)> {
         p.begin("clips", raw.len() as u64, "files");
         // The distribution of `owners`.
         let own = comm.map(|comm| comm.own_range(raw.len()));
@@ -227,7 +222,7 @@ impl ClipMaker<'_> {
             p.advance(1);
             made
         };
-        let all: Vec<Result<(Vec<Clip>, bool), BuildError>> = raw.into_par_iter().enumerate().map(of_file).collect();
+        let all: Vec<Result<(Vec<Clip>, bool)>> = raw.into_par_iter().enumerate().map(of_file).collect();
         p.end();
         self.cache.finish_batch();
         let (mut clips, mut num_kept) = (Vec::with_capacity(2 * all.len()), 0);
@@ -241,7 +236,7 @@ impl ClipMaker<'_> {
     }
 
     /// Clips of one file, and whether they were cached. The force of blows is relative to that of other files.
-    fn clips_of_file(&self, i: usize, raw: &ImportedClip) -> Result<(Vec<Clip>, bool), BuildError> {
+    fn clips_of_file(&self, i: usize, raw: &ImportedClip) -> Result<(Vec<Clip>, bool)> {
         let (cfg, name) = (self.cfg, &self.plan.names[i]);
         let marks = self.marks.for_clip(name);
         let make = || {

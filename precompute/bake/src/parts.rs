@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Serialize;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Parts of a config that a build must make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +46,7 @@ impl Attempts {
     ///
     /// # Errors
     /// The fault, if the part must be made or if the motion is not the cause.
-    pub fn accept<T>(&mut self, part: impl Into<String>, made: Result<T, BuildError>) -> Result<Option<T>, BuildError> {
+    pub fn accept<T>(&mut self, part: impl Into<String>, made: Result<T>) -> Result<Option<T>> {
         let why = match made {
             Ok(made) => return Ok(Some(made)),
             Err(e) if self.parts == RequiredParts::All => return Err(e),

@@ -22,7 +22,7 @@ use throng_base::thresholds::ANY_WALKING_MPS;
 use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::clip::{ClipSet, FrameRange};
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::ImportedClip;
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
@@ -36,7 +36,7 @@ use throng_motion::{annotate, files, resample, retarget};
 ///
 /// # Errors
 /// Error of the first failing stage; nothing is written then.
-pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport, BuildError> {
+pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport> {
     build_shared(cfg, RequiredParts::All, out, cache, progress, &SingleRank)
 }
 
@@ -45,12 +45,7 @@ pub fn build(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progre
 ///
 /// # Errors
 /// If there is no motion at all, or files cannot be read or written.
-pub fn build_possible(
-    cfg: &BuildConfig,
-    out: &Path,
-    cache: &Cache,
-    progress: &dyn Progress,
-) -> Result<BuildReport, BuildError> {
+pub fn build_possible(cfg: &BuildConfig, out: &Path, cache: &Cache, progress: &dyn Progress) -> Result<BuildReport> {
     build_shared(cfg, RequiredParts::Possible, out, cache, progress, &SingleRank)
 }
 
@@ -59,7 +54,7 @@ pub fn build_possible(
 ///
 /// # Errors
 /// As [`provenance::collect_provenance`].
-pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>, BuildError> {
+pub fn kept_bundle(cfg: &BuildConfig, cache: &Cache) -> Result<Option<PathBuf>> {
     cfg.check()?;
     let key = CacheKey::for_stage("bundle", &[provenance::collect_provenance(cfg)?.key()?], cfg)?;
     Ok(cache.bundle(key))
@@ -80,7 +75,7 @@ pub fn build_shared(
     cache: &Cache,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<BuildReport, BuildError> {
+) -> Result<BuildReport> {
     cfg.check()?;
     files::check_replaced(out, &MAGIC, "a bundle")?;
     let (s, mut attempts) = (Stages::new(cache, progress, comm), Attempts::new(parts));
@@ -215,7 +210,7 @@ fn bake_patches(
     units: &UnitSet,
     attempts: &mut Attempts,
     s: &Stages<'_>,
-) -> Result<Option<StageOutput<RawPatches>>, BuildError> {
+) -> Result<Option<StageOutput<RawPatches>>> {
     let with_tiles = |tiles: Vec<TileConfig>| {
         let cfg = BuildConfig { patches: PatchConfig { tiles, ..cfg.patches.clone() }, ..cfg.clone() };
         s.stage("patch", &[key], &cfg.patches, |p| build_patches(clips, groups, &cfg, units, p))
@@ -242,7 +237,7 @@ fn bake_blend_spaces(
     key: CacheKey,
     attempts: &mut Attempts,
     s: &Stages<'_>,
-) -> Result<BlendSpaces, BuildError> {
+) -> Result<BlendSpaces> {
     let mut all = BlendSpaces::default();
     let tables: Vec<_> = cfg.blend.iter().map(|(name, table)| (name.clone(), table.clone())).collect();
     for some in attempts.units_of_work(&tables) {
@@ -259,11 +254,7 @@ fn bake_blend_spaces(
 }
 
 /// The activities of a config.
-fn find_activities(
-    cfg: &BuildConfig,
-    clips: &ClipSet,
-    attempts: &mut Attempts,
-) -> Result<Vec<ActivityMeta>, BuildError> {
+fn find_activities(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Result<Vec<ActivityMeta>> {
     let tables: Vec<_> = cfg.activities.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
     let mut all = Vec::new();
     for some in attempts.units_of_work(&tables) {
@@ -281,7 +272,7 @@ fn bake_policies(
     key: CacheKey,
     attempts: &mut Attempts,
     s: &Stages<'_>,
-) -> Result<Vec<RawPolicy>, BuildError> {
+) -> Result<Vec<RawPolicy>> {
     let mut all = Vec::new();
     if graph.states.is_empty() {
         return Ok(all);
@@ -312,7 +303,7 @@ fn build_patches(
     cfg: &BuildConfig,
     units: &UnitSet,
     progress: &dyn Progress,
-) -> Result<RawPatches, BuildError> {
+) -> Result<RawPatches> {
     let scenes = patch::scenes(&clips.clips, &cfg.patches, units)?;
     let settings = scenes.settings(clips, &cfg.patches.touch);
     patch::build(clips, groups, &settings, &cfg.patches, units, progress)
@@ -322,7 +313,7 @@ fn build_patches(
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
-pub fn process_clip(raw: &ImportedClip, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+pub fn process_clip(raw: &ImportedClip, warnings: &mut Warnings) -> Result<ClipSet> {
     clips_of(std::slice::from_ref(raw), &BuildConfig::default(), warnings)
 }
 
@@ -330,7 +321,7 @@ pub fn process_clip(raw: &ImportedClip, warnings: &mut Warnings) -> Result<ClipS
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
-pub fn clips_of(raw: &[ImportedClip], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet, BuildError> {
+pub fn clips_of(raw: &[ImportedClip], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet> {
     let clips = retarget::retarget_clips(raw, &cfg.retarget, warnings)?;
     let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..cfg.resample.clone() })?;
     annotate::annotate(&clips, &cfg.annotate, &Default::default())

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use throng_core::format::{Meta, SourceMeta};
-use throng_motion::error::{BuildError, ImportError};
+use throng_motion::error::{ImportError, Result};
 use throng_motion::import::{self, ClipsResult, ImportConfig, archive};
 use throng_synth::SynthInput;
 use xxhash_rust::xxh3::Xxh3;
@@ -40,7 +40,7 @@ impl FileKeys<'_> {
     ///
     /// # Errors
     /// Never in practice, as [`Provenance::key`].
-    pub fn key_of(&self, file: &Path) -> Result<CacheKey, BuildError> {
+    pub fn key_of(&self, file: &Path) -> Result<CacheKey> {
         let name = file.as_os_str().as_encoded_bytes();
         let read: Vec<_> = self.read_with(file).map(|path| self.files.get(&*path)).collect();
         CacheKey::for_stage("file", &[], &(name, read, &self.given, self.config, import::READS_FBX))
@@ -75,7 +75,7 @@ impl FileKeys<'_> {
 ///
 /// # Errors
 /// As [`collect_provenance`]; [`ImportError::Changed`] names the first changed file.
-pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), BuildError> {
+pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<()> {
     let now = collect_provenance(config)?;
     let both = from.sources.iter().map(Some).chain([None]).zip(now.sources.iter().map(Some).chain([None]));
     match both.into_iter().find(|(was, is)| was != is) {
@@ -90,8 +90,9 @@ pub fn check_unchanged(from: &Provenance, config: &BuildConfig) -> Result<(), Bu
 /// Finds and hashes every file that the motion stages read; synthetic motion is identified by its settings.
 ///
 /// # Errors
-/// [`BuildError::Import`] for a path that yields no file, [`BuildError::Io`] for a file that cannot be read.
-pub fn collect_provenance(config: &BuildConfig) -> Result<Provenance, BuildError> {
+/// [`throng_motion::error::BuildError::Import`] for a path that yields no file,
+/// [`throng_motion::error::BuildError::Io`] for a file that cannot be read.
+pub fn collect_provenance(config: &BuildConfig) -> Result<Provenance> {
     let cfg = &config.import;
     let file_of = |path: PathBuf| import::clip_in_file(&path).map_or(path, |(file, _)| file);
     let motion: BTreeSet<PathBuf> = import::expand(&config.inputs)?.into_iter().map(file_of).collect();
@@ -127,7 +128,7 @@ fn shared_files(a: &Path, b: &Path) -> PathBuf {
 }
 
 /// Files of unit objects, with their meshes, and of the environments of clips.
-fn surrounding_files(config: &BuildConfig) -> Result<Vec<PathBuf>, BuildError> {
+fn surrounding_files(config: &BuildConfig) -> Result<Vec<PathBuf>> {
     let Some(path) = &config.patches.units else {
         return Ok(Vec::new());
     };
@@ -152,7 +153,7 @@ fn synthetic_source(synth: &SynthInput, rate_hz: f64) -> SourceMeta {
     SourceMeta { hash: content_hash(format!("{how:?}").as_bytes()), path, bytes: 0 }
 }
 
-fn hash(path: &Path) -> Result<SourceMeta, BuildError> {
+fn hash(path: &Path) -> Result<SourceMeta> {
     let mut counted = CountingHasher { hash: Xxh3::new(), bytes: 0 };
     archive::copy_file(path, "a file of a build", import::MAX_MOTION_BYTES, &mut counted)?;
     Ok(SourceMeta { path: path.display().to_string(), bytes: counted.bytes, hash: counted.hash.digest128() })
@@ -181,7 +182,7 @@ impl Provenance {
     ///
     /// # Errors
     /// Never in practice: paths and numbers can be encoded.
-    pub fn key(&self) -> Result<CacheKey, BuildError> {
+    pub fn key(&self) -> Result<CacheKey> {
         CacheKey::for_stage("sources", &[], &self.sources)
     }
 
@@ -201,8 +202,8 @@ impl Provenance {
     /// Metadata of the bundle; clips and behaviours are added when it is written.
     ///
     /// # Errors
-    /// [`BuildError::Config`] if the config cannot be written as TOML.
-    pub fn meta(&self, cfg: &BuildConfig, graph: &GraphReport) -> Result<Meta, BuildError> {
+    /// [`throng_motion::error::BuildError::Config`] if the config cannot be written as TOML.
+    pub fn meta(&self, cfg: &BuildConfig, graph: &GraphReport) -> Result<Meta> {
         let mut cfg = cfg.clone();
         cfg.paths_mut().for_each(|path| *path = self.seen_from_base(path));
         let seen = |s: &SourceMeta| SourceMeta {

@@ -4,7 +4,7 @@ use crate::config::BuildConfig;
 use crate::examples::{AxisKind, BlendConfig, FindConfig};
 use crate::patch::TileConfig;
 use std::path::PathBuf;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::import::{self, matches};
 
 impl BuildConfig {
@@ -14,7 +14,7 @@ impl BuildConfig {
     ///
     /// # Errors
     /// As [`import::find_motion_files`].
-    pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>, BuildError> {
+    pub fn replace_motion(&mut self, inputs: Vec<PathBuf>) -> Result<Vec<String>> {
         let names: Vec<String> = import::find_motion_files(&inputs)?.into_iter().map(|f| f.name).collect();
         let mut warnings = Vec::new();
         self.inputs = inputs;

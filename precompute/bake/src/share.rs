@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
 use throng_base::{Comm, rank_range, unexpected_message};
 use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Results for each of `count` items, in order. Of N ranks each handles every N-th item, as expensive ones are often
 /// adjacent.
@@ -17,8 +17,8 @@ use throng_motion::error::BuildError;
 pub(crate) fn run_dealt<T: Serialize + DeserializeOwned>(
     comm: &dyn Comm,
     count: usize,
-    work: impl FnOnce(Vec<usize>) -> Result<Vec<T>, BuildError>,
-) -> Result<Vec<T>, BuildError> {
+    work: impl FnOnce(Vec<usize>) -> Result<Vec<T>>,
+) -> Result<Vec<T>> {
     let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
     let own = work(own_numbers(comm, count))?;
     if num_ranks == 1 {
@@ -43,7 +43,7 @@ pub(crate) fn is_own(comm: &dyn Comm, number: usize) -> bool {
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn gather_rows<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>>) -> Result<Vec<Vec<T>>, BuildError> {
+pub(crate) fn gather_rows<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>>) -> Result<Vec<Vec<T>>> {
     let num_ranks = comm.num_ranks();
     if num_ranks == 1 {
         return Ok(own);
@@ -67,7 +67,7 @@ pub(crate) fn gather_rows<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn gather_each<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_each<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>> {
     let num_ranks = comm.num_ranks();
     let all = gather_all(comm, own)?;
     let mut firsts = vec![0; num_ranks];
@@ -83,7 +83,7 @@ pub(crate) fn gather_each<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) ->
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn gather_all<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_all<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>> {
     match comm.num_ranks() {
         1 => Ok(own),
         _ => Ok(decode_messages(comm.all_gather(bytemuck::cast_slice(&own))?)?.concat()),
@@ -96,7 +96,7 @@ pub(crate) fn gather_all<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>,
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn exchange_values<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn exchange_values<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> Result<Vec<T>> {
     if comm.num_ranks() == 1 {
         return Ok(to.pop().unwrap_or_default());
     }
@@ -105,7 +105,7 @@ pub(crate) fn exchange_values<T: Pod>(comm: &dyn Comm, mut to: Vec<Vec<T>>) -> R
 }
 
 /// Decodes the messages of all ranks.
-fn decode_messages<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>, BuildError> {
+fn decode_messages<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>> {
     let read = |(rank, bytes): (usize, Vec<u8>)| match bytes.len() % size_of::<T>() {
         0 => Ok(bytemuck::pod_collect_to_vec(&bytes)),
         _ => Err(unexpected_message(rank).into()),
@@ -138,7 +138,7 @@ pub(crate) fn sort_by_owner<T: Send + Serialize + DeserializeOwned>(
     comm: &dyn Comm,
     owners: &[usize],
     work: impl Fn(usize) -> T + Send + Sync,
-) -> Result<Vec<T>, BuildError> {
+) -> Result<Vec<T>> {
     let own: Vec<usize> = (0..owners.len()).filter(|&n| owners[n] == comm.rank()).collect();
     let own: Vec<T> = own.into_par_iter().map(work).collect();
     if comm.num_ranks() == 1 {
@@ -150,7 +150,7 @@ pub(crate) fn sort_by_owner<T: Send + Serialize + DeserializeOwned>(
 }
 
 /// Gathers serialized values of all ranks, in the order of ranks.
-fn gather_bytes<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>, BuildError> {
+fn gather_bytes<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>> {
     let config = bincode::config::standard().with_fixed_int_encoding();
     let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
     drop(own);
@@ -168,7 +168,7 @@ const MOST: usize = 256 << 20;
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>, BuildError> {
+pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<T>> {
     if comm.num_ranks() == 1 {
         return Ok(own);
     }
@@ -200,12 +200,7 @@ pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Ve
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn share_rows<T: Pod>(
-    comm: &dyn Comm,
-    row: usize,
-    own: &mut Vec<T>,
-    all: &mut Vec<T>,
-) -> Result<(), BuildError> {
+pub(crate) fn share_rows<T: Pod>(comm: &dyn Comm, row: usize, own: &mut Vec<T>, all: &mut Vec<T>) -> Result<()> {
     if comm.num_ranks() == 1 {
         std::mem::swap(own, all);
         return Ok(());
@@ -226,7 +221,7 @@ pub(crate) fn share_rows<T: Pod>(
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(crate) fn all_ranks_agree(comm: &dyn Comm, is_so: bool) -> Result<bool, BuildError> {
+pub(crate) fn all_ranks_agree(comm: &dyn Comm, is_so: bool) -> Result<bool> {
     if comm.num_ranks() == 1 {
         return Ok(is_so);
     }

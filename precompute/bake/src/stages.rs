@@ -8,7 +8,7 @@ use std::ops::Deref;
 use std::time::Instant;
 use throng_base::Comm;
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{Result, Warnings};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
 
@@ -148,12 +148,8 @@ impl<'a> Stages<'a> {
     /// Runs a stage; its cost excludes that of stages that run within it.
     ///
     /// # Errors
-    /// Errors of the stage; [`BuildError::Stopped`].
-    pub fn run<T>(
-        &self,
-        stage: &'static str,
-        work: impl FnOnce(&dyn Progress) -> Result<T, BuildError>,
-    ) -> Result<T, BuildError> {
+    /// Errors of the stage; [`throng_motion::error::BuildError::Stopped`].
+    pub fn run<T>(&self, stage: &'static str, work: impl FnOnce(&dyn Progress) -> Result<T>) -> Result<T> {
         let (begin, before) = (self.spent(), self.spent_in_stages());
         self.progress.check()?;
         self.progress.enter_stage(stage);
@@ -174,8 +170,8 @@ impl<'a> Stages<'a> {
         name: &'static str,
         inputs: &[CacheKey],
         config: &impl Serialize,
-        work: impl FnOnce(&dyn Progress) -> Result<T, BuildError>,
-    ) -> Result<StageOutput<T>, BuildError> {
+        work: impl FnOnce(&dyn Progress) -> Result<T>,
+    ) -> Result<StageOutput<T>> {
         self.run_group(name, inputs, config, || self.run(name, work))
     }
 
@@ -188,8 +184,8 @@ impl<'a> Stages<'a> {
         name: &'static str,
         inputs: &[CacheKey],
         config: &impl Serialize,
-        work: impl FnOnce() -> Result<T, BuildError>,
-    ) -> Result<StageOutput<T>, BuildError> {
+        work: impl FnOnce() -> Result<T>,
+    ) -> Result<StageOutput<T>> {
         let key = CacheKey::for_stage(name, inputs, config)?;
         let kept = self.cache.load(name, key);
         if let (true, Some(value)) = (all_ranks_agree(self.comm, kept.is_some())?, kept) {
@@ -213,22 +209,22 @@ impl<'a> Stages<'a> {
         name: &'static str,
         inputs: &[CacheKey],
         config: &impl Serialize,
-        work: impl FnOnce() -> Result<T, BuildError>,
-    ) -> Result<StageOutput<T>, BuildError> {
+        work: impl FnOnce() -> Result<T>,
+    ) -> Result<StageOutput<T>> {
         Ok(StageOutput { key: CacheKey::for_stage(name, inputs, config)?, value: work()? })
     }
 
     /// A stage that runs when its output is first requested, and is faster than reading a cache.
     ///
     /// # Errors
-    /// [`BuildError::Format`] for a config that cannot be encoded.
-    pub fn on_demand<T, W: Fn() -> Result<T, BuildError>>(
+    /// [`throng_motion::error::BuildError::Format`] for a config that cannot be encoded.
+    pub fn on_demand<T, W: Fn() -> Result<T>>(
         &self,
         name: &'static str,
         inputs: &[CacheKey],
         config: &impl Serialize,
         work: W,
-    ) -> Result<OnDemand<'_, T, W>, BuildError> {
+    ) -> Result<OnDemand<'_, T, W>> {
         Ok(OnDemand {
             stages: self,
             key: CacheKey::for_stage(name, inputs, config)?,
@@ -268,12 +264,12 @@ pub struct OnDemand<'a, T, W> {
     made: OnceCell<T>,
 }
 
-impl<T, W: Fn() -> Result<T, BuildError>> OnDemand<'_, T, W> {
+impl<T, W: Fn() -> Result<T>> OnDemand<'_, T, W> {
     /// The output.
     ///
     /// # Errors
     /// Errors of the stage.
-    pub fn get(&self) -> Result<&T, BuildError> {
+    pub fn get(&self) -> Result<&T> {
         match self.made.get() {
             Some(made) => Ok(made),
             None => {

@@ -13,7 +13,7 @@ use throng_core::stops::{
 };
 use throng_core::{BodyVolume, Contacts, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Largest motion of a resting character from its place and back (m).
 const REST_PATH_M: f32 = 0.1;
@@ -59,12 +59,8 @@ pub struct StopsReport {
 /// - `comm`: processes that hold the other poses.
 ///
 /// # Errors
-/// [`BuildError::File`] if another process has ended.
-pub fn find_stops(
-    clips: &ClipSet,
-    graph: &RawMotionGraph,
-    comm: &dyn Comm,
-) -> Result<(StopRows, StopsReport), BuildError> {
+/// [`throng_motion::error::BuildError::File`] if another process has ended.
+pub fn find_stops(clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> Result<(StopRows, StopsReport)> {
     let starts = clips.frame_starts();
     let clip_of = |frame: FrameId| starts.partition_point(|&f| f <= frame.0) - 1;
     // Segments first, then states.

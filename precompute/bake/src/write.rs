@@ -23,7 +23,7 @@ use throng_core::patch::{PairRecord, PatchRecord};
 use throng_core::planar::wrap_angle;
 use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
 use throng_motion::clip::{Clip, ClipHit, ClipSet, joint_transforms};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::files::write_atomically;
 
 /// Contents of a bundle.
@@ -65,7 +65,7 @@ pub struct WrittenBundle {
 ///
 /// # Errors
 /// [`BuildError::Io`] if it cannot be written, [`BuildError::Format`] if it would be refused.
-pub fn bundle(baked: &BundleInputs<'_>, out: &Path, comm: &dyn Comm) -> Result<WrittenBundle, BuildError> {
+pub fn bundle(baked: &BundleInputs<'_>, out: &Path, comm: &dyn Comm) -> Result<WrittenBundle> {
     let format = |e: FormatError| BuildError::Format(e.to_string());
     let (rows, code, off) = frame_rows(baked.clips, comm)?;
     if comm.rank() > 0 {
@@ -238,7 +238,7 @@ pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
 /// All frames as stored ([`FrameRow`], num_frames), the code of their rotations, and the error of the worst joint of
 /// each frame (mm, ascending). Each rank packs the clips whose poses it holds; the first one ends up with all of them,
 /// others with nothing.
-fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, Vec<f32>), BuildError> {
+fn frame_rows(set: &ClipSet, comm: &dyn Comm) -> Result<(Vec<u8>, RotationCode, Vec<f32>)> {
     let owners = clip_owners(set, comm.num_ranks());
     let own: Vec<&Clip> = set.clips.iter().zip(&owners).filter(|(_, o)| **o == comm.rank()).map(|(c, _)| c).collect();
     let of_joint = |joint: usize| {

@@ -15,7 +15,7 @@ use throng_core::Skeleton;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
 use throng_motion::annotate::{self, ContactSanity};
 use throng_motion::clip::{Clip, ClipSet, Exclusion};
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::{self, ImportConfig, ImportedClip};
 use throng_motion::raw::{RawClip, SourceFormat};
 
@@ -75,7 +75,7 @@ pub struct InspectedClip {
 ///
 /// # Errors
 /// As [`inspect_clip`].
-pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildError> {
+pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport> {
     Ok(inspect_clip(path, &BuildConfig { import: config.clone(), ..BuildConfig::default() })?.report)
 }
 
@@ -83,7 +83,7 @@ pub fn inspect(path: &Path, config: &ImportConfig) -> Result<ClipReport, BuildEr
 ///
 /// # Errors
 /// As the import and retarget stages; [`BuildError::Stage`] for a folder or pattern of several clips.
-pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<InspectedClip, BuildError> {
+pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<InspectedClip> {
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());

@@ -10,11 +10,24 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 use std::time::Instant;
-use throng_core::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
-use throng_core::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::base::limits::CHARACTERS;
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
+use throng_core::characters::AvoidConfig;
+use throng_core::characters::CharactersConfig;
+use throng_core::characters::PolicyCharacters;
+use throng_core::characters::PolicyOrder;
+use throng_core::characters::Spawn;
 use throng_core::stops::REST;
-use throng_core::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
+use throng_core::Bundle;
+use throng_core::CharacterGroup;
+use throng_core::Contacts;
+use throng_core::Error;
+use throng_core::Inline;
+use throng_core::NUM_JOINTS;
+use throng_core::Planar;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use watch::TrialWatch;
 
 /// Settings of a trial.
@@ -154,7 +167,7 @@ pub struct TrialFrame {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the bundle has no behaviour or the config is out of range.
-pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord), BuildError> {
+pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialRecord)> {
     let fail = |e: Error| stage_error(e.to_string());
     check(tables, config)?;
     let (mut group, targets) = scatter_characters(tables, config).map_err(fail)?;
@@ -182,8 +195,8 @@ pub(crate) fn num_steps(config: &TrialConfig) -> usize {
 pub(crate) fn play(
     group: &mut PolicyCharacters,
     config: &TrialConfig,
-    mut observe: impl FnMut(&PolicyCharacters, usize) -> Result<(), BuildError>,
-) -> Result<f64, BuildError> {
+    mut observe: impl FnMut(&PolicyCharacters, usize) -> Result<()>,
+) -> Result<f64> {
     let mut busy_s = 0.0;
     for step in 0..=num_steps(config) {
         let begin = Instant::now();
@@ -200,7 +213,7 @@ pub(crate) fn play(
 ///
 /// # Errors
 /// As [`run`].
-pub(crate) fn check(tables: &Bundle, config: &TrialConfig) -> Result<(), BuildError> {
+pub(crate) fn check(tables: &Bundle, config: &TrialConfig) -> Result<()> {
     let fail = |e: Error| stage_error(e.to_string());
     if tables.policies().is_empty() {
         let message = "the bundle has no behaviour".into();

@@ -84,6 +84,9 @@ impl ImportError {
     }
 }
 
+/// Result of what a build does.
+pub type Result<T, E = BuildError> = std::result::Result<T, E>;
+
 /// Reason why a build cannot go on.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
@@ -184,7 +187,7 @@ impl BuildError {
 ///
 /// # Errors
 /// [`BuildError::Key`] for the first one that is out of its range, or no number.
-pub fn check_ranges<'a>(ranges: impl IntoIterator<Item = (&'a str, f64, f64, f64)>) -> Result<(), BuildError> {
+pub fn check_ranges<'a>(ranges: impl IntoIterator<Item = (&'a str, f64, f64, f64)>) -> Result<()> {
     let bad = ranges.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value));
     let Some((key, value, low, high)) = bad else { return Ok(()) };
     // Numbers of single precision are shown as they are written.

@@ -4,7 +4,7 @@
 //! locked: the system takes the lock from a process that ends, however it ends. So the next one that writes in that
 //! folder knows what killed processes left there, whatever clocks and process numbers say, and removes it.
 
-use crate::error::BuildError;
+use crate::error::{BuildError, Result};
 use std::fs::{File, TryLockError};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -24,10 +24,7 @@ const MAX_LINKS: usize = 40;
 ///
 /// # Errors
 /// [`BuildError::Io`] names the file; what stood there before stays as it was.
-pub fn write_atomically(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
-) -> Result<(), BuildError> {
+pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
     if let Ok(real) = resolve_links(path) {
         remove_leftovers(folder_of(&real));
     }
@@ -48,7 +45,7 @@ pub fn write_atomically(
 ///
 /// # Errors
 /// Errors of [`write_atomically`].
-pub fn write_quickly(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), BuildError> {
+pub fn write_quickly(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
     replace(path, write, |_| Ok(())).map(|_| ())
 }
 
@@ -57,7 +54,7 @@ fn replace(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     finish: impl FnOnce(&File) -> std::io::Result<()>,
-) -> Result<PathBuf, BuildError> {
+) -> Result<PathBuf> {
     check_target(path)?;
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
     let real = resolve_links(path).map_err(io)?;
@@ -151,7 +148,7 @@ fn sync_folder(_: &Path) -> std::io::Result<()> {
 ///
 /// # Errors
 /// [`BuildError::Io`] names the file.
-pub fn remove(path: &Path) -> Result<(), BuildError> {
+pub fn remove(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
         Err(source) if source.kind() != ErrorKind::NotFound => Err(BuildError::Io { path: path.to_path_buf(), source }),
         _ => Ok(()),
@@ -162,7 +159,7 @@ pub fn remove(path: &Path) -> Result<(), BuildError> {
 ///
 /// # Errors
 /// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there or takes no file.
-pub fn check_target(path: &Path) -> Result<(), BuildError> {
+pub fn check_target(path: &Path) -> Result<()> {
     let fail =
         |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
     // The file takes the place of what was there: that must not be a device or a pipe. Asked once, as others may remove it
@@ -192,7 +189,7 @@ pub fn check_target(path: &Path) -> Result<(), BuildError> {
 pub fn check_targets<'a>(
     out: impl IntoIterator<Item = &'a PathBuf>,
     read: impl IntoIterator<Item = &'a PathBuf>,
-) -> Result<(), BuildError> {
+) -> Result<()> {
     let real = |path: &PathBuf| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let mut taken: Vec<PathBuf> = read.into_iter().filter_map(|path| real(path).ok()).collect();
     for path in out {
@@ -214,7 +211,7 @@ pub fn check_targets<'a>(
 ///
 /// # Errors
 /// Errors of [`check_target`]; [`BuildError::Config`] where a file of another kind is at the path.
-pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<(), BuildError> {
+pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<()> {
     check_target(path)?;
     let mut found = Vec::new();
     let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut found));

@@ -1,7 +1,7 @@
 //! Clips at one rate, and their mirrored copies.
 
 use crate::clip::{Clip, ClipHit, ClipSet, ClipTag, Exclusion, FrameRange};
-use crate::error::{BuildError, check_ranges};
+use crate::error::{BuildError, Result, check_ranges};
 use crate::mirror::mirror_clip;
 use glam::Quat;
 use rayon::prelude::*;
@@ -34,7 +34,7 @@ impl ResampleConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] where it is out of its range.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         check_ranges([("rate_hz", self.rate_hz, 1.0, 240.0)])
     }
 }
@@ -45,7 +45,7 @@ impl ResampleConfig {
 ///
 /// # Errors
 /// [`BuildError::Key`] with the number of frames that they would have.
-pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) -> Result<(), BuildError> {
+pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) -> Result<()> {
     let copies = if cfg.mirror { 2.0 } else { 1.0 };
     let (mut total, mut frames) = (0.0, 0.0);
     for s in seconds {
@@ -73,7 +73,7 @@ pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) ->
 ///
 /// # Errors
 /// [`BuildError::Config`] for a rate outside its limits.
-pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet, BuildError> {
+pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet> {
     cfg.check().map_err(|e| e.within_key("resample"))?;
     check_length(clips.clips.iter().map(|c| c.num_frames() as f64 / c.rate_hz), cfg)?;
     let per_clip: Vec<Vec<Clip>> = clips

@@ -28,5 +28,6 @@ pub mod smooth;
 pub mod stiff_mesh;
 pub mod task;
 #[cfg(test)]
+#[path = "../tests/common/problems.rs"]
 mod testing;
 pub mod track;

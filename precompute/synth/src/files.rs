@@ -5,7 +5,7 @@ use std::io::Error;
 use std::path::{Path, PathBuf};
 use throng_motion::annotate::sidecar::{Sidecar, SidecarTag, TimeUnit};
 use throng_motion::clip::{Clip, ClipSet, ClipTag};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::export::{self, to_raw};
 use throng_motion::files::{remove, write_atomically};
 
@@ -16,7 +16,7 @@ use throng_motion::files::{remove, write_atomically};
 ///
 /// # Errors
 /// [`BuildError::Io`] naming the file or folder that cannot be written.
-pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
+pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>> {
     create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_owned(), source })?;
     let save_one = |clip: &Clip| {
         let path = folder.join(format!("{}.bvh", clip.name));
@@ -29,7 +29,7 @@ pub fn save(set: &ClipSet, folder: &Path) -> Result<Vec<PathBuf>, BuildError> {
 }
 
 /// Writes the tags of a clip as a sidecar.
-fn save_tags(clip: &Clip, path: &Path) -> Result<(), BuildError> {
+fn save_tags(clip: &Clip, path: &Path) -> Result<()> {
     // Removes an outdated sidecar of an earlier clip of this name.
     let Some(sidecar) = sidecar(clip) else { return remove(path) };
     write_atomically(path, |out| {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::Path;
 use throng_motion::annotate::Sidecar;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 use throng_motion::import::{self, ImportConfig, ImportedSet};
 
 /// Synthetic motion as input.
@@ -38,7 +38,7 @@ impl SynthInput {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the first one out of its range.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         check_ranges([("minutes", self.minutes.unwrap_or(1.0), 0.05, 240.0)])?;
         self.also.iter().enumerate().try_for_each(|(i, s)| s.check().map_err(|e| e.within_key(&format!("also[{i}]"))))
     }
@@ -59,7 +59,7 @@ pub fn input(
     cfg: &SynthInput,
     rate_hz: f64,
     import: &ImportConfig,
-) -> Result<(ImportedSet, BTreeMap<String, Sidecar>), BuildError> {
+) -> Result<(ImportedSet, BTreeMap<String, Sidecar>)> {
     let (mut all, mut sidecars) = (ImportedSet { clips: Vec::new(), skipped: Vec::new() }, BTreeMap::new());
     let inputs = cfg.with_others();
     for (i, one) in inputs.iter().enumerate() {

@@ -8,6 +8,7 @@ mod arm;
 mod attitude;
 mod boxing;
 #[cfg(test)]
+#[path = "../tests/common/checks.rs"]
 mod checks;
 mod deck;
 mod files;
@@ -33,7 +34,7 @@ pub use set::{SynthSet, make_set, write_set};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::limits::{RATE_HZ, SYNTH_MINUTES};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{Result, check_ranges};
 
 /// Settings of synthetic motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -75,7 +76,7 @@ impl SynthConfig {
         }
     }
 
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         let ranges = [
             ("minutes", self.minutes, SYNTH_MINUTES.least, SYNTH_MINUTES.most),
             ("clip_seconds", self.clip_seconds, 3.0, 600.0),

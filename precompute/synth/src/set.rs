@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// A set of synthetic motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -47,7 +47,7 @@ impl SynthSet {
     ///
     /// # Errors
     /// [`BuildError::Config`] with the existing names.
-    pub fn from_name(name: &str) -> Result<Self, BuildError> {
+    pub fn from_name(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|s| s.name() == name).ok_or_else(|| {
             let names = Self::ALL.map(|s| format!("`{}`", s.name())).join(" or ");
             BuildError::Config { message: format!("synthetic set: expected {names}, found `{name}`") }
@@ -62,7 +62,7 @@ impl SynthSet {
 ///
 /// # Errors
 /// [`BuildError::Config`] for a value outside its limits.
-pub fn make_set(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError> {
+pub fn make_set(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet> {
     cfg.check()?;
     Ok(match set {
         SynthSet::Walk => walk::walk(cfg),
@@ -81,7 +81,7 @@ pub fn make_set(set: SynthSet, cfg: &SynthConfig) -> Result<ClipSet, BuildError>
 ///
 /// # Errors
 /// As [`make_set`] and [`files::save`].
-pub fn write_set(set: SynthSet, cfg: &SynthConfig, folder: &Path) -> Result<ClipSet, BuildError> {
+pub fn write_set(set: SynthSet, cfg: &SynthConfig, folder: &Path) -> Result<ClipSet> {
     let made = make_set(set, cfg)?;
     files::save(&made, folder)?;
     Ok(made)

@@ -18,6 +18,14 @@ mod snapshot;
 pub mod text;
 pub mod thresholds;
 
+/// Defines functions that return the defaults of keys of a file, for `#[serde(default = "...")]`.
+#[macro_export]
+macro_rules! key_defaults {
+    ($($visibility:vis $name:ident: $kind:ty = $value:expr;)*) => {
+        $($visibility fn $name() -> $kind { $value })*
+    };
+}
+
 pub use checksum::{crc32, crc32_of_pieces};
 pub use comm::{Comm, LocalComm, SingleRank, Traffic, rank_range, unexpected_message};
 pub use error::{Error, Result};

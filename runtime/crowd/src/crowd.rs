@@ -1,6 +1,6 @@
 //! The crowd as an application sees it: one type on the ground and in the air, compiled here.
 
-use crate::error::CrowdError;
+use crate::error::{CrowdError, Result};
 use crate::events::engine::Engine;
 use crate::events::event::{CrowdEvent, EventCounts};
 use crate::routes::order::{AgentOrder, AgentStatus};
@@ -63,8 +63,6 @@ macro_rules! each {
     };
 }
 pub(crate) use each;
-
-type Result<T> = std::result::Result<T, CrowdError>;
 
 impl Crowd {
     /// A crowd of discs on the ground.

@@ -1,7 +1,10 @@
 //! Errors of setups and of runs.
 
+use throng_base::Id;
 use throng_base::error::Error;
-use throng_base::{Id, Result};
+
+/// Result of what a crowd does.
+pub(crate) type Result<T, E = CrowdError> = std::result::Result<T, E>;
 
 /// Error of a crowd. Converts into [`Error`], for callers that need not tell the kinds apart.
 #[non_exhaustive]
@@ -95,7 +98,13 @@ impl From<CrowdError> for Error {
 }
 
 /// [`Error::Value`] about the setting of something, unless `good`.
-pub(crate) fn check(what: &'static str, number: usize, got: f32, good: bool, expected: &'static str) -> Result<()> {
+pub(crate) fn check(
+    what: &'static str,
+    number: usize,
+    got: f32,
+    good: bool,
+    expected: &'static str,
+) -> throng_base::Result<()> {
     throng_base::error::check_value(what, Some(Id::first(number)), got, good, expected)
 }
 

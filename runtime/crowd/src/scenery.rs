@@ -1,6 +1,6 @@
 //! Surroundings of the agents: obstacles by cell, routes, fields and limits.
 
-use crate::error::{CrowdError, check};
+use crate::error::{CrowdError, Result, check};
 use crate::routes::goals::GoalTable;
 use crate::routes::path::{RoutePath, is_in_solid};
 use crate::routes::streets::Streets;
@@ -115,7 +115,7 @@ impl<V: Space> MovingObstacle<V> {
 
 impl<V: Space> CrowdScenery<V> {
     /// Checks and prepares all that surrounds the agents, and makes empty cells.
-    pub fn new(setup: &CrowdSetup<V>) -> Result<(Self, CellGrid<V>, DensityGrid<V>), CrowdError> {
+    pub fn new(setup: &CrowdSetup<V>) -> Result<(Self, CellGrid<V>, DensityGrid<V>)> {
         check_settings(setup)?;
         let config = &setup.config;
         let most = |least: f32, f: &dyn Fn(&Agent<V>) -> f32| setup.agents.iter().map(f).fold(least, f32::max);
@@ -189,7 +189,7 @@ impl<V: Space> CrowdScenery<V> {
 
     /// Side of the cells: within the shortest plan, and half as long again, every agent has to be able to stop within half
     /// of it.
-    fn side(&self, setup: &CrowdSetup<V>) -> Result<f32, CrowdError> {
+    fn side(&self, setup: &CrowdSetup<V>) -> Result<f32> {
         let config = &setup.config;
         let shortest = 1.5 * self.interval;
         #[cfg(feature = "fixed-steps")]
@@ -216,7 +216,7 @@ impl<V: Space> CrowdScenery<V> {
     }
 
     /// Makes the solids of obstacles.
-    fn add_obstacles(&mut self) -> Result<(), CrowdError> {
+    fn add_obstacles(&mut self) -> Result<()> {
         for (index, obstacle) in self.obstacles.iter().enumerate() {
             let bodies = solids(index, obstacle)?;
             let range = self.solids.len()..self.solids.len() + bodies.len();
@@ -234,7 +234,7 @@ impl<V: Space> CrowdScenery<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for an impossible route.
-    pub fn prepare_path(&mut self, number: usize, route: &Route<V>) -> Result<RoutePath<V>, CrowdError> {
+    pub fn prepare_path(&mut self, number: usize, route: &Route<V>) -> Result<RoutePath<V>> {
         let mut goals = std::mem::take(&mut self.goals);
         let path = self.prepare_path_with(number, route, &mut goals);
         self.goals = goals;
@@ -242,12 +242,7 @@ impl<V: Space> CrowdScenery<V> {
     }
 
     /// Prepares a route with other goals than those of this crowd.
-    pub fn prepare_path_with(
-        &self,
-        number: usize,
-        route: &Route<V>,
-        goals: &mut GoalTable,
-    ) -> Result<RoutePath<V>, CrowdError> {
+    pub fn prepare_path_with(&self, number: usize, route: &Route<V>, goals: &mut GoalTable) -> Result<RoutePath<V>> {
         let mut path = RoutePath::new(number, route, &self.solids)?;
         let mut subgoals = route.subgoals.iter().enumerate();
         subgoals.try_for_each(|(subgoal, &g)| self.check_goal(number, subgoal, g))?;
@@ -258,7 +253,7 @@ impl<V: Space> CrowdScenery<V> {
     }
 
     /// A subgoal is in no obstacle, be it an open one.
-    pub fn check_goal(&self, route: usize, subgoal: usize, goal: V) -> Result<(), CrowdError> {
+    pub fn check_goal(&self, route: usize, subgoal: usize, goal: V) -> Result<()> {
         let mut obstacles = self.obstacles.iter().zip(&self.ranges);
         match obstacles.position(|(body, range)| is_in_solid(goal, body, &self.solids[range.clone()])) {
             Some(obstacle) => Err(CrowdError::Goal { route, subgoal, obstacle }),
@@ -275,7 +270,7 @@ impl<V: Space> CrowdScenery<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Value`] where streets know too many doors; nothing has changed then.
-    pub fn set_doors(&mut self, doors: &[Door], cells: &CellGrid<V>) -> Result<(), CrowdError> {
+    pub fn set_doors(&mut self, doors: &[Door], cells: &CellGrid<V>) -> Result<()> {
         if self.doors == doors {
             return Ok(());
         }
@@ -291,7 +286,7 @@ impl<V: Space> CrowdScenery<V> {
     }
 
     /// An agent's centre is in no polygon; of these, only the sides are solids.
-    pub fn check_place(&self, agent: Id, position: V) -> Result<(), CrowdError> {
+    pub fn check_place(&self, agent: Id, position: V) -> Result<()> {
         let inside = |(o, door): (&Obstacle<V>, &Door)| matches!(o, Obstacle::Polygon { corners } if *door != Door::Open && is_inside(corners, position));
         let held = self.obstacles.iter().zip(&self.doors).position(inside);
         held.map_or(Ok(()), |obstacle| Err(CrowdError::Inside { agent, obstacle }))
@@ -371,7 +366,7 @@ fn of_streets<V: Space>(setup: &CrowdSetup<V>) -> Vec<Option<usize>> {
 }
 
 /// Every setting within its limits.
-fn check_settings<V: Space>(setup: &CrowdSetup<V>) -> Result<(), CrowdError> {
+fn check_settings<V: Space>(setup: &CrowdSetup<V>) -> Result<()> {
     setup.config.check()?;
     setup.senses.check()?;
     setup.fields.iter().enumerate().try_for_each(|(n, field)| field.check(n))?;
@@ -388,12 +383,7 @@ fn check_settings<V: Space>(setup: &CrowdSetup<V>) -> Result<(), CrowdError> {
 }
 
 /// An agent's settings within their limits.
-pub(crate) fn check_agent<V: Space>(
-    n: usize,
-    agent: &Agent<V>,
-    num_routes: usize,
-    num_fields: usize,
-) -> Result<(), CrowdError> {
+pub(crate) fn check_agent<V: Space>(n: usize, agent: &Agent<V>, num_routes: usize, num_fields: usize) -> Result<()> {
     let far = agent.position.length();
     check("agent.position", n, far, agent.position.is_finite() && far <= 1e5, "finite and within 1e5 m")?;
     let radius = agent.radius;

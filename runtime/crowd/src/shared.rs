@@ -1,7 +1,7 @@
 //! A crowd that several processes move together.
 
 use crate::crowd::{Crowd, SpaceEngine, each};
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::events::shared::SharedEngine;
 use glam::{Vec2, Vec3};
 use throng_base::Comm;
@@ -38,13 +38,11 @@ pub struct SharedCrowd {
     engine: SpaceEngine<SharedEngine<Vec2>, SharedEngine<Vec3>>,
 }
 
-type Result<T> = std::result::Result<T, CrowdError>;
-
 impl Crowd {
     /// The part of this process of a crowd that all processes have made alike.
     ///
     /// # Errors
-    /// [`CrowdError::Other`] for a crowd in which agents sense, have timers or companions, or care for others.
+    /// [`crate::CrowdError::Other`] for a crowd in which agents sense, have timers or companions, or care for others.
     pub fn share(self, comm: &dyn Comm) -> Result<SharedCrowd> {
         let engine = match self.engine {
             SpaceEngine::Ground(engine) => SpaceEngine::Ground(SharedEngine::new(engine, comm)?),

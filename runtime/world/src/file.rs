@@ -7,8 +7,7 @@
 //! - 3: the file that it was stitched from.
 
 use super::graph::{BakedCosts, PathCosts};
-use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord, WorldNode};
-use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldTables, check, tags};
+use super::{WorldData, WorldError, WorldGraph, WorldMeta, WorldNode, WorldTables, check, tags};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, OnceLock};
@@ -102,19 +101,7 @@ impl World {
     fn new(storage: FileStorage, bundle: &Bundle) -> Result<Self, WorldError> {
         let layout = SectionLayout::read_kind(storage.bytes(), true, KIND)?;
         let storage = Arc::new(storage);
-        let view = WorldTables {
-            units: Table::of_file(&storage, &layout.section::<UnitRecord>(tags::UNITS)?),
-            instances: Table::of_file(&storage, &layout.section::<InstanceRecord>(tags::INSTANCES)?),
-            neighbours: Table::of_file(&storage, &layout.section::<u32>(tags::NEIGHBOURS)?),
-            cell_words: Table::of_file(&storage, &layout.section::<u64>(tags::CELLS)?),
-            link_words: Table::of_file(&storage, &layout.section::<u64>(tags::LINKS)?),
-            adjacencies: Table::of_file(&storage, &layout.section::<AdjacencyRecord>(tags::ADJACENCIES)?),
-            tables: Table::of_file(&storage, &layout.section::<JointTableRecord>(tags::TABLES)?),
-            joints: Table::of_file(&storage, &layout.section::<JointRecord>(tags::JOINTS)?),
-            joints_by_b: Table::of_file(&storage, &layout.section::<u32>(tags::JOINTS_BY_B)?),
-            joint_words: Table::of_file(&storage, &layout.section::<u64>(tags::JOINT_BITS)?),
-            resources: Table::of_file(&storage, &layout.section::<u32>(tags::RESOURCES)?),
-        };
+        let view = WorldTables::of_file(&storage, &layout)?;
         let meta: WorldMeta = decode("WMET", &storage.bytes()[layout.section::<u8>(tags::META)?])?;
         if meta.bundle_hash != bundle.hash() {
             let (expected, got) = (meta.bundle_hash, bundle.hash());
@@ -175,17 +162,7 @@ impl World {
         *self.0.hash.get_or_init(|| {
             let (mut hash, view) = (Hash128::default(), self.view());
             hash.add_bytes(&self.bundle_hash().to_le_bytes());
-            hash.add_bytes(bytemuck::cast_slice(&view.units));
-            hash.add_bytes(bytemuck::cast_slice(&view.instances));
-            hash.add_bytes(bytemuck::cast_slice(&view.neighbours));
-            hash.add_bytes(bytemuck::cast_slice(&view.cell_words));
-            hash.add_bytes(bytemuck::cast_slice(&view.link_words));
-            hash.add_bytes(bytemuck::cast_slice(&view.adjacencies));
-            hash.add_bytes(bytemuck::cast_slice(&view.tables));
-            hash.add_bytes(bytemuck::cast_slice(&view.joints));
-            hash.add_bytes(bytemuck::cast_slice(&view.joints_by_b));
-            hash.add_bytes(bytemuck::cast_slice(&view.joint_words));
-            hash.add_bytes(bytemuck::cast_slice(&view.resources));
+            view.hash_rows(&mut hash);
             match &self.0.paths {
                 Some(paths) => hash.add_bytes(paths),
                 // Writing to memory what can be written cannot fail.
@@ -234,17 +211,7 @@ impl WorldData {
             tags::META,
             &encode("WMET", &self.meta).map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e))?,
         );
-        file.section(tags::UNITS, &self.units);
-        file.section(tags::INSTANCES, &self.instances);
-        file.section(tags::NEIGHBOURS, &self.neighbours);
-        file.section(tags::CELLS, &self.cell_words);
-        file.section(tags::LINKS, &self.link_words);
-        file.section(tags::ADJACENCIES, &self.adjacencies);
-        file.section(tags::TABLES, &self.tables);
-        file.section(tags::JOINTS, &self.joints);
-        file.section(tags::JOINTS_BY_B, &self.joints_by_b);
-        file.section(tags::JOINT_BITS, &self.joint_words);
-        file.section(tags::RESOURCES, &self.resources);
+        self.add_sections(&mut file);
         file.section(tags::PATHS, &paths.0);
         file.write_kind(out, KIND)
     }

@@ -6,8 +6,10 @@ mod file;
 mod graph;
 pub mod inhabitants;
 #[cfg(test)]
+#[path = "../tests/common/made_up.rs"]
 mod made_up;
 #[cfg(any(test, feature = "made-up"))]
+#[path = "../tests/common/made_up_floor.rs"]
 pub mod made_up_floor;
 mod path_hierarchy;
 pub mod plan;
@@ -22,7 +24,9 @@ pub use graph::{PathCosts, WorldGraph, WorldNode, WorldStep};
 pub use records::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, UnitRecord};
 
 use serde::{Deserialize, Serialize};
-use throng_core::format::Table;
+use std::sync::Arc;
+use throng_base::Hash128;
+use throng_core::format::{BundleWriter, FileStorage, FormatError, SectionLayout, Table};
 
 /// Metadata of a world.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -51,79 +55,67 @@ pub struct WorldMeta {
     pub motion_hours: f64,
 }
 
-/// The rows of a world, of a file or in memory. Clones share them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct WorldTables {
-    /// Placed units; a unit's number is a resource that characters hold.
-    pub units: Table<UnitRecord>,
-    /// The patches.
-    pub instances: Table<InstanceRecord>,
-    /// Instance across each edge of each tile, [`throng_core::patch::NONE`] where there is none.
-    pub neighbours: Table<u32>,
-    /// Bits of enabled cells.
-    pub cell_words: Table<u64>,
-    /// Bits of enabled links.
-    pub link_words: Table<u64>,
-    /// Overlaps of instances.
-    pub adjacencies: Table<AdjacencyRecord>,
-    /// Joints of pairs of patches.
-    pub tables: Table<JointTableRecord>,
-    /// Joints of all tables.
-    pub joints: Table<JointRecord>,
-    /// For each table, the numbers of its joints within it, sorted by (b, a, a_offset) (joints.len()).
-    pub joints_by_b: Table<u32>,
-    /// Bits of joints that may be taken, two each.
-    pub joint_words: Table<u64>,
-    /// Units that are held in each instance.
-    pub resources: Table<u32>,
-}
+/// Defines the tables of a world, in the order of the file, and what is done to each of them.
+macro_rules! world_tables {
+    ($($(#[$doc:meta])* $name:ident: $record:ty = $tag:ident;)*) => {
+        /// The rows of a world, of a file or in memory. Clones share them.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct WorldTables { $($(#[$doc])* pub $name: Table<$record>,)* }
 
-/// A world in memory, as the stitcher makes it and the editor changes it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct WorldData {
-    /// See [`WorldTables`] for these.
-    pub units: Vec<UnitRecord>,
-    /// The patches.
-    pub instances: Vec<InstanceRecord>,
-    /// Instance across each edge of each tile.
-    pub neighbours: Vec<u32>,
-    /// Bits of enabled cells.
-    pub cell_words: Vec<u64>,
-    /// Bits of enabled links.
-    pub link_words: Vec<u64>,
-    /// Overlaps of instances.
-    pub adjacencies: Vec<AdjacencyRecord>,
-    /// Joints of pairs of patches.
-    pub tables: Vec<JointTableRecord>,
-    /// Joints of all tables.
-    pub joints: Vec<JointRecord>,
-    /// Order of joints by their side b.
-    pub joints_by_b: Vec<u32>,
-    /// Bits of joints that may be taken.
-    pub joint_words: Vec<u64>,
-    /// Units that are held in each instance.
-    pub resources: Vec<u32>,
-    /// Name, provenance, figures.
-    pub meta: WorldMeta,
-}
-
-impl WorldData {
-    /// A copy of the rows, to read the world through.
-    pub fn tables(&self) -> WorldTables {
-        WorldTables {
-            units: (&self.units).into(),
-            instances: (&self.instances).into(),
-            neighbours: (&self.neighbours).into(),
-            cell_words: (&self.cell_words).into(),
-            link_words: (&self.link_words).into(),
-            adjacencies: (&self.adjacencies).into(),
-            tables: (&self.tables).into(),
-            joints: (&self.joints).into(),
-            joints_by_b: (&self.joints_by_b).into(),
-            joint_words: (&self.joint_words).into(),
-            resources: (&self.resources).into(),
+        /// A world in memory, as the stitcher makes it and the editor changes it.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct WorldData {
+            $($(#[$doc])* pub $name: Vec<$record>,)*
+            /// Name, provenance, figures.
+            pub meta: WorldMeta,
         }
-    }
+
+        impl WorldTables {
+            fn of_file(storage: &Arc<FileStorage>, layout: &SectionLayout) -> Result<Self, FormatError> {
+                Ok(Self { $($name: Table::of_file(storage, &layout.section::<$record>(tags::$tag)?)),* })
+            }
+
+            fn hash_rows(&self, hash: &mut Hash128) {
+                $(hash.add_bytes(bytemuck::cast_slice(&self.$name));)*
+            }
+        }
+
+        impl WorldData {
+            /// A copy of the rows, to read the world through.
+            pub fn tables(&self) -> WorldTables {
+                WorldTables { $($name: (&self.$name).into()),* }
+            }
+
+            fn add_sections(&self, file: &mut BundleWriter<'_>) {
+                $(file.section(tags::$tag, &self.$name);)*
+            }
+        }
+    };
+}
+
+world_tables! {
+    /// Placed units; a unit's number is a resource that characters hold.
+    units: UnitRecord = UNITS;
+    /// The patches.
+    instances: InstanceRecord = INSTANCES;
+    /// Instance across each edge of each tile, [`throng_core::patch::NONE`] where there is none.
+    neighbours: u32 = NEIGHBOURS;
+    /// Bits of enabled cells.
+    cell_words: u64 = CELLS;
+    /// Bits of enabled links.
+    link_words: u64 = LINKS;
+    /// Overlaps of instances.
+    adjacencies: AdjacencyRecord = ADJACENCIES;
+    /// Joints of pairs of patches.
+    tables: JointTableRecord = TABLES;
+    /// Joints of all tables.
+    joints: JointRecord = JOINTS;
+    /// For each table, the numbers of its joints within it, sorted by (b, a, a_offset) (joints.len()).
+    joints_by_b: u32 = JOINTS_BY_B;
+    /// Bits of joints that may be taken, two each.
+    joint_words: u64 = JOINT_BITS;
+    /// Units that are held in each instance.
+    resources: u32 = RESOURCES;
 }
 
 /// True where bit `index` is set in the words that begin at `first`.

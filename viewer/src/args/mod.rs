@@ -3,8 +3,9 @@
 mod parse;
 mod scene;
 
-pub use parse::{AdapterChoice, BodyChoice, CameraArg, CharacterArg, PanelChoice, PictureSize, StageName, ThemeName};
+pub use parse::{AdapterChoice, BodyChoice, CameraArg, CharacterArg, PanelChoice, PictureSize, ThemeName};
 
+use crate::command::ViewStage;
 use std::path::PathBuf;
 use throng_core::base::limits::{self, number_parser};
 use throng_crowd::Scheme;
@@ -100,7 +101,7 @@ pub struct Args {
 
     /// What is shown of a bundle.
     #[arg(long, value_enum, requires = "file")]
-    pub stage: Option<StageName>,
+    pub stage: Option<ViewStage>,
     /// Show a clip of the bundle: its name, or a part that no other name has.
     #[arg(long, value_name = "NAME", requires = "file")]
     pub clip: Option<String>,

@@ -53,27 +53,6 @@ impl From<ThemeName> for ThemePreference {
     }
 }
 
-/// Stage on the command line.
-#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StageName {
-    /// The run of a crowd.
-    Crowd,
-    /// A clip of the database.
-    Clip,
-    /// A character walking in a blend space.
-    Blend,
-}
-
-impl From<StageName> for crate::command::ViewStage {
-    fn from(name: StageName) -> Self {
-        match name {
-            StageName::Crowd => Self::Crowd,
-            StageName::Clip => Self::Clip,
-            StageName::Blend => Self::Blend,
-        }
-    }
-}
-
 /// A panel on the command line, or `none`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PanelChoice {

@@ -88,8 +88,8 @@ impl Args {
     pub fn show(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         self.change_scene(ctx, model)?;
         if let Some(stage) = self.stage {
-            self.check_stage(stage.into(), model)?;
-            model.apply(ctx, ViewerCommand::Stage(stage.into()));
+            self.check_stage(stage, model)?;
+            model.apply(ctx, ViewerCommand::Stage(stage));
         }
         if let Some(name) = &self.clip {
             let clip = find_clip(model, name)?;
@@ -239,7 +239,7 @@ fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::{CharacterArg, StageName};
+    use crate::args::CharacterArg;
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
     use throng_crowd::Scheme;
@@ -296,7 +296,7 @@ mod tests {
         let files = throng_precompute::synth::save(&made, folder.path()).expect("files");
         let file = files[0].clone();
         for (args, say) in [
-            (Args { file: Some(file.clone()), stage: Some(StageName::Crowd), ..Args::default() }, "no crowd"),
+            (Args { file: Some(file.clone()), stage: Some(ViewStage::Crowd), ..Args::default() }, "no crowd"),
             (Args { file: Some(file.clone()), clip: Some("a".into()), ..Args::default() }, "one clip"),
             (Args { file: Some(file.clone()), character: Some(CharacterArg(Some(0))), ..Args::default() }, "no crowd"),
         ] {

@@ -1,6 +1,6 @@
 //! A build: its progress, its results and failures, how it ended, and the trial of what was built.
 
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::{BuildEnd, BuildLog, FinishedBuild, ShownBuild};
 use crate::model::{Model, name_of};
 use crate::theme::ThemePalette;
@@ -47,7 +47,7 @@ pub fn is_shown(build: &ShownBuild) -> bool {
 }
 
 /// Shows the build under way, or the last one, in its own frame; shows nothing if there is none.
-pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let Some(build) = model.build.as_ref().filter(|b| is_shown(b)) else { return };
     let palette = ThemePalette::for_visuals(ui.visuals());
     let edge = match build {
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
 }
 
 /// Shows the build as [`show`] does, in the lower left corner of a part of the window.
-pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Commands) {
     let at = within.left_bottom() + vec2(10.0, -10.0);
     let area = Area::new(Id::unique("build")).fixed_pos(at).pivot(Align2::LEFT_BOTTOM).constrain_to(within);
     area.show(ui.ctx(), |ui| {
@@ -81,7 +81,7 @@ pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<Viewer
     });
 }
 
-fn running(ui: &mut Ui, name: &str, log: &BuildLog, commands: &mut Vec<ViewerCommand>) {
+fn running(ui: &mut Ui, name: &str, log: &BuildLog, commands: &mut Commands) {
     heading(ui, &format!("Building {name}"), |ui| {
         let tip = "Stop it; what is finished is kept, and opening it again goes on there";
         if ui.add(Button::new("Cancel")).on_hover_text(tip).clicked() {
@@ -103,7 +103,7 @@ fn running(ui: &mut Ui, name: &str, log: &BuildLog, commands: &mut Vec<ViewerCom
     lines(ui, &log.news);
 }
 
-fn ended(ui: &mut Ui, built: &FinishedBuild, commands: &mut Vec<ViewerCommand>) {
+fn ended(ui: &mut Ui, built: &FinishedBuild, commands: &mut Commands) {
     let name = name_of(&built.paths);
     let title = match built.end {
         BuildEnd::Done => format!("Built {name}"),

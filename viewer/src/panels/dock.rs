@@ -1,13 +1,13 @@
 //! Docks of panels: tabs, and the open panel.
 
 use super::{PANELS, PanelStates};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::settings::Dock;
 use eframe::egui::{self, Ui};
 
 /// Shows the tabs of a dock, and the panel that is open.
-pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     let open = model.settings.panel(dock);
     ui.add_space(3.0);
     ui.horizontal_wrapped(|ui| {

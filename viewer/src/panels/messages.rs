@@ -1,11 +1,11 @@
 //! Messages to the user, over the 3-D view.
 
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use eframe::egui::{self, Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
 
 /// Shows the messages in the upper left corner of a part of the window, the latest at the top.
-pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Commands) {
     if model.messages.is_empty() {
         return;
     }

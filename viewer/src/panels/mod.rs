@@ -26,7 +26,7 @@ pub mod transport;
 pub mod viewport;
 pub mod words;
 
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::settings::PanelKind;
 use eframe::egui::{Key, Ui};
@@ -43,14 +43,14 @@ pub struct PanelEntry {
     /// Key that opens and closes it.
     pub key: Key,
     /// Shows it.
-    pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Vec<ViewerCommand>),
+    pub show: fn(&mut Ui, &Model, &mut PanelStates, &mut Commands),
 }
 
 /// Says that no character is selected, and offers a button that selects the first one.
 ///
 /// - `hint`: how to select one otherwise, up to the "or" before the button.
 /// - `has_characters`: false leaves the button out.
-fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands: &mut Vec<ViewerCommand>) {
+fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(hint);
         if has_characters && ui.small_button("select character 0").clicked() {
@@ -59,22 +59,24 @@ fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands
     });
 }
 
+/// Entry of a panel that keeps view settings.
+macro_rules! panel {
+    ($kind:ident, $state:ident, $key:ident, $title:literal, $purpose:literal) => {
+        PanelEntry {
+            kind: PanelKind::$kind,
+            title: $title,
+            purpose: $purpose,
+            key: Key::$key,
+            show: |ui, model, states, commands| $state::show(ui, model, &mut states.$state, commands),
+        }
+    };
+}
+
 /// All panels, in the order of their tabs.
 pub const PANELS: &[PanelEntry] = &[
-    PanelEntry {
-        kind: PanelKind::Control,
-        title: "Control",
-        purpose: "targets, behaviours, number of characters, seed",
-        key: Key::F1,
-        show: |ui, model, states, commands| control::show(ui, model, &mut states.control, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Policy,
-        title: "Policy",
-        purpose: "what a state is worth for every place of the target, and why an action was taken",
-        key: Key::F2,
-        show: |ui, model, states, commands| policy::show(ui, model, &mut states.policy, commands),
-    },
+    panel! { Control, control, F1, "Control", "targets, behaviours, number of characters, seed" },
+    panel! { Policy, policy, F2, "Policy",
+    "what a state is worth for every place of the target, and why an action was taken" },
     PanelEntry {
         kind: PanelKind::Statistics,
         title: "Statistics",
@@ -82,62 +84,17 @@ pub const PANELS: &[PanelEntry] = &[
         key: Key::F3,
         show: |ui, model, _, _| statistics::show(ui, model),
     },
-    PanelEntry {
-        kind: PanelKind::Graph,
-        title: "Motion graph",
-        purpose: "states, actions and where they lead; a click plays an action",
-        key: Key::F4,
-        show: |ui, model, states, commands| graph::show(ui, model, &mut states.graph, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Database,
-        title: "Database",
-        purpose: "clips, their contacts, tags, poses, and the actions from a frame",
-        key: Key::F5,
-        show: |ui, model, states, commands| database::show(ui, model, &mut states.database, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Report,
-        title: "Import report",
-        purpose: "what import found in a motion file; what a bundle was made of",
-        key: Key::F6,
-        show: |ui, model, states, commands| report::show(ui, model, &mut states.report, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Hits,
-        title: "Hits",
-        purpose: "where blows land, from three sides; a click shows the clip",
-        key: Key::F7,
-        show: |ui, model, states, commands| hits::show(ui, model, &mut states.hits, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Patches,
-        title: "Patches",
-        purpose: "worlds of motion patches: links of a patch, paths, orders, and units to move",
-        key: Key::F8,
-        show: |ui, model, states, commands| patches::show(ui, model, &mut states.patches, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Blend,
-        title: "Blend",
-        purpose: "blend spaces: examples, weights and keytimes; drag the point, and a character walks there",
-        key: Key::F9,
-        show: |ui, model, states, commands| blend::show(ui, model, &mut states.blend, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Crowd,
-        title: "Crowd",
-        purpose: "agents of a scene: bounds, events, forces, event rates",
-        key: Key::F10,
-        show: |ui, model, states, commands| crowd::show(ui, model, &mut states.crowd, commands),
-    },
-    PanelEntry {
-        kind: PanelKind::Plan,
-        title: "Plan",
-        purpose: "tasks of limbs: drag targets and obstacles, plan, compare motions, see the trees",
-        key: Key::F11,
-        show: |ui, model, states, commands| plan::show(ui, model, &mut states.plan, commands),
-    },
+    panel! { Graph, graph, F4, "Motion graph", "states, actions and where they lead; a click plays an action" },
+    panel! { Database, database, F5, "Database", "clips, their contacts, tags, poses, and the actions from a frame" },
+    panel! { Report, report, F6, "Import report", "what import found in a motion file; what a bundle was made of" },
+    panel! { Hits, hits, F7, "Hits", "where blows land, from three sides; a click shows the clip" },
+    panel! { Patches, patches, F8, "Patches",
+    "worlds of motion patches: links of a patch, paths, orders, and units to move" },
+    panel! { Blend, blend, F9, "Blend",
+    "blend spaces: examples, weights and keytimes; drag the point, and a character walks there" },
+    panel! { Crowd, crowd, F10, "Crowd", "agents of a scene: bounds, events, forces, event rates" },
+    panel! { Plan, plan, F11, "Plan",
+    "tasks of limbs: drag targets and obstacles, plan, compare motions, see the trees" },
 ];
 
 /// A dialog of the system.

@@ -1,6 +1,6 @@
 //! What tests of panels share.
 
-use crate::command::ViewerCommand;
+use crate::command::Commands;
 use crate::fixtures::quietly;
 use crate::model::Model;
 use crate::settings::ViewerSettings;
@@ -12,14 +12,14 @@ use std::path::Path;
 pub(crate) struct Trial<S> {
     pub(crate) model: Model,
     pub(crate) state: S,
-    pub(crate) commands: Vec<ViewerCommand>,
+    pub(crate) commands: Commands,
 }
 
 /// A panel alone in a window; what it asks for is kept and carried out.
 pub(crate) fn trial<S: Default + 'static>(
     path: Option<&Path>,
     size: Vec2,
-    show: impl Fn(&mut Ui, &Model, &mut S, &mut Vec<ViewerCommand>) + 'static,
+    show: impl Fn(&mut Ui, &Model, &mut S, &mut Commands) + 'static,
 ) -> Harness<'static, Trial<S>> {
     let mut model = Model::new(ViewerSettings::default());
     if let Some(path) = path {

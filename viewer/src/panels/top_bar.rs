@@ -2,7 +2,7 @@
 
 use super::words::path_list;
 use super::{PANELS, PanelStates, SystemDialog};
-use crate::command::{ViewStage, ViewerCommand};
+use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::{Model, name_of};
 use crate::render::CameraPreset;
@@ -12,7 +12,7 @@ use throng_crowd::Scheme;
 use throng_simulation::scene::engine;
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| file(ui, model, states, commands));
         ui.menu_button("View", |ui| view(ui, model, states, commands));
@@ -78,7 +78,7 @@ fn title(model: &Model) -> String {
     }
 }
 
-fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     if ui
         .button("Open…")
         .on_hover_text("A bundle, a scene, a world, a task, or files of motion; or drop them on the window (Ctrl+O)")
@@ -111,7 +111,7 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec
     }
 }
 
-fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     let mut s = model.settings.clone();
     if ui.button("Show everything").on_hover_text("A").clicked() {
         commands.push(ViewerCommand::FrameAll);
@@ -188,7 +188,7 @@ fn appearance(ui: &mut Ui, s: &mut ViewerSettings) {
     });
 }
 
-fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+fn panels(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     for panel in PANELS {
         let open = [model.settings.side_panel, model.settings.bottom_panel].contains(&Some(panel.kind));
         let text = format!("{} ({})", panel.title, panel.key.name());
@@ -198,7 +198,7 @@ fn panels(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
     }
 }
 
-fn stages(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+fn stages(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let run = match () {
         () if model.document.world().is_some() => (ViewStage::Crowd, "World", "The characters of the world"),
         () if model.document.scene().is_some() => (ViewStage::Crowd, "Scene", "The groups of the scene"),

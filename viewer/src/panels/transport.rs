@@ -1,7 +1,7 @@
 //! Time: play, pause, step, speed, and the last minute to be scrubbed through.
 
 use super::glitches::{self, GlitchMark};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::run::STEP_HZ;
 use crate::theme::ThemePalette;
@@ -39,7 +39,7 @@ fn time_of(model: &Model) -> Option<TransportTime> {
 }
 
 /// Shows the bar.
-pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let Some(t) = time_of(model) else {
         ui.weak("Open a file to play it.");
         return;
@@ -70,7 +70,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
 /// The time line over the whole width.
 ///
 /// - `marks`: glitches of the clip, below the line.
-fn scrubber(ui: &mut Ui, t: &TransportTime, marks: &[GlitchMark], commands: &mut Vec<ViewerCommand>) {
+fn scrubber(ui: &mut Ui, t: &TransportTime, marks: &[GlitchMark], commands: &mut Commands) {
     ui.spacing_mut().slider_width = ui.available_width().max(60.0);
     let mut now = t.now;
     let slider = Slider::new(&mut now, t.first..=t.last.max(t.first + 1)).show_value(false).trailing_fill(true);
@@ -108,7 +108,7 @@ fn pointed(ui: &Ui, scrubber: &Response, t: &TransportTime, marks: &[GlitchMark]
     }
 }
 
-fn buttons(ui: &mut Ui, t: &TransportTime, is_clip: bool, commands: &mut Vec<ViewerCommand>) {
+fn buttons(ui: &mut Ui, t: &TransportTime, is_clip: bool, commands: &mut Commands) {
     let mut button = |text: &str, name: &str, tip: &str, command: ViewerCommand| {
         let r = ui.add(Button::new(text).min_size(vec2(26.0, 22.0))).on_hover_text(tip);
         r.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
@@ -129,7 +129,7 @@ fn buttons(ui: &mut Ui, t: &TransportTime, is_clip: bool, commands: &mut Vec<Vie
     }
 }
 
-fn speed(ui: &mut Ui, t: &TransportTime, commands: &mut Vec<ViewerCommand>) {
+fn speed(ui: &mut Ui, t: &TransportTime, commands: &mut Commands) {
     let name = |s: f32| format!("{s} ×");
     let combo = egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
         for s in [0.1, 0.25, 0.5, 1.0, 2.0, 4.0] {

@@ -9,7 +9,7 @@ pub mod task;
 pub mod world;
 
 use super::{build, messages, words};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::render::{self, OrbitCamera, Ray};
 use crate::run::{RunInput, TargetMode};
@@ -61,7 +61,7 @@ pub fn show(
     model: &Model,
     layout: &StageLayout,
     state: &mut ViewportState,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
     paint: impl FnOnce(&Ui, ViewportArea) -> Result<(), String>,
 ) {
     let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
@@ -106,7 +106,7 @@ fn position_in_view(rect: Rect, at: Pos2) -> Vec2 {
 }
 
 /// Camera and targets.
-fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, commands: &mut Vec<ViewerCommand>) {
+fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, commands: &mut Commands) {
     let rect = response.rect;
     let shift = ui.input(|i| i.modifiers.shift);
     let ray = |at: Pos2| model.settings.camera.ray(position_in_view(rect, at), size(rect));
@@ -152,7 +152,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
     move_camera(ui, response, model, shift, commands);
 }
 
-fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, commands: &mut Vec<ViewerCommand>) {
+fn move_camera(ui: &Ui, response: &Response, model: &Model, shift: bool, commands: &mut Commands) {
     let mut camera = model.settings.camera;
     let by = response.drag_delta();
     if response.dragged_by(PointerButton::Middle) || (response.dragged_by(PointerButton::Primary) && shift) {
@@ -229,7 +229,7 @@ fn grabbed(model: &Model, targets: &MovableTargets, rect: Rect, at: Pos2) -> Opt
     found.map(|(c, _)| Some(c))
 }
 
-fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Vec<ViewerCommand>) {
+fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Commands) {
     let rect = response.rect;
     let Some(at) = response.interact_pointer_pos() else { return };
     let ray = model.settings.camera.ray(position_in_view(rect, at), size(rect));

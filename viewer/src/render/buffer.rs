@@ -1,19 +1,20 @@
 //! GPU buffers that grow with their data.
 
-use super::RenderError;
+use super::{RenderError, Result};
+use wgpu::{Buffer, BufferUsages, Device, Queue};
 
 /// A buffer that is replaced by a larger one where data does not fit.
 #[derive(Debug)]
 pub(super) struct GrowingBuffer {
-    buffer: wgpu::Buffer,
-    usage: wgpu::BufferUsages,
+    buffer: Buffer,
+    usage: BufferUsages,
     what: &'static str,
 }
 
 impl GrowingBuffer {
     /// An empty buffer; `what` names its elements in errors.
-    pub fn new(device: &wgpu::Device, what: &'static str, usage: wgpu::BufferUsages) -> Self {
-        let usage = usage | wgpu::BufferUsages::COPY_DST;
+    pub fn new(device: &Device, what: &'static str, usage: BufferUsages) -> Self {
+        let usage = usage | BufferUsages::COPY_DST;
         Self { buffer: allocate(device, what, usage, 256), usage, what }
     }
 
@@ -21,9 +22,9 @@ impl GrowingBuffer {
     ///
     /// # Errors
     /// [`RenderError::TooMany`] beyond what the device can hold or bind.
-    pub fn reserve(&mut self, device: &wgpu::Device, count: usize, size: usize) -> Result<bool, RenderError> {
+    pub fn reserve(&mut self, device: &Device, count: usize, size: usize) -> Result<bool> {
         let limits = device.limits();
-        let limit = if self.usage.contains(wgpu::BufferUsages::STORAGE) {
+        let limit = if self.usage.contains(BufferUsages::STORAGE) {
             limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
         } else {
             limits.max_buffer_size
@@ -45,12 +46,7 @@ impl GrowingBuffer {
     ///
     /// # Errors
     /// As [`Self::reserve`].
-    pub fn write<T: bytemuck::NoUninit>(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        data: &[T],
-    ) -> Result<bool, RenderError> {
+    pub fn write<T: bytemuck::NoUninit>(&mut self, device: &Device, queue: &Queue, data: &[T]) -> Result<bool> {
         let replaced = self.reserve(device, data.len(), size_of::<T>())?;
         if !data.is_empty() {
             queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(data));
@@ -59,11 +55,11 @@ impl GrowingBuffer {
     }
 
     /// The buffer of the moment.
-    pub fn get(&self) -> &wgpu::Buffer {
+    pub fn get(&self) -> &Buffer {
         &self.buffer
     }
 }
 
-fn allocate(device: &wgpu::Device, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+fn allocate(device: &Device, label: &str, usage: BufferUsages, size: u64) -> Buffer {
     device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
 }

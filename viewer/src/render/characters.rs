@@ -5,14 +5,23 @@ use super::cull::{self, Frustum};
 use super::mesh::{self, BodyStyle, LEVELS};
 use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_draws::WornDraws;
-use super::{OrbitCamera, RenderError, Rgba, SceneFrame};
+use super::{OrbitCamera, RenderError, Result, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_core::characters::PoseInstance;
-use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::Mat3x4;
+use throng_core::NUM_JOINTS;
+use throng_core::Planar;
+use throng_core::Skeleton;
 use wgpu::Face;
+use wgpu::BindGroup;
+use wgpu::BindGroupLayout;
+use wgpu::Device;
+use wgpu::Queue;
+use wgpu::RenderPass;
+use wgpu::RenderPipeline;
 
 /// From these heights in pixels on, a body is drawn at a level of detail, finest first; below, at the coarsest.
 const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0, 40.0];
@@ -120,7 +129,7 @@ pub(super) struct GpuMesh {
 }
 
 impl GpuMesh {
-    pub fn new(device: &wgpu::Device) -> Self {
+    pub fn new(device: &Device) -> Self {
         Self {
             vertices: GrowingBuffer::new(device, "body vertices", wgpu::BufferUsages::VERTEX),
             indices: GrowingBuffer::new(device, "body triangles", wgpu::BufferUsages::INDEX),
@@ -130,11 +139,11 @@ impl GpuMesh {
 
     pub fn write<V: bytemuck::NoUninit>(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        device: &Device,
+        queue: &Queue,
         vertices: &[V],
         indices: &[u32],
-    ) -> Result<(), RenderError> {
+    ) -> Result<()> {
         self.vertices.write(device, queue, vertices)?;
         self.indices.write(device, queue, indices)?;
         self.num_indices = indices.len() as u32;
@@ -144,8 +153,8 @@ impl GpuMesh {
 
 /// Everything about characters that lives on the GPU.
 pub(super) struct CharacterDraws {
-    layout: wgpu::BindGroupLayout,
-    group: Option<wgpu::BindGroup>,
+    layout: BindGroupLayout,
+    group: Option<BindGroup>,
     palette: GrowingBuffer,
     instances: GrowingBuffer,
     rows: GrowingBuffer,
@@ -158,14 +167,14 @@ pub(super) struct CharacterDraws {
     staging: Vec<GpuInstance>,
     numbers: Vec<u32>,
     reach: f32,
-    pipelines: [wgpu::RenderPipeline; Layer::ALL.len()],
+    pipelines: [RenderPipeline; Layer::ALL.len()],
     worn: WornDraws,
     /// They were drawn in the last frame.
     was_worn: bool,
 }
 
 impl CharacterDraws {
-    pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
+    pub fn new(device: &Device, scene_layout: &BindGroupLayout) -> Self {
         use wgpu::BufferUsages as Usage;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let layout = pipelines::buffer_layout(device, "characters", &[storage; 3]);
@@ -207,13 +216,7 @@ impl CharacterDraws {
     }
 
     /// Makes the meshes of a body around a skeleton, unless they are there.
-    pub fn set_body(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        body: BodyStyle,
-        skeleton: &Skeleton,
-    ) -> Result<(), RenderError> {
+    pub fn set_body(&mut self, device: &Device, queue: &Queue, body: BodyStyle, skeleton: &Skeleton) -> Result<()> {
         if self.built.as_ref().is_some_and(|(b, s)| *b == body && s == skeleton) {
             return Ok(());
         }
@@ -226,12 +229,7 @@ impl CharacterDraws {
     }
 
     /// Hands over poses, instances and records.
-    pub fn upload(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        frame: &SceneFrame<'_>,
-    ) -> Result<(), RenderError> {
+    pub fn upload(&mut self, device: &Device, queue: &Queue, frame: &SceneFrame<'_>) -> Result<()> {
         let SceneFrame { palette, instances, records, .. } = *frame;
         let (characters, got, expected) = (instances.len(), palette.len(), instances.len() * NUM_JOINTS);
         if got != expected {
@@ -302,7 +300,7 @@ impl CharacterDraws {
     }
 
     /// Chooses which characters are drawn, at which level of detail, and uploads the lists.
-    pub fn choose(&mut self, queue: &wgpu::Queue, camera: &OrbitCamera, size: [u32; 2]) -> DrawLists {
+    pub fn choose(&mut self, queue: &Queue, camera: &OrbitCamera, size: [u32; 2]) -> DrawLists {
         let [width, height] = size.map(|s| s.max(1) as f32);
         let frustum = Frustum::new(camera.view_proj(width / height));
         let (eye, per_metre) = (camera.eye(), camera.pixels_per_metre(1.0, height));
@@ -337,7 +335,7 @@ impl CharacterDraws {
     }
 
     /// Draws the bodies of a layer.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, lists: &DrawLists, layer: Layer) {
+    pub fn draw(&self, pass: &mut RenderPass<'_>, lists: &DrawLists, layer: Layer) {
         if let Some(group) = &self.group {
             pass.set_pipeline(&self.pipelines[layer as usize]);
             pass.set_bind_group(1, group, &[]);
@@ -350,12 +348,7 @@ impl CharacterDraws {
 /// Draws characters with the mesh of their level of detail.
 ///
 /// - `numbers`: numbers of characters, of which each list is a range.
-pub(super) fn draw_levels(
-    pass: &mut wgpu::RenderPass<'_>,
-    meshes: &[GpuMesh],
-    numbers: &wgpu::Buffer,
-    lists: &[Range<u32>],
-) {
+pub(super) fn draw_levels(pass: &mut RenderPass<'_>, meshes: &[GpuMesh], numbers: &wgpu::Buffer, lists: &[Range<u32>]) {
     for (mesh, list) in meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
         pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
         pass.set_vertex_buffer(1, numbers.slice(..));

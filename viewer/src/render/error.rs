@@ -1,5 +1,8 @@
 //! Errors before anything is drawn.
 
+/// Result of drawing.
+pub type Result<T, E = RenderError> = std::result::Result<T, E>;
+
 /// Why a scene cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

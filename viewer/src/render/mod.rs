@@ -29,7 +29,7 @@ pub use camera::{CameraParseError, CameraPreset, OrbitCamera, Ray};
 pub use characters::{CharacterInstance, RecordInstance};
 pub use colours::{Rgba, SceneColours};
 pub use device::{device_descriptor, wait};
-pub use error::RenderError;
+pub use error::{RenderError, Result};
 pub use mesh::BodyStyle;
 pub use offscreen::read_back;
 pub use picking::{PickedCharacter, pick};

@@ -1,39 +1,40 @@
 //! The textures that the view is drawn into, and their transfer into a window.
 
-use super::RenderError;
 use super::device::wait;
 use super::pipelines::{self, COLOUR, DEPTH, MASK, PipelineInput, PipelineOutput, PipelineRecipe, SAMPLES};
+use super::{RenderError, Result};
+use wgpu::{BindGroup, BindGroupLayout, Device, Queue, Texture, TextureView};
 
 /// Textures of one size.
 pub(super) struct RenderTargets {
     /// Width and height (pixels).
     pub size: [u32; 2],
     /// Colour with several samples a pixel.
-    pub colour: wgpu::TextureView,
-    pub depth: wgpu::TextureView,
+    pub colour: TextureView,
+    pub depth: TextureView,
     /// Average of the samples.
-    pub resolved: wgpu::TextureView,
+    pub resolved: TextureView,
     /// Shadows on the ground, as the camera sees them.
-    pub mask: wgpu::TextureView,
+    pub mask: TextureView,
     /// The mask for the ground's shader.
-    pub mask_group: wgpu::BindGroup,
-    picture: wgpu::Texture,
-    picture_group: wgpu::BindGroup,
+    pub mask_group: BindGroup,
+    picture: Texture,
+    picture_group: BindGroup,
 }
 
 /// Makes targets, shows them, reads them back.
 pub(super) struct Offscreen {
     /// Layout of the mask in the ground's shader.
-    pub mask_layout: wgpu::BindGroupLayout,
+    pub mask_layout: BindGroupLayout,
     sampler: wgpu::Sampler,
-    picture_layout: wgpu::BindGroupLayout,
+    picture_layout: BindGroupLayout,
     blit: wgpu::RenderPipeline,
     targets: Option<RenderTargets>,
 }
 
 impl Offscreen {
     /// For windows of a format; nothing is allocated before the first picture.
-    pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
+    pub fn new(device: &Device, window: wgpu::TextureFormat) -> Self {
         let picture_layout = pipelines::texture_layout(device, "picture", wgpu::TextureViewDimension::D2);
         let shader = pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
         let fragment = if window.is_srgb() { "linear_fragment" } else { "encoded_fragment" };
@@ -59,7 +60,7 @@ impl Offscreen {
     }
 
     /// The targets of a size, rebuilt if it has changed; sizes are limited to what the device supports.
-    pub fn resize(&mut self, device: &wgpu::Device, size: [u32; 2]) -> &RenderTargets {
+    pub fn resize(&mut self, device: &Device, size: [u32; 2]) -> &RenderTargets {
         let most = device.limits().max_texture_dimension_2d;
         let size = size.map(|s| s.clamp(1, most));
         let kept = self.targets.take().filter(|t| t.size == size);
@@ -67,7 +68,7 @@ impl Offscreen {
         self.targets.insert(targets)
     }
 
-    fn allocate(&self, device: &wgpu::Device, size: [u32; 2]) -> RenderTargets {
+    fn allocate(&self, device: &Device, size: [u32; 2]) -> RenderTargets {
         use wgpu::TextureUsages as Usage;
         let [width, height] = size;
         let texture = |label, format, sample_count, usage| {
@@ -82,7 +83,7 @@ impl Offscreen {
                 view_formats: &[],
             })
         };
-        let view = |t: &wgpu::Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
+        let view = |t: &Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let picture = texture("picture", COLOUR, 1, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
         let resolved = view(&picture);
         let mask = view(&texture("shadow mask", MASK, 1, Usage::TEXTURE_BINDING));
@@ -98,12 +99,7 @@ impl Offscreen {
         }
     }
 
-    fn group(
-        &self,
-        device: &wgpu::Device,
-        layout: &wgpu::BindGroupLayout,
-        view: &wgpu::TextureView,
-    ) -> wgpu::BindGroup {
+    fn group(&self, device: &Device, layout: &BindGroupLayout, view: &TextureView) -> BindGroup {
         let entries = [
             wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
@@ -124,7 +120,7 @@ impl Offscreen {
     ///
     /// # Errors
     /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
-    pub fn pixels(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<([u32; 2], Vec<u8>), RenderError> {
+    pub fn pixels(&self, device: &Device, queue: &Queue) -> Result<([u32; 2], Vec<u8>)> {
         let nothing = || RenderError::ReadBack("nothing has been drawn".to_owned());
         read_back(device, queue, &self.targets.as_ref().ok_or_else(nothing)?.picture)
     }
@@ -134,11 +130,7 @@ impl Offscreen {
 ///
 /// # Errors
 /// [`RenderError::ReadBack`] where the device fails or hangs.
-pub fn read_back(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    texture: &wgpu::Texture,
-) -> Result<([u32; 2], Vec<u8>), RenderError> {
+pub fn read_back(device: &Device, queue: &Queue, texture: &Texture) -> Result<([u32; 2], Vec<u8>)> {
     let failed = |e: &dyn std::fmt::Display| RenderError::ReadBack(e.to_string());
     let [width, height] = [texture.width(), texture.height()];
     let row = (width * 4).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);

@@ -1,33 +1,38 @@
 //! Construction of render pipelines, each from a short description.
 
+use wgpu::{
+    BindGroupLayout, BlendState, BufferBindingType, CompareFunction, Device, RenderPipeline, TextureFormat,
+    TextureViewDimension, VertexAttribute,
+};
+
 /// Colour format of the picture.
-pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+pub(super) const COLOUR: TextureFormat = TextureFormat::Rgba8UnormSrgb;
 /// Depth format of the picture.
-pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const DEPTH: TextureFormat = TextureFormat::Depth32Float;
 /// Format of the shadow mask.
-pub(super) const MASK: wgpu::TextureFormat = wgpu::TextureFormat::Rg8Unorm;
+pub(super) const MASK: TextureFormat = TextureFormat::Rg8Unorm;
 /// Samples of a pixel of the picture.
 pub(super) const SAMPLES: u32 = 4;
 
 /// Attributes of [`super::mesh::Vertex`] and, in a second buffer, the character's number.
-const VERTEX: [wgpu::VertexAttribute; 5] =
+const VERTEX: [VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32, 2 => Float32x3, 3 => Uint8x4, 4 => Unorm8x4];
 /// Attributes of [`super::worn_mesh::WornVertex`], around the character's number.
-const WORN: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
+const WORN: [VertexAttribute; 7] = wgpu::vertex_attr_array![
     0 => Float32x3, 1 => Unorm8x4, 2 => Float32x3, 3 => Uint16x4, 4 => Unorm16x4, 6 => Float32x2, 7 => Uint32
 ];
-const CHARACTER: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
-const LINE: [wgpu::VertexAttribute; 5] =
+const CHARACTER: [VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
+const LINE: [VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32x3, 3 => Uint32, 4 => Unorm8x4];
-const ROUND_CORNER: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32];
-const ROUND: [wgpu::VertexAttribute; 6] = wgpu::vertex_attr_array![
+const ROUND_CORNER: [VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32];
+const ROUND: [VertexAttribute; 6] = wgpu::vertex_attr_array![
     2 => Float32x3, 3 => Float32, 4 => Float32x3, 5 => Float32, 6 => Uint32, 7 => Unorm8x4
 ];
-const RING: [wgpu::VertexAttribute; 5] =
+const RING: [VertexAttribute; 5] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32, 2 => Float32, 3 => Uint32, 4 => Unorm8x4];
 
-const SOLID_CORNER: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
-const SOLID: [wgpu::VertexAttribute; 3] = wgpu::vertex_attr_array![2 => Float32x3, 3 => Unorm8x4, 4 => Float32x4];
+const SOLID_CORNER: [VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3];
+const SOLID: [VertexAttribute; 3] = wgpu::vertex_attr_array![2 => Float32x3, 3 => Unorm8x4, 4 => Float32x4];
 
 // Each attribute list above ends where its struct does.
 const _: () = assert!(size_of::<super::mesh::Vertex>() == 36);
@@ -59,7 +64,7 @@ pub(super) enum PipelineInput {
 
 impl PipelineInput {
     fn buffers(self) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
-        let layout = |attributes: &'static [wgpu::VertexAttribute], step_mode| {
+        let layout = |attributes: &'static [VertexAttribute], step_mode| {
             let array_stride = attributes.iter().map(|a| a.format.size()).sum();
             Some(wgpu::VertexBufferLayout { array_stride, step_mode, attributes })
         };
@@ -82,36 +87,29 @@ pub(super) enum PipelineOutput {
     /// The picture: with blending and depth.
     Picture {
         /// Blending; `None` replaces.
-        blend: Option<wgpu::BlendState>,
+        blend: Option<BlendState>,
         /// Whether depth is written.
         hides: bool,
         /// Which depths pass.
-        compare: wgpu::CompareFunction,
+        compare: CompareFunction,
     },
     /// The shadow mask, blended by maximum.
     Mask,
     /// A pass of egui: one sample, no depth.
-    Window(wgpu::TextureFormat),
+    Window(TextureFormat),
 }
 
 impl PipelineOutput {
     /// Opaque things.
-    pub const SOLID: Self = Self::Picture { blend: None, hides: true, compare: wgpu::CompareFunction::Greater };
+    pub const SOLID: Self = Self::Picture { blend: None, hides: true, compare: CompareFunction::Greater };
     /// Bodies one can see through: of each only the nearest surface.
-    pub const GHOST: Self = Self::Picture {
-        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-        hides: true,
-        compare: wgpu::CompareFunction::Greater,
-    };
+    pub const GHOST: Self =
+        Self::Picture { blend: Some(BlendState::ALPHA_BLENDING), hides: true, compare: CompareFunction::Greater };
     /// Flat shapes drawn onto others.
-    pub const OVERLAY: Self = Self::Picture {
-        blend: Some(wgpu::BlendState::ALPHA_BLENDING),
-        hides: false,
-        compare: wgpu::CompareFunction::Greater,
-    };
+    pub const OVERLAY: Self =
+        Self::Picture { blend: Some(BlendState::ALPHA_BLENDING), hides: false, compare: CompareFunction::Greater };
     /// Background, visible only where nothing else is drawn.
-    pub const BACKDROP: Self =
-        Self::Picture { blend: None, hides: false, compare: wgpu::CompareFunction::GreaterEqual };
+    pub const BACKDROP: Self = Self::Picture { blend: None, hides: false, compare: CompareFunction::GreaterEqual };
 
     fn target(self) -> wgpu::ColorTargetState {
         let maximum = wgpu::BlendComponent {
@@ -121,7 +119,7 @@ impl PipelineOutput {
         };
         let (format, blend) = match self {
             Self::Picture { blend, .. } => (COLOUR, blend),
-            Self::Mask => (MASK, Some(wgpu::BlendState { color: maximum, alpha: maximum })),
+            Self::Mask => (MASK, Some(BlendState { color: maximum, alpha: maximum })),
             Self::Window(format) => (format, None),
         };
         wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL }
@@ -190,7 +188,7 @@ pub(super) struct PipelineRecipe<'a> {
     pub shader: &'a wgpu::ShaderModule,
     /// Entry points of the vertex and the fragment stage.
     pub stages: [&'a str; 2],
-    pub groups: &'a [&'a wgpu::BindGroupLayout],
+    pub groups: &'a [&'a BindGroupLayout],
     pub input: PipelineInput,
     pub output: PipelineOutput,
     /// Triangles of four corners in a strip instead of three each.
@@ -201,8 +199,8 @@ pub(super) struct PipelineRecipe<'a> {
 
 impl PipelineRecipe<'_> {
     /// The pipeline.
-    pub fn build(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
-        let groups: Vec<Option<&wgpu::BindGroupLayout>> = self.groups.iter().copied().map(Some).collect();
+    pub fn build(&self, device: &Device) -> RenderPipeline {
+        let groups: Vec<Option<&BindGroupLayout>> = self.groups.iter().copied().map(Some).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(self.label),
             bind_group_layouts: &groups,
@@ -235,20 +233,16 @@ impl PipelineRecipe<'_> {
 }
 
 /// A shader from its pieces.
-pub(super) fn shader(device: &wgpu::Device, label: &str, pieces: &[&str]) -> wgpu::ShaderModule {
+pub(super) fn shader(device: &Device, label: &str, pieces: &[&str]) -> wgpu::ShaderModule {
     let source = wgpu::ShaderSource::Wgsl(pieces.concat().into());
     device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(label), source })
 }
 
 /// A layout of buffers that both stages read, in binding order.
-pub(super) fn buffer_layout(
-    device: &wgpu::Device,
-    label: &str,
-    types: &[wgpu::BufferBindingType],
-) -> wgpu::BindGroupLayout {
-    let entry = |(i, &ty): (usize, &wgpu::BufferBindingType)| wgpu::BindGroupLayoutEntry {
+pub(super) fn buffer_layout(device: &Device, label: &str, types: &[BufferBindingType]) -> BindGroupLayout {
+    let entry = |(i, &ty): (usize, &BufferBindingType)| wgpu::BindGroupLayoutEntry {
         binding: i as u32,
-        visibility: if ty == wgpu::BufferBindingType::Uniform {
+        visibility: if ty == BufferBindingType::Uniform {
             wgpu::ShaderStages::VERTEX_FRAGMENT
         } else {
             wgpu::ShaderStages::VERTEX
@@ -261,11 +255,7 @@ pub(super) fn buffer_layout(
 }
 
 /// A layout of one texture and its sampler.
-pub(super) fn texture_layout(
-    device: &wgpu::Device,
-    label: &str,
-    view_dimension: wgpu::TextureViewDimension,
-) -> wgpu::BindGroupLayout {
+pub(super) fn texture_layout(device: &Device, label: &str, view_dimension: TextureViewDimension) -> BindGroupLayout {
     let entry =
         |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None };
     let texture = wgpu::BindingType::Texture {

@@ -7,7 +7,7 @@ use super::pipelines::{self, Layer, PipelineInput, PipelineOutput, PipelineRecip
 use super::scene_uniform::SceneUniform;
 use super::shape_draws::ShapeDraws;
 use super::solid_draws::SolidDraws;
-use super::{OrbitCamera, RenderError, SceneColours, ShapeList, Solids, WornFrame};
+use super::{OrbitCamera, RenderError, Result, SceneColours, ShapeList, Solids, WornFrame};
 use std::sync::Arc;
 use throng_core::{Mat3x4, Skeleton};
 
@@ -57,11 +57,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// [`RenderError::NoStorageBuffers`] where the device cannot read them in vertex shaders.
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        target_format: wgpu::TextureFormat,
-    ) -> Result<Self, RenderError> {
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target_format: wgpu::TextureFormat) -> Result<Self> {
         let available = device.limits().max_storage_buffers_per_shader_stage;
         if available < STORAGE_BUFFERS {
             return Err(RenderError::NoStorageBuffers { available });
@@ -107,7 +103,7 @@ impl SceneRenderer {
     /// [`RenderError::PaletteLength`] where the palette does not fit the instances, [`RenderError::Rows`] where a record
     /// names rows that there are not, [`RenderError::TooMany`] where the
     /// device cannot hold all. After an error no characters are drawn until an upload succeeds.
-    pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<(), RenderError> {
+    pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<()> {
         let result = self.try_upload(frame);
         if result.is_err() {
             self.characters.clear();
@@ -115,7 +111,7 @@ impl SceneRenderer {
         result
     }
 
-    fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<(), RenderError> {
+    fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<()> {
         let (device, queue) = (&self.device, &self.queue);
         self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
         self.characters.upload(device, queue, frame)?;
@@ -171,7 +167,7 @@ impl SceneRenderer {
     ///
     /// # Errors
     /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
-    pub fn pixels(&self) -> Result<([u32; 2], Vec<u8>), RenderError> {
+    pub fn pixels(&self) -> Result<([u32; 2], Vec<u8>)> {
         self.offscreen.pixels(&self.device, &self.queue)
     }
 }

@@ -2,9 +2,10 @@
 
 use super::buffer::GrowingBuffer;
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
-use super::{RenderError, ShapeList};
+use super::{Result, ShapeList};
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::{PI, TAU};
+use wgpu::{BindGroupLayout, BufferUsages, Device, Queue, RenderPass, RenderPipeline};
 
 /// Points around a round cone, and rings of each of its ends.
 const AROUND: usize = 14;
@@ -20,20 +21,16 @@ struct RoundCorner {
 
 /// Shapes on the GPU.
 pub(super) struct ShapeDraws {
-    lines: (wgpu::RenderPipeline, GrowingBuffer, u32),
-    rounds: (wgpu::RenderPipeline, GrowingBuffer, u32),
-    rings: (wgpu::RenderPipeline, GrowingBuffer, u32),
+    lines: (RenderPipeline, GrowingBuffer, u32),
+    rounds: (RenderPipeline, GrowingBuffer, u32),
+    rings: (RenderPipeline, GrowingBuffer, u32),
     corners: GrowingBuffer,
     indices: GrowingBuffer,
     num_indices: u32,
 }
 
 impl ShapeDraws {
-    pub fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        scene_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, RenderError> {
+    pub fn new(device: &Device, queue: &Queue, scene_layout: &BindGroupLayout) -> Result<Self> {
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/shapes.wgsl")];
         let shader = &pipelines::shader(device, "shapes", &pieces);
         let kind = |label, stages, input, output| {
@@ -41,10 +38,10 @@ impl ShapeDraws {
             let hidden = (!strip).then_some(wgpu::Face::Back);
             let groups = &[scene_layout];
             let pipeline = PipelineRecipe { label, shader, stages, groups, input, output, strip, hidden }.build(device);
-            (pipeline, GrowingBuffer::new(device, label, wgpu::BufferUsages::VERTEX), 0)
+            (pipeline, GrowingBuffer::new(device, label, BufferUsages::VERTEX), 0)
         };
-        let mut corners = GrowingBuffer::new(device, "corners", wgpu::BufferUsages::VERTEX);
-        let mut indices = GrowingBuffer::new(device, "triangles", wgpu::BufferUsages::INDEX);
+        let mut corners = GrowingBuffer::new(device, "corners", BufferUsages::VERTEX);
+        let mut indices = GrowingBuffer::new(device, "triangles", BufferUsages::INDEX);
         let (points, triangles) = round_mesh();
         corners.write(device, queue, &points)?;
         indices.write(device, queue, &triangles)?;
@@ -59,12 +56,7 @@ impl ShapeDraws {
     }
 
     /// Hands the shapes over.
-    pub fn upload(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        shapes: &ShapeList,
-    ) -> Result<(), RenderError> {
+    pub fn upload(&mut self, device: &Device, queue: &Queue, shapes: &ShapeList) -> Result<()> {
         self.lines.1.write(device, queue, &shapes.lines)?;
         self.rounds.1.write(device, queue, &shapes.rounds)?;
         self.rings.1.write(device, queue, &shapes.rings)?;
@@ -75,7 +67,7 @@ impl ShapeDraws {
     }
 
     /// Draws solids.
-    pub fn draw_solids(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn draw_solids(&self, pass: &mut RenderPass<'_>) {
         let (pipeline, instances, count) = &self.rounds;
         if *count == 0 {
             return;
@@ -88,7 +80,7 @@ impl ShapeDraws {
     }
 
     /// Draws rings, then lines.
-    pub fn draw_flat(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub fn draw_flat(&self, pass: &mut RenderPass<'_>) {
         for (pipeline, instances, count) in [&self.rings, &self.lines] {
             if *count > 0 {
                 pass.set_pipeline(pipeline);

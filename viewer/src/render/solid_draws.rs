@@ -3,10 +3,11 @@
 use super::buffer::GrowingBuffer;
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::solids::{SolidInstance, SolidMesh};
-use super::{RenderError, Rgba, Solids};
+use super::{Result, Rgba, Solids};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
+use wgpu::{BindGroupLayout, BufferUsages, Device, Queue, RenderPipeline};
 
 /// The struct `SolidIn` of `shaders/solids.wgsl`, but for the corner.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -28,8 +29,8 @@ struct SolidBatch {
 
 /// Things that stand in the world, on the GPU.
 pub(super) struct SolidDraws {
-    solid: wgpu::RenderPipeline,
-    ghost: wgpu::RenderPipeline,
+    solid: RenderPipeline,
+    ghost: RenderPipeline,
     vertices: GrowingBuffer,
     indices: GrowingBuffer,
     instances: GrowingBuffer,
@@ -43,11 +44,7 @@ pub(super) struct SolidDraws {
 
 impl SolidDraws {
     /// - `mask_layout`: layout of the shadow mask, which falls on flat things on the ground.
-    pub fn new(
-        device: &wgpu::Device,
-        scene_layout: &wgpu::BindGroupLayout,
-        mask_layout: &wgpu::BindGroupLayout,
-    ) -> Self {
+    pub fn new(device: &Device, scene_layout: &BindGroupLayout, mask_layout: &BindGroupLayout) -> Self {
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/solids.wgsl")];
         let shader = &pipelines::shader(device, "solids", &pieces);
         let groups = &[scene_layout, mask_layout];
@@ -60,9 +57,9 @@ impl SolidDraws {
         Self {
             solid: pipeline(PipelineOutput::SOLID),
             ghost: pipeline(PipelineOutput::GHOST),
-            vertices: GrowingBuffer::new(device, "corners of things", wgpu::BufferUsages::VERTEX),
-            indices: GrowingBuffer::new(device, "triangles of things", wgpu::BufferUsages::INDEX),
-            instances: GrowingBuffer::new(device, "things", wgpu::BufferUsages::VERTEX),
+            vertices: GrowingBuffer::new(device, "corners of things", BufferUsages::VERTEX),
+            indices: GrowingBuffer::new(device, "triangles of things", BufferUsages::INDEX),
+            instances: GrowingBuffer::new(device, "things", BufferUsages::VERTEX),
             meshes: Arc::default(),
             starts: Vec::new(),
             shown: Vec::new(),
@@ -71,7 +68,7 @@ impl SolidDraws {
     }
 
     /// Uploads what has changed.
-    pub fn upload(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, solids: &Solids) -> Result<(), RenderError> {
+    pub fn upload(&mut self, device: &Device, queue: &Queue, solids: &Solids) -> Result<()> {
         let are_new = !Arc::ptr_eq(&self.meshes, &solids.meshes);
         if are_new {
             self.upload_meshes(device, queue, &solids.meshes)?;
@@ -84,12 +81,7 @@ impl SolidDraws {
         Ok(())
     }
 
-    fn upload_meshes(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        meshes: &[SolidMesh],
-    ) -> Result<(), RenderError> {
+    fn upload_meshes(&mut self, device: &Device, queue: &Queue, meshes: &[SolidMesh]) -> Result<()> {
         self.batches.clear();
         self.starts.clear();
         let (mut vertices, mut indices) = (Vec::new(), Vec::new());
@@ -103,7 +95,7 @@ impl SolidDraws {
         Ok(())
     }
 
-    fn upload_instances(&mut self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<(), RenderError> {
+    fn upload_instances(&mut self, device: &Device, queue: &Queue) -> Result<()> {
         self.batches.clear();
         let is_ghost = |s: &SolidInstance| s.colour.0[3] < 255;
         let mut sorted: Vec<&SolidInstance> =

@@ -1,6 +1,6 @@
 //! Draws characters of the user's own.
 
-use super::RenderError;
+use super::Result;
 use super::buffer::GrowingBuffer;
 use super::characters::{GpuMesh, draw_levels};
 use super::mesh::LEVELS;
@@ -9,6 +9,13 @@ use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_core::Mat3x4;
+use wgpu::BindGroup;
+use wgpu::BindGroupLayout;
+use wgpu::Buffer;
+use wgpu::Device;
+use wgpu::Queue;
+use wgpu::RenderPass;
+use wgpu::RenderPipeline;
 
 /// Characters that wear a mesh of the user's own, for one frame.
 #[derive(Clone, Copy, Debug)]
@@ -21,18 +28,18 @@ pub struct WornFrame<'a> {
 
 /// Everything about such characters that lives on the GPU.
 pub(super) struct WornDraws {
-    layout: wgpu::BindGroupLayout,
-    texture_layout: wgpu::BindGroupLayout,
-    group: Option<wgpu::BindGroup>,
-    textures: Option<wgpu::BindGroup>,
+    layout: BindGroupLayout,
+    texture_layout: BindGroupLayout,
+    group: Option<BindGroup>,
+    textures: Option<BindGroup>,
     matrices: GrowingBuffer,
     meshes: [GpuMesh; LEVELS],
     built: Option<Arc<WornMesh>>,
-    pipelines: [wgpu::RenderPipeline; Layer::ALL.len()],
+    pipelines: [RenderPipeline; Layer::ALL.len()],
 }
 
 impl WornDraws {
-    pub fn new(device: &wgpu::Device, scene_layout: &wgpu::BindGroupLayout) -> Self {
+    pub fn new(device: &Device, scene_layout: &BindGroupLayout) -> Self {
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let layout = pipelines::buffer_layout(device, "worn characters", &[storage; 2]);
         let texture_layout =
@@ -46,7 +53,7 @@ impl WornDraws {
         let body = with("worn body", include_str!("shaders/worn_body.wgsl"));
         let shadow = with("worn shadow", include_str!("shaders/shadow.wgsl"));
         let pipelines = Layer::ALL.map(|layer| {
-            let both: &[&wgpu::BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
+            let both: &[&BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
             let (shader, groups) = if layer.is_shadow() { (&shadow, &both[..2]) } else { (&body, both) };
             let (stages, input, output) = (layer.stages(), PipelineInput::Worn, layer.output());
             // Clothes and hair are often made of single sheets.
@@ -71,12 +78,12 @@ impl WornDraws {
     /// - `instances`: the instances that are drawn; `are_new`: true if that buffer was replaced.
     pub fn upload(
         &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
+        device: &Device,
+        queue: &Queue,
         worn: &WornFrame<'_>,
-        instances: &wgpu::Buffer,
+        instances: &Buffer,
         are_new: bool,
-    ) -> Result<(), RenderError> {
+    ) -> Result<()> {
         if !self.built.as_ref().is_some_and(|b| Arc::ptr_eq(b, worn.mesh)) {
             for (gpu, level) in self.meshes.iter_mut().zip(&worn.mesh.levels) {
                 gpu.write(device, queue, &level.vertices, &level.indices)?;
@@ -87,7 +94,7 @@ impl WornDraws {
         let moved = self.matrices.write(device, queue, worn.matrices)?;
         if moved || are_new || self.group.is_none() {
             let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-            let [matrices, instances] = [self.matrices.get(), instances].map(wgpu::Buffer::as_entire_binding);
+            let [matrices, instances] = [self.matrices.get(), instances].map(Buffer::as_entire_binding);
             self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("worn characters"),
                 layout: &self.layout,
@@ -97,7 +104,7 @@ impl WornDraws {
         Ok(())
     }
 
-    fn upload_textures(&self, device: &wgpu::Device, queue: &wgpu::Queue, mesh: &WornMesh) -> wgpu::BindGroup {
+    fn upload_textures(&self, device: &Device, queue: &Queue, mesh: &WornMesh) -> BindGroup {
         let levels = TEXTURE_PX.ilog2() + 1;
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("textures of characters"),
@@ -159,7 +166,7 @@ impl WornDraws {
     /// Draws the characters of a layer.
     ///
     /// - `numbers`: numbers of characters, of which each list is a range.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, numbers: &wgpu::Buffer, lists: &[Range<u32>], layer: Layer) {
+    pub fn draw(&self, pass: &mut RenderPass<'_>, numbers: &Buffer, lists: &[Range<u32>], layer: Layer) {
         let (Some(group), Some(textures)) = (&self.group, &self.textures) else { return };
         if lists.iter().all(Range::is_empty) {
             return;

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 use throng_base::file::read_file;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::files::{remove_leftovers, write_quickly};
 
 /// A folder that holds entries, created when first needed.
@@ -27,28 +27,28 @@ impl FolderStorage {
 }
 
 impl CacheStorage for FolderStorage {
-    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError> {
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>> {
         // A fault in reading is reported when writing fails too.
         Ok(read_file(&self.at.join(name), "a cached output", LIMIT as u64).ok())
     }
 
-    fn has_entry(&self, name: &str) -> Result<bool, BuildError> {
+    fn has_entry(&self, name: &str) -> Result<bool> {
         Ok(self.at.join(name).is_file())
     }
 
-    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError> {
+    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
         std::fs::create_dir_all(&self.at).map_err(self.io(""))?;
         write_quickly(&self.at.join(name), |w| w.write_all(&bytes))
     }
 
-    fn remove(&self, name: &str) -> Result<(), BuildError> {
+    fn remove(&self, name: &str) -> Result<()> {
         match std::fs::remove_file(self.at.join(name)) {
             Err(e) if e.kind() != ErrorKind::NotFound => Err(self.io(name)(e)),
             _ => Ok(()),
         }
     }
 
-    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError> {
+    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>> {
         let listed = match std::fs::read_dir(&self.at) {
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
             listed => listed.map_err(self.io(""))?,

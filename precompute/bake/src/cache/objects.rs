@@ -8,7 +8,7 @@ use std::error::Error as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use tokio::runtime::{Builder, Runtime};
 
 /// Size of the parts in which longer entries are sent; such an entry appears when all parts have arrived (bytes).
@@ -36,7 +36,7 @@ impl Objects {
     ///
     /// # Errors
     /// [`BuildError::Store`] if the store does not answer, refuses, or has no such bucket.
-    pub(super) fn open(address: &str) -> Result<Self, BuildError> {
+    pub(super) fn open(address: &str) -> Result<Self> {
         let address = address.trim_end_matches('/');
         let of = |why: String| BuildError::Store { address: address.into(), why };
         let name = address.strip_prefix(STORE).unwrap_or_default();
@@ -77,11 +77,7 @@ impl Objects {
     }
 
     /// Result of a request; not sent if the store has failed to answer an earlier one.
-    fn request<T>(
-        &self,
-        what: &str,
-        request: impl Future<Output = object_store::Result<T>>,
-    ) -> Result<Option<T>, BuildError> {
+    fn request<T>(&self, what: &str, request: impl Future<Output = object_store::Result<T>>) -> Result<Option<T>> {
         if self.is_away.load(Ordering::Relaxed) {
             let why = "it is not asked any more, as it did not answer before".into();
             return Err(BuildError::Store { address: self.address.clone(), why });
@@ -150,17 +146,17 @@ fn error_text(e: &Error) -> String {
 }
 
 impl Storage for Objects {
-    fn read(&self, name: &str) -> Result<Option<Vec<u8>>, BuildError> {
+    fn read(&self, name: &str) -> Result<Option<Vec<u8>>> {
         let bytes = async { self.store.get(&self.path(name)).await?.bytes().await };
         Ok(self.asked(&format!("{name} cannot be read"), bytes)?.map(Into::into))
     }
 
-    fn has_entry(&self, name: &str) -> Result<bool, BuildError> {
+    fn has_entry(&self, name: &str) -> Result<bool> {
         let path = self.path(name);
         Ok(self.asked(&format!("{name} cannot be looked for"), self.store.head(&path))?.is_some())
     }
 
-    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<(), BuildError> {
+    fn write(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
         let what = format!("{name} cannot be written");
         match self.asked(&what, self.put(&self.path(name), bytes))? {
             Some(()) => Ok(()),
@@ -170,12 +166,12 @@ impl Storage for Objects {
         }
     }
 
-    fn remove(&self, name: &str) -> Result<(), BuildError> {
+    fn remove(&self, name: &str) -> Result<()> {
         let path = self.path(name);
         self.asked(&format!("{name} cannot be removed"), self.store.delete(&path)).map(drop)
     }
 
-    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>, BuildError> {
+    fn list(&self) -> Result<Vec<(String, u64, SystemTime)>> {
         let listed = self.asked("its objects cannot be listed", self.store.list_with_delimiter(Some(&self.prefix)))?;
         let of = |o: object_store::ObjectMeta| {
             Some((o.location.filename()?.to_owned(), o.size, SystemTime::from(o.last_modified)))

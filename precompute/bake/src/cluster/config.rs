@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{Result, check_ranges};
 
 /// Settings of the grouping of frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -22,8 +22,8 @@ impl ClusterConfig {
     /// Threshold as single precision: any distance below it is below the one of the config.
     ///
     /// # Errors
-    /// [`BuildError::Key`] for a threshold outside its limits.
-    pub(crate) fn check(&self) -> Result<f32, BuildError> {
+    /// [`throng_motion::error::BuildError::Key`] for a threshold outside its limits.
+    pub(crate) fn check(&self) -> Result<f32> {
         check_ranges([("threshold", self.threshold, 1e-6, 1e3)]).map_err(|e| e.within_key("cluster"))?;
         Ok(self.threshold as f32)
     }

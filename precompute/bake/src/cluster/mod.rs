@@ -18,7 +18,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 use tree::ClusterItem;
 
@@ -78,7 +78,7 @@ pub fn group(
     config: &ClusterConfig,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<PoseGroups, BuildError> {
+) -> Result<PoseGroups> {
     let limit = check(clips, features, config)?;
     // Large classes first, so that no thread starts one when the others are done.
     let mut classes: Vec<Vec<u32>> = classes::classes_of_contacts(clips).into_values().collect();
@@ -102,7 +102,7 @@ pub fn group(
 }
 
 /// The threshold in single precision, once clips and features are found to match.
-fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32, BuildError> {
+fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32> {
     let limit = config.check()?;
     let fail = |message: String, help: &str| BuildError::Stage { stage: "cluster", message, help: help.to_owned() };
     if let Some(c) = clips.clips.iter().find(|c| c.contacts.len() != c.num_frames()) {
@@ -116,7 +116,7 @@ fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result
     Ok(limit)
 }
 
-fn number_groups(items: Vec<ClusterItem>, features: &Features, comm: &dyn Comm) -> Result<PoseGroups, BuildError> {
+fn number_groups(items: Vec<ClusterItem>, features: &Features, comm: &dyn Comm) -> Result<PoseGroups> {
     let mut items: Vec<Vec<u32>> = items.into_iter().map(|i| i.frames).collect();
     items.par_iter_mut().for_each(|frames| frames.sort_unstable());
     items.sort_unstable_by_key(|frames| frames[0]);

@@ -4,7 +4,7 @@ use super::{ClusterConfig, check, classes};
 use crate::features::Features;
 use rayon::prelude::*;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// The groups of complete linkage, in order of their first frame, each with its frames ascending.
 ///
@@ -12,11 +12,7 @@ use throng_motion::error::BuildError;
 ///
 /// # Errors
 /// As [`super::group`].
-pub fn complete_linkage(
-    clips: &ClipSet,
-    features: &Features,
-    config: &ClusterConfig,
-) -> Result<Vec<Vec<FrameId>>, BuildError> {
+pub fn complete_linkage(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<Vec<Vec<FrameId>>> {
     let limit = check(clips, features, config)?;
     let mut groups: Vec<Vec<FrameId>> = classes::classes_of_contacts(clips)
         .values()

@@ -4,7 +4,7 @@ use super::{UnitObject, UnitSet, UnitShape};
 use std::collections::BTreeSet;
 use std::path::Path;
 use throng_base::text::TomlSource;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Upper bound of sizes and positions within a unit (m).
 const MAX_LENGTH: f32 = 1e4;
@@ -16,7 +16,7 @@ impl UnitSet {
     ///
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::File`] with file, line, column and key.
-    pub fn load(path: &Path) -> Result<Self, BuildError> {
+    pub fn load(path: &Path) -> Result<Self> {
         Self::from_source(&TomlSource::read(path, "a unit file")?)
     }
 
@@ -24,11 +24,11 @@ impl UnitSet {
     ///
     /// # Errors
     /// As [`UnitSet::load`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self, BuildError> {
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
         Self::from_source(&TomlSource::new(text, path))
     }
 
-    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self> {
         let help = "A unit file has `[[units]]` with `name`, `shapes`, `region`, `symmetry`, `tile` and `floor`.";
         let mut set: Self = source.parse(help)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
@@ -45,11 +45,11 @@ impl UnitSet {
     ///
     /// # Errors
     /// [`BuildError::Config`] where a value cannot be written.
-    pub fn to_toml(&self) -> Result<String, BuildError> {
+    pub fn to_toml(&self) -> Result<String> {
         toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
     }
 
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         if self.units.len() > MAX_UNITS {
             return Err(BuildError::key("units", format!("expected {MAX_UNITS} at most, found {}", self.units.len())));
         }
@@ -66,7 +66,7 @@ impl UnitSet {
     }
 }
 
-fn check_unit(unit: &UnitObject) -> Result<(), BuildError> {
+fn check_unit(unit: &UnitObject) -> Result<()> {
     let fault = |key: &str, why: String| Err(BuildError::key(key, why));
     if unit.name.is_empty() || unit.name.contains('+') {
         return fault("name", "expected a name without `+`, which joins the names of blocks".into());
@@ -99,7 +99,7 @@ fn check_unit(unit: &UnitObject) -> Result<(), BuildError> {
     Ok(())
 }
 
-fn check_shape(shape: &UnitShape) -> Result<(), BuildError> {
+fn check_shape(shape: &UnitShape) -> Result<()> {
     match shape {
         UnitShape::Box { at, size, heading_deg, pitch_deg } => {
             check_magnitude("box.at", at)?;
@@ -117,14 +117,14 @@ fn check_shape(shape: &UnitShape) -> Result<(), BuildError> {
     }
 }
 
-fn check_magnitude(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+fn check_magnitude(key: &str, numbers: &[f32]) -> Result<()> {
     match numbers.iter().find(|v| v.is_nan() || v.abs() >= MAX_LENGTH) {
         Some(v) => Err(BuildError::key(key, format!("expected finite numbers below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),
     }
 }
 
-fn check_positive(key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+fn check_positive(key: &str, numbers: &[f32]) -> Result<()> {
     match numbers.iter().find(|v| !(**v > 0.0 && **v < MAX_LENGTH)) {
         Some(v) => Err(BuildError::key(key, format!("expected numbers above 0 and below {MAX_LENGTH}, found {v}"))),
         None => Ok(()),

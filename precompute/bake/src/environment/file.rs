@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use throng_base::text;
 use throng_core::patch::Placement;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Most units of an environment.
 const MAX_UNITS: usize = 1_000_000;
@@ -61,7 +61,7 @@ impl EnvironmentFile {
     ///
     /// # Errors
     /// [`BuildError::Io`], or [`BuildError::Config`] with file, line and column.
-    pub fn load(path: &Path) -> Result<Self, BuildError> {
+    pub fn load(path: &Path) -> Result<Self> {
         let source = text::TomlSource::read(path, "an environment")?;
         let mut file: Self = source.parse("An environment has `units`, `place` and `prefabs`.")?;
         if file.name.is_empty() {
@@ -84,11 +84,11 @@ impl EnvironmentFile {
     /// # Errors
     /// [`BuildError::File`] with file, place and key for a name that is no unit or prefab (with the nearest one), for a
     /// prefab that holds itself or too many others, for numbers that are not finite, and for two equal units in one place.
-    pub fn expand(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
+    pub fn expand(&self, units: &UnitSet, path: &Path) -> Result<Environment> {
         self.lay_out(units).map_err(|e| e.in_file(path))
     }
 
-    fn lay_out(&self, units: &UnitSet) -> Result<Environment, BuildError> {
+    fn lay_out(&self, units: &UnitSet) -> Result<Environment> {
         let numbers: HashMap<&str, usize> = units.units.iter().enumerate().map(|(i, u)| (u.name.as_str(), i)).collect();
         if let Some(name) = self.prefabs.keys().find(|name| numbers.contains_key(name.as_str())) {
             let why = "a unit has that name too; rename one of them";
@@ -124,13 +124,13 @@ struct EnvironmentLayout<'a> {
 }
 
 impl<'a> EnvironmentLayout<'a> {
-    fn fault<T>(&self, index: usize, key: &str, what: String) -> Result<T, BuildError> {
+    fn fault<T>(&self, index: usize, key: &str, what: String) -> Result<T> {
         let list = self.open.last().map_or("place".to_owned(), |name| format!("prefabs.{name}"));
         let list = format!("{list}[{index}]");
         Err(BuildError::key(key, what).within_key(&list))
     }
 
-    fn check(&self, place: &PlacementPattern, index: usize) -> Result<(), BuildError> {
+    fn check(&self, place: &PlacementPattern, index: usize) -> Result<()> {
         self.check_magnitude(index, "at", &place.at)?;
         self.check_magnitude(index, "heading_deg", &[place.heading_deg])?;
         self.check_magnitude(index, "step", place.step.as_flattened())?;
@@ -148,14 +148,14 @@ impl<'a> EnvironmentLayout<'a> {
         Ok(())
     }
 
-    fn check_magnitude(&self, index: usize, key: &str, numbers: &[f32]) -> Result<(), BuildError> {
+    fn check_magnitude(&self, index: usize, key: &str, numbers: &[f32]) -> Result<()> {
         match numbers.iter().all(|v| v.abs() < MAX_NUMBER) {
             true => Ok(()),
             false => self.fault(index, key, format!("expected numbers below {MAX_NUMBER}, found {numbers:?}")),
         }
     }
 
-    fn place_all(&mut self, places: &'a [PlacementPattern], frame: Placement) -> Result<(), BuildError> {
+    fn place_all(&mut self, places: &'a [PlacementPattern], frame: Placement) -> Result<()> {
         for (index, place) in places.iter().enumerate() {
             self.check(place, index)?;
             let count = place.repeat.iter().fold(1usize, |n, &r| n.saturating_mul(r as usize));
@@ -178,7 +178,7 @@ impl<'a> EnvironmentLayout<'a> {
         Ok(())
     }
 
-    fn place_one(&mut self, place: &'a PlacementPattern, index: usize, at: Placement) -> Result<(), BuildError> {
+    fn place_one(&mut self, place: &'a PlacementPattern, index: usize, at: Placement) -> Result<()> {
         if let Some(&unit) = self.numbers.get(place.unit.as_str()) {
             let placement = at.with_wrapped_heading();
             let Placement { x, y, z, .. } = placement;

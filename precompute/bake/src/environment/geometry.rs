@@ -5,7 +5,7 @@ use super::{UnitObject, UnitSet, UnitSolid};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_geometry::{BoundingBox, BoundsTree};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Height of a default region above the shapes, enough to hold the hips of a character on them (m).
 const REGION_ABOVE: f32 = 1.2;
@@ -45,7 +45,7 @@ impl UnitGeometry {
     ///
     /// # Errors
     /// [`BuildError::Key`] of the shape, with its file and what is wrong in it.
-    pub fn new(unit: &UnitObject) -> Result<Self, BuildError> {
+    pub fn new(unit: &UnitObject) -> Result<Self> {
         let key = |i: usize| format!("shapes[{i}].mesh.file");
         let solid = |(i, shape)| UnitSolid::from_shape(shape).map_err(|e| BuildError::key(key(i), e));
         let solids = unit.shapes.iter().enumerate().map(solid).collect::<Result<Vec<_>, _>>()?;
@@ -95,12 +95,12 @@ impl UnitGeometry {
 ///
 /// # Errors
 /// As [`UnitGeometry::new`].
-pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
+pub fn geometries(units: &UnitSet) -> Result<Vec<Arc<UnitGeometry>>> {
     with_triangles(units, MAX_TRIANGLES)
 }
 
 /// Builds the geometry of every unit, with at most `most` triangles in all.
-pub(super) fn with_triangles(units: &UnitSet, most: usize) -> Result<Vec<Arc<UnitGeometry>>, BuildError> {
+pub(super) fn with_triangles(units: &UnitSet, most: usize) -> Result<Vec<Arc<UnitGeometry>>> {
     let mut triangles = 0;
     let one = |(i, unit)| {
         let within = |e: BuildError| e.within_key(&format!("units[{i}]"));

@@ -22,7 +22,7 @@ use throng_core::Skeleton;
 use throng_geometry::BoundingBox;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Pieces nearer to each other than this form one unit (m).
 const UNIT_GAP: f32 = 0.75;
@@ -45,7 +45,7 @@ pub struct InferredEnvironment {
 ///
 /// # Errors
 /// [`BuildError::Stage`] if nothing but the ground was touched.
-pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<InferredEnvironment, BuildError> {
+pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Result<InferredEnvironment> {
     let contacts = ContactConfig::default();
     let places: Vec<_> = clips.iter().flat_map(|c| places::find_touches(c, skeleton, &contacts)).collect();
     let hands: Vec<_> = places.iter().filter(|p| p.kind == TouchKind::Hand).copied().collect();
@@ -80,7 +80,7 @@ fn dismiss(
     bars: &mut Vec<InferredBar>,
     clips: &[&Clip],
     skeleton: &Skeleton,
-) -> Result<usize, BuildError> {
+) -> Result<usize> {
     let flat = plates.iter().map(|p| (p.piece(), p.held_s));
     let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
     let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
@@ -95,7 +95,7 @@ impl InferredEnvironment {
     ///
     /// # Errors
     /// As [`EnvironmentFile::expand`] and [`geometries`], where it was changed by hand.
-    pub fn geometry(&self) -> Result<PlacedGeometry, BuildError> {
+    pub fn geometry(&self) -> Result<PlacedGeometry> {
         let placed = self.environment.expand(&self.units, Path::new(&self.environment.name))?;
         Ok(PlacedGeometry::new(&placed, &geometries(&self.units)?))
     }

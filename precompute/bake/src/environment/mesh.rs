@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::import::gltf;
 pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
 
@@ -10,7 +10,7 @@ pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn buffer_files(path: &Path) -> Result<Vec<PathBuf>, BuildError> {
+pub(crate) fn buffer_files(path: &Path) -> Result<Vec<PathBuf>> {
     Ok(gltf::buffer_files(&read_file(path, "a mesh", gltf::MAX_BYTES)?, path)?)
 }
 

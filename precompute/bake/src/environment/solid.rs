@@ -4,7 +4,7 @@ use super::{UnitShape, mesh};
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_geometry::{BoundingBox, SurfacePoint, TriangleSurface, nearest_on_bar, nearest_on_box, nearest_on_segment};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// A piece of geometry in its unit's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +35,8 @@ impl UnitSolid {
     /// Solid of a shape; triangles are read from their file.
     ///
     /// # Errors
-    /// [`BuildError`] where a mesh cannot be read.
-    pub fn from_shape(shape: &UnitShape) -> Result<Self, BuildError> {
+    /// [`throng_motion::error::BuildError`] where a mesh cannot be read.
+    pub fn from_shape(shape: &UnitShape) -> Result<Self> {
         Ok(match shape {
             UnitShape::Box { at, size, heading_deg, pitch_deg } => Self::Box {
                 centre: Vec3::from(*at),

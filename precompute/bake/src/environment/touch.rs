@@ -7,7 +7,7 @@ use throng_base::thresholds::{
     BODY_IN_UNIT_M, FOOT_CONTACT_M, HAND_CONTACT_M, HEEL_PER_BALL, REFERENCE_LEG_M, SEAT_CONTACT_M,
 };
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Limits within which a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006,
 /// section 3).
@@ -52,7 +52,7 @@ impl GeometryTouchConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the setting.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         let pairs = [
             ("foot_on", self.foot_on, self.foot_off),
             ("hand_on", self.hand_on, self.hand_off),

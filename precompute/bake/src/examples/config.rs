@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::blend::{MAX_AXES, axis};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// A blend space: example motions in a parameter box, and how they are tabulated (Kim, Kim and Shin 2003a, section 4).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -210,7 +210,7 @@ impl BlendConfig {
 
     /// # Errors
     /// [`BuildError::Key`] naming the first key out of its limits.
-    pub(super) fn check(&self) -> Result<(), BuildError> {
+    pub(super) fn check(&self) -> Result<()> {
         let limits = [
             ("axes", self.axes.len() as f64, 1.0, MAX_AXES as f64),
             ("phases", self.phases as f64, 8.0, 1024.0),
@@ -249,7 +249,7 @@ impl BlendConfig {
         self.check_styles(&names)
     }
 
-    fn check_styles(&self, names: &[String]) -> Result<(), BuildError> {
+    fn check_styles(&self, names: &[String]) -> Result<()> {
         let examples = self.examples.iter().enumerate().map(|(i, e)| (format!("examples[{i}]"), &e.style));
         let found = self.find.iter().enumerate().map(|(i, f)| (format!("find[{i}]"), &f.style));
         for (entry, style) in examples.chain(found) {
@@ -274,7 +274,7 @@ const SYMMETRIC: &str = "`symmetric` makes the cycle of one step and its mirrore
                          `mirror` nor `still` with it, found";
 
 impl ExampleConfig {
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         if self.clip.is_empty() {
             return Err(config_error("clip", "expected a clip by name or pattern, found none"));
         }
@@ -292,7 +292,7 @@ impl ExampleConfig {
 }
 
 impl FindConfig {
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         if self.clips.is_empty() {
             return Err(config_error("clips", "expected clips by name or pattern, found none"));
         }

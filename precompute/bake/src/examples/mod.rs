@@ -32,7 +32,7 @@ use throng_core::blend::{
     AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, ReferenceRow,
 };
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::progress::Progress;
 
 /// Displacement of a joint from its reference beyond which its antipode is near, where the shorter way changes sides
@@ -146,11 +146,7 @@ impl ExampleReport {
 ///
 /// # Source
 /// Kim, Kim and Shin (2003a), section 4.
-pub fn fit(
-    clips: &ClipSet,
-    configs: &BTreeMap<String, BlendConfig>,
-    progress: &dyn Progress,
-) -> Result<BlendSpaces, BuildError> {
+pub fn fit(clips: &ClipSet, configs: &BTreeMap<String, BlendConfig>, progress: &dyn Progress) -> Result<BlendSpaces> {
     let num_spaces = spaces(configs)?.len();
     let mut out = BlendSpaces::default();
     progress.begin("examples", num_spaces as u64, "spaces");
@@ -181,7 +177,7 @@ fn table_error(fault: BuildError, table: &str, space: &str) -> BuildError {
 ///
 /// # Errors
 /// [`BuildError::Key`] naming the first key out of its limits.
-pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, BlendConfig)>, BuildError> {
+pub fn spaces(configs: &BTreeMap<String, BlendConfig>) -> Result<Vec<(String, BlendConfig)>> {
     let mut all: Vec<(String, BlendConfig)> = Vec::new();
     for (table, config) in configs {
         let key = format!("blend.{table}");
@@ -201,7 +197,7 @@ fn space(
     config: &BlendConfig,
     clips: &ClipSet,
     warnings: &mut Warnings,
-) -> Result<(RawBlendSpace, BlendReport), BuildError> {
+) -> Result<(RawBlendSpace, BlendReport)> {
     let (sources, told) = (select::sources(clips, config), warnings.messages.len());
     let mut chosen = select::candidates(name, config, &sources, warnings)?;
     let left_out = select::thin_out(&mut chosen, config.min_distance);
@@ -269,7 +265,7 @@ fn parameter_bounds(config: &BlendConfig, points: &[Vec<f64>]) -> ParameterBound
 }
 
 /// Checks that weights can be stored: far from all examples, hyperplanes rise without bound.
-fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable) -> Result<(), BuildError> {
+fn check_weights(config: &BlendConfig, points: &[Vec<f64>], table: &WeightTable) -> Result<()> {
     let largest = table.weights.iter().fold(0.0f32, |l, w| l.max(w.abs()));
     if largest < MAX_WEIGHT {
         return Ok(());

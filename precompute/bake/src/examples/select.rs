@@ -9,7 +9,7 @@ use super::track::ClipTrack;
 use std::collections::BTreeMap;
 use throng_core::Contacts;
 use throng_motion::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
-use throng_motion::error::{BuildError, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::matches;
 use throng_motion::mirror;
 
@@ -68,7 +68,7 @@ pub fn candidates<'a>(
     config: &BlendConfig,
     sources: &'a [ExampleSource],
     warnings: &mut Warnings,
-) -> Result<Vec<ExampleCandidate<'a>>, BuildError> {
+) -> Result<Vec<ExampleCandidate<'a>>> {
     let mut out = Vec::new();
     for (i, example) in config.examples.iter().enumerate() {
         let wish = ExampleQuery { entry: format!("examples[{i}]"), config, style: &example.style };
@@ -92,7 +92,7 @@ fn named_examples<'a>(
     example: &ExampleConfig,
     sources: &'a [ExampleSource],
     out: &mut Vec<ExampleCandidate<'a>>,
-) -> Result<(), BuildError> {
+) -> Result<()> {
     let before = out.len();
     let fault = |source: &ExampleSource, what: String| {
         wish.entry_error("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP)
@@ -200,7 +200,7 @@ fn search_clips<'a>(
     find: &FindConfig,
     sources: &'a [ExampleSource],
     without: &mut Vec<(String, String)>,
-) -> Result<Vec<ExampleCandidate<'a>>, BuildError> {
+) -> Result<Vec<ExampleCandidate<'a>>> {
     let mut out = Vec::new();
     let wanted = |pair: &&[ExampleSource]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
     let clips = || sources.chunks_exact(2).filter(wanted);
@@ -352,12 +352,7 @@ impl ExampleCandidate<'_> {
 }
 
 impl ExampleQuery<'_> {
-    fn candidate<'a>(
-        &self,
-        source: &'a ExampleSource,
-        cycle: Cycle<'a>,
-        named: bool,
-    ) -> Result<ExampleCandidate<'a>, BuildError> {
+    fn candidate<'a>(&self, source: &'a ExampleSource, cycle: Cycle<'a>, named: bool) -> Result<ExampleCandidate<'a>> {
         let twist = cycle.course.twist;
         let value = |(axis, name): (&super::config::AxisConfig, String)| match axis.kind {
             AxisKind::Speed => Ok(twist.velocity.y),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_base::text;
 use throng_core::{Joint, NUM_JOINTS};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Weights of the six features of Lee, Choi and Lee (2006), section 3.
 ///
@@ -54,7 +54,7 @@ pub(crate) struct PreparedWeights {
 impl FeaturesConfig {
     /// # Errors
     /// [`BuildError::Key`] for a joint that does not exist or a number out of range.
-    pub(crate) fn weights(&self) -> Result<PreparedWeights, BuildError> {
+    pub(crate) fn weights(&self) -> Result<PreparedWeights> {
         let mut joints = Joint::ALL.map(default_weight);
         for (name, &w) in &self.joint_weights {
             let joint = Joint::from_name(name).filter(|&j| j != Joint::Hips).ok_or_else(|| unknown_joint(name))?;
@@ -99,7 +99,7 @@ fn default_weight(joint: Joint) -> f64 {
     }
 }
 
-fn check(key: &str, value: f64) -> Result<f64, BuildError> {
+fn check(key: &str, value: f64) -> Result<f64> {
     check_ranges([(key, value, 0.0, 1e6)]).map_err(|e| e.within_key("features")).map(|()| value)
 }
 

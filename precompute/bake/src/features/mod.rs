@@ -21,7 +21,7 @@ use throng_base::Comm;
 use throng_base::maths;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// The features of every frame of a [`ClipSet`], excluded frames included, or of some of them.
 ///
@@ -43,12 +43,12 @@ pub struct Features {
 /// above what holds the character up ([`Clip::support`]); its velocity is the one in the world.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a weight out of range or an unknown joint.
+/// [`throng_motion::error::BuildError::Config`] for a weight out of range or an unknown joint.
 ///
 /// # Source
 /// Lee, Choi and Lee 2006, section 3. Differs: angles are full rotation angles, twice the norm of the
 /// quaternion logarithm, and velocities are per second instead of per frame; the weights take up both.
-pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features, BuildError> {
+pub fn extract(clips: &ClipSet, config: &FeaturesConfig) -> Result<Features> {
     let weights = config.weights()?;
     let of_clip = |c: &Clip| rows(c, 0..c.num_frames(), &weights);
     let rows = clips.clips.par_iter().map(of_clip).flatten().collect();
@@ -68,7 +68,7 @@ pub(crate) fn extract_at(
     frames: &[FrameId],
     config: &FeaturesConfig,
     comm: &dyn Comm,
-) -> Result<Features, BuildError> {
+) -> Result<Features> {
     let weights = config.weights()?;
     let starts = clips.frame_starts();
     let of_clip = |c: usize| {

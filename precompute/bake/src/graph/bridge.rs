@@ -6,7 +6,7 @@ use super::matches::{AT_ONCE, EventEdge, TransitionLink};
 use crate::share::{exchange_values, gather_all, is_own, own_numbers};
 use bytemuck::{Pod, Zeroable};
 use throng_base::Comm;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Adds links until all live events reach each other again and ends of clips have two outgoing links.
 ///
@@ -29,7 +29,7 @@ pub(super) fn bridge(
     alive: &[bool],
     most: usize,
     comm: &dyn Comm,
-) -> Result<(), BuildError> {
+) -> Result<()> {
     GraphComponents::new(graph, matches, arrivals, alive, most).join_all(comm)?;
     let ends = own_numbers(comm, alive.len()).into_iter().filter(|&i| alive[i] && !graph.has_live_successor(i, alive));
     let second = |i: usize| {
@@ -69,7 +69,7 @@ impl IncomingLinks {
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn new(matches: &[Vec<TransitionLink>], comm: &dyn Comm) -> Result<Self, BuildError> {
+    pub fn new(matches: &[Vec<TransitionLink>], comm: &dyn Comm) -> Result<Self> {
         let mut paths = Vec::new();
         for first in (0..matches.len()).step_by(AT_ONCE * comm.num_ranks()) {
             let mut to = vec![Vec::new(); comm.num_ranks()];
@@ -134,7 +134,7 @@ impl<'a> GraphComponents<'a> {
     }
 
     /// Adds the best missing links, until there is one part or no further link.
-    fn join_all(mut self, comm: &dyn Comm) -> Result<(), BuildError> {
+    fn join_all(mut self, comm: &dyn Comm) -> Result<()> {
         while self.events.len() > 1 {
             let more = self.missing_links(comm)?;
             if more.is_empty() {
@@ -174,7 +174,7 @@ impl<'a> GraphComponents<'a> {
 
     /// Best outgoing link of every part without one, and best incoming link of every part without one; ascending, each
     /// once.
-    fn missing_links(&mut self, comm: &dyn Comm) -> Result<Vec<EventEdge>, BuildError> {
+    fn missing_links(&mut self, comm: &dyn Comm) -> Result<Vec<EventEdge>> {
         let (mut has_out, mut has_in) = (vec![false; self.events.len()], vec![false; self.events.len()]);
         for [from, to] in &self.paths {
             (has_out[*from as usize], has_in[*to as usize]) = (true, true);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Turn within the horizon beyond which an outcome is a turn to a side (rad).
 const TURN: f32 = 0.35;
@@ -44,7 +44,7 @@ pub(super) fn choose(
     threshold: f32,
     config: &MotionGraphConfig,
     comm: &dyn Comm,
-) -> Result<Vec<Vec<TransitionLink>>, BuildError> {
+) -> Result<Vec<Vec<TransitionLink>>> {
     let of_one = |event: usize| choose_links(&matches[event], outcomes, threshold, config);
     let chosen = own_numbers(comm, matches.len()).into_par_iter().map(of_one).collect();
     gather_rows(comm, matches.len(), chosen)

@@ -4,7 +4,7 @@ use super::matches::TransitionLink;
 use crate::share::{gather_all, gather_each, gather_rows, own_numbers};
 use std::borrow::Cow;
 use throng_base::Comm;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Event frames and edges between them: event i is followed by `next[i]`, as the clip continues, or by
 /// `next[l.event()]` for a link l.
@@ -64,11 +64,7 @@ impl EventGraph {
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(super) fn largest_component(
-    graph: &EventGraph,
-    most_frames: u32,
-    comm: &dyn Comm,
-) -> Result<Vec<bool>, BuildError> {
+pub(super) fn largest_component(graph: &EventGraph, most_frames: u32, comm: &dyn Comm) -> Result<Vec<bool>> {
     let num_events = graph.next.len();
     let own = own_numbers(comm, num_events);
     let of_all = |of_one: &dyn Fn(usize) -> u8| gather_each(comm, num_events, own.iter().map(|&i| of_one(i)).collect());
@@ -141,7 +137,7 @@ fn merge_components(
     parts: Vec<Vec<u32>>,
     alive: &[bool],
     comm: &dyn Comm,
-) -> Result<Vec<Vec<u32>>, BuildError> {
+) -> Result<Vec<Vec<u32>>> {
     let part_of = component_of_events(&parts, alive.len());
     let paths = own_numbers(comm, alive.len())
         .into_iter()

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::STANDING_MPS_F64;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{Result, check_ranges};
 
 /// Settings of [`super::connect`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -70,8 +70,8 @@ impl Default for MotionGraphConfig {
 
 impl MotionGraphConfig {
     /// # Errors
-    /// [`BuildError::Key`] naming the first key out of its limits.
-    pub(crate) fn check(&self) -> Result<(), BuildError> {
+    /// [`throng_motion::error::BuildError::Key`] naming the first key out of its limits.
+    pub(crate) fn check(&self) -> Result<()> {
         let ranges = [
             ("threshold", self.threshold.unwrap_or(1.0), 1e-6, 1e3),
             ("max_error", self.max_error, 1e-6, 1e3),

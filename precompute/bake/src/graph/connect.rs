@@ -11,7 +11,7 @@ use super::{RawMotionGraph, choose, collapse};
 use crate::features::{self, FeaturesConfig};
 use throng_base::{Comm, SingleRank};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
 /// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
@@ -57,7 +57,7 @@ pub fn connect(
     config: &MotionGraphConfig,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<(RawMotionGraph, GraphReport), BuildError> {
+) -> Result<(RawMotionGraph, GraphReport)> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
     let events = events::find_events(clips, config, comm)?;
@@ -83,7 +83,7 @@ pub fn connect(
 ///
 /// # Errors
 /// As [`connect`].
-pub fn empty_graph(clips: &ClipSet, config: &MotionGraphConfig) -> Result<(RawMotionGraph, GraphReport), BuildError> {
+pub fn empty_graph(clips: &ClipSet, config: &MotionGraphConfig) -> Result<(RawMotionGraph, GraphReport)> {
     config.check()?;
     check_clips(clips)?;
     let empty = RawMotionGraph { action_offsets: vec![0], ..RawMotionGraph::default() };
@@ -95,7 +95,7 @@ fn graph_error(message: String, help: &str) -> BuildError {
     BuildError::Stage { stage: "graph", message, help: help.to_owned() }
 }
 
-fn check_clips(clips: &ClipSet) -> Result<f64, BuildError> {
+fn check_clips(clips: &ClipSet) -> Result<f64> {
     let Some(first) = clips.clips.first() else {
         return Err(graph_error("there are no clips".into(), "Check the paths of the config"));
     };
@@ -181,7 +181,7 @@ impl<'a> GraphSearch<'a> {
         config: &'a MotionGraphConfig,
         rate_hz: f64,
         comm: &'a dyn Comm,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
         let starts = clips.frame_starts();
@@ -199,7 +199,7 @@ impl<'a> GraphSearch<'a> {
     }
 
     /// Graph at the given threshold, or at the least one that reaches the wanted branching, or at the largest error.
-    fn run(mut self) -> Result<(RawMotionGraph, f32), BuildError> {
+    fn run(mut self) -> Result<(RawMotionGraph, f32)> {
         let threshold = match self.config.threshold {
             Some(threshold) => {
                 self.find_links_to(threshold as f32)?;
@@ -212,7 +212,7 @@ impl<'a> GraphSearch<'a> {
     }
 
     /// Finds the links for thresholds up to `threshold`, and their largest component.
-    fn find_links_to(&mut self, threshold: f32) -> Result<(), BuildError> {
+    fn find_links_to(&mut self, threshold: f32) -> Result<()> {
         self.whole.links = self.finder.links(threshold, self.comm)?;
         self.alive = largest_component(&self.whole, self.most_frames, self.comm)?;
         self.whole.restrict(&self.alive);
@@ -221,13 +221,13 @@ impl<'a> GraphSearch<'a> {
     }
 
     /// Mean number of actions of a state at a threshold, over the wanted number.
-    fn probe(&self, threshold: f32) -> Result<BranchingProbe, BuildError> {
+    fn probe(&self, threshold: f32) -> Result<BranchingProbe> {
         let (graph, alive) = self.event_frames(threshold)?;
         Ok(BranchingProbe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
     }
 
     /// Much motion has enough choices among near frames, so the search begins with small radii.
-    fn find_threshold(&mut self) -> Result<f32, BuildError> {
+    fn find_threshold(&mut self) -> Result<f32> {
         let most = self.config.max_error as f32;
         let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
         let (mut low, mut threshold) = (None, first.clamp(LEAST_SHARE * most, most));
@@ -267,7 +267,7 @@ impl<'a> GraphSearch<'a> {
     }
 
     /// Event graph with the links chosen at a threshold, and its component.
-    fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>), BuildError> {
+    fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>)> {
         let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config, self.comm)?;
         let whole = &self.whole;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());

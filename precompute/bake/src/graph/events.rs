@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Kind of an event frame. Transitions join events of equal kind only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -64,11 +64,7 @@ pub struct EventFrame {
 ///
 /// # Errors
 /// As [`sort_by_owner`].
-pub(super) fn find_events(
-    clips: &ClipSet,
-    config: &MotionGraphConfig,
-    comm: &dyn Comm,
-) -> Result<Vec<EventFrame>, BuildError> {
+pub(super) fn find_events(clips: &ClipSet, config: &MotionGraphConfig, comm: &dyn Comm) -> Result<Vec<EventFrame>> {
     let starts = clips.frame_starts();
     let posed = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |index| {
         let (clip, mut found) = (&clips.clips[index], PoseEvents::default());

@@ -15,7 +15,7 @@ use throng_base::Comm;
 use throng_core::Planar;
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::Progress;
 
 /// A possible transition: the motion after event `event` may follow another event.
@@ -132,7 +132,7 @@ impl<'a> LinkFinder<'a> {
     /// - `comm`: processes that search for the other events.
     ///
     /// # Errors
-    /// [`BuildError::Stopped`] if the progress is stopped.
+    /// [`throng_motion::error::BuildError::Stopped`] if the progress is stopped.
     pub fn new(
         events: &'a [EventFrame],
         features: &'a Features,
@@ -141,7 +141,7 @@ impl<'a> LinkFinder<'a> {
         config: &'a MotionGraphConfig,
         progress: &dyn Progress,
         comm: &dyn Comm,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let points = project(features);
         let next = successors(events);
         let mut parts = BTreeMap::<_, Vec<(u32, ProjectedPoint)>>::new();
@@ -170,7 +170,7 @@ impl<'a> LinkFinder<'a> {
             Ok(best)
         };
         let found = own.par_iter().map_init(LinkSearch::default, |search, &i| of_kinds(search, i));
-        let found: Result<Vec<Vec<TransitionLink>>, BuildError> = found.collect();
+        let found: Result<Vec<Vec<TransitionLink>>> = found.collect();
         finder.of_kinds = scatter_to_all(events.len(), &own, found?);
         progress.end();
         Ok(finder)
@@ -189,7 +189,7 @@ impl<'a> LinkFinder<'a> {
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<TransitionLink>>, BuildError> {
+    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<TransitionLink>>> {
         let (own, num_ranks) = (own_numbers(comm, self.events.len()), comm.num_ranks());
         let kept = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, threshold, NEAREST, search);
         let back = |(&i, links): (&usize, &Vec<TransitionLink>)| -> Vec<(u32, TransitionLink)> {
@@ -226,7 +226,7 @@ impl<'a> LinkFinder<'a> {
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32, BuildError> {
+    pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32> {
         let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
         let own: Vec<usize> = sample.iter().copied().filter(|&i| is_own(comm, i)).collect();
         let chosen = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, self.limits.error, 0, search);

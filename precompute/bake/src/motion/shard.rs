@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_base::{Comm, SingleRank};
-use throng_motion::error::{BuildError, ImportError};
+use throng_motion::error::{BuildError, ImportError, Result};
 use throng_motion::import::{self, ClipsResult, MotionFile};
 use throng_motion::progress::Progress;
 
@@ -86,7 +86,7 @@ pub fn bake_shard(
     shard: Shard,
     cache: &Cache,
     progress: &dyn Progress,
-) -> Result<ShardReport, BuildError> {
+) -> Result<ShardReport> {
     cfg.check()?;
     if cfg.synth.is_some() {
         return Err(BuildError::key(
@@ -105,12 +105,7 @@ pub fn bake_shard(
 ///
 /// # Errors
 /// As [`bake`].
-pub(super) fn bake_together(
-    cfg: &BuildConfig,
-    parts: RequiredParts,
-    from: &Provenance,
-    s: &Stages<'_>,
-) -> Result<(), BuildError> {
+pub(super) fn bake_together(cfg: &BuildConfig, parts: RequiredParts, from: &Provenance, s: &Stages<'_>) -> Result<()> {
     let comm = s.comm();
     if comm.num_ranks() == 1 || cfg.synth.is_some() || !s.cache().is_on() {
         return Ok(());
@@ -130,7 +125,7 @@ fn bake_files(
     shard: Shard,
     from: &Provenance,
     s: &Stages<'_>,
-) -> Result<ShardReport, BuildError> {
+) -> Result<ShardReport> {
     let cache = s.cache();
     let mut report = s.run("import", |p| read_shard(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
     if report.missing == 0 && report.own_files > report.skipped.len() {
@@ -144,7 +139,7 @@ fn bake_files(
                 p.advance(1);
                 Ok(usize::from(!kept))
             });
-            let made = made.sum::<Result<usize, BuildError>>();
+            let made = made.sum::<Result<usize>>();
             p.end();
             made
         })?;
@@ -162,7 +157,7 @@ fn read_shard(
     shard: Shard,
     cache: &Cache,
     p: &dyn Progress,
-) -> Result<ShardReport, BuildError> {
+) -> Result<ShardReport> {
     let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
     let count = |n: &AtomicUsize| _ = n.fetch_add(1, Ordering::Relaxed);
     // Only one file is held in memory at a time.

@@ -5,7 +5,7 @@ use crate::provenance::FileKeys;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::import::{self, ImportedClip, MotionFile};
 use throng_motion::retarget::RetargetSource;
 
@@ -52,7 +52,7 @@ impl<'a> StreamedMotion<'a> {
     ///
     /// # Errors
     /// As [`import::read_clips`] if the cache has dropped it.
-    pub(super) fn load_clip(&self, clip: &ImportedClip) -> Result<ImportedClip, BuildError> {
+    pub(super) fn load_clip(&self, clip: &ImportedClip) -> Result<ImportedClip> {
         let lost =
             || BuildError::Format(format!("{}: changed while it was read; start again", clip.clip.path.display()));
         let MotionLocation { file, key, number, .. } = self.location_of(clip).ok_or_else(lost)?;
@@ -70,7 +70,7 @@ impl<'a> StreamedMotion<'a> {
         clips: &[ImportedClip],
         places: &[usize],
         measure: &mut dyn FnMut(&[RetargetSource]),
-    ) -> Result<(), BuildError> {
+    ) -> Result<()> {
         let whole = places.iter().map(|&i| self.load_clip(&clips[i])).collect::<Result<Vec<_>, _>>()?;
         measure(&whole.iter().map(RetargetSource::from).collect::<Vec<_>>());
         Ok(())
@@ -80,7 +80,7 @@ impl<'a> StreamedMotion<'a> {
     ///
     /// # Errors
     /// As [`StreamedMotion::load_clip`].
-    pub(super) fn repeated_clips(&self, clips: &[ImportedClip]) -> Result<Vec<[usize; 2]>, BuildError> {
+    pub(super) fn repeated_clips(&self, clips: &[ImportedClip]) -> Result<Vec<[usize; 2]>> {
         let hashes: Vec<u64> = clips.iter().map(|c| self.location_of(c).map_or(0, |at| at.hash)).collect();
         let same = |i: usize, j: usize| {
             Ok::<_, BuildError>(self.load_clip(&clips[i])?.clip.has_motion_of(&self.load_clip(&clips[j])?.clip))

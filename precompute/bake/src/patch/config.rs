@@ -4,7 +4,7 @@ use crate::environment::GeometryTouchConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Most entries, exits and rest spots of a tile.
 const MOST_SPOTS: usize = 2_000_000;
@@ -109,54 +109,24 @@ pub struct TileConfig {
     pub margin_m: f64,
 }
 
-fn slots() -> usize {
-    5
-}
-
-fn headings() -> usize {
-    2
-}
-
-fn heading_step() -> f64 {
-    15.0
-}
-
-fn edge_groups() -> usize {
-    6
-}
-
-fn rest_headings() -> usize {
-    8
-}
-
-fn rest_spots() -> usize {
-    3
-}
-
-fn rest_groups() -> usize {
-    2
-}
-
-fn edit_position() -> f64 {
-    0.1
-}
-
-fn edit_heading() -> f64 {
-    8.0
-}
-
-fn variety() -> usize {
-    1
-}
-
-fn margin() -> f64 {
-    0.3
+throng_base::key_defaults! {
+    slots: usize = 5;
+    headings: usize = 2;
+    heading_step: f64 = 15.0;
+    edge_groups: usize = 6;
+    rest_headings: usize = 8;
+    rest_spots: usize = 3;
+    rest_groups: usize = 2;
+    edit_position: f64 = 0.1;
+    edit_heading: f64 = 8.0;
+    variety: usize = 1;
+    margin: f64 = 0.3;
 }
 
 impl PatchConfig {
     /// # Errors
     /// [`BuildError::Key`] naming the first key out of its limits.
-    pub(crate) fn check(&self) -> Result<(), BuildError> {
+    pub(crate) fn check(&self) -> Result<()> {
         let (least, most) = (self.min_link_frames as f64, f64::from(u16::MAX));
         let ranges = [
             ("cell_m", self.cell_m, 0.02, 0.5),
@@ -194,7 +164,7 @@ impl TileConfig {
         }
     }
 
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         let limits = [
             ("slots", self.slots as f64, 1.0, 100.0),
             ("headings", self.headings as f64, 0.0, 20.0),

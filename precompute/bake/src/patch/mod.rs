@@ -18,7 +18,7 @@ use bounds::FrameExtents;
 use serde::{Deserialize, Serialize};
 use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 use track::PatchTrack;
 
@@ -122,7 +122,7 @@ pub fn build(
     config: &PatchConfig,
     units: &UnitSet,
     progress: &dyn Progress,
-) -> Result<RawPatches, BuildError> {
+) -> Result<RawPatches> {
     config.check()?;
     let (tracks, tags) = PatchTrack::new_all(clips, groups)?;
     let bounds = FrameExtents::new(clips);
@@ -204,7 +204,7 @@ fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
     sums.iter().map(|&(sum, n)| (sum / f64::from(n.max(1))) as f32).collect()
 }
 
-fn units_text(units: &UnitSet) -> Result<String, BuildError> {
+fn units_text(units: &UnitSet) -> Result<String> {
     toml::to_string(units).map_err(|e| BuildError::Stage {
         stage: "patch",
         message: format!("the units cannot be written as TOML: {e}"),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use throng_core::Contacts;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::mirror;
 
 /// Most names of clips in a message.
@@ -34,7 +34,7 @@ pub struct SourceScenes {
 /// [`BuildError::Io`] and [`BuildError::Config`] as [`EnvironmentFile::load`], [`EnvironmentFile::expand`] and
 /// [`geometries`]; for a pattern without matching clips, with the existing ones; for a clip in two environments; for an
 /// environment of another unit file.
-pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
+pub fn scenes(clips: &[Clip], cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes> {
     cfg.touch.check().map_err(|e| e.within_key("patches.touch"))?;
     let geometries = match &cfg.units {
         Some(file) => geometries(units).map_err(|e| e.in_file(file))?,
@@ -71,7 +71,7 @@ pub fn embed(
     cfg: &PatchConfig,
     units: &UnitSet,
     contacts: &ContactConfig,
-) -> Result<SourceScenes, BuildError> {
+) -> Result<SourceScenes> {
     let found = scenes(&clips.clips, cfg, units)?;
     let skeleton = clips.skeleton.clone();
     clips.clips.par_iter_mut().zip(&found.of_clip).for_each(|(clip, scene)| {
@@ -105,7 +105,7 @@ impl SourceScenes {
 }
 
 /// Unit numbers of an environment refer to its own file, which must be the build's.
-fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result<(), BuildError> {
+fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result<()> {
     let whole = |p: &Path| p.canonicalize().unwrap_or_else(|_| p.to_path_buf());
     match &cfg.units {
         Some(units) if whole(units) != whole(&file.units) => {
@@ -121,7 +121,7 @@ fn check_units(file: &EnvironmentFile, path: &Path, cfg: &PatchConfig) -> Result
 ///
 /// # Errors
 /// [`BuildError::Key`] for more than one `*`, and where no clip matches.
-fn clips_matching(clips: &[Clip], pattern: &str, key: &str) -> Result<Vec<usize>, BuildError> {
+fn clips_matching(clips: &[Clip], pattern: &str, key: &str) -> Result<Vec<usize>> {
     let fail = |why: String| Err(BuildError::key(key, why));
     if pattern.matches('*').count() > 1 {
         return fail(format!("expected at most one `*` in a pattern, found `{pattern}`"));
@@ -200,7 +200,7 @@ mod tests {
         (folder, cfg, set)
     }
 
-    fn run(clips: &mut ClipSet, cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes, BuildError> {
+    fn run(clips: &mut ClipSet, cfg: &PatchConfig, units: &UnitSet) -> Result<SourceScenes> {
         embed(clips, cfg, units, &ContactConfig::default())
     }
 

@@ -7,7 +7,7 @@ use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Largest speed of a standing joint (rad/s).
 const STANDING_RADPS: f32 = 1.0;
@@ -44,7 +44,7 @@ impl PatchTrack {
     ///
     /// # Errors
     /// [`BuildError::Stage`] for clips with too many tags.
-    pub fn new_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>), BuildError> {
+    pub fn new_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>)> {
         let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
         for tag in clips.clips.iter().flat_map(|c| &c.tags) {
             *frames.entry(&tag.name).or_default() += tag.range.len();

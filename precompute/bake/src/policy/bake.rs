@@ -7,7 +7,7 @@ use crate::share::share_rows;
 use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Best actions of a policy, best first (num_states * num_cells * num_choices).
 ///
@@ -19,14 +19,10 @@ use throng_motion::error::BuildError;
 /// - `comm`: processes that bake together; each ranks a block of the states.
 ///
 /// # Errors
-/// [`BuildError::Key`] for a setting out of its range; [`BuildError::Stage`] with the residual if `cfg.max_sweeps` do
+/// [`throng_motion::error::BuildError::Key`] for a setting out of its range;
+/// [`throng_motion::error::BuildError::Stage`] with the residual if `cfg.max_sweeps` do
 /// not suffice; [`throng_base::Error::Rank`].
-pub fn bake(
-    model: &ActionModel,
-    solution: &mut Solution,
-    cfg: &PolicyConfig,
-    comm: &dyn Comm,
-) -> Result<Vec<u8>, BuildError> {
+pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig, comm: &dyn Comm) -> Result<Vec<u8>> {
     cfg.check()?;
     let wanted = tolerance(cfg.epsilon, f64::from(solution.record.discount), model.least_frames()) as f32;
     let first_actions = vec![0; solution.values.len()];
@@ -52,12 +48,8 @@ pub fn bake(
 /// Best actions at the centres of an adaptive policy's cells, best first (values.len() * num_choices).
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the solution does not fit the model.
-pub(super) fn best_actions(
-    model: &ActionModel,
-    solution: &mut Solution,
-    num_choices: u32,
-) -> Result<Vec<u8>, BuildError> {
+/// [`throng_motion::error::BuildError::Stage`] where the solution does not fit the model.
+pub(super) fn best_actions(model: &ActionModel, solution: &mut Solution, num_choices: u32) -> Result<Vec<u8>> {
     solution.record.num_choices = 1;
     let table = solution.table(model, &vec![0; solution.values.len()])?;
     let of_state = |state: usize| best_actions_of(&rank_state(&table, state as u32), num_choices).collect::<Vec<u8>>();
@@ -68,7 +60,7 @@ pub(super) fn best_actions(
 
 /// Scores of the best actions of every (state, cell), and the best actions (num_choices each); all states have equally
 /// many cells.
-fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>), BuildError> {
+fn rank_all(table: &PolicyTable, num_choices: u32, comm: &dyn Comm) -> Result<(Vec<f32>, Vec<u8>)> {
     let (num_states, num_cells) = (table.actions().num_states(), table.grid().num_cells());
     let (own, choices) = (comm.own_range(num_states), num_cells * num_choices as usize);
     let (mut scores, mut actions) = (vec![0.0; own.len() * num_cells], vec![0; own.len() * choices]);

@@ -10,7 +10,7 @@ use rand_pcg::Pcg64;
 use std::time::Instant;
 use throng_base::SingleRank;
 use throng_core::Planar;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::Silent;
 
 /// Size of a synthetic problem. [`SyntheticProblem::default`] is that of Lee and Lee's (2004) boxer with a finer grid, 10.8
@@ -114,8 +114,8 @@ impl SyntheticProblem {
     /// Default `approach` behaviour, on a grid of this size.
     ///
     /// # Errors
-    /// [`BuildError::Config`] if the grid's size is out of its range.
-    pub fn behaviour(&self) -> Result<Approach, BuildError> {
+    /// [`throng_motion::error::BuildError::Config`] if the grid's size is out of its range.
+    pub fn behaviour(&self) -> Result<Approach> {
         let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
         Approach::new(&PolicyBehaviourConfig { grid, ..PolicyBehaviourConfig::default() }, 30.0, None)
     }
@@ -124,7 +124,7 @@ impl SyntheticProblem {
     ///
     /// # Errors
     /// As [`value_iteration`].
-    pub fn measure(&self, epsilon: f64) -> Result<SolveMeasurements, BuildError> {
+    pub fn measure(&self, epsilon: f64) -> Result<SolveMeasurements> {
         let model = self.model();
         let s = self.solve(&model, epsilon)?;
         Ok(SolveMeasurements {
@@ -144,7 +144,7 @@ impl SyntheticProblem {
     ///
     /// # Errors
     /// As [`value_iteration`].
-    pub fn solve(&self, model: &ActionModel, epsilon: f64) -> Result<Solution, BuildError> {
+    pub fn solve(&self, model: &ActionModel, epsilon: f64) -> Result<Solution> {
         let cfg = PolicyConfig { epsilon, ..PolicyConfig::default() };
         value_iteration(model, &self.behaviour()?, &cfg, &Silent, &SingleRank)
     }

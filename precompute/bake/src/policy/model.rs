@@ -7,7 +7,7 @@ use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::policy::{ActionTable, MAX_ACTIONS};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Motion of a segment, for behaviours.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,8 +62,9 @@ impl ActionModel {
     /// Extracts the model from a motion graph.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] if a state has more than 255 actions or clips have different frame rates.
-    pub fn new(clips: &ClipSet, graph: &RawMotionGraph) -> Result<Self, BuildError> {
+    /// [`throng_motion::error::BuildError::Stage`] if a state has more than 255 actions or clips have different frame
+    /// rates.
+    pub fn new(clips: &ClipSet, graph: &RawMotionGraph) -> Result<Self> {
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
             let message = format!("clip {} has {} Hz, others {rate_hz} Hz", c.name, c.rate_hz);

@@ -17,7 +17,7 @@ use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
 /// All policies of a build, ready to be written.
@@ -127,13 +127,12 @@ pub fn solve(
     rng: &mut Pcg64,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<PolicyTables, BuildError> {
+) -> Result<PolicyTables> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
     let one =
         |(i, b)| make_behaviour(b, clips, graph, &hits, comm).map_err(|e| e.within_key(&format!("behaviours[{i}]")));
-    let made: Vec<Box<dyn PolicyBehaviour>> =
-        behaviours.iter().enumerate().map(one).collect::<Result<_, BuildError>>()?;
+    let made: Vec<Box<dyn PolicyBehaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_>>()?;
     let made: Vec<&dyn PolicyBehaviour> = made.iter().map(|b| &**b).collect();
     solve_behaviours(model, &made, cfg, rng, progress, comm)
 }
@@ -145,7 +144,7 @@ fn make_behaviour(
     graph: &RawMotionGraph,
     hits: &[Vec<SegmentHit>],
     comm: &dyn Comm,
-) -> Result<Box<dyn PolicyBehaviour>, BuildError> {
+) -> Result<Box<dyn PolicyBehaviour>> {
     let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
     Ok(match config.kind {
         BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
@@ -176,7 +175,7 @@ pub fn solve_behaviours(
     rng: &mut Pcg64,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<PolicyTables, BuildError> {
+) -> Result<PolicyTables> {
     let mut policies: Vec<RawPolicy> = Vec::new();
     for (i, &behaviour) in behaviours.iter().enumerate() {
         let key = format!("behaviours[{i}]");
@@ -197,7 +196,7 @@ fn solve_one(
     rng: &mut Pcg64,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<RawPolicy, BuildError> {
+) -> Result<RawPolicy> {
     let begin = Instant::now();
     let mut solution = value_iteration(model, behaviour, cfg, progress, comm)?;
     let mut best = bake(model, &mut solution, cfg, comm)?;

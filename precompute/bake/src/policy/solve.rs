@@ -9,7 +9,7 @@ use crate::share::share_rows;
 use std::time::Instant;
 use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
 /// Values of a solved policy, with measurements.
@@ -73,7 +73,7 @@ pub fn value_iteration(
     cfg: &PolicyConfig,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<Solution, BuildError> {
+) -> Result<Solution> {
     let begin = Instant::now();
     check_size(model, behaviour, cfg)?;
     let segments = segment_records(behaviour, &model.segments);
@@ -108,7 +108,7 @@ pub fn value_iteration(
 }
 
 /// Refuses grids with too many cells or too much memory.
-fn check_size(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> Result<(), BuildError> {
+fn check_size(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> Result<()> {
     let (grid, name) = (behaviour.spec().grid, behaviour.spec().name);
     let shape = RowShape::new(&grid);
     if !grid.is_space_time() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
@@ -146,7 +146,7 @@ fn iterate(
     solution: &mut Solution,
     progress: &dyn Progress,
     comm: &dyn Comm,
-) -> Result<Vec<f32>, BuildError> {
+) -> Result<Vec<f32>> {
     let mut values = vec![0.0; sweeper.num_values()];
     let (mut next, row) = (vec![0.0; sweeper.num_own_values()], sweeper.value_row());
     let largest = |change: f32| comm.max(f64::from(change)).map(|most| most as f32);
@@ -193,7 +193,7 @@ fn blank_table(
     behaviour: &dyn PolicyBehaviour,
     segments: Vec<SegmentRecord>,
     cfg: &PolicyConfig,
-) -> Result<Solution, BuildError> {
+) -> Result<Solution> {
     cfg.check()?;
     let grid = behaviour.spec().grid;
     let record = PolicyRecord {
@@ -230,7 +230,7 @@ impl Solution {
     ///
     /// # Errors
     /// [`BuildError::Stage`] for an inconsistent model.
-    pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable, BuildError> {
+    pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable> {
         let fault =
             |e: throng_core::Error| stage_error(e.to_string(), "The motion graph is not sound: build it again.");
         let slices = PolicySlices {

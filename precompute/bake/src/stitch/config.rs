@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::BODY_IN_WORLD_M;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Settings for fitting patches into an environment and joining them where they overlap.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,7 +51,7 @@ impl StitchConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key, what was expected and what was found.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         let above = |key, v: f32, high| {
             let fine = v > 0.0 && v <= high;
             let why = || format!("expected above 0, up to {high}, found {v}. Correct it or leave it out.");

@@ -4,7 +4,7 @@ use super::{StitchConfig, WorldSource};
 use crate::environment::{EnvironmentFile, InferredEnvironment};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::files::write_atomically;
 
 /// Paths of files of inferred surroundings.
@@ -24,7 +24,7 @@ impl InferredEnvironment {
     ///
     /// # Errors
     /// [`BuildError::Io`] names the file.
-    pub fn save(&self, path: &Path) -> Result<SavedFiles, BuildError> {
+    pub fn save(&self, path: &Path) -> Result<SavedFiles> {
         let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let beside = |end: &str| PathBuf::from(format!("{stem}{end}"));
         let environment = EnvironmentFile { units: beside("-units.toml"), ..self.environment.clone() };
@@ -56,6 +56,6 @@ impl InferredEnvironment {
     }
 }
 
-fn toml(value: &impl Serialize) -> Result<String, BuildError> {
+fn toml(value: &impl Serialize) -> Result<String> {
     toml::to_string(value).map_err(|e| BuildError::Config { message: e.to_string() })
 }

@@ -7,7 +7,7 @@ use throng_core::format::{FrameRow, PatchMeta, RotationCode};
 use throng_core::patch::{KIND_TILE, LinkRecord, PatchTables, Placement};
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::{Contacts, Skeleton};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Name of the stage in messages.
 pub(super) const STAGE: &str = "stitch";
@@ -59,7 +59,7 @@ impl Library<'_> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] if patches, names, groups and frames do not match.
-    pub(super) fn patterns(&self, patches: &PatchTables) -> Result<Vec<UnitPattern>, BuildError> {
+    pub(super) fn patterns(&self, patches: &PatchTables) -> Result<Vec<UnitPattern>> {
         let damaged = |message: String| BuildError::Stage {
             stage: STAGE,
             message,

@@ -22,7 +22,7 @@ pub use source::{StitchKit, WorldSource, check_replaced, save, stitch_source};
 
 use crate::environment::Environment;
 use throng_core::patch::PatchTables;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::Progress;
 use throng_world::WorldData;
 
@@ -30,7 +30,8 @@ use throng_world::WorldData;
 /// motion that units obstruct or that is outside the largest strongly connected component.
 ///
 /// # Errors
-/// [`BuildError::Config`] if a setting is out of its limits. [`BuildError::Stage`] names overlapping units, units that
+/// [`throng_motion::error::BuildError::Config`] if a setting is out of its limits.
+/// [`throng_motion::error::BuildError::Stage`] names overlapping units, units that
 /// no block fits, units that no character can reach or leave, and environments in which no motion continues.
 ///
 /// # Source
@@ -42,6 +43,6 @@ pub fn stitch(
     environment: &Environment,
     config: &StitchConfig,
     progress: &dyn Progress,
-) -> Result<(WorldData, StitchReport), BuildError> {
+) -> Result<(WorldData, StitchReport)> {
     Ok(Editor::new(patches, *library, environment.clone(), config, progress)?.into_world())
 }

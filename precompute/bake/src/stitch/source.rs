@@ -14,7 +14,7 @@ use std::sync::Arc;
 use throng_base::text::TomlSource;
 use throng_core::Bundle;
 use throng_core::patch::PatchTables;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::files::{self, write_atomically};
 use throng_motion::progress::Progress;
 use throng_world::{PathCosts, WORLD_MAGIC, World, WorldData, WorldGraph};
@@ -46,7 +46,7 @@ impl WorldSource {
     ///
     /// # Errors
     /// [`BuildError::File`] with file, line and column.
-    pub fn load(path: &Path) -> Result<Self, BuildError> {
+    pub fn load(path: &Path) -> Result<Self> {
         let source = TomlSource::read(path, "a world")?;
         let help = "A world has `bundle`, `config`, `stitch`, `place` and `prefabs`; data/worlds/ has examples.";
         let mut world: Self = source.parse(help)?;
@@ -97,7 +97,7 @@ impl WorldSource {
     ///
     /// # Errors
     /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for numbers that TOML cannot hold.
-    pub fn save(&self, path: &Path) -> Result<(), BuildError> {
+    pub fn save(&self, path: &Path) -> Result<()> {
         let io = |source| BuildError::Io { path: path.to_path_buf(), source };
         let folder = std::path::absolute(path.parent().unwrap_or(Path::new(""))).map_err(io)?;
         let beside = |p: &Path| std::path::absolute(p).map(|p| relative(&p, &folder)).map_err(io);
@@ -115,7 +115,7 @@ impl WorldSource {
     ///
     /// # Errors
     /// As [`WorldSource::environment`].
-    pub fn hash(&self, library: &Library<'_>, path: &Path) -> Result<u128, BuildError> {
+    pub fn hash(&self, library: &Library<'_>, path: &Path) -> Result<u128> {
         source_hash(&as_toml(&self.environment(library.units, path)?)?, &self.stitch, library)
     }
 
@@ -126,7 +126,7 @@ impl WorldSource {
     ///
     /// # Errors
     /// As [`EnvironmentFile::expand`].
-    pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment, BuildError> {
+    pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment> {
         let file = EnvironmentFile {
             name: self.name.clone(),
             units: PathBuf::new(),
@@ -173,7 +173,7 @@ impl StitchKit {
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a bundle without patches, [`BuildError::Config`] for units that cannot be read.
-    pub fn new(tables: &Bundle, path: &Path) -> Result<Self, BuildError> {
+    pub fn new(tables: &Bundle, path: &Path) -> Result<Self> {
         if tables.patches().patches.is_empty() {
             return Err(BuildError::Stage {
                 stage: "stitch",
@@ -218,7 +218,7 @@ pub fn stitch_source(
     tables: &Bundle,
     kit: &StitchKit,
     progress: &dyn Progress,
-) -> Result<(WorldData, StitchReport), BuildError> {
+) -> Result<(WorldData, StitchReport)> {
     let environment = source.environment(&kit.units, path)?;
     let editor = Editor::new(tables.patches(), kit.library(tables), environment, &source.stitch, progress)?;
     Ok(editor.into_world())
@@ -232,7 +232,7 @@ pub fn stitch_source(
 ///
 /// # Errors
 /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world without a place for a character.
-pub fn save(world: &mut WorldData, source: &Path, patches: &PatchTables, out: &Path) -> Result<u64, BuildError> {
+pub fn save(world: &mut WorldData, source: &Path, patches: &PatchTables, out: &Path) -> Result<u64> {
     let paths = WorldGraph::new(patches, &world.tables()).and_then(|graph| PathCosts::bake(&graph));
     let paths = paths.map_err(|e| BuildError::Stage {
         stage: STAGE,
@@ -249,7 +249,7 @@ pub fn save(world: &mut WorldData, source: &Path, patches: &PatchTables, out: &P
 ///
 /// # Errors
 /// [`BuildError::Stage`] that names both files.
-pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
+pub fn check_replaced(source: &Path, out: &Path) -> Result<()> {
     files::check_replaced(out, &WORLD_MAGIC, "a world")?;
     // A world that is damaged or of another version is useless, so it may be overwritten.
     let Ok(meta) = World::read_meta(out) else { return Ok(()) };
@@ -272,7 +272,7 @@ pub fn check_replaced(source: &Path, out: &Path) -> Result<(), BuildError> {
 }
 
 /// A file relative to the folder of another one, with `/` between the parts.
-fn seen_from(file: &Path, other: &Path) -> Result<String, BuildError> {
+fn seen_from(file: &Path, other: &Path) -> Result<String> {
     let real = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path));
     let folder = other.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let io = |source| BuildError::Io { path: file.to_path_buf(), source };

@@ -10,7 +10,7 @@ use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::report::SourcePerformer;
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, ImportError, Warnings};
+use throng_motion::error::{ImportError, Result, Warnings};
 use throng_motion::import::{self, ImportedClip, ImportedSet};
 use throng_motion::progress::Progress;
 use throng_motion::retarget;
@@ -55,11 +55,7 @@ pub struct FileLine {
 ///
 /// # Errors
 /// A path that yields no file; a bad profile; as the retarget, resample and annotate stages.
-pub fn inspect_all(
-    paths: &[PathBuf],
-    config: &BuildConfig,
-    progress: &dyn Progress,
-) -> Result<FolderReport, BuildError> {
+pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progress) -> Result<FolderReport> {
     let set = import::read_by(&|_, read| read(), paths, &config.import, progress)?;
     let mut warnings = Warnings::default();
     let clips = match set.clips.is_empty() {

@@ -11,8 +11,11 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use throng_core::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
+use throng_core::base::limits::LIVE_SPEED;
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::StopRequested;
 use throng_simulation::{CompiledScene, Simulation};
 
@@ -65,7 +68,7 @@ impl SceneServer {
     ///
     /// # Errors
     /// [`BuildError::Stage`] for such an address without that, and for one that is taken.
-    pub fn bind(address: SocketAddr, to_anyone: bool) -> Result<Self, BuildError> {
+    pub fn bind(address: SocketAddr, to_anyone: bool) -> Result<Self> {
         if !address.ip().is_loopback() && !to_anyone {
             let what = format!("{address}: expected an address of this machine alone, such as 127.0.0.1:0");
             return Err(serve_error(
@@ -82,7 +85,7 @@ impl SceneServer {
     ///
     /// # Errors
     /// [`BuildError::Stage`] with the message of the system.
-    pub fn address(&self) -> Result<SocketAddr, BuildError> {
+    pub fn address(&self) -> Result<SocketAddr> {
         self.0.local_addr().map_err(|e| serve_error(e.to_string(), "Choose another address"))
     }
 
@@ -90,12 +93,7 @@ impl SceneServer {
     ///
     /// # Errors
     /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
-    pub fn serve(
-        &self,
-        scene: &CompiledScene,
-        config: &LiveConfig,
-        stop: &AtomicBool,
-    ) -> Result<LiveReport, BuildError> {
+    pub fn serve(&self, scene: &CompiledScene, config: &LiveConfig, stop: &AtomicBool) -> Result<LiveReport> {
         let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
         SECONDS.check("seconds", None, seconds)?;
         STEP_HZ.check("step_hz", None, hz)?;
@@ -131,7 +129,7 @@ impl SceneServer {
     }
 }
 
-fn checked_message(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>, BuildError> {
+fn checked_message(message: std::io::Result<Vec<u8>>) -> Result<Vec<u8>> {
     message.map_err(|e| serve_error(format!("a message of more than 4 GB: {e}"), "Serve fewer characters"))
 }
 
@@ -177,7 +175,7 @@ impl LiveClients<'_> {
     }
 
     /// Sends the end message to all clients that receive the rest in time.
-    fn end_stream(mut self) -> Result<LiveReport, BuildError> {
+    fn end_stream(mut self) -> Result<LiveReport> {
         let (begin, end) = (Instant::now(), Arc::new(checked_message(message::end_message())?));
         let is_told = |c: &LiveClient| Arc::ptr_eq(&c.message, &end) && c.has_sent_all();
         while self.all.iter().any(|c| !is_told(c)) && begin.elapsed().as_secs_f64() < FAREWELL_S {

@@ -17,7 +17,7 @@ use throng_core::characters::{
 };
 use throng_core::policy::PolicyTable;
 use throng_core::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Medians over many rounds; nanoseconds of wall time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
@@ -53,8 +53,9 @@ pub struct CharactersFigures {
 /// Measures queries, sampling and steps.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a thread pool cannot be had.
-pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<CharactersFigures>, BuildError> {
+/// [`throng_motion::error::Result::Stage`] where the bundle has no behaviour, a number is out of range, or a
+/// thread pool cannot be had.
+pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<CharactersFigures>> {
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
     }
@@ -89,7 +90,7 @@ struct CharacterBench<'a> {
 }
 
 impl CharacterBench<'_> {
-    fn run(&self, threads: usize) -> Result<CharactersFigures, BuildError> {
+    fn run(&self, threads: usize) -> Result<CharactersFigures> {
         let n = self.characters as f64;
         let Some(policy) = self.motion_set.policy(0) else { return Err(fail("the bundle has no behaviour")) };
         let (control, lookahead, lookahead_actions) = self.measure_queries(policy)?;
@@ -123,7 +124,7 @@ impl CharacterBench<'_> {
     }
 
     /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
-    fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64), BuildError> {
+    fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64)> {
         let (states, targets) = random_queries(policy, self.characters);
         let batch = QueryBatch { policy, states: &states, targets: &targets, seconds: self.seconds };
         let single_load = batch.single_load_ns()?;
@@ -131,7 +132,7 @@ impl CharacterBench<'_> {
     }
 
     /// Time of sampling all characters at random places.
-    fn measure_sampling(&self) -> Result<f64, BuildError> {
+    fn measure_sampling(&self) -> Result<f64> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         let (n, share) = (self.characters, self.characters_per_task());
         let segments = &self.motion_set.graph().segments;
@@ -158,7 +159,7 @@ impl CharacterBench<'_> {
     }
 
     /// Time of a full step, averaged over a second of simulated time a round.
-    fn measure_step(&self, config: CharactersConfig) -> Result<f64, BuildError> {
+    fn measure_step(&self, config: CharactersConfig) -> Result<f64> {
         const STEPS: usize = 60;
         let mut rng = Pcg64Mcg::seed_from_u64(4);
         let num_states = self.motion_set.graph().states.len() as u32;
@@ -197,7 +198,7 @@ impl CharacterBench<'_> {
     }
 
     /// Time of a full step of people two metres apart who walk to places up to six metres away, and on to the next ones.
-    fn measure_avoiding_step(&self, avoid: Option<AvoidConfig>) -> Result<f64, BuildError> {
+    fn measure_avoiding_step(&self, avoid: Option<AvoidConfig>) -> Result<f64> {
         const STEPS: usize = 60;
         let wrong = |e: Error| fail(e.to_string());
         let motion = CharactersConfig { avoid, ..CharactersConfig::default() };

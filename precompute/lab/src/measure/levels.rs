@@ -8,10 +8,18 @@ use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::f32::consts::TAU;
 use std::time::Instant;
-use throng_core::base::limits::{CHARACTERS, MEASURING_S};
-use throng_core::characters::{CharacterStart, Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
-use throng_core::{Bundle, Error, Planar};
-use throng_motion::error::BuildError;
+use throng_core::base::limits::CHARACTERS;
+use throng_core::base::limits::MEASURING_S;
+use throng_core::characters::CharacterStart;
+use throng_core::characters::Characters;
+use throng_core::characters::CharactersConfig;
+use throng_core::characters::Detail;
+use throng_core::characters::MotionSet;
+use throng_core::characters::PolicyOrder;
+use throng_core::Bundle;
+use throng_core::Error;
+use throng_core::Planar;
+use throng_motion::error::Result;
 use throng_motion::memory::resident_bytes;
 
 /// Steps of a round, a second of simulated time.
@@ -38,8 +46,8 @@ pub struct LevelFigures {
 /// Measures steps at each level of detail.
 ///
 /// # Errors
-/// [`BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
-pub fn levels(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<LevelFigures>, BuildError> {
+/// [`throng_motion::error::BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
+pub fn levels(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<LevelFigures>> {
     let wrong = |e: Error| fail(e.to_string());
     if tables.policies().is_empty() {
         return Err(fail("the bundle has no behaviour"));
@@ -61,7 +69,7 @@ struct LevelTestCrowd<'a> {
 }
 
 impl<'a> LevelTestCrowd<'a> {
-    fn new(motion_set: &'a MotionSet, n: usize) -> Result<Self, BuildError> {
+    fn new(motion_set: &'a MotionSet, n: usize) -> Result<Self> {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
         let num_states = motion_set.graph().states.len() as u32;
         let side = 2.0 * (n as f32).sqrt();
@@ -84,7 +92,7 @@ impl<'a> LevelTestCrowd<'a> {
     }
 
     /// Time of a round (ns a character and step).
-    fn time_round(&mut self, detail: Option<Detail>) -> Result<f64, BuildError> {
+    fn time_round(&mut self, detail: Option<Detail>) -> Result<f64> {
         let wrong = |e: Error| fail(e.to_string());
         for order in &mut self.orders {
             let target = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
@@ -100,7 +108,7 @@ impl<'a> LevelTestCrowd<'a> {
         Ok(begin.elapsed().as_secs_f64() * 1e9 / (STEPS * self.orders.len()) as f64)
     }
 
-    fn measure(mut self, seconds: f64) -> Result<LevelFigures, BuildError> {
+    fn measure(mut self, seconds: f64) -> Result<LevelFigures> {
         let far = Detail { posed_m: 1e5, ..Detail::RECORDS };
         let mut times = [const { Vec::new() }; 3];
         let begin = Instant::now();

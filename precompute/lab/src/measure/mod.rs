@@ -10,7 +10,7 @@ pub use levels::{LevelFigures, levels};
 use serde::Serialize;
 use throng_bake::policy::made_up::{self, SyntheticProblem};
 use throng_core::Bundle;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use timing::run_in_pool;
 
 /// Precision of the made-up problem's values.
@@ -40,7 +40,7 @@ pub struct BundleMeasureReport {
 ///
 /// # Errors
 /// As [`characters`].
-pub fn measure(tables: &Bundle, config: &BundleMeasureConfig) -> Result<BundleMeasureReport, BuildError> {
+pub fn measure(tables: &Bundle, config: &BundleMeasureConfig) -> Result<BundleMeasureReport> {
     let results = characters(tables, config)?;
     let value_iteration = run_in_pool(1, || SyntheticProblem::default().measure(EPSILON))??;
     Ok(BundleMeasureReport { results, value_iteration })

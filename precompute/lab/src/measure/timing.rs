@@ -7,8 +7,13 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
-use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
+use throng_core::policy::BestActionJob;
+use throng_core::policy::LookAheadGoal;
+use throng_core::policy::LookAheadJob;
+use throng_core::policy::PolicyTable;
+use throng_core::policy::RankedActions;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// An error of a measurement, with a message.
 pub fn fail(message: impl Into<String>) -> BuildError {
@@ -19,7 +24,7 @@ pub fn fail(message: impl Into<String>) -> BuildError {
 ///
 /// # Errors
 /// [`BuildError::Stage`] where the pool's threads cannot be had.
-pub fn run_in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, BuildError> {
+pub fn run_in_pool<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| fail(e.to_string()))?;
     Ok(pool.install(work))
 }
@@ -72,7 +77,7 @@ impl QueryBatch<'_> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
-    pub fn single_load_ns(&self) -> Result<f64, BuildError> {
+    pub fn single_load_ns(&self) -> Result<f64> {
         let (policy, share) = (self.policy, self.characters_per_task());
         let mut actions = vec![0u8; self.states.len()];
         BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
@@ -92,7 +97,7 @@ impl QueryBatch<'_> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
-    pub fn look_ahead_ns(&self) -> Result<f64, BuildError> {
+    pub fn look_ahead_ns(&self) -> Result<f64> {
         let (policy, share) = (self.policy, self.characters_per_task());
         let weights = vec![1.0; self.states.len()];
         let mut ranked = vec![RankedActions::NONE; self.states.len()];

@@ -6,8 +6,12 @@ use crate::trial::{self, TrialConfig};
 use glam::{Quat, Vec3};
 use std::path::Path;
 use throng_base::maths;
-use throng_core::{Bundle, CharacterGroup, NUM_JOINTS, Planar};
+use throng_core::Bundle;
+use throng_core::CharacterGroup;
+use throng_core::NUM_JOINTS;
+use throng_core::Planar;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::export::{ActorPose, CrowdInstance, InstanceRecording, Take, TakeWriter};
 use throng_motion::progress::Progress;
 
@@ -17,7 +21,7 @@ pub fn perform_trial(
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
-) -> Result<Take, BuildError> {
+) -> Result<Take> {
     let (span, trial) = trial_span(bundle, trial, config)?;
     let (hz, who) = (f64::from(trial.step_hz), selected_numbers(config, trial.characters, "character")?);
     let actors = who.into_iter().map(|c| (c, format!("character {c}"), bundle.skeleton().clone())).collect();
@@ -31,11 +35,7 @@ pub fn perform_trial(
 }
 
 /// Recorded time span of a trial, and the trial, prolonged to whole steps.
-fn trial_span(
-    bundle: &Bundle,
-    trial: &TrialConfig,
-    config: &PerformConfig,
-) -> Result<(TakeSpan, TrialConfig), BuildError> {
+fn trial_span(bundle: &Bundle, trial: &TrialConfig, config: &PerformConfig) -> Result<(TakeSpan, TrialConfig)> {
     let span = TakeSpan::new(config, f64::from(trial.seconds), None)?;
     let hz = f64::from(trial.step_hz);
     let seconds = ((span.to_s * hz - TIME_TOLERANCE_S).ceil().max(1.0)) / hz;
@@ -60,7 +60,7 @@ pub fn record_instances(
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
-) -> Result<InstanceRecording, BuildError> {
+) -> Result<InstanceRecording> {
     let (span, trial) = trial_span(bundle, trial, config)?;
     let (step_hz, rate_hz) = (f64::from(trial.step_hz), config.rate_hz()?);
     let who = selected_numbers(config, trial.characters, "character")?;
@@ -105,12 +105,7 @@ fn playing_instance(bundle: &Bundle, segment: u32, frames: f32, root: Planar) ->
 }
 
 /// Takes the clips of a bundle as they are stored.
-pub fn perform_clips(
-    bundle: &Bundle,
-    config: &PerformConfig,
-    folder: &Path,
-    progress: &dyn Progress,
-) -> Result<Take, BuildError> {
+pub fn perform_clips(bundle: &Bundle, config: &PerformConfig, folder: &Path, progress: &dyn Progress) -> Result<Take> {
     if config.rate_hz.is_some() || config.from_s.is_some() || config.to_s.is_some() {
         let help = "Leave out --fps, --from and --to: clips are written whole, at the rate of the bundle";
         return Err(export_error("clips have times and a rate of their own", help));

@@ -10,8 +10,12 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use take_recorder::TakeRecorder;
 use throng_core::Bundle;
-use throng_core::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
+use throng_core::base::limits::EXPORT_HZ;
+use throng_core::base::limits::MOMENT_S;
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
 use throng_simulation::{CompiledScene, Simulation};
@@ -61,7 +65,7 @@ pub fn perform(
     config: &PerformConfig,
     folder: &Path,
     progress: &dyn Progress,
-) -> Result<Take, BuildError> {
+) -> Result<Take> {
     config.rate_hz()?;
     match show {
         PerformSource::Clips(bundle) => bundle::perform_clips(bundle, config, folder, progress),
@@ -90,7 +94,7 @@ pub fn perform(
 
 impl PerformConfig {
     /// Frames a second (Hz).
-    fn rate_hz(&self) -> Result<f64, BuildError> {
+    fn rate_hz(&self) -> Result<f64> {
         let hz = self.rate_hz.unwrap_or(FRAMES_HZ);
         EXPORT_HZ.check("fps", None, hz)?;
         Ok(hz)
@@ -112,7 +116,7 @@ impl TakeSpan {
     /// The time span of a config.
     ///
     /// - `end_s`: default end (s); `most_s`: latest possible end (s).
-    fn new(config: &PerformConfig, end_s: f64, most_s: Option<f64>) -> Result<Self, BuildError> {
+    fn new(config: &PerformConfig, end_s: f64, most_s: Option<f64>) -> Result<Self> {
         let (from_s, to_s) = (config.from_s.unwrap_or(0.0), config.to_s.unwrap_or(end_s));
         let help = "Give --from and --to in seconds, the earlier one first";
         let most = most_s.unwrap_or(SECONDS.most);
@@ -133,7 +137,7 @@ impl TakeSpan {
 }
 
 /// The selected numbers, out of `total`; `what` names one of them in messages.
-fn selected_numbers(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>, BuildError> {
+fn selected_numbers(config: &PerformConfig, total: usize, what: &str) -> Result<Vec<usize>> {
     let help = format!("Give --characters as 0..{}, or as a list such as 0,4,7..9", total.saturating_sub(1));
     if total == 0 {
         return Err(export_error(format!("there is no {what}"), "Name something else to export"));

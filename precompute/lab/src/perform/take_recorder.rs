@@ -4,6 +4,7 @@ use super::{PerformConfig, TIME_TOLERANCE_S, TakeSpan, export_error, selected_nu
 use std::path::Path;
 use throng_core::Skeleton;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::export::{ActorPose, Take, TakeWriter};
 use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Simulation};
@@ -29,7 +30,7 @@ impl<'a> TakeRecorder<'a> {
         config: &PerformConfig,
         folder: &'a Path,
         progress: &'a dyn Progress,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let rate_hz = config.rate_hz()?;
         let who: Vec<usize> = actors.iter().map(|a| a.0).collect();
         let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
@@ -46,7 +47,7 @@ impl<'a> TakeRecorder<'a> {
         span: TakeSpan,
         folder: &'a Path,
         progress: &'a dyn Progress,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let mut who = selected_numbers(config, sim.num_characters(), "character in the scene")?;
         let group = |c: usize| sim.groups().iter().find(|g| g.characters.contains(&c));
         let is_bare = |c: usize| group(c).is_none_or(|g| g.motion == GroupMotion::None);
@@ -69,19 +70,14 @@ impl<'a> TakeRecorder<'a> {
         Self::new(actors, span, config, folder, progress)
     }
 
-    pub fn observe_simulation(&mut self, sim: &Simulation, hz: f64) -> Result<(), BuildError> {
+    pub fn observe_simulation(&mut self, sim: &Simulation, hz: f64) -> Result<()> {
         self.observe(sim.time_s(), 1.0 / hz, |c| Some(ActorPose::from_model(sim.root(c)?, sim.pose(c)?)))
     }
 
     /// Observes a step.
     ///
     /// - `ahead_s`: time to the next step (s).
-    pub fn observe(
-        &mut self,
-        time_s: f64,
-        ahead_s: f64,
-        pose: impl Fn(usize) -> Option<ActorPose>,
-    ) -> Result<(), BuildError> {
+    pub fn observe(&mut self, time_s: f64, ahead_s: f64, pose: impl Fn(usize) -> Option<ActorPose>) -> Result<()> {
         let all = |who: &[usize]| who.iter().map(|&c| pose(c)).collect::<Vec<_>>();
         let mut now = None;
         loop {
@@ -114,7 +110,7 @@ impl<'a> TakeRecorder<'a> {
     /// Completes the take.
     ///
     /// - `ended_s`: when the run ended (s).
-    pub fn into_take(self, ended_s: f64) -> Result<Take, BuildError> {
+    pub fn into_take(self, ended_s: f64) -> Result<Take> {
         self.progress.end();
         if self.next == 0 {
             let what = format!("--from {}: the run has ended by {ended_s:.3} s", self.span.from_s);

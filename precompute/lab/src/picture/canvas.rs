@@ -3,7 +3,7 @@
 use super::colour::Colour;
 use glam::Vec2;
 use std::path::Path;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::files::write_atomically;
 use tiny_skia::{
     FillRule, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PremultipliedColorU8, Rect, Stroke, Transform,
@@ -42,7 +42,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`BuildError::Stage`] where the encoder refuses.
-    pub fn to_png(&self) -> Result<Vec<u8>, BuildError> {
+    pub fn to_png(&self) -> Result<Vec<u8>> {
         self.pixmap.encode_png().map_err(|e| BuildError::Stage {
             stage: "picture",
             message: format!("PNG encoding failed: {e}"),
@@ -54,7 +54,7 @@ impl Picture {
     ///
     /// # Errors
     /// [`BuildError::Io`] with the path where the folder is missing or not writable.
-    pub fn save_png(&self, path: &Path) -> Result<(), BuildError> {
+    pub fn save_png(&self, path: &Path) -> Result<()> {
         let png = self.to_png()?;
         write_atomically(path, |file| file.write_all(&png))
     }

@@ -8,8 +8,10 @@ use super::inhabited::inhabited_sheet;
 use super::sheet::sheet;
 use super::walkers::walkers_sheet;
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, WorldRecord, walk_styles, world_geometry};
-use throng_motion::error::BuildError;
-use throng_simulation::{CompiledScene, SceneGroup, Simulation};
+use throng_simulation::CompiledScene;
+use throng_simulation::SceneGroup;
+use throng_simulation::Simulation;
+use throng_motion::error::Result;
 
 /// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;
@@ -18,13 +20,13 @@ const APART_M: f32 = 0.9;
 /// Draws a scene that was run with [`crate::run::SceneRunConfig::recorded`].
 ///
 /// # Errors
-/// [`BuildError`] for a style or a world that cannot be shown.
+/// [`throng_motion::error::BuildError`] for a style or a world that cannot be shown.
 pub fn scene_sheet(
     compiled: &CompiledScene,
     sim: &Simulation,
     report: &SceneReport,
     record: &SceneRecord,
-) -> Result<Picture, BuildError> {
+) -> Result<Picture> {
     let scene = compiled.scene();
     let poses =
         |who: std::ops::Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<JointPositions>>();

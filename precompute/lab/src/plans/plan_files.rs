@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::{Clip, export, files};
 use throng_planner::task::{ActorClip, Attachment, Task, TaskEvent, TaskOutcome};
 
@@ -41,7 +41,7 @@ pub fn write_plan(
     outcome: &TaskOutcome,
     out: &Path,
     number: usize,
-) -> Result<Vec<PathBuf>, BuildError> {
+) -> Result<Vec<PathBuf>> {
     let (out, mut written) = (numbered_path(out, number), Vec::new());
     for (i, [before, after]) in outcome.clips.iter().enumerate() {
         if i > 0 && before == after {
@@ -66,7 +66,7 @@ pub fn write_plan(
     Ok(written)
 }
 
-fn save_clip(clip: &Clip, actor: &ActorClip, path: &Path) -> Result<(), BuildError> {
+fn save_clip(clip: &Clip, actor: &ActorClip, path: &Path) -> Result<()> {
     let raw = export::to_raw(clip, &actor.skeleton);
     files::write_atomically(path, |w| export::bvh::write_clip(&raw, w))
 }

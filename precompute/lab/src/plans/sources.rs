@@ -6,9 +6,13 @@ use std::path::{Path, PathBuf};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_core::base::text::did_you_mean;
-use throng_core::blend::{BlendSpace, axis};
-use throng_core::{Bundle, FormatError, NUM_JOINTS};
+use throng_core::blend::BlendSpace;
+use throng_core::blend::axis;
+use throng_core::Bundle;
+use throng_core::FormatError;
+use throng_core::NUM_JOINTS;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};
 use throng_planner::task::{ActorClip, ActorSource, ClipEntry, Task, WalkEntry, WalkError, WalkedTask};
@@ -70,7 +74,7 @@ pub fn load_sources(
     config: &BuildConfig,
     main: Option<ActorClip>,
     with: &BuildContext<'_>,
-) -> Result<TaskSources, BuildError> {
+) -> Result<TaskSources> {
     let (mut given, mut files) = (main, Vec::new());
     let mut of_each = Vec::new();
     for c in &task.characters {
@@ -90,7 +94,7 @@ pub fn load_sources(
     Ok(TaskSources { motions: of_each, rate_hz: config.resample.rate_hz, files })
 }
 
-fn blend_space(walk: &WalkEntry, with: &BuildContext<'_>) -> Result<BlendSpace, BuildError> {
+fn blend_space(walk: &WalkEntry, with: &BuildContext<'_>) -> Result<BlendSpace> {
     ensure_bundle(&walk.bundle, walk.config.as_deref(), with)?;
     let path = walk.bundle.display();
     let wrong = |e: FormatError| match e {
@@ -110,7 +114,7 @@ fn blend_space(walk: &WalkEntry, with: &BuildContext<'_>) -> Result<BlendSpace, 
     Ok(space)
 }
 
-fn task_clip(entry: &ClipEntry, config: &BuildConfig, with: &BuildContext<'_>) -> Result<ActorClip, BuildError> {
+fn task_clip(entry: &ClipEntry, config: &BuildConfig, with: &BuildContext<'_>) -> Result<ActorClip> {
     let whole = match (&entry.file, &entry.synth) {
         (Some(file), _) => file_clip(file, config, with.report_news)?,
         (None, Some(set)) => synthetic_clip(set, entry.clip.as_deref(), config.resample.rate_hz)?,
@@ -125,7 +129,7 @@ fn task_clip(entry: &ClipEntry, config: &BuildConfig, with: &BuildContext<'_>) -
 ///
 /// # Errors
 /// The file, and the place in it.
-pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Result<ActorClip, BuildError> {
+pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Result<ActorClip> {
     let raw: ImportedClip = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
     let set = pipeline::clips_of(&[raw], config, &mut warnings)?;
@@ -135,7 +139,7 @@ pub fn file_clip(file: &Path, config: &BuildConfig, tell: &dyn Fn(News)) -> Resu
     Ok(ActorClip { clip, skeleton })
 }
 
-fn synthetic_clip(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip, BuildError> {
+fn synthetic_clip(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorClip> {
     let set = SynthSet::from_name(set)?;
     let made = make_set(set, &SynthConfig { rate_hz, ..SynthConfig::for_set(set) })?;
     let names = || made.clips.iter().map(|c| c.name.as_str());
@@ -150,7 +154,7 @@ fn synthetic_clip(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorCl
 }
 
 /// Cuts a clip to the part from one time to another (s).
-fn cut_clip(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip, BuildError> {
+fn cut_clip(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorClip> {
     let ActorClip { clip, skeleton } = whole;
     let end_s = clip.num_frames().saturating_sub(1) as f64 / clip.rate_hz;
     let [first, last] = [from_s, to_s.unwrap_or(end_s)].map(|t| (t * clip.rate_hz).round());

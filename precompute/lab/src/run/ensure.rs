@@ -7,7 +7,9 @@ use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::stitch::{self, StitchKit, StitchReport, WorldSource};
 use throng_core::Bundle;
-use throng_motion::error::{BuildError, ImportError};
+use throng_motion::error::BuildError;
+use throng_motion::error::ImportError;
+use throng_motion::error::Result;
 use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Scene};
 use throng_world::World;
@@ -27,7 +29,7 @@ pub struct BuildContext<'a> {
 ///
 /// # Errors
 /// As building or stitching; [`BuildError::Config`] for a missing bundle without a config.
-pub fn ensure_scene(scene: &Scene, with: &BuildContext<'_>) -> Result<(), BuildError> {
+pub fn ensure_scene(scene: &Scene, with: &BuildContext<'_>) -> Result<()> {
     for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None) {
         let (Some(bundle), config) = scene.bundle_of(g) else { continue };
         ensure_bundle(bundle, config, with)?;
@@ -52,7 +54,7 @@ pub fn is_complete(scene: &Scene) -> bool {
 ///
 /// # Errors
 /// As [`ensure_scene`].
-pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'_>) -> Result<(), BuildError> {
+pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'_>) -> Result<()> {
     if bundle.exists() {
         return Ok(());
     }
@@ -81,7 +83,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'
 ///
 /// # Errors
 /// As [`pipeline::build_possible`].
-pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &BuildContext<'_>) -> Result<PathBuf, BuildError> {
+pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &BuildContext<'_>) -> Result<PathBuf> {
     let config = BuildConfig::of_motion(motion_name(inputs), inputs.to_vec())?;
     with.progress.enter_stage("hash");
     let kept = pipeline::kept_bundle(&config, with.cache)?;
@@ -135,7 +137,7 @@ pub fn ensure_world(
     tables: &Bundle,
     out: &Path,
     with: &BuildContext<'_>,
-) -> Result<Option<StitchReport>, BuildError> {
+) -> Result<Option<StitchReport>> {
     let kit = StitchKit::new(tables, &source.bundle)?;
     let hash = source.hash(&kit.library(tables), file)?;
     if World::open(out, tables).is_ok_and(|world| world.meta().source_hash == hash) {

@@ -3,11 +3,17 @@
 use super::report::{ObservedStep, config_error, play_scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use throng_core::base::file::{MAX_TEXT_BYTES, read_file};
-use throng_core::base::limits::{SECONDS, STEP_HZ};
-use throng_core::base::{Error, SnapshotKind};
+use throng_core::base::file::MAX_TEXT_BYTES;
+use throng_core::base::file::read_file;
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
+use throng_core::base::Error;
+use throng_core::base::SnapshotKind;
 use throng_motion::error::BuildError;
-use throng_simulation::{CompiledScene, Scene, Simulation};
+use throng_simulation::CompiledScene;
+use throng_simulation::Scene;
+use throng_simulation::Simulation;
+use throng_motion::error::Result;
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
 
@@ -33,7 +39,7 @@ impl RunRecording {
     ///
     /// # Errors
     /// [`BuildError::Config`] for a scene that cannot be written, such as one with a seed above 2^63.
-    pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self, BuildError> {
+    pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self> {
         let scene = compiled.scene();
         let text = toml::to_string(scene)
             .map_err(|e| BuildError::Config { message: format!("scene \"{}\" cannot be recorded: {e}", scene.name) })?;
@@ -60,7 +66,7 @@ impl RunRecording {
     ///
     /// # Errors
     /// [`BuildError::Config`] for a file that is damaged or no recording.
-    pub fn load(path: &Path) -> Result<Self, BuildError> {
+    pub fn load(path: &Path) -> Result<Self> {
         let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(config_error)?;
         Self::parse(&bytes).map_err(|e| {
             let why = match e {
@@ -86,7 +92,7 @@ impl RunRecording {
     ///
     /// # Errors
     /// As [`Scene::parse_written`].
-    pub fn scene(&self) -> Result<Scene, BuildError> {
+    pub fn scene(&self) -> Result<Scene> {
         Scene::parse_written(&self.scene).map_err(config_error)
     }
 
@@ -95,7 +101,7 @@ impl RunRecording {
     /// # Errors
     /// As [`Simulation::new`]; [`BuildError::Config`] if bundles have changed, this version of Throng computes other states, or
     /// the time lies beyond the end.
-    pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation, BuildError> {
+    pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation> {
         if let Some(until_s) = until_s.filter(|t| !(0.0..self.seconds + 0.01).contains(t)) {
             let message =
                 format!("expected a time of 0 to {:.2} s, where the recording ends, found {until_s}", self.seconds);
@@ -109,8 +115,8 @@ impl RunRecording {
         &self,
         compiled: &CompiledScene,
         until_s: Option<f64>,
-        mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
-    ) -> Result<Simulation, BuildError> {
+        mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<()>,
+    ) -> Result<Simulation> {
         let differs = |what: &str| {
             let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
             BuildError::Config { message }

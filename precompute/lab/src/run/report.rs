@@ -9,12 +9,21 @@ use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
 use throng_base::clock::thread_cpu_s;
-use throng_core::base::limits::{SECONDS, STEP_HZ, THREADS};
-use throng_core::{Error, Executor, Inline, Rayon};
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
+use throng_core::base::limits::THREADS;
+use throng_core::Error;
+use throng_core::Executor;
+use throng_core::Inline;
+use throng_core::Rayon;
 use throng_crowd::Space;
 use throng_motion::error::BuildError;
 use throng_simulation::agents::SceneAgents;
-use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
+use throng_simulation::AnyCharacterGroup;
+use throng_simulation::CompiledScene;
+use throng_simulation::MotionKind;
+use throng_simulation::Simulation;
+use throng_motion::error::Result;
 
 /// Samples of agents a simulated second (Hz).
 pub(super) const SAMPLE_HZ: f64 = 30.0;
@@ -79,10 +88,7 @@ pub(super) fn scene_error(message: String) -> BuildError {
 ///
 /// # Errors
 /// As [`Simulation::new`] and [`Simulation::step`], or [`BuildError::Stage`] for a config out of range.
-pub fn run(
-    scene: &CompiledScene,
-    config: &SceneRunConfig,
-) -> Result<(SceneReport, SceneRecord, Simulation), BuildError> {
+pub fn run(scene: &CompiledScene, config: &SceneRunConfig) -> Result<(SceneReport, SceneRecord, Simulation)> {
     run_recorded(scene, config, None)
 }
 
@@ -94,7 +100,7 @@ pub fn run_recorded(
     scene: &CompiledScene,
     config: &SceneRunConfig,
     mut recording: Option<&mut RunRecording>,
-) -> Result<(SceneReport, SceneRecord, Simulation), BuildError> {
+) -> Result<(SceneReport, SceneRecord, Simulation)> {
     let (seconds, hz) = (config.seconds.unwrap_or(scene.scene().seconds), config.step_hz);
     SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     STEP_HZ.check("step_hz", None, hz).map_err(config_error)?;
@@ -157,8 +163,8 @@ pub(crate) fn play_scene(
     seconds: f64,
     hz: f64,
     until_s: f64,
-    mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<(), BuildError>,
-) -> Result<f64, BuildError> {
+    mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<()>,
+) -> Result<f64> {
     let steps = (seconds * hz).round().max(1.0) as usize;
     let mut busy_s = 0.0;
     for step in 0..=steps {
@@ -187,7 +193,7 @@ pub(crate) fn play_scene(
 ///
 /// # Errors
 /// As [`run`], and [`BuildError::Stage`] for a scene of other characters, or two runs that differ.
-pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<SceneFigures, BuildError> {
+pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -> Result<SceneFigures> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
     SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     THREADS.check_count("threads", threads).map_err(config_error)?;
@@ -213,7 +219,7 @@ fn measure_agents<V: Space>(
     scene: &CompiledScene,
     seconds: f64,
     threads: usize,
-) -> Result<SceneFigures, BuildError> {
+) -> Result<SceneFigures> {
     let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
     let mut alone = live.clone();
     let (begin, running) = (Instant::now(), (threads == 1).then(thread_cpu_s).flatten());
@@ -249,7 +255,7 @@ fn measure_agents<V: Space>(
 ///
 /// # Errors
 /// As [`StitchKit::new`], or [`BuildError::Stage`] for a group without a world.
-pub fn world_geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeometry, BuildError> {
+pub fn world_geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeometry> {
     let bundle = scene.bundle(group).map_err(config_error)?;
     let (Some(world), (Some(path), _)) = (scene.world(group), scene.scene().bundle_of(group)) else {
         return Err(scene_error(format!("group {group} is in no world")));

@@ -6,10 +6,15 @@ use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
 use throng_core::base::limits::THREADS;
-use throng_core::{Executor, Inline, Rayon};
+use throng_core::Executor;
+use throng_core::Inline;
+use throng_core::Rayon;
 use throng_geometry::Bounds2d;
 use throng_motion::error::BuildError;
-use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
+use throng_simulation::AnyCharacterGroup;
+use throng_simulation::CompiledScene;
+use throng_simulation::Simulation;
+use throng_motion::error::Result;
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;
@@ -77,7 +82,7 @@ pub fn measure_scenario(
     seconds: Option<f64>,
     threads: usize,
     count: &(dyn Fn() -> Option<u64> + Sync),
-) -> Result<ScenarioFigures, BuildError> {
+) -> Result<ScenarioFigures> {
     THREADS.check_count("threads", threads).map_err(config_error)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
@@ -89,7 +94,7 @@ fn measure_in_pool(
     seconds: Option<f64>,
     threads: usize,
     count: &dyn Fn() -> Option<u64>,
-) -> Result<ScenarioFigures, BuildError> {
+) -> Result<ScenarioFigures> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
     let begin = Instant::now();
     scene.scene().compile_story().map_err(config_error)?;

@@ -8,7 +8,7 @@ use throng_base::Comm;
 use throng_base::clock::thread_cpu_s;
 use throng_base::limits::SECONDS;
 use throng_crowd::Crowd;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::memory;
 use throng_motion::progress::Progress;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
@@ -60,13 +60,14 @@ pub struct RankFigures {
 /// - returns the figures on rank 0.
 ///
 /// # Errors
-/// [`BuildError::Stage`] for a scene in which agents have more than goals, or other characters; as [`Crowd::advance`].
+/// [`throng_motion::error::BuildError::Stage`] for a scene in which agents have more than goals, or other characters;
+/// as [`Crowd::advance`].
 pub fn run_shared(
     scene: &CompiledScene,
     seconds: Option<f64>,
     comm: &dyn Comm,
     progress: &dyn Progress,
-) -> Result<Option<SharedFigures>, BuildError> {
+) -> Result<Option<SharedFigures>> {
     let seconds = seconds.unwrap_or(scene.scene().seconds);
     SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     let crowd = crowd_of(scene)?;
@@ -126,7 +127,7 @@ pub fn run_shared(
 }
 
 /// The crowd of a scene whose agents only have goals.
-fn crowd_of(scene: &CompiledScene) -> Result<Crowd, BuildError> {
+fn crowd_of(scene: &CompiledScene) -> Result<Crowd> {
     if scene.scenario().is_some() {
         return Err(scene_error("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
     }

@@ -2,11 +2,17 @@
 
 use super::report::config_error;
 use glam::{Vec2, Vec3};
-use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_core::{Bundle, CharacterGroup, Inline, NUM_JOINTS};
-use throng_motion::error::BuildError;
+use throng_core::walkers::Control;
+use throng_core::walkers::WalkerStart;
+use throng_core::walkers::Walkers;
+use throng_core::walkers::WalkersConfig;
+use throng_core::Bundle;
+use throng_core::CharacterGroup;
+use throng_core::Inline;
+use throng_core::NUM_JOINTS;
 use throng_simulation::CompiledScene;
 use throng_simulation::scene::PictureStyle;
+use throng_motion::error::Result;
 
 /// One style on the shown path.
 #[derive(Clone, Debug)]
@@ -23,8 +29,8 @@ pub struct StyleWalk {
 /// - `apart_m`: distance along the path between recorded moments (m).
 ///
 /// # Errors
-/// [`BuildError::Config`] for a blend space that the bundle does not have.
-pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>, BuildError> {
+/// [`throng_motion::error::BuildError::Config`] for a blend space that the bundle does not have.
+pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result<Vec<StyleWalk>> {
     let groups = &scene.scene().groups;
     let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.find_bundle(g)) else {
         return Ok(Vec::new());
@@ -40,7 +46,7 @@ fn walk_style(
     style: &PictureStyle,
     length_m: f32,
     apart_m: f32,
-) -> Result<StyleWalk, BuildError> {
+) -> Result<StyleWalk> {
     const DT_S: f32 = 1.0 / 120.0;
     /// Distance walked before the path begins, so that the gait is steady (m).
     const RUN_UP_M: f32 = 4.0;

@@ -13,11 +13,16 @@ use glam::{Vec2, Vec3};
 use partners::PartnerMeter;
 use throng_core::blend::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
-use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
-use throng_motion::error::BuildError;
+use throng_core::BodyVolume;
+use throng_core::Joint;
+use throng_core::NUM_JOINTS;
+use throng_core::PosedBody;
 use throng_simulation::scene::engine;
 use throng_simulation::sparring::BlowTally;
-use throng_simulation::{AnyCharacterGroup, GroupMotion, Simulation};
+use throng_simulation::AnyCharacterGroup;
+use throng_simulation::GroupMotion;
+use throng_simulation::Simulation;
+use throng_motion::error::Result;
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -50,7 +55,7 @@ pub struct SceneWatch {
 
 impl SceneWatch {
     /// A watch without observations.
-    pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self, BuildError> {
+    pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self> {
         let mut watch = Self {
             groups: groups.to_vec(),
             feet: SlipMeter::new(sim.num_characters()),

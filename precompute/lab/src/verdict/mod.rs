@@ -15,7 +15,7 @@ use throng_bake::examples::BlendReport;
 use throng_bake::policy::{self, BehaviourKind, promise};
 use throng_core::Bundle;
 use throng_core::characters::CharactersConfig;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::stance::{self, StanceReport};
 
 /// Most unused clips that are named.
@@ -51,7 +51,7 @@ pub struct Verdict {
 ///
 /// # Errors
 /// As [`trial::run`].
-pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>, BuildError> {
+pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialReport, Verdict)>> {
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
     // Behaviours that the motion does not allow are not in the bundle.
     let first = tables.meta().behaviours.first();

@@ -1,7 +1,7 @@
 //! Foot contacts by height and speed, with hysteresis.
 
 use crate::clip::{Clip, runs_where};
-use crate::error::{BuildError, check_ranges};
+use crate::error::{Result, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -58,8 +58,8 @@ impl ContactConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
-    pub fn check(&self) -> Result<(), BuildError> {
+    /// [`crate::error::BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<()> {
         let lengths = [("height_on", self.height_on, 0.0, self.height_off), ("height_off", self.height_off, 0.0, 10.0)];
         let speeds = [
             ("speed_on", self.speed_on, 0.0, self.speed_off),

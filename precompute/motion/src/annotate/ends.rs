@@ -2,7 +2,7 @@
 
 use super::contacts::speeds;
 use crate::clip::{Clip, Exclusion, ExclusionReason};
-use crate::error::{BuildError, check_ranges};
+use crate::error::{Result, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -36,8 +36,8 @@ impl EndsConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
-    pub fn check(&self) -> Result<(), BuildError> {
+    /// [`crate::error::BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<()> {
         check_ranges(
             [
                 ("t_pose_within", self.t_pose_within, 0.0, 1e4),

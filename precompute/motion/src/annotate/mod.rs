@@ -7,7 +7,7 @@ mod sanity;
 pub mod sidecar;
 
 use crate::clip::{Clip, ClipSet, Exclusion, FrameRange};
-use crate::error::BuildError;
+use crate::error::Result;
 use crate::mirror;
 pub use contacts::{ContactConfig, GroundShape};
 pub use ends::EndsConfig;
@@ -35,8 +35,8 @@ impl AnnotateConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
-    pub fn check(&self) -> Result<(), BuildError> {
+    /// [`crate::error::BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<()> {
         self.contacts.check().map_err(|e| e.within_key("contacts"))?;
         self.ends.check().map_err(|e| e.within_key("ends"))?;
         self.hits.check().map_err(|e| e.within_key("hits"))
@@ -49,9 +49,10 @@ impl AnnotateConfig {
 /// annotations, sides exchanged.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there, or of a range
+/// [`crate::error::BuildError::Config`] for a setting outside its limits, for a sidecar of a clip that is not there,
+/// or of a range
 /// or hit outside its clip.
-pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet, BuildError> {
+pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet> {
     cfg.check().map_err(|e| e.within_key("annotate"))?;
     sidecars.check_names(clips.clips.iter().map(sidecar::original_name))?;
     let annotated: Vec<Clip> = clips
@@ -79,12 +80,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
     Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: out })
 }
 
-fn annotate_clip(
-    clip: &Clip,
-    skeleton: &Skeleton,
-    cfg: &AnnotateConfig,
-    sidecars: &Sidecars,
-) -> Result<Clip, BuildError> {
+fn annotate_clip(clip: &Clip, skeleton: &Skeleton, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<Clip> {
     let mut out = clip.clone();
     out.contacts = contacts::detect_contacts(clip, skeleton, &cfg.contacts);
     let mut excluded = clip.excluded.clone();

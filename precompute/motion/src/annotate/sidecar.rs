@@ -25,7 +25,7 @@ mod tests;
 
 use super::hits::HitMark;
 use crate::clip::{Clip, ClipTag, Exclusion, ExclusionReason, FrameRange};
-use crate::error::BuildError;
+use crate::error::{BuildError, Result};
 use crate::import::{ImportedClip, ImportedSet, archive, clip_in_file};
 use crate::mirror;
 pub use hit::SidecarHit;
@@ -155,11 +155,11 @@ impl Sidecar {
     ///
     /// # Errors
     /// [`BuildError::Config`] with file, line and key.
-    pub fn parse(text: &str, origin: &str) -> Result<Self, BuildError> {
+    pub fn parse(text: &str, origin: &str) -> Result<Self> {
         Self::from_source(&TomlSource::new(text, Path::new(origin)))
     }
 
-    fn from_source(source: &TomlSource) -> Result<Self, BuildError> {
+    fn from_source(source: &TomlSource) -> Result<Self> {
         let sidecar: Self = source.parse(
             "Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, `[[hits]]` with name, \
              joint, at, and `automatic_hits`.",
@@ -173,7 +173,7 @@ impl Sidecar {
     ///
     /// # Errors
     /// [`BuildError::Key`] for the first of them.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         let fault = |list: &str, i: usize, what: String| Err(BuildError::key(format!("{list}[{i}]"), what));
         let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
         let lists = [("exclude", self.exclude.len()), ("tags", self.tags.len()), ("hits", self.hits.len())];
@@ -229,7 +229,7 @@ impl Sidecars {
         sidecar: Sidecar,
         source_rate_hz: f64,
         file: Option<&Path>,
-    ) -> Result<(), BuildError> {
+    ) -> Result<()> {
         sidecar.check().map_err(|e| match file {
             Some(file) => e.in_file(file),
             None => e.within_key(&format!("clips.{clip_name}")),
@@ -243,7 +243,7 @@ impl Sidecars {
     ///
     /// # Errors
     /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
-    pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
+    pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool> {
         let path = file.with_extension("toml");
         if archive::split(&path).is_some() {
             return self.insert_packed(clip_name, &path, source_rate_hz);
@@ -261,7 +261,7 @@ impl Sidecars {
     }
 
     /// Adds a sidecar in an archive, as [`Sidecars::insert_beside`] does a file.
-    fn insert_packed(&mut self, clip_name: &str, path: &Path, source_rate_hz: f64) -> Result<bool, BuildError> {
+    fn insert_packed(&mut self, clip_name: &str, path: &Path, source_rate_hz: f64) -> Result<bool> {
         if !archive::is_file(path) {
             return Ok(false);
         }
@@ -277,7 +277,7 @@ impl Sidecars {
     ///
     /// # Errors
     /// As [`Sidecars::insert`] and [`Sidecars::insert_beside`]; a sidecar of a clip that is not there.
-    pub fn collect(raw: &ImportedSet, names: &[String], table: &BTreeMap<String, Sidecar>) -> Result<Self, BuildError> {
+    pub fn collect(raw: &ImportedSet, names: &[String], table: &BTreeMap<String, Sidecar>) -> Result<Self> {
         let mut out = Self::default();
         let mut rates = BTreeMap::new();
         for (ImportedClip { clip, .. }, name) in raw.clips.iter().zip(names) {
@@ -300,7 +300,7 @@ impl Sidecars {
     }
 
     /// Refuses sidecars of clips that are not there.
-    pub(super) fn check_names<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<(), BuildError> {
+    pub(super) fn check_names<'a>(&self, names: impl Iterator<Item = &'a str>) -> Result<()> {
         let names: BTreeSet<&str> = names.collect();
         let Some((name, entry)) = self.entries.iter().find(|(name, _)| !names.contains(name.as_str())) else {
             return Ok(());
@@ -317,7 +317,7 @@ impl Sidecars {
     ///
     /// # Errors
     /// [`BuildError::Config`] for a range or hit that begins after the clip's end.
-    pub(super) fn annotations_of(&self, clip: &Clip) -> Result<SidecarAnnotations, BuildError> {
+    pub(super) fn annotations_of(&self, clip: &Clip) -> Result<SidecarAnnotations> {
         let Some(entry) = self.entries.get(original_name(clip)) else { return Ok(SidecarAnnotations::default()) };
         let n = clip.num_frames();
         let per_unit = match entry.sidecar.unit {
@@ -325,7 +325,7 @@ impl Sidecars {
             TimeUnit::Frames => clip.rate_hz / entry.source_rate_hz,
         };
         let place = |key: &str| SidecarPlace::new(entry.file.as_deref(), original_name(clip), key);
-        let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange, BuildError> {
+        let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange> {
             let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
             let range = at(start)..at(end);
             if range.start >= n {
@@ -365,7 +365,7 @@ impl Sidecars {
 }
 
 /// Refuses a sidecar beside a file of several clips.
-fn refuse_beside(file: &Path, clip: &str) -> Result<(), BuildError> {
+fn refuse_beside(file: &Path, clip: &str) -> Result<()> {
     let sidecar = file.with_extension("toml");
     if !archive::is_file(&sidecar) {
         return Ok(());

@@ -1,7 +1,7 @@
 //! Formats that hold one character: a file for each.
 
 use super::Take;
-use crate::error::BuildError;
+use crate::error::Result;
 use crate::files::write_atomically;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ pub fn write_each_actor(
     take: &Take,
     out: &Path,
     write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
-) -> Result<Vec<PathBuf>, BuildError> {
+) -> Result<Vec<PathBuf>> {
     let there = (0..take.actors().len()).filter(|&a| !take.actors()[a].present_frames.is_empty());
     let file_of = |a: usize| match take.actors() {
         [_] => out.to_path_buf(),

@@ -1,7 +1,7 @@
 //! Settings by which users override what import detects.
 
 use super::glitches::Glitches;
-use crate::error::{BuildError, check_ranges};
+use crate::error::{Result, check_ranges};
 use std::path::PathBuf;
 
 /// The axis of a source that points up.
@@ -83,8 +83,8 @@ impl ImportConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of it.
-    pub fn check(&self) -> Result<(), BuildError> {
+    /// [`crate::error::BuildError::Key`] names the first one out of it.
+    pub fn check(&self) -> Result<()> {
         check_ranges([
             ("metres_per_unit", self.metres_per_unit.unwrap_or(1.0), 1e-6, 1e6),
             ("rate_hz", self.rate_hz.unwrap_or(1.0), 0.1, 1e5),

@@ -16,7 +16,7 @@ mod transfer;
 mod wear;
 
 use crate::clip::ClipSet;
-use crate::error::{BuildError, Warnings};
+use crate::error::{BuildError, Result, Warnings};
 use crate::import::ImportedClip;
 use crate::raw::{RawClip, RawJoint};
 use body::SourceBody;
@@ -82,7 +82,7 @@ impl RetargetConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] for a name that is no joint, an offset that is too long, or a leg without length.
-    pub fn check(&self) -> Result<(), BuildError> {
+    pub fn check(&self) -> Result<()> {
         match &self.proportions {
             Proportions::Explicit(explicit) => explicit.skeleton().map(|_| ()),
             _ => Ok(()),
@@ -95,7 +95,7 @@ impl ExplicitProportions {
     ///
     /// # Errors
     /// [`BuildError::Config`] for a name that is no joint, or a leg without length.
-    fn skeleton(&self) -> Result<Skeleton, BuildError> {
+    fn skeleton(&self) -> Result<Skeleton> {
         let mut out = Skeleton::default();
         for (name, offset) in &self.offsets {
             let key = || format!("retarget.proportions.explicit.offsets.{name}");
@@ -126,22 +126,14 @@ impl ExplicitProportions {
 /// # Errors
 /// [`BuildError::Stage`] when a clip has no hips, thighs, shins or feet, or no legs to measure, and
 /// [`BuildError::Config`] for explicit proportions that are not a body.
-pub fn retarget_clips(
-    clips: &[ImportedClip],
-    cfg: &RetargetConfig,
-    warnings: &mut Warnings,
-) -> Result<ClipSet, BuildError> {
+pub fn retarget_clips(clips: &[ImportedClip], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet> {
     let sources: Vec<RetargetSource> = clips.iter().map(RetargetSource::from).collect();
     let mut set = retarget_sources(&sources, cfg, warnings)?;
     set.clips.iter_mut().zip(clips).for_each(|(clip, imported)| plan::leave_out_glitches(clip, imported));
     Ok(set)
 }
 
-fn retarget_sources(
-    sources: &[RetargetSource],
-    cfg: &RetargetConfig,
-    warnings: &mut Warnings,
-) -> Result<ClipSet, BuildError> {
+fn retarget_sources(sources: &[RetargetSource], cfg: &RetargetConfig, warnings: &mut Warnings) -> Result<ClipSet> {
     let provider = provide_from_memory(sources);
     let mut plan = RetargetPlan::new(sources, &*provider, cfg, warnings)?;
     for p in 0..plan.performers.len() {
@@ -158,11 +150,11 @@ fn retarget_sources(
 ///
 /// # Errors
 /// Errors of [`retarget_clips`].
-pub fn skeleton_of(clip: &ImportedClip) -> Result<Skeleton, BuildError> {
+pub fn skeleton_of(clip: &ImportedClip) -> Result<Skeleton> {
     own_skeleton(clip.into())
 }
 
-fn own_skeleton(source: RetargetSource) -> Result<Skeleton, BuildError> {
+fn own_skeleton(source: RetargetSource) -> Result<Skeleton> {
     check_roles(&source)?;
     let body = SourceBody::measure(&[source]);
     check_legs(&source, &body)?;
@@ -208,7 +200,7 @@ fn same_rig(a: &RetargetSource, b: &RetargetSource) -> bool {
 }
 
 /// Checks the roles without which nothing can be retargeted.
-fn check_roles(source: &RetargetSource) -> Result<(), BuildError> {
+fn check_roles(source: &RetargetSource) -> Result<()> {
     use Joint::*;
     let fail =
         |message: String, help: &str| Err(BuildError::Stage { stage: "retarget", message, help: help.to_string() });
@@ -231,7 +223,7 @@ fn check_roles(source: &RetargetSource) -> Result<(), BuildError> {
     )
 }
 
-fn check_legs(source: &RetargetSource, body: &SourceBody) -> Result<(), BuildError> {
+fn check_legs(source: &RetargetSource, body: &SourceBody) -> Result<()> {
     if body.leg_length() > 0.05 {
         return Ok(());
     }

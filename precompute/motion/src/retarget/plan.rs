@@ -7,7 +7,7 @@ use super::names::unique_names;
 use super::transfer::{RetargetedMotion, transfer_motion};
 use super::{Proportions, RetargetConfig, check_legs, check_roles, ground, group_by_skeleton, proportions};
 use crate::clip::{Clip, Exclusion, ExclusionReason};
-use crate::error::{BuildError, Warnings};
+use crate::error::{Result, Warnings};
 use crate::import::{Glitch, GlitchTreatment, ImportedClip};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -101,7 +101,7 @@ fn select_measured_clips(clips: &[usize], sources: &[RetargetSource]) -> Vec<usi
 }
 
 /// Passes the clips at some indices, with their motion, to a function that examines them.
-pub type ClipProvider<'a> = dyn Fn(&[usize], &mut dyn FnMut(&[RetargetSource])) -> Result<(), BuildError> + Sync + 'a;
+pub type ClipProvider<'a> = dyn Fn(&[usize], &mut dyn FnMut(&[RetargetSource])) -> Result<()> + Sync + 'a;
 
 /// A [`ClipProvider`] of clips whose motion is in memory.
 pub fn provide_from_memory<'a>(sources: &'a [RetargetSource<'a>]) -> Box<ClipProvider<'a>> {
@@ -124,7 +124,7 @@ impl RetargetPlan {
         provider: &ClipProvider<'_>,
         cfg: &RetargetConfig,
         warnings: &mut Warnings,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         sources.iter().try_for_each(check_roles)?;
         let groups = group_by_skeleton(sources);
         let measured = |clips: &Vec<usize>| {
@@ -134,8 +134,7 @@ impl RetargetPlan {
             })?;
             Ok(performer)
         };
-        let performers: Vec<Option<SkeletonGroup>> =
-            groups.par_iter().map(measured).collect::<Result<_, BuildError>>()?;
+        let performers: Vec<Option<SkeletonGroup>> = groups.par_iter().map(measured).collect::<Result<_>>()?;
         let performers: Vec<SkeletonGroup> = performers.into_iter().flatten().collect();
         for (clips, performer) in groups.iter().zip(&performers) {
             check_legs(&sources[clips[0]], &performer.body)?;
@@ -158,7 +157,7 @@ impl RetargetPlan {
     }
 
     /// The floor that the first clips of a source skeleton show.
-    pub fn find_floor(&self, performer: usize, provider: &ClipProvider<'_>) -> Result<Floor, BuildError> {
+    pub fn find_floor(&self, performer: usize, provider: &ClipProvider<'_>) -> Result<Floor> {
         let (p, mut floor) = (&self.performers[performer], Floor::default());
         if !self.align_ground {
             return Ok(floor);
@@ -176,7 +175,7 @@ impl RetargetPlan {
     }
 
     /// Sets the floor of a source skeleton; where it was tilted, the body is measured again, upright.
-    pub fn set_floor(&mut self, performer: usize, floor: Floor, provider: &ClipProvider<'_>) -> Result<(), BuildError> {
+    pub fn set_floor(&mut self, performer: usize, floor: Floor, provider: &ClipProvider<'_>) -> Result<()> {
         let p = &mut self.performers[performer];
         if let Some(turn) = floor.turn {
             let mut turned = None;

@@ -6,7 +6,7 @@ use super::legs::LegTransfer;
 use super::proportions;
 use super::transfer::{SHOULDERS, clavicle_rotation};
 use super::{check_legs, check_roles};
-use crate::error::BuildError;
+use crate::error::Result;
 use crate::import::ImportedClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
@@ -34,8 +34,8 @@ impl BodyFit {
     /// Measures a body by its rest pose.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] for a body without hips, thighs, shins or feet, or without legs to measure.
-    pub fn new(body: &ImportedClip) -> Result<Self, BuildError> {
+    /// [`crate::error::BuildError::Stage`] for a body without hips, thighs, shins or feet, or without legs to measure.
+    pub fn new(body: &ImportedClip) -> Result<Self> {
         let source: RetargetSource = body.into();
         check_roles(&source)?;
         let body = SourceBody::measure(&[source]);

@@ -3,7 +3,7 @@
 use super::moved_joints::ScaledWearer;
 use super::surface::FigureSurface;
 use super::{HELP, Wearer};
-use crate::error::BuildError;
+use crate::error::Result;
 use crate::import::ImportConfig;
 use crate::import::gltf;
 use crate::import::source::content_error;
@@ -38,7 +38,7 @@ impl SkinnedFigure {
     ///
     /// # Errors
     /// As [`Wearer::open`], and for meshes that cannot be read.
-    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self> {
         let wearer = Wearer::open(path, config)?;
         let all = wearer.nodes();
         let mut places = vec![None; wearer.document.nodes.len()];

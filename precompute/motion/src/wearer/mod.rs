@@ -10,7 +10,7 @@ mod figure;
 mod moved_joints;
 mod surface;
 
-use crate::error::{BuildError, ImportError};
+use crate::error::{BuildError, ImportError, Result};
 use crate::export::scratch::TrackScratch;
 use crate::export::{Glb, Take};
 use crate::import::gltf::{self, AccessorReader, GltfDocument};
@@ -61,7 +61,7 @@ impl Wearer {
     ///
     /// # Errors
     /// [`BuildError::Import`] for a file without a skin, of several people, of none, or that lies in several files.
-    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self> {
         Self::parse(&archive::read_file(path, "a character", MAX_MOTION_BYTES)?, path, config)
     }
 
@@ -69,7 +69,7 @@ impl Wearer {
     ///
     /// # Errors
     /// Errors of [`Wearer::open`].
-    pub fn parse(bytes: &[u8], path: &Path, config: &ImportConfig) -> Result<Self, BuildError> {
+    pub fn parse(bytes: &[u8], path: &Path, config: &ImportConfig) -> Result<Self> {
         let fail = |what: String| content_error(path, what, HELP);
         let (document, binary) = gltf::document(bytes).map_err(fail)?;
         let mut rigs = gltf::rigs(bytes, path)?;
@@ -120,7 +120,7 @@ impl Wearer {
     ///
     /// # Errors
     /// [`BuildError::Io`] for errors of the disk.
-    pub fn dress(&self, take: &Take, folder: &Path, progress: &dyn Progress) -> Result<DressedTake<'_>, BuildError> {
+    pub fn dress(&self, take: &Take, folder: &Path, progress: &dyn Progress) -> Result<DressedTake<'_>> {
         let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
         let mut widths = vec![4; self.moved.len()];
         widths.push(3);
@@ -188,7 +188,7 @@ impl DressedTake<'_> {
     ///
     /// # Errors
     /// Errors of [`Glb::new`].
-    pub fn glb<'a>(&'a self, take: &'a Take) -> Result<Glb<'a>, BuildError> {
+    pub fn glb<'a>(&'a self, take: &'a Take) -> Result<Glb<'a>> {
         Glb::from_parts(take, copy::copied_parts(self.wearer, take), &self.scratch)
     }
 }

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use rig::{Part, Rest};
 use std::path::{Path, PathBuf};
 use throng_core::{Joint, Skeleton};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::export::{Take, TakeWriter};
 use throng_motion::import::{ImportConfig, bvh, read_source};
 use throng_motion::progress::Silent;
@@ -27,7 +27,7 @@ fn character(folder: &Path, name: &'static str, table: &str, rest: Rest) -> Path
 }
 
 /// Reads a character.
-fn open(path: &Path) -> Result<Wearer, BuildError> {
+fn open(path: &Path) -> Result<Wearer> {
     Wearer::open(path, &ImportConfig::default())
 }
 

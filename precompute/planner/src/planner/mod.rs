@@ -79,7 +79,7 @@ pub fn seeded_rng(seed: u64) -> Pcg64Mcg {
 }
 
 /// Result of a plan.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanOutcome {
     /// `None` where there is a motion.
     pub why: Option<PlanError>,
@@ -133,16 +133,7 @@ impl LimbPlanner {
         let checks = self.checker.checks;
         self.grid = None;
         self.frames.clear();
-        let mut outcome = PlanOutcome {
-            why: None,
-            nodes: 0,
-            checks: 0,
-            first_solution_s: 0.0,
-            total_s: 0.0,
-            eased: 0.0,
-            blended: [0; 2],
-            roughness: [Roughness::default(); 2],
-        };
+        let mut outcome = PlanOutcome { ..PlanOutcome::default() };
         if !(1.0..=1000.0).contains(&budget.rate_hz) {
             return PlanOutcome { why: Some(PlanError::Rate), ..outcome };
         }

@@ -24,7 +24,7 @@ pub(super) const CONTACT_S: f64 = 0.25;
 const LATER: usize = 1 << 20;
 
 /// Reason why a step was not done, and the part of it that was.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct StepFailure {
     pub reason: String,
     pub nearest_m: Option<f64>,
@@ -40,15 +40,7 @@ pub(super) struct StepFailure {
 
 impl StepFailure {
     pub fn new(why: impl Into<String>) -> Self {
-        Self {
-            reason: why.into(),
-            nearest_m: None,
-            is_beyond: false,
-            plans: Vec::new(),
-            spans: Vec::new(),
-            unresolved: Vec::new(),
-            keep: false,
-        }
+        Self { reason: why.into(), ..Self::default() }
     }
 }
 

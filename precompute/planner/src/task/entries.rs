@@ -32,8 +32,10 @@ pub(super) struct TaskFile {
     pub planner: PlannerEntry,
 }
 
-fn main() -> String {
-    "main".into()
+throng_base::key_defaults! {
+    main: String = "main".into();
+    walking: f64 = 1.2;
+    one: f64 = 1.0;
 }
 
 /// A motion file or a synthetic clip, or a part of one.
@@ -86,10 +88,6 @@ pub struct PaceEntry {
     pub t_s: f64,
     /// Speed (m/s, 0 to 8).
     pub speed_mps: f64,
-}
-
-fn walking() -> f64 {
-    1.2
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -229,10 +227,6 @@ pub(super) enum ShapeEntry {
         #[serde(default)]
         open: bool,
     },
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]

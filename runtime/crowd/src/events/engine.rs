@@ -1,6 +1,6 @@
 //! The engine: the state of all agents, and the loop that takes events in the order of time.
 
-use crate::error::CrowdError;
+use crate::error::{CrowdError, Result};
 use crate::events::decide::{AgentState, Cause, Decider, Decision, DecisionScratch};
 use crate::events::event::{CrowdEvent, CrowdEventKind, EventCounts};
 use crate::events::occupancy::Occupancy;
@@ -69,7 +69,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for a setting out of its range, or an impossible start or subgoal.
-    pub fn new(setup: CrowdSetup<V>) -> Result<Self, CrowdError> {
+    pub fn new(setup: CrowdSetup<V>) -> Result<Self> {
         let (scenery, cells, grid) = CrowdScenery::new(&setup)?;
         let capacity = setup.config.capacity.max(setup.agents.len());
         // An event comes with a few others; a fixed step with some of every agent.
@@ -112,7 +112,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError::Other`] for a time in the past, [`CrowdError::Stalled`].
-    pub fn run(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+    pub fn run(&mut self, until_s: f64) -> Result<bool> {
         self.check_time(until_s)?;
         self.events.clear();
         let result = self.run_scheme(until_s);
@@ -124,7 +124,7 @@ impl<V: Space> Engine<V> {
         Ok(is_done)
     }
 
-    fn run_scheme(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+    fn run_scheme(&mut self, until_s: f64) -> Result<bool> {
         // Taken out, so that they can be changed together with the rest.
         if let Some(mut occupancy) = self.occupancy.take() {
             let result = self.run_occupancy(&mut occupancy, until_s);
@@ -149,7 +149,7 @@ impl<V: Space> Engine<V> {
         self.occupancy.is_none()
     }
 
-    fn run_registration(&mut self, until_s: f64) -> Result<bool, CrowdError> {
+    fn run_registration(&mut self, until_s: f64) -> Result<bool> {
         while let Some((time, agent)) = self.queue.first(until_s) {
             if self.is_full() {
                 return Ok(false);
@@ -173,13 +173,13 @@ impl<V: Space> Engine<V> {
         self.events.len() >= FULL || !self.sensors.signals.is_empty()
     }
 
-    pub fn check_time(&self, until_s: f64) -> Result<(), CrowdError> {
+    pub fn check_time(&self, until_s: f64) -> Result<()> {
         let is_good = (self.now..=1e9).contains(&until_s);
         let expected = "at most 1e9, and not before the present: time does not go back, load a snapshot instead";
         Ok(throng_base::error::check_value("time", None, until_s, is_good, expected)?)
     }
 
-    pub fn check_id(&self, id: Id) -> Result<(), CrowdError> {
+    pub fn check_id(&self, id: Id) -> Result<()> {
         let is_here = self.states.get(id.index()).is_some_and(|s| s.cell != NONE && s.generation == id.generation);
         if is_here { Ok(()) } else { Err(throng_base::Error::Gone(id).into()) }
     }
@@ -241,7 +241,7 @@ impl<V: Space> Engine<V> {
 
     /// Processes the next event of an agent, and of the agent whose bound it touches; returns that one, if it acted
     /// too.
-    pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>, CrowdError> {
+    pub fn process_event(&mut self, agent: u32) -> Result<Option<u32>> {
         let cause = self.cause(agent);
         let partner = self.partner(cause);
         self.note_for_watchdog(agent, partner)?;
@@ -369,7 +369,7 @@ impl<V: Space> Engine<V> {
 
     /// Shows an event of an agent to the watchdog.
     #[inline]
-    pub fn note_for_watchdog(&mut self, agent: u32, partner: Option<u32>) -> Result<(), CrowdError> {
+    pub fn note_for_watchdog(&mut self, agent: u32, partner: Option<u32>) -> Result<()> {
         let storm = match self.watchdog.note_event(agent, partner.unwrap_or(NONE), self.now) {
             Ok(()) => return Ok(()),
             Err(storm) => storm,

@@ -82,43 +82,62 @@ pub struct CrowdEvent {
     pub kind: CrowdEventKind,
 }
 
-/// Numbers of events so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct EventCounts {
+/// Defines the counts of events, and what is done to each of them.
+macro_rules! event_counts {
+    ($($(#[$doc:meta])* $name:ident,)*) => {
+        /// Numbers of events so far.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+        pub struct EventCounts { $($(#[$doc])* pub $name: u64,)* }
+
+        impl EventCounts {
+            /// True where each of them is.
+            pub(crate) fn is_below(&self, most: u64) -> bool {
+                [$(self.$name),*].iter().all(|&count| count < most)
+            }
+
+            /// Sum of the counts of two parts of a crowd.
+            pub(crate) fn sum_with(&self, other: &Self) -> Self {
+                Self { $($name: self.$name + other.$name),* }
+            }
+        }
+    };
+}
+
+event_counts! {
     /// See [`CrowdEventKind::Resetting`].
-    pub resetting: u64,
+    resetting,
     /// See [`CrowdEventKind::Colliding`]; each counts once.
-    pub colliding: u64,
+    colliding,
     /// See [`CrowdEventKind::Meeting`].
-    pub meeting: u64,
+    meeting,
     /// See [`CrowdEventKind::Entering`].
-    pub entering: u64,
+    entering,
     /// See [`CrowdEventKind::Leaving`].
-    pub leaving: u64,
+    leaving,
     /// See [`CrowdEventKind::Contacting`].
-    pub contacting: u64,
+    contacting,
     /// See [`CrowdEventKind::Separating`].
-    pub separating: u64,
+    separating,
     /// See [`CrowdEventKind::Arrived`].
-    pub arrived: u64,
+    arrived,
     /// See [`CrowdEventKind::Left`].
-    pub left: u64,
+    left,
     /// See [`CrowdEventKind::Struck`].
-    pub struck: u64,
+    struck,
     /// See [`CrowdEventKind::Stuck`].
-    pub stuck: u64,
+    stuck,
     /// Number of events of [`crate::Senses`]; each meeting counts once.
-    pub sensed: u64,
+    sensed,
     /// See [`CrowdEventKind::Timer`].
-    pub timers: u64,
+    timers,
     /// Times that an agent took a new plan.
-    pub decisions: u64,
+    decisions,
     /// Fixed steps that were taken, parts of one each for itself (`Scheme::Fixed`).
-    pub steps: u64,
+    steps,
     /// Fixed steps that were undone for an overlap.
-    pub undone: u64,
+    undone,
     /// Agents that overlapped others at the end of a shortest step, which was taken nevertheless.
-    pub overlaps: u64,
+    overlaps,
 }
 
 impl CrowdEventKind {
@@ -134,38 +153,6 @@ impl CrowdEventKind {
 }
 
 impl EventCounts {
-    /// True where each of them is.
-    pub(crate) fn is_below(&self, most: u64) -> bool {
-        let Self { resetting, colliding, meeting, entering, leaving, contacting, separating, .. } = *self;
-        let Self { arrived, left, struck, stuck, sensed, timers, decisions, steps, undone, overlaps, .. } = *self;
-        let of_events = [resetting, colliding, meeting, entering, leaving, contacting, separating];
-        let others = [arrived, left, struck, stuck, sensed, timers, decisions, steps, undone, overlaps];
-        of_events.iter().chain(&others).all(|&count| count < most)
-    }
-
-    /// Sum of the counts of two parts of a crowd.
-    pub(crate) fn sum_with(&self, other: &Self) -> Self {
-        Self {
-            resetting: self.resetting + other.resetting,
-            colliding: self.colliding + other.colliding,
-            meeting: self.meeting + other.meeting,
-            entering: self.entering + other.entering,
-            leaving: self.leaving + other.leaving,
-            contacting: self.contacting + other.contacting,
-            separating: self.separating + other.separating,
-            arrived: self.arrived + other.arrived,
-            left: self.left + other.left,
-            struck: self.struck + other.struck,
-            stuck: self.stuck + other.stuck,
-            sensed: self.sensed + other.sensed,
-            timers: self.timers + other.timers,
-            decisions: self.decisions + other.decisions,
-            steps: self.steps + other.steps,
-            undone: self.undone + other.undone,
-            overlaps: self.overlaps + other.overlaps,
-        }
-    }
-
     /// Counts one event.
     pub(crate) fn add(&mut self, kind: CrowdEventKind) {
         *match kind {

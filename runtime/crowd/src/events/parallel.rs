@@ -6,7 +6,7 @@
 //! one level are decided at the same time. Their results are applied in the order of levels, and reported in the order
 //! of time. So the result is that of one event after the other.
 
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::events::decide::{Decision, DecisionScratch};
 use crate::events::engine::Engine;
 use crate::events::event::CrowdEvent;
@@ -86,9 +86,10 @@ impl<V: Space> Engine<V> {
     /// Runs the engine in parts that `run` runs; the result equals that of [`Engine::run`] bit by bit.
     ///
     /// # Errors
-    /// As [`Engine::run`]. Some agents that act a little after those of a [`CrowdError::Stalled`] may have acted before
+    /// As [`Engine::run`]. Some agents that act a little after those of a [`crate::CrowdError::Stalled`] may have
+    /// acted before
     /// it was detected.
-    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool, CrowdError> {
+    pub fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool> {
         if !self.is_of_registration() || self.sensors.is_on() {
             return self.run(until_s);
         }
@@ -121,13 +122,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Processes all events from a time to the end of a window, which is not after another time.
-    fn run_window(
-        &mut self,
-        time: f64,
-        until_s: f64,
-        windows: &mut EventWindows<V>,
-        run: &dyn Executor,
-    ) -> Result<(), CrowdError> {
+    fn run_window(&mut self, time: f64, until_s: f64, windows: &mut EventWindows<V>, run: &dyn Executor) -> Result<()> {
         self.refresh_grid_until(time);
         let end = (time + WINDOW * f64::from(self.scenery.interval)).min(until_s);
         windows.items.clear();
@@ -176,7 +171,7 @@ impl<V: Space> Engine<V> {
         }
     }
 
-    fn run_one_by_one(&mut self, items: &[WindowEvent]) -> Result<(), CrowdError> {
+    fn run_one_by_one(&mut self, items: &[WindowEvent]) -> Result<()> {
         for item in items {
             if self.is_due(item.agent, item.time) {
                 self.now = item.time;
@@ -219,12 +214,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// Decides all events of a level: first the agents', then their partners'.
-    fn run_level(
-        &mut self,
-        items: &[WindowEvent],
-        windows: &mut EventWindows<V>,
-        run: &dyn Executor,
-    ) -> Result<(), CrowdError> {
+    fn run_level(&mut self, items: &[WindowEvent], windows: &mut EventWindows<V>, run: &dyn Executor) -> Result<()> {
         windows.who.clear();
         windows.partners.clear();
         for item in items {
@@ -319,7 +309,7 @@ mod tests {
                 )
             };
             let error = crowd.par_advance(2.0, &mut |e| num_reported += u64::from(is_own(e.kind))).unwrap_err();
-            assert!(matches!(error, CrowdError::Stalled { first, .. } if first.index == tired), "{error}");
+            assert!(matches!(error, crate::CrowdError::Stalled { first, .. } if first.index == tired), "{error}");
             let own = |c: crate::EventCounts| c.resetting + c.colliding + c.meeting;
             assert_eq!(num_reported, own(crowd.counts) - own(before), "what was counted is told");
             let mut waiting = Vec::new();

@@ -1,7 +1,7 @@
 //! The engine's part: looking for what an agent senses next, and letting it happen.
 
 use super::engine::Engine;
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::senses::crossing::{first_change, is_near, leaves_cell};
 use crate::senses::{Sense, SensedEvent, SensingState, swept_bounds};
 use crate::space::plan::MotionPlan;
@@ -13,7 +13,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`].
-    pub fn set_sense(&mut self, id: Id, sense: Sense) -> Result<(), CrowdError> {
+    pub fn set_sense(&mut self, id: Id, sense: Sense) -> Result<()> {
         self.check_id(id)?;
         let own = &mut self.sensors.states[id.index()];
         let channels = |s: &Sense| (s.sends, s.receives, s.once);
@@ -30,7 +30,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`throng_base::Error::Gone`], and [`throng_base::Error::Value`] for a time in the past.
-    pub fn set_timer(&mut self, id: Id, time_s: Option<f64>) -> Result<(), CrowdError> {
+    pub fn set_timer(&mut self, id: Id, time_s: Option<f64>) -> Result<()> {
         self.check_id(id)?;
         let time = time_s.unwrap_or(f64::INFINITY);
         let expected = "not before the present, and at most 1e9";

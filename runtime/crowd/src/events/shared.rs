@@ -7,7 +7,7 @@
 //! another rank. Then all ranks exchange the changes in each other's margins, and go on with the events that waited. So
 //! the motion is that of one process, bit by bit, and the safety rule compares the same plans.
 
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::events::decide::AgentState;
 use crate::events::engine::Engine;
 use crate::events::parallel::WINDOW;
@@ -110,8 +110,8 @@ impl<V: Space> SharedEngine<V> {
     /// The part of a rank of a crowd that all ranks have made alike. Stripes hold as many agents each as cells allow.
     ///
     /// # Errors
-    /// [`CrowdError::Other`] for a crowd in which agents sense or care for others, or with another engine.
-    pub fn new(mut engine: Engine<V>, comm: &dyn Comm) -> Result<Self, CrowdError> {
+    /// [`crate::CrowdError::Other`] for a crowd in which agents sense or care for others, or with another engine.
+    pub fn new(mut engine: Engine<V>, comm: &dyn Comm) -> Result<Self> {
         let is_plain = !engine.sensors.is_on() && engine.relationships.saved().is_empty();
         let is_plain = is_plain && engine.is_of_registration();
         let expected =
@@ -210,7 +210,7 @@ impl<V: Space> SharedEngine<V> {
     ///
     /// # Errors
     /// As [`Engine::run`], and [`Error::Rank`].
-    pub fn advance(&mut self, until_s: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
+    pub fn advance(&mut self, until_s: f64, comm: &dyn Comm) -> Result<()> {
         self.engine.check_time(until_s)?;
         loop {
             let first = self.engine.queue.first(until_s).map_or(f64::INFINITY, |first| first.0);
@@ -227,7 +227,7 @@ impl<V: Space> SharedEngine<V> {
 
     /// Refreshes the grid, see [`Engine::refresh_grid_until`], with the agents of all ranks, which are added in the
     /// order of their numbers.
-    fn refresh_grid_until(&mut self, time: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
+    fn refresh_grid_until(&mut self, time: f64, comm: &dyn Comm) -> Result<()> {
         let Some(now) = self.engine.begin_refresh(time) else { return Ok(()) };
         let own = (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m));
         let own: Vec<(u32, (V, V, V))> = own.filter_map(|m| Some((m, self.engine.motion(m, now)?))).collect();
@@ -241,7 +241,7 @@ impl<V: Space> SharedEngine<V> {
     }
 
     /// Processes all events from a time to the end of a window, which is not after another time.
-    fn run_window(&mut self, time: f64, until_s: f64, comm: &dyn Comm) -> Result<(), CrowdError> {
+    fn run_window(&mut self, time: f64, until_s: f64, comm: &dyn Comm) -> Result<()> {
         let end = (time + WINDOW * f64::from(self.engine.scenery.interval)).min(until_s);
         let mut items = Vec::new();
         while let Some((time, agent)) = self.engine.queue.first(end) {
@@ -293,12 +293,7 @@ impl<V: Space> SharedEngine<V> {
 
     /// Processes the events of this rank that need not wait, and informs the others; true where no event waits any
     /// more.
-    fn run_pass(
-        &mut self,
-        items: &mut [RankEvent],
-        place_of: &[(u32, usize)],
-        comm: &dyn Comm,
-    ) -> Result<bool, CrowdError> {
+    fn run_pass(&mut self, items: &mut [RankEvent], place_of: &[(u32, usize)], comm: &dyn Comm) -> Result<bool> {
         self.pass = match self.pass.checked_add(1) {
             Some(pass) => pass,
             None => {
@@ -345,7 +340,7 @@ impl<V: Space> SharedEngine<V> {
     }
 
     /// The event of an agent of this rank, if it is still to come; returns the agents that it changed, or [`NONE`].
-    fn process(&mut self, item: &RankEvent) -> Result<[u32; 2], CrowdError> {
+    fn process(&mut self, item: &RankEvent) -> Result<[u32; 2]> {
         let engine = &mut self.engine;
         if !engine.is_due(item.agent, item.time) {
             return Ok([NONE; 2]);
@@ -417,7 +412,7 @@ impl<V: Space> SharedEngine<V> {
     ///
     /// # Errors
     /// [`Error::Rank`].
-    pub fn gather_crowd(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>, CrowdError> {
+    pub fn gather_crowd(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>> {
         let mut agents = Vec::new();
         for cell in (0..self.engine.cells.num_cells() as u32).filter(|&cell| self.owner_of(cell) == self.rank) {
             self.engine.cells.for_each_in_cell(cell, |plan| {

@@ -1,6 +1,6 @@
 //! Keeping the whole state of a crowd, and telling two states apart.
 
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::events::occupancy::Occupancy;
@@ -122,7 +122,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Snapshot`]; nothing has changed then.
-    pub fn load(&mut self, bytes: &[u8]) -> Result<(), CrowdError> {
+    pub fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let saved: SavedCrowd<V> = self.snapshot_kind().read_all(bytes)?;
         let before = self.scenery.doors.clone();
         if saved.doors.len() != before.len() {
@@ -139,7 +139,7 @@ impl<V: Space> Engine<V> {
         loaded
     }
 
-    fn load_checked(&mut self, saved: SavedCrowd<V>) -> Result<(), CrowdError> {
+    fn load_checked(&mut self, saved: SavedCrowd<V>) -> Result<()> {
         let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
         if let Err(why) = self.check_saved(&saved) {
             return refused(why);
@@ -420,14 +420,14 @@ mod tests {
     use glam::{Vec2, Vec3};
 
     /// Restores a snapshot of a crowd that was changed by hand.
-    fn restored(change: impl FnOnce(&mut Engine<Vec2>)) -> Result<(), CrowdError> {
+    fn restored(change: impl FnOnce(&mut Engine<Vec2>)) -> Result<()> {
         let mut crowd = Engine::new(crossing::<Vec2>(20, 8.0)).unwrap();
         crowd.advance(1.0, &mut |_| {}).unwrap();
         change(&mut crowd);
         Engine::new(crossing::<Vec2>(20, 8.0)).unwrap().load(&crowd.bytes())
     }
 
-    fn with_plan(change: impl FnOnce(&mut MotionPlan<Vec2>)) -> Result<(), CrowdError> {
+    fn with_plan(change: impl FnOnce(&mut MotionPlan<Vec2>)) -> Result<()> {
         restored(|crowd| {
             let (cell, mut plan) = (crowd.states[3].cell, crowd.cells.plan(3));
             // So short that it stays where it may be.

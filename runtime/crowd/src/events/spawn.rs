@@ -1,6 +1,6 @@
 //! Entry, removal, displacement and orders of agents.
 
-use crate::error::{CrowdError, check};
+use crate::error::{CrowdError, Result, check};
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::routes::order::{AgentOrder, OrderDestination};
@@ -19,7 +19,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for a place that is taken, a full crowd, or a setting out of its range; nothing has changed then.
-    pub fn spawn(&mut self, agent: Agent<V>) -> Result<Id, CrowdError> {
+    pub fn spawn(&mut self, agent: Agent<V>) -> Result<Id> {
         let Some(&index) = self.free.last() else {
             return Err(Error::Full { capacity: self.states.len() }.into());
         };
@@ -48,11 +48,7 @@ impl<V: Space> Engine<V> {
             least_left: self.scenery.paths[route].distance_left(&cursor, agent.position),
             progressed_at: self.now,
             intent: (cursor.aim - agent.position).unit_and_length().0,
-            is_there: false,
-            is_stuck: false,
-            is_struck: false,
-            is_woken: false,
-            goes_on: false,
+            ..AgentState::default()
         };
         self.insert(&plan);
         Ok(id)
@@ -73,7 +69,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// An agent is within what the crowd was made for.
-    fn check_limits(&self, id: Id, agent: &Agent<V>) -> Result<(), CrowdError> {
+    fn check_limits(&self, id: Id, agent: &Agent<V>) -> Result<()> {
         let (scenery, n) = (&self.scenery, id.index());
         let expected = "at most `largest_radius_m` of the config";
         check("agent.radius", n, agent.radius, agent.radius <= scenery.radius, expected)?;
@@ -85,14 +81,14 @@ impl<V: Space> Engine<V> {
     }
 
     /// A route is not another agent's own, which leads elsewhere with its next order (the route exists).
-    fn check_shared(&self, id: Id, route: usize) -> Result<(), CrowdError> {
+    fn check_shared(&self, id: Id, route: usize) -> Result<()> {
         let good = [NONE, id.index].contains(&self.scenery.paths[route].owner);
         let expected = "one of the setup or of `add_route`; this one is another agent's own";
         Ok(throng_base::error::check_value("route", Some(id), route as f64, good, expected)?)
     }
 
     /// Checks that an agent that brakes at once overlaps nothing.
-    fn check_clearance(&self, id: Id, plan: &MotionPlan<V>) -> Result<(), CrowdError> {
+    fn check_clearance(&self, id: Id, plan: &MotionPlan<V>) -> Result<()> {
         let at = self.cells.coordinates(plan.position);
         let candidate = PlanCandidate::new(*plan);
         let mut error = None;
@@ -133,7 +129,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn despawn(&mut self, id: Id) -> Result<(), CrowdError> {
+    pub fn despawn(&mut self, id: Id) -> Result<()> {
         self.check_id(id)?;
         self.take_out(id.index);
         self.free.push(id.index);
@@ -146,7 +142,7 @@ impl<V: Space> Engine<V> {
     /// # Errors
     /// [`CrowdError`] for a place that is taken or out of range, or from which no path leads to its goal; nothing has
     /// changed then.
-    pub fn place(&mut self, id: Id, position: V) -> Result<(), CrowdError> {
+    pub fn place(&mut self, id: Id, position: V) -> Result<()> {
         self.check_id(id)?;
         let good = position.is_finite() && position.length() <= 1e5;
         let far = f64::from(position.length());
@@ -183,7 +179,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError`] for a route that cannot be.
-    pub fn add_route(&mut self, route: Route<V>) -> Result<usize, CrowdError> {
+    pub fn add_route(&mut self, route: Route<V>) -> Result<usize> {
         let number = self.scenery.paths.len();
         let path = self.scenery.prepare_path(number, &route)?;
         self.scenery.paths.push(path);
@@ -195,7 +191,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::NoPath`], and [`CrowdError`] for an impossible order; nothing has changed then.
-    pub fn order(&mut self, id: Id, order: &AgentOrder<V>) -> Result<(), CrowdError> {
+    pub fn order(&mut self, id: Id, order: &AgentOrder<V>) -> Result<()> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
         let good = (0.0..=self.scenery.speed).contains(&speed);
@@ -235,7 +231,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`CrowdError::Inside`] with an agent that stands where it closes, or could not stop before it; nothing has changed then.
-    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<(), CrowdError> {
+    pub fn set_open(&mut self, obstacle: usize, open: bool) -> Result<()> {
         check_index("obstacle", None, obstacle, self.scenery.obstacles.len())?;
         let stands = !matches!(self.scenery.obstacles[obstacle], Obstacle::Mover { .. });
         throng_base::error::check_value("obstacle", None, obstacle as f64, stands, "one that does not move")?;
@@ -263,7 +259,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Index`], [`Error::Value`].
-    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<(), CrowdError> {
+    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<()> {
         self.check_id(id)?;
         if let Some(PersonalInterest { at: InterestLocation::Agent(other), .. }) = interest {
             self.check_id(other)?;
@@ -275,7 +271,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Value`].
-    pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
+    pub fn set_companions(&mut self, ids: &[Id]) -> Result<()> {
         ids.iter().try_for_each(|&id| self.check_id(id))?;
         self.relationships.set_companions(ids)
     }
@@ -284,7 +280,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Gone`], [`Error::Value`].
-    pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<(), CrowdError> {
+    pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<()> {
         self.check_id(id)?;
         let expected = "at least 0, and at most `largest_speed_mps` of the config";
         throng_base::error::check_value(
@@ -303,7 +299,7 @@ impl<V: Space> Engine<V> {
     ///
     /// # Errors
     /// [`Error::Gone`].
-    pub fn wake(&mut self, id: Id) -> Result<(), CrowdError> {
+    pub fn wake(&mut self, id: Id) -> Result<()> {
         self.check_id(id)?;
         if !self.is_of_registration() {
             return Ok(());
@@ -319,14 +315,14 @@ impl<V: Space> Engine<V> {
     /// Checks that a path leads from a place to a goal, as far as the crowd knows its streets.
     ///
     /// - `number`: that of the goal.
-    fn check_path(&self, id: Id, from: V, goal: V, number: u32) -> Result<(), CrowdError> {
+    fn check_path(&self, id: Id, from: V, goal: V, number: u32) -> Result<()> {
         let CrowdScenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
         goals.check_path(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.
-    fn lead_agent_to(&mut self, id: Id, from: V, goal: V, arrival_m: f32, at_end: AtEnd) -> Result<usize, CrowdError> {
+    fn lead_agent_to(&mut self, id: Id, from: V, goal: V, arrival_m: f32, at_end: AtEnd) -> Result<usize> {
         let own = self.own_routes[id.index()];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
         RoutePath::check_goal(number, goal, arrival_m)?;
@@ -399,7 +395,7 @@ impl<V: Space> Engine<V> {
 
     /// Gives an agent a route of its own, which replaces the last one of its place: memory does not grow, however often
     /// agents are sent. Returns its number.
-    fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize, CrowdError> {
+    fn set_own_route(&mut self, index: u32, route: &Route<V>) -> Result<usize> {
         let own = self.own_routes[index as usize];
         let number = if own == NONE { self.scenery.paths.len() } else { own as usize };
         let mut path = self.scenery.prepare_path(number, route)?;

@@ -1,6 +1,6 @@
 //! Relationships of single agents: places and agents that attract or repel them, and companions.
 
-use crate::error::CrowdError;
+use crate::error::Result;
 use crate::{Id, NONE, Space};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,7 @@ impl<V: Space> RelationshipTable<V> {
     ///
     /// # Errors
     /// [`Error::Value`].
-    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<(), CrowdError> {
+    pub fn set_interest(&mut self, id: Id, n: usize, interest: Option<PersonalInterest<V>>) -> Result<()> {
         throng_base::error::check_index("interest", Some(id), n, MOST_INTERESTS)?;
         if let Some(PersonalInterest { at, strength, reach }) = interest {
             let expected = "above 0 and below 1e6, with a strength and position that are finite, and not itself";
@@ -114,7 +114,7 @@ impl<V: Space> RelationshipTable<V> {
     ///
     /// # Errors
     /// [`Error::Value`] for more than four, none, or one twice.
-    pub fn set_companions(&mut self, ids: &[Id]) -> Result<(), CrowdError> {
+    pub fn set_companions(&mut self, ids: &[Id]) -> Result<()> {
         let good = (1..=MOST_COMPANIONS + 1).contains(&ids.len());
         check_value("number of companions", None, ids.len() as f64, good, "one to four")?;
         let twice = (0..ids.len()).find(|&n| ids[..n].contains(&ids[n]));

@@ -8,6 +8,7 @@ use super::reactions::MOST_ROUNDS;
 use super::stage::ScenarioStage;
 use super::tables::{CompiledAction, NONE, Scenario};
 use super::turns::Turn;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use throng_base::Result;
@@ -61,13 +62,16 @@ impl Signal {
     }
 }
 
-/// Brains of all agents, and their shared state.
-#[derive(Clone, Debug)]
+/// Brains of all agents, and their shared state. Snapshots keep all but what is skipped, in this order.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AgentBrains {
+    #[serde(skip)]
     pub(super) scenario: Arc<Scenario>,
+    #[serde(skip)]
     pub(super) seed: u64,
     pub(super) now: f64,
     /// Time of the last rule without duration that any agent followed (s), and its number, for messages.
+    #[serde(skip)]
     pub(super) at_once: (f64, u32),
     pub(super) brains: Vec<AgentBrain>,
     /// (agents x values)
@@ -96,15 +100,21 @@ pub struct AgentBrains {
     pub(super) enters: Vec<f64>,
     pub(super) entered: Vec<u32>,
     pub(super) blackboards: Blackboards,
+    #[serde(skip)]
     pub(super) queue: VecDeque<(u32, Stimulus)>,
     /// Agents whose timers and senses have to be updated.
+    #[serde(skip)]
     pub(super) touched: Vec<u32>,
+    #[serde(skip)]
     pub(super) is_touched: Vec<bool>,
+    #[serde(skip)]
     pub(super) nearby: Vec<u32>,
     pub(super) ended: bool,
     /// Number of predicates and amounts evaluated.
+    #[serde(skip)]
     pub(super) evaluations: u64,
     /// Turns of the last step, where they are recorded.
+    #[serde(skip)]
     pub(super) turns: Option<Vec<Turn>>,
 }
 

@@ -1,63 +1,18 @@
 //! Snapshots of agent brains.
 
 use super::action_commands::MAX_AMOUNT;
-use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, LearntEvent, NO_NUMBER};
+use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, NO_NUMBER};
 use super::agent_brains::AgentBrains;
-use super::blackboards::Blackboards;
 use super::tables::{CompiledAction, NONE};
 use crate::motion_kind::refused_snapshot;
-use serde::{Deserialize, Serialize};
 use throng_base::{Result, SnapshotKind};
 
 const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 4, setup: 0 };
 
-/// State that changes with time. Names are those of [`AgentBrains`].
-#[derive(Serialize, Deserialize)]
-struct SavedBrains {
-    now: f64,
-    brains: Vec<AgentBrain>,
-    feelings: Vec<Feeling>,
-    learnt: Vec<Option<LearntEvent>>,
-    followed: Vec<f64>,
-    relationships: Vec<[(u32, f32); 4]>,
-    holders: Vec<u32>,
-    keepers: Vec<u32>,
-    is_open: Vec<bool>,
-    closing: Vec<f64>,
-    due: Vec<f64>,
-    times: Vec<u32>,
-    happened: Vec<f64>,
-    was_true: Vec<bool>,
-    enters: Vec<f64>,
-    entered: Vec<u32>,
-    blackboards: Blackboards,
-    ended: bool,
-}
-
 impl AgentBrains {
     /// Appends the state that changes with time; between two calls there is no other.
     pub fn save(&self, out: &mut Vec<u8>) {
-        let saved = SavedBrains {
-            now: self.now,
-            brains: self.brains.clone(),
-            feelings: self.feelings.clone(),
-            learnt: self.learnt.clone(),
-            followed: self.followed.clone(),
-            relationships: self.relationships.clone(),
-            holders: self.holders.clone(),
-            keepers: self.keepers.clone(),
-            is_open: self.is_open.clone(),
-            closing: self.closing.clone(),
-            due: self.due.clone(),
-            times: self.times.clone(),
-            happened: self.happened.clone(),
-            was_true: self.was_true.clone(),
-            enters: self.enters.clone(),
-            entered: self.entered.clone(),
-            blackboards: self.blackboards.clone(),
-            ended: self.ended,
-        };
-        KIND.write(&saved, out);
+        KIND.write(self, out);
     }
 
     /// Restores brains of the same scenario at a time (s).
@@ -65,20 +20,18 @@ impl AgentBrains {
     /// # Errors
     /// [`throng_base::Error::Snapshot`]; nothing has changed then.
     pub fn load(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
-        let saved: SavedBrains = KIND.read_all(bytes)?;
+        let saved: Self = KIND.read_all(bytes)?;
         self.check(&saved, time_s).map_err(|why| refused_snapshot(KIND.what, why))?;
-        (self.now, self.brains, self.feelings) = (saved.now, saved.brains, saved.feelings);
-        (self.learnt, self.followed, self.relationships) = (saved.learnt, saved.followed, saved.relationships);
-        (self.holders, self.is_open, self.closing) = (saved.holders, saved.is_open, saved.closing);
-        (self.due, self.times, self.happened) = (saved.due, saved.times, saved.happened);
-        (self.was_true, self.enters, self.entered) = (saved.was_true, saved.enters, saved.entered);
-        self.keepers = saved.keepers;
-        (self.blackboards, self.ended) = (saved.blackboards, saved.ended);
+        let old = std::mem::replace(self, saved);
+        (self.scenario, self.seed, self.at_once, self.evaluations) =
+            (old.scenario, old.seed, old.at_once, old.evaluations);
+        (self.queue, self.touched, self.is_touched) = (old.queue, old.touched, old.is_touched);
+        (self.nearby, self.turns) = (old.nearby, old.turns);
         Ok(())
     }
 
     /// Checks that brains can be those of this scenario.
-    fn check(&self, saved: &SavedBrains, time_s: f64) -> std::result::Result<(), &'static str> {
+    fn check(&self, saved: &Self, time_s: f64) -> std::result::Result<(), &'static str> {
         let scenario = &self.scenario;
         let lengths = [
             (saved.brains.len(), self.brains.len()),

@@ -53,7 +53,7 @@ impl LearningMode {
 }
 
 /// A compiled scenario.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Scenario {
     /// The scene file, for messages.
     pub(super) source: TomlSource,

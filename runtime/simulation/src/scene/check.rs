@@ -100,37 +100,21 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     }
     check_count("groups", scene.num_characters())?;
     check_totals(scene)?;
-    for (i, obstacle) in scene.environment.obstacles.iter().enumerate() {
-        obstacle.find_fault(&format!("environment.obstacles[{i}]"), dimensions)?;
-    }
-    for (i, door) in scene.environment.doors.iter().enumerate() {
-        door.find_fault(&format!("environment.doors[{i}]"), dimensions)?;
-    }
-    for (i, site) in scene.places.iter().enumerate() {
-        site.find_fault(&format!("places[{i}]"), dimensions)?;
-    }
-    for (i, thing) in scene.things.iter().enumerate() {
-        thing.find_fault(&format!("things[{i}]"), dimensions)?;
-    }
+    check_each("environment.obstacles", &scene.environment.obstacles, |o, key| o.find_fault(key, dimensions))?;
+    check_each("environment.doors", &scene.environment.doors, |door, key| door.find_fault(key, dimensions))?;
+    check_each("places", &scene.places, |site, key| site.find_fault(key, dimensions))?;
+    check_each("things", &scene.things, |thing, key| thing.find_fault(key, dimensions))?;
     for (name, value) in &scene.values {
         value.find_fault(&format!("values.{name}"))?;
     }
-    for (i, relation) in scene.relations.iter().enumerate() {
-        relation.find_fault(&format!("relations[{i}]"))?;
-    }
-    for (i, rule) in scene.rules.iter().enumerate() {
-        check_numbers(&[(&format!("rules[{i}].pause_s"), rule.pause_s, 0.0, 1e6)])?;
-    }
-    for (i, event) in scene.events.iter().enumerate() {
-        event.find_fault(&format!("events[{i}]"))?;
-    }
+    check_each("relations", &scene.relations, |relation, key| relation.find_fault(key))?;
+    check_each("rules", &scene.rules, |r, key| check_numbers(&[(&format!("{key}.pause_s"), r.pause_s, 0.0, 1e6)]))?;
+    check_each("events", &scene.events, |event, key| event.find_fault(key))?;
     check_numbers(&[
         ("agents.meeting_m", scene.agents.meeting_m, 0.1, 100.0),
         ("agents.cell_m", scene.agents.cell_m, 0.0, 1000.0),
     ])?;
-    for (i, happening) in scene.happenings.iter().enumerate() {
-        happening.find_fault(&format!("happenings[{i}]"), dimensions)?;
-    }
+    check_each("happenings", &scene.happenings, |happening, key| happening.find_fault(key, dimensions))?;
     let num_of_agents = scene.groups.iter().filter(|g| g.is_of_agents()).count();
     if scene.measure.lanes.is_some() && num_of_agents < 2 {
         return key_fault("measure.lanes", format!("expected two groups of agents that meet, found {num_of_agents}"));
@@ -142,6 +126,11 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     }
     scene.measure.find_fault()?;
     scene.picture.find_fault()
+}
+
+/// Checks every entry of a list.
+fn check_each<T>(list: &str, entries: &[T], check: impl Fn(&T, &str) -> Result<(), KeyFault>) -> Result<(), KeyFault> {
+    entries.iter().enumerate().try_for_each(|(i, entry)| check(entry, &format!("{list}[{i}]")))
 }
 
 /// Refuses numbers within their ranges whose product takes more memory than there is.

@@ -130,28 +130,13 @@ impl GroupMotion {
     }
 }
 
-fn alone() -> [usize; 2] {
-    [1; 2]
-}
-
-pub(super) fn arrival() -> f32 {
-    0.5
-}
-
-pub(super) fn radius() -> [f32; 2] {
-    [AGENT_RADIUS_M; 2]
-}
-
-pub(super) fn speed() -> [f32; 2] {
-    [WALK_SPEED_MPS; 2]
-}
-
-pub(super) fn acceleration() -> [f32; 2] {
-    [5.0; 2]
-}
-
-fn full() -> f64 {
-    1.0
+throng_base::key_defaults! {
+    alone: [usize; 2] = [1; 2];
+    pub(super) arrival: f32 = 0.5;
+    pub(super) radius: [f32; 2] = [AGENT_RADIUS_M; 2];
+    pub(super) speed: [f32; 2] = [WALK_SPEED_MPS; 2];
+    pub(super) acceleration: [f32; 2] = [5.0; 2];
+    full: f64 = 1.0;
 }
 
 /// Behaviour with its weight.

@@ -50,20 +50,11 @@ pub enum PlaceConfig {
     },
 }
 
-fn spacing() -> f64 {
-    4.0
-}
-
-fn distance() -> f64 {
-    1.5
-}
-
-fn jitter() -> f32 {
-    0.5
-}
-
-fn one_ring() -> usize {
-    1
+throng_base::key_defaults! {
+    spacing: f64 = 4.0;
+    distance: f64 = 1.5;
+    jitter: f32 = 0.5;
+    one_ring: usize = 1;
 }
 
 impl PlaceConfig {

@@ -7,7 +7,7 @@ use std::ops::Range;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE};
 
 /// A cell of an instance. An exit of a tile is the entry of its neighbour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct WorldNode {
     /// The instance.
     pub instance: u32,

@@ -36,7 +36,7 @@ use throng_core::characters::Characters;
 use throng_core::{Contacts, Planar, Roster};
 
 /// State of an inhabitant.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct InhabitantMemory {
     /// Node that its motion leads to.
     at: WorldNode,
@@ -90,28 +90,7 @@ impl InhabitantMemory {
 
     /// At rest in a place, without a goal.
     fn resting_at(node: WorldNode) -> Self {
-        Self {
-            at: node,
-            through: [node.instance; 2],
-            goal: InhabitantGoal::Roam,
-            activity: InhabitantActivity::Roaming,
-            num_fulfilled: 0,
-            refused_s: None,
-            draws: 0,
-            purpose: Purpose::default(),
-            progress: 0,
-            impatience: 0,
-            detour: 0,
-            until_s: 0.0,
-            performed: 0,
-            obstructs: false,
-            tries: [0; 2],
-            order_number: 0,
-            meeting: None,
-            plays_pair: false,
-            parted: None,
-            leaves_s: None,
-        }
+        Self { at: node, through: [node.instance; 2], ..Self::default() }
     }
 
     /// Replaces the goal, which it has not begun to pursue.

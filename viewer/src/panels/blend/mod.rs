@@ -9,7 +9,7 @@ mod surface;
 mod timing;
 
 use super::paint::{empty, no_bundle};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::run::Blending;
 use eframe::egui::{Color32, ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
@@ -63,7 +63,7 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
      config with `[blend.NAME]`; data/locomotion.toml is one.";
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Commands) {
     state.focus = false;
     if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
         let bundle = bundle.path().display();

@@ -1,18 +1,13 @@
 //! Settings of a crowd.
 
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::run::{CrowdRunConfig, MAX_CHARACTERS, TargetMode};
 use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
 
 /// Shows the settings of a crowd.
 ///
 /// - `dragged`: the config during a drag.
-pub fn show(
-    ui: &mut Ui,
-    config: &CrowdRunConfig,
-    dragged: &mut Option<CrowdRunConfig>,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, config: &CrowdRunConfig, dragged: &mut Option<CrowdRunConfig>, commands: &mut Commands) {
     ui.strong("Crowd");
     ui.weak("A change restarts the run. The same settings give the same run.");
     let mut c = dragged.unwrap_or(*config);

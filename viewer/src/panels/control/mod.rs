@@ -4,7 +4,7 @@ mod crowd;
 mod scene;
 mod target;
 
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::run::{CrowdRunConfig, RunInput};
@@ -21,7 +21,7 @@ pub struct ControlPanelState {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands: &mut Commands) {
     if model.document.world().is_some() {
         ui.weak("The panel Patches gives orders to the characters of a world.");
         if ui.button("Open it").clicked() {
@@ -69,7 +69,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands:
 /// Weights of behaviours.
 ///
 /// - `of`: any character of the group that they are for.
-fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mut Vec<ViewerCommand>) {
+fn behaviours(ui: &mut Ui, names: &[&str], now: &[f32], of: usize, commands: &mut Commands) {
     ui.strong("Behaviours");
     ui.weak("Weight of each behaviour when an action is chosen; 0 switches it off.");
     let mut weights = now.to_vec();

@@ -1,7 +1,7 @@
 //! A scene: groups, numbers, seed, saved states, orders of the selected character, and events.
 
 use super::{behaviours, target};
-use crate::command::{SceneCommand, ViewerCommand};
+use crate::command::{Commands, SceneCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
 use crate::panels::{offer_first_character, words};
@@ -26,13 +26,7 @@ pub struct SceneControlState {
 }
 
 /// Shows the groups of a scene, its settings, and its last events.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    scene: &SceneDocument,
-    state: &mut SceneControlState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Commands) {
     ui.strong(format!("Scene {}", scene.scene().name));
     ui.weak("A change restarts the scene; the file is not changed.");
     scene_choice(ui, scene, &mut state.dragged, commands);
@@ -56,7 +50,7 @@ pub fn show(
 }
 
 /// Shows the selected character, and the orders that it can be given.
-fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
+fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
     let simulation = scene.run().simulation();
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
     ui.strong("Selected");
@@ -86,12 +80,7 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
     }
 }
 
-fn scene_choice(
-    ui: &mut Ui,
-    scene: &SceneDocument,
-    dragged: &mut Option<SceneChoice>,
-    commands: &mut Vec<ViewerCommand>,
-) {
+fn scene_choice(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>, commands: &mut Commands) {
     let now = scene.restarting().unwrap_or(scene.choice());
     let mut wanted = dragged.unwrap_or(now);
     let mut is_dragged = false;
@@ -140,7 +129,7 @@ fn meaning(scheme: Scheme) -> &'static str {
 }
 
 /// Saves the state at the step shown, and goes on from a saved one.
-fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Vec<ViewerCommand>) {
+fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Commands) {
     if state.file.as_ref().is_none_or(|f| f.0 != scene.path()) {
         let suggested = scene.path().with_extension("state");
         state.file = Some((scene.path().to_path_buf(), suggested.display().to_string()));

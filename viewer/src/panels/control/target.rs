@@ -1,6 +1,6 @@
 //! The target of the selected character: a place on the ground, or something to be struck.
 
-use crate::command::{SteerCommand, ViewerCommand};
+use crate::command::{Commands, SteerCommand, ViewerCommand};
 use crate::model::Model;
 use crate::panels::offer_first_character;
 use crate::run::{CrowdRun, MAX_TARGET_M, RunInput, TargetMode};
@@ -8,7 +8,7 @@ use eframe::egui::{DragValue, Ui};
 use glam::Vec3;
 
 /// Shows the target of the selected character of a crowd, and lets it be moved.
-pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands) {
     ui.strong("Target");
     let Some(c) = model.selection.character else {
         offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Vec<Viewe
 }
 
 /// Shows the position of a hanging target, and lets it be moved.
-pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Vec<ViewerCommand>) {
+pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Commands) {
     let mut to = home;
     ui.horizontal_wrapped(|ui| {
         ui.label("its target");

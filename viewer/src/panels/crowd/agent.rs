@@ -1,7 +1,7 @@
 //! The selected agent: how it moves, when it acts next, and the forces on it.
 
 use super::{colour, swatch};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::panels::words;
@@ -16,7 +16,7 @@ use throng_core::planar::wrap_angle;
 const BAR: f32 = 96.0;
 
 /// Shows the agent.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
     let simulation = scene.run().simulation();
     let (n, first) = (simulation.num_characters(), first_agent(simulation).unwrap_or(0));
     let Some(who) = model.selection.character.filter(|&who| who < n) else {

@@ -1,7 +1,7 @@
 //! Blackboards: entries on the global one and on those of cells, with author and end.
 
 use super::{colour, options_command, swatch};
-use crate::command::{BlackboardCell, BlackboardFilter, ViewerCommand};
+use crate::command::{BlackboardCell, BlackboardFilter, Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::first_agent;
@@ -13,13 +13,7 @@ use throng_simulation::scenario::{AgentBrains, BlackboardPost};
 const HEIGHT: f32 = 120.0;
 
 /// Shows the choice of levels and the list of entries.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    scene: &SceneDocument,
-    brains: &AgentBrains,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains, commands: &mut Commands) {
     let now = model.selection.scene;
     if let Some((side_m, levels)) = brains.blackboard_levels() {
         ui.horizontal_wrapped(|ui| {
@@ -80,7 +74,7 @@ fn row(
     scene: &SceneDocument,
     brains: &AgentBrains,
     entry: &BlackboardPost,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     let cell = entry.cell.map(|c| BlackboardCell::from_cell(&c));
     ui.horizontal(|ui| {

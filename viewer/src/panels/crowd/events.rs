@@ -1,7 +1,7 @@
 //! List of events, the latest first; a click selects the agent.
 
 use super::{CrowdPanelState, colour, options_command};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter, OtherParty};
@@ -17,13 +17,7 @@ const TIME: f32 = 86.0;
 const KIND: f32 = 78.0;
 
 /// Shows the list.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    scene: &SceneDocument,
-    state: &mut CrowdPanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut CrowdPanelState, commands: &mut Commands) {
     let run = scene.run();
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
     if let Some(brains) = run.simulation().brains() {
@@ -75,7 +69,7 @@ fn choice(ui: &mut Ui, what: &str, any: &str, names: &[String], chosen: &mut Opt
 }
 
 /// Buttons that show all kinds, or hide the many kinds of the engine.
-fn kinds(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+fn kinds(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     ui.horizontal(|ui| {
         ui.label("kinds").on_hover_text("Each kind can be shown and hidden above, below the rates");
         if ui.small_button("all").clicked() {

@@ -1,7 +1,7 @@
 //! Messages: how many agents know each, how it spread over time, and a button that triggers it.
 
 use super::{colour, options_command, swatch};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::{RunInput, STEP_HZ};
@@ -16,13 +16,7 @@ const HEIGHT: f32 = 110.0;
 const MAX_CORNERS: usize = 400;
 
 /// Shows the spread of every message with a button that triggers it, and the curve of the inspected one.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    scene: &SceneDocument,
-    brains: &AgentBrains,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains, commands: &mut Commands) {
     let shown = model.selection.scene.message.filter(|e| *e < brains.event_names().len());
     Grid::new("news").num_columns(4).spacing([14.0, 3.0]).show(ui, |ui| {
         for (event, spread) in brains.event_spreads().into_iter().enumerate() {

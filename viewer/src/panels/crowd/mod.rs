@@ -11,7 +11,7 @@ mod overlays;
 mod rates;
 
 use super::paint::empty;
-use crate::command::{SceneCommand, SceneViewOptions, ViewerCommand};
+use crate::command::{Commands, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::Rgba;
@@ -33,7 +33,7 @@ const NO_SCENE: &str = "Scenes of agents need no bundle: data/scenes/corridor.to
      bottleneck.toml, square.toml, flock.toml.";
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &mut Commands) {
     let Some(scene) = model.document.scene().filter(|s| first_agent(s.run().simulation()).is_some()) else {
         return empty(ui, "No scene with agents is open", NO_SCENE);
     };

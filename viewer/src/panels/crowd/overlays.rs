@@ -1,13 +1,13 @@
 //! View options for agents.
 
 use super::options_command;
-use crate::command::{OverlayScope, ViewerCommand};
+use crate::command::{Commands, OverlayScope, ViewerCommand};
 use crate::model::Model;
 use crate::settings::ViewerSettings;
 use eframe::egui::{Grid, Role, Ui, WidgetInfo};
 
 /// Shows the view options.
-pub fn show(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let now = model.selection.scene;
     let (mut l, mut overlays) = (now, model.settings.overlays);
     Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {

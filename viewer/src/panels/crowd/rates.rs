@@ -1,7 +1,7 @@
 //! Event rates: a plot of the last ten seconds, with a key that shows and hides kinds.
 
 use super::{colour, options_command};
-use crate::command::ViewerCommand;
+use crate::command::Commands;
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::{AgentEventKind, WINDOW_S};
@@ -17,7 +17,7 @@ const MARKS_S: [f64; 3] = [2.0, 10.0, 60.0];
 const COLUMNS: usize = 3;
 
 /// Shows the plot and the key.
-pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
     let (run, dark) = (scene.run(), ui.visuals().dark_mode);
     let now = run.simulation().time_s();
     let rates = run.log().rates();
@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Ve
 }
 
 /// Names of kinds with how many there were; a click shows or hides one in plot, list and view.
-fn key(ui: &mut Ui, model: &Model, totals: [u64; AgentEventKind::COUNT], commands: &mut Vec<ViewerCommand>) {
+fn key(ui: &mut Ui, model: &Model, totals: [u64; AgentEventKind::COUNT], commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
     // Kinds that only the occupancy scheme or agent brains report are left out if there are none.
     let is_special = |w: &AgentEventKind| {

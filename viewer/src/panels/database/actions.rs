@@ -2,7 +2,7 @@
 
 use super::outgoing::{OutgoingActions, displacement_texts};
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, time_text};
 use eframe::egui::{RichText, Ui};
 
@@ -24,7 +24,7 @@ pub fn show(
     bundle: &OpenBundle,
     out: Option<&OutgoingActions>,
     frame: u32,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) -> Option<u32> {
     let Some(out) = out else {
         ui.strong("Actions from here");

@@ -1,7 +1,7 @@
 //! The list of clips, with a search field.
 
 use super::catalogue::{CatalogueClip, ClipCatalogue, ClipColumn};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort, time_text};
 use eframe::egui::{Label, RichText, TextEdit, Ui};
 
@@ -73,7 +73,7 @@ pub fn show(
     document: u64,
     catalogue: impl FnOnce() -> ClipCatalogue,
     selected: usize,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     state.refresh(document, catalogue);
     search(ui, state);

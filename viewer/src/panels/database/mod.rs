@@ -12,7 +12,7 @@ mod track;
 
 use super::paint::{no_bundle, time_text};
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::{OpenDocument, RawMotion};
 use crate::model::Model;
 use crate::theme::ThemePalette;
@@ -37,7 +37,7 @@ pub struct DatabasePanelState {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, commands: &mut Commands) {
     match (&model.document, model.document.bundle()) {
         (OpenDocument::Clip(raw), _) => raw_view(ui, raw, model, state, commands),
         (_, Some(bundle)) => bundle_view(ui, bundle, model, state, commands),
@@ -50,7 +50,7 @@ fn bundle_view(
     bundle: &OpenBundle,
     model: &Model,
     state: &mut DatabasePanelState,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     let (document, clip) = (model.generation, model.selection.clip);
     Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
@@ -80,13 +80,7 @@ fn bundle_view(
     commands.extend(goes_to.map(|frame| ViewerCommand::ShowClip { clip, frame }));
 }
 
-fn raw_view(
-    ui: &mut Ui,
-    raw: &RawMotion,
-    model: &Model,
-    state: &mut DatabasePanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut DatabasePanelState, commands: &mut Commands) {
     let document = model.generation;
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, 0)) {
         state.track = TimelineTrack::from_raw(raw).map(|t| (document, 0, t));

@@ -3,7 +3,7 @@
 use super::GraphPanelState;
 use super::links::{ActionLink, outgoing};
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableSort, least_width};
 use crate::panels::words;
@@ -33,7 +33,7 @@ pub fn show(
     bundle: &OpenBundle,
     state: u32,
     own: &mut GraphPanelState,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     let graph = bundle.tables().graph();
     let Some(record) = graph.states.get(state as usize) else { return };

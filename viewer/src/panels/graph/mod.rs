@@ -8,7 +8,7 @@ mod list;
 mod view;
 
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::panels::paint::{TableSort, legend};
 use crate::theme::{ThemePalette, viridis};
@@ -68,7 +68,7 @@ impl Default for GraphPanelState {
 }
 
 /// Shows the motion graph of the open bundle.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else {
         ui.weak("A motion graph is part of a bundle; open one to see it.");
         return;
@@ -147,7 +147,7 @@ fn show_drawing(
     model: &Model,
     bundle: &OpenBundle,
     state: &mut GraphPanelState,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     ui.advance_cursor_after_rect(rect);
     // A fixed name keeps the widget's identity, whatever is shown above it.

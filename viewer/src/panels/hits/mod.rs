@@ -10,7 +10,7 @@ mod view;
 use super::paint::{TableSort, empty, legend, no_bundle};
 use super::words;
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
@@ -72,7 +72,7 @@ struct HitViewInput<'a> {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else {
         if model.document.raw_motion().is_some() {
             return empty(ui, "Hits are part of a bundle", "Build one from this motion, then open it.");
@@ -102,7 +102,7 @@ fn show_hits(
     bundle: &OpenBundle,
     hits: &HitCollection,
     state: &mut HitsPanelState,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     let shown = hits.select(state.filter, state.sort);
     let ranges = hits.ranges(&shown);

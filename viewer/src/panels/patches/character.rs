@@ -1,7 +1,7 @@
 //! The selected inhabitant: its activity, its planned path, and its orders.
 
 use super::PatchesPanelState;
-use crate::command::{ViewerCommand, WorldCommand};
+use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::{offer_first_character, words};
@@ -14,13 +14,7 @@ use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal};
 const PERFORM_S: f32 = 10.0;
 
 /// Shows the character that is selected.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    world: &WorldDocument,
-    state: &mut PatchesPanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     population(ui, world, state, commands);
     let run = world.run();
     let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
@@ -39,7 +33,7 @@ pub fn show(
     show_orders(ui, world, c, state, commands);
 }
 
-fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
+fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     let (run, scene) = (world.run(), world.roamers());
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
@@ -131,13 +125,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     });
 }
 
-fn show_orders(
-    ui: &mut Ui,
-    world: &WorldDocument,
-    c: usize,
-    state: &mut PatchesPanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+fn show_orders(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut PatchesPanelState, commands: &mut Commands) {
     let mut order = |goal| commands.push(ViewerCommand::World(WorldCommand::Order { character: c, goal }));
     ui.horizontal_wrapped(|ui| {
         if ui.button("Roam").on_hover_text("Wander about until it gets another order").clicked() {

@@ -1,7 +1,7 @@
 //! Units of a world: one that is created, the selected one, the last edit, and the file to save to.
 
 use super::PatchesPanelState;
-use crate::command::{Tool, ViewerCommand, WorldCommand};
+use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::UnitChange;
 use crate::model::Model;
@@ -10,13 +10,7 @@ use std::path::{Path, PathBuf};
 use throng_core::patch::Placement;
 
 /// Shows the editing controls.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    world: &WorldDocument,
-    state: &mut PatchesPanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     ui.strong("Units");
     create(ui, model, world, state, commands);
     selected(ui, model, world, commands);
@@ -38,13 +32,7 @@ pub fn show(
     save(ui, world, state, commands);
 }
 
-fn create(
-    ui: &mut Ui,
-    model: &Model,
-    world: &WorldDocument,
-    state: &mut PatchesPanelState,
-    commands: &mut Vec<ViewerCommand>,
-) {
+fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     let units = &world.kit().units.units;
     state.unit = state.unit.min(units.len().saturating_sub(1));
     ui.horizontal_wrapped(|ui| {
@@ -67,7 +55,7 @@ fn create(
 }
 
 /// The selected unit by its numbers.
-fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Vec<ViewerCommand>) {
+fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Commands) {
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else {
         ui.weak("No unit is selected.");
         return;
@@ -109,7 +97,7 @@ fn edit(change: UnitChange) -> ViewerCommand {
     ViewerCommand::World(WorldCommand::Edit(change))
 }
 
-fn save(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
+fn save(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     ui.horizontal(|ui| {
         let file = state.file.get_or_insert_with(|| suggested(world.path()).display().to_string());
         let button = ui.button("Save").on_hover_text("Write the world as a list of places");

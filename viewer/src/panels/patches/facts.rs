@@ -1,6 +1,6 @@
 //! Figures of an instance of a patch.
 
-use crate::command::{ViewerCommand, WorldCommand};
+use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::stage::world::{DISABLED, ENABLED};
@@ -75,7 +75,7 @@ pub fn show(
     world: &WorldDocument,
     instance: u32,
     facts: &InstanceFacts,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("Patch {}", world.patch_name(instance)));
@@ -123,7 +123,7 @@ fn unit(world: &WorldDocument, place: u32) -> String {
 }
 
 /// One of the instances that the selected unit is part of.
-fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, commands: &mut Vec<ViewerCommand>) {
+fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, commands: &mut Commands) {
     let Some(place) = model.selection.world.place else { return };
     let all = world.instances_of(place);
     if all.len() < 2 {

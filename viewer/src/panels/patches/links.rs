@@ -1,7 +1,7 @@
 //! The disabled links of an instance, as a list.
 
 use super::facts::{InstanceFacts, reason_text};
-use crate::command::{ViewerCommand, WorldCommand};
+use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
@@ -24,7 +24,7 @@ pub fn show(
     world: &WorldDocument,
     instance: u32,
     facts: &InstanceFacts,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     let (graph, selected) = (world.graph(), model.selection.world.link);
     let out: Vec<usize> = (0..facts.links.len()).filter(|&l| facts.links[l].is_some()).collect();

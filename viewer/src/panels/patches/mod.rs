@@ -5,7 +5,7 @@ mod edit;
 mod facts;
 mod links;
 
-use crate::command::{Tool, ViewerCommand, WorldCommand};
+use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::model::Model;
 use eframe::egui::{Button, Ui};
 use facts::InstanceFacts;
@@ -32,7 +32,7 @@ pub struct PatchesPanelState {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands: &mut Commands) {
     let Some(world) = model.document.world() else {
         ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
         return;
@@ -62,7 +62,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
 }
 
 /// Choice of the tool.
-fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut Vec<ViewerCommand>) {
+fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut Commands) {
     let now = model.selection.world.tool;
     ui.horizontal_wrapped(|ui| {
         for (tool, name, tip) in [
@@ -93,7 +93,7 @@ fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut V
 }
 
 /// Buttons that take changes back and make them again.
-fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+fn history(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let Some(world) = model.document.world() else { return };
     for (text, change, tip, key, command) in [
         ("Undo", world.to_undo(), "Undo", "Ctrl+Z", WorldCommand::Undo),
@@ -108,7 +108,7 @@ fn history(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
 }
 
 /// Result of the last edit.
-fn outcome(ui: &mut Ui, model: &Model, commands: &mut Vec<ViewerCommand>) {
+fn outcome(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let Some(world) = model.document.world() else { return };
     if let Some(working) = world.working() {
         ui.horizontal(|ui| {

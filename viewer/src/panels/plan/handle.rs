@@ -1,19 +1,13 @@
 //! Movable things and places, and the coordinates of the selected one.
 
-use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
+use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use eframe::egui::{ComboBox, DragValue, Role, Ui, WidgetInfo};
 use glam::Vec3;
 
 /// Shows the selected thing or place.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    task: &TaskDocument,
-    wanted: &mut PlanViewOptions,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Things and places");
         let name = wanted.handle.map_or_else(|| "none selected".into(), |h| task.task().handle_name(h));

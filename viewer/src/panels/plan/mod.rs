@@ -6,7 +6,7 @@ mod motions;
 mod tests;
 mod timeline;
 
-use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
+use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use crate::theme::ThemePalette;
@@ -28,7 +28,7 @@ pub struct PlanPanelState {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Commands) {
     let Some(task) = model.task() else {
         ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
         return;
@@ -54,7 +54,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &m
 }
 
 /// Shows the steps of the task, and their results.
-fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
+fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     let palette = ThemePalette::for_visuals(ui.visuals());
     let (windows, rate_hz) = (task.task().windows_s(), task.frames().1);
     let motion = task.shown_motion();
@@ -86,7 +86,7 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, command
 }
 
 /// Shows the options of planning, and its progress.
-fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
+fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         let tip = "Plan motions beside the window; the same seed gives the same motion";
         if ui.add(Button::new("Plan")).on_hover_text(tip).clicked() {
@@ -123,7 +123,7 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
     }
 }
 
-fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Vec<ViewerCommand>) {
+fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Commands) {
     let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
     let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
     let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);

@@ -1,12 +1,12 @@
 //! The motions that were planned, side by side in a list, and the figures of the one shown.
 
-use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
+use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::{PlannedMotion, TaskDocument};
 use crate::theme::ThemePalette;
 use eframe::egui::{RichText, Ui};
 
 /// Shows the list.
-pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     ui.horizontal(|ui| {
         ui.strong("Motions");
         ui.checkbox(&mut wanted.ghosts, "ghosts of the others").on_hover_text("Other motions, and the clip as it was");

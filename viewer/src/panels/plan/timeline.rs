@@ -1,7 +1,7 @@
 //! Timeline of a task: when limbs leave the clip, reach, and are back; below it the trees of the searches and the
 //! paths of hands, one direction of space over time.
 
-use crate::command::{PlanViewOptions, ViewerCommand};
+use crate::command::{Commands, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
 use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
@@ -54,7 +54,7 @@ pub fn show(
     task: &TaskDocument,
     along: &mut PlotDirection,
     wanted: &mut PlanViewOptions,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");

@@ -4,7 +4,7 @@ use super::chart::PolicyChart;
 use super::heat::{HeatKey, HeatPicture, MapProjection};
 use super::{PolicyPanelState, slices, why::behaviour_name};
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::panels::paint::legend;
 use crate::panels::words;
 use crate::run::{ActionCandidate, ChoiceReason};
@@ -60,7 +60,7 @@ impl PolicyMapInput<'_> {
 }
 
 /// Shows the map, or the maps of all heights, with options and legend.
-pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
     options(ui, shown, own, commands);
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     let arrow_scale = if own.slices && heights > 1 {
@@ -122,7 +122,7 @@ pub fn paint(
     heat.arrow_scale
 }
 
-fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
+fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     ui.horizontal_wrapped(|ui| {
         ui.selectable_value(&mut own.smooth, false, "cells").on_hover_text("The stored value of every cell");

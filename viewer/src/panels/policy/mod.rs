@@ -9,7 +9,7 @@ mod story;
 mod why;
 
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::run::{GoalSubject, explain_choice};
 use eframe::egui::{ComboBox, RichText, Ui};
@@ -52,7 +52,7 @@ impl Default for PolicyPanelState {
 }
 
 /// Shows a behaviour's policy and the choice of the selected character.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else {
         ui.weak("Policies are part of a bundle; open one to see them.");
         return;
@@ -103,7 +103,7 @@ fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     Some(Vec3::new(local.x, target.y, local.y))
 }
 
-fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Vec<ViewerCommand>) {
+fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Commands) {
     ComboBox::new("behaviour", "behaviour").selected_text(behaviour_name(bundle, number)).show_ui(ui, |ui| {
         for policy in 0..bundle.tables().policies().len() {
             if ui.selectable_label(policy == number, behaviour_name(bundle, policy)).clicked() {
@@ -136,7 +136,7 @@ fn facts(ui: &mut Ui, bundle: &OpenBundle, policy: &PolicyTable, number: usize) 
 }
 
 /// The selected state, and how to select another.
-fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Vec<ViewerCommand>) {
+fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Commands) {
     let graph = bundle.tables().graph();
     let Some(state) = model.inspected_state() else {
         ui.horizontal_wrapped(|ui| {

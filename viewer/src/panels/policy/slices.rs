@@ -2,7 +2,7 @@
 
 use super::PolicyPanelState;
 use super::map::{PolicyMapInput, paint};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use eframe::egui::{Align2, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2};
 
 /// Least width of one map (points).
@@ -18,7 +18,7 @@ pub fn show(
     shown: &PolicyMapInput<'_>,
     own: &mut PolicyPanelState,
     heights: u32,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) -> f32 {
     let chart = shown.chart();
     let centre = shown.policy.centre();

@@ -2,7 +2,7 @@
 
 use super::{PolicyPanelState, story};
 use crate::bundle::OpenBundle;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::{offer_first_character, words};
@@ -28,7 +28,7 @@ pub fn show(
     own: &mut PolicyPanelState,
     chooser: Option<&PolicyChooser<'_>>,
     why: Option<&ChoiceReason>,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) {
     ui.strong("Why this action?");
     let Some(character) = model.selection.character else {

@@ -2,7 +2,7 @@
 
 use super::verdict::{Mood, verdict};
 use super::{facts, section};
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::document::RawMotion;
 use crate::panels::glitches;
 use crate::panels::paint::time_text;
@@ -12,7 +12,7 @@ use throng_core::Joint;
 use throng_precompute::inspect::ClipReport;
 
 /// Shows all that import found.
-pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Commands) {
     let report = &raw.report;
     warnings(ui, report);
     motion(ui, report);
@@ -114,7 +114,7 @@ fn contacts(ui: &mut Ui, r: &ClipReport) {
 }
 
 /// Ranges that a build would leave out; a click goes there.
-fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<ViewerCommand>) {
+fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Commands) {
     section(ui, "Left out by a build");
     if r.excluded.is_empty() {
         ui.label(RichText::new("Nothing: every frame is used.").weak());
@@ -129,7 +129,7 @@ fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Vec<ViewerCommand>) {
 }
 
 /// Glitches of the recording; a click goes there.
-fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Vec<ViewerCommand>) {
+fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Commands) {
     let marks = glitches::raw_glitches(raw);
     if marks.is_empty() {
         return;

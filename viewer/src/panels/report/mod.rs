@@ -5,7 +5,7 @@ mod clip;
 mod verdict;
 
 use super::paint::no_bundle;
-use crate::command::ViewerCommand;
+use crate::command::Commands;
 use crate::document::OpenDocument;
 use crate::model::Model;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
@@ -17,7 +17,7 @@ pub struct ReportPanelState {
 }
 
 /// Shows the panel.
-pub fn show(ui: &mut Ui, model: &Model, state: &mut ReportPanelState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, state: &mut ReportPanelState, commands: &mut Commands) {
     match (&model.document, model.document.bundle()) {
         (OpenDocument::Clip(raw), _) => {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));

@@ -1,6 +1,7 @@
 //! The report driven as a user would.
 
 use super::*;
+use crate::command::ViewerCommand;
 use crate::fixtures::{golden_path, mocap::recording};
 use crate::panels::tests::trial;
 use eframe::egui::vec2;

@@ -1,7 +1,7 @@
 //! Demonstrations: scenes that come with the project, a card each.
 
 use super::heading;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use eframe::egui::{
     Align, ColorImage, Context, CornerRadius, Image, Label, Layout, Rect, RichText, Role, Sense, StrokeKind,
     TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
@@ -90,7 +90,7 @@ fn folder() -> Option<PathBuf> {
 }
 
 /// Shows a card for each demonstration.
-pub fn show(ui: &mut Ui, state: &mut DemosState, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, state: &mut DemosState, commands: &mut Commands) {
     heading(ui, "Demonstrations");
     let Some(folder) = state.folder.clone() else {
         let text = format!("The scenes of the project ({SCENES}) are not here: start the viewer in its folder.");

@@ -5,7 +5,7 @@ mod motion;
 mod recent;
 
 use super::{PanelStates, build};
-use crate::command::ViewerCommand;
+use crate::command::Commands;
 use crate::model::Model;
 use eframe::egui::{Label, RichText, ScrollArea, Ui};
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ impl StartPageState {
 }
 
 /// Shows the page in all that is left of the window.
-pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     let now_s = ui.input(|i| i.time);
     states.start.check_files(now_s, model);
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
     });
 }
 
-fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Vec<ViewerCommand>) {
+fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     ui.add_space(GAP);
     ui.label(RichText::new("Throng").size(32.0).strong());
     ui.add(Label::new(RichText::new("Motion capture in, thousands of characters out.").size(15.0).weak()).wrap());

@@ -1,7 +1,7 @@
 //! Recently opened files.
 
 use super::heading;
-use crate::command::ViewerCommand;
+use crate::command::{Commands, ViewerCommand};
 use crate::model::name_of;
 use crate::panels::words::path_list;
 use crate::theme::ThemePalette;
@@ -14,7 +14,7 @@ const ROW: f32 = 34.0;
 /// Shows the list.
 ///
 /// - `entries`: the files of each, and whether all of them are there.
-pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Commands) {
     heading(ui, "Opened last");
     if entries.is_empty() {
         ui.weak("Nothing yet.");
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Vec<Vi
     }
 }
 
-fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Vec<ViewerCommand>) {
+fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Commands) {
     ui.spacing_mut().item_spacing.y = 1.0;
     let more = if paths.len() > 1 { format!(" and {} more", paths.len() - 1) } else { String::new() };
     let name = RichText::new(format!("{}{more}", name_of(paths))).size(14.0);

@@ -1,6 +1,7 @@
 //! The start page driven as a user would.
 
 use super::*;
+use crate::command::ViewerCommand;
 use crate::panels::SystemDialog;
 use crate::panels::tests::trial;
 use eframe::egui::{Role, vec2};

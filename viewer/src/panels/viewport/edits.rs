@@ -1,7 +1,7 @@
 //! The result of an edit of a world, shown beside its unit.
 
 use super::size;
-use crate::command::{ViewerCommand, WorldCommand};
+use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use eframe::egui::{Align2, Area, Frame, Id, Pos2, Rect, Stroke, Ui, vec2};
@@ -13,7 +13,7 @@ const WIDTH: f32 = 340.0;
 const BESIDE: f32 = 14.0;
 
 /// Shows the edit under way, or why the last edit was refused.
-pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Vec<ViewerCommand>) {
+pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Commands) {
     let Some(world) = model.shown_world() else { return };
     if let Some(working) = world.working() {
         note(ui, rect, place(model, world, working.at.as_ref(), rect), |ui| {

@@ -1,12 +1,12 @@
 //! The state of steering and the delay of keys, in a line over the 3-D view.
 
 use super::pad::Pad;
-use crate::command::{SteerCommand, SteerInput, ViewerCommand};
+use crate::command::{Commands, SteerCommand, SteerInput, ViewerCommand};
 use crate::model::Model;
 use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
 
 /// Takes the steering keys out of the input; while no direction is held down, the input of a pad counts.
-pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Vec<ViewerCommand>) {
+pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Commands) {
     if pad.is_some_and(|p| p.toggles) {
         commands.push(ViewerCommand::Steer(SteerCommand::Toggle));
     }

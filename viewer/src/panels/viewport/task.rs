@@ -1,7 +1,7 @@
 //! Mouse in a task of limbs: selects and drags things and places.
 
 use super::{position_in_view, size, upright};
-use crate::command::{PlanCommand, PlanViewOptions, ViewerCommand};
+use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::model::Model;
 use crate::render::Ray;
 use eframe::egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
@@ -33,7 +33,7 @@ pub fn drag(
     response: &Response,
     model: &Model,
     held: &mut Option<DraggedThing>,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) -> bool {
     if model.task().is_none() {
         *held = None;
@@ -81,11 +81,11 @@ pub fn drag(
 }
 
 /// A click selects what is under the pointer.
-pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Vec<ViewerCommand>) {
+pub fn click(model: &Model, ray: &Ray, view: Vec2, commands: &mut Commands) {
     select(model, pick_handle(model, ray, view).map(|u| u.0), commands);
 }
 
-fn select(model: &Model, handle: Option<Handle>, commands: &mut Vec<ViewerCommand>) {
+fn select(model: &Model, handle: Option<Handle>, commands: &mut Commands) {
     let options = PlanViewOptions { handle, ..model.selection.plan };
     if options != model.selection.plan {
         commands.push(ViewerCommand::Plan(PlanCommand::SetOptions(options)));

@@ -1,6 +1,6 @@
 //! Mouse and keys in a world: select, send, place, drag and turn.
 
-use crate::command::{Tool, UnitDraft, ViewerCommand, WorldCommand};
+use crate::command::{Commands, Tool, UnitDraft, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::UnitChange;
 use crate::model::Model;
@@ -40,7 +40,7 @@ pub fn drag(
     model: &Model,
     ray: impl Fn(eframe::egui::Pos2) -> Ray,
     dragged: &mut Option<DraggedUnit>,
-    commands: &mut Vec<ViewerCommand>,
+    commands: &mut Commands,
 ) -> bool {
     let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move) else {
         *dragged = None;
@@ -101,7 +101,7 @@ fn turned(ui: &Ui) -> f32 {
 }
 
 /// Keys that turn and remove the selected unit, while units are moved.
-pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<ViewerCommand>) {
+pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Commands) {
     let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move && !is_dragging) else {
         return;
     };
@@ -119,7 +119,7 @@ pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Vec<Viewer
 }
 
 /// Shows the unit that a click would place.
-pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Vec<ViewerCommand>) {
+pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Commands) {
     let (Some(world), Tool::Create(unit)) = (model.shown_world(), model.selection.world.tool) else { return };
     if unit >= world.kit().units.units.len() {
         return;
@@ -143,14 +143,7 @@ fn height(world: &WorldDocument, unit: usize, ray: &Ray) -> f32 {
 }
 
 /// Effect of a click.
-pub fn click(
-    ui: &Ui,
-    model: &Model,
-    world: &WorldDocument,
-    layout: &StageLayout,
-    ray: &Ray,
-    commands: &mut Vec<ViewerCommand>,
-) {
+pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &StageLayout, ray: &Ray, commands: &mut Commands) {
     let options = &model.selection.world;
     let sends = options.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {

@@ -9,7 +9,7 @@ use throng_core::Skeleton;
 use throng_core::patch::Placement;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Depth in a piece from which a body passes through it; markers and skin are off by less (m).
 const THROUGH: f32 = 0.07;
@@ -24,11 +24,7 @@ const SHARE: f32 = 0.2;
 ///
 /// # Errors
 /// As [`geometries`].
-pub fn keep_clear_pieces(
-    pieces: &[(InferredPiece, f32)],
-    clips: &[&Clip],
-    skeleton: &Skeleton,
-) -> Result<Vec<bool>, BuildError> {
+pub fn keep_clear_pieces(pieces: &[(InferredPiece, f32)], clips: &[&Clip], skeleton: &Skeleton) -> Result<Vec<bool>> {
     let unit = |(i, ((shape, _), _)): (usize, &(InferredPiece, f32))| {
         let (name, shapes) = (format!("piece_{i}"), vec![shape.clone()]);
         UnitObject { name, shapes, region: None, symmetry: 1, tile: None, floor: true }

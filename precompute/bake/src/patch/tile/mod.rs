@@ -26,7 +26,7 @@ use search::TileSearch;
 use source::TileSource;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use vocabulary::TileVocabulary;
 
 /// Shortest link of a tile with two edges. A piece of a slide takes less time than links elsewhere, and is too short
@@ -55,7 +55,7 @@ pub(super) struct TileInputs<'a> {
 /// # Errors
 /// [`BuildError::Key`] for a missing unit, one without edges, or patterns without matching clips; [`BuildError::Stage`]
 /// if pruning leaves nothing, with the unmet condition.
-pub(super) fn build(given: &TileInputs, config: &TileConfig) -> Result<(RawPatch, PatchReport), BuildError> {
+pub(super) fn build(given: &TileInputs, config: &TileConfig) -> Result<(RawPatch, PatchReport)> {
     let unit = given
         .units
         .units
@@ -112,7 +112,7 @@ struct UnprunedTile {
 }
 
 /// Clips of a tile, and the copies of a rising one that they were captured on.
-fn source_of<'a>(given: &TileInputs<'a>, unit: &UnitObject, config: &TileConfig) -> Result<TileSource<'a>, BuildError> {
+fn source_of<'a>(given: &TileInputs<'a>, unit: &UnitObject, config: &TileConfig) -> Result<TileSource<'a>> {
     let mut clips = Vec::new();
     let mut copies = Vec::new();
     for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {

@@ -17,7 +17,7 @@ use throng_core::Planar;
 use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 use throng_motion::clip::{ExclusionReason, FrameRange};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Longest time from standing still to the beginning of the tagged range, and from its end to standing still (s).
 const STANDING_WITHIN_S: f64 = 1.5;
@@ -85,7 +85,7 @@ pub(super) fn find_pairs(
     given: &TileInputs,
     config: &TileConfig,
     rest: &[TileRestPose],
-) -> Result<(Vec<PairTake>, Vec<PairReport>), BuildError> {
+) -> Result<(Vec<PairTake>, Vec<PairReport>)> {
     let (mut takes, mut reports) = (Vec::new(), Vec::new());
     for (i, patterns) in config.pairs.iter().enumerate() {
         let clips = given.clips.clips.iter().enumerate().filter(|(_, c)| !c.mirrored);

@@ -16,7 +16,7 @@ use fit::{FitScratch, GridShapes};
 use rayon::prelude::*;
 pub use report::{AdaptiveReport, Approximation};
 use throng_core::policy::{PolicyRecord, StateGridRecord};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Gives every state of a solved policy a grid of its own.
 ///
@@ -44,7 +44,7 @@ pub fn adapt(
     solution: &Solution,
     behaviour: &dyn PolicyBehaviour,
     cfg: &AdaptiveConfig,
-) -> Result<Solution, BuildError> {
+) -> Result<Solution> {
     let grid = behaviour.spec().grid;
     let shapes = GridShapes::new(&grid);
     let (num_states, num_cells) = (solution.record.num_states as usize, grid.num_cells());

@@ -13,7 +13,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64;
 use throng_base::SingleRank;
 use throng_core::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::Silent;
 
 /// Three ways to store a policy in equal memory, each compared with the policy on the finest grid everywhere.
@@ -59,7 +59,7 @@ impl AdaptiveReport {
     /// - `adapted`: the adaptive policy.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] if the uniform grid's values do not converge.
+    /// [`throng_motion::error::BuildError::Stage`] if the uniform grid's values do not converge.
     pub(in crate::policy) fn new(
         model: &ActionModel,
         behaviour: &dyn PolicyBehaviour,
@@ -67,7 +67,7 @@ impl AdaptiveReport {
         adapted: &Solution,
         cfg: &PolicyConfig,
         rng: &mut Pcg64,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let grid = behaviour.spec().grid;
         let num_states = model.num_states().max(1);
         let counts = uniform_counts(&grid, solution_bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
@@ -124,7 +124,7 @@ struct RandomQueries {
 }
 
 impl RandomQueries {
-    fn new(model: &ActionModel, finest: &Solution, samples: u32, rng: &mut Pcg64) -> Result<Self, BuildError> {
+    fn new(model: &ActionModel, finest: &Solution, samples: u32, rng: &mut Pcg64) -> Result<Self> {
         let best = first_actions(finest);
         let table = finest.table(model, &best)?;
         let num_states = model.num_states() as u32;
@@ -138,7 +138,7 @@ impl RandomQueries {
     }
 
     /// Compares a policy with less memory with that on the finest grid.
-    fn approximation(&self, model: &ActionModel, solution: &Solution) -> Result<Approximation, BuildError> {
+    fn approximation(&self, model: &ActionModel, solution: &Solution) -> Result<Approximation> {
         let first = first_actions(solution);
         let table = solution.table(model, &first)?;
         let (mut changed, mut lost, mut sum) = (0u32, 0.0, 0.0);

@@ -7,7 +7,7 @@ use super::{BehaviourSpec, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Behaviour of moving to the target and staying there.
 ///
@@ -39,7 +39,7 @@ impl Approach {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range.
-    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self, BuildError> {
+    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hit_centre: Option<Vec2>) -> Result<Self> {
         let c = config;
         c.check()?;
         let form = c.reward.unwrap_or(RewardForm::Integral);
@@ -96,7 +96,7 @@ impl Approach {
 
 /// Active region: that of the config, else all targets, or those beyond the reach of landing blows. Within that reach
 /// blows count: a reward for being there would give no reason to leave a pose from which no blow comes soon.
-fn region_of(c: &PolicyBehaviourConfig, centre: Vec2) -> Result<RegionRecord, BuildError> {
+fn region_of(c: &PolicyBehaviourConfig, centre: Vec2) -> Result<RegionRecord> {
     let mut region = c.region.make_region(false, RegionRecord::EVERYWHERE)?;
     if c.centre == CentreConfig::Hits && c.region.distance_m.is_none() {
         region.distance[0] = centre.length() + SCALE as f32;

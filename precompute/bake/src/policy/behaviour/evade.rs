@@ -16,7 +16,7 @@ use throng_base::Comm;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_core::{Joint, Skeleton};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Behaviour of being away from the place where a blow lands, at that moment.
 ///
@@ -41,7 +41,7 @@ impl Evade {
         clips: &ClipSet,
         graph: &RawMotionGraph,
         comm: &dyn Comm,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let c = config;
         c.check()?;
         if c.reward.is_some_and(|r| r != RewardForm::Max) {
@@ -75,12 +75,7 @@ impl Evade {
 }
 
 /// Path of a joint over every segment (num_segments).
-fn joint_paths(
-    clips: &ClipSet,
-    graph: &RawMotionGraph,
-    joint: Joint,
-    comm: &dyn Comm,
-) -> Result<Vec<PathRecord>, BuildError> {
+fn joint_paths(clips: &ClipSet, graph: &RawMotionGraph, joint: Joint, comm: &dyn Comm) -> Result<Vec<PathRecord>> {
     let starts = clips.frame_starts();
     let offset = guarded_offset(&clips.skeleton, joint);
     let clip_of = |s: &crate::graph::GraphSegment| starts.partition_point(|&f| f <= s.start.0) - 1;
@@ -137,7 +132,7 @@ impl PolicyBehaviour for Evade {
         &self.paths
     }
 
-    fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {
+    fn check_values(&self, values: &[f32]) -> Result<()> {
         if values.iter().any(|&v| v != 0.0) {
             return Ok(());
         }

@@ -11,7 +11,7 @@ pub use evade::Evade;
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, TargetGrid};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
 
 /// Specification of a behaviour, independent of motion.
@@ -63,8 +63,8 @@ pub trait PolicyBehaviour: Sync {
     /// Checks solved values: a behaviour that can never be rewarded is a mistake.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] with the change to make.
-    fn check_values(&self, _values: &[f32]) -> Result<(), BuildError> {
+    /// [`throng_motion::error::BuildError::Stage`] with the change to make.
+    fn check_values(&self, _values: &[f32]) -> Result<()> {
         Ok(())
     }
 }

@@ -9,7 +9,7 @@ use glam::Vec3;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
 use throng_core::{Joint, Planar};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// An effective hit within a segment.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl ThrowPunches {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range, or the one that leaves no hit.
-    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self, BuildError> {
+    pub fn new(config: &PolicyBehaviourConfig, rate_hz: f64, hits: &[Vec<SegmentHit>]) -> Result<Self> {
         let c = config;
         debug_assert_eq!(c.kind, BehaviourKind::ThrowPunches);
         c.check()?;
@@ -129,7 +129,7 @@ pub(super) const SCALE: f64 = 0.3;
 const REACH_OUT: f32 = 1.0;
 
 /// Joints whose hits count, by name.
-fn joints(c: &PolicyBehaviourConfig) -> Result<Vec<Joint>, BuildError> {
+fn joints(c: &PolicyBehaviourConfig) -> Result<Vec<Joint>> {
     let of_name = |name: &String| {
         Joint::from_name(name).ok_or_else(|| {
             BuildError::key(
@@ -203,7 +203,7 @@ impl PolicyBehaviour for ThrowPunches {
         }
     }
 
-    fn check_values(&self, values: &[f32]) -> Result<(), BuildError> {
+    fn check_values(&self, values: &[f32]) -> Result<()> {
         if values.iter().any(|&v| v != 0.0) {
             return Ok(());
         }

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Resolution per state: fine for values that change fast, coarse for others (Lee and Lee 2004, section 7).
 ///
@@ -29,7 +29,7 @@ impl AdaptiveConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range.
-    pub(super) fn check(&self) -> Result<(), BuildError> {
+    pub(super) fn check(&self) -> Result<()> {
         if self.share <= 0.0 {
             return Err(BuildError::key("share", format!("expected above 0, up to 1, found {}", self.share)));
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use throng_core::policy::{
     COMBINE_MAX, COMBINE_SUM, KERNEL_EXPONENTIAL, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord,
 };
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Settings of a behaviour: its reward, its cells of the target, and its active region.
 ///
@@ -146,7 +146,7 @@ impl PolicyBehaviourConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`] names the key out of its range or of another kind.
-    pub(crate) fn check(&self) -> Result<(), BuildError> {
+    pub(crate) fn check(&self) -> Result<()> {
         if self.name.trim().is_empty() {
             return Err(BuildError::key("name", "expected the policy's name in the bundle, found none"));
         }
@@ -165,7 +165,7 @@ impl PolicyBehaviourConfig {
     }
 
     /// Refuses keys of other kinds, which would have no effect.
-    fn refuse_unread(&self) -> Result<(), BuildError> {
+    fn refuse_unread(&self) -> Result<()> {
         use BehaviourKind::{Approach, Evade, ThrowPunches};
         let usual = Self::default();
         for (key, read_by, given) in [
@@ -197,7 +197,7 @@ impl PolicyBehaviourConfig {
         kernel: KernelConfig,
         scale: f64,
         gain: f64,
-    ) -> Result<Reward, BuildError> {
+    ) -> Result<Reward> {
         let combine = if form == RewardForm::Max { COMBINE_MAX } else { COMBINE_SUM };
         let kernel = match self.kernel.unwrap_or(kernel) {
             KernelConfig::Exponential => KERNEL_EXPONENTIAL,

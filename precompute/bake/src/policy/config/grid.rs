@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 use std::f64::consts;
 use throng_core::Error;
 use throng_core::policy::{MAX_AXIS, TargetGrid};
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Cells of the target. Absent settings depend on the behaviour's kind:
 ///
@@ -60,7 +60,7 @@ pub struct BoundsConfig {
 
 impl BoundsConfig {
     /// Checks every given pair, by key.
-    fn check(&self) -> Result<(), BuildError> {
+    fn check(&self) -> Result<()> {
         let half_turn = consts::PI + ANGLE_TOLERANCE;
         for (key, given, [least, most], limits) in [
             ("angle_rad", self.angle_rad, [-half_turn, half_turn], "from -pi to pi, less than a full turn"),
@@ -108,7 +108,7 @@ impl GridConfig {
     }
 
     /// Checks every given number, by key.
-    pub(super) fn check(&self) -> Result<(), BuildError> {
+    pub(super) fn check(&self) -> Result<()> {
         let most = MAX_AXIS;
         for (key, given, least) in [
             ("rings", self.rings, 2),
@@ -134,7 +134,7 @@ impl GridConfig {
     }
 
     /// Distance between the first two rings: as given, or 0.25 m if possible (m).
-    fn inner_spacing(&self, rings: u32, radius: f64) -> Result<f64, BuildError> {
+    fn inner_spacing(&self, rings: u32, radius: f64) -> Result<f64> {
         let last = f64::from(rings - 1);
         let (share, least) = (radius / last, radius / (last * last));
         let Some(given) = self.inner_spacing else { return Ok(0.25f64.max(2.0 * least).min(share)) };
@@ -157,7 +157,7 @@ impl GridConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`].
-    pub fn make_polar(&self) -> Result<TargetGrid, BuildError> {
+    pub fn make_polar(&self) -> Result<TargetGrid> {
         let keys = [
             ("heights", self.heights.is_some()),
             ("times", self.times.is_some()),
@@ -179,7 +179,7 @@ impl GridConfig {
     ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_cylinder(&self, bounds: VolumeBounds, layer: f32) -> Result<TargetGrid, BuildError> {
+    pub fn make_cylinder(&self, bounds: VolumeBounds, layer: f32) -> Result<TargetGrid> {
         let keys = [
             ("times", self.times.is_some()),
             ("horizon_s", self.horizon_s.is_some()),
@@ -210,7 +210,7 @@ impl GridConfig {
     ///
     /// # Errors
     /// As [`Self::make_polar`].
-    pub fn make_space_time(&self) -> Result<TargetGrid, BuildError> {
+    pub fn make_space_time(&self) -> Result<TargetGrid> {
         let keys = [
             ("heights", self.heights.is_some()),
             ("inner_spacing", self.inner_spacing.is_some()),
@@ -226,7 +226,7 @@ impl GridConfig {
 }
 
 /// Refuses keys that a kind of behaviour does not use.
-fn refuse_key(kind: &str, keys: &[(&str, bool)]) -> Result<(), BuildError> {
+fn refuse_key(kind: &str, keys: &[(&str, bool)]) -> Result<()> {
     match keys.iter().find(|(_, given)| *given) {
         Some((key, _)) => Err(grid_error(key, format!("the kind `{kind}` has no such key; leave it out"))),
         None => Ok(()),

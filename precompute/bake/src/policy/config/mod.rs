@@ -14,7 +14,7 @@ pub use region::RegionConfig;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::policy::MAX_RANKED;
-use throng_motion::error::{BuildError, check_ranges};
+use throng_motion::error::{Result, check_ranges};
 
 /// Settings of solving policies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,8 +42,8 @@ impl PolicyConfig {
     /// Checks every number against its range.
     ///
     /// # Errors
-    /// [`BuildError::Key`] names the first one out of its range.
-    pub(crate) fn check(&self) -> Result<(), BuildError> {
+    /// [`throng_motion::error::BuildError::Key`] names the first one out of its range.
+    pub(crate) fn check(&self) -> Result<()> {
         let ranges = [
             ("epsilon", self.epsilon, 1e-6, 1.0),
             ("max_sweeps", f64::from(self.max_sweeps), 1.0, 1e6),

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use throng_core::policy::RegionRecord;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Targets for which a behaviour is active, in the character's frame. Absent settings depend on the kind: everywhere
 /// for `approach`, or beyond the reach of blows if its centre is that of hits; the grid itself for the others (Lee and
@@ -32,7 +32,7 @@ impl RegionConfig {
     ///
     /// # Errors
     /// [`BuildError::Key`].
-    pub fn make_region(&self, space_time: bool, default: RegionRecord) -> Result<RegionRecord, BuildError> {
+    pub fn make_region(&self, space_time: bool, default: RegionRecord) -> Result<RegionRecord> {
         let fail = |key: &str, why: String| Err(BuildError::key(format!("region.{key}"), why));
         let (unread, third) = if space_time { ("height_m", self.time_s) } else { ("time_s", self.height_m) };
         if (if space_time { self.height_m } else { self.time_s }).is_some() {

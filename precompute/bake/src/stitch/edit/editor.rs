@@ -11,7 +11,7 @@ use crate::stitch::place::change::EnvironmentEdit;
 use crate::stitch::place::place_patches::Placer;
 use crate::stitch::report::StitchReport;
 use throng_core::patch::{PatchTables, Placement};
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_motion::progress::{Progress, Silent};
 use throng_world::WorldData;
 
@@ -40,7 +40,7 @@ impl<'a> Editor<'a> {
         environment: Environment,
         config: &StitchConfig,
         progress: &dyn Progress,
-    ) -> Result<Self, BuildError> {
+    ) -> Result<Self> {
         let mut stitcher = Stitcher::new(Placer::new(patches, library, config)?);
         let mut world = WorldData::default();
         let made = make_world(&mut stitcher, &environment, None, &mut world, progress)?;
@@ -74,7 +74,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
-    pub fn add(&mut self, unit: usize, placement: Placement) -> Result<usize, BuildError> {
+    pub fn add(&mut self, unit: usize, placement: Placement) -> Result<usize> {
         let index = self.environment.units.len();
         self.edit(EnvironmentEdit::Insert { index, unit: PlacedUnit { unit, placement } })?;
         Ok(index)
@@ -84,7 +84,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`], or where there is no such place; the world stays as it was.
-    pub fn remove(&mut self, index: usize) -> Result<(), BuildError> {
+    pub fn remove(&mut self, index: usize) -> Result<()> {
         self.check_place(index)?;
         self.edit(EnvironmentEdit::Remove { index })
     }
@@ -93,7 +93,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`], or where there is no such place; the world stays as it was.
-    pub fn drag(&mut self, index: usize, placement: Placement) -> Result<(), BuildError> {
+    pub fn drag(&mut self, index: usize, placement: Placement) -> Result<()> {
         self.check_place(index)?;
         self.edit(EnvironmentEdit::Move { index, placement })
     }
@@ -104,7 +104,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
-    pub fn undo(&mut self) -> Result<bool, BuildError> {
+    pub fn undo(&mut self) -> Result<bool> {
         let Some(edit) = self.history.next_undo() else { return Ok(false) };
         let back = self.apply(edit)?;
         self.history.record_undo(back);
@@ -117,7 +117,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
-    pub fn redo(&mut self) -> Result<bool, BuildError> {
+    pub fn redo(&mut self) -> Result<bool> {
         let Some(edit) = self.history.next_redo() else { return Ok(false) };
         let back = self.apply(edit)?;
         self.history.record_redo(back);
@@ -131,7 +131,7 @@ impl<'a> Editor<'a> {
     ///
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
-    pub fn withdraw_last(&mut self) -> Result<bool, BuildError> {
+    pub fn withdraw_last(&mut self) -> Result<bool> {
         let Some(edit) = self.history.next_undo() else { return Ok(false) };
         self.apply(edit)?;
         self.history.record_withdrawal();
@@ -148,14 +148,14 @@ impl<'a> Editor<'a> {
         self.history.counts()[1]
     }
 
-    fn edit(&mut self, edit: EnvironmentEdit) -> Result<(), BuildError> {
+    fn edit(&mut self, edit: EnvironmentEdit) -> Result<()> {
         let back = self.apply(edit)?;
         self.history.record_edit(back);
         Ok(())
     }
 
     /// Changes the world; returns the reverse change.
-    fn apply(&mut self, edit: EnvironmentEdit) -> Result<EnvironmentEdit, BuildError> {
+    fn apply(&mut self, edit: EnvironmentEdit) -> Result<EnvironmentEdit> {
         let mut environment = self.environment.clone();
         let back = edit.apply(&mut environment.units);
         let before = Some((&self.made, &back));
@@ -171,7 +171,7 @@ impl<'a> Editor<'a> {
         }
     }
 
-    fn check_place(&self, index: usize) -> Result<(), BuildError> {
+    fn check_place(&self, index: usize) -> Result<()> {
         if index < self.environment.units.len() {
             return Ok(());
         }

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_core::base::Hash128;
 use throng_core::patch::NONE;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
 use throng_world::{WorldData, WorldMeta};
@@ -40,7 +40,7 @@ pub(in crate::stitch) fn make_world<'a>(
     before: Option<(&StitchResult, &EnvironmentEdit)>,
     world: &mut WorldData,
     progress: &dyn Progress,
-) -> Result<StitchResult, BuildError> {
+) -> Result<StitchResult> {
     let begin = Instant::now();
     let updated =
         before.and_then(|(made, back)| Some((made, stitcher.placer.update_patches(environment, &made.patches, back)?)));
@@ -91,7 +91,7 @@ const MOST_CELLS: u64 = 50_000_000;
 const MOST_WORDS: u64 = 100_000_000;
 
 /// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
-fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, placed: &PlacedPatches) -> Result<(), BuildError> {
+fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, placed: &PlacedPatches) -> Result<()> {
     let patches = &stitcher.placer.patches.patches;
     let sizes = placed.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
     if let Some(why) = too_many(sizes) {
@@ -141,7 +141,7 @@ fn check_reached(
     environment: &Environment,
     placed: &PlacedPatches,
     judged: &JudgedGraph<'_>,
-) -> Result<(), BuildError> {
+) -> Result<()> {
     if stitcher.placer.config.allow_unreachable {
         return Ok(());
     }
@@ -185,7 +185,7 @@ fn report(stitcher: &Stitcher<'_>, placed: &PlacedPatches, counts: &WorldCounts)
     }
 }
 
-fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta, BuildError> {
+fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta> {
     let as_toml = as_toml(environment)?;
     let source_hash = source_hash(&as_toml, &stitcher.placer.config, &stitcher.placer.library)?;
     Ok(WorldMeta {
@@ -207,7 +207,7 @@ fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchRepor
 ///
 /// # Errors
 /// [`BuildError::Stage`] for numbers that TOML cannot hold.
-pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String, BuildError> {
+pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String> {
     toml::to_string(value).map_err(|e| BuildError::Stage {
         stage: STAGE,
         message: format!("the world cannot be written as TOML: {e}"),
@@ -219,11 +219,7 @@ pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String, Build
 ///
 /// # Errors
 /// As [`as_toml`].
-pub(in crate::stitch) fn source_hash(
-    environment: &str,
-    config: &StitchConfig,
-    library: &Library<'_>,
-) -> Result<u128, BuildError> {
+pub(in crate::stitch) fn source_hash(environment: &str, config: &StitchConfig, library: &Library<'_>) -> Result<u128> {
     let mut hash = Hash128::default();
     hash.add_bytes(environment.as_bytes());
     hash.add_bytes(as_toml(config)?.as_bytes());

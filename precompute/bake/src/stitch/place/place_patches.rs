@@ -9,7 +9,7 @@ use crate::stitch::config::StitchConfig;
 use crate::stitch::library::{Library, STAGE, UnitPattern, refusal_error};
 use throng_core::patch::PatchTables;
 use throng_geometry::BoundingBox;
-use throng_motion::error::BuildError;
+use throng_motion::error::{BuildError, Result};
 
 /// Placed patches, with their overlaps and obstacles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl<'a> Placer<'a> {
     ///
     /// # Errors
     /// [`BuildError`] if the parts of the library do not match or a setting is out of its limits.
-    pub fn new(patches: &PatchTables, library: Library<'a>, config: &StitchConfig) -> Result<Self, BuildError> {
+    pub fn new(patches: &PatchTables, library: Library<'a>, config: &StitchConfig) -> Result<Self> {
         config.check()?;
         let patterns = library.patterns(patches)?;
         Ok(Self { patches: patches.clone(), library, config: config.clone(), patterns })
@@ -57,7 +57,7 @@ impl<'a> Placer<'a> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] names units that overlap or that no block fits.
-    pub fn place_patches(&self, environment: &Environment) -> Result<PlacedPatches, BuildError> {
+    pub fn place_patches(&self, environment: &Environment) -> Result<PlacedPatches> {
         self.check_units(environment)?;
         solids::check(&self.library, environment, self.config.overlap_m)?;
         let index = UnitIndex::new(environment);
@@ -132,7 +132,7 @@ impl<'a> Placer<'a> {
     }
 
     /// Checks that every unit is one of the bundle's, at a valid place.
-    fn check_units(&self, environment: &Environment) -> Result<(), BuildError> {
+    fn check_units(&self, environment: &Environment) -> Result<()> {
         let count = self.library.units.units.len();
         if let Some(i) = environment.units.iter().position(|u| !self.is_known(u)) {
             let u = &environment.units[i];
@@ -153,7 +153,7 @@ impl<'a> Placer<'a> {
     }
 
     /// Checks that every unit that is not just an obstacle belongs to an instance.
-    pub fn check_cover(&self, environment: &Environment, fitted: &[FittedPatch]) -> Result<(), BuildError> {
+    pub fn check_cover(&self, environment: &Environment, fitted: &[FittedPatch]) -> Result<()> {
         let mut covered = vec![false; environment.units.len()];
         fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
         let left: Vec<usize> =

@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::patch::Placement;
 use throng_geometry::BoundingBox;
-use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 
 /// Largest distance of copies of a unit in the same place (m).
 const SAME_PLACE_M: f32 = 0.05;
@@ -65,12 +65,8 @@ impl OrientedBox {
 /// Checks that no unit overlaps another.
 ///
 /// # Errors
-/// [`BuildError::Stage`] names two that do.
-pub(in crate::stitch) fn check(
-    library: &Library<'_>,
-    environment: &Environment,
-    depth_m: f32,
-) -> Result<(), BuildError> {
+/// [`throng_motion::error::BuildError::Stage`] names two that do.
+pub(in crate::stitch) fn check(library: &Library<'_>, environment: &Environment, depth_m: f32) -> Result<()> {
     let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(OrientedBox::boxes_of_unit).collect();
     let placed: Vec<(u32, OrientedBox)> = environment
         .units

@@ -6,10 +6,12 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
-use throng_core::{Joint, NUM_JOINTS};
-use throng_motion::error::BuildError;
-use throng_simulation::{AnyCharacterGroup, Simulation};
+use throng_core::Joint;
+use throng_core::NUM_JOINTS;
+use throng_simulation::AnyCharacterGroup;
+use throng_simulation::Simulation;
 use throng_world::inhabitants::InhabitantActivity;
+use throng_motion::error::Result;
 
 /// Penetrations deeper than this into a unit count (m).
 const PENETRATION_M: f32 = 0.08;
@@ -62,7 +64,7 @@ pub(super) struct WorldWatch {
 }
 
 impl WorldWatch {
-    pub fn new(sim: &Simulation, character_group: usize, characters: Vec<usize>) -> Result<Self, BuildError> {
+    pub fn new(sim: &Simulation, character_group: usize, characters: Vec<usize>) -> Result<Self> {
         let group = sim.groups().iter().find(|g| g.character_group == character_group).map_or(0, |g| g.number);
         let bundle = sim.compiled().bundle(group).map_err(config_error)?;
         Ok(Self {

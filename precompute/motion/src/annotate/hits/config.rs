@@ -1,6 +1,6 @@
 //! Settings of the search for effective hits.
 
-use crate::error::{BuildError, check_ranges};
+use crate::error::{Result, check_ranges};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -102,8 +102,8 @@ impl HitConfig {
     /// Checks every number against its limits.
     ///
     /// # Errors
-    /// [`BuildError::Config`] with the key, what was expected and what was found.
-    pub fn check(&self) -> Result<(), BuildError> {
+    /// [`crate::error::BuildError::Config`] with the key, what was expected and what was found.
+    pub fn check(&self) -> Result<()> {
         let (p, k) = (&self.punches, &self.kicks);
         check_ranges(
             [

@@ -4,7 +4,7 @@ use super::track::{Poses, tip, velocity};
 use super::{MIN_SPEED, hit_at};
 use crate::annotate::sidecar::SidecarPlace;
 use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
-use crate::error::BuildError;
+use crate::error::Result;
 use throng_core::{Joint, Skeleton};
 
 /// A hit that a sidecar marks, in the clip's frames.
@@ -25,7 +25,7 @@ impl HitMark {
     ///
     /// # Errors
     /// Errors where that frame is left out, or the joint does not move.
-    pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<ClipHit, BuildError> {
+    pub(super) fn hit(&self, clip: &Clip, poses: &Poses, skeleton: &Skeleton) -> Result<ClipHit> {
         let joint = self.joint.name();
         let refuse = |what: String| Err(self.place.fault(what));
         let tip = |f: usize| tip(&poses[f], skeleton, self.joint);

@@ -18,7 +18,7 @@ mod tests;
 mod track;
 
 use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
-use crate::error::BuildError;
+use crate::error::Result;
 pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 use glam::Vec3;
@@ -67,14 +67,14 @@ const MIN_SPEED: f32 = 0.05;
 /// - `automatic`: false keeps the marks alone.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a mark on a frame that is left out or on a joint that does not move.
+/// [`crate::error::BuildError::Config`] for a mark on a frame that is left out or on a joint that does not move.
 pub fn find_hits(
     clip: &Clip,
     skeleton: &Skeleton,
     cfg: &HitConfig,
     marks: &[HitMark],
     automatic: bool,
-) -> Result<Vec<ClipHit>, BuildError> {
+) -> Result<Vec<ClipHit>> {
     let poses = track::poses(clip, skeleton);
     let marked: Vec<ClipHit> = marks.iter().map(|m| m.hit(clip, &poses, skeleton)).collect::<Result<_, _>>()?;
     let mut hits = Vec::new();

@@ -10,7 +10,7 @@ pub(crate) mod parts;
 
 use super::scratch::TrackScratch;
 use super::take::Take;
-use crate::error::BuildError;
+use crate::error::{BuildError, Result};
 pub(crate) use figure::empty_animation;
 use parts::GlbParts;
 use std::io::{self, Write};
@@ -30,12 +30,12 @@ impl<'a> Glb<'a> {
     ///
     /// # Errors
     /// [`BuildError::Stage`] for a take that is too large for the format.
-    pub fn new(take: &'a Take) -> Result<Self, BuildError> {
+    pub fn new(take: &'a Take) -> Result<Self> {
         Self::from_parts(take, figure::plain_body_parts(take), take.scratch())
     }
 
     /// - `parts`: bodies and their animations; `scratch`: file that holds their tracks.
-    pub(crate) fn from_parts(take: &'a Take, parts: GlbParts, scratch: &'a TrackScratch) -> Result<Self, BuildError> {
+    pub(crate) fn from_parts(take: &'a Take, parts: GlbParts, scratch: &'a TrackScratch) -> Result<Self> {
         let document = parts.document();
         let glb = Self { take, scratch, parts, document };
         let bytes = glb.num_bytes();

@@ -1,7 +1,7 @@
 //! Triangles of glTF 2.0 files: positions and indices of triangle primitives, placed by the nodes of the scene.
 
 use super::{AccessorReader, GltfDocument, GltfNode, GltfPrimitive, MAX_BYTES, document};
-use crate::error::BuildError;
+use crate::error::{BuildError, Result};
 use glam::{Mat4, Quat, Vec3};
 use std::path::Path;
 use throng_base::file::read_file;
@@ -27,7 +27,7 @@ const TRIANGLES: u32 = 4;
 ///
 /// # Errors
 /// [`BuildError::Io`], or [`BuildError::Config`] with file and mesh, accessor or buffer.
-pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>, BuildError> {
+pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>> {
     let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
     let bytes = read_file(path, "a mesh", MAX_BYTES)?;
     let (document, binary) = document(&bytes).map_err(fail)?;

@@ -49,195 +49,53 @@ pub enum NamedPart {
 use NamedPart::*;
 
 /// Words for the parts, without sides and separators. Many mean one part in one convention and its neighbour in
-/// another: then they name both.
-const WORDS: [(&str, &[NamedPart]); 112] = [
-    ("hips", &[Hips]),
-    ("pelvis", &[Hips]),
-    ("hip", &[Hips, Thigh]),
-    ("becken", &[Hips]),
-    ("huefte", &[Hips, Thigh]),
-    ("hüfte", &[Hips, Thigh]),
-    ("下半身", &[Hips]),
-    ("腰", &[Hips]),
-    ("spine", &[Spine]),
-    ("chest", &[Spine]),
-    ("thorax", &[Spine]),
-    ("torso", &[Spine]),
-    ("waist", &[Spine]),
-    ("abdomen", &[Spine]),
-    ("ab", &[Spine]),
-    ("lowerback", &[Spine]),
-    ("upperback", &[Spine]),
-    ("back", &[Spine]),
-    ("ribs", &[Spine]),
-    ("wirbelsaeule", &[Spine]),
-    ("wirbelsäule", &[Spine]),
-    ("ruecken", &[Spine]),
-    ("rücken", &[Spine]),
-    ("bauch", &[Spine]),
-    ("brust", &[Spine]),
-    ("brustkorb", &[Spine]),
-    ("上半身", &[Spine]),
-    ("neck", &[Neck]),
-    ("hals", &[Neck]),
-    ("nacken", &[Neck]),
-    ("首", &[Neck]),
-    ("head", &[Head]),
-    ("skull", &[Head]),
-    ("kopf", &[Head]),
-    ("頭", &[Head]),
-    ("clavicle", &[Clavicle]),
-    ("clav", &[Clavicle]),
-    ("collar", &[Clavicle]),
-    ("collarbone", &[Clavicle]),
-    ("scapula", &[Clavicle]),
-    ("shoulder", &[Clavicle, UpperArm]),
-    ("schluesselbein", &[Clavicle]),
-    ("schlüsselbein", &[Clavicle]),
-    ("schulter", &[Clavicle, UpperArm]),
-    ("肩", &[Clavicle]),
-    ("upperarm", &[UpperArm]),
-    ("uparm", &[UpperArm]),
-    ("uarm", &[UpperArm]),
-    ("armupper", &[UpperArm]),
-    ("humerus", &[UpperArm]),
-    ("shldr", &[UpperArm]),
-    ("bicep", &[UpperArm]),
-    ("oberarm", &[UpperArm]),
-    ("arm", &[UpperArm]),
-    ("腕", &[UpperArm]),
-    ("forearm", &[Forearm]),
-    ("lowerarm", &[Forearm]),
-    ("lowarm", &[Forearm]),
-    ("farm", &[Forearm]),
-    ("larm", &[Forearm]),
-    ("armlower", &[Forearm]),
-    ("radius", &[Forearm]),
-    ("elbow", &[Forearm]),
-    ("unterarm", &[Forearm]),
-    ("ellbogen", &[Forearm]),
-    ("ひじ", &[Forearm]),
-    ("肘", &[Forearm]),
-    ("hand", &[Hand]),
-    ("wrist", &[Hand]),
-    ("palm", &[Hand]),
-    ("handgelenk", &[Hand]),
-    ("手首", &[Hand]),
-    ("手", &[Hand]),
-    ("thigh", &[Thigh]),
-    ("femur", &[Thigh]),
-    ("upleg", &[Thigh]),
-    ("upperleg", &[Thigh]),
-    ("uleg", &[Thigh]),
-    ("legupper", &[Thigh]),
-    ("oberschenkel", &[Thigh]),
-    ("leg", &[Thigh, Shin]),
-    ("bein", &[Thigh, Shin]),
-    ("shin", &[Shin]),
-    ("calf", &[Shin]),
-    ("tibia", &[Shin]),
-    ("lowerleg", &[Shin]),
-    ("lowleg", &[Shin]),
-    ("lleg", &[Shin]),
-    ("leglower", &[Shin]),
-    ("knee", &[Shin]),
-    ("crus", &[Shin]),
-    ("unterschenkel", &[Shin]),
-    ("knie", &[Shin]),
-    ("ひざ", &[Shin]),
-    ("膝", &[Shin]),
-    ("foot", &[Foot, Toe]),
-    ("ankle", &[Foot]),
-    ("fuss", &[Foot, Toe]),
-    ("fuß", &[Foot, Toe]),
-    ("knoechel", &[Foot]),
-    ("knöchel", &[Foot]),
-    ("足首", &[Foot]),
-    ("足", &[Thigh]),
-    ("toe", &[Toe]),
-    ("toes", &[Toe]),
-    ("toebase", &[Toe]),
-    ("ball", &[Toe]),
-    ("zehe", &[Toe]),
-    ("zehen", &[Toe]),
-    ("fussballen", &[Toe]),
-    ("つま先", &[Toe]),
-    ("足先", &[Toe]),
+/// another: then they name both. Of words as long as each other, the last one counts.
+const WORDS: &[(&[NamedPart], &str)] = &[
+    (&[Hips], "hips pelvis"),
+    (&[Hips, Thigh], "hip"),
+    (&[Hips], "becken"),
+    (&[Hips, Thigh], "huefte hüfte"),
+    (&[Hips], "下半身 腰"),
+    (&[Spine], "spine chest thorax torso waist abdomen ab lowerback upperback back ribs wirbelsaeule wirbelsäule"),
+    (&[Spine], "ruecken rücken bauch brust brustkorb 上半身"),
+    (&[Neck], "neck hals nacken 首"),
+    (&[Head], "head skull kopf 頭"),
+    (&[Clavicle], "clavicle clav collar collarbone scapula"),
+    (&[Clavicle, UpperArm], "shoulder"),
+    (&[Clavicle], "schluesselbein schlüsselbein"),
+    (&[Clavicle, UpperArm], "schulter"),
+    (&[Clavicle], "肩"),
+    (&[UpperArm], "upperarm uparm uarm armupper humerus shldr bicep oberarm arm 腕"),
+    (&[Forearm], "forearm lowerarm lowarm farm larm armlower radius elbow unterarm ellbogen ひじ 肘"),
+    (&[Hand], "hand wrist palm handgelenk 手首 手"),
+    (&[Thigh], "thigh femur upleg upperleg uleg legupper oberschenkel"),
+    (&[Thigh, Shin], "leg bein"),
+    (&[Shin], "shin calf tibia lowerleg lowleg lleg leglower knee crus unterschenkel knie ひざ 膝"),
+    (&[Foot, Toe], "foot"),
+    (&[Foot], "ankle"),
+    (&[Foot, Toe], "fuss fuß"),
+    (&[Foot], "knoechel knöchel 足首"),
+    (&[Thigh], "足"),
+    (&[Toe], "toe toes toebase ball zehe zehen fussballen つま先 足先"),
 ];
 
 /// Words of joints that play no role, wherever they stand in a name.
-const LEFT_OUT: [&str; 44] = [
-    "twist",
-    "thumb",
-    "index",
-    "finger",
-    "dummy",
-    "nub",
-    "helper",
-    "pinky",
-    "weapon",
-    "sword",
-    "prop",
-    "effector",
-    "eye",
-    "jaw",
-    "teeth",
-    "tongue",
-    "hair",
-    "brow",
-    "eyelid",
-    "breast",
-    "pectoral",
-    "skirt",
-    "daumen",
-    "zeige",
-    "mittelfinger",
-    "ringfinger",
-    "auge",
-    "kiefer",
-    "share",
-    "metacarpal",
-    "捩",
-    "指",
-    "髪",
-    "目",
-    "スカート",
-    "ＩＫ",
-    "buttock",
-    "gluteus",
-    "camera",
-    "holster",
-    "shield",
-    "staff",
-    "waffe",
-    "muscle",
-];
+const LEFT_OUT: &str = "\
+    twist thumb index finger dummy nub helper pinky weapon sword prop effector eye jaw teeth tongue hair brow \
+    eyelid breast pectoral skirt daumen zeige mittelfinger ringfinger auge kiefer share metacarpal 捩 指 髪 目 \
+    スカート ＩＫ buttock gluteus camera holster shield staff waffe muscle";
 /// Words of joints that play no role where they stand alone between separators.
-const LEFT_OUT_ALONE: [&str; 27] = [
-    "roll", "ik", "ring", "middle", "little", "end", "site", "tip", "top", "pole", "target", "ctrl", "gun", "rifle",
-    "lip", "cheek", "ear", "nose", "bust", "cape", "bag", "klein", "attach", "socket", "marker", "goal", "face",
-];
+const LEFT_OUT_ALONE: &str = "\
+    roll ik ring middle little end site tip top pole target ctrl gun rifle lip cheek ear nose bust cape bag \
+    klein attach socket marker goal face";
 /// Words of tools and rigs that say nothing.
-const NOISE: [&str; 18] = [
-    "bip",
-    "def",
-    "bone",
-    "cc",
-    "base",
-    "jnt",
-    "joint",
-    "mch",
-    "org",
-    "rig",
-    "skel",
-    "sk",
-    "bn",
-    "jt",
-    "mixamorig",
-    "character",
-    "bend",
-    "biped",
-];
+const NOISE: &str = "\
+    bip def bone cc base jnt joint mch org rig skel sk bn jt mixamorig character bend biped";
+
+/// All words, each with the parts that it may mean.
+fn words() -> impl Iterator<Item = (&'static str, &'static [NamedPart])> {
+    WORDS.iter().flat_map(|&(parts, words)| words.split(' ').map(move |word| (word, parts)))
+}
 
 /// Meaning of a name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -258,13 +116,13 @@ impl Label {
         let name = plain(name);
         let words = split_words(name);
         let lower = words.concat();
-        let left_out = (words.iter().any(|w| LEFT_OUT_ALONE.contains(&w.as_str())) && !lower.contains("spine"))
-            || LEFT_OUT.iter().any(|l| lower.contains(&l.to_lowercase()) || name.contains(l));
+        let left_out = (words.iter().any(|w| LEFT_OUT_ALONE.split(' ').any(|l| l == w)) && !lower.contains("spine"))
+            || LEFT_OUT.split(' ').any(|l| lower.contains(&l.to_lowercase()) || name.contains(l));
         let (mut side, mut rest) = (None, String::new());
         for w in words {
             match side_of(&w) {
                 Some(s) if side.is_none() => side = Some(s),
-                _ if NOISE.contains(&w.as_str()) => {}
+                _ if NOISE.split(' ').any(|n| n == w) => {}
                 _ => rest.push_str(&w),
             }
         }
@@ -300,10 +158,9 @@ impl Label {
 
 /// The longest word that a name is or contains.
 fn find_word(rest: &str) -> Option<(&'static str, &'static [NamedPart])> {
-    let known = |(word, _): &&(&str, &[NamedPart])| word.chars().count() > 2 || !word.is_ascii();
-    let exact = WORDS.iter().find(|(word, _)| *word == rest);
-    let within = || WORDS.iter().filter(known).filter(|(word, _)| rest.contains(word)).max_by_key(|(w, _)| w.len());
-    exact.or_else(within).copied()
+    let known = |(word, _): &(&str, _)| word.chars().count() > 2 || !word.is_ascii();
+    let within = || words().filter(known).filter(|(word, _)| rest.contains(word)).max_by_key(|(word, _)| word.len());
+    words().find(|(word, _)| *word == rest).or_else(within)
 }
 
 fn side_of(word: &str) -> Option<NamedSide> {
@@ -318,30 +175,24 @@ fn side_of(word: &str) -> Option<NamedSide> {
 
 /// A side that is written without a break: `lfemur`, `leftarm`, `左腕`.
 fn glued_side(part: String) -> (Option<NamedSide>, String) {
-    const PREFIXES: [(&str, NamedSide); 12] = [
-        ("left", NamedSide::Left),
-        ("right", NamedSide::Right),
-        ("linker", NamedSide::Left),
-        ("linkes", NamedSide::Left),
-        ("linke", NamedSide::Left),
-        ("links", NamedSide::Left),
-        ("rechter", NamedSide::Right),
-        ("rechtes", NamedSide::Right),
-        ("rechte", NamedSide::Right),
-        ("rechts", NamedSide::Right),
-        ("左", NamedSide::Left),
-        ("右", NamedSide::Right),
+    const PREFIXES: [(NamedSide, &[&str]); 6] = [
+        (NamedSide::Left, &["left"]),
+        (NamedSide::Right, &["right"]),
+        (NamedSide::Left, &["linker", "linkes", "linke", "links"]),
+        (NamedSide::Right, &["rechter", "rechtes", "rechte", "rechts"]),
+        (NamedSide::Left, &["左"]),
+        (NamedSide::Right, &["右"]),
     ];
-    for (word, side) in PREFIXES {
-        if let Some(rest) = part.strip_prefix(word).or_else(|| part.strip_suffix(word)) {
+    for (side, words) in PREFIXES {
+        let rest = words.iter().find_map(|word| part.strip_prefix(word).or_else(|| part.strip_suffix(word)));
+        if let Some(rest) = rest {
             return (Some(side), rest.to_owned());
         }
     }
     for (letter, side) in [("l", NamedSide::Left), ("r", NamedSide::Right)] {
         let Some(rest) = part.strip_prefix(letter) else { continue };
         // `larm` may be a lower arm as well; `lradius` has a side.
-        if WORDS.iter().any(|(word, _)| *word == rest) && !WORDS.iter().any(|(word, _)| *word == part && word.len() > 4)
-        {
+        if words().any(|(word, _)| word == rest) && !words().any(|(word, _)| word == part && word.len() > 4) {
             return (Some(side), rest.to_owned());
         }
     }

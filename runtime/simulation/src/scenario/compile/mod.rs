@@ -148,33 +148,13 @@ impl<'a> ScenarioCompiler<'a> {
             GroupTable { number: *g, start: NONE, agents, num_at_start: there, rates }
         });
         let out = Scenario {
-            code: Vec::new(),
             groups: groups.collect(),
             names: words,
             primitives,
-            values: Vec::new(),
-            thresholds: Vec::new(),
-            events: Vec::new(),
-            places: Vec::new(),
-            slots: Vec::new(),
             things: scene.things.iter().map(|t| Vec3::from_array(t.at)).collect(),
-            rules: Vec::new(),
-            rules_of: Vec::new(),
-            rule_order: Vec::new(),
-            num_pauses: 0,
             source: scene.source.clone(),
             graphs: scene.graphs.keys().cloned().collect(),
-            states: Vec::new(),
-            edges: Vec::new(),
-            actions: Vec::new(),
-            paths: Vec::new(),
-            relations: Vec::new(),
-            motions: Vec::new(),
-            blackboards: BlackboardTable::default(),
-            end: EndTable::default(),
-            senses_zones: false,
-            meets: false,
-            senses_cells: false,
+            ..Scenario::default()
         };
         Ok(Self {
             scene,

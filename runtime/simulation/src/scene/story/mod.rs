@@ -41,12 +41,13 @@ pub struct SiteConfig {
     pub queue: Option<QueueConfig>,
 }
 
-fn place() -> String {
-    "place".into()
-}
-
-fn site_radius() -> f32 {
-    2.0
+throng_base::key_defaults! {
+    place: String = "place".into();
+    site_radius: f32 = 2.0;
+    queue_spacing: f32 = 0.8;
+    thing_size: [f32; 3] = [0.08, 0.1, 0.08];
+    whole: f32 = 1.0;
+    done: String = "done".into();
 }
 
 /// Slot: a place for one agent.
@@ -71,10 +72,6 @@ pub struct QueueConfig {
     /// Distance between neighbours (m, 0.3 to 10).
     #[serde(default = "queue_spacing")]
     pub spacing_m: f32,
-}
-
-fn queue_spacing() -> f32 {
-    0.8
 }
 
 /// Thing that agents take, carry and put down.
@@ -104,10 +101,6 @@ pub enum CarryStyle {
     /// In front of the belly, upright, such as a cup or a tray.
     #[default]
     Level,
-}
-
-fn thing_size() -> [f32; 3] {
-    [0.08, 0.1, 0.08]
 }
 
 /// Door: a wall that opens and closes.
@@ -170,10 +163,6 @@ pub struct RelationConfig {
     /// Curiosity, from -1 (keeps away) to 1 (drawn to it).
     #[serde(default)]
     pub curiosity: Option<f32>,
-}
-
-fn whole() -> f32 {
-    1.0
 }
 
 /// Event that happens in the scene.
@@ -332,10 +321,6 @@ pub struct EdgeConfig {
     /// Probability of taking it. Edges without one share what the others leave (0 to 1).
     #[serde(default)]
     pub probability: Option<f32>,
-}
-
-fn done() -> String {
-    "done".into()
 }
 
 /// Source of agents that enter while time runs.

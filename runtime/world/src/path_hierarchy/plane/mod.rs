@@ -33,7 +33,7 @@ pub(crate) type CellCost = (u32, u16);
 ///
 /// Costs to *goals*, which are sets of cells, are in rows: for each goal one row a direction for everything far away,
 /// and then one an offset nearby. The first goals are the classes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct TilePlane {
     /// Steps across each edge, in copies along two directions.
     #[serde(with = "crate::pod")]
@@ -123,18 +123,10 @@ impl TilePlane {
             steps,
             num_cells: cells.len() as u32,
             classes: (0..=num_edges).map(|c| cells_of(cells, c, num_edges).collect()).collect(),
-            leasts: Vec::new(),
-            best_prices: Vec::new(),
             back,
-            prices: Vec::new(),
-            goals: Vec::new(),
-            costs: Vec::new(),
-            least: Vec::new(),
-            least_of: Vec::new(),
-            slack: Vec::new(),
             goal_of: vec![NONE; cells.len()],
             rest_cells: (0..cells.len() as u32).filter(|&c| cells[c as usize].has_flags(CellRecord::IS_REST)).collect(),
-            rest: None,
+            ..Self::default()
         };
         let all: Vec<u32> = out.classes.concat();
         for price in prices {

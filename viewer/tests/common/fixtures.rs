@@ -1,21 +1,21 @@
 //! Bundles, scenes and motion that tests are made with.
 
-#[path = "../tests/common/boxing.rs"]
+#[path = "boxing.rs"]
 pub(crate) mod boxing;
 
-#[path = "../tests/common/market.rs"]
+#[path = "market.rs"]
 pub(crate) mod market;
 
-#[path = "../tests/common/meeting.rs"]
+#[path = "meeting.rs"]
 pub(crate) mod meeting;
 
-#[path = "../../tests/common/mocap.rs"]
+#[path = "../../../tests/common/mocap.rs"]
 pub(crate) mod mocap;
 
-#[path = "../tests/common/paces.rs"]
+#[path = "paces.rs"]
 pub(crate) mod paces;
 
-#[path = "../tests/common/square.rs"]
+#[path = "square.rs"]
 pub(crate) mod square;
 
 use crate::bundle::OpenBundle;
