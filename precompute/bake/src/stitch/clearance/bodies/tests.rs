@@ -56,7 +56,7 @@ proptest! {
 fn beyond_the_grid_a_body_is_no_clearer_than_its_thickest_sphere() {
     let (unit, thick) = (crate_behind(), bodies(Contacts::NONE, 0.0));
     let radius = thick.spheres.iter().map(|s| s.radius).fold(0.0, f32::max);
-    assert!((0.1..0.12).contains(&radius), "{radius}");
+    assert!((0.1..0.13).contains(&radius), "{radius}");
     // Its back is to the crate, and all spheres of its trunk are a little farther from it than the grid reaches.
     let root = Placement::new(0.0, 0.0, -DistanceField::MARGIN_M - 0.004, std::f32::consts::PI);
     let exact = exact(&thick, root, &unit);
