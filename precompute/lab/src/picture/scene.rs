@@ -8,10 +8,10 @@ use super::inhabited::inhabited_sheet;
 use super::sheet::sheet;
 use super::walkers::walkers_sheet;
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, WorldRecord, walk_styles, world_geometry};
+use throng_motion::error::Result;
 use throng_simulation::CompiledScene;
 use throng_simulation::SceneGroup;
 use throng_simulation::Simulation;
-use throng_motion::error::Result;
 
 /// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;

@@ -3,17 +3,17 @@
 use super::report::{ObservedStep, config_error, play_scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use throng_core::base::Error;
+use throng_core::base::SnapshotKind;
 use throng_core::base::file::MAX_TEXT_BYTES;
 use throng_core::base::file::read_file;
 use throng_core::base::limits::SECONDS;
 use throng_core::base::limits::STEP_HZ;
-use throng_core::base::Error;
-use throng_core::base::SnapshotKind;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_simulation::CompiledScene;
 use throng_simulation::Scene;
 use throng_simulation::Simulation;
-use throng_motion::error::Result;
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
 

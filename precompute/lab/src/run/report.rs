@@ -9,21 +9,21 @@ use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
 use throng_base::clock::thread_cpu_s;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_core::base::limits::THREADS;
 use throng_core::Error;
 use throng_core::Executor;
 use throng_core::Inline;
 use throng_core::Rayon;
+use throng_core::base::limits::SECONDS;
+use throng_core::base::limits::STEP_HZ;
+use throng_core::base::limits::THREADS;
 use throng_crowd::Space;
 use throng_motion::error::BuildError;
-use throng_simulation::agents::SceneAgents;
+use throng_motion::error::Result;
 use throng_simulation::AnyCharacterGroup;
 use throng_simulation::CompiledScene;
 use throng_simulation::MotionKind;
 use throng_simulation::Simulation;
-use throng_motion::error::Result;
+use throng_simulation::agents::SceneAgents;
 
 /// Samples of agents a simulated second (Hz).
 pub(super) const SAMPLE_HZ: f64 = 30.0;

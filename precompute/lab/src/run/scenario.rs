@@ -5,16 +5,16 @@ use crate::overlap::NearPairs;
 use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
-use throng_core::base::limits::THREADS;
 use throng_core::Executor;
 use throng_core::Inline;
 use throng_core::Rayon;
+use throng_core::base::limits::THREADS;
 use throng_geometry::Bounds2d;
 use throng_motion::error::BuildError;
+use throng_motion::error::Result;
 use throng_simulation::AnyCharacterGroup;
 use throng_simulation::CompiledScene;
 use throng_simulation::Simulation;
-use throng_motion::error::Result;
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;

@@ -2,17 +2,17 @@
 
 use super::report::config_error;
 use glam::{Vec2, Vec3};
-use throng_core::walkers::Control;
-use throng_core::walkers::WalkerStart;
-use throng_core::walkers::Walkers;
-use throng_core::walkers::WalkersConfig;
 use throng_core::Bundle;
 use throng_core::CharacterGroup;
 use throng_core::Inline;
 use throng_core::NUM_JOINTS;
+use throng_core::walkers::Control;
+use throng_core::walkers::WalkerStart;
+use throng_core::walkers::Walkers;
+use throng_core::walkers::WalkersConfig;
+use throng_motion::error::Result;
 use throng_simulation::CompiledScene;
 use throng_simulation::scene::PictureStyle;
-use throng_motion::error::Result;
 
 /// One style on the shown path.
 #[derive(Clone, Debug)]

@@ -8,10 +8,10 @@ use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
 use throng_core::Joint;
 use throng_core::NUM_JOINTS;
+use throng_motion::error::Result;
 use throng_simulation::AnyCharacterGroup;
 use throng_simulation::Simulation;
 use throng_world::inhabitants::InhabitantActivity;
-use throng_motion::error::Result;
 
 /// Penetrations deeper than this into a unit count (m).
 const PENETRATION_M: f32 = 0.08;
