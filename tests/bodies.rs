@@ -13,8 +13,6 @@ const LEGS: [[Joint; 4]; 2] = [
     [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
     [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
 ];
-const PARTS: [[Contacts; 2]; 2] =
-    [[Contacts::LEFT_HEEL, Contacts::LEFT_TOE], [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]];
 
 fn people(tables: &Bundle, ground: HeightField) -> PolicyCharacters {
     let mut people =
@@ -75,7 +73,7 @@ fn walk(ground: &HeightField) -> Seen {
             let id = people.ids()[c];
             let contacts = people.contacts(id).expect("contacts");
             let soles = [0, 1].map(|side| sole(&people, &skeleton, c, side));
-            let down = [0, 1].map(|side| [0, 1].map(|part| contacts.any(PARTS[side][part])));
+            let down = [0, 1].map(|side| [0, 1].map(|part| contacts.any(Contacts::FEET[side][part])));
             let bodies = people.bodies();
             let body = bodies.get(id).expect("a body");
             let knees = LEGS.map(|[thigh, shin, foot, _]| {

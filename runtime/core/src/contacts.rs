@@ -29,6 +29,9 @@ impl Contacts {
     /// Either part of the right foot.
     pub const RIGHT: Self = Self(12);
 
+    /// Heel and toe of the left foot, then of the right.
+    pub const FEET: [[Self; 2]; 2] = [[Self::LEFT_HEEL, Self::LEFT_TOE], [Self::RIGHT_HEEL, Self::RIGHT_TOE]];
+
     /// True where any of `parts` touches.
     pub fn any(self, parts: Self) -> bool {
         self.0 & parts.0 != 0
@@ -42,6 +45,11 @@ impl Contacts {
     /// Adds `parts`.
     pub fn insert(&mut self, parts: Self) {
         self.0 |= parts.0;
+    }
+
+    /// Takes `parts` away.
+    pub fn remove(&mut self, parts: Self) {
+        self.0 &= !parts.0;
     }
 
     /// Contacts with left and right exchanged.

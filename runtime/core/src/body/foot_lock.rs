@@ -17,7 +17,9 @@ use super::placement::PlacementLanes;
 use super::reach::{drop_spring, lower_body};
 use super::springs::DampedSpring;
 use super::step::BodyState;
+use crate::contacts::Contacts;
 use crate::skeleton::Joint;
+use glam::Vec2;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 use throng_base::thresholds::{FOOT_RELEASED_MPS, TOE_CLEARANCE_M, TOE_RAISED_MPS, TOE_SWING_MPS};
@@ -151,6 +153,8 @@ pub(crate) struct PlantedParts {
 
 /// Height of a foot in its clip from which it does not tilt with the ground any more (m, of the database skeleton).
 const TILT_FADES_M: f32 = 0.15;
+/// Distance of a part of a foot from the ground from which it does not stand there, whatever its clip says (m).
+const OFF_GROUND_M: f32 = 0.03;
 /// Lowering of the hips that cannot be seen (m).
 const NOT_LOWERED_M: f32 = 1e-5;
 
@@ -203,6 +207,24 @@ impl<'a> FeetTick<'a> {
         let Some(lock) = self.lock.as_ref().filter(|_| locks) else { return };
         for (side, foot) in feet.iter_mut().enumerate() {
             lock_foot(body, side, lock, &planted[side], floors[side], place, foot, pose);
+        }
+    }
+
+    /// Takes the contacts of parts away that hang over an edge, or still come down to the ground.
+    pub fn clear_contacts_off_ground(&self, body: &LaneBody, feet: &[FootLock; 2], contacts: &mut [Contacts; LANES]) {
+        if self.ground.is_flat() {
+            return;
+        }
+        for (side, FootLock { plane, .. }) in feet.iter().enumerate() {
+            let parts = [(&plane.heel, &[0.0; LANES]), (&plane.ball, &body.legs[side].thickness)];
+            for (bit, (part, thickness)) in Contacts::FEET[side].into_iter().zip(parts) {
+                for (lane, contacts) in contacts.iter_mut().enumerate() {
+                    let ground = self.ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height;
+                    if (part[1][lane] - thickness[lane] - ground).abs() > OFF_GROUND_M {
+                        contacts.remove(bit);
+                    }
+                }
+            }
         }
     }
 

@@ -199,17 +199,16 @@ impl CharacterBlock<'_> {
         let orders = orders.iter().map(|order| order.layers);
         let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &body.state);
         let BodyBlock { state, feet, .. } = body;
-        let contacts = &block.contacts;
+        let contacts = block.contacts;
         let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| {
             let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
-            let parts = [
-                PlantedParts { heel: planted(Contacts::LEFT_HEEL), toe: planted(Contacts::LEFT_TOE) },
-                PlantedParts { heel: planted(Contacts::RIGHT_HEEL), toe: planted(Contacts::RIGHT_TOE) },
-            ];
+            let parts =
+                Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
             let sunk = layers.hips_sink(&r.body, pose);
             feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
         };
         pose_block(&r.body, motion, &place, &layers, body_tick, state, plant, to, &mut laps);
+        feet_tick.clear_contacts_off_ground(&r.body, &body.feet, &mut block.contacts);
     }
 }
 

@@ -430,10 +430,8 @@ fn standing<F: Lanes>(contact: F) -> F {
 
 /// Bits of the parts that bear: heel and ball of the left foot, then of the right.
 fn contacts(bearing: [Bearing; 2]) -> [Contacts; LANES] {
-    const PARTS: [[Contacts; 2]; 2] =
-        [[Contacts::LEFT_HEEL, Contacts::LEFT_TOE], [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]];
     let mut all = [Contacts::NONE; LANES];
-    for (parts, bearing) in PARTS.iter().zip(&bearing) {
+    for (parts, bearing) in Contacts::FEET.iter().zip(&bearing) {
         for (&part, bears) in parts.iter().zip(bearing) {
             for (contacts, &bears) in all.iter_mut().zip(bears) {
                 if bears > 0.5 {
