@@ -53,13 +53,13 @@ pub fn open_bundle(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
 #[derive(clap::Args)]
 pub struct ReadArgs {
     /// Skeleton of an AMC file; found beside it by default.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Reading motion", value_name = "FILE")]
     asf: Option<PathBuf>,
     /// Skeleton profile: a file (`.toml`), which is tried before the built-in ones, or the name of a built-in one.
-    #[arg(long, value_name = "FILE_OR_NAME")]
+    #[arg(long, help_heading = "Reading motion", value_name = "FILE_OR_NAME")]
     profile: Option<PathBuf>,
     /// Config that says how files are read, retargeted, resampled and annotated.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Reading motion", value_name = "FILE")]
     config: Option<PathBuf>,
 }
 
@@ -111,11 +111,12 @@ pub fn is_toml(path: &Path) -> bool {
 #[derive(clap::Args)]
 pub struct CacheArgs {
     /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
-    #[arg(long, value_name = "DIR", default_value = Cache::FOLDER)]
+    #[arg(long, help_heading = "Cache", value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Greatest size of the folder, in GB; the least recently used entries are removed first.
     #[arg(
         long,
+        help_heading = "Cache",
         value_name = "GB",
         default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
         allow_negative_numbers = true,
@@ -123,7 +124,7 @@ pub struct CacheArgs {
     )]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
-    #[arg(long)]
+    #[arg(long, help_heading = "Cache")]
     no_cache: bool,
 }
 
@@ -153,6 +154,9 @@ pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
 /// Default of the simulated time (s).
 const SECONDS: f32 = 20.0;
 
+/// Group of options that few runs need.
+const CHARACTERS: &str = "Characters";
+
 /// Options of a run: number of characters, time, seed and choice of actions.
 #[derive(clap::Args)]
 pub struct CrowdArgs {
@@ -165,6 +169,7 @@ pub struct CrowdArgs {
     /// Steps a simulated second.
     #[arg(
         long,
+        help_heading = CHARACTERS,
         default_value_t = 60.0,
         value_name = "HZ",
         allow_negative_numbers = true,
@@ -175,15 +180,16 @@ pub struct CrowdArgs {
     #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Choose by the stored best action instead of looking ahead; not for scenes.
-    #[arg(long)]
+    #[arg(long, help_heading = CHARACTERS)]
     single_load: bool,
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
-    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
+    #[arg(long, help_heading = CHARACTERS, value_name = "T", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
     /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
     /// for scenes.
     #[arg(
         long,
+        help_heading = CHARACTERS,
         default_value_t = 0.0,
         value_name = "RAD_PER_M",
         allow_negative_numbers = true,
@@ -191,11 +197,12 @@ pub struct CrowdArgs {
     )]
     bend: f32,
     /// Let characters take no notice of each other; not for scenes.
-    #[arg(long)]
+    #[arg(long, help_heading = CHARACTERS)]
     no_avoid: bool,
     /// Character shown as a strip of poses; not for scenes.
     #[arg(
         long,
+        help_heading = CHARACTERS,
         default_value_t = 0,
         value_name = "N",
         allow_negative_numbers = true,

@@ -2,7 +2,7 @@
 
 use crate::args::{CacheArgs, CommandResult, fail};
 use crate::build::{BuildInputArgs, plan};
-use crate::{keys, output, progress};
+use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use throng_precompute::memory;
@@ -23,7 +23,7 @@ pub struct Args {
     shard: Shard,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -48,7 +48,19 @@ pub fn run(args: &Args) -> CommandResult {
     let shard = shard.map_err(|e| plan.error(e))?;
     output::warnings(&shard.skipped, &shard.warnings);
     let report = BakeReport { shard, peak_bytes: memory::peak_bytes() };
-    if args.json { output::json(&report) } else { print(&report.shard, &folder.display().to_string()) }
+    if args.json {
+        return output::json(&report);
+    }
+    print(&report.shard, &folder.display().to_string())?;
+    let given: Vec<String> = std::env::args_os().skip(2).map(|word| word.to_string_lossy().into_owned()).collect();
+    help::next_step(&next_words(&given, report.shard.missing == 0))
+}
+
+/// Command that follows a shard with these arguments: the build once all files are there, the shard again before.
+fn next_words(given: &[String], is_complete: bool) -> Vec<&str> {
+    let is_of_shard = |i: usize| given[i].starts_with("--shard") || i > 0 && given[i - 1] == "--shard";
+    let kept = (0..given.len()).filter(|&i| !(is_complete && is_of_shard(i))).map(|i| given[i].as_str());
+    std::iter::once(if is_complete { "build" } else { "bake" }).chain(kept).collect()
 }
 
 fn print(r: &ShardReport, folder: &str) -> CommandResult {

@@ -1,7 +1,7 @@
 //! `throng build`: motion files to a bundle.
 
 use crate::args::{CacheArgs, CommandResult, fail, is_toml};
-use crate::{keys, output, progress};
+use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -33,7 +33,7 @@ pub struct Args {
     out: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -134,10 +134,10 @@ pub fn run(args: &Args) -> CommandResult {
         return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }
     print(&report, &out.display().to_string())?;
-    match verdict {
-        Some(verdict) => output::text(format!("\n{}", crate::run::verdict_text(&verdict))),
-        None => Ok(()),
+    if let Some(verdict) = verdict {
+        output::text(format!("\n{}", crate::run::verdict_text(&verdict)))?;
     }
+    help::next_step(&["run", &out.to_string_lossy(), "--png", &out.with_extension("png").to_string_lossy()])
 }
 
 /// Prints the report of a build as text.

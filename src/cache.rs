@@ -18,7 +18,7 @@ pub struct Args {
     /// Folder that keeps the outputs of stages between builds, or s3://BUCKET/PREFIX in programs built for it.
     #[arg(long, value_name = "DIR", default_value = Cache::FOLDER, global = true)]
     cache: PathBuf,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long, global = true)]
     json: bool,
 }

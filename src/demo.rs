@@ -1,7 +1,7 @@
 //! `throng demo`: from synthetic motion to a crowd and its picture.
 
 use crate::args::{CommandResult, CrowdArgs};
-use crate::{build, keys, output, progress, run};
+use crate::{build, help, keys, output, progress, run};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub struct Args {
     bundle: PathBuf,
     #[command(flatten)]
     crowd: CrowdArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -63,5 +63,7 @@ pub fn run(args: &Args) -> CommandResult {
     }
     build::print(&built, &args.bundle.display().to_string())?;
     run::print(&report)?;
-    output::table(&[("picture", args.out.display().to_string())])
+    output::table(&[("picture", args.out.display().to_string())])?;
+    let model = args.bundle.with_extension("glb");
+    help::next_step(&["export", &args.bundle.to_string_lossy(), "--format", "glb", "--out", &model.to_string_lossy()])
 }

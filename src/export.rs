@@ -3,6 +3,7 @@
 mod take;
 
 use crate::args::{CommandResult, ReadArgs, fail};
+use crate::help;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use throng_precompute::annotate::hits::{self, HitPoint};
@@ -19,13 +20,13 @@ pub struct Args {
     /// Scene (.toml), recording (of `throng run --record`), bundle (.throng) or motion file (.bvh, .amc, .npz, .glb,
     /// .gltf, .fbx; FILE/CLIP for one of several in a file).
     file: PathBuf,
-    /// Format to write. For any input: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
+    /// Format to write: glb, usda, bvh, amass, npz, csv, instances, positions-csv, graph-json, policy-csv or hits-csv. For any input: `glb` (skins and animation), `usda` (UsdSkel), `bvh` and `amass` (a file for each
     /// character; SMPL order, axis-angle), `npz` (all in NumPy arrays) or `csv` (joints of all characters over time). For
     /// a motion file: `bvh` and `positions-csv` (frame,joint,x,y,z in metres, Y up), as it was read. For a bundle:
     /// `instances` (which clips play on characters, as NumPy arrays, to be drawn with `glb` of its `--clips`),
     /// `graph-json` (states and actions) or `policy-csv` (values with cell coordinates). For bundles and motion files:
     /// `hits-csv` (effective hits as seen from the planar root: +X left, Y up, +Z ahead, in metres).
-    #[arg(long)]
+    #[arg(long, hide_possible_values = true)]
     format: Format,
     /// File to write; standard output by default.
     #[arg(long, value_name = "FILE")]
@@ -63,6 +64,22 @@ fn holds_motion(file: &Path) -> bool {
 }
 
 pub fn run(args: &Args) -> CommandResult {
+    export_file(args)?;
+    let Some(out) = &args.out else { return Ok(()) };
+    let name = out.to_string_lossy();
+    match args.format {
+        Format::Glb | Format::Bvh if out.is_file() => help::next_step(&["inspect", &name]),
+        Format::Glb | Format::Bvh | Format::Amass => {
+            help::next_step(&["inspect", &take::folder_of(out).to_string_lossy()])
+        }
+        Format::Npz | Format::Instances => {
+            help::next_command("python3", &["-c", &format!("import numpy; print(numpy.load({name:?}).files)")])
+        }
+        _ => help::next_command("head", &[&name]),
+    }
+}
+
+fn export_file(args: &Args) -> CommandResult {
     let is_take = match args.format {
         Format::PositionsCsv | Format::HitsCsv | Format::GraphJson | Format::PolicyCsv => false,
         Format::Bvh => !holds_motion(&args.file),

@@ -4,7 +4,7 @@ mod environment;
 mod scene;
 
 use crate::args::{CommandResult, ReadArgs, fail, is_bundle};
-use crate::{keys, output, progress};
+use crate::{help, keys, output, progress};
 use std::path::PathBuf;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
 use throng_precompute::{files, import};
@@ -35,7 +35,7 @@ pub struct Args {
     /// Find where the limbs of one clip collide with the scene of a task: part, obstacle, from when to when, how deep.
     #[arg(long, value_name = "TASK")]
     scene: Option<PathBuf>,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -73,13 +73,13 @@ pub fn run(args: &Args) -> CommandResult {
         if let Some(path) = &args.hits_png {
             hit_picture::bundle_hit_picture(&tables, &title).save_png(path)?;
         }
-        return print(args, &BundleReport::new(file, &tables));
+        return print(args, &BundleReport::new(file, &tables), "run");
     }
     let inspected = inspect::inspect_clip(file, &args.read.config_for(&args.files)?)?;
     if let Some(path) = &args.hits_png {
         hit_picture::clip_hit_picture(&inspected.clips, &title).save_png(path)?;
     }
-    print(args, &inspected.report)
+    print(args, &inspected.report, "build")
 }
 
 /// Inspects several files, or those of a folder.
@@ -92,16 +92,23 @@ fn inspect_many(args: &Args) -> CommandResult {
     }
     let report =
         inspect::inspect_all(&args.files, &args.read.config_for(&args.files)?, &progress::BuildProgressBar::default())?;
-    print(args, &report)?;
-    match report.files.iter().all(|f| f.verdict == "skipped") {
-        true => fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len())),
-        false => Ok(()),
+    if report.files.iter().all(|f| f.verdict == "skipped") {
+        if args.json {
+            output::json(&report)?
+        } else {
+            output::text(&report)?
+        }
+        return fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len()));
     }
+    print(args, &report, "build")
 }
 
-fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display)) -> CommandResult {
+/// Prints a report, and the command to go on with from the files.
+fn print(args: &Args, report: &(impl serde::Serialize + std::fmt::Display), next: &str) -> CommandResult {
     if args.json {
         return output::json(report);
     }
-    output::text(report)
+    output::text(report)?;
+    let files: Vec<_> = args.files.iter().map(|f| f.to_string_lossy()).collect();
+    help::next_step(&std::iter::once(next).chain(files.iter().map(|f| &**f)).collect::<Vec<_>>())
 }

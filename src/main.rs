@@ -19,6 +19,7 @@ mod demo;
 mod explain;
 mod export;
 mod figures;
+mod help;
 mod inspect;
 mod keys;
 mod output;
@@ -33,13 +34,13 @@ mod synth;
 mod verify;
 mod view;
 
-use clap::{Parser, Subcommand};
+use clap::{FromArgMatches, Parser, Subcommand};
 use std::process::ExitCode;
 use throng_core::base::limit_threads;
 
 /// Bakes motion capture into tables, and drives thousands of characters by looking things up.
 #[derive(Parser)]
-#[command(name = "throng", version, after_help = args::AFTER_HELP)]
+#[command(name = "throng", version, after_help = args::AFTER_HELP, disable_help_subcommand = true)]
 struct Cli {
     #[command(subcommand)]
     command: Option<MainCommand>,
@@ -66,11 +67,13 @@ enum MainCommand {
     Schema(schema::Args),
     Cache(cache::Args),
     Completions(completions::Args),
+    Help(help::Args),
 }
 
 fn main() -> ExitCode {
     limit_threads();
-    let cli = Cli::parse();
+    let matches = help::parser(std::env::args_os()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     let Some(command) = cli.command else {
         return exit_code(output::text(args::FIRST_STEPS));
     };
@@ -98,6 +101,7 @@ fn main() -> ExitCode {
         MainCommand::Schema(a) => schema::run(&a),
         MainCommand::Cache(a) => cache::run(&a),
         MainCommand::Completions(a) => completions::run(&a),
+        MainCommand::Help(a) => help::run(&a),
     };
     exit_code(done)
 }

@@ -3,7 +3,7 @@
 mod strip;
 
 use crate::args::{CacheArgs, CommandResult, ReadArgs, fail};
-use crate::{keys, output};
+use crate::{help, keys, output};
 use std::path::PathBuf;
 use throng_core::base::limits;
 use throng_planner::task::{RunOptions, Task};
@@ -42,7 +42,7 @@ pub struct Args {
     read: ReadArgs,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -78,17 +78,20 @@ pub fn run(args: &Args) -> CommandResult {
     if let Some(fault) = fault {
         return fail(format!("{fault}; nothing was written. Try another --seed, or a larger clearance_m"));
     }
-    let Some(why) = report.tasks.iter().find(|t| !t.solved) else { return warn_of_few(found.len(), args) };
+    let Some(why) = report.tasks.iter().find(|t| !t.solved) else {
+        warn_of_few(found.len(), args);
+        let (clip, task) = (args.out.to_string_lossy(), args.task.to_string_lossy());
+        return if args.json { Ok(()) } else { help::next_step(&["inspect", &clip, "--scene", &task]) };
+    };
     let written = if args.partial { "the rest was written" } else { "nothing was written (--partial writes the rest)" };
     fail(format!("{}: {}; {written}", why.name, why.why.as_deref().unwrap_or_default()))
 }
 
-fn warn_of_few(found: usize, args: &Args) -> CommandResult {
+fn warn_of_few(found: usize, args: &Args) {
     if (found as u64) < args.variants {
         let (n, tried) = (args.variants, args.variants * plans::SEEDS_PER_VARIANT);
         eprintln!("warning: {found} of {n} motions: others of {tried} seeds are the same, or not solved");
     }
-    Ok(())
 }
 
 fn print(r: &PlanReport) -> CommandResult {

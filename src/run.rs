@@ -2,7 +2,7 @@
 
 use crate::args::{CacheArgs, CommandResult, CrowdArgs, fail, is_bundle, is_toml, named_engine};
 use crate::figures::figures;
-use crate::{keys, output, progress};
+use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -33,19 +33,19 @@ pub struct Args {
     png: Option<PathBuf>,
     /// Trajectories of all agents of a scene, ten points a simulated second, as a table that PedPy reads: CSV with the
     /// columns time_s, agent, x_m, z_m, vx_mps and vz_mps.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     trajectories: Option<PathBuf>,
     /// Recording of a scene to write: `throng explain` replays it, and explains why agents acted as they did.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     record: Option<PathBuf>,
     /// Bundle in place of the scene's; the world of the scene is then beside it.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     bundle: Option<PathBuf>,
     /// Engine of agents in place of that of the scene: events or occupancy.
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, help_heading = "Scenes", value_name = "NAME")]
     engine: Option<String>,
     /// Leave out a behaviour of the scene; may be given several times.
-    #[arg(long, value_name = "BEHAVIOUR")]
+    #[arg(long, help_heading = "Scenes", value_name = "BEHAVIOUR")]
     without: Vec<String>,
     #[command(flatten)]
     live: LiveArgs,
@@ -53,7 +53,7 @@ pub struct Args {
     crowd: CrowdArgs,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -63,15 +63,16 @@ pub struct Args {
 struct LiveArgs {
     /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468) to programs such as
     /// scripts/blender_live.py. The run waits for the first client, and goes on in real time. Nothing is measured.
-    #[arg(long, value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
+    #[arg(long, help_heading = "Live", value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
         conflicts_with_all = ["png", "trajectories", "record", "json"])]
     serve: Option<SocketAddr>,
     /// With --serve, allow an address that others in the network can reach.
-    #[arg(long, requires = "serve")]
+    #[arg(long, help_heading = "Live", requires = "serve")]
     serve_anyone: bool,
     /// With --serve, simulated seconds a second; 0 is as fast as possible.
     #[arg(
         long,
+        help_heading = "Live",
         value_name = "X",
         requires = "serve",
         default_value_t = 1.0,
@@ -135,7 +136,11 @@ pub fn run(args: &Args) -> CommandResult {
         return output::json(&BundleRunReport { trial: report, verdict });
     }
     print(&report)?;
-    output::text(format!("\n{}", verdict_text(&verdict)))
+    output::text(format!("\n{}", verdict_text(&verdict)))?;
+    match (&args.png, args.what.as_slice()) {
+        (Some(_), [shown]) => help::next_step(&["view", &shown.to_string_lossy()]),
+        _ => Ok(()),
+    }
 }
 
 /// Opens the bundle of some motion, which is built into the cache if it is not there yet.
@@ -185,7 +190,19 @@ fn run_scene(file: &Path, args: &Args) -> CommandResult {
     for (time_s, character, what) in record.faults.iter().take(5) {
         output::print_to_stderr(format_args!("at {time_s:.1} s, character {character}: {what}"));
     }
-    if args.json { output::json(&report) } else { print_scene(&report) }
+    if args.json {
+        return output::json(&report);
+    }
+    print_scene(&report)?;
+    match &args.record {
+        Some(recording) if scene.has_story() => {
+            help::next_step(&["explain", &recording.to_string_lossy(), "--agent", "0"])
+        }
+        _ if args.png.is_some() || args.trajectories.is_some() || args.record.is_some() => {
+            help::next_step(&["view", &file.to_string_lossy()])
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Runs a scene for programs that show it.

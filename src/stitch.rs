@@ -1,7 +1,7 @@
 //! `throng stitch`: a world from the patches of a bundle.
 
 use crate::args::{CacheArgs, CommandResult};
-use crate::{keys, output, progress};
+use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ pub struct Args {
     bundle: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -58,7 +58,8 @@ pub fn run(args: &Args) -> CommandResult {
     if args.json {
         return output::json(&StitchCommandReport { world: &source.name, stitched: &report, out: &out });
     }
-    print(&source, &report, &out)
+    print(&source, &report, &out)?;
+    help::next_step(&["view", &args.file.to_string_lossy()])
 }
 
 /// Opens the bundle of a world, which is built first if it does not exist.

@@ -1,7 +1,7 @@
 //! `throng synth`: synthetic motion as ordinary files.
 
 use crate::args::CommandResult;
-use crate::{keys, output};
+use crate::{help, keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -36,7 +36,7 @@ pub struct Args {
     /// Frames a second.
     #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::RATE_HZ))]
     rate_hz: f64,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }
@@ -83,7 +83,8 @@ pub fn run(args: &Args) -> CommandResult {
     output::table(&[(
         "written",
         format!("{} clips, {} frames, {:.0} s, to {}", report.clips, frames, report.seconds, args.out.display()),
-    )])
+    )])?;
+    help::next_step(&["build", &args.out.to_string_lossy()])
 }
 
 /// Folder, length and seed of every hour; the last one may be shorter.

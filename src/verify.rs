@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub struct Args {
     /// Bundle.
     file: PathBuf,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

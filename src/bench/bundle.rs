@@ -27,7 +27,7 @@ pub struct Args {
     /// Measure the levels of detail alone: everybody posed whole, without locked feet, as records of 32 bytes. On one thread.
     #[arg(long)]
     lod: bool,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

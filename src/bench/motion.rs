@@ -19,7 +19,7 @@ pub struct Args {
     what: Vec<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

@@ -39,7 +39,7 @@ pub struct Args {
     poses: u32,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

@@ -26,7 +26,7 @@ pub struct Args {
     seconds: Option<f64>,
     #[command(flatten)]
     cache: CacheArgs,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

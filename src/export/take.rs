@@ -30,18 +30,18 @@ pub struct TakeArgs {
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
     to: Option<f64>,
     /// Frames a second, 1 to 1000; 30 by default.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::EXPORT_HZ))]
+    #[arg(long, help_heading = "Takes", value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::EXPORT_HZ))]
     fps: Option<f64>,
     /// For a bundle, write its clips instead of characters that run on it.
-    #[arg(long)]
+    #[arg(long, help_heading = "Takes")]
     clips: bool,
     /// With `usda`, write characters as instances of one model, as crowd renderers prefer; Blender shows these without
     /// motion.
-    #[arg(long)]
+    #[arg(long, help_heading = "Takes")]
     usd_instances: bool,
     /// With `glb`, your own character (.glb with a skin) to wear the motion: the roles of its joints are found as those of
     /// motion files, twist joints take their share, all others stay at rest. Its size follows from the motion's legs.
-    #[arg(long, value_name = "CHARACTER.glb")]
+    #[arg(long, help_heading = "Takes", value_name = "CHARACTER.glb")]
     onto: Option<PathBuf>,
     #[command(flatten)]
     cache: CacheArgs,
@@ -118,7 +118,8 @@ pub fn run(args: &Args) -> CommandResult {
     save(args, &take, out, wearer.as_ref(), folder)
 }
 
-fn folder_of(file: &Path) -> &Path {
+/// Folder of a file.
+pub fn folder_of(file: &Path) -> &Path {
     file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

@@ -1,7 +1,7 @@
 //! Surroundings inferred from the contacts of clips: files, a report and a picture.
 
 use crate::args::{CommandResult, fail};
-use crate::{output, progress};
+use crate::{help, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
@@ -63,7 +63,20 @@ pub fn run(args: &super::Args) -> CommandResult {
         inferred: &inferred.report,
         saved,
     };
-    if args.json { output::json(&report) } else { print(&report) }
+    if args.json {
+        return output::json(&report);
+    }
+    print(&report)?;
+    let files = args.files.iter().map(|f| f.to_string_lossy());
+    // First a picture of what was found, then the bundle.
+    let out = args.environment_out.as_ref().filter(|_| args.environment_png.is_none());
+    let png =
+        out.map(|out| ["--environment-png".into(), out.with_extension("png").to_string_lossy().into_owned().into()]);
+    let words = [if png.is_some() { "inspect" } else { "build" }.into()]
+        .into_iter()
+        .chain(files)
+        .chain(png.into_iter().flatten());
+    help::next_step(&words.collect::<Vec<_>>().iter().map(|word| &**word).collect::<Vec<_>>())
 }
 
 /// Reads the clips as a build with default settings does, so that heights agree.

@@ -32,7 +32,7 @@ pub struct Args {
     /// Time left until the blow lands, in seconds, for policies that need one, as for evading.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
     time_left: Option<f32>,
-    /// Print one JSON object.
+    /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
     json: bool,
 }

@@ -1,4 +1,4 @@
-//! What `--help` says of JSON keys is what is printed.
+//! What `throng help keys` says is what is printed.
 
 use super::{Place, at, done, folder, json};
 use serde_json::Value;
@@ -71,9 +71,9 @@ fn compare(place: &str, keys: &BTreeMap<String, Key>, printed: &Value) {
     }
 }
 
-/// Compares the help of a command with what it prints when it is called like this.
+/// Compares the list of a command with what it prints when it is called like this.
 fn check(command: &[&str], heading: &str, args: &[&str]) {
-    let help = done(&[command, &["--help"]].concat());
+    let help = done(&[&["help", "keys"], command].concat());
     let keys = documented(&help, heading);
     assert!(keys.len() >= 3, "{help}");
     compare(&command.join(" "), &keys, &json(&[command, args, &["--json"]].concat(), &[]));

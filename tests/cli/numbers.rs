@@ -127,7 +127,8 @@ fn no_option_with_a_number_is_left_out() {
             command.iter().copied().take_while(|w| w.chars().all(|c| c.is_ascii_lowercase())).collect();
         let help = done(&[&name[..], &["--help"]].concat());
         for line in help.lines().map(str::trim).filter(|l| l.starts_with("--")) {
-            let (option, value) = line[2..].split_once(' ').unwrap_or((&line[2..], ""));
+            let mut words = line[2..].split_whitespace();
+            let (option, value) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
             let numbers =
                 ["<N>", "<N,...>", "<S>", "<HZ>", "<T>", "<RAD_PER_M>", "<X,Z>", "<SEED>", "<MINUTES>", "<STATE>"];
             if numbers.contains(&value) {

@@ -51,7 +51,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         built.build();
         std::cell::RefCell::new((Cli::command(), built))
     });
-    PARSER.with_borrow_mut(|(parser, built)| try_words(parser, &words_of(built, data)));
+    PARSER.with_borrow_mut(|(parser, built)| try_command_line(parser, &decode_words(built, data)));
 });
 
 #[cfg(test)]
