@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
 use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::recheck::Recheck;
+use throng_planner::setup::SELF_PRESS_M;
 use throng_planner::task::Task;
 use throng_precompute::Clip;
 use throng_precompute::config::BuildConfig;
@@ -170,7 +171,7 @@ fn plan_scene(scene: &PlanScene, args: &Args) -> Result<(Vec<PlanSample>, usize)
                 others: &[],
                 allowed: &scene.allowed,
                 penetration_m: 1e-3,
-                self_press_m: 0.02,
+                self_press_m: SELF_PRESS_M,
             };
             violations += recheck.run().violations.len();
         }

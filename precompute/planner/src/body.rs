@@ -15,6 +15,10 @@ pub struct BodyCapsule {
     pub radius: f64,
 }
 
+/// Thickness that planned arms of the default skeleton lack, as grips bring palms nearer to things than flesh is thick (m).
+/// Chosen.
+const ARMS_SLIM_M: f32 = 0.008;
+
 /// The capsules of a body; change them at will where a character is thinner or thicker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyCapsules {
@@ -28,10 +32,16 @@ impl BodyCapsules {
         let is_apart = |c: &JointCapsule| !matches!(c.joint, Joint::LeftClavicle | Joint::RightClavicle);
         let one = |c: JointCapsule| {
             let [a, b] = c.ends.map(Vec3::as_dvec3);
-            BodyCapsule { joint: c.joint, core: Segment::new(a, b), radius: f64::from(c.radius) }
+            let slim_m = if is_arm(c.joint) { ARMS_SLIM_M } else { 0.0 };
+            let radius = f64::from(c.radius - slim_m * BodyVolume::scale(skeleton));
+            BodyCapsule { joint: c.joint, core: Segment::new(a, b), radius }
         };
         Self { capsules: BodyVolume::new(skeleton).capsules.into_iter().filter(is_apart).map(one).collect() }
     }
+}
+
+fn is_arm(joint: Joint) -> bool {
+    (Joint::LeftClavicle..=Joint::RightHand).contains(&joint)
 }
 
 #[cfg(test)]
