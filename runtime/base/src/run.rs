@@ -5,6 +5,19 @@ use std::sync::{Mutex, PoisonError};
 /// Runs independent parts of a step, on one or several threads.
 ///
 /// Results depend neither on the thread that runs a part nor on the order of parts.
+///
+/// ```
+/// use throng_base::Executor;
+///
+/// /// A scope of threads, one for each part; an engine passes parts to its job system instead.
+/// struct ThreadEach;
+///
+/// impl Executor for ThreadEach {
+///     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync)) {
+///         std::thread::scope(|scope| (0..num_parts).for_each(|k| drop(scope.spawn(move || part(k)))));
+///     }
+/// }
+/// ```
 pub trait Executor: Sync {
     /// Calls `part` once with every number below `num_parts`, and returns when all calls have.
     fn run(&self, num_parts: usize, part: &(dyn Fn(usize) + Sync));

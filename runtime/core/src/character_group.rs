@@ -10,6 +10,18 @@ use throng_base::{Error, Executor, Hash128, Id, Result, maths};
 /// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
 ///
 /// Orders stay until they are changed. Each is named by its [`Id`].
+///
+/// ```
+/// use throng_core::{CharacterGroup, Inline, Joint};
+///
+/// /// Moves any kind of people, and returns the highest head (m).
+/// fn highest_head(people: &mut impl CharacterGroup) -> throng_core::Result<f32> {
+///     people.step(1.0 / 60.0, &Inline)?;
+///     let bodies = people.bodies();
+///     let heads = bodies.ids.iter().filter_map(|id| Some(bodies.get(*id)?.position(Joint::Head).y));
+///     Ok(heads.fold(0.0, f32::max))
+/// }
+/// ```
 pub trait CharacterGroup {
     /// Start of a character: place and manner of its entry.
     type Start;

@@ -6,11 +6,7 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 pub use throng_base::thresholds::FIST_PER_FOREARM;
 
-/// [`HitRecord::kind`] of a blow with a fist.
-pub const KIND_PUNCH: u32 = 0;
-/// [`HitRecord::kind`] of a blow with a foot.
-pub const KIND_KICK: u32 = 1;
-/// Names of the kinds that every bundle has; those of tags follow.
+/// Names of the kinds of [`HitRecord::kind`] that every bundle has; those of tags follow.
 pub const KIND_NAMES: [&str; 2] = ["punch", "kick"];
 
 /// Effective hit. Positions are relative to the planar root of its frame: +X left, Y above the ground, +Z ahead.
@@ -19,7 +15,7 @@ pub const KIND_NAMES: [&str; 2] = ["punch", "kick"];
 pub struct HitRecord {
     /// Frame row of the hit.
     pub frame: u32,
-    /// [`KIND_PUNCH`], [`KIND_KICK`], or a tag: the number in [`crate::format::Meta::hit_kinds`].
+    /// Number of the kind: one of [`KIND_NAMES`], or a tag in [`crate::format::Meta::hit_kinds`].
     pub kind: u32,
     /// The joint that strikes, by index: a hand, a foot, or what a tag names.
     pub joint: u32,

@@ -25,6 +25,17 @@ const EVENTS_EACH: usize = 4;
 /// Simulation of a scene.
 ///
 /// Characters are numbered from 0, group by group of [`Simulation::groups`]; a number is never used again.
+///
+/// ```no_run
+/// use throng_simulation::{Scene, Simulation};
+///
+/// let mut people = Simulation::new(&Scene::load("street.toml")?.open()?)?;
+/// let kept = people.snapshot();
+/// people.step(1.0 / 30.0)?;
+/// println!("{} of them at {:.2} s", people.roots().flatten().count(), people.time_s());
+/// people.restore(&kept)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Simulation {
     scene: CompiledScene,

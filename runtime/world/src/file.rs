@@ -33,6 +33,16 @@ const KIND: FileKind = FileKind { what: "world", magic: WORLD_MAGIC, version: WO
 ///
 /// As with [`Bundle`], everything that is relied on later is checked once, when it is opened. What planning knows of the
 /// world beforehand lies in the file, so that opening it takes milliseconds.
+///
+/// ```no_run
+/// use throng_core::{Bundle, glam::Vec3};
+/// use throng_world::World;
+///
+/// let bundle = Bundle::open("playground.throng")?;
+/// let world = World::open("playground.world", &bundle)?;
+/// println!("somebody can stand at {}", world.nearest_place(Vec3::ZERO, 20.0)?.at);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct World(Arc<Opened>);
 

@@ -31,6 +31,12 @@ const WHAT: &str = "a bundle";
 /// [`Bundle::open`] reads the file: nothing that happens to it later is seen. [`Bundle::map`] maps it: pages come in as
 /// they are touched, and several processes share them. Everything that is looked up later is checked once, here: magic,
 /// version, lengths, alignment, padding, checksums, every stored index against its table, every number for being finite.
+///
+/// ```no_run
+/// let bundle = throng_core::Bundle::open("people.throng")?;
+/// println!("{}: {:?}", bundle.meta().name, bundle.meta().behaviours);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Bundle {
     shared: Arc<OpenedBundle>,

@@ -47,6 +47,18 @@ impl Spawn {
 /// All memory is allocated in [`PolicyCharacters::with_capacity`] but for loading and adopting. Present
 /// characters lie side by side in memory, so that those that left take no time. Random choices depend on the seed, the
 /// id and the number of choices alone.
+///
+/// ```no_run
+/// use throng_core::characters::{CharactersConfig, PolicyCharacters, Spawn};
+/// use throng_core::{Bundle, CharacterGroup, Inline, Planar, glam::Vec3};
+///
+/// let bundle = Bundle::open("people.throng")?;
+/// let mut people = PolicyCharacters::with_capacity(&bundle, 1000, CharactersConfig::default())?;
+/// let id = people.spawn(Spawn::standing_at(Planar::IDENTITY))?;
+/// people.order(id, bundle.policy("approach")?.order_towards(Vec3::new(3.0, 0.0, 4.0)))?;
+/// people.step(1.0 / 60.0, &Inline)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct PolicyCharacters {
     pub(super) bundle: Bundle,

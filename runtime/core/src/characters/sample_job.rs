@@ -10,6 +10,16 @@ use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 /// Samples frames between rows and applies the hierarchy, in one pass over a batch.
 ///
 /// Allocates nothing; split by range to run on several threads.
+///
+/// ```no_run
+/// use throng_core::characters::{MotionSet, SampleJob};
+/// use throng_core::{Bundle, Mat3x4, NUM_JOINTS};
+///
+/// let motion_set = MotionSet::new(&Bundle::open("people.throng")?);
+/// let mut matrices = [Mat3x4::default(); NUM_JOINTS];
+/// SampleJob { motion_set: &motion_set, frames: &[0], ratios: &[0.5], matrices: &mut matrices }.run()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct SampleJob<'a> {
     /// The database.

@@ -9,6 +9,15 @@ use throng_base::error::check_length;
 /// Looks up the next action of every character in one pass.
 ///
 /// Slices are `[num_characters]`. Allocates nothing; split by range to run on several threads.
+///
+/// ```no_run
+/// use throng_core::{Bundle, glam::Vec3, policy::BestActionJob};
+///
+/// let bundle = Bundle::open("people.throng")?;
+/// let (policy, targets, mut actions) = (&bundle.policies()[0], [Vec3::Z, Vec3::X], [0; 2]);
+/// BestActionJob { policy, states: &[0, 1], targets: &targets, choice: 0, actions: &mut actions }.run()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct BestActionJob<'a> {
     /// The policy.

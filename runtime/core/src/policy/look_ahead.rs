@@ -28,6 +28,18 @@ pub struct LookAheadGoal<'a> {
 /// cells. Where transitions cost something ([`super::RewardRecord::transition_cost`]), the goal's part is less by it.
 ///
 /// Allocates nothing; split by range to run on several threads.
+///
+/// ```no_run
+/// use throng_core::policy::{LookAheadGoal, LookAheadJob, RankedActions};
+/// use throng_core::{Bundle, glam::Vec3};
+///
+/// let bundle = Bundle::open("people.throng")?;
+/// let goals = [LookAheadGoal { policy: &bundle.policies()[0], weights: &[1.0], targets: &[Vec3::Z] }];
+/// let mut ranked = [RankedActions::NONE];
+/// LookAheadJob { goals: &goals, states: &[0], ranked: &mut ranked }.run()?;
+/// println!("action {}", ranked[0].best());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct LookAheadJob<'a> {
     /// The behaviours; all policies belong to the same motion graph (at least 1).

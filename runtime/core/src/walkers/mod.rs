@@ -39,6 +39,18 @@ use throng_base::{Executor, Hash128, Id, Result, run_each};
 ///
 /// Walkers are numbered by row, as in [`CharacterGroup::bodies`](crate::CharacterGroup::bodies): in the order in which they entered, but the
 /// last one takes the row of one that leaves.
+///
+/// ```no_run
+/// use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+/// use throng_core::{Bundle, CharacterGroup, Inline, glam::Vec2};
+///
+/// let space = Bundle::open("people.throng")?.blend("walks")?;
+/// let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 100)?;
+/// let id = walkers.spawn(WalkerStart::default())?;
+/// walkers.order(id, Control::walk(Vec2::new(0.0, 1.3)))?;
+/// walkers.step(1.0 / 60.0, &Inline)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Walkers {
     space: BlendSpace,

@@ -210,6 +210,20 @@ const EFFECTS: &[EffectWords] = &[
 ];
 
 /// Action registry: all primitive behaviours that scene files may name.
+///
+/// ```no_run
+/// use throng_simulation::Scene;
+/// use throng_simulation::scenario::{ActionCommand, ActionRegistry, PrimitiveBehaviour, WordKind};
+///
+/// let pause = PrimitiveBehaviour {
+///     name: "pause",
+///     words: &[("pause", WordKind::Amount)],
+///     motion: None,
+///     act: |_, words| ActionCommand::stay_for(words.amount(0, 1.0)),
+/// };
+/// let scene = Scene::load("street.toml")?.open_with(&ActionRegistry::default().with_primitive(pause))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct ActionRegistry(Vec<PrimitiveBehaviour>);
 

@@ -36,6 +36,13 @@ use throng_base::text::TomlSource;
 use throng_base::{Error, Result};
 
 /// Contents of a scene file. Lengths are in metres, times in seconds.
+///
+/// ```no_run
+/// let mut scene = throng_simulation::Scene::load("street.toml")?;
+/// scene.seed = 7;
+/// scene.check()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -22,6 +22,20 @@ use throng_core::{AdoptReport, Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS
 /// A step aims every behaviour at the opponent, moves the characters, tests which blows land on which part of the
 /// opponent's body, pushes that part in the direction of the blow, and moves bodies apart that overlap. All memory is
 /// allocated in [`Sparring::with_capacity`], but for loading and adopting.
+///
+/// ```no_run
+/// use throng_core::characters::Spawn;
+/// use throng_core::{Bundle, CharacterGroup, Inline, Planar, glam::Vec3};
+/// use throng_simulation::sparring::{Sparring, SparringConfig};
+///
+/// let bundle = Bundle::open("boxing.throng")?;
+/// let mut bout = Sparring::with_capacity(&bundle, 1, SparringConfig::default())?;
+/// let roots = [Planar::IDENTITY, Planar::new(0.0, 0.9, std::f32::consts::PI)];
+/// let first = bout.spawn(roots.map(Spawn::standing_at))?;
+/// bout.order(first, bundle.policy("throw-punches")?.order_towards(Vec3::ZERO))?;
+/// bout.step(1.0 / 60.0, &Inline)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Sparring {
     config: SparringConfig,

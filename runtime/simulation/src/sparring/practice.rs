@@ -51,6 +51,19 @@ pub struct PracticeFigures {
 /// A step aims every behaviour at the target, moves the characters, tests which blows come near enough, and swings the hit
 /// targets out in the direction of the blow. All memory is allocated in [`TargetPractice::with_capacity`], except for
 /// loading and adopting.
+///
+/// ```no_run
+/// use throng_core::characters::Spawn;
+/// use throng_core::{Bundle, CharacterGroup, Inline, Planar, glam::Vec3};
+/// use throng_simulation::sparring::{PracticeConfig, TargetPractice};
+///
+/// let bundle = Bundle::open("boxing.throng")?;
+/// let mut boxers = TargetPractice::with_capacity(&bundle, 1, PracticeConfig::default())?;
+/// let id = boxers.spawn(Spawn::standing_at(Planar::IDENTITY))?;
+/// boxers.order(id, bundle.policy("throw-punches")?.order_towards(Vec3::new(0.0, 1.5, 0.8)))?;
+/// boxers.step(1.0 / 60.0, &Inline)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct TargetPractice {
     config: PracticeConfig,

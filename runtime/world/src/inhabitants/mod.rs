@@ -109,6 +109,21 @@ impl InhabitantMemory {
 /// rest cell can be reached without more. Others keep out of them. A character refused a reservation rests within the
 /// units it holds, tries again, and after a while makes a random detour, longer each time. If its place is taken by one
 /// that stays, it waits, and moves out of the way of others, until the place is free or it gets another order.
+///
+/// ```no_run
+/// use throng_core::{Bundle, CharacterGroup, Inline, glam::Vec3};
+/// use throng_world::World;
+/// use throng_world::inhabitants::{InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes};
+///
+/// let world = World::open("playground.world", &Bundle::open("playground.throng")?)?;
+/// let mut people = Inhabitants::new(&world, 10, InhabitantsConfig::default())?;
+/// for start in scatter_rest_nodes(world.graph(), 10, 1) {
+///     people.spawn(start)?;
+/// }
+/// people.order(people.ids()[0], InhabitantGoal::GoNear { place: Vec3::ZERO, within_m: 3.0 })?;
+/// people.step(1.0 / 60.0, &Inline)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Inhabitants {
     world: World,

@@ -25,6 +25,16 @@ use throng_base::error::check_value;
 use throng_base::{Error, Result};
 
 /// Paths round obstacles that keep a clearance.
+///
+/// ```
+/// use throng_base::glam::Vec3;
+/// use throng_crowd::{Obstacle, Streets};
+///
+/// let house = Obstacle::Box { min: Vec3::new(-3.0, 0.0, -3.0), max: Vec3::new(3.0, 3.0, 3.0) };
+/// let streets = Streets::new(&[house], 0.4)?;
+/// assert!(streets.corners(Vec3::new(-5.0, 0.0, 0.0), Vec3::new(5.0, 0.0, 0.0)).is_ok_and(|path| path.len() > 1));
+/// # Ok::<(), throng_base::Error>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Streets {
     obstacles: Vec<Obstacle>,
