@@ -29,10 +29,10 @@ pub const AFTER_HELP: &str = "Exit codes: 0 done, 1 failed (the message names fi
 2 wrong usage. With --json, a command prints one JSON object on standard output and everything else on standard error.";
 
 /// Result of a subcommand.
-pub type CommandResult = Result<(), Box<dyn std::error::Error>>;
+pub type CommandResult<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 /// An error with a message.
-pub fn fail<T>(message: impl Into<String>) -> Result<T, Box<dyn std::error::Error>> {
+pub fn fail<T>(message: impl Into<String>) -> CommandResult<T> {
     Err(message.into().into())
 }
 
@@ -42,7 +42,7 @@ pub fn is_bundle(file: &Path) -> bool {
 }
 
 /// Opens a bundle; messages name the file.
-pub fn open_bundle(path: &Path) -> Result<Bundle, Box<dyn std::error::Error>> {
+pub fn open_bundle(path: &Path) -> CommandResult<Bundle> {
     Bundle::open(path).map_err(|e| match e {
         throng_core::FormatError::Io { .. } => e.to_string().into(),
         e => format!("{}: {e}", path.display()).into(),
@@ -65,7 +65,7 @@ pub struct ReadArgs {
 
 impl ReadArgs {
     /// Build config of these options.
-    pub fn config(&self) -> Result<BuildConfig, Box<dyn std::error::Error>> {
+    pub fn config(&self) -> CommandResult<BuildConfig> {
         let mut config = match &self.config {
             Some(path) => BuildConfig::load(path)?,
             None => BuildConfig::of_motion("", Vec::new())?,
@@ -80,7 +80,7 @@ impl ReadArgs {
     }
 
     /// Build config for some files; a skeleton that none of them can use is an error.
-    pub fn config_for(&self, files: &[PathBuf]) -> Result<BuildConfig, Box<dyn std::error::Error>> {
+    pub fn config_for(&self, files: &[PathBuf]) -> CommandResult<BuildConfig> {
         let is_amc = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc"));
         let asf = self.asf.as_ref().filter(|_| import::expand(files).is_ok_and(|all| !all.iter().any(is_amc)));
         match (asf, files) {
@@ -95,7 +95,7 @@ impl ReadArgs {
 }
 
 /// The engine of a name.
-pub fn named_engine(name: &str) -> Result<Scheme, Box<dyn std::error::Error>> {
+pub fn named_engine(name: &str) -> CommandResult<Scheme> {
     match engine::scheme_named(name) {
         Some(engine) => Ok(engine),
         None => fail(format!("--engine {name}: expected one of {}", engine::names())),

@@ -88,7 +88,7 @@ impl BuildPlan<'_> {
 }
 
 /// The build that the options name; settings that do not apply to replaced motion are reported.
-pub fn plan(args: &BuildInputArgs) -> Result<BuildPlan<'_>, Box<dyn std::error::Error>> {
+pub fn plan(args: &BuildInputArgs) -> CommandResult<BuildPlan<'_>> {
     let mut plan = match (args.what.as_slice(), args.input.as_slice()) {
         ([file], input) if is_toml(file) => {
             let mut config = BuildConfig::load(file)?;

@@ -38,7 +38,7 @@ struct DemoReport {
 }
 
 /// Bakes the synthetic walk.
-pub fn bake(bundle: &Path) -> Result<BuildReport, Box<dyn std::error::Error>> {
+pub fn bake(bundle: &Path) -> CommandResult<BuildReport> {
     let clips = progress::ScratchFolder::new()?;
     eprintln!("synthesising motion ...");
     synth::write_set(SynthSet::Walk, &SynthConfig::default(), clips.path())?;

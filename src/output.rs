@@ -1,17 +1,18 @@
 //! Printing: JSON for machines, lines for people.
 
+use crate::args::CommandResult;
 use serde::Serialize;
 use std::io::Write;
 use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
 
 /// Prints one JSON object on standard output, without control characters for a terminal.
-pub fn json(value: &impl Serialize) -> Result<(), Box<dyn std::error::Error>> {
+pub fn json(value: &impl Serialize) -> CommandResult {
     writeln!(std::io::stdout().lock(), "{}", escape_json_for_terminal(&serde_json::to_string_pretty(value)?))?;
     Ok(())
 }
 
 /// Prints text, without control characters for a terminal. Unlike `print!`, a closed output is an error here, not a panic.
-pub fn text(text: impl std::fmt::Display) -> Result<(), Box<dyn std::error::Error>> {
+pub fn text(text: impl std::fmt::Display) -> CommandResult {
     write!(std::io::stdout().lock(), "{}", escape_for_terminal(&text.to_string()))?;
     Ok(())
 }
@@ -22,7 +23,7 @@ pub fn print_to_stderr(line: impl std::fmt::Display) {
 }
 
 /// Prints lines of a label and a text, aligned.
-pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> {
+pub fn table(rows: &[(&str, String)]) -> CommandResult {
     let rows: Vec<_> =
         rows.iter().map(|(label, text)| (escape_for_terminal(label), escape_for_terminal(text))).collect();
     let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
@@ -34,10 +35,7 @@ pub fn table(rows: &[(&str, String)]) -> Result<(), Box<dyn std::error::Error>> 
 }
 
 /// Prints rows of three texts below a heading, in columns.
-pub fn columns<'a>(
-    heading: [&'a str; 3],
-    rows: impl Iterator<Item = [&'a str; 3]>,
-) -> Result<(), Box<dyn std::error::Error>> {
+pub fn columns<'a>(heading: [&'a str; 3], rows: impl Iterator<Item = [&'a str; 3]>) -> CommandResult {
     let rows: Vec<_> = std::iter::once(heading).chain(rows).map(|row| row.map(escape_for_terminal)).collect();
     let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
     let (first, second) = (width(0), width(1));

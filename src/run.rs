@@ -144,7 +144,7 @@ pub fn run(args: &Args) -> CommandResult {
 }
 
 /// Opens the bundle of some motion, which is built into the cache if it is not there yet.
-pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> CommandResult<Bundle> {
     let folder = progress::ScratchFolder::new()?;
     let otherwise = folder.path().join("motion.throng");
     let bundle = with_build_context(cache, |with| run::ensure_motion(motion, &otherwise, with))??;

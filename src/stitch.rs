@@ -63,18 +63,13 @@ pub fn run(args: &Args) -> CommandResult {
 }
 
 /// Opens the bundle of a world, which is built first if it does not exist.
-pub fn world_bundle(source: &WorldSource, cache: &CacheArgs) -> Result<Bundle, Box<dyn std::error::Error>> {
+pub fn world_bundle(source: &WorldSource, cache: &CacheArgs) -> CommandResult<Bundle> {
     crate::run::ensure_bundle(&source.bundle, source.config.as_deref(), cache)?;
     crate::args::open_bundle(&source.bundle)
 }
 
 /// Stitches a world and writes it.
-fn stitch_to_file(
-    source: &WorldSource,
-    file: &Path,
-    tables: &Bundle,
-    out: &Path,
-) -> Result<StitchReport, Box<dyn std::error::Error>> {
+fn stitch_to_file(source: &WorldSource, file: &Path, tables: &Bundle, out: &Path) -> CommandResult<StitchReport> {
     let kit = StitchKit::new(tables, &source.bundle)?;
     let (mut world, mut report) =
         stitch::stitch_source(source, file, tables, &kit, &progress::BuildProgressBar::default())?;
@@ -83,7 +78,7 @@ fn stitch_to_file(
 }
 
 /// Opens the stitched world of a world file, which is stitched first if it is missing, or if the bundle or the source changed.
-pub fn open_world(source: &WorldSource, file: &Path, tables: &Bundle) -> Result<World, Box<dyn std::error::Error>> {
+pub fn open_world(source: &WorldSource, file: &Path, tables: &Bundle) -> CommandResult<World> {
     let out = source.stitched_path();
     let progress = progress::BuildProgressBar::default();
     let with = BuildContext {

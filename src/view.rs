@@ -1,6 +1,6 @@
 //! `throng view`: starts the viewer, an executable of its own beside this one.
 
-use std::error::Error;
+use crate::args::CommandResult;
 use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
@@ -27,7 +27,7 @@ pub struct Args {
 }
 
 /// Starts the viewer; returns its exit code.
-pub fn run(args: &Args) -> Result<ExitCode, Box<dyn Error>> {
+pub fn run(args: &Args) -> CommandResult<ExitCode> {
     let viewer = std::env::current_exe()?.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
     if viewer.is_file() {
         return start(&viewer, args);
@@ -43,7 +43,7 @@ pub fn run(args: &Args) -> Result<ExitCode, Box<dyn Error>> {
     Err(format!("the viewer is not built; {HOW_TO_BUILD}").into())
 }
 
-fn start(viewer: &Path, args: &Args) -> Result<ExitCode, Box<dyn Error>> {
+fn start(viewer: &Path, args: &Args) -> CommandResult<ExitCode> {
     let status = Command::new(viewer).args(&args.rest).status().map_err(|e| format!("{}: {e}", viewer.display()))?;
     match status.code() {
         Some(code) => Ok(ExitCode::from(u8::try_from(code).unwrap_or(1))),

@@ -117,12 +117,7 @@ pub fn run(args: &Args) -> CommandResult {
 }
 
 /// Figures of the fastest of several runs, which only differ in their time.
-fn fastest_run(
-    scene: &Scene,
-    seconds: Option<f64>,
-    threads: usize,
-    repeats: u32,
-) -> Result<SceneFigures, Box<dyn std::error::Error>> {
+fn fastest_run(scene: &Scene, seconds: Option<f64>, threads: usize, repeats: u32) -> CommandResult<SceneFigures> {
     let compiled = scene.open()?;
     let mut best = run::run_agents(&compiled, seconds, threads)?;
     let wall = |f: &SceneFigures| f.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s);
@@ -142,7 +137,7 @@ fn fastest_run(
 }
 
 /// All scenes to run, one for each scene, number of agents and engine.
-fn requested_scenes(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error>> {
+fn requested_scenes(args: &Args) -> CommandResult<Vec<Scene>> {
     let names = args.scene.iter().flat_map(|n| if n == ALL { BUILT_IN_SCENES.to_vec() } else { vec![n.as_str()] });
     let scenes = names.map(load).collect::<Result<Vec<_>, _>>()?;
     let mut trials = Vec::new();
@@ -164,7 +159,7 @@ fn requested_scenes(args: &Args) -> Result<Vec<Scene>, Box<dyn std::error::Error
 }
 
 /// Loads a built-in scene, or a file.
-fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
+fn load(name: &str) -> CommandResult<Scene> {
     if let Some(own) = built_in_scene(name)? {
         return Ok(own);
     }
@@ -179,7 +174,7 @@ fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
     }
 }
 
-fn engines(args: &Args, scene: &Scene) -> Result<Vec<Scheme>, Box<dyn std::error::Error>> {
+fn engines(args: &Args, scene: &Scene) -> CommandResult<Vec<Scheme>> {
     if args.engine.is_empty() {
         return Ok(vec![scene.agents.engine]);
     }

@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> CommandResult {
     output::text(text)
 }
 
-fn figures(name: String, tables: &throng_core::Bundle) -> Result<MotionBenchFigures, Box<dyn std::error::Error>> {
+fn figures(name: String, tables: &throng_core::Bundle) -> CommandResult<MotionBenchFigures> {
     let config = TrialConfig { characters: 200, ..TrialConfig::default() };
     let (report, _) = trial::run(tables, &config)?;
     let (quality, foot_slip_p95_mps) = (report.quality, report.foot_slip_p95_mps);

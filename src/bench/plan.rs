@@ -6,7 +6,6 @@ use crate::args::{CacheArgs, CommandResult, fail};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::error::Error;
 use std::path::{Path, PathBuf};
 use throng_planner::clips::with_motion;
 use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
@@ -125,7 +124,7 @@ fn unknown_scene(name: &str) -> String {
 }
 
 /// Expands folders to the task files in them, sorted by name.
-fn expand_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
+fn expand_folders(scenes: &[String]) -> CommandResult<Vec<String>> {
     let mut out = Vec::new();
     for scene in scenes {
         if !Path::new(scene).is_dir() {
@@ -146,7 +145,7 @@ fn expand_folders(scenes: &[String]) -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// Plans a scene with every seed.
-fn plan_scene(scene: &PlanScene, args: &Args) -> Result<(Vec<PlanSample>, usize), Box<dyn Error>> {
+fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<(Vec<PlanSample>, usize)> {
     let (problem, who) = (scene.problem()?, &scene.actor);
     let (mut planner, config) = (LimbPlanner::new(), PlanConfig::default());
     let (mut samples, mut violations) = (Vec::new(), 0);
@@ -188,7 +187,7 @@ fn plan_scene(scene: &PlanScene, args: &Args) -> Result<(Vec<PlanSample>, usize)
 }
 
 /// Solves a task with every seed.
-fn plan_task(path: &Path, args: &Args) -> Result<(Vec<PlanSample>, usize), Box<dyn Error>> {
+fn plan_task(path: &Path, args: &Args) -> CommandResult<(Vec<PlanSample>, usize)> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
     let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;

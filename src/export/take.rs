@@ -3,7 +3,6 @@
 use super::{Args, Format, holds_motion, write};
 use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml};
 use crate::{output, progress};
-use std::error::Error;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use throng_core::base::limits;
@@ -124,7 +123,7 @@ pub fn folder_of(file: &Path) -> &Path {
 }
 
 /// Runs the input and records the take.
-fn record_take(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+fn record_take(args: &Args, folder: &Path) -> CommandResult<Take> {
     let (file, config, bar) = (&args.file, args.take.config(), progress::BuildProgressBar::default());
     let show =
         |show: PerformSource<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
@@ -167,7 +166,7 @@ fn instances(args: &Args, folder: &Path, out: &Path) -> CommandResult {
 }
 
 /// The clip of a motion file on the database skeleton, as a build would use it.
-fn clip(args: &Args, folder: &Path) -> Result<Take, Box<dyn Error>> {
+fn clip(args: &Args, folder: &Path) -> CommandResult<Take> {
     if let Some(flag) = args.take.first_given_flag().filter(|flag| *flag != "--onto") {
         return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
     }

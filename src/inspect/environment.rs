@@ -80,7 +80,7 @@ pub fn run(args: &super::Args) -> CommandResult {
 }
 
 /// Reads the clips as a build with default settings does, so that heights agree.
-fn read_clips(args: &super::Args) -> Result<ClipSet, Box<dyn std::error::Error>> {
+fn read_clips(args: &super::Args) -> CommandResult<ClipSet> {
     let mut config = args.read.config_for(&args.files)?;
     config.import.strict = true;
     let raw = import::read(&args.files, &config.import, &progress::BuildProgressBar::default())?;

@@ -32,21 +32,13 @@ impl Args {
     /// Settings with the values of the arguments in place of the stored ones.
     pub fn settings(&self, base: ViewerSettings) -> ViewerSettings {
         let mut s = base;
-        if let Some(theme) = self.theme {
-            s.theme = theme.into();
-        }
+        s.theme = self.theme.map_or(s.theme, Into::into);
         if let Some(BodyChoice::Made(body)) = self.body {
             s.body = body;
         }
-        if let Some(characters) = self.characters {
-            s.run.characters = characters;
-        }
-        if let Some(seed) = self.seed {
-            s.run.seed = seed;
-        }
-        if let Some(view) = self.camera {
-            s.camera = view.camera;
-        }
+        s.run.characters = self.characters.unwrap_or(s.run.characters);
+        s.run.seed = self.seed.unwrap_or(s.run.seed);
+        s.camera = self.camera.map_or(s.camera, |view| view.camera);
         if !self.panel.is_empty() {
             (s.side_panel, s.bottom_panel) = (None, None);
         }

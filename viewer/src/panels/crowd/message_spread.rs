@@ -4,10 +4,15 @@ use super::{colour, options_command, swatch};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
+use crate::panels::paint::fixed_plot;
 use crate::run::{RunInput, STEP_HZ};
 use crate::stage::agents::colour_of_message;
 use eframe::egui::{Grid, Role, Ui, WidgetInfo};
-use egui_plot::{AxisHints, HoverPosition, Line, LineStyle, Plot, PlotPoints, VLine};
+use egui_plot::AxisHints;
+use egui_plot::Line;
+use egui_plot::LineStyle;
+use egui_plot::PlotPoints;
+use egui_plot::VLine;
 use throng_simulation::scenario::AgentBrains;
 
 /// Height of the curve (points).
@@ -61,24 +66,12 @@ fn curve(ui: &mut Ui, scene: &SceneDocument, brains: &AgentBrains, event: usize)
     let known = times.partition_point(|t| *t <= now);
     ui.weak(format!("{} of {} know of {} at {now:.1} s", known, brains.len(), brains.event_names()[event]));
     let line = colour(colour_of_message(event));
-    let plot = Plot::new("spread")
-        .height(HEIGHT)
+    let plot = fixed_plot("spread", HEIGHT, |_, s, known| format!("{s:.1} s: {known:.0} know"))
         .include_x(0.0)
         .include_x(end.max(1.0))
-        .include_y(0.0)
         .include_y(brains.len() as f64)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_boxed_zoom(false)
         .custom_x_axes(vec![AxisHints::new_x().formatter(|m, _| format!("{} s", m.value)).label_spacing(40.0..=50.0)])
-        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{}", m.value)).label_spacing(14.0..=18.0)])
-        .label_formatter(|hit| match hit {
-            HoverPosition::NearDataPoint { position, .. } => {
-                Some(format!("{:.1} s: {:.0} know", position.x, position.y))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        });
+        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{}", m.value)).label_spacing(14.0..=18.0)]);
     let head = crate::theme::ThemePalette::for_visuals(ui.visuals()).head;
     plot.show(ui, |p| {
         let before = steps(&times[..known], (0.0, 0), now);

@@ -4,10 +4,11 @@ use super::{colour, options_command};
 use crate::command::Commands;
 use crate::document::SceneDocument;
 use crate::model::Model;
+use crate::panels::paint::fixed_plot;
 use crate::run::agents::{AgentEventKind, WINDOW_S};
 use crate::stage::agents::colour_of_event;
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
-use egui_plot::{AxisHints, HoverPosition, Line, Plot, PlotPoints, uniform_grid_spacer};
+use egui_plot::{AxisHints, Line, PlotPoints, uniform_grid_spacer};
 
 /// Height of the plot (points).
 const HEIGHT: f32 = 120.0;
@@ -23,24 +24,12 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
     let rates = run.log().rates();
     ui.weak("Events of one agent in a second, over the last 10 s.");
     let before = rates.rates_until(now);
-    let plot = Plot::new("event rates")
-        .height(HEIGHT)
-        .include_y(0.0)
+    let plot = fixed_plot("event rates", HEIGHT, |kind, s, rate| format!("{kind}\n{s:.1} s: {rate:.2} /s"))
         .include_x(now - WINDOW_S)
         .include_x(now)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_boxed_zoom(false)
         .x_grid_spacer(uniform_grid_spacer(|_| MARKS_S))
         .custom_x_axes(vec![AxisHints::new_x().formatter(|m, _| format!("{} s", m.value)).label_spacing(40.0..=50.0)])
-        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{} /s", m.value)).label_spacing(14.0..=18.0)])
-        .label_formatter(|hit| match hit {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}\n{:.1} s: {:.2} /s", position.x, position.y))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        });
+        .custom_y_axes(vec![AxisHints::new_y().formatter(|m, _| format!("{} /s", m.value)).label_spacing(14.0..=18.0)]);
     let totals = rates.totals(now);
     let kinds = model.selection.scene.kinds;
     plot.show(ui, |p| {

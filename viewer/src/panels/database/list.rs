@@ -95,9 +95,7 @@ pub fn show(
     let response =
         table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], ClipColumn::ALL[column]));
     state.shown = Some(selected);
-    if let Some(sort) = response.sort {
-        state.sort = sort;
-    }
+    state.sort = response.sort.unwrap_or(state.sort);
     if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
         commands.push(ViewerCommand::ShowClip { clip, frame: 0 });
     }

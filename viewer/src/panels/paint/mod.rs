@@ -3,12 +3,14 @@
 mod axis;
 mod hatch;
 mod legend;
+mod plot;
 mod ruler;
 mod table;
 
 pub use axis::{FrameAxis, FrameSpan};
 pub use hatch::hatch;
 pub use legend::legend;
+pub use plot::fixed_plot;
 pub use ruler::{RULER_HEIGHT, ruler};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
 

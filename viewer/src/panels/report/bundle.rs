@@ -106,9 +106,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
         ui.copy_text(format!("{} {:032x}", s.path, s.hash));
         state.copied = Some(source);
     }
-    if let Some(sort) = response.sort {
-        state.sort = sort;
-    }
+    state.sort = response.sort.unwrap_or(state.sort);
 }
 
 fn config(ui: &mut Ui, toml: &str) {

@@ -3,9 +3,12 @@
 mod bout;
 
 use crate::model::Model;
+use crate::panels::paint::fixed_plot;
 use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
 use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
-use egui_plot::{HoverPosition, Line, Plot, PlotPoints};
+use egui_plot::Line;
+use egui_plot::Plot;
+use egui_plot::PlotPoints;
 use throng_core::Bundle;
 
 /// Height of a plot (points).
@@ -196,21 +199,9 @@ fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
 }
 
 fn plot(id: &str, unit: &'static str) -> Plot<'static> {
-    Plot::new(id.to_owned())
-        .height(PLOT_HEIGHT)
-        .include_y(0.0)
-        .allow_scroll(false)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_boxed_zoom(false)
+    fixed_plot(id, PLOT_HEIGHT, move |name, s, value| format!("{name}\n{s:.1} s: {value:.3} {unit}"))
         .x_axis_formatter(|mark, _| format!("{} s", mark.value))
         .y_axis_formatter(move |mark, _| format!("{} {unit}", mark.value))
-        .label_formatter(move |hit| match hit {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                Some(format!("{plot_name}\n{:.1} s: {:.3} {unit}", position.x, position.y))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        })
 }
 
 /// Means over a few steps, against seconds.
