@@ -202,8 +202,7 @@ impl CharacterBlock<'_> {
         let contacts = block.contacts;
         let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| {
             let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
-            let parts =
-                Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
+            let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
             let sunk = layers.hips_sink(&r.body, pose);
             feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
         };
