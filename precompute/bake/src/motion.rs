@@ -117,7 +117,7 @@ fn read_all<'a>(
 
 /// Reads files, or loads them from the cache, file by file.
 ///
-/// - `lent`: receives the motion of each file after reading; `None` to keep it in memory.
+/// - `streamed`: receives the motion of each file after reading; `None` to keep it in memory.
 /// - returns also the number of files loaded from the cache.
 fn read_files(
     cfg: &BuildConfig,

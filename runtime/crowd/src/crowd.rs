@@ -28,14 +28,14 @@ use throng_geometry::Capsule2d;
 ///
 /// ```
 /// # fn main() -> throng_base::Result<()> {
-/// use throng_crowd::{Agent, AtEnd, Crowd, Go, Obstacle, Setup, Streets};
+/// use throng_crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdSetup, Obstacle, Streets};
 /// use glam::Vec3;
 ///
 /// let block = Obstacle::Box { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 3.0, 2.0) };
 /// let streets = Streets::new(&[block], 0.4)?;
 /// let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&streets, 20))?;
-/// let id = crowd.spawn(Agent::at(Vec3::new(-5.0, 0.0, 0.0)))?;
-/// crowd.order(id, Go::to(Vec3::new(5.0, 0.0, 0.0)).then(AtEnd::Leave))?;
+/// let id = crowd.spawn(Agent::standing_at(Vec3::new(-5.0, 0.0, 0.0)))?;
+/// crowd.order(id, AgentOrder::to_goal(Vec3::new(5.0, 0.0, 0.0)).then_at_end(AtEnd::Leave))?;
 /// crowd.advance(20.0, &mut |event| println!("{event:?}"))?;
 /// assert_eq!(crowd.num_agents(), 0);
 /// # Ok(())

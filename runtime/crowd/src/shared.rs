@@ -16,11 +16,11 @@ use throng_base::Comm;
 /// ```
 /// # fn main() -> throng_base::Result<()> {
 /// use throng_base::LocalComm;
-/// use throng_crowd::{Agent, Crowd, Setup};
+/// use throng_crowd::{Agent, Crowd, CrowdSetup};
 /// use glam::Vec3;
 ///
-/// let agents = (0..50).map(|n| Agent::at(Vec3::new(2.0 * n as f32, 0.0, 0.0))).collect();
-/// let crowd = Crowd::on_ground(Setup { agents, ..Setup::default() })?;
+/// let agents = (0..50).map(|n| Agent::standing_at(Vec3::new(2.0 * n as f32, 0.0, 0.0))).collect();
+/// let crowd = Crowd::on_ground(CrowdSetup { agents, ..CrowdSetup::default() })?;
 /// let mut alone = crowd.clone();
 /// alone.advance(10.0, &mut |_| {})?;
 /// let whole = LocalComm::run(2, |comm| {

@@ -1,4 +1,4 @@
-//! Interface of all kinds of motion. A new kind implements [`MotionKind`], and gets one line in `casts.rs`.
+//! Interface of all kinds of motion. A new kind implements [`MotionKind`], and gets one line in `character_groups.rs`.
 
 use crate::SimulationEvent;
 use glam::Vec3;

@@ -37,15 +37,15 @@ struct SavedPedestrians {
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// use glam::Vec3;
-/// use throng_core::{Bundle, Cast, Inline};
-/// use throng_crowd::{Agent, AtEnd, Crowd, Go, Setup, Streets};
+/// use throng_core::{Bundle, CharacterGroup, Inline};
+/// use throng_crowd::{Agent, AgentOrder, AtEnd, Crowd, CrowdSetup, Streets};
 /// use throng_simulation::Pedestrians;
 ///
 /// let bundle = Bundle::open("locomotion.throng")?;
-/// let crowd = Crowd::on_ground(Setup::in_streets(&Streets::new(&[], 0.4)?, 320))?;
+/// let crowd = Crowd::on_ground(CrowdSetup::in_streets(&Streets::new(&[], 0.4)?, 320))?;
 /// let mut people = Pedestrians::new(crowd, bundle.blend("ahead-neutral")?, &[], Default::default())?;
-/// let id = people.spawn(Agent::at(Vec3::ZERO))?;
-/// people.order(id, Go::to(Vec3::new(9.0, 0.0, 0.0)).then(AtEnd::Leave))?;
+/// let id = people.spawn(Agent::standing_at(Vec3::ZERO))?;
+/// people.order(id, AgentOrder::to_goal(Vec3::new(9.0, 0.0, 0.0)).then_at_end(AtEnd::Leave))?;
 /// people.step(1.0 / 60.0, &Inline)?;
 /// # Ok(())
 /// # }

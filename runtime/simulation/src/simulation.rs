@@ -40,16 +40,17 @@ const EVENTS_EACH: usize = 4;
 pub struct Simulation {
     scene: CompiledScene,
     character_groups: Vec<AnyCharacterGroup>,
-    /// Number of the first character of each cast, and at the end the number of all characters.
+    /// Number of the first character of each character group, and at the end the number of all characters.
     firsts: Vec<usize>,
     groups: Vec<SceneGroup>,
     events: Vec<SimulationEvent>,
-    /// Bodies and reserved regions of each cast, and at the end those of moving obstacles; empty where no cast has to avoid others.
+    /// Bodies and reserved regions of each character group, and at the end those of moving obstacles; empty where no character group has to
+    /// avoid others.
     reserved: Vec<ReservedRegion>,
-    /// Cast that was last informed of the current reserved regions; nothing has changed since.
+    /// Character group that was last informed of the current reserved regions; nothing has changed since.
     informed_group: Option<usize>,
     time_s: f64,
-    /// Computing time of each cast so far, where it is measured (s).
+    /// Computing time of each character group so far, where it is measured (s).
     busy_s: Option<Vec<f64>>,
 }
 
@@ -64,7 +65,7 @@ pub struct SceneGroup {
     pub number: usize,
     /// Numbers of its characters.
     pub characters: Range<usize>,
-    /// Number of the cast that it belongs to.
+    /// Number of the character group that it belongs to.
     pub character_group: usize,
 }
 
@@ -231,7 +232,7 @@ impl Simulation {
             inform_of_obstacles(c, character_group, &self.reserved);
             character_group.step(&tick, &mut self.events)?;
             if let Some(held) = self.reserved.get_mut(c) {
-                // The regions from before the step stay, since other casts may still rely on them.
+                // The regions from before the step stay, since other character groups may still rely on them.
                 held.bodies.clear();
                 character_group.add_reserved_regions(held);
             }
@@ -246,7 +247,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Collects the current bodies and reserved regions of all casts and moving obstacles.
+    /// Collects the current bodies and reserved regions of all character groups and moving obstacles.
     fn collect_reserved(&mut self) {
         let Some((itself, held)) = self.reserved.split_last_mut() else { return };
         for (held, character_group) in held.iter_mut().zip(&mut self.character_groups) {
@@ -259,7 +260,7 @@ impl Simulation {
         self.scene.scene().environment.reserve_movers(self.time_s, itself);
     }
 
-    /// Restarts casts one after the other on ground that no cast before has reserved, without those that give way to nobody.
+    /// Restarts character groups one after the other on ground that none before has reserved, without those that give way to nobody.
     fn resolve_start_conflicts(&mut self) -> Result<()> {
         if self.reserved.is_empty() {
             return Ok(());
@@ -440,13 +441,13 @@ impl Simulation {
         }
     }
 
-    /// All casts: groups of agents share one, and so do groups in the same world.
+    /// All character groups: groups of agents share one, and so do groups in the same world.
     pub fn character_groups(&self) -> &[AnyCharacterGroup] {
         &self.character_groups
     }
 
-    /// Mutable cast, to give orders to its characters (number < number of casts). It is informed of all current reserved
-    /// regions, which actions that begin at once avoid.
+    /// Mutable character group, to give orders to its characters (number < number of character groups). It is informed of all
+    /// current reserved regions, which actions that begin at once avoid.
     pub fn character_group_mut(&mut self, number: usize) -> &mut AnyCharacterGroup {
         if self.informed_group.replace(number) != Some(number) {
             self.collect_reserved();
@@ -455,7 +456,7 @@ impl Simulation {
         &mut self.character_groups[number]
     }
 
-    /// Cast of a character, and its number in the cast (who < num_characters).
+    /// Character group of a character, and its number in there (who < num_characters).
     pub fn locate(&self, who: usize) -> (&AnyCharacterGroup, usize) {
         let character_group = self.firsts.partition_point(|&f| f <= who) - 1;
         (&self.character_groups[character_group], who - self.firsts[character_group])
@@ -515,7 +516,7 @@ impl Simulation {
         self.brains().is_some_and(AgentBrains::has_ended)
     }
 
-    /// Starts to measure the computing times of casts.
+    /// Starts to measure the computing times of character groups.
     pub fn set_timed(&mut self) {
         self.busy_s = Some(vec![0.0; self.character_groups.len()]);
         for character_group in &mut self.character_groups {
@@ -527,13 +528,13 @@ impl Simulation {
         }
     }
 
-    /// Computing time of each cast since [`Simulation::set_timed`]; empty before (s).
+    /// Computing time of each character group since [`Simulation::set_timed`]; empty before (s).
     pub fn busy_s(&self) -> &[f64] {
         self.busy_s.as_deref().unwrap_or_default()
     }
 }
 
-/// Informs a cast of the bodies and reserved regions of all others, where there are any.
+/// Informs a character group of the bodies and reserved regions of all others, where there are any.
 fn inform_of_obstacles(number: usize, character_group: &mut AnyCharacterGroup, held: &[ReservedRegion]) {
     // Agents know moving obstacles, the last element, from their crowd.
     let knows = matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
@@ -544,7 +545,7 @@ fn inform_of_obstacles(number: usize, character_group: &mut AnyCharacterGroup, h
     }
 }
 
-/// Creates the cast of groups that are moved together.
+/// Creates the character group of groups that are moved together.
 fn make_character_group(scene: &CompiledScene, groups: &[usize]) -> Result<AnyCharacterGroup> {
     let group = &scene.scene().groups[groups[0]];
     Ok(match group.motion {

@@ -1,4 +1,4 @@
-//! Promise: agents with bodies are one cast. Bodies are where their agents are, come and go with them, and are saved with
+//! Promise: agents with bodies are one character group. Bodies are where their agents are, come and go with them, and are saved with
 //! them.
 
 use glam::{Vec2, Vec3};
@@ -229,7 +229,7 @@ fn bodies_go_on_with_another_bundle() {
     assert!(farthest_hips(&people) < 0.3);
 }
 
-/// No cast takes memory for a number that nobody can have meant.
+/// No character group takes memory for a number that nobody can have meant.
 #[test]
 fn a_capacity_or_step_out_of_its_range_is_an_error() {
     use throng_core::characters::{Characters, MotionSet, PolicyCharacters};

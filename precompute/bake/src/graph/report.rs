@@ -43,7 +43,7 @@ pub struct GraphReport {
     pub actions: usize,
     /// Segments that actions play.
     pub segments: usize,
-    /// Distance up to which frames match; some transitions are farther, as `GraphConfig::max_error` explains (rad).
+    /// Distance up to which frames match; some transitions are farther, as `MotionGraphConfig::max_error` explains (rad).
     pub threshold: f64,
     /// Distances of the transitions; natural continuations do not count (rad).
     pub transition_error: MinMeanMax,

@@ -61,7 +61,7 @@ impl<'a> StreamedMotion<'a> {
         clips.into_iter().nth(number).ok_or_else(lost)
     }
 
-    /// See [`throng_motion::retarget::Lender`].
+    /// See [`throng_motion::retarget::ClipProvider`].
     ///
     /// # Errors
     /// As [`StreamedMotion::load_clip`].

@@ -90,12 +90,13 @@ fn run_action(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig
     if stage.task.gaze {
         gaze::look_at_target(stage, step);
     }
-    match (step.action, step.object) {
-        (_, None) => Err(StepFailure::new("there is no object")),
-        (TaskAction::Carry | TaskAction::Drop | TaskAction::HandOver, Some(object)) => {
-            bring_object(stage, step, object, config)
+    let Some(object) = step.object else { return Err(StepFailure::new("there is no object")) };
+    match step.action {
+        TaskAction::Correct => correct_limb(stage, step, config),
+        TaskAction::Reach | TaskAction::Touch | TaskAction::Switch | TaskAction::Grab => {
+            take_object(stage, step, object, config)
         }
-        (_, Some(object)) => take_object(stage, step, object, config),
+        TaskAction::Carry | TaskAction::Drop | TaskAction::HandOver => bring_object(stage, step, object, config),
     }
 }
 

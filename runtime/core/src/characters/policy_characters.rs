@@ -1,4 +1,4 @@
-//! Characters as a cast: they come and go, each with an id and an order of its own.
+//! Characters as a character group: they come and go, each with an id and an order of its own.
 
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::motion_set::MotionSet;

@@ -1,4 +1,4 @@
-//! Walkers as a cast: they enter, leave, take orders, are saved and loaded.
+//! Walkers as a character group: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, WalkerActivity, WalkerStart, Walkers, WalkersState, config};
 use crate::body::Lanewise;

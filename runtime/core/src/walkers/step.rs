@@ -399,7 +399,7 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
         let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
         let [plants, stays] = PLANTED.map(F::splat);
         let threshold = plants + (stays - plants) * F::load(&self.feet[side].down);
-        let tread_in = FootPlacement {
+        let placement = FootPlacement {
             leg,
             place,
             scale,
@@ -416,7 +416,7 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
             other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
         };
         let wanted = SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
-        let (sole, mut bearing) = place_foot(&tread_in, &mut self.feet[side], wanted);
+        let (sole, mut bearing) = place_foot(&placement, &mut self.feet[side], wanted);
         keep_planted(tick.body.ground, leg, &self.feet[side].plane, &mut bearing);
         (sole, bearing)
     }

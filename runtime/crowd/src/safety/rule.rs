@@ -167,7 +167,7 @@ pub(crate) fn violation_of_solid<V: Space>(
         }
         let (now, end) = (least(me.now, n), least(me.end, n));
         let apart = now.min(end) - solid.reach(n);
-        // An agent that only moves away from it may, see `others.rs`.
+        // An agent that only moves away from it may, see `nearby_plans.rs`.
         let margin = if end >= now { 0.0 } else { MARGIN };
         let room = if me.is_straight { 0.0 } else { bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve) };
         let violation = me.plan.radius + margin + room - apart;

@@ -1,6 +1,6 @@
 //! Check of the safety rule for plans of unknown origin, such as those of a snapshot.
 //!
-//! A new plan is compared by a rule that is quick and sometimes refuses where there is room (`others.rs`). Saved plans
+//! A new plan is compared by a rule that is quick and sometimes refuses where there is room (`nearby_plans.rs`). Saved plans
 //! were taken at different times, so that the quick rule may refuse a pair that it once allowed. Such pairs are
 //! compared step by step, with steps so short that no stop region moves farther than the room there is.
 

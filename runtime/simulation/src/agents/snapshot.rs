@@ -32,7 +32,7 @@ struct SavedAgents<V> {
 }
 
 impl<V: Space> SceneAgents<V> {
-    /// Appends a snapshot, see [`crate::Kind::save`].
+    /// Appends a snapshot, see [`crate::MotionKind::save`].
     pub(super) fn write_snapshot(&self, out: &mut Vec<u8>) {
         let mut crowd = Bytes::default();
         let outside = &self.stage;
@@ -58,7 +58,7 @@ impl<V: Space> SceneAgents<V> {
         KIND.write(&saved, out);
     }
 
-    /// Restores a snapshot, see [`crate::Kind::load`].
+    /// Restores a snapshot, see [`crate::MotionKind::load`].
     pub(super) fn read_snapshot(&mut self, bytes: &[u8], time_s: f64) -> Result<()> {
         let saved: SavedAgents<V> = KIND.read_all(bytes)?;
         self.check(&saved).map_err(|why| refused_snapshot(KIND.what, why))?;

@@ -14,7 +14,7 @@ fn disc(sim: &Simulation, who: usize) -> Option<(Vec2, f32)> {
     }
 }
 
-/// Casts of two who may be in each other: inhabitants keep what they hold, opponents spar.
+/// Character group of somebody. Two of one group may be in each other: inhabitants keep what they hold, opponents spar.
 fn character_group_of(sim: &Simulation, who: usize) -> usize {
     sim.groups().iter().find(|g| g.characters.contains(&who)).map_or(0, |g| g.character_group)
 }

@@ -1,4 +1,4 @@
-//! Inhabitants as a cast: they enter, leave, take orders, are saved and loaded.
+//! Inhabitants as a character group: they enter, leave, take orders, are saved and loaded.
 
 use super::config::check_time;
 use super::reservations::EXTERNAL_HOLDER;

@@ -12,7 +12,7 @@ impl Inhabitants {
     /// Target of a goal; none for roaming.
     ///
     /// # Errors
-    /// As [`throng_core::Cast::order`] of inhabitants.
+    /// As [`throng_core::CharacterGroup::order`] of inhabitants.
     pub(super) fn target_of(&mut self, id: Id, c: usize, goal: InhabitantGoal) -> Result<Option<PlanTarget>> {
         let (world, who) = (self.world.clone(), Some(id));
         let graph = world.graph();

@@ -1,4 +1,4 @@
-//! Minds on a stage of paper, whose agents are moved by hand.
+//! Agent brains on a stage of paper, whose agents are moved by hand.
 
 mod hand;
 mod language;

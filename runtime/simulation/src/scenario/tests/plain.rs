@@ -394,7 +394,7 @@ impl Plain {
         self.go_on(stage, a, at + 1);
     }
 
-    /// The deed that an action asks for now.
+    /// The command that an action gives now.
     fn command(
         &mut self,
         stage: &Paper,
@@ -740,7 +740,7 @@ impl Lives for Plain {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
-    /// The same deeds at the same times, the same states, values and news, on random scenes with random meetings.
+    /// The same commands at the same times, the same states, values and news, on random scenes with random meetings.
     #[test]
     fn tables_live_as_the_words_say(
         period in 0.5f64..4.0, rate in -0.05f64..0.3, probability in 0.0f64..1.0, seed in any::<u64>(), num in 2usize..8,

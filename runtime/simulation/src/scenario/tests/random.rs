@@ -118,7 +118,7 @@ proptest! {
         }
     }
 
-    /// Bytes that were changed are refused, or give minds that go on.
+    /// Bytes that were changed are refused, or give brains that go on.
     #[test]
     fn forged_agent_brains_do_no_harm(seed in any::<u64>(), at in any::<prop::sample::Index>(), flip in 1u8..=255) {
         let scene = scene(4, &lively(1.0, 0.1, 0.5));

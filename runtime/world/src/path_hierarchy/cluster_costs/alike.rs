@@ -12,7 +12,7 @@ const SPREAD: i32 = 8;
 
 /// Places that may be alike: on the same tile, at the same edge.
 pub(super) struct PlaceGroup {
-    /// Part of the world beyond, as a number in [`super::Outline::beyond`].
+    /// Part of the world beyond, as a number in `adjacent_parts` of the outline.
     pub beyond: u32,
     /// True for a tile; only tiles have parts.
     pub is_tile: bool,
