@@ -2,8 +2,7 @@
 
 use crate::common;
 use glam::{Vec2, Vec3};
-use throng_core::blend::HeightField;
-use throng_core::body::{BodyLayers, HandReach};
+use throng_core::body::{BodyLayers, HandReach, HeightField};
 use throng_core::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::{Bundle, CharacterGroup, Contacts, Inline, Joint, Planar, Skeleton};
 

@@ -12,7 +12,8 @@ use counting::allocations;
 use glam::{Vec2, Vec3};
 use std::hint::black_box;
 use std::path::Path;
-use throng_core::blend::{BlendedPosture, HeightField, MAX_AXES};
+use throng_core::blend::{BlendedPosture, MAX_AXES};
+use throng_core::body::HeightField;
 use throng_core::characters::{
     ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
 };

@@ -22,6 +22,11 @@ pub mod format {
     pub use throng_core::format::{AlignedBytes, FormatError, VERSION};
 }
 
+/// What bodies of all kinds share: the ground that they stand on, what they look at and reach for.
+pub mod body {
+    pub use throng_core::body::{BodyLayers, HandReach, HeightField};
+}
+
 /// Characters that choose their motion by policies.
 pub mod characters {
     pub use throng_core::characters::{
@@ -37,8 +42,8 @@ pub mod policy {
 
 /// Characters that follow a trajectory, blended from examples.
 pub mod walkers {
-    pub use throng_core::blend::{BlendSpace, HeightField};
-    pub use throng_core::walkers::{Control, HandReach, Performance, WalkerEvent, WalkerStart, Walkers, WalkersConfig};
+    pub use throng_core::blend::BlendSpace;
+    pub use throng_core::walkers::{Control, Performance, WalkerEvent, WalkerStart, Walkers, WalkersConfig};
 }
 
 /// Agents without bodies, which never overlap.
@@ -71,7 +76,7 @@ pub mod simulation {
 /// Boxers, in pairs and before a target.
 #[cfg(feature = "simulation")]
 pub mod sparring {
-    pub use throng_simulation::sparring::{BlowLanding, PracticeConfig, Sparring, SparringConfig, TargetPractice};
+    pub use throng_simulation::sparring::{BlowLanding, Sparring, SparringConfig, TargetPractice};
 }
 
 /// The program in the README compiles.

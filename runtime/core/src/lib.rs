@@ -5,7 +5,6 @@
 
 pub mod blend;
 pub mod body;
-mod body_volume;
 pub mod bundle;
 pub mod character_group;
 pub mod characters;
@@ -25,8 +24,7 @@ pub mod skeleton;
 pub mod stops;
 pub mod walkers;
 
-pub use body::{LocalTransform, Mat3x4};
-pub use body_volume::{BodyVolume, JointCapsule};
+pub use body::{BodyVolume, JointCapsule, LocalTransform, Mat3x4};
 pub use bundle::Bundle;
 pub use character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies, PosedBody};
 pub use contacts::Contacts;

@@ -1,6 +1,6 @@
 //! A plain body, so that motion can be seen: the capsules of a [`BodyVolume`], each rigid on its joint.
 
-use crate::body_volume::BodyVolume;
+use crate::body::BodyVolume;
 use crate::skeleton::{Joint, Skeleton};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, TAU};

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use throng_base::ground::{ExternalObstacle, ReservedRegion};
 use throng_base::maths;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind, run_each};
-use throng_core::blend::HeightField;
+use throng_core::body::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{CharacterGroup, Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};

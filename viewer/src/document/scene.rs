@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
-use throng_core::blend::HeightField;
+use throng_core::body::HeightField;
 use throng_core::patch::Placement;
 use throng_crowd::{Obstacle, Scheme};
 use throng_precompute::config::BuildConfig;

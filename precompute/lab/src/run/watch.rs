@@ -15,7 +15,7 @@ use throng_core::BodyVolume;
 use throng_core::Joint;
 use throng_core::NUM_JOINTS;
 use throng_core::PosedBody;
-use throng_core::blend::HeightField;
+use throng_core::body::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_motion::error::Result;
 use throng_simulation::AnyCharacterGroup;

@@ -10,7 +10,6 @@ mod slopes;
 mod space;
 mod warp;
 
-pub use crate::body::{GroundPoint, HeightField};
 pub(crate) use activity::ActivitySample;
 pub use activity::{Activity, ActivityId, ActivitySet, ArmPlaces};
 pub use grid::{MAX_KNOTS, WeightGrid};

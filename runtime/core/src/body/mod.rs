@@ -24,6 +24,7 @@ mod sample;
 mod springs;
 mod step;
 mod times;
+mod volume;
 
 pub(crate) use detail::unorm;
 pub use detail::{Detail, DetailLevel, PoseInstance};
@@ -50,3 +51,4 @@ pub use step::BodyLayers;
 pub(crate) use step::{BodyState, BodyTick, LayerLanes, PoseOutput, pose_block};
 pub use times::StepTimes;
 pub(crate) use times::{Laps, PhaseClock, StepPhase};
+pub use volume::{BodyVolume, JointCapsule};

@@ -8,9 +8,8 @@ mod steer;
 mod step;
 
 use crate::blend::BlendSpace;
-use crate::blend::HeightField;
 use crate::blend::MAX_AXES;
-pub use crate::body::HandReach;
+use crate::body::HeightField;
 use crate::body::{Detail, DetailLevel, LEGS, LaneBody, LocalTransform, Mat3x4, PoseInstance, RANGE_BLOCKS, RANGE_LEN};
 use crate::contacts::Contacts;
 use crate::planar::Planar;

@@ -13,7 +13,8 @@ use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
 use throng_core::blend::ActivityId;
-use throng_core::walkers::{HandReach, Performance, PerformanceProgress, Walkers, WalkersConfig};
+use throng_core::body::HandReach;
+use throng_core::walkers::{Performance, PerformanceProgress, Walkers, WalkersConfig};
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_crowd::{Id, Space};
 

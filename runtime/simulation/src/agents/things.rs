@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use throng_base::maths;
 use throng_core::blend::{ActivityId, ActivitySet};
+use throng_core::body::HandReach;
 use throng_core::hits::FIST_PER_FOREARM;
-use throng_core::walkers::{HandReach, PerformanceProgress};
+use throng_core::walkers::PerformanceProgress;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Forearm and hand of each arm: both ends of the forearm.

@@ -7,7 +7,8 @@ use throng_base::maths;
 use throng_base::thresholds::{EYES_M, STRIDING_MPS};
 use throng_base::{Bytes, Error, Executor, Result, run_each};
 use throng_core::blend::ActivityId;
-use throng_core::walkers::{Control, HandReach, Performance, WalkerStart, Walkers};
+use throng_core::body::HandReach;
+use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
 use throng_core::{CharacterGroup, Planar, PosedBodies};
 use throng_crowd::{Crowd, Id};
 

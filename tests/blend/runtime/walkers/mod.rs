@@ -9,7 +9,7 @@ mod state;
 use super::made_up::MadeUp;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
-use throng_core::blend::HeightField;
+use throng_core::body::HeightField;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{
     CharacterGroup, Contacts, Error, Executor, Id, Inline, Joint, Mat3x4, OrderStatus, Planar, Rayon, Skeleton,
