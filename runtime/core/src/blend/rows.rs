@@ -28,6 +28,8 @@ struct ExampleRow {
 pub(crate) struct RowPosition {
     pub row: u32,
     pub ratio: f32,
+    /// The row after the next one is of the same cycle, too.
+    pub has_next: bool,
 }
 
 impl ExampleRows {
@@ -35,18 +37,21 @@ impl ExampleRows {
     pub fn new(examples: &[ExampleRecord], clips: &[ClipRecord], rate_hz: f32) -> Option<Self> {
         let row = |e: &ExampleRecord| {
             let clip = clips.get(e.clip as usize)?;
-            let within = e.first_frame + e.num_frames <= clip.num_frames && e.num_frames > 1;
+            // Frames of the clip after the first one of the cycle, which may end one frame past it.
+            let left = clip.num_frames.checked_sub(e.first_frame)?.checked_sub(1)?;
             // A mirrored copy follows its original.
             let partner = if clip.mirrored == 1 { (e.clip as usize).checked_sub(1) } else { Some(e.clip as usize + 1) };
             let partner = partner.and_then(|at| clips.get(at));
             let is_image = |other: &&ClipRecord| other.mirrored != clip.mirrored && other.num_frames == clip.num_frames;
             let image = partner.filter(is_image).unwrap_or(clip);
+            let is_mirrored = u32::from(e.flags & ExampleRecord::IS_MIRRORED != 0);
+            let [own, other] = if clip.mirrored == is_mirrored { [clip, image] } else { [image, clip] };
             let is_still = e.flags & ExampleRecord::IS_STILL != 0;
-            let whole = e.duration_s * rate_hz;
-            within.then(|| ExampleRow {
-                first: [clip, image].map(|clip| clip.first_frame + e.first_frame),
-                length: if is_still { 1 } else { e.num_frames - 1 },
-                is_halved: !is_still && (e.num_frames as f32) < 0.75 * whole,
+            let length = if is_still { left.min(1) } else { left.min(e.num_frames) };
+            (length > 0).then(|| ExampleRow {
+                first: [own, other].map(|clip| clip.first_frame + e.first_frame),
+                length,
+                is_halved: !is_still && (e.num_frames as f32) < 0.75 * e.duration_s * rate_hz,
             })
         };
         Some(Self { rate_hz, examples: examples.iter().map(row).collect::<Option<_>>()? })
@@ -80,6 +85,10 @@ impl BlendSpace {
         let frames = (self.timing.seconds_of(example, phase) - begin) * rows.rate_hz;
         let frames = frames.clamp(0.0, e.length as f32);
         let whole = (frames as u32).min(e.length - 1);
-        RowPosition { row: e.first[usize::from(is_second)] + whole, ratio: frames - whole as f32 }
+        RowPosition {
+            row: e.first[usize::from(is_second)] + whole,
+            ratio: frames - whole as f32,
+            has_next: whole + 1 < e.length,
+        }
     }
 }

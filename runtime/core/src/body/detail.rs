@@ -9,13 +9,13 @@ use throng_base::error::check_value;
 /// Record from which a GPU poses a character with the frame rows of its bundle (32 bytes).
 ///
 /// The pose is `mix(mix(row_a, row_a + 1, frac), mix(row_b, row_b + 1, frac), blend)`: the motion that is played, and
-/// the one that a transition left and fades out. It is placed at (x, y, z) and turned by the heading.
+/// the one that a transition left and fades out (of a blend: the two examples that weigh most). It is placed at (x, y, z) and turned by the heading.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PoseInstance {
     /// Frame row; the next row is of the same clip, or `frac` is 0.
     pub row_a: u32,
-    /// Frame row of what fades out; `row_a` where nothing does.
+    /// Frame row of what fades out, or of the second example; `row_a` where there is none.
     pub row_b: u32,
     /// Ratio to the next rows, and the weight of `row_b` (65535 is 1).
     pub frac_blend: [u16; 2],

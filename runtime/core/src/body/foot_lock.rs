@@ -7,14 +7,14 @@
 
 use super::foot_placement::{SolePose, ball_share};
 use super::ground::HeightField;
-use super::ground_plane::{FootOverGround, FootPlane, HALF_LIVES_S, follow_ground};
+use super::ground_plane::{FootOverGround, FootPlane, PLANE_HALF_LIVES_S, follow_ground};
 use super::hierarchy::ModelPose;
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, Lane3, load, store};
 use super::lanewise::lanewise_fields;
 use super::limbs::{NO_CORRECTION, move_leg, turn_foot};
 use super::placement::PlacementLanes;
-use super::reach::{drop_spring, lower_body};
+use super::reach::{drop_spring, lower_body, slow_knee};
 use super::springs::DampedSpring;
 use super::step::BodyState;
 use crate::contacts::Contacts;
@@ -78,9 +78,11 @@ pub(crate) struct FootLock {
     pub heel_down: Lane,
     pub toe_down: Lane,
     pub plane: FootPlane,
+    /// Cosine of half the knee's angle at the last step on uneven ground: 0 for a straight leg.
+    pub bent: Lane,
 }
 
-lanewise_fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down, plane });
+lanewise_fields!(FootLock { correction, turn, ankle, toe, heel_down, toe_down, plane, bent });
 
 impl FootLock {
     pub const ZERO: Self = Self {
@@ -91,6 +93,7 @@ impl FootLock {
         heel_down: [0.0; LANES],
         toe_down: [0.0; LANES],
         plane: FootPlane::ZERO,
+        bent: [0.0; LANES],
     };
 }
 
@@ -155,6 +158,8 @@ pub(crate) struct PlantedParts {
 const TILT_FADES_M: f32 = 0.15;
 /// Distance of a part of a foot from the ground from which it does not stand there, whatever its clip says (m).
 const OFF_GROUND_M: f32 = 0.03;
+/// Fastest turn of the knee of a leg in the air on uneven ground: about that of a sprinter (rad/s).
+const KNEE_RATE: f32 = 20.0;
 /// Lowering of the hips that cannot be seen (m).
 const NOT_LOWERED_M: f32 = 1e-5;
 
@@ -168,6 +173,8 @@ pub(crate) struct FeetTick<'a> {
     drop: DampedSpring,
     /// Ticks a second; 0 for a tick of no time (1/s).
     rate: f32,
+    /// Largest turn of the knee of a leg in the air on uneven ground (rad).
+    knee_change: f32,
 }
 
 impl<'a> FeetTick<'a> {
@@ -175,9 +182,10 @@ impl<'a> FeetTick<'a> {
         Self {
             ground,
             lock: config.enabled.then(|| LockStep::new(config, dt_s)),
-            planes: HALF_LIVES_S.map(|half_life_s| DampedSpring::new(dt_s, half_life_s)),
+            planes: PLANE_HALF_LIVES_S.map(|half_life_s| DampedSpring::new(dt_s, half_life_s)),
             drop: drop_spring(ground, dt_s),
             rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
+            knee_change: KNEE_RATE * dt_s,
         }
     }
 
@@ -204,14 +212,27 @@ impl<'a> FeetTick<'a> {
         if !is_flat || sunk.is_some() || state.drop != [0.0; LANES] {
             floors = self.stand(body, place, sunk, state, feet, pose);
         }
-        let Some(lock) = self.lock.as_ref().filter(|_| locks) else { return };
+        let Some(lock) = self.lock.as_ref().filter(|_| locks) else {
+            for foot in feet {
+                *foot = FootLock { plane: foot.plane, bent: foot.bent, ..FootLock::ZERO };
+            }
+            return;
+        };
         for (side, foot) in feet.iter_mut().enumerate() {
             lock_foot(body, side, lock, &planted[side], floors[side], place, foot, pose);
         }
     }
 
     /// Takes the contacts of parts away that hang over an edge, or still come down to the ground.
-    pub fn clear_contacts_off_ground(&self, body: &LaneBody, feet: &[FootLock; 2], contacts: &mut [Contacts; LANES]) {
+    ///
+    /// - `lift`: ground of the clips over that of the field (m).
+    pub fn clear_contacts_off_ground(
+        &self,
+        body: &LaneBody,
+        feet: &[FootLock; 2],
+        lift: &Lane,
+        contacts: &mut [Contacts; LANES],
+    ) {
         if self.ground.is_flat() {
             return;
         }
@@ -220,7 +241,7 @@ impl<'a> FeetTick<'a> {
             for (bit, (part, thickness)) in Contacts::FEET[side].into_iter().zip(parts) {
                 for (lane, contacts) in contacts.iter_mut().enumerate() {
                     let ground = self.ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height;
-                    if (part[1][lane] - thickness[lane] - ground).abs() > OFF_GROUND_M {
+                    if (part[1][lane] - thickness[lane] - lift[lane] - ground).abs() > OFF_GROUND_M {
                         contacts.remove(bit);
                     }
                 }
@@ -250,12 +271,12 @@ impl<'a> FeetTick<'a> {
             };
             match is_flat {
                 true => (sole, zero, place.y),
-                false => self.lay_sole(body, side, place, &state.seen, &mut feet[side], sole),
+                false => self.lay_sole(body, side, place, state, &mut feet[side], sole),
             }
         });
         // On flat ground the legs reach as their clip has them.
         let matters = if is_flat { [zero; 2] } else { [stood[0].1, stood[1].1] };
-        let soles = [stood[0].0, stood[1].0];
+        let mut soles = [stood[0].0, stood[1].0];
         let drop = [&mut state.drop, &mut state.drop_rate];
         lower_body(body, &soles, matters, drop, &self.drop, sunk.unwrap_or(zero), pose);
         let still = F::splat(NOT_LOWERED_M);
@@ -263,8 +284,14 @@ impl<'a> FeetTick<'a> {
         let size = drop.abs().max(rate.abs());
         state.drop = F::select_lt(size, still, zero, drop).to_array();
         state.drop_rate = F::select_lt(size, still, zero, rate).to_array();
-        for (side, sole) in soles.iter().enumerate() {
+        for (side, sole) in soles.iter_mut().enumerate() {
             let [_, _, foot, toe] = LEGS[side].map(Joint::index);
+            if !is_flat {
+                let lock = &mut feet[side];
+                let is_down = F::load(&lock.heel_down).max(F::load(&lock.toe_down));
+                let free = (F::splat(1.0) - is_down) * F::load(&state.seen);
+                slow_knee(body, side, &mut lock.bent, free, sole, F::splat(self.knee_change), pose);
+            }
             move_leg(body, side, sole.ankle - pose.positions[foot], pose);
             (pose.rotations[foot], pose.rotations[toe]) = (sole.foot, sole.toe);
             pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
@@ -280,12 +307,14 @@ impl<'a> FeetTick<'a> {
         body: &LaneBody,
         side: usize,
         place: &PlacementLanes<F>,
-        seen: &Lane,
+        state: &BodyState,
         foot: &mut FootLock,
         sole: SolePose<F>,
     ) -> (SolePose<F>, F, F) {
         let (zero, one) = (F::splat(0.0), F::splat(1.0));
         let (leg, toe) = (&body.legs[side], LEGS[side][3].index());
+        // Ground of the clip over that of the field, and whether there was a step before.
+        let (lift, seen) = (place.y - F::load(&state.base), F::load(&state.seen));
         let thickness = F::load(&leg.thickness);
         let in_clip = sole.ankle - V::new(zero, place.y, zero);
         let [heel, ball] = [&leg.heel, &body.offsets[toe]].map(|part| sole.foot.rotate(load(part)));
@@ -300,8 +329,8 @@ impl<'a> FeetTick<'a> {
             ball,
             share,
             offset: V::new(offset.x, zero, offset.z),
-            is_down: F::load(&foot.heel_down).max(F::load(&foot.toe_down)),
-            is_new: one - F::load(seen),
+            is_down: F::load(&foot.heel_down).max(F::load(&foot.toe_down)) * seen,
+            is_new: one - seen,
             rate: F::splat(self.rate),
         };
         let ground = follow_ground(self.ground, &over, &self.planes, &mut foot.plane);
@@ -311,12 +340,18 @@ impl<'a> FeetTick<'a> {
         let tilt = Q::shortest_arc(V::new(zero, one, zero), normal);
         let mut laid = SolePose { foot: tilt * sole.foot, toe: tilt * sole.toe, ..sole };
         let [heel, ball] = [heel, ball].map(|part| tilt.rotate(part));
-        let over_slope = |v: V<F>| v.y - x * v.x - z * v.z;
-        laid.ankle.y = height + lowest - over_slope(heel).min(over_slope(ball) - thickness);
+        let height = lift + height;
+        laid.ankle.y = height + lowest - over_slope(heel, [x, z]).min(over_slope(ball, [x, z]) - thickness);
         store(&mut foot.plane.heel, place.to_world(laid.ankle + heel) + offset);
         store(&mut foot.plane.ball, place.to_world(laid.ankle + ball) + offset);
         (laid, near, height + x * ball.x + z * ball.z)
     }
+}
+
+/// Height of a vector over a slope along x and z.
+#[inline(always)]
+fn over_slope<F: Lanes>(v: V<F>, [x, z]: [F; 2]) -> F {
+    v.y - x * v.x - z * v.z
 }
 
 /// Updates the lock of one foot and moves the leg.

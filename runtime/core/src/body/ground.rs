@@ -1,4 +1,4 @@
-//! The ground that walkers stand on.
+//! The ground that bodies stand on.
 
 use glam::{Vec2, Vec3};
 use std::sync::Arc;

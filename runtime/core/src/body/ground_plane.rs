@@ -27,13 +27,13 @@ const WIDTH_M: f32 = 0.1;
 /// Points along the heading over whose mean height the hips are held, from the root (m).
 const BASE_M: [f32; 5] = [-0.3, -0.15, 0.0, 0.15, 0.3];
 /// Time in which a difference to the ground below a foot halves, in the air and planted (s).
-pub(crate) const HALF_LIVES_S: [f32; 2] = [0.03, 0.015];
+pub(crate) const PLANE_HALF_LIVES_S: [f32; 2] = [0.03, 0.015];
 /// Time in which a difference to the ground below the hips halves (s).
 pub(crate) const BASE_HALF_LIFE_S: f32 = 0.08;
 /// Lag of the hips behind the ground by that half-life (s).
 const BASE_LAG_S: f32 = BASE_HALF_LIFE_S / std::f32::consts::LN_2;
 
-/// The plane below the feet of eight walkers.
+/// The plane below the feet of eight characters.
 #[derive(Clone, Copy)]
 pub(crate) struct FootGround<F> {
     /// Height below the ankle (m), and slope along x and z of model space.

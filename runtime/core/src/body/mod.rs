@@ -34,7 +34,9 @@ pub(crate) use foot_placement::{
     Bearing, FootPlacement, PlacedFoot, SolePose, about_y, ball_share, is_share, place_foot,
 };
 pub use ground::{GroundPoint, HeightField};
-pub(crate) use ground_plane::{FootGround, FootOverGround, HALF_LIVES_S, follow_ground, keep_planted};
+pub(crate) use ground_plane::{
+    FootGround, FootOverGround, PLANE_HALF_LIVES_S, follow_ground, hips_ground_height, keep_planted,
+};
 pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_matrices};
 pub use lane_body::head_centre;
 pub(crate) use lane_body::{ARMS, LEGS, LaneBody};

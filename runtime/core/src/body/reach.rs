@@ -1,6 +1,6 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::foot_placement::{Bearing, PlacedFoot, SolePose};
+use super::foot_placement::{Bearing, SolePose};
 use super::ground::HeightField;
 use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LEGS, LaneBody};
@@ -120,12 +120,15 @@ pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePo
 /// Limits the rate of the knee of a leg whose foot is in the air: the foot comes a little later. Where a leg is nearly
 /// straight, a small displacement of the foot turns the knee far.
 ///
+/// - `bent`: cosine of half the knee's angle at the last step; then, that of now.
+/// - `free`: 1 where the foot is in the air and was seen before, else 0.
 /// - `change`: largest turn of the knee in this tick (rad).
 #[inline(always)]
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
     side: usize,
-    foot: &mut PlacedFoot,
+    bent: &mut Lane,
+    free: F,
     sole: &mut SolePose<F>,
     change: F,
     pose: &ModelPose<F>,
@@ -140,13 +143,12 @@ pub(crate) fn slow_knee<F: Lanes>(
     // The cosine of half the angle at the knee: 0 where the leg is straight.
     let reached = soft_distance(distance, lengths);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
-    let was = F::load(&foot.bent);
+    let was = F::load(bent);
     let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
     let slow = was + (aim - was).min(most).max(-most);
-    let free = (one - F::load(&foot.down)) * F::select_lt(was, zero, zero, one);
-    let bent = F::select_lt(half, free, slow, aim);
-    foot.bent = bent.to_array();
-    let d = (longest * longest - bent * bent * room).max(zero).sqrt();
+    let now = F::select_lt(half, free, slow, aim);
+    now.store(bent);
+    let d = (longest * longest - now * now * room).max(zero).sqrt();
     sole.ankle = sole.ankle + offset * ((d / distance - one) * free);
 }
 

@@ -222,7 +222,7 @@ pub(crate) fn push(reaction: &mut Reaction, lane: usize, config: &ReactionConfig
 /// Moves the springs on and the bodies with them. Lanes that do not react keep their pose to the last bit.
 #[inline(always)]
 pub(crate) fn react_lanes<F: Lanes>(
-    skeleton: &LaneBody,
+    body: &LaneBody,
     config: &ReactionConfig,
     step: &ReactionStep,
     place: &PlacementLanes<F>,
@@ -232,7 +232,7 @@ pub(crate) fn react_lanes<F: Lanes>(
     let (trunk, trunk_size) = reaction.trunk.step::<F>(step);
     let (head, head_size) = reaction.head.step::<F>(step);
     let (size, active) = (trunk_size + head_size, F::load(&reaction.active));
-    displace(skeleton, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
+    displace(body, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
     reaction.trunk.stop(size);
     reaction.head.stop(size);
     let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
@@ -242,7 +242,7 @@ pub(crate) fn react_lanes<F: Lanes>(
 /// Displaces upper trunk and head of the active lanes. Displacements in model space (m).
 #[inline(always)]
 fn displace<F: Lanes>(
-    skeleton: &LaneBody,
+    body: &LaneBody,
     config: &ReactionConfig,
     trunk: V<F>,
     head: V<F>,
@@ -251,7 +251,7 @@ fn displace<F: Lanes>(
 ) {
     let share = F::splat(config.hips_share);
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
-    let turns = upper_turns(skeleton, hips, trunk, head, pose);
+    let turns = upper_turns(body, hips, trunk, head, pose);
     let half = F::splat(0.5);
     let old = pose.positions;
     for j in 0..NUM_UPPER {
@@ -268,14 +268,14 @@ fn displace<F: Lanes>(
         for j in leg.map(Joint::index) {
             pose.positions[j] = V::select_lt(half, active, old[j] + hips, old[j]);
         }
-        move_leg(skeleton, side, V::splat(Vec3::ZERO) - hips, pose);
+        move_leg(body, side, V::splat(Vec3::ZERO) - hips, pose);
     }
 }
 
 /// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.
 #[inline(always)]
 fn upper_turns<F: Lanes>(
-    skeleton: &LaneBody,
+    body: &LaneBody,
     hips: V<F>,
     trunk: V<F>,
     head: V<F>,
@@ -291,7 +291,7 @@ fn upper_turns<F: Lanes>(
     let spine = bend(links, trunk - hips);
     // Neck and head, bent alike, carry the middle of the head; the face turns away with the blow.
     let turned = pose.rotations[Head.index()];
-    let centre = turned.rotate(load(&skeleton.head_centre));
+    let centre = turned.rotate(load(&body.head_centre));
     let face = turned.rotate(V::splat(Vec3::Z));
     let away = turn(face.cross(head) * F::splat(TURN_RAD_PER_M));
     let carry = spine[2];

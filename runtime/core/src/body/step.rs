@@ -73,9 +73,10 @@ impl BodyState {
         seen: [0.0; LANES],
     };
 
-    /// True where a lane has state that a fresh one lacks.
+    /// True where a lane has state that one that was never posed nor pushed lacks.
     pub fn is_used(&self, lane: usize) -> bool {
-        self.reaction.active[lane] != 0.0
+        self.seen[lane] != 0.0
+            || self.reaction.active[lane] != 0.0
             || !self.gaze[lane].is_off()
             || self.base[lane] != 0.0
             || self.drop[lane] != 0.0
@@ -142,6 +143,7 @@ impl Lanewise for BodyState {
     fn is_near(&self, lane: usize) -> bool {
         let Self { reaction, gaze, base, base_rate, drop, drop_rate, seen } = self;
         reaction.is_near(lane)
+            && reaction.is_moderate(lane)
             && gaze[lane].is_sound()
             && [base, base_rate, drop, drop_rate, seen].iter().all(|of| of.is_near(lane))
     }
@@ -182,11 +184,12 @@ impl LayerLanes {
     /// The layers of the characters of a block.
     ///
     /// - `root`: planar root of a lane.
+    /// - `ground`: height of the ground below the hips (m).
     pub fn new(
         layers: impl Iterator<Item = BodyLayers> + Clone,
         still: Lane,
         root: impl Fn(usize) -> Planar,
-        state: &BodyState,
+        ground: &Lane,
     ) -> Self {
         let mut look_at = [None; LANES];
         for (lane, layers) in layers.clone().enumerate() {
@@ -195,7 +198,7 @@ impl LayerLanes {
                 Vec3::new(flat.x, point.y, flat.y)
             });
         }
-        let hands = Hands::from_orders(layers.map(|layers| layers.hands), root, &state.base);
+        let hands = Hands::from_orders(layers.map(|layers| layers.hands), root, ground);
         Self { look_at, still, hands }
     }
 

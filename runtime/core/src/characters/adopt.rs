@@ -4,7 +4,7 @@ use super::block::{ROTATION_CODES, encode};
 use super::motion_set::MotionSet;
 use super::policy_characters::{PolicyCharacters, no_graph};
 use super::{CharacterStart, Characters, SampleJob, segments_into_states};
-use crate::body::{Mat3x4, PARENTS, set_lane};
+use crate::body::{Mat3x4, PARENTS, hips_ground_height, set_lane};
 use crate::bundle::Bundle;
 use crate::character_group::AdoptReport;
 use crate::skeleton::NUM_JOINTS;
@@ -27,12 +27,19 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     let mut out = AdoptReport { num_characters: group.characters.num_characters(), farthest_m: 0.0 };
     for at in 0..out.num_characters {
         let old = &group.characters;
-        let (shown, root) = (old.last_pose(at), old.root(at));
-        let (state, farthest_m) = nearest_state(shown, &poses);
+        let root = old.root(at);
+        // Poses of states stand on flat ground.
+        let height = hips_ground_height(&old.ground, root, 0.0);
+        let shown = old.last_pose(at).map(|pose| {
+            let mut pose = *pose;
+            pose.iter_mut().for_each(|joint| joint.rows[1][3] -= height);
+            pose
+        });
+        let (state, farthest_m) = nearest_state(shown.as_ref(), &poses);
         out.farthest_m = out.farthest_m.max(farthest_m);
         characters.add_character(&motion_set, CharacterStart { root, state: state as u32 }, &arrivals, old.name(at));
         characters.carry_over(old, at);
-        if let Some(shown) = shown {
+        if let Some(shown) = &shown {
             ease_to_pose(&mut characters, at, shown, &poses[state]);
         }
     }

@@ -260,6 +260,9 @@ impl Characters {
     /// Changes the ground that all stand on: feet follow it from the next step on. The ground of clips that are laid on
     /// heights of their own adds to it.
     pub fn set_ground(&mut self, ground: HeightField) {
+        if self.ground.is_flat() != ground.is_flat() {
+            self.bodies.iter_mut().filter(|b| b.awake == 1).for_each(|b| b.state.seen = [0.0; LANES]);
+        }
         self.ground = ground;
     }
 

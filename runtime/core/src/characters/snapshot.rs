@@ -180,7 +180,7 @@ pub(super) fn is_sound(
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
     let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.num_frames());
     let body = &bodies[at / LANES];
-    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane) && body.state.reaction.is_moderate(lane);
+    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane);
     exists && chose && aged && paced && in_time && named && changed && near
 }
 

@@ -164,9 +164,9 @@ impl Characters {
     pub(super) fn carry_over(&mut self, old: &Self, at: usize) {
         let (from, lane) = (&old.blocks[at / LANES], at % LANES);
         self.blocks[at / LANES].num_choices[lane] = from.num_choices[lane];
-        let state = &old.bodies[at / LANES].state;
-        if state.is_used(lane) {
-            self.bodies[at / LANES].state.copy_lane(lane, state, lane);
+        let reaction = &old.bodies[at / LANES].state.reaction;
+        if reaction.active[lane] != 0.0 {
+            self.bodies[at / LANES].state.reaction.copy_lane(lane, reaction, lane);
         }
         if let Some(shown) = old.last_pose(at) {
             self.matrices[at * NUM_JOINTS..][..NUM_JOINTS].copy_from_slice(shown);

@@ -15,7 +15,7 @@ use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
     BodyState, BodyTick, DetailLevel, FeetTick, FrameCursor, FramePosition, HeightField, Laps, LayerLanes,
     LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes, PlantedParts, PoseInstance, PoseOutput, StepPhase,
-    planar_of_lane, pose_block, sample_pose,
+    hips_ground_height, planar_of_lane, pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::NUM_JOINTS;
@@ -178,7 +178,16 @@ impl CharacterBlock<'_> {
         let [x, z, heading, height] = cursor.root();
         let was = block.root;
         let mut place = update_roots(block, [x, z, heading]);
-        if !tick.ground.is_flat() {
+        let lift = place.y;
+        if tick.ground.is_flat() {
+            if body.state.base != [0.0; LANES] {
+                (body.state.base, body.state.base_rate) = ([0.0; LANES], [0.0; LANES]);
+            }
+        } else if level == DetailLevel::Record {
+            // Bodies that are never posed are never written.
+            let height = std::array::from_fn(|lane| hips_ground_height(tick.ground, block.root(lane), 0.0));
+            place.y = place.y + F::from_array(height);
+        } else {
             let speed = std::array::from_fn(|lane| {
                 let moved = planar_of_lane(&was, lane).to_local(block.root(lane)).z;
                 if tick.dt_s > 0.0 && body.state.seen[lane] > 0.5 { moved / tick.dt_s } else { 0.0 }
@@ -197,17 +206,26 @@ impl CharacterBlock<'_> {
         motion.root.y = motion.root.y + place.y;
         add_offsets(&mut motion, block, body, tick.config.half_life_s);
         let orders = orders.iter().map(|order| order.layers);
-        let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &body.state);
+        let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
         let BodyBlock { state, feet, .. } = body;
         let contacts = block.contacts;
-        let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| {
-            let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
-            let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
-            let sunk = layers.hips_sink(&r.body, pose);
-            feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
-        };
-        pose_block(&r.body, motion, &place, &layers, body_tick, state, plant, to, &mut laps);
-        feet_tick.clear_contacts_off_ground(&r.body, &body.feet, &mut block.contacts);
+        pose_block(
+            &r.body,
+            motion,
+            &place,
+            &layers,
+            body_tick,
+            state,
+            |state: &mut BodyState, pose: &mut ModelPose<F>| {
+                let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
+                let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
+                let sunk = layers.hips_sink(&r.body, pose);
+                feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
+            },
+            to,
+            &mut laps,
+        );
+        feet_tick.clear_contacts_off_ground(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
     }
 }
 

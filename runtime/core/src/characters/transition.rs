@@ -6,7 +6,7 @@
 
 use super::MotionSet;
 use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, SCHEDULED, VELOCITY_CODES, decode, encode};
-use crate::body::{Decay, HALF_LIVES_KEPT, get_lane, load, set_lane, store};
+use crate::body::{BodyState, Decay, HALF_LIVES_KEPT, get_lane, load, set_lane, store};
 use crate::format::FrameRow;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -42,7 +42,9 @@ pub(crate) fn start_transitions(
 
 /// Wakes the bodies of a block: feet are free, and the last transition of each is as if it had always been posed.
 pub(crate) fn wake_block(block: &MotionBlock, body: &mut BodyBlock, motion_set: &MotionSet, half_life_s: f32) {
-    *body = BodyBlock { awake: 1, state: body.state, ..BodyBlock::ZERO };
+    // Feet are found anew.
+    let state = BodyState { seen: [0.0; LANES], ..body.state };
+    *body = BodyBlock { awake: 1, state, ..BodyBlock::ZERO };
     let mut changes = [SegmentChange::default(); LANES];
     let mut num_changes = 0;
     for lane in 0..LANES {

@@ -163,6 +163,10 @@ impl CharacterGroup for Walkers {
         self.state.ordered.clone_from(&kept.ordered);
         self.state.acts.clone_from(&kept.acts);
         self.state.blocks.clone_from(&kept.blocks);
+        // Whatever free lanes held, they are as if nobody had ever been there.
+        for row in n..self.state.blocks.len() * LANES {
+            self.state.blocks[row / LANES].copy_lane(row % LANES, &WalkerBlock::ZERO, 0);
+        }
         self.events.clear();
         self.pose_again();
         Ok(())

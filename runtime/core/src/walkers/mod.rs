@@ -258,7 +258,8 @@ impl Walkers {
         &self.locals
     }
 
-    /// Sets viewpoint and distances of the level of detail from the next step on; with none, all walkers are posed whole.
+    /// Sets viewpoint and distances of the level of detail from the next step on; with none, all walkers are posed whole. Feet
+    /// of those that leave records alone report nothing.
     ///
     /// # Errors
     /// [`Error::Value`](throng_base::Error::Value) for invalid distances.
@@ -317,9 +318,6 @@ impl Walkers {
             WalkerRange { blocks, bodies, levels, controls, acts, weights, roots, model, locals, instances }
         });
         run_each(run, ranges, |range| step::step(range, &tick));
-        for (record, id) in self.instances.iter_mut().zip(self.state.roster.ids()) {
-            record.variant = id.index() as u32;
-        }
     }
 
     /// Poses walkers as they stand, on copies of their blocks: nothing moves on.
@@ -363,7 +361,7 @@ impl Walkers {
                 self.model[row] = model[lane];
                 self.weights[row * stride..][..stride].copy_from_slice(&self.block_weights[lane * stride..][..stride]);
                 if let Some(to) = self.instances.get_mut(row) {
-                    *to = instances[lane];
+                    *to = PoseInstance { variant: self.state.roster.ids()[row].index() as u32, ..instances[lane] };
                 }
                 if let Some(to) = self.locals.get_mut(row * NUM_JOINTS..(row + 1) * NUM_JOINTS) {
                     to.copy_from_slice(&locals[lane * NUM_JOINTS..][..NUM_JOINTS]);
@@ -398,7 +396,9 @@ impl Walkers {
         let mut hash = Hash128::default();
         hash.add_bytes(&self.space.hash().to_le_bytes());
         hash.add_word(capacity as u64);
-        let rest = (self.space.name(), self.space.activities().activities(), &self.config, &self.skeletons);
+        // What is only written besides changes no motion.
+        let config = WalkersConfig { local_transforms: false, instances: false, ..self.config };
+        let rest = (self.space.name(), self.space.activities().activities(), &config, &self.skeletons);
         hash.add_bytes(format!("{rest:?}").as_bytes());
         self.ground.hash(&mut hash);
         hash.finish()

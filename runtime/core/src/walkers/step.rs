@@ -1,4 +1,4 @@
-//! One tick, in reading order: steer -> weigh -> advance -> blend -> retarget -> poses.
+//! One tick, in reading order: steer -> weigh -> advance -> blend -> body ([`crate::body`]).
 //!
 //! Characters are handled in ranges of whole blocks; nothing in a range depends on another, so results do not depend
 //! on how walkers are split. Postures are blended one by one, with a lane for each joint, and retargeted by eights,
@@ -10,11 +10,11 @@ use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
 use crate::blend::{BlendSpace, BlendedPosture, channel};
 use crate::body::{
-    Bearing, BodyState, BodyTick, DampedSpring, DetailLevel, FootGround, FootOverGround, FootPlacement, HALF_LIVES_S,
-    HeightField, LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacedFoot,
-    PlacementLanes, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground, is_stretched,
-    keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot, reach_hand,
-    slow_knee, unorm,
+    Bearing, BodyState, BodyTick, DampedSpring, DetailLevel, FootGround, FootOverGround, FootPlacement, HeightField,
+    LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PLANE_HALF_LIVES_S,
+    PlacedFoot, PlacementLanes, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground,
+    is_stretched, keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot,
+    reach_hand, slow_knee, unorm,
 };
 use crate::contacts::Contacts;
 use crate::planar::Planar;
@@ -74,7 +74,7 @@ impl<'a> WalkersTick<'a> {
             air: spring(config.foot_half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
             drop: drop_spring(ground, dt_s),
-            footing: HALF_LIVES_S.map(spring),
+            footing: PLANE_HALF_LIVES_S.map(spring),
             stage: PerformanceInputs::new(space.activities(), space.axes(), dt_s),
         }
     }
@@ -147,9 +147,15 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             if let Some(records) = instances.get_mut(from..from + count) {
                 write_instances(records, block, weights, space);
             }
+            if *level != DetailLevel::Full {
+                // Whoever is posed whole later finds its feet anew.
+                block.feet = [PlacedFoot::ZERO; 2];
+                (block.body.drop, block.body.drop_rate) = ([0.0; LANES], [0.0; LANES]);
+            }
             if *level == DetailLevel::Record {
-                // Whoever is posed again later finds its feet anew.
-                (block.feet, block.body.seen) = ([PlacedFoot::ZERO; 2], [0.0; LANES]);
+                let BodyState { base, base_rate, .. } = block.body;
+                block.body = BodyState { base, base_rate, ..BodyState::ZERO };
+                block.contacts = [Contacts::NONE; LANES];
                 from += count;
                 continue;
             }
@@ -170,7 +176,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
             let root = |lane: usize| planar_of_lane(root, lane);
             let orders = controls[from..from + count].iter().map(Control::layers);
-            let layers = LayerLanes::new(orders, still, root, state);
+            let layers = LayerLanes::new(orders, still, root, &state.base);
             let has_feet = self.tick.config.retarget && *level == DetailLevel::Full;
             let mut walking =
                 WalkingFeet { has_feet, feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
@@ -179,9 +185,18 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 matrices: &mut matrices[joints.clone()],
                 locals: locals.get_mut(joints).unwrap_or_default(),
             };
-            let plant = |state: &mut BodyState, pose: &mut ModelPose<F>| walking.plant(&layers, &place, state, pose);
             let mut laps = Laps::start(None);
-            pose_block(body, motion, &place, &layers, &self.tick.body, state, plant, to, &mut laps);
+            pose_block(
+                body,
+                motion,
+                &place,
+                &layers,
+                &self.tick.body,
+                state,
+                |state, pose| walking.plant(&layers, &place, state, pose),
+                to,
+                &mut laps,
+            );
             from += count;
         }
     }
@@ -201,7 +216,7 @@ fn write_instances(out: &mut [PoseInstance], block: &WalkerBlock, weights: &[f32
         let ([a, b], share) = space.heaviest_rows(weights, block.phase[lane]).unwrap_or_default();
         let Planar { x, z, heading } = block.root(lane);
         // Both rows share the ratio of the first.
-        let row_b = b.row + u32::from(b.ratio - a.ratio > 0.5);
+        let row_b = b.row + u32::from(b.has_next && b.ratio - a.ratio > 0.5);
         let frac_blend = [unorm(a.ratio), unorm(share)];
         *out = PoseInstance { row_a: a.row, row_b, frac_blend, x, y: block.body.base[lane], z, heading, ..*out };
     }
@@ -300,9 +315,8 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
             return;
         }
         let importance = [F::load(&self.importance[0]), F::load(&self.importance[1])];
-        let seen = F::load(&state.seen);
-        let (left, left_bears) = self.plant_foot(0, importance[0], seen, place, pose);
-        let (right, right_bears) = self.plant_foot(1, importance[1], seen, place, pose);
+        let (left, left_bears) = self.plant_foot(0, importance[0], place, pose);
+        let (right, right_bears) = self.plant_foot(1, importance[1], place, pose);
         let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
         for (side, sole) in soles.iter_mut().enumerate() {
             raise_heel(body, side, sole, &mut bearing[side], pose);
@@ -312,7 +326,10 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
         let pace = F::load(&body.pace);
         let knee_rate = F::splat(KNEE_RATE) / pace + F::load(self.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
         for (side, sole) in soles.iter_mut().enumerate() {
-            slow_knee(body, side, &mut self.feet[side], sole, knee_rate * F::splat(tick.dt_s), pose);
+            let foot = &mut self.feet[side];
+            let was_seen = F::select_lt(F::load(&foot.bent), F::splat(0.0), F::splat(0.0), F::splat(1.0));
+            let free = (F::splat(1.0) - F::load(&foot.down)) * was_seen;
+            slow_knee(body, side, &mut foot.bent, free, sole, knee_rate * F::splat(tick.dt_s), pose);
             release_foot(&mut self.feet[side], &mut bearing[side], is_stretched(body, side, sole, pose));
             reach_foot(body, side, sole, pose);
         }
@@ -357,7 +374,6 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
         &mut self,
         side: usize,
         importance: F,
-        seen: F,
         place: &PlacementLanes<F>,
         model: &ModelPose<F>,
     ) -> (SolePose<F>, Bearing) {
@@ -386,7 +402,7 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
                     share,
                     offset: load(&foot.offset),
                     is_down: F::load(&foot.down),
-                    is_new: one - seen,
+                    is_new: F::select_lt(F::load(&foot.bent), zero, one, zero),
                     rate: F::splat(tick.rate),
                 };
                 follow_ground(tick.body.ground, &over, &tick.footing, &mut foot.plane)
