@@ -3,15 +3,15 @@
 use crate::graph::{RawMotionGraph, SegmentId, StateId};
 use crate::share::{clip_owners, sort_by_owner};
 use bytemuck::Zeroable;
-use glam::{Quat, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
-use std::ops::RangeInclusive;
 use throng_base::Comm;
 use throng_core::stops::{
-    BODY_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord, WALK_ON,
+    BODY_RADIUS_M, HEAD_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord,
+    TRUNK_RADIUS_M, WALK_ON,
 };
-use throng_core::{BodyVolume, Contacts, NUM_JOINTS};
+use throng_core::{Contacts, Joint};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
 use throng_motion::error::Result;
 
@@ -68,12 +68,10 @@ pub fn find_stops(clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> R
     let places: Vec<(FrameId, usize)> = places.chain(graph.states.iter().map(|&frame| (frame, 0))).collect();
     let of_clips = clip_owners(clips, comm.num_ranks());
     let of_places: Vec<usize> = places.iter().map(|&(frame, _)| of_clips[clip_of(frame)]).collect();
-    let volume = BodyVolume::new(&clips.skeleton);
     let radii = sort_by_owner(comm, &of_places, |n| {
         let (frame, num_frames) = places[n];
         let clip = clip_of(frame);
-        let first = (frame.0 - starts[clip]) as usize;
-        radius(clips, &volume, clip, first..=first + num_frames) + SWEEP_TOLERANCE_M
+        radius(clips, clip, (frame.0 - starts[clip]) as usize, num_frames) + SWEEP_TOLERANCE_M
     })?;
     let (of_segments, of_states) = radii.split_at(graph.segments.len());
     let mut out = StopRows::default();
@@ -136,17 +134,19 @@ fn simplify(path: &[Vec2], out: &mut Vec<SweepNode>) {
     }
 }
 
-/// Radius of the disc about the root that holds the core of the body in all frames of a segment (m).
-fn radius(clips: &ClipSet, volume: &BodyVolume, clip: usize, frames: RangeInclusive<usize>) -> f32 {
-    let of_frame = |f| core_radius(volume, &clips.clips[clip].joint_transforms(&clips.skeleton, f));
-    frames.map(of_frame).fold(BODY_RADIUS_M, f32::max)
-}
-
-/// Radius of the disc about the root that holds the core of the body in a pose (m).
-fn core_radius(volume: &BodyVolume, joints: &[(Vec3, Quat); NUM_JOINTS]) -> f32 {
-    let beside = |p: Vec3| (p - joints[0].0).with_y(0.0).length();
-    let core = volume.place_core(|joint, p| joints[joint.index()].0 + joints[joint.index()].1 * p);
-    core.iter().map(|c| c.ends.map(beside).into_iter().fold(0.0, f32::max) + c.radius).fold(0.0, f32::max)
+/// Radius of the disc about the root that holds trunk and head in all frames of a segment (m).
+fn radius(clips: &ClipSet, clip: usize, first: usize, num_frames: usize) -> f32 {
+    let head_centre = clips.skeleton.tips[0] * 0.5;
+    let of_frame = |f: usize| {
+        let joints = clips.clips[clip].joint_transforms(&clips.skeleton, f);
+        let root = joints[0].0;
+        let beside = |p: Vec3| Vec2::new(p.x - root.x, p.z - root.z).length();
+        let head = joints[Joint::Head.index()];
+        let trunk = [Joint::Chest, Joint::UpperChest, Joint::Neck].map(|j| beside(joints[j.index()].0));
+        let trunk = trunk.into_iter().fold(0.0, f32::max) + TRUNK_RADIUS_M;
+        trunk.max(beside(head.0 + head.1 * head_centre) + HEAD_RADIUS_M)
+    };
+    (first..=first + num_frames).map(of_frame).fold(BODY_RADIUS_M, f32::max)
 }
 
 /// Largest distance of a path from the straight line between its ends (m).
