@@ -119,6 +119,10 @@ pub fn run(args: &Args) -> CommandResult {
              `name{{}}` an object from names to values; (optional) keys are left out where they do not apply.\n",
             with_keys(&root).join("\n  ")
         )),
+        None if found.is_disable_help_flag_set() => {
+            let name = words.join(" ");
+            output::text(format!("JSON keys of `throng {name}` stand at the end of `throng {name} --help`.\n"))
+        }
         None => {
             fail(format!("`throng {}` has no JSON keys; `throng help keys` lists commands that have", words.join(" ")))
         }
