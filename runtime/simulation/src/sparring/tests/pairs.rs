@@ -238,7 +238,8 @@ fn restored_pairs_repeat_what_followed_bit_by_bit() {
     (0..4).for_each(|_| s.step(DT, &Inline).unwrap());
     let mut kept = Vec::new();
     s.save(&mut kept);
-    assert!(kept.len() < 14 * 1090, "{}", kept.len());
+    // Bodies keep the planes of their feet, their gaze and the height of their hips, 140 bytes, beside motion, offsets and reactions.
+    assert!(kept.len() < 14 * 1240, "{}", kept.len());
     let posed = s.characters().model_matrices().to_vec();
     let run = |s: &mut Sparring| {
         let step = |_| {
