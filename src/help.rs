@@ -11,6 +11,8 @@ use std::ffi::OsString;
 const WIDTH: usize = 100;
 /// Columns beside the name of an option and its text.
 const MARGIN: usize = 8;
+/// The command whose help is the viewer's, with its keys at the end.
+const VIEWER: &str = "view";
 /// Columns beside a text in a list of commands.
 const LIST: usize = 15;
 
@@ -119,9 +121,8 @@ pub fn run(args: &Args) -> CommandResult {
              `name{{}}` an object from names to values; (optional) keys are left out where they do not apply.\n",
             with_keys(&root).join("\n  ")
         )),
-        None if found.is_disable_help_flag_set() => {
-            let name = words.join(" ");
-            output::text(format!("JSON keys of `throng {name}` stand at the end of `throng {name} --help`.\n"))
+        None if words == [VIEWER] => {
+            output::text(format!("JSON keys of `throng {VIEWER}` stand at the end of `throng {VIEWER} --help`.\n"))
         }
         None => {
             fail(format!("`throng {}` has no JSON keys; `throng help keys` lists commands that have", words.join(" ")))
@@ -131,7 +132,8 @@ pub fn run(args: &Args) -> CommandResult {
 
 /// Names of the commands that print JSON.
 fn with_keys(command: &Command) -> Vec<String> {
-    let name = |sub: &Command| sub.get_after_long_help().map(|_| sub.get_name().to_owned());
+    let has_keys = |sub: &Command| sub.get_after_long_help().is_some() || sub.get_name() == VIEWER;
+    let name = |sub: &Command| has_keys(sub).then(|| sub.get_name().to_owned());
     let below =
         |sub: &Command| with_keys(sub).into_iter().map(|b| format!("{} {b}", sub.get_name())).collect::<Vec<_>>();
     command.get_subcommands().flat_map(|sub| name(sub).into_iter().chain(below(sub))).collect()

@@ -135,7 +135,9 @@ impl CharacterGroup for Walkers {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        self.kind().write(&self.state, out);
+        let mut kept = self.state.clone();
+        kept.clear_free_lanes();
+        self.kind().write(&kept, out);
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
@@ -163,10 +165,7 @@ impl CharacterGroup for Walkers {
         self.state.ordered.clone_from(&kept.ordered);
         self.state.acts.clone_from(&kept.acts);
         self.state.blocks.clone_from(&kept.blocks);
-        // Whatever free lanes held, they are as if nobody had ever been there.
-        for row in n..self.state.blocks.len() * LANES {
-            self.state.blocks[row / LANES].copy_lane(row % LANES, &WalkerBlock::ZERO, 0);
-        }
+        self.state.clear_free_lanes();
         self.events.clear();
         self.pose_again();
         Ok(())
@@ -195,6 +194,15 @@ impl CharacterGroup for Walkers {
         let joints = before.as_flattened().iter().zip(self.model.as_flattened());
         let apart = joints.map(|(a, b)| a.translation().distance(b.translation()));
         Ok(AdoptReport { num_characters: self.len(), farthest_m: apart.fold(0.0, f32::max) })
+    }
+}
+
+impl WalkersState {
+    /// Leaves free lanes as if nobody had ever been there.
+    fn clear_free_lanes(&mut self) {
+        for row in self.orders.len()..self.blocks.len() * LANES {
+            self.blocks[row / LANES].copy_lane(row % LANES, &WalkerBlock::ZERO, 0);
+        }
     }
 }
 
