@@ -40,6 +40,9 @@ fn sole(people: &PolicyCharacters, skeleton: &Skeleton, c: usize, side: usize) -
     [heel, body.position(toe) - up]
 }
 
+/// Heels and balls, which of them are planted, angles of the knees (rad), and height of the hips (m).
+type Moment = ([[Vec3; 2]; 2], [[bool; 2]; 2], [f32; 2], f32);
+
 struct Seen {
     /// Distances of planted parts from the ground (m), and their speeds (m/s), ascending.
     gaps: Vec<f32>,
@@ -59,7 +62,7 @@ fn walk(ground: &HeightField) -> Seen {
     let skeleton = tables.skeleton().clone();
     let mut people = people(&tables, ground.clone());
     let mut seen = Seen { gaps: Vec::new(), speeds: Vec::new(), deepest: 0.0, knee_rate: 0.0, hips_mps: 0.0 };
-    let mut before = vec![None; PEOPLE];
+    let mut before: Vec<Option<Moment>> = vec![None; PEOPLE];
     for k in 0..900 {
         for c in 0..PEOPLE {
             people.order(people.ids()[c], order(c, k as f32 * DT_S)).expect("an order");
@@ -93,11 +96,7 @@ fn walk(ground: &HeightField) -> Seen {
                 }
             }
             let now = (soles, down, knees, hips);
-            let Some((was, was_down, was_knees, was_hips)): Option<([[Vec3; 2]; 2], [[bool; 2]; 2], [f32; 2], f32)> =
-                before.replace(now)
-            else {
-                continue;
-            };
+            let Some((was, was_down, was_knees, was_hips)) = before.replace(now) else { continue };
             seen.hips_mps = seen.hips_mps.max((hips - was_hips).abs() / DT_S);
             for side in 0..2 {
                 seen.knee_rate = seen.knee_rate.max((knees[side] - was_knees[side]).abs() / DT_S);
@@ -170,8 +169,10 @@ fn in_world(root: Planar, point: Vec3) -> Vec3 {
 fn heads_of_policy_characters_turn_to_what_they_look_at() {
     // Every second one looks at a point to its left.
     let aside = Vec3::new(1.6, 1.6, 1.9);
-    let layers =
-        |c: usize, root| BodyLayers { look_at: (c % 2 == 0).then(|| in_world(root, aside)), ..BodyLayers::default() };
+    let layers = |c: usize, root| BodyLayers {
+        look_at: c.is_multiple_of(2).then(|| in_world(root, aside)),
+        ..BodyLayers::default()
+    };
     let (people, _) = walk_with(layers, 3.0);
     let (plain, _) = walk_with(|_, _| BodyLayers::default(), 3.0);
     for c in 0..PEOPLE {
@@ -196,7 +197,7 @@ fn palms_of_policy_characters_reach_high_and_low() {
         let at = Vec3::new(0.2, height, ahead);
         let reach = |root| HandReach { place: (in_world(root, at), 1.0), level: (Vec3::ZERO, 0.0) };
         let layers = |c: usize, root| BodyLayers {
-            hands: if c % 2 == 0 { [Some(reach(root)), None] } else { [None; 2] },
+            hands: if c.is_multiple_of(2) { [Some(reach(root)), None] } else { [None; 2] },
             ..BodyLayers::default()
         };
         let (people, skeleton) = walk_with(layers, 2.0);
