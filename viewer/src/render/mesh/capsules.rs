@@ -77,6 +77,9 @@ fn surface_part(joint: Joint) -> SurfacePart {
 fn add_capsule(limb: &LimbCapsule, side: BodySide, detail: CapsuleDetail, mesh: &mut BodyMesh) {
     let radius = limb.radius;
     let CapsuleDetail { segments, end_rings } = detail;
+    // What is nearly a ball would be two cones with a single ring: a head with a hat.
+    let is_ball = limb.from.distance(limb.to) < radius && end_rings < 2 && segments > 3;
+    let end_rings = if is_ball { 2 } else { end_rings };
     // Feet do not sink into the ground.
     let lift = |p: Vec3| if limb.part == SurfacePart::Shoe { p.with_y(p.y.max(radius)) } else { p };
     let (from, to) = (lift(limb.from), lift(limb.to));
