@@ -53,7 +53,7 @@ pub struct CharactersFigures {
 /// Measures queries, sampling and steps.
 ///
 /// # Errors
-/// [`throng_motion::error::Result::Stage`] where the bundle has no behaviour, a number is out of range, or a
+/// [`throng_motion::error::BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a
 /// thread pool cannot be had.
 pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<CharactersFigures>> {
     if tables.policies().is_empty() {

@@ -2,7 +2,7 @@
 //!
 //! source -> transition -> gaze -> reactions -> feet -> reach -> write
 //!
-//! Sources are frame rows ([`sample`]) and blends. Whoever moves characters chooses source and control, and nothing else.
+//! Sources are frame rows and blends. Whoever moves characters chooses source and control, and nothing else.
 
 mod detail;
 mod foot_lock;
