@@ -17,7 +17,6 @@ mod placement;
 mod plain_body;
 pub mod planar;
 pub mod policy;
-
 pub mod reserve;
 mod roster;
 pub mod skeleton;

@@ -15,7 +15,6 @@ mod motion_set;
 mod order;
 mod pace;
 mod policy_characters;
-
 mod sample_job;
 mod scheduled_clip;
 mod snapshot;

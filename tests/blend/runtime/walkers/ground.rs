@@ -7,8 +7,6 @@ const WALKERS: usize = 10;
 const SIDE_M: f32 = 64.0;
 /// Nothing counts before they walk (s).
 const FIRST_S: f32 = 1.0;
-const PARTS: [[Contacts; 2]; 2] =
-    [[Contacts::LEFT_HEEL, Contacts::LEFT_TOE], [Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE]];
 
 /// Ground of a height (m) at knots so far apart (m).
 fn field(spacing: f32, height: impl Fn(Vec2) -> f32) -> HeightField {
@@ -71,7 +69,8 @@ fn walk(ground: &HeightField, course: Course, seconds: f32) -> Seen {
         for (c, before) in before.iter_mut().enumerate() {
             let contacts = outing.walkers.contacts(c);
             let soles = [0, 1].map(|side| sole(&outing.walkers, c, side));
-            let down = [0, 1].map(|side| [0, 1].map(|k| contacts.any(PARTS[side][k]).then_some(soles[side][k])));
+            let down =
+                [0, 1].map(|side| [0, 1].map(|k| contacts.any(Contacts::FEET[side][k]).then_some(soles[side][k])));
             let hips = outing.walkers.pose(c)[0].translation();
             let knees = [0, 1].map(|side: usize| {
                 let leg = [
