@@ -10,6 +10,7 @@ mod foot_placement;
 mod gaze;
 mod ground;
 mod ground_plane;
+mod held_feet;
 mod hierarchy;
 mod lane_body;
 mod lanes;
@@ -29,7 +30,7 @@ mod volume;
 pub(crate) use detail::unorm;
 pub use detail::{Detail, DetailLevel, PoseInstance};
 pub use foot_lock::FootLockConfig;
-pub(crate) use foot_lock::{FeetTick, FootLock, PlantedParts};
+pub(crate) use foot_lock::{FootLock, PlantedParts};
 pub(crate) use foot_placement::{
     Bearing, FootPlacement, PlacedFoot, SolePose, about_y, ball_share, is_share, place_foot,
 };
@@ -37,6 +38,7 @@ pub use ground::{GroundPoint, HeightField};
 pub(crate) use ground_plane::{
     FootGround, FootOverGround, PLANE_HALF_LIVES_S, follow_ground, hips_ground_height, keep_planted,
 };
+pub(crate) use held_feet::FeetTick;
 pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_matrices};
 pub use lane_body::head_centre;
 pub(crate) use lane_body::{ARMS, LEGS, LaneBody};
