@@ -1,11 +1,12 @@
 //! A build: its progress, its results and failures, how it ended, and the trial of what was built.
 
+use super::paint::PanelWidget;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::{BuildEnd, BuildLog, FinishedBuild, ShownBuild};
 use crate::model::{Model, name_of};
 use crate::theme::ThemePalette;
 use eframe::egui::{
-    Align, Align2, Area, Button, Frame, Id, Label, Layout, Margin, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2,
+    Align, Align2, Area, Frame, Id, Label, Layout, Margin, ProgressBar, Rect, RichText, ScrollArea, Ui, vec2,
 };
 use throng_precompute::run::News;
 use throng_precompute::verdict::Verdict;
@@ -40,10 +41,7 @@ const STAGES: [(&str, &str); 15] = [
 
 /// True for a build with something to show: reading files alone has nothing.
 pub fn is_shown(build: &ShownBuild) -> bool {
-    match build {
-        ShownBuild::UnderWay { building, .. } => building.has_begun(),
-        ShownBuild::Ended(_) => true,
-    }
+    !matches!(build, ShownBuild::UnderWay { building, .. } if !building.has_begun())
 }
 
 /// Shows the build under way, or the last one, in its own frame; shows nothing if there is none.
@@ -62,10 +60,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     frame.inner_margin(Margin::same(12)).corner_radius(8).show(ui, |ui| {
         ui.set_width(ui.available_width());
         match build {
-            ShownBuild::UnderWay { paths, building } => {
-                let log = building.log().clone();
-                running(ui, &name_of(paths), &log, commands);
-            }
+            ShownBuild::UnderWay { paths, building } => running(ui, &name_of(paths), &building.log().clone(), commands),
             ShownBuild::Ended(built) => ended(ui, built, commands),
         }
     });
@@ -84,9 +79,7 @@ pub fn show_over(ui: &Ui, within: Rect, model: &Model, commands: &mut Commands) 
 fn running(ui: &mut Ui, name: &str, log: &BuildLog, commands: &mut Commands) {
     heading(ui, &format!("Building {name}"), |ui| {
         let tip = "Stop it; what is finished is kept, and opening it again goes on there";
-        if ui.add(Button::new("Cancel")).on_hover_text(tip).clicked() {
-            commands.push(ViewerCommand::Stop);
-        }
+        ui.button("Cancel").on_hover_text(tip).request(commands, ViewerCommand::Stop);
     });
     let (status, stage) = (&log.status, log.status.stage());
     let what = STAGES.iter().find(|s| s.0 == stage).map_or(stage, |s| s.1);
@@ -111,11 +104,9 @@ fn ended(ui: &mut Ui, built: &FinishedBuild, commands: &mut Commands) {
         BuildEnd::Failed(_) => format!("{name} could not be built"),
     };
     heading(ui, &title, |ui| {
-        if ui.button("✖").on_hover_text("Close").clicked() {
-            commands.push(ViewerCommand::DismissBuild);
-        }
-        if built.end != BuildEnd::Done && ui.button("Try again").clicked() {
-            commands.push(ViewerCommand::Open(built.paths.clone()));
+        ui.button("✖").on_hover_text("Close").request(commands, ViewerCommand::DismissBuild);
+        if built.end != BuildEnd::Done {
+            ui.button("Try again").request(commands, ViewerCommand::Open(built.paths.clone()));
         }
     });
     match &built.end {

@@ -1,5 +1,6 @@
 //! Docks of panels: tabs, and the open panel.
 
+use super::paint::PanelWidget;
 use super::{PANELS, PanelStates};
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
@@ -13,17 +14,15 @@ pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, co
     ui.horizontal_wrapped(|ui| {
         for panel in PANELS.iter().filter(|p| p.kind.dock() == dock) {
             let tip = format!("{} ({})", panel.purpose, panel.key.name());
-            if ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip).clicked()
-                && open != Some(panel.kind)
-            {
-                commands.push(ViewerCommand::TogglePanel(panel.kind));
+            let tab = ui.selectable_label(open == Some(panel.kind), panel.title).on_hover_text(tip);
+            if open != Some(panel.kind) {
+                tab.request(commands, ViewerCommand::TogglePanel(panel.kind));
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(kind) = open
-                && ui.small_button("✖").on_hover_text("Close the panel").clicked()
-            {
-                commands.push(ViewerCommand::TogglePanel(kind));
+            if let Some(kind) = open {
+                let close = ui.small_button("✖").on_hover_text("Close the panel");
+                close.request(commands, ViewerCommand::TogglePanel(kind));
             }
         });
     });

@@ -150,9 +150,7 @@ pub fn show(ui: &Ui, open: &mut bool) {
         ui.add_space(6.0);
         ui.button("Close").clicked()
     });
-    if shown.should_close() || shown.inner {
-        *open = false;
-    }
+    *open = !(shown.should_close() || shown.inner);
 }
 
 fn tables(ui: &mut Ui) {
@@ -172,19 +170,16 @@ fn tables(ui: &mut Ui) {
 fn rows(ctx: &egui::Context) -> Vec<(String, &'static str)> {
     let of = |s: &Shortcut| {
         let same = SHORTCUTS.iter().filter(|o| o.action == s.action);
-        let keys: Vec<String> = same.map(|o| key_name(ctx, o)).collect();
+        let name = |s: &Shortcut| match s.modifiers.is_none() {
+            true => s.key.symbol_or_name().to_owned(),
+            false => ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key)),
+        };
+        let keys: Vec<String> = same.map(name).collect();
         (keys.join(", "), s.text)
     };
     let mut rows: Vec<_> = SHORTCUTS.iter().map(of).collect();
     rows.dedup();
     rows
-}
-
-fn key_name(ctx: &egui::Context, s: &Shortcut) -> String {
-    match s.modifiers.is_none() {
-        true => s.key.symbol_or_name().to_owned(),
-        false => ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key)),
-    }
 }
 
 fn table(ui: &mut Ui, id: &str, rows: Vec<(String, &str)>) {

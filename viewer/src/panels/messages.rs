@@ -1,5 +1,6 @@
 //! Messages to the user, over the 3-D view.
 
+use super::paint::PanelWidget;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use eframe::egui::{self, Align2, Area, Color32, Frame, Id, Rect, RichText, Ui, vec2};
@@ -18,19 +19,15 @@ pub fn show(ui: &Ui, within: Rect, model: &Model, commands: &mut Commands) {
             Frame::popup(ui.style()).stroke(egui::Stroke::new(1.0, stripe)).show(ui, |ui| {
                 ui.horizontal_top(|ui| {
                     let mark = if m.is_error { "⚠" } else { "ℹ" };
-                    ui.label(RichText::new(mark).color(readable(ui, stripe)).strong());
+                    // A colour that stands out from the background of messages.
+                    let readable =
+                        if ui.visuals().dark_mode { stripe.lerp_to_gamma(Color32::WHITE, 0.3) } else { stripe };
+                    ui.label(RichText::new(mark).color(readable).strong());
                     let close = ui.button("✖").on_hover_text("Close this message");
-                    if close.clicked() {
-                        commands.push(ViewerCommand::Dismiss(m.id));
-                    }
+                    close.request(commands, ViewerCommand::Dismiss(m.id));
                     ui.add(egui::Label::new(&m.text).wrap().selectable(true));
                 });
             });
         }
     });
-}
-
-/// A colour that stands out from the background of messages.
-fn readable(ui: &Ui, colour: Color32) -> Color32 {
-    if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }

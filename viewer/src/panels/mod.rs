@@ -26,10 +26,13 @@ pub mod transport;
 pub mod viewport;
 pub mod words;
 
+use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
+use crate::render::Rgba;
 use crate::settings::PanelKind;
-use eframe::egui::{Key, Ui};
+use eframe::egui::{Color32, Key, Ui};
+use paint::PanelWidget;
 
 /// A panel.
 #[derive(Clone, Copy, Debug)]
@@ -53,10 +56,28 @@ pub struct PanelEntry {
 fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.weak(hint);
-        if has_characters && ui.small_button("select character 0").clicked() {
-            commands.push(ViewerCommand::SelectCharacter(Some(0)));
+        if has_characters {
+            ui.small_button("select character 0").request(commands, ViewerCommand::SelectCharacter(Some(0)));
         }
     });
+}
+
+/// Clip of a frame row, and the frame within it (row < number of frames).
+fn clip_frame(bundle: &OpenBundle, row: u32) -> (usize, u32) {
+    let clip = bundle.clip_of(row);
+    (clip, row - bundle.tables().clips()[clip].first_frame)
+}
+
+/// Shows a segment from its first frame on.
+fn show_segment(bundle: &OpenBundle, segment: u32) -> ViewerCommand {
+    let (clip, frame) = clip_frame(bundle, bundle.tables().graph().segments[segment as usize].start);
+    ViewerCommand::ShowClip { clip, frame }
+}
+
+/// A colour of the 3-D view for a panel, opaque.
+fn colour_of_view(colour: Rgba) -> Color32 {
+    let [r, g, b, _] = colour.0;
+    Color32::from_rgb(r, g, b)
 }
 
 /// Entry of a panel that keeps view settings.

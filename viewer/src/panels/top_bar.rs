@@ -1,6 +1,7 @@
 //! The bar at the top: file, view, panels, help.
 
-use super::words::path_list;
+use super::paint::PanelWidget;
+use super::words::{counted, path_list};
 use super::{PANELS, PanelStates, SystemDialog};
 use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::document::OpenDocument;
@@ -48,7 +49,7 @@ fn title(model: &Model) -> String {
                 parts.push(format!("{states} states · {} actions", t.graph().action_segments.len()));
             }
             if spaces > 0 {
-                parts.push(format!("{spaces} blend space{}", if spaces == 1 { "" } else { "s" }));
+                parts.push(counted(spaces, "blend space"));
             }
             parts.join(" · ")
         }
@@ -63,14 +64,13 @@ fn title(model: &Model) -> String {
                 true => String::new(),
                 false => format!(" · engine {}", engine::name(choice.engine)),
             };
-            let s = if groups == 1 { "" } else { "s" };
-            format!("{name} · {groups} group{s} · {} characters · seed {}{engine}", choice.characters, choice.seed)
+            let groups = counted(groups, "group");
+            format!("{name} · {groups} · {} characters · seed {}{engine}", choice.characters, choice.seed)
         }
         OpenDocument::Task(t) => {
-            let (things, edits) = (t.task().things.len(), if t.is_changed() { " · changed" } else { "" });
-            let motions = t.motions().len();
-            let [t1, t2] = [things, motions].map(|n| if n == 1 { "" } else { "s" });
-            format!("{name} · {} to do · {things} thing{t1} · {motions} motion{t2}{edits}", t.task().num_steps())
+            let (things, motions) = (counted(t.task().things.len(), "thing"), counted(t.motions().len(), "motion"));
+            let edits = if t.is_changed() { " · changed" } else { "" };
+            format!("{name} · {} to do · {things} · {motions}{edits}", t.task().num_steps())
         }
         OpenDocument::Clip(c) => {
             format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
@@ -79,11 +79,8 @@ fn title(model: &Model) -> String {
 }
 
 fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
-    if ui
-        .button("Open…")
-        .on_hover_text("A bundle, a scene, a world, a task, or files of motion; or drop them on the window (Ctrl+O)")
-        .clicked()
-    {
+    let tip = "A bundle, a scene, a world, a task, or files of motion; or drop them on the window (Ctrl+O)";
+    if ui.button("Open…").on_hover_text(tip).clicked() {
         states.dialog = Some(SystemDialog::Files);
     }
     if ui.button("Open folder…").on_hover_text("A folder of motion, which is built first").clicked() {
@@ -94,16 +91,11 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
             ui.weak("Nothing yet");
         }
         for paths in &model.settings.opened {
-            if ui.button(path_list(paths)).clicked() {
-                commands.push(ViewerCommand::Open(paths.clone()));
-            }
+            ui.button(path_list(paths)).request(commands, ViewerCommand::Open(paths.clone()));
         }
     });
-    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Reload")).clicked() {
-        commands.push(ViewerCommand::Reload);
-    }
-    if ui.add_enabled(model.document.path().is_some(), egui::Button::new("Start page")).clicked() {
-        commands.push(ViewerCommand::Close);
+    for (text, request) in [("Reload", ViewerCommand::Reload), ("Start page", ViewerCommand::Close)] {
+        ui.add_enabled(model.document.path().is_some(), egui::Button::new(text)).request(commands, request);
     }
     ui.separator();
     if ui.button("Quit").clicked() {
@@ -113,42 +105,28 @@ fn file(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
 
 fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
     let mut s = model.settings.clone();
-    if ui.button("Show everything").on_hover_text("A").clicked() {
-        commands.push(ViewerCommand::FrameAll);
-    }
+    ui.button("Show everything").on_hover_text("A").request(commands, ViewerCommand::FrameAll);
     ui.menu_button("Camera", |ui| {
         for preset in CameraPreset::ALL {
-            if ui.button(preset.name()).clicked() {
-                let mut camera = s.camera;
-                preset.turn(&mut camera);
-                commands.push(ViewerCommand::Camera(camera));
-            }
+            let mut camera = s.camera;
+            preset.turn(&mut camera);
+            ui.button(preset.name()).request(commands, ViewerCommand::Camera(camera));
         }
     });
     ui.checkbox(&mut s.follow, "Follow the selected character");
     ui.separator();
     ui.menu_button("Body", |ui| {
-        for (body, name) in model.bodies() {
-            ui.radio_value(&mut s.body, body, name);
-        }
+        radios(ui, &mut s.body, model.bodies());
         ui.separator();
-        ui.checkbox(&mut s.varied, "Bodies vary")
-            .on_hover_text("In proportions and clothes; feet stand where they are");
-        let own = ui.button("Your own…").on_hover_text("A character with a skin, as .glb; everybody wears it");
-        if own.clicked() {
+        let tip = "In proportions and clothes; feet stand where they are";
+        ui.checkbox(&mut s.varied, "Bodies vary").on_hover_text(tip);
+        let tip = "A character with a skin, as .glb; everybody wears it";
+        if ui.button("Your own…").on_hover_text(tip).clicked() {
             states.dialog = Some(SystemDialog::Body);
         }
     });
-    ui.menu_button("Colours", |ui| {
-        for (colouring, name) in Colouring::ALL {
-            ui.radio_value(&mut s.colouring, colouring, name);
-        }
-    });
-    ui.menu_button("Motion file", |ui| {
-        for (raw, name) in RawView::ALL {
-            ui.radio_value(&mut s.raw_view, raw, name);
-        }
-    });
+    ui.menu_button("Colours", |ui| radios(ui, &mut s.colouring, Colouring::ALL));
+    ui.menu_button("Motion file", |ui| radios(ui, &mut s.raw_view, RawView::ALL));
     ui.separator();
     overlays(ui, &mut s);
     ui.separator();
@@ -172,37 +150,36 @@ fn overlays(ui: &mut Ui, s: &mut ViewerSettings) {
 
 fn appearance(ui: &mut Ui, s: &mut ViewerSettings) {
     ui.menu_button("Theme", |ui| {
-        let all = [
-            (ThemePreference::Dark, "Dark"),
-            (ThemePreference::Light, "Light"),
-            (ThemePreference::System, "As the system"),
-        ];
-        for (theme, name) in all {
-            ui.radio_value(&mut s.theme, theme, name);
-        }
+        let system = (ThemePreference::System, "As the system");
+        radios(ui, &mut s.theme, [(ThemePreference::Dark, "Dark"), (ThemePreference::Light, "Light"), system]);
     });
     ui.menu_button("Size of text", |ui| {
-        for zoom in [0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0] {
-            ui.radio_value(&mut s.zoom, zoom, format!("{:.0} %", zoom * 100.0));
-        }
+        let sizes = [0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0];
+        radios(ui, &mut s.zoom, sizes.map(|zoom| (zoom, format!("{:.0} %", zoom * 100.0))));
     });
+}
+
+/// Buttons of which one is pressed: the value that they stand for.
+fn radios<T: PartialEq>(ui: &mut Ui, value: &mut T, all: impl IntoIterator<Item = (T, impl ToString)>) {
+    for (one, name) in all {
+        ui.radio_value(value, one, name.to_string());
+    }
 }
 
 fn panels(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     for panel in PANELS {
         let open = [model.settings.side_panel, model.settings.bottom_panel].contains(&Some(panel.kind));
         let text = format!("{} ({})", panel.title, panel.key.name());
-        if ui.selectable_label(open, text).on_hover_text(panel.purpose).clicked() {
-            commands.push(ViewerCommand::TogglePanel(panel.kind));
-        }
+        let label = ui.selectable_label(open, text).on_hover_text(panel.purpose);
+        label.request(commands, ViewerCommand::TogglePanel(panel.kind));
     }
 }
 
 fn stages(ui: &mut Ui, model: &Model, commands: &mut Commands) {
-    let run = match () {
-        () if model.document.world().is_some() => (ViewStage::Crowd, "World", "The characters of the world"),
-        () if model.document.scene().is_some() => (ViewStage::Crowd, "Scene", "The groups of the scene"),
-        () => (ViewStage::Crowd, "Crowd", "The run of a crowd"),
+    let run = match &model.document {
+        OpenDocument::World(_) => (ViewStage::Crowd, "World", "The characters of the world"),
+        OpenDocument::Scene(_) => (ViewStage::Crowd, "Scene", "The groups of the scene"),
+        _ => (ViewStage::Crowd, "Crowd", "The run of a crowd"),
     };
     let all = [
         run,
@@ -211,8 +188,7 @@ fn stages(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     ];
     let there = model.stages();
     for (stage, name, tip) in all.into_iter().filter(|s| there.contains(&s.0)) {
-        if ui.selectable_label(model.shown_stage() == stage, name).on_hover_text(format!("{tip} (C)")).clicked() {
-            commands.push(ViewerCommand::Stage(stage));
-        }
+        let label = ui.selectable_label(model.shown_stage() == stage, name).on_hover_text(format!("{tip} (C)"));
+        label.request(commands, ViewerCommand::Stage(stage));
     }
 }

@@ -1,11 +1,12 @@
 //! Time: play, pause, step, speed, and the last minute to be scrubbed through.
 
 use super::glitches::{self, GlitchMark};
+use super::paint::PanelWidget;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::run::STEP_HZ;
 use crate::theme::ThemePalette;
-use eframe::egui::{self, Button, Label, Rangef, Rect, Response, Slider, Ui, remap, vec2};
+use eframe::egui::{self, Button, Label, Rangef, Rect, Response, RichText, Role, Slider, Ui, remap, vec2};
 
 /// Input of the bar: from the run or from the clip.
 struct TransportTime {
@@ -55,7 +56,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
         let what = if model.shows_clip() { "frame" } else { "step" };
         let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
         // Each control moves to the next row as a whole if there is no room.
-        ui.add(Label::new(egui::RichText::new(text).monospace()).extend());
+        ui.add(Label::new(RichText::new(text).monospace()).extend());
         let note = if model.shows_clip() {
             format!("of {:.2} s", seconds(t.last))
         } else if t.live {
@@ -63,7 +64,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
         } else {
             format!("{:.1} s ago", seconds(t.last - t.now))
         };
-        ui.add(Label::new(egui::RichText::new(note).weak()).extend());
+        ui.add(Label::new(RichText::new(note).weak()).extend());
     });
 }
 
@@ -110,11 +111,8 @@ fn pointed(ui: &Ui, scrubber: &Response, t: &TransportTime, marks: &[GlitchMark]
 
 fn buttons(ui: &mut Ui, t: &TransportTime, is_clip: bool, commands: &mut Commands) {
     let mut button = |text: &str, name: &str, tip: &str, command: ViewerCommand| {
-        let r = ui.add(Button::new(text).min_size(vec2(26.0, 22.0))).on_hover_text(tip);
-        r.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
-        if r.clicked() {
-            commands.push(command);
-        }
+        let button = ui.add(Button::new(text).min_size(vec2(26.0, 22.0))).on_hover_text(tip);
+        button.named(Role::Button, name).request(commands, command);
     };
     button("⏮", "First", "Start of the recording (Home)", ViewerCommand::Seek(t.first));
     button("⏪", "Step back", "One step back (Left; Shift+Left a second)", ViewerCommand::Step(-1));
@@ -133,10 +131,8 @@ fn speed(ui: &mut Ui, t: &TransportTime, commands: &mut Commands) {
     let name = |s: f32| format!("{s} ×");
     let combo = egui::ComboBox::from_id_salt("speed").width(64.0).selected_text(name(t.speed)).show_ui(ui, |ui| {
         for s in [0.1, 0.25, 0.5, 1.0, 2.0, 4.0] {
-            if ui.selectable_label(t.speed == s, name(s)).clicked() {
-                commands.push(ViewerCommand::Speed(s));
-            }
+            ui.selectable_label(t.speed == s, name(s)).request(commands, ViewerCommand::Speed(s));
         }
     });
-    combo.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Speed"));
+    combo.response.named(Role::ComboBox, "Speed");
 }

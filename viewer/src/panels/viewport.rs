@@ -8,6 +8,7 @@ pub mod steer;
 pub mod task;
 pub mod world;
 
+use super::paint::PanelWidget;
 use super::{build, messages, words};
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
@@ -65,20 +66,19 @@ pub fn show(
     paint: impl FnOnce(&Ui, ViewportArea) -> Result<(), String>,
 ) {
     let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3-D view"));
+    let response = response.named(egui::Role::Image, "3-D view");
     let rect = response.rect;
     state.aspect = rect.width() / rect.height().max(1.0);
     let camera = model.settings.camera;
-    match paint(ui, ViewportArea { rect, camera }) {
-        Ok(()) => {}
-        Err(why) => note(ui, rect, &why, ui.visuals().error_fg_color),
+    if let Err(why) = paint(ui, ViewportArea { rect, camera }) {
+        note(ui, rect, &why, ui.visuals().error_fg_color);
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
     steer::show(ui, rect, model);
     let pointed = response.hover_pos();
-    let ray = || Some(model.settings.camera.ray(position_in_view(rect, pointed?), size(rect)));
+    let ray = || Some(ray_at(model, rect, pointed?));
     blackboards::show_tooltip(response.clone(), model, ray);
     show_value_tooltip(response, model, layout);
     edits::show(ui, rect, model, commands);
@@ -105,11 +105,28 @@ fn position_in_view(rect: Rect, at: Pos2) -> Vec2 {
     Vec2::new(at.x - rect.left(), at.y - rect.top())
 }
 
+/// Ray through a place on the screen.
+fn ray_at(model: &Model, rect: Rect, at: Pos2) -> Ray {
+    model.settings.camera.ray(position_in_view(rect, at), size(rect))
+}
+
+/// Text at a corner of the view, on a ground of its own.
+///
+/// - `width`: widest line, as a share of the view; `place`: where a text of some size lies.
+fn caption(ui: &Ui, rect: Rect, text: String, width: f32, place: impl FnOnce(egui::Vec2) -> Pos2) {
+    let (font, colour) = (FontId::proportional(13.0), ui.visuals().strong_text_color());
+    let galley = ui.painter().layout(text, font, colour, (rect.width() * width).max(100.0));
+    let at = place(galley.size());
+    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
+    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
+    ui.painter().galley(at, galley, colour);
+}
+
 /// Camera and targets.
 fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, commands: &mut Commands) {
     let rect = response.rect;
     let shift = ui.input(|i| i.modifiers.shift);
-    let ray = |at: Pos2| model.settings.camera.ray(position_in_view(rect, at), size(rect));
+    let ray = |at: Pos2| ray_at(model, rect, at);
     let was_dragged = state.dragged_unit.is_some();
     let drags_unit = world::drag(ui, response, model, ray, &mut state.dragged_unit, commands);
     world::keys(ui, model, was_dragged, commands);
@@ -130,7 +147,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
     if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
         && let Some(targets) = &targets
     {
-        let ray = model.settings.camera.ray(position_in_view(rect, at), size(rect));
+        let ray = ray(at);
         let held = targets.all.iter().find(|t| character.is_none_or(|c| c == t.0));
         let to = match held.and_then(|t| t.2) {
             // A target in the air goes up and down while the Alt key is held, else it keeps its height.
@@ -232,7 +249,7 @@ fn grabbed(model: &Model, targets: &MovableTargets, rect: Rect, at: Pos2) -> Opt
 fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Commands) {
     let rect = response.rect;
     let Some(at) = response.interact_pointer_pos() else { return };
-    let ray = model.settings.camera.ray(position_in_view(rect, at), size(rect));
+    let ray = ray_at(model, rect, at);
     if response.double_clicked() {
         if let Some(place) = ray.intersect_ground() {
             let mut camera = model.settings.camera;
@@ -283,10 +300,8 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
     match scene.run().simulation().locate(character).0 {
         AnyCharacterGroup::Patches(_) => {
             let place = scene.surroundings().intersect_units(ray).or(ray.intersect_ground())?;
-            Some(RunInput::Goal {
-                character,
-                goal: Some(InhabitantGoal::GoNear { place, within_m: world::SENT_WITHIN_M }),
-            })
+            let goal = InhabitantGoal::GoNear { place, within_m: world::SENT_WITHIN_M };
+            Some(RunInput::Goal { character, goal: Some(goal) })
         }
         _ => None,
     }
@@ -294,11 +309,8 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
 
 /// Shows a tooltip with the value of the policy's cell under the pointer, and the best action there.
 fn show_value_tooltip(response: Response, model: &Model, layout: &StageLayout) {
-    let (Some(at), Some(bundle), Some(state)) =
-        (response.hover_pos(), model.document.bundle(), model.inspected_state())
-    else {
-        return;
-    };
+    let (Some(bundle), Some(state)) = (model.document.bundle(), model.inspected_state()) else { return };
+    let Some(at) = response.hover_pos() else { return };
     let (rect, camera) = (response.rect, model.settings.camera);
     let eye = camera.eye();
     let is_near = |c: &&ValueCell| {

@@ -54,6 +54,11 @@ pub fn path_list(paths: &[PathBuf]) -> String {
     paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
+/// A number of things, such as `1 warning` or `2 warnings`.
+pub fn counted(n: usize, thing: &str) -> String {
+    format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
+}
+
 /// 1st, 2nd, 3rd, ...
 pub fn ordinal(n: usize) -> String {
     let ending = match (n % 10, n % 100) {
@@ -124,6 +129,7 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
 ///
 /// - `tags`: names of the link tags of the bundle.
 pub fn goal(goal: InhabitantGoal, tags: &[String]) -> String {
+    let name = |tag: u16| tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
     match goal {
         InhabitantGoal::Roam => "roam".to_owned(),
         InhabitantGoal::GoTo { instance } => format!("go to patch {instance}"),
@@ -131,14 +137,8 @@ pub fn goal(goal: InhabitantGoal, tags: &[String]) -> String {
             format!("go to {:.1}, {:.1}, {:.1} m", place.at.x, place.at.y, place.at.z)
         }
         InhabitantGoal::GoNear { place, .. } => format!("go near {:.1}, {:.1}, {:.1} m", place.x, place.y, place.z),
-        InhabitantGoal::Perform { tag, seconds } => {
-            let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
-            format!("{name} for {seconds:.0} s")
-        }
-        InhabitantGoal::Meet { tag, seconds } => {
-            let name = tags.get(usize::from(tag).wrapping_sub(1)).map_or("something", String::as_str);
-            format!("{name} with a partner for {seconds:.0} s")
-        }
+        InhabitantGoal::Perform { tag, seconds } => format!("{} for {seconds:.0} s", name(tag)),
+        InhabitantGoal::Meet { tag, seconds } => format!("{} with a partner for {seconds:.0} s", name(tag)),
     }
 }
 

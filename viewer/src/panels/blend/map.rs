@@ -1,14 +1,14 @@
 //! The map of two axes: the weight of an example in colours, all examples as dots, and the point.
 
-use super::plane::{MapAxes, MapPlane, unit};
+use super::plane::{MapPlane, unit};
 use super::surface::{self, SurfaceKey, WeightSurface};
 use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
-use crate::panels::paint::legend;
+use crate::panels::paint::{PanelWidget, legend};
 use crate::run::Blending;
 use crate::theme::ThemePalette;
 use eframe::egui::{
-    Align2, Color32, EventFilter, FontId, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
-    StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
+    Align2, Color32, EventFilter, FontId, Key, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
+    StrokeKind, Ui, Visuals, pos2, vec2,
 };
 use throng_core::blend::axis;
 
@@ -24,20 +24,15 @@ const STEPS: [f32; 2] = [0.1, 0.02];
 const DOT: [f32; 2] = [2.6, 6.0];
 
 /// Shows the map; dragging moves the point.
-pub fn show(
-    ui: &mut Ui,
-    input: &BlendPanelInput<'_>,
-    state: &mut BlendPanelState,
-    shown: MapAxes,
-    wanted: &mut Blending,
-) {
+pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelState, wanted: &mut Blending) {
+    let Some((_, shown)) = state.shown else { return };
     let width = ui.available_width();
     let height = if shown.up.is_some() { (0.74 * width).clamp(HEIGHTS[0], HEIGHTS[1]) } else { LOW_HEIGHT };
     let (all, response) = ui.allocate_exact_size(vec2(width, height), Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Parameter space"));
+    let response = response.named(Role::Canvas, "Parameter space");
     let rect = Rect::from_min_max(all.min + vec2(LEFT, 8.0), all.max - vec2(10.0, BELOW));
     let plane = MapPlane::new(input.space.axes(), shown, rect);
-    move_point(ui, &response, input, state, &plane, wanted);
+    state.move_point(&response, input, &plane, wanted);
     let dark = ui.visuals().dark_mode;
     let key = SurfaceKey::new(input.document, input.number, input.example, &wanted.point, plane, dark);
     if state.surface.as_ref().is_none_or(|s| s.key != key) {
@@ -53,62 +48,56 @@ pub fn show(
     key_to_colours(ui, input, state);
 }
 
-/// The mouse and the arrow keys.
-fn move_point(
-    ui: &Ui,
-    response: &Response,
-    input: &BlendPanelInput<'_>,
-    state: &mut BlendPanelState,
-    plane: &MapPlane,
-    wanted: &mut Blending,
-) {
-    let (axes, examples) = (input.space.axes(), input.space.examples());
-    let pointed_at = |at: Pos2| plane.pointed_at(axes, examples, &wanted.point, at);
-    state.hovered = response.hover_pos().filter(|_| !response.dragged()).and_then(pointed_at);
-    if response.clicked() || response.drag_started() {
-        response.request_focus();
-    }
-    if let Some(at) = response.interact_pointer_pos() {
-        match pointed_at(at) {
-            // A click on an example shows its weights; a drag moves the point over it.
-            Some(example) if response.clicked() => {
-                state.example = if state.example == Some(example) { None } else { Some(example) };
-            }
-            _ if response.dragged() || response.clicked() => wanted.point = plane.moved(&wanted.point, at),
-            _ => {}
+impl BlendPanelState {
+    /// Moves the point by the mouse and the arrow keys.
+    fn move_point(
+        &mut self,
+        response: &Response,
+        input: &BlendPanelInput<'_>,
+        plane: &MapPlane,
+        wanted: &mut Blending,
+    ) {
+        let (axes, examples) = (input.space.axes(), input.space.examples());
+        let pointed_at = |at: Pos2| plane.pointed_at(axes, examples, &wanted.point, at);
+        self.hovered = response.hover_pos().filter(|_| !response.dragged()).and_then(pointed_at);
+        if response.clicked() || response.drag_started() {
+            response.request_focus();
         }
-    }
-    if let Some(example) = state.hovered {
-        response.clone().on_hover_ui_at_pointer(|ui| {
-            describe_example(ui, input, example);
-            ui.weak("A click shows its weights.");
-        });
-    }
-    state.focus = response.has_focus();
-    if !state.focus {
-        return;
-    }
-    // The arrow keys do not move the focus meanwhile.
-    let filter = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
-    ui.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
-    for (key, right, up) in ARROWS {
-        for (modifiers, step) in [Modifiers::SHIFT, Modifiers::NONE].into_iter().zip(STEPS) {
-            let presses = ui.input_mut(|i| i.count_and_consume_key(modifiers, key));
-            if presses > 0 {
-                let step = step * presses as f32;
-                wanted.point = plane.stepped(&wanted.point, right * step, up * step);
+        if let Some(at) = response.interact_pointer_pos() {
+            match pointed_at(at) {
+                // A click on an example shows its weights; a drag moves the point over it.
+                Some(example) if response.clicked() => self.toggle_example(example),
+                _ if response.dragged() || response.clicked() => wanted.point = plane.moved(&wanted.point, at),
+                _ => {}
+            }
+        }
+        if let Some(example) = self.hovered {
+            response.clone().on_hover_ui_at_pointer(|ui| {
+                describe_example(ui, input, example);
+                ui.weak("A click shows its weights.");
+            });
+        }
+        self.focus = response.has_focus();
+        if !self.focus {
+            return;
+        }
+        // The arrow keys do not move the focus meanwhile.
+        let filter = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        response.ctx.memory_mut(|m| m.set_focus_lock_filter(response.id, filter));
+        for (key, right, up) in ARROWS {
+            for (modifiers, step) in [Modifiers::SHIFT, Modifiers::NONE].into_iter().zip(STEPS) {
+                let step = step * response.ctx.input_mut(|i| i.count_and_consume_key(modifiers, key)) as f32;
+                if step > 0.0 {
+                    wanted.point = plane.stepped(&wanted.point, right * step, up * step);
+                }
             }
         }
     }
 }
 
 /// The arrow keys, and where they lead: to the right, upwards.
-const ARROWS: [(eframe::egui::Key, f32, f32); 4] = [
-    (eframe::egui::Key::ArrowLeft, -1.0, 0.0),
-    (eframe::egui::Key::ArrowRight, 1.0, 0.0),
-    (eframe::egui::Key::ArrowDown, 0.0, -1.0),
-    (eframe::egui::Key::ArrowUp, 0.0, 1.0),
-];
+const ARROWS: [(Key, f32, f32); 4] =
+    [(Key::ArrowLeft, -1.0, 0.0), (Key::ArrowRight, 1.0, 0.0), (Key::ArrowDown, 0.0, -1.0), (Key::ArrowUp, 0.0, 1.0)];
 
 /// Edges, ticks and names of the axes.
 fn frame(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plane: &MapPlane, has_focus: bool) {
@@ -161,22 +150,15 @@ fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state
         let strength = 1.0 - 0.8 * depth;
         let radius = DOT[0] + DOT[1] * weight.abs().min(1.2).sqrt();
         if weight.abs() >= 0.005 {
-            painter.circle(
-                at,
-                radius,
-                weight_colour(weight, visuals.dark_mode).gamma_multiply(strength.max(0.5)),
-                Stroke::new(1.5, edge),
-            );
+            let fill = weight_colour(weight, visuals.dark_mode).gamma_multiply(strength.max(0.5));
+            painter.circle(at, radius, fill, Stroke::new(1.5, edge));
         } else {
             let ink = visuals.strong_text_color().gamma_multiply(0.75 * strength);
             painter.circle(at, radius, edge.gamma_multiply(strength), Stroke::new(1.4, ink));
         }
-        if state.hovered == Some(i) || input.example == i {
-            let ring = if state.hovered == Some(i) {
-                visuals.strong_text_color()
-            } else {
-                ThemePalette::for_visuals(visuals).state
-            };
+        let is_hovered = state.hovered == Some(i);
+        if is_hovered || input.example == i {
+            let ring = if is_hovered { visuals.strong_text_color() } else { ThemePalette::for_visuals(visuals).state };
             painter.circle_stroke(at, radius + 3.0, Stroke::new(1.8, ring));
         }
     }

@@ -8,14 +8,15 @@ mod rows;
 mod surface;
 mod timing;
 
-use super::paint::{empty, no_bundle};
-use crate::command::{Commands, ViewerCommand};
+use super::paint::{PanelWidget, choose, empty, no_bundle};
+use crate::bundle::OpenBundle;
+use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::model::Model;
 use crate::run::Blending;
-use eframe::egui::{Color32, ComboBox, Grid, Role, Slider, Ui, WidgetInfo};
+use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;
-use throng_core::blend::{BlendSpace, ExampleRecord};
+use throng_core::blend::{BlendSpace, ExampleRecord, MAX_AXES, axis};
 use throng_core::format::BlendMeta;
 
 /// View settings of the panel, and cached results.
@@ -39,6 +40,11 @@ impl BlendPanelState {
     pub fn has_focus(&self) -> bool {
         self.focus
     }
+
+    /// Shows the weights of an example; of the strongest one where they are shown already.
+    fn toggle_example(&mut self, example: usize) {
+        self.example = Some(example).filter(|e| self.example != Some(*e));
+    }
 }
 
 /// Input shared by all parts of the panel.
@@ -50,7 +56,7 @@ struct BlendPanelInput<'a> {
     /// Weights at the moment shown (number of examples).
     weights: &'a [f32],
     /// The point at that moment.
-    now: &'a [f32; throng_core::blend::MAX_AXES],
+    now: &'a [f32; MAX_AXES],
     /// Generic time at that moment.
     phase: f32,
     /// Selected example.
@@ -96,9 +102,9 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
         document: model.generation,
     };
     let mut wanted = blending;
-    choices(ui, model, bundle.blends(), &mut wanted, &mut shown, &input);
+    choices(ui, bundle, &mut wanted, &mut shown, &input);
     state.shown = Some((key, shown));
-    map::show(ui, &input, state, shown, &mut wanted);
+    map::show(ui, &input, state, &mut wanted);
     ui.add_space(4.0);
     sliders(ui, &input, &mut wanted);
     ui.separator();
@@ -109,32 +115,19 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
         commands.push(ViewerCommand::Blend(wanted));
     } else if !model.shows_blend() {
         ui.add_space(4.0);
-        if ui.button("Show it walking").clicked() {
-            commands.push(ViewerCommand::Stage(crate::command::ViewStage::Blend));
-        }
+        ui.button("Show it walking").request(commands, ViewerCommand::Stage(ViewStage::Blend));
     }
 }
 
 /// The space, and the axes of the map.
-fn choices(
-    ui: &mut Ui,
-    model: &Model,
-    spaces: &[BlendSpace],
-    wanted: &mut Blending,
-    shown: &mut MapAxes,
-    input: &BlendPanelInput<'_>,
-) {
+fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut MapAxes, input: &BlendPanelInput<'_>) {
     ui.horizontal_wrapped(|ui| {
-        let Some(bundle) = model.document.bundle() else { return };
-        let combo = ComboBox::from_id_salt("space").width(80.0).selected_text(&input.meta.name).show_ui(ui, |ui| {
-            for (number, space) in spaces.iter().enumerate() {
-                let name = &bundle.blend_meta(number).name;
-                if ui.selectable_label(number == input.number, name).clicked() && number != input.number {
-                    *wanted = carried_over(input, wanted, number, space);
-                }
-            }
-        });
-        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Space"));
+        let (spaces, mut number) = (bundle.blends(), input.number);
+        let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
+        choose(ui, "Space", Some(80.0), &mut number, names);
+        if number != input.number {
+            *wanted = carried_over(input, wanted, number, &spaces[number]);
+        }
         if input.space.axes().len() > 2 {
             let (across, up) = (shown.across, shown.up.unwrap_or(0));
             if let Some(axis) = axis_choice(ui, "Across", input, across) {
@@ -161,7 +154,7 @@ fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, number: usize, spa
     let mut point = fresh.point;
     for (axis, record) in space.axes().iter().enumerate() {
         let same = input.space.axes().iter().position(|a| a.kind == record.kind);
-        if let Some(same) = same.filter(|_| record.kind != throng_core::blend::axis::STYLE) {
+        if let Some(same) = same.filter(|_| record.kind != axis::STYLE) {
             point[axis] = from.point[same];
         } else if input.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
             point[axis] = from.point[axis];
@@ -172,12 +165,7 @@ fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, number: usize, spa
 
 fn axis_choice(ui: &mut Ui, name: &str, input: &BlendPanelInput<'_>, now: usize) -> Option<usize> {
     let mut chosen = now;
-    let combo = ComboBox::from_id_salt(name).width(64.0).selected_text(&input.meta.axes[now]).show_ui(ui, |ui| {
-        for (axis, text) in input.meta.axes.iter().enumerate() {
-            ui.selectable_value(&mut chosen, axis, text);
-        }
-    });
-    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
+    choose(ui, name, Some(64.0), &mut chosen, input.meta.axes.iter().cloned().enumerate());
     (chosen != now).then_some(chosen)
 }
 

@@ -1,10 +1,11 @@
 //! The examples of the blend: weights as bars, and when their feet stand over generic time.
 
-use super::timing::{CycleContacts, StanceIntervals, order};
+use super::timing::{CycleContacts, order};
 use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
+use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{
-    Align2, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, pos2, vec2,
 };
 
 /// Height of a row, and of the one of the blend (points).
@@ -53,13 +54,12 @@ pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelStat
     let mut hovered = None;
     for e in rows {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-        let name = input.meta.examples.get(e).map_or("", String::as_str);
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
+        let response = response.named(Role::Button, input.meta.examples.get(e).map_or("", String::as_str));
         if ui.is_rect_visible(rect) {
             example_row(ui, input, e, &short[e], rect, response.hovered());
         }
         if response.clicked() {
-            state.example = if state.example == Some(e) { None } else { Some(e) };
+            state.toggle_example(e);
         }
         if response.hovered() {
             hovered = Some(e);
@@ -87,7 +87,7 @@ fn short_names(names: &[String]) -> Vec<String> {
 /// Row of the blend: its contacts, and the duration of its cycle.
 fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, "Blend"));
+    let response = response.named(Role::Label, "Blend");
     let mut weights = input.weights.to_vec();
     weights.resize(input.space.stride(), 0.0);
     let Ok(steps) = CycleContacts::from_blend(input.space, &weights) else { return };
@@ -98,9 +98,7 @@ fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let phase = format!("{:.2}", input.phase);
     let at = pos2(columns.bar.max, rect.center().y);
     painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), ThemePalette::for_visuals(visuals).head);
-    chart(painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, input.phase);
-    let at = pos2(columns.seconds.max, rect.center().y);
-    painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
+    chart(painter, visuals, rect, &steps, input.phase, ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
 
@@ -119,10 +117,7 @@ fn example_row(ui: &Ui, input: &BlendPanelInput<'_>, e: usize, name: &str, rect:
     bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
     let Some(example) = input.space.examples().get(e) else { return };
     let steps = CycleContacts::from_example(example);
-    chart(&painter, visuals, Rect::from_x_y_ranges(columns.time, rect.y_range()), &steps.feet, input.phase);
-    let seconds = format!("{:.2} s", steps.seconds);
-    let at = pos2(columns.seconds.max, middle);
-    painter.text(at, Align2::RIGHT_CENTER, seconds, FontId::proportional(11.0), visuals.weak_text_color());
+    chart(&painter, visuals, rect, &steps, input.phase, visuals.weak_text_color());
 }
 
 /// A weight: to the right from a line, negative ones to the left; the number beside it.
@@ -138,14 +133,16 @@ fn bar(painter: &Painter, visuals: &Visuals, all: Rect, weight: f32) {
     painter.text(at, Align2::RIGHT_CENTER, format!("{weight:.2}"), FontId::proportional(11.0), visuals.text_color());
 }
 
-/// When the left foot stands above, the right one below it, and the generic time that is shown.
-fn chart(painter: &Painter, visuals: &Visuals, rect: Rect, feet: &[StanceIntervals; 2], phase: f32) {
-    let palette = ThemePalette::for_visuals(visuals);
-    let rect = rect.shrink2(vec2(0.0, 2.0));
+/// When the left foot stands above, the right one below it, the generic time that is shown, and the time of the cycle.
+fn chart(painter: &Painter, visuals: &Visuals, row: Rect, steps: &CycleContacts, phase: f32, ink: Color32) {
+    let (palette, columns) = (ThemePalette::for_visuals(visuals), ExampleColumns::in_rect(row));
+    let at = pos2(columns.seconds.max, row.center().y);
+    painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
+    let rect = Rect::from_x_y_ranges(columns.time, row.y_range()).shrink2(vec2(0.0, 2.0));
     painter.rect_stroke(rect, 0.0, visuals.widgets.noninteractive.bg_stroke, StrokeKind::Inside);
     let x = |t: f32| rect.left() + t * rect.width();
     let half = 0.5 * rect.height();
-    for (side, (stands, colour)) in feet.iter().zip([palette.left, palette.right]).enumerate() {
+    for (side, (stands, colour)) in steps.feet.iter().zip([palette.left, palette.right]).enumerate() {
         let top = rect.top() + side as f32 * half;
         for stand in stands {
             let lane = Rect::from_x_y_ranges(x(stand.start)..=x(stand.end), top + 1.5..=top + half - 1.0);

@@ -3,6 +3,7 @@
 use std::ops::Range;
 use throng_core::Error;
 use throng_core::blend::{BlendSpace, BlendedPosture, ExampleRecord, channel};
+use throng_precompute::clip;
 
 /// Moments at which a blend is sampled.
 const MOMENTS: usize = 96;
@@ -61,15 +62,8 @@ fn cut(strike: f32, off: f32) -> StanceIntervals {
 
 /// Intervals of samples that are true, as parts of the whole.
 fn runs(down: &[bool]) -> StanceIntervals {
-    let (n, mut out) = (down.len() as f32, StanceIntervals::new());
-    for (i, _) in down.iter().enumerate().filter(|d| *d.1) {
-        let (from, to) = (i as f32 / n, (i + 1) as f32 / n);
-        match out.last_mut() {
-            Some(last) if i > 0 && down[i - 1] => last.end = to,
-            _ => out.push(from..to),
-        }
-    }
-    out
+    let part = |i: usize| i as f32 / down.len() as f32;
+    clip::runs_where(0..down.len(), |i| down[i]).into_iter().map(|r| part(r.start)..part(r.end)).collect()
 }
 
 /// The examples of a blend in the order of how much they matter.

@@ -1,8 +1,9 @@
 //! Settings of a crowd.
 
 use crate::command::{Commands, ViewerCommand};
+use crate::panels::paint::choose;
 use crate::run::{CrowdRunConfig, MAX_CHARACTERS, TargetMode};
-use eframe::egui::{self, ComboBox, DragValue, Grid, Slider, Ui};
+use eframe::egui::{self, DragValue, Grid, Slider, Ui};
 
 /// Shows the settings of a crowd.
 ///
@@ -25,21 +26,15 @@ pub fn show(ui: &mut Ui, config: &CrowdRunConfig, dragged: &mut Option<CrowdRunC
             ui.add(DragValue::new(&mut c.seed).update_while_editing(false))
         });
         row(ui, "targets", "What targets do", &mut |ui| {
-            let name = TargetMode::ALL.iter().find(|t| t.0 == c.targets).map_or("", |t| t.1);
-            let combo = ComboBox::from_id_salt("targets").selected_text(name).show_ui(ui, |ui| {
-                for (mode, name) in TargetMode::ALL {
-                    ui.selectable_value(&mut c.targets, mode, name);
-                }
-            });
-            combo.response
+            choose(ui, "targets", None, &mut c.targets, TargetMode::ALL.map(|(mode, name)| (mode, name.to_owned())))
         });
         row(ui, "target distance", "Nearest and farthest a target stands", &mut |ui| {
-            let [near, far] = &mut c.distances;
+            let fields = c.distances.each_mut().map(DragValue::new);
+            let [near, far] = fields.map(|f| f.update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"));
             let pair = ui.horizontal(|ui| {
-                let a = ui
-                    .add(DragValue::new(near).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"));
+                let near = ui.add(near);
                 ui.label("to");
-                a | ui.add(DragValue::new(far).update_while_editing(false).speed(0.05).range(0.0..=100.0).suffix(" m"))
+                near | ui.add(far)
             });
             pair.inner
         });

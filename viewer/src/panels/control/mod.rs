@@ -7,6 +7,7 @@ mod target;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use crate::run::{CrowdRunConfig, RunInput};
 use crate::settings::PanelKind;
 use eframe::egui::{Grid, Slider, Ui};
@@ -24,36 +25,27 @@ pub struct ControlPanelState {
 pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands: &mut Commands) {
     if model.document.world().is_some() {
         ui.weak("The panel Patches gives orders to the characters of a world.");
-        if ui.button("Open it").clicked() {
-            commands.push(ViewerCommand::TogglePanel(PanelKind::Patches));
-        }
-        return;
+        return ui.button("Open it").request(commands, ViewerCommand::TogglePanel(PanelKind::Patches));
     }
     if let Some(scene) = model.document.scene() {
         return scene::show(ui, model, scene, &mut state.scene, commands);
     }
-    let Some(bundle) = model.document.bundle() else {
+    let OpenDocument::Bundle(document) = &model.document else {
         ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
         return;
     };
-    let run = match &model.document {
-        OpenDocument::Bundle(b) => &b.run,
-        _ => return,
-    };
-    let run = match run {
+    let run = match &document.run {
         Ok(run) => run,
         Err(why) => {
             ui.label(why);
-            if model.document.blend().is_some() {
+            if document.blend.is_some() {
                 ui.weak("Its characters are blended from examples. The panel Blend controls one of them.");
-                if ui.button("Open it").clicked() {
-                    commands.push(ViewerCommand::TogglePanel(PanelKind::Blend));
-                }
+                ui.button("Open it").request(commands, ViewerCommand::TogglePanel(PanelKind::Blend));
             }
             return;
         }
     };
-    let names = &bundle.tables().meta().behaviours;
+    let names = &document.bundle.tables().meta().behaviours;
     let weighed: Vec<&str> =
         run.goals().iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
     behaviours(ui, &weighed, run.weights(), 0, commands);

@@ -4,14 +4,15 @@ use super::{behaviours, target};
 use crate::command::{Commands, SceneCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use crate::panels::{offer_first_character, words};
 use crate::run::RunInput;
-use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui, WidgetInfo};
+use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui};
 use std::path::PathBuf;
 use throng_crowd::Scheme;
 use throng_simulation::scene::engine;
 use throng_simulation::sparring::StruckPart;
-use throng_simulation::{AnyCharacterGroup, CharacterEvent, SceneGroup, Simulation, SimulationEvent};
+use throng_simulation::{AnyCharacterGroup, CharacterEvent, Simulation, SimulationEvent};
 
 /// Events that are listed.
 const MAX_EVENTS: usize = 12;
@@ -43,9 +44,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut Scene
         ui.weak("Nothing has happened yet.");
     }
     for event in events {
-        if ui.link(event_text(event)).on_hover_text("Select this character").clicked() {
-            commands.push(ViewerCommand::SelectCharacter(Some(event.who)));
-        }
+        let link = ui.link(event_text(event)).on_hover_text("Select this character");
+        link.request(commands, ViewerCommand::SelectCharacter(Some(event.who)));
     }
 }
 
@@ -55,22 +55,20 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
     ui.strong("Selected");
     let Some((who, text)) = who.and_then(|who| Some((who, words::character(simulation, who)?))) else {
-        offer_first_character(ui, "Click a character or an agent in the 3-D view, or", true, commands);
-        return;
+        return offer_first_character(ui, "Click a character or an agent in the 3-D view, or", true, commands);
     };
     ui.label(text);
     match simulation.locate(who) {
         (AnyCharacterGroup::Policy(p), member) => {
             target::hanging(ui, who, p.practice().targets()[member].home, commands)
         }
-        (AnyCharacterGroup::Sparring(_), member) if ui.small_button("select its opponent").clicked() => {
-            commands.push(ViewerCommand::SelectCharacter(Some(who - member + (member ^ 1))));
+        (AnyCharacterGroup::Sparring(_), member) => {
+            let opponent = who - member + (member ^ 1);
+            ui.small_button("select its opponent").request(commands, ViewerCommand::SelectCharacter(Some(opponent)));
         }
         (AnyCharacterGroup::Patches(people), member) if people.is_ordered(member) => {
-            let tip = "It decides for itself again";
-            if ui.button("Let go").on_hover_text(tip).clicked() {
-                commands.push(ViewerCommand::Input(RunInput::Goal { character: who, goal: None }));
-            }
+            let let_go = ui.button("Let go").on_hover_text("It decides for itself again");
+            let_go.request(commands, ViewerCommand::Input(RunInput::Goal { character: who, goal: None }));
         }
         (AnyCharacterGroup::Patches(_), _) => _ = ui.weak("Ctrl and a click send it to a place."),
         _ => {}
@@ -92,8 +90,7 @@ fn scene_choice(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneCh
                     ui.selectable_value(&mut wanted.engine, scheme, name).on_hover_text(meaning(scheme));
                 }
             });
-            combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Engine"));
-            combo.response.on_hover_text(meaning(wanted.engine));
+            combo.response.named(Role::ComboBox, "Engine").on_hover_text(meaning(wanted.engine));
             ui.end_row();
         }
         let label = ui.label("characters").on_hover_text("Of all groups, each with its share");
@@ -105,9 +102,8 @@ fn scene_choice(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneCh
         ui.horizontal(|ui| {
             let seed = DragValue::new(&mut wanted.seed).update_while_editing(false);
             is_dragged |= ui.add(seed).labelled_by(label.id).dragged();
-            if ui.button("Restart").on_hover_text("With the same settings (R)").clicked() {
-                commands.push(ViewerCommand::Restart);
-            }
+            let restart = ui.button("Restart").on_hover_text("With the same settings (R)");
+            restart.request(commands, ViewerCommand::Restart);
             if scene.restarting().is_some() {
                 ui.spinner();
             }
@@ -138,34 +134,27 @@ fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut SceneControlState, comm
     ui.horizontal(|ui| {
         let save = ui.button("Save").on_hover_text("Save the state at the step shown");
         let restore = ui.button("Restore").on_hover_text("Continue from a saved state");
-        let field = ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
-        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Snapshot file"));
-        let path = PathBuf::from(file.trim());
-        if save.clicked() && !file.trim().is_empty() {
-            commands.push(ViewerCommand::Scene(SceneCommand::Save(path)));
-        } else if restore.clicked() && !file.trim().is_empty() {
-            commands.push(ViewerCommand::Scene(SceneCommand::Restore(path)));
+        ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY)).named(Role::TextInput, "Snapshot file");
+        if !file.trim().is_empty() {
+            let path = PathBuf::from(file.trim());
+            save.request(commands, ViewerCommand::Scene(SceneCommand::Save(path.clone())));
+            restore.request(commands, ViewerCommand::Scene(SceneCommand::Restore(path)));
         }
     });
 }
 
 fn groups(ui: &mut Ui, simulation: &Simulation) {
     Grid::new("groups").num_columns(3).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
-        ui.strong("group");
-        ui.strong("motion");
-        ui.strong("present");
+        ["group", "motion", "present"].into_iter().for_each(|title| _ = ui.strong(title));
         ui.end_row();
         for group in simulation.groups() {
             ui.label(&group.name);
             ui.label(group.motion.name());
-            ui.label(format!("{} of {}", num_present(simulation, group), group.characters.len()));
+            let num_present = group.characters.clone().filter(|&who| simulation.root(who).is_some()).count();
+            ui.label(format!("{num_present} of {}", group.characters.len()));
             ui.end_row();
         }
     });
-}
-
-fn num_present(simulation: &Simulation, group: &SceneGroup) -> usize {
-    group.characters.clone().filter(|&who| simulation.root(who).is_some()).count()
 }
 
 /// An event in words.

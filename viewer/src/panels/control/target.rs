@@ -3,6 +3,7 @@
 use crate::command::{Commands, SteerCommand, ViewerCommand};
 use crate::model::Model;
 use crate::panels::offer_first_character;
+use crate::panels::paint::{PanelWidget, coordinates};
 use crate::run::{CrowdRun, MAX_TARGET_M, RunInput, TargetMode};
 use eframe::egui::{DragValue, Ui};
 use glam::Vec3;
@@ -11,8 +12,7 @@ use glam::Vec3;
 pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands) {
     ui.strong("Target");
     let Some(c) = model.selection.character else {
-        offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
-        return;
+        return offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
     };
     let (root, target) = (run.characters().root(c), run.targets()[c]);
     let mut to = target;
@@ -23,8 +23,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands)
         if ui.add(DragValue::new(&mut number).range(0..=last)).changed() {
             commands.push(ViewerCommand::SelectCharacter(Some(number)));
         }
-        coordinate(ui, "x", &mut to.x);
-        coordinate(ui, "z", &mut to.z);
+        coordinates(ui, [("x", &mut to.x), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
     });
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));
     if to != target {
@@ -32,14 +31,12 @@ pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands)
         commands.push(ViewerCommand::Input(RunInput::Target { character: who, to }));
     }
     let tip = "With W A S D; Shift runs, X strikes (G)";
-    if model.steering().is_none() && ui.button("Steer it").on_hover_text(tip).clicked() {
-        commands.push(ViewerCommand::Steer(SteerCommand::Toggle));
+    if model.steering().is_none() {
+        ui.button("Steer it").on_hover_text(tip).request(commands, ViewerCommand::Steer(SteerCommand::Toggle));
     }
-    let tip = "All targets move to where this character stands";
-    if ui.button("Everybody comes here").on_hover_text(tip).clicked() {
-        let here = Vec3::new(root.x, 0.0, root.z);
-        commands.push(ViewerCommand::Input(RunInput::Target { character: None, to: here }));
-    }
+    let gather = ui.button("Everybody comes here").on_hover_text("All targets move to where this character stands");
+    let here = Vec3::new(root.x, 0.0, root.z);
+    gather.request(commands, ViewerCommand::Input(RunInput::Target { character: None, to: here }));
 }
 
 /// Shows the position of a hanging target, and lets it be moved.
@@ -47,17 +44,9 @@ pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Commands) {
     let mut to = home;
     ui.horizontal_wrapped(|ui| {
         ui.label("its target");
-        coordinate(ui, "x", &mut to.x);
-        coordinate(ui, "y", &mut to.y);
-        coordinate(ui, "z", &mut to.z);
+        coordinates(ui, [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
     });
     if to != home {
         commands.push(ViewerCommand::Input(RunInput::Target { character: Some(who), to }));
     }
-}
-
-fn coordinate(ui: &mut Ui, name: &str, value: &mut f32) {
-    ui.label(name);
-    let range = -MAX_TARGET_M..=MAX_TARGET_M;
-    ui.add(DragValue::new(value).range(range).update_while_editing(false).speed(0.02).suffix(" m").fixed_decimals(2));
 }

@@ -1,10 +1,11 @@
 //! The selected agent: how it moves, when it acts next, and the forces on it.
 
-use super::{colour, swatch};
+use super::swatch;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::panels::words;
+use crate::panels::paint::{PanelWidget, facts};
+use crate::panels::{colour_of_view, words};
 use crate::render::Rgba;
 use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
@@ -22,9 +23,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
     let Some(who) = model.selection.character.filter(|&who| who < n) else {
         ui.horizontal_wrapped(|ui| {
             ui.weak("Click an agent in the view, or");
-            if ui.small_button(format!("select agent {first}")).clicked() {
-                commands.push(ViewerCommand::SelectCharacter(Some(first)));
-            }
+            let select = ui.small_button(format!("select agent {first}"));
+            select.request(commands, ViewerCommand::SelectCharacter(Some(first)));
         });
         return;
     };
@@ -35,9 +35,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
             commands.push(ViewerCommand::SelectCharacter(Some(number)));
         }
         ui.label(super::agent_name(scene, who));
-        if ui.small_button("none").clicked() {
-            commands.push(ViewerCommand::SelectCharacter(None));
-        }
+        ui.small_button("none").request(commands, ViewerCommand::SelectCharacter(None));
     });
     let Some(details) = agent_details(simulation, who) else {
         ui.label(match simulation.root(who) {
@@ -46,30 +44,21 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
         });
         return;
     };
-    facts(ui, simulation.time_s(), &details);
+    motion(ui, simulation.time_s(), &details);
     ui.add_space(4.0);
     forces(ui, &details);
 }
 
-fn facts(ui: &mut Ui, time_s: f64, d: &AgentDetails) {
-    Grid::new("agent").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, tip: &str, text: String| {
-            ui.label(name).on_hover_text(tip);
-            ui.label(text);
-            ui.end_row();
-        };
+fn motion(ui: &mut Ui, time_s: f64, d: &AgentDetails) {
+    facts(ui, "agent", false, |row| {
         let speed = d.velocity.length();
-        row("speed", "Now, and desired", format!("{speed:.2} m/s, {:.2} wanted", d.speed));
-        row("distance left", "Along its route", format!("{:.2} m", d.route_left));
-        let grown = d.bound_radius - d.radius;
-        row(
-            "bound",
-            "Radius of its time-varying bound now",
-            format!("{:.2} m, {grown:.2} m of it grown", d.bound_radius),
-        );
+        row("speed", "Now, and desired", format!("{speed:.2} m/s, {:.2} wanted", d.speed).into());
+        row("distance left", "Along its route", format!("{:.2} m", d.route_left).into());
+        let bound = format!("{:.2} m, {:.2} m of it grown", d.bound_radius, d.bound_radius - d.radius);
+        row("bound", "Radius of its time-varying bound now", bound.into());
         let [last, next] = d.events;
         let tip = "Its last event, and its next one unless another agent causes one earlier";
-        row("acts", tip, format!("{:.0} ms ago, in {:.0} ms", 1e3 * (time_s - last), 1e3 * (next - time_s)));
+        row("acts", tip, format!("{:.0} ms ago, in {:.0} ms", 1e3 * (time_s - last), 1e3 * (next - time_s)).into());
     });
 }
 
@@ -82,10 +71,10 @@ fn forces(ui: &mut Ui, d: &AgentDetails) {
     let rows = FORCE_TERMS.iter().zip(d.forces).enumerate();
     Grid::new("forces").num_columns(4).spacing([8.0, 2.0]).show(ui, |ui| {
         for (i, ((name, tip), force)) in rows {
-            row(ui, (name, tip), colour(colour_of_force(i, dark)), force, (ahead, d.limit));
+            row(ui, (name, tip), colour_of_view(colour_of_force(i, dark)), force, (ahead, d.limit));
         }
         row(ui, ("sum", "All terms together"), ui.visuals().weak_text_color(), sum, (ahead, d.limit));
-        let taken = colour(Rgba::hex(TAKEN[usize::from(!dark)]));
+        let taken = colour_of_view(Rgba::hex(TAKEN[usize::from(!dark)]));
         let tip = "The acceleration that it took at its last event, after the safety rule";
         row(ui, ("taken", tip), taken, d.taken, (ahead, d.limit));
     });

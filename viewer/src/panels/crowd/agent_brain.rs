@@ -1,16 +1,15 @@
 //! Brain of the selected agent: its states, reasons, values and knowledge.
 
+use super::selected_brain;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::run::agents::first_agent;
-use eframe::egui::{Grid, Ui};
+use crate::panels::paint::facts;
+use eframe::egui::Ui;
 use throng_simulation::scenario::AgentBrains;
 
 /// Shows states, reason, values and knowledge of the selected agent.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
-    let first = first_agent(scene.run().simulation()).unwrap_or(0);
-    let Some(agent) = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len())
-    else {
+    let Some(agent) = selected_brain(model, scene, brains) else {
         ui.weak("Select an agent.");
         return;
     };
@@ -23,12 +22,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
     };
     let with = because.other.map_or_else(String::new, |other| format!(" with {other}"));
     let at = because.place.as_ref().map_or_else(String::new, |place| format!(" at {place}"));
-    Grid::new("agent brain").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, text: String| {
-            ui.label(name);
-            ui.label(text);
-            ui.end_row();
-        };
+    facts(ui, "agent brain", false, |row| {
+        let mut row = |name: &str, text: String| row(name, "", text.into());
         row("state", if why.states.is_empty() { "none".into() } else { why.states.join(" > ") });
         let nothing = if why.states.is_empty() { "follows its goal" } else { "nothing: its behaviour is over" };
         row("does", if why.action.is_empty() { nothing.into() } else { why.action.clone() });

@@ -1,12 +1,14 @@
 //! Blackboards: entries on the global one and on those of cells, with author and end.
 
-use super::{colour, options_command, swatch};
+use super::{options_command, swatch};
 use crate::command::{BlackboardCell, BlackboardFilter, Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
+use crate::panels::colour_of_view;
+use crate::panels::paint::PanelWidget;
 use crate::run::agents::first_agent;
 use crate::stage::agents::colour_of_message;
-use eframe::egui::{Role, ScrollArea, TextStyle, Ui, WidgetInfo};
+use eframe::egui::{Role, ScrollArea, TextStyle, Ui};
 use throng_simulation::scenario::{AgentBrains, BlackboardPost};
 
 /// Height of the list (points).
@@ -19,25 +21,18 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
         ui.horizontal_wrapped(|ui| {
             ui.label("cells").on_hover_text("Cells on whose boards something is written are tinted on the floor");
             let named = (0..levels).map(|l| (BlackboardFilter::Level(l), format!("{} m", side_m * (1 << l) as f32)));
-            for (blackboards, text) in
-                [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())]
-                    .into_iter()
-                    .chain(named)
-            {
-                let r = ui.selectable_label(now.blackboards == blackboards, &text);
-                r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("board cells: {text}")));
-                if r.clicked() {
-                    commands.push(options_command(model, |l| (l.blackboards, l.cell) = (blackboards, None)));
-                }
+            let others = [(BlackboardFilter::Nothing, "none".into()), (BlackboardFilter::All, "all".into())];
+            for (blackboards, text) in others.into_iter().chain(named) {
+                let label = ui.selectable_label(now.blackboards == blackboards, &text);
+                let label = label.named(Role::RadioButton, format!("board cells: {text}"));
+                label.request(commands, options_command(model, |l| (l.blackboards, l.cell) = (blackboards, None)));
             }
         });
     }
     if let Some(cell) = now.cell {
         ui.horizontal(|ui| {
             ui.label(format!("cell {} of level {}", cell_text(cell), cell.level));
-            if ui.small_button("all cells").clicked() {
-                commands.push(options_command(model, |l| l.cell = None));
-            }
+            ui.small_button("all cells").request(commands, options_command(model, |l| l.cell = None));
         });
     }
     let entries: Vec<BlackboardPost> = brains.posts().filter(|p| is_listed(p, now.blackboards, now.cell)).collect();
@@ -78,12 +73,11 @@ fn row(
 ) {
     let cell = entry.cell.map(|c| BlackboardCell::from_cell(&c));
     ui.horizontal(|ui| {
-        swatch(ui, colour(colour_of_message(entry.event)));
+        swatch(ui, colour_of_view(colour_of_message(entry.event)));
         let place = cell.map_or_else(|| "global".into(), |c| format!("cell {}", cell_text(c)));
         let text = format!("{place}: {}", in_words(scene, brains, entry));
-        let r = ui.selectable_label(cell.is_some() && cell == model.selection.scene.cell, &text);
-        r.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Entry {text}")));
-        if r.clicked() {
+        let label = ui.selectable_label(cell.is_some() && cell == model.selection.scene.cell, &text);
+        if label.named(Role::Button, format!("Entry {text}")).clicked() {
             commands.push(options_command(model, |l| l.cell = cell));
             let first = first_agent(scene.run().simulation()).unwrap_or(0);
             commands.extend(entry.by.map(|by| ViewerCommand::SelectCharacter(Some(first + by))));

@@ -1,12 +1,14 @@
 //! List of events, the latest first; a click selects the agent.
 
-use super::{CrowdPanelState, colour, options_command};
+use super::{CrowdPanelState, options_command};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
+use crate::panels::colour_of_view;
+use crate::panels::paint::{PanelWidget, choose};
 use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter, OtherParty};
 use crate::stage::agents::colour_of_event;
-use eframe::egui::{Align2, Color32, ComboBox, Role, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, pos2, vec2};
+use eframe::egui::{Align2, Color32, Role, ScrollArea, Sense, TextStyle, Ui, pos2, vec2};
 
 /// Events that are listed at most.
 const MOST: usize = 200;
@@ -55,30 +57,25 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut Crowd
 /// A filter by one of some names, or none of them.
 fn choice(ui: &mut Ui, what: &str, any: &str, names: &[String], chosen: &mut Option<usize>) {
     *chosen = chosen.filter(|n| *n < names.len());
-    if names.is_empty() {
-        return;
+    if !names.is_empty() {
+        let named = names.iter().enumerate().map(|(n, name)| (Some(n), name.clone()));
+        let options = std::iter::once((None, any.to_owned())).chain(named);
+        choose(ui, &format!("Events: {what}"), Some(130.0), chosen, options);
     }
-    let text = chosen.map_or(any, |n| &names[n]);
-    let combo = ComboBox::from_id_salt(what).selected_text(text).width(130.0).show_ui(ui, |ui| {
-        ui.selectable_value(chosen, None, any);
-        for (n, name) in names.iter().enumerate() {
-            ui.selectable_value(chosen, Some(n), name);
-        }
-    });
-    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, format!("Events: {what}")));
 }
 
 /// Buttons that show all kinds, or hide the many kinds of the engine.
 fn kinds(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     ui.horizontal(|ui| {
         ui.label("kinds").on_hover_text("Each kind can be shown and hidden above, below the rates");
-        if ui.small_button("all").clicked() {
-            commands.push(options_command(model, |l| l.kinds = [true; AgentEventKind::COUNT]));
-        }
+        let mut button = |text: &str, kinds| {
+            let button = ui.small_button(text);
+            button.request(commands, options_command(model, |l| l.kinds = kinds));
+            button
+        };
+        button("all", [true; AgentEventKind::COUNT]);
         let tip = "Hides what the engine of the crowd does, such as resetting bounds";
-        if ui.small_button("without the engine's").on_hover_text(tip).clicked() {
-            commands.push(options_command(model, |l| l.kinds = AgentEventKind::all().map(|what| !what.is_of_engine())));
-        }
+        button("without the engine's", AgentEventKind::all().map(|k| !k.is_of_engine())).on_hover_text(tip);
     });
 }
 
@@ -97,14 +94,11 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &AgentEvent, selected: Option<usiz
         painter.text(at, Align2::LEFT_CENTER, text, style.resolve(ui.style()), colour);
     };
     write(2.0, format!("{:>8.3} s", h.time_s), TextStyle::Monospace, visuals.weak_text_color());
-    let kind = colour(colour_of_event(h.kind, visuals.dark_mode));
+    let kind = colour_of_view(colour_of_event(h.kind, visuals.dark_mode));
     write(TIME, h.kind.name().to_owned(), TextStyle::Body, kind);
     write(TIME + KIND, in_words(scene, h), TextStyle::Body, visuals.text_color());
-    let name = format!("Event {} {}", h.kind.name(), h.agent);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &name));
-    let clicked = response.clicked();
-    response.on_hover_text(format!("{}. A click selects agent {}.", h.kind.meaning(), h.agent));
-    clicked
+    let response = response.named(Role::Button, format!("Event {} {}", h.kind.name(), h.agent));
+    response.on_hover_text(format!("{}. A click selects agent {}.", h.kind.meaning(), h.agent)).clicked()
 }
 
 /// Agent of the event, and the other party.
@@ -115,14 +109,14 @@ fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
     let place = h.place.and_then(|p| brains?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
     let message = h.message.and_then(|e| brains?.event_names().get(e));
     let on = message.map_or_else(String::new, |e| format!(", on {e}"));
-    let with =
-        |other: Option<usize>| other.map_or_else(String::new, |o| format!(", with {}", super::agent_name(scene, o)));
+    let told = |before: &str, other: Option<usize>| {
+        other.map_or_else(String::new, |o| format!("{before}{}", super::agent_name(scene, o)))
+    };
+    let with = |other| told(", with ", other);
     match h.other_party {
         OtherParty::None => format!("{agent}{place}"),
         OtherParty::Message(how, other) => {
-            let from = other.map_or_else(String::new, |o| format!(" by {}", super::agent_name(scene, o)));
-            let event = message.map_or("", String::as_str);
-            format!("{agent} – {event}, {how}{from}")
+            format!("{agent} – {}, {how}{}", message.map_or("", String::as_str), told(" by ", other))
         }
         OtherParty::Rule(rule, other) => {
             format!("{agent} – \"{}\"{}{place}{on}", brains.map_or("", |m| m.rule_name(rule)), with(other))

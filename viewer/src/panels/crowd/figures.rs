@@ -1,9 +1,9 @@
 //! Figures of all agents.
 
 use crate::document::SceneDocument;
-use crate::panels::paint::time_text;
+use crate::panels::paint::{facts, time_text};
 use crate::theme::ThemePalette;
-use eframe::egui::{Grid, RichText, Ui};
+use eframe::egui::{RichText, Ui};
 use throng_simulation::AnyCharacterGroup;
 
 /// Shows figures of the moment shown.
@@ -17,12 +17,7 @@ pub fn show(ui: &mut Ui, scene: &SceneDocument) {
     let desired = speeds.iter().sum::<f64>() / n.max(1) as f64;
     let palette = ThemePalette::for_visuals(ui.visuals());
     let good = |is_good: bool| if is_good { palette.good } else { palette.warning };
-    Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, tip: &str, text: RichText| {
-            ui.label(name).on_hover_text(tip);
-            ui.label(text);
-            ui.end_row();
-        };
+    facts(ui, "now", false, |row| {
         row("simulated", "Since the start of the scene", RichText::new(time_text(simulation.time_s())));
         let left = if f.present < n { format!(", {} have left", n - f.present) } else { String::new() };
         row("agents", "Who is there", RichText::new(format!("{}{left}", f.present)));

@@ -1,18 +1,15 @@
 //! Messages: how many agents know each, how it spread over time, and a button that triggers it.
 
-use super::{colour, options_command, swatch};
+use super::{options_command, swatch};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::panels::paint::fixed_plot;
+use crate::panels::colour_of_view;
+use crate::panels::paint::{PanelWidget, fixed_plot};
 use crate::run::{RunInput, STEP_HZ};
 use crate::stage::agents::colour_of_message;
 use eframe::egui::{Grid, Role, Ui, WidgetInfo};
-use egui_plot::AxisHints;
-use egui_plot::Line;
-use egui_plot::LineStyle;
-use egui_plot::PlotPoints;
-use egui_plot::VLine;
+use egui_plot::{AxisHints, Line, LineStyle, PlotPoints, VLine};
 use throng_simulation::scenario::AgentBrains;
 
 /// Height of the curve (points).
@@ -27,25 +24,20 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
         for (event, spread) in brains.event_spreads().into_iter().enumerate() {
             let is_on = shown == Some(event);
             ui.horizontal(|ui| {
-                swatch(ui, colour(colour_of_message(event)));
+                swatch(ui, colour_of_view(colour_of_message(event)));
                 let r = ui.selectable_label(is_on, &spread.event);
-                r.widget_info(|| {
-                    WidgetInfo::selected(Role::CheckBox, true, is_on, format!("Message {}", spread.event))
-                });
-                if r.clicked() {
-                    commands.push(options_command(model, |l| l.message = (!is_on).then_some(event)));
-                }
+                let name = format!("Message {}", spread.event);
+                r.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_on, &name));
+                r.request(commands, options_command(model, |l| l.message = (!is_on).then_some(event)));
                 r.on_hover_text("Colours agents by whether they know of it, with lines from who told them");
             });
             ui.label(format!("{} know", spread.informed)).on_hover_text("Agents who know of it");
-            ui.label(format!("{} informed by others", spread.passed_on))
-                .on_hover_text("Agents that learnt of it from another one");
+            let passed_on = ui.label(format!("{} informed by others", spread.passed_on));
+            passed_on.on_hover_text("Agents that learnt of it from another one");
             let tip = "Lets it happen now; what was recorded after the step shown is dropped";
             let button = ui.small_button("happen").on_hover_text(tip);
-            button.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Happen {}", spread.event)));
-            if button.clicked() {
-                commands.push(ViewerCommand::Input(RunInput::Event(spread.event)));
-            }
+            let button = button.named(Role::Button, format!("Happen {}", spread.event));
+            button.request(commands, ViewerCommand::Input(RunInput::Event(spread.event)));
             ui.end_row();
         }
     });
@@ -65,7 +57,7 @@ fn curve(ui: &mut Ui, scene: &SceneDocument, brains: &AgentBrains, event: usize)
     let times = run.spread().times(event);
     let known = times.partition_point(|t| *t <= now);
     ui.weak(format!("{} of {} know of {} at {now:.1} s", known, brains.len(), brains.event_names()[event]));
-    let line = colour(colour_of_message(event));
+    let line = colour_of_view(colour_of_message(event));
     let plot = fixed_plot("spread", HEIGHT, |_, s, known| format!("{s:.1} s: {known:.0} know"))
         .include_x(0.0)
         .include_x(end.max(1.0))

@@ -10,14 +10,15 @@ mod message_spread;
 mod overlays;
 mod rates;
 
+use super::colour_of_view;
 use super::paint::empty;
 use crate::command::{Commands, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::render::Rgba;
 use crate::run::agents::first_agent;
 use crate::stage::agents::colour_of_group;
 use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
+use throng_simulation::scenario::AgentBrains;
 
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +40,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     };
     ui.horizontal_wrapped(|ui| {
         for (g, group) in scene.run().simulation().groups().iter().enumerate() {
-            swatch(ui, colour(colour_of_group(g)));
+            swatch(ui, colour_of_view(colour_of_group(g)));
             ui.label(&group.name);
         }
     });
@@ -65,10 +66,10 @@ fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show(ui, add);
 }
 
-/// A colour of the view for a panel.
-fn colour(c: Rgba) -> Color32 {
-    let [r, g, b, _] = c.0;
-    Color32::from_rgb(r, g, b)
+/// Number of the selected agent among those with brains; none without one.
+fn selected_brain(model: &Model, scene: &SceneDocument, brains: &AgentBrains) -> Option<usize> {
+    let first = first_agent(scene.run().simulation()).unwrap_or(0);
+    model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len())
 }
 
 /// A small square with a colour of the 3-D view.

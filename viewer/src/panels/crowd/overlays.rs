@@ -3,44 +3,24 @@
 use super::options_command;
 use crate::command::{Commands, OverlayScope, ViewerCommand};
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use crate::settings::ViewerSettings;
-use eframe::egui::{Grid, Role, Ui, WidgetInfo};
+use eframe::egui::{Grid, Role, Ui};
 
 /// Shows the view options.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let now = model.selection.scene;
     let (mut l, mut overlays) = (now, model.settings.overlays);
     Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
-        for (name, tip, scope) in [
-            ("bounds", "Time-varying bounds: where an agent can be, whatever it does", &mut l.bounds),
-            ("paths", "Planned paths to goals", &mut l.paths),
-        ] {
-            ui.label(name).on_hover_text(tip);
-            ui.horizontal(|ui| {
-                for (w, text) in OverlayScope::ALL {
-                    let r = ui.selectable_label(*scope == w, text);
-                    r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("{name}: {text}")));
-                    if r.clicked() {
-                        *scope = w;
-                    }
-                }
-            });
-            ui.end_row();
-        }
-        ui.label("trails").on_hover_text("Where agents were in the last seconds");
+        let bounds_tip = "Time-varying bounds: where an agent can be, whatever it does";
+        scope_row(ui, "bounds", bounds_tip, &mut l.bounds);
+        scope_row(ui, "paths", "Planned paths to goals", &mut l.paths);
         let trails = if overlays.trails && overlays.of_all { OverlayScope::All } else { OverlayScope::Selected };
-        let trails = if overlays.trails { trails } else { OverlayScope::None };
-        ui.horizontal(|ui| {
-            for (w, text) in OverlayScope::ALL {
-                let r = ui.selectable_label(trails == w, text);
-                r.widget_info(|| WidgetInfo::labeled(Role::RadioButton, true, format!("trails: {text}")));
-                if r.clicked() {
-                    overlays.trails = w != OverlayScope::None;
-                    overlays.of_all = w == OverlayScope::All;
-                }
-            }
-        });
-        ui.end_row();
+        let mut trails = if overlays.trails { trails } else { OverlayScope::None };
+        if scope_row(ui, "trails", "Where agents were in the last seconds", &mut trails) {
+            overlays.trails = trails != OverlayScope::None;
+            overlays.of_all = trails == OverlayScope::All;
+        }
     });
     ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut l.cells, "cells").on_hover_text("Cell C, region R and the cells α(C) of the selected agent");
@@ -57,6 +37,19 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
         let settings = ViewerSettings { overlays, ..model.settings.clone() };
         commands.push(ViewerCommand::Settings(Box::new(settings)));
     }
+}
+
+/// A row of the grid: the agents for which something is drawn; true if one of the choices was clicked.
+fn scope_row(ui: &mut Ui, name: &str, tip: &str, scope: &mut OverlayScope) -> bool {
+    ui.label(name).on_hover_text(tip);
+    let clicked = ui.horizontal(|ui| {
+        OverlayScope::ALL.map(|(one, text)| {
+            let label = ui.selectable_value(scope, one, text);
+            label.named(Role::RadioButton, format!("{name}: {text}")).clicked()
+        })
+    });
+    ui.end_row();
+    clicked.inner.contains(&true)
 }
 
 /// True where some agent has a body.

@@ -1,10 +1,11 @@
 //! Event rates: a plot of the last ten seconds, with a key that shows and hides kinds.
 
-use super::{colour, options_command};
+use super::options_command;
 use crate::command::Commands;
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::panels::paint::fixed_plot;
+use crate::panels::colour_of_view;
+use crate::panels::paint::{PanelWidget, fixed_plot};
 use crate::run::agents::{AgentEventKind, WINDOW_S};
 use crate::stage::agents::colour_of_event;
 use eframe::egui::{Grid, RichText, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
     plot.show(ui, |p| {
         for what in AgentEventKind::all().into_iter().filter(|w| kinds[w.number()] && totals[w.number()] > 0) {
             let points: PlotPoints<'_> = before.iter().map(|(t, r)| [*t, r[what.number()]]).collect();
-            p.line(Line::new(what.name(), points).color(colour(colour_of_event(what, dark))).width(1.8));
+            p.line(Line::new(what.name(), points).color(colour_of_view(colour_of_event(what, dark))).width(1.8));
         }
     });
     key(ui, model, totals, commands);
@@ -45,39 +46,26 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
 fn key(ui: &mut Ui, model: &Model, totals: [u64; AgentEventKind::COUNT], commands: &mut Commands) {
     let dark = ui.visuals().dark_mode;
     // Kinds that only the occupancy scheme or agent brains report are left out if there are none.
-    let is_special = |w: &AgentEventKind| {
-        let is_of_brains = AgentEventKind::EnteredPlace.number() <= w.number();
-        is_of_brains
-            || matches!(
-                w,
-                AgentEventKind::Entering
-                    | AgentEventKind::Leaving
-                    | AgentEventKind::Contacting
-                    | AgentEventKind::Separating
-            )
-    };
+    let of_occupancy = AgentEventKind::Entering.number()..=AgentEventKind::Separating.number();
+    let is_special =
+        |w: &AgentEventKind| of_occupancy.contains(&w.number()) || w.number() >= AgentEventKind::EnteredPlace.number();
     let there = AgentEventKind::all().into_iter().filter(|w| !is_special(w) || totals[w.number()] > 0);
     Grid::new("kinds").num_columns(COLUMNS).spacing([10.0, 2.0]).show(ui, |ui| {
         for (i, what) in there.enumerate() {
             let is_on = model.selection.scene.kinds[what.number()];
             let inner = ui.horizontal(|ui| {
                 let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-                let c = colour(colour_of_event(what, dark));
-                if is_on {
-                    ui.painter().rect_filled(rect, 2.0, c);
-                } else {
-                    let stroke = Stroke::new(1.0, c);
-                    ui.painter().rect_stroke(rect, 2.0, stroke, StrokeKind::Inside);
-                }
-                let text = format!("{} {}", what.name(), totals[what.number()]);
-                let text = RichText::new(text);
+                let c = colour_of_view(colour_of_event(what, dark));
+                match is_on {
+                    true => ui.painter().rect_filled(rect, 2.0, c),
+                    false => ui.painter().rect_stroke(rect, 2.0, Stroke::new(1.0, c), StrokeKind::Inside),
+                };
+                let text = RichText::new(format!("{} {}", what.name(), totals[what.number()]));
                 ui.selectable_label(false, if is_on { text } else { text.weak() })
             });
             let r = inner.inner;
             r.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, is_on, format!("Kind {}", what.name())));
-            if r.clicked() {
-                commands.push(options_command(model, |l| l.kinds[what.number()] = !is_on));
-            }
+            r.request(commands, options_command(model, |l| l.kinds[what.number()] = !is_on));
             r.on_hover_text(format!("{}. A click shows or hides them.", what.meaning()));
             if i % COLUMNS == COLUMNS - 1 {
                 ui.end_row();

@@ -1,9 +1,11 @@
 //! The list of the actions from a frame.
 
-use super::outgoing::{OutgoingActions, displacement_texts};
+use super::outgoing::displacement_texts;
+use super::timeline::TimelineInput;
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, time_text};
+use crate::panels::words::counted;
 use eframe::egui::{RichText, Ui};
 
 const COLUMNS: [TableColumn<'static>; 6] = [
@@ -19,29 +21,23 @@ const ERROR_HINT: &str = "Difference of the poses before and after; none if the 
 /// Shows the actions; a click shows where one leads.
 ///
 /// - returns the segment that is pointed at.
-pub fn show(
-    ui: &mut Ui,
-    bundle: &OpenBundle,
-    out: Option<&OutgoingActions>,
-    frame: u32,
-    commands: &mut Commands,
-) -> Option<u32> {
-    let Some(out) = out else {
+pub fn show(ui: &mut Ui, bundle: &OpenBundle, scene: &TimelineInput<'_>, commands: &mut Commands) -> Option<u32> {
+    let Some(out) = scene.outgoing else {
         ui.strong("Actions from here");
         ui.label(RichText::new("No state of the motion graph follows in this clip: no character passes here.").weak());
         return None;
     };
-    let wait = out.from.frame.saturating_sub(frame);
+    let wait = out.from.frame.saturating_sub(scene.head);
     ui.horizontal_wrapped(|ui| {
-        let n = out.actions.len();
-        ui.strong(if n == 1 { "1 action".to_owned() } else { format!("{n} actions") });
+        ui.strong(counted(out.actions.len(), "action"));
         let standing = if out.from.standing { ", standing" } else { "" };
         let when = if wait == 0 { "here".to_owned() } else { format!("in {wait} frames") };
         let text = format!("of state {}{standing}, {when}", out.from.state);
         let response = ui.link(text).on_hover_text("Select this state, and go to its frame");
         if response.clicked() {
             commands.push(ViewerCommand::SelectState(Some(out.from.state)));
-            commands.push(ViewerCommand::ShowClip { clip: bundle.clip_of(row_of(bundle, out)), frame: out.from.frame });
+            let row = bundle.tables().graph().states[out.from.state as usize].frame;
+            commands.push(ViewerCommand::ShowClip { clip: bundle.clip_of(row), frame: out.from.frame });
         }
     });
     let table = RowTable { click: RowClick::Does("Go to"), ..RowTable::new("actions", &COLUMNS, out.actions.len()) };
@@ -52,10 +48,7 @@ pub fn show(
                 let name = bundle.clip_name(action.clip);
                 TableCell::new(format!("{name} {}–{}", action.start, action.start + action.num_frames)).ending()
             }
-            1..=3 => {
-                let texts = displacement_texts(action.displacement);
-                TableCell::new(texts.into_iter().nth(column - 1).unwrap_or_default())
-            }
+            1..=3 => TableCell::new(displacement_texts(action.displacement)[column - 1].as_str()),
             4 => TableCell::new(time_text(f64::from(action.num_frames) / f64::from(bundle.rate_hz()))),
             _ if action.continues => TableCell::weak("continues"),
             _ => TableCell::new(format!("{:.2}", action.error)),
@@ -65,8 +58,4 @@ pub fn show(
         commands.push(ViewerCommand::ShowClip { clip: action.clip, frame: action.start });
     }
     response.hovered.and_then(|(row, _)| out.actions.get(row)).map(|w| w.segment)
-}
-
-fn row_of(bundle: &OpenBundle, out: &OutgoingActions) -> u32 {
-    bundle.tables().graph().states[out.from.state as usize].frame
 }

@@ -3,6 +3,7 @@
 use crate::bundle::OpenBundle;
 use crate::panels::paint::TableSort;
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Columns of the list, in order.
@@ -121,10 +122,8 @@ fn compare(a: &CatalogueClip, b: &CatalogueClip, field: ClipColumn) -> Ordering 
 }
 
 fn tag_names(tags: &[(String, u32, u32)]) -> String {
-    let mut names: Vec<&str> = tags.iter().map(|t| t.0.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    names.join(", ")
+    let names: BTreeSet<&str> = tags.iter().map(|t| t.0.as_str()).collect();
+    Vec::from_iter(names).join(", ")
 }
 
 /// Numbers of the states whose frames lie in a range of rows.

@@ -63,39 +63,43 @@ impl TimelineLanes {
     }
 }
 
+/// Input shared by all lanes.
+struct LanePainter<'a> {
+    painter: Painter,
+    axis: &'a FrameAxis,
+    scene: &'a TimelineInput<'a>,
+    palette: ThemePalette,
+    visuals: &'a Visuals,
+}
+
 /// Paints the lanes.
 pub fn paint(ui: &Ui, lanes: &TimelineLanes, axis: &FrameAxis, scene: &TimelineInput<'_>) {
-    let visuals = ui.visuals();
-    let palette = ThemePalette::for_visuals(visuals);
+    let (visuals, palette) = (ui.visuals(), ThemePalette::for_visuals(ui.visuals()));
     let clip = Rect::from_x_y_ranges(axis.x, ui.clip_rect().y_range());
     let painter = ui.painter().with_clip_rect(clip.intersect(ui.clip_rect()));
+    let lane = LanePainter { painter, axis, scene, palette, visuals };
     let (track, label) = (scene.track, |rect: Rect, text| label(ui, lanes.labels, rect, text));
     label(lanes.feet[0].union(lanes.feet[1]), "left heel, toe");
     label(lanes.feet[2].union(lanes.feet[3]), "right heel, toe");
-    feet(&painter, lanes, axis, track, &palette, visuals);
+    lane.feet(&lanes.feet);
     if let [first, ..] = lanes.tags.as_slice() {
         label(*first, "tags");
         for tag in &track.tags {
-            named_run(&painter, lanes.tags[tag.lane], axis, tag, palette.of_name(&tag.name), visuals);
+            lane.named_run(lanes.tags[tag.lane], tag);
         }
     }
     label(lanes.usage, if track.played.is_some() { "played" } else { "left out" });
-    usage(&painter, lanes.usage, axis, track, &palette, visuals);
-    if let Some(lane) = lanes.glitches {
-        label(lane, "glitches");
-        painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
-        for mark in &track.glitches {
-            let Some(rect) = run_rect(lane, axis, &mark.frames) else { continue };
-            let wide = rect.with_max_x(rect.max.x.max(rect.min.x + LEAST_GLITCH));
-            painter.rect_filled(wide, 1.0, glitches::colour(&palette, mark.treated));
-        }
+    lane.usage(lanes.usage);
+    if let Some(rect) = lanes.glitches {
+        label(rect, "glitches");
+        lane.glitches(rect);
     }
     if let Some([states, actions]) = lanes.states {
         label(states, "states");
         label(actions, "actions");
-        state_marks(&painter, states, axis, scene, &palette);
+        lane.state_marks(states);
         if let Some(outgoing) = scene.outgoing {
-            arcs(&painter, actions, axis, outgoing, scene, &palette);
+            lane.arcs(actions, outgoing);
         }
     }
 }
@@ -105,118 +109,109 @@ fn label(ui: &Ui, x: Rangef, lane: Rect, text: &str) {
     ui.painter().text(at, Align2::RIGHT_CENTER, text, FontId::proportional(11.0), ui.visuals().weak_text_color());
 }
 
-fn run_rect(lane: Rect, axis: &FrameAxis, frames: &Range<u32>) -> Option<Rect> {
-    let x = axis.place(frames)?;
-    // A short run stays visible when a long clip is shown as a whole.
-    Some(Rect::from_x_y_ranges(x.min..=x.max.max(x.min + 1.0), lane.y_range()))
-}
+impl LanePainter<'_> {
+    fn run_rect(&self, lane: Rect, frames: &Range<u32>) -> Option<Rect> {
+        let x = self.axis.place(frames)?;
+        // A short run stays visible when a long clip is shown as a whole.
+        Some(Rect::from_x_y_ranges(x.min..=x.max.max(x.min + 1.0), lane.y_range()))
+    }
 
-/// Heels and toes; the two parts of a foot differ in strength.
-fn feet(
-    painter: &Painter,
-    lanes: &TimelineLanes,
-    axis: &FrameAxis,
-    track: &TimelineTrack,
-    palette: &ThemePalette,
-    visuals: &Visuals,
-) {
-    for (i, (lane, runs)) in lanes.feet.iter().zip(&track.planted).enumerate() {
-        painter.rect_filled(*lane, 0.0, visuals.faint_bg_color);
-        let side = if i < 2 { palette.left } else { palette.right };
-        let colour = if i % 2 == 0 { side } else { side.gamma_multiply(0.6) };
-        for rect in runs.iter().filter_map(|r| run_rect(*lane, axis, r)) {
-            painter.rect_filled(rect, 1.0, colour);
+    /// Heels and toes; the two parts of a foot differ in strength.
+    fn feet(&self, lanes: &[Rect; 4]) {
+        for (i, (lane, runs)) in lanes.iter().zip(&self.scene.track.planted).enumerate() {
+            self.painter.rect_filled(*lane, 0.0, self.visuals.faint_bg_color);
+            let side = if i < 2 { self.palette.left } else { self.palette.right };
+            let colour = if i % 2 == 0 { side } else { side.gamma_multiply(0.6) };
+            for rect in runs.iter().filter_map(|r| self.run_rect(*lane, r)) {
+                self.painter.rect_filled(rect, 1.0, colour);
+            }
         }
     }
-}
 
-fn named_run(painter: &Painter, lane: Rect, axis: &FrameAxis, run: &NamedRun, fill: Color32, visuals: &Visuals) {
-    let Some(rect) = run_rect(lane, axis, &run.frames) else { return };
-    painter.rect_filled(rect, 3.0, fill);
-    if rect.width() > 24.0 {
-        let text = painter.with_clip_rect(rect.shrink(2.0).intersect(painter.clip_rect()));
-        let at = rect.left_center() + vec2(5.0, 0.0);
-        text.text(at, Align2::LEFT_CENTER, &run.name, FontId::proportional(11.5), visuals.strong_text_color());
-    }
-}
-
-/// Paints the frames that the motion graph plays, and the excluded ones over them, hatched, with the reason.
-fn usage(
-    painter: &Painter,
-    lane: Rect,
-    axis: &FrameAxis,
-    track: &TimelineTrack,
-    palette: &ThemePalette,
-    visuals: &Visuals,
-) {
-    painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
-    for rect in track.played.iter().flatten().filter_map(|r| run_rect(lane, axis, r)) {
-        painter.rect_filled(rect, 0.0, palette.kept);
-    }
-    for run in &track.excluded {
-        let Some(rect) = run_rect(lane, axis, &run.frames) else { continue };
-        painter.rect_filled(rect, 0.0, visuals.extreme_bg_color);
-        hatch(painter, rect, Stroke::new(1.0, palette.excluded.gamma_multiply(0.8)));
-        painter.rect_stroke(rect, 0.0, Stroke::new(1.0, palette.excluded), StrokeKind::Inside);
-        let text = painter.layout_no_wrap(run.name.clone(), FontId::proportional(11.0), visuals.strong_text_color());
-        if rect.width() > text.size().x + 8.0 {
-            let place = Align2::CENTER_CENTER.align_size_within_rect(text.size(), rect);
-            painter.rect_filled(place.expand2(vec2(3.0, 0.0)), 2.0, visuals.extreme_bg_color);
-            painter.galley(place.min, text, visuals.strong_text_color());
+    fn named_run(&self, lane: Rect, run: &NamedRun) {
+        let Some(rect) = self.run_rect(lane, &run.frames) else { return };
+        self.painter.rect_filled(rect, 3.0, self.palette.of_name(&run.name));
+        if rect.width() > 24.0 {
+            let text = self.painter.with_clip_rect(rect.shrink(2.0).intersect(self.painter.clip_rect()));
+            let (at, font) = (rect.left_center() + vec2(5.0, 0.0), FontId::proportional(11.5));
+            text.text(at, Align2::LEFT_CENTER, &run.name, font, self.visuals.strong_text_color());
         }
     }
-}
 
-/// A tick for every state; standing ones have a dot, the one that is next is longer.
-fn state_marks(painter: &Painter, lane: Rect, axis: &FrameAxis, scene: &TimelineInput<'_>, palette: &ThemePalette) {
-    let seen = axis.seen();
-    let states = &scene.track.states;
-    let from = states.partition_point(|s| s.frame < seen.start);
-    let mut last_x = f32::NEG_INFINITY;
-    for mark in states[from..].iter().take_while(|s| s.frame < seen.end) {
-        let x = axis.x_of(mark.frame as f32);
-        let is_next = scene.outgoing.is_some_and(|o| o.from == *mark);
-        // More ticks than points cannot be distinguished.
-        if x - last_x < 1.0 && !is_next && !mark.standing {
-            continue;
+    /// Paints the frames that the motion graph plays, and the excluded ones over them, hatched, with the reason.
+    fn usage(&self, lane: Rect) {
+        let (painter, palette, visuals) = (&self.painter, &self.palette, self.visuals);
+        painter.rect_filled(lane, 0.0, visuals.faint_bg_color);
+        for rect in self.scene.track.played.iter().flatten().filter_map(|r| self.run_rect(lane, r)) {
+            painter.rect_filled(rect, 0.0, palette.kept);
         }
-        last_x = x;
-        let colour = if mark.standing { palette.standing } else { palette.state };
-        let (top, width) = if is_next { (lane.top(), 2.5) } else { (lane.top() + 4.0, 1.0) };
-        painter.vline(x, top..=lane.bottom() - 1.0, Stroke::new(width, colour));
-        if mark.standing {
-            painter.circle_filled(pos2(x, lane.top() + 4.0), 2.5, colour);
+        for run in &self.scene.track.excluded {
+            let Some(rect) = self.run_rect(lane, &run.frames) else { continue };
+            painter.rect_filled(rect, 0.0, visuals.extreme_bg_color);
+            hatch(painter, rect, Stroke::new(1.0, palette.excluded.gamma_multiply(0.8)));
+            painter.rect_stroke(rect, 0.0, Stroke::new(1.0, palette.excluded), StrokeKind::Inside);
+            let (font, ink) = (FontId::proportional(11.0), visuals.strong_text_color());
+            let text = painter.layout_no_wrap(run.name.clone(), font, ink);
+            if rect.width() > text.size().x + 8.0 {
+                let place = Align2::CENTER_CENTER.align_size_within_rect(text.size(), rect);
+                painter.rect_filled(place.expand2(vec2(3.0, 0.0)), 2.0, visuals.extreme_bg_color);
+                painter.galley(place.min, text, ink);
+            }
         }
     }
-}
 
-/// Curves from the state to the start of each of its actions within the clip.
-fn arcs(
-    painter: &Painter,
-    lane: Rect,
-    axis: &FrameAxis,
-    out: &OutgoingActions,
-    scene: &TimelineInput<'_>,
-    palette: &ThemePalette,
-) {
-    let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
-    let inside = out.actions.iter().filter(|w| scene.is_shown_clip(w.clip));
-    for action in inside {
-        let strong = scene.highlighted == Some(action.segment);
-        let stroke =
-            Stroke::new(if strong { 2.5 } else { 1.2 }, palette.state.gamma_multiply(if strong { 1.0 } else { 0.7 }));
-        let end = axis.x_of((action.start + action.num_frames) as f32);
-        if action.continues {
-            // The clip goes on: a straight arrow to the next state.
-            painter.line_segment([from, pos2(end, lane.top())], stroke);
-            arrow_head(painter, pos2(end, lane.top()), vec2(1.0, 0.0), stroke.color);
-            continue;
+    fn glitches(&self, lane: Rect) {
+        self.painter.rect_filled(lane, 0.0, self.visuals.faint_bg_color);
+        for mark in &self.scene.track.glitches {
+            let Some(rect) = self.run_rect(lane, &mark.frames) else { continue };
+            let wide = rect.with_max_x(rect.max.x.max(rect.min.x + LEAST_GLITCH));
+            self.painter.rect_filled(wide, 1.0, glitches::colour(&self.palette, mark.treated));
         }
-        let to = pos2(axis.x_of(action.start as f32), lane.top());
-        let depth = (4.0 + 1.4 * (to.x - from.x).abs().sqrt()).min(lane.height() * 1.25);
-        let points = [from, from + vec2(0.0, depth), to + vec2(0.0, depth), to];
-        painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));
-        arrow_head(painter, to, vec2(0.0, -1.0), stroke.color);
+    }
+
+    /// A tick for every state; standing ones have a dot, the one that is next is longer.
+    fn state_marks(&self, lane: Rect) {
+        let (seen, states) = (self.axis.seen(), &self.scene.track.states);
+        let from = states.partition_point(|s| s.frame < seen.start);
+        let mut last_x = f32::NEG_INFINITY;
+        for mark in states[from..].iter().take_while(|s| s.frame < seen.end) {
+            let x = self.axis.x_of(mark.frame as f32);
+            let is_next = self.scene.outgoing.is_some_and(|o| o.from == *mark);
+            // More ticks than points cannot be distinguished.
+            if x - last_x < 1.0 && !is_next && !mark.standing {
+                continue;
+            }
+            last_x = x;
+            let colour = if mark.standing { self.palette.standing } else { self.palette.state };
+            let (top, width) = if is_next { (lane.top(), 2.5) } else { (lane.top() + 4.0, 1.0) };
+            self.painter.vline(x, top..=lane.bottom() - 1.0, Stroke::new(width, colour));
+            if mark.standing {
+                self.painter.circle_filled(pos2(x, lane.top() + 4.0), 2.5, colour);
+            }
+        }
+    }
+
+    /// Curves from the state to the start of each of its actions within the clip.
+    fn arcs(&self, lane: Rect, out: &OutgoingActions) {
+        let (painter, axis) = (&self.painter, self.axis);
+        let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
+        for action in out.actions.iter().filter(|w| self.scene.is_shown_clip(w.clip)) {
+            let is_strong = self.scene.highlighted == Some(action.segment);
+            let (width, strength) = if is_strong { (2.5, 1.0) } else { (1.2, 0.7) };
+            let stroke = Stroke::new(width, self.palette.state.gamma_multiply(strength));
+            let end = axis.x_of((action.start + action.num_frames) as f32);
+            if action.continues {
+                // The clip goes on: a straight arrow to the next state.
+                painter.line_segment([from, pos2(end, lane.top())], stroke);
+                arrow_head(painter, pos2(end, lane.top()), vec2(1.0, 0.0), stroke.color);
+                continue;
+            }
+            let to = pos2(axis.x_of(action.start as f32), lane.top());
+            let depth = (4.0 + 1.4 * (to.x - from.x).abs().sqrt()).min(lane.height() * 1.25);
+            let points = [from, from + vec2(0.0, depth), to + vec2(0.0, depth), to];
+            painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));
+            arrow_head(painter, to, vec2(0.0, -1.0), stroke.color);
+        }
     }
 }
 

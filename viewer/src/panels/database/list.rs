@@ -1,9 +1,11 @@
 //! The list of clips, with a search field.
 
 use super::catalogue::{CatalogueClip, ClipCatalogue, ClipColumn};
+use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
+use crate::model::Model;
 use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort, time_text};
-use eframe::egui::{Label, RichText, TextEdit, Ui};
+use eframe::egui::{Button, Label, RichText, TextEdit, Ui};
 
 /// Columns, in the order of [`ClipColumn::ALL`].
 const COLUMNS: [TableColumn<'static>; ClipColumn::ALL.len()] = [
@@ -17,28 +19,16 @@ const COLUMNS: [TableColumn<'static>; ClipColumn::ALL.len()] = [
 ];
 
 /// State of the list.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ClipListState {
     query: String,
-    sort: TableSort,
+    /// Order of the rows; none for that of the bundle.
+    sort: Option<TableSort>,
     /// Key of the rows: document, query, order.
-    made_of: Option<(u64, String, TableSort)>,
+    made_of: Option<(u64, String, Option<TableSort>)>,
     catalogue: ClipCatalogue,
     rows: Vec<usize>,
     shown: Option<usize>,
-}
-
-impl Default for ClipListState {
-    fn default() -> Self {
-        Self {
-            query: String::new(),
-            sort: TableSort::NONE,
-            made_of: None,
-            catalogue: ClipCatalogue::default(),
-            rows: Vec::new(),
-            shown: None,
-        }
-    }
 }
 
 impl ClipListState {
@@ -49,33 +39,24 @@ impl ClipListState {
     }
 
     /// Rebuilds the rows if something has changed.
-    fn refresh(&mut self, document: u64, catalogue: impl FnOnce() -> ClipCatalogue) {
+    fn refresh(&mut self, document: u64, bundle: &OpenBundle) {
         let now = (document, self.query.clone(), self.sort);
         if self.made_of.as_ref() == Some(&now) {
             return;
         }
         if self.made_of.as_ref().map(|m| m.0) != Some(document) {
-            self.catalogue = catalogue();
+            self.catalogue = ClipCatalogue::from_bundle(bundle);
             self.shown = None;
         }
-        self.rows = self.catalogue.select(&self.query, self.sort);
+        self.rows = self.catalogue.select(&self.query, self.sort.unwrap_or(TableSort::NONE));
         self.made_of = Some(now);
     }
 }
 
 /// Shows the list.
-///
-/// - `document`: number of the shown version.
-/// - `selected`: the selected clip.
-pub fn show(
-    ui: &mut Ui,
-    state: &mut ClipListState,
-    document: u64,
-    catalogue: impl FnOnce() -> ClipCatalogue,
-    selected: usize,
-    commands: &mut Commands,
-) {
-    state.refresh(document, catalogue);
+pub fn show(ui: &mut Ui, state: &mut ClipListState, model: &Model, bundle: &OpenBundle, commands: &mut Commands) {
+    let selected = model.selection.clip;
+    state.refresh(model.generation, bundle);
     search(ui, state);
     if state.rows.is_empty() {
         ui.add_space(12.0);
@@ -88,14 +69,14 @@ pub fn show(
     let columns = if state.catalogue.has_tags() { &COLUMNS[..] } else { &COLUMNS[..ClipColumn::ALL.len() - 1] };
     let table = RowTable {
         selected: state.rows.iter().position(|r| *r == selected),
-        sort: Some(state.sort),
+        sort: state.sort.or(Some(TableSort::NONE)),
         scroll_to_selected: state.shown != Some(selected),
         ..RowTable::new("clips", columns, state.rows.len())
     };
     let response =
         table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], ClipColumn::ALL[column]));
     state.shown = Some(selected);
-    state.sort = response.sort.unwrap_or(state.sort);
+    state.sort = response.sort.or(state.sort);
     if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
         commands.push(ViewerCommand::ShowClip { clip, frame: 0 });
     }
@@ -103,17 +84,13 @@ pub fn show(
 
 fn search(ui: &mut Ui, state: &mut ClipListState) {
     ui.horizontal(|ui| {
-        let total = state.catalogue.entries.len();
-        let count = if state.rows.len() == total {
-            format!("{total} clips")
-        } else {
-            format!("{} of {total}", state.rows.len())
-        };
+        let (listed, total) = (state.rows.len(), state.catalogue.entries.len());
+        let count = if listed == total { format!("{total} clips") } else { format!("{listed} of {total}") };
         let name = ui.label("Search");
         let width = (ui.available_width() - 120.0).max(60.0);
         let edit = TextEdit::singleline(&mut state.query).hint_text("name, tag, source").desired_width(width);
         ui.add(edit).labelled_by(name.id);
-        let clear = eframe::egui::Button::new("Clear").small();
+        let clear = Button::new("Clear").small();
         if ui.add_enabled(!state.query.is_empty(), clear).on_hover_text("Clear the search").clicked() {
             state.query.clear();
         }
@@ -122,18 +99,14 @@ fn search(ui: &mut Ui, state: &mut ClipListState) {
 }
 
 fn cell(entry: &CatalogueClip, field: ClipColumn) -> TableCell {
-    let share = |v: f32| format!("{:.0} %", 100.0 * v);
+    let share = |v: f32, weak| TableCell { text: format!("{:.0} %", 100.0 * v), weak, ..TableCell::default() };
     let count = |n: u32| if n == 0 { TableCell::weak("0") } else { TableCell::new(n.to_string()) };
     match field {
         ClipColumn::Name if entry.mirrored => TableCell::weak(&entry.name).ending(),
         ClipColumn::Name => TableCell::new(&entry.name).ending(),
         ClipColumn::Duration => TableCell::new(time_text(entry.duration_s)),
-        ClipColumn::Usable => {
-            TableCell { text: share(entry.usable), weak: entry.usable >= 1.0, ..TableCell::default() }
-        }
-        ClipColumn::Played => {
-            TableCell { text: share(entry.played), weak: entry.played <= 0.0, ..TableCell::default() }
-        }
+        ClipColumn::Usable => share(entry.usable, entry.usable >= 1.0),
+        ClipColumn::Played => share(entry.played, entry.played <= 0.0),
         ClipColumn::States => count(entry.states),
         ClipColumn::Actions => count(entry.actions),
         ClipColumn::Tags => TableCell::new(&entry.tags),

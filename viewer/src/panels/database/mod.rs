@@ -11,15 +11,13 @@ mod timeline;
 mod track;
 
 use super::paint::{no_bundle, time_text};
-use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::{OpenDocument, RawMotion};
 use crate::model::Model;
 use crate::theme::ThemePalette;
-use catalogue::ClipCatalogue;
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
 use outgoing::OutgoingActions;
-use strip::{PoseSource, TimelineStrip};
+use strip::PoseSource;
 use timeline::{TimelineInput, TimelineView};
 use track::TimelineTrack;
 
@@ -31,7 +29,6 @@ const WIDE: f32 = 820.0;
 pub struct DatabasePanelState {
     list: list::ClipListState,
     view: TimelineView,
-    strip: TimelineStrip,
     track: Option<(u64, usize, TimelineTrack)>,
     highlighted: Option<u32>,
 }
@@ -40,21 +37,16 @@ pub struct DatabasePanelState {
 pub fn show(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, commands: &mut Commands) {
     match (&model.document, model.document.bundle()) {
         (OpenDocument::Clip(raw), _) => raw_view(ui, raw, model, state, commands),
-        (_, Some(bundle)) => bundle_view(ui, bundle, model, state, commands),
+        (_, Some(_)) => bundle_view(ui, model, state, commands),
         (document, None) => no_bundle(ui, document),
     }
 }
 
-fn bundle_view(
-    ui: &mut Ui,
-    bundle: &OpenBundle,
-    model: &Model,
-    state: &mut DatabasePanelState,
-    commands: &mut Commands,
-) {
+fn bundle_view(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, commands: &mut Commands) {
+    let Some(bundle) = model.document.bundle() else { return };
     let (document, clip) = (model.generation, model.selection.clip);
     Panel::left("clips").default_size(430.0).min_size(300.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        list::show(ui, &mut state.list, document, || ClipCatalogue::from_bundle(bundle), clip, commands);
+        list::show(ui, &mut state.list, model, bundle, commands);
     });
     if state.track.as_ref().is_none_or(|t| (t.0, t.1) != (document, clip)) {
         state.track = TimelineTrack::from_bundle(bundle, clip).map(|t| (document, clip, t));
@@ -74,9 +66,9 @@ fn bundle_view(
     let actions =
         if wide { Panel::right("actions").default_size(460.0) } else { Panel::bottom("actions").default_size(90.0) };
     actions.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        state.highlighted = actions::show(ui, bundle, outgoing.as_ref(), head, commands);
+        state.highlighted = actions::show(ui, bundle, &scene, commands);
     });
-    let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
+    let goes_to = clip_view(ui, &scene, &mut state.view);
     commands.extend(goes_to.map(|frame| ViewerCommand::ShowClip { clip, frame }));
 }
 
@@ -91,29 +83,18 @@ fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut DatabasePan
     let head = ((f64::from(model.player.frame) / step).round() as u32).min(track.num_frames - 1);
     let scene =
         TimelineInput { document, track, source: PoseSource::Raw(raw), outgoing: None, highlighted: None, head };
-    let goes_to = clip_view(ui, &scene, &mut state.view, &mut state.strip);
+    let goes_to = clip_view(ui, &scene, &mut state.view);
     commands.extend(goes_to.map(|frame| ViewerCommand::Seek((f64::from(frame) * step).round() as u32)));
 }
 
 /// Shows a description of a clip, and its timeline.
-fn clip_view(
-    ui: &mut Ui,
-    scene: &TimelineInput<'_>,
-    view: &mut TimelineView,
-    strip: &mut TimelineStrip,
-) -> Option<u32> {
-    let frame = Frame::NONE.inner_margin(4);
-    CentralPanel::default_margins()
-        .frame(frame)
-        .show(ui, |ui| {
-            header(ui, scene, view);
-            ScrollArea::vertical()
-                .id_salt("timeline")
-                .auto_shrink([false, false])
-                .show(ui, |ui| timeline::show(ui, scene, view, strip))
-                .inner
-        })
-        .inner
+fn clip_view(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) -> Option<u32> {
+    let shown = CentralPanel::default_margins().frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+        header(ui, scene, view);
+        let area = ScrollArea::vertical().id_salt("timeline").auto_shrink([false, false]);
+        area.show(ui, |ui| timeline::show(ui, scene, view)).inner
+    });
+    shown.inner
 }
 
 fn header(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) {

@@ -2,6 +2,7 @@
 
 use super::track::{StateMark, TimelineTrack};
 use crate::bundle::OpenBundle;
+use crate::panels::graph::links::{ActionLink, outgoing};
 use throng_core::Planar;
 
 /// An action of a state.
@@ -40,25 +41,20 @@ impl OutgoingActions {
         let from = track.state_from(frame)?;
         let tables = bundle.tables();
         let graph = tables.graph();
-        let first = *graph.action_offsets.get(from.state as usize)? as usize;
-        let mut actions: Vec<OutgoingAction> = graph
-            .segments_of(from.state)
-            .iter()
-            .zip(&graph.action_errors[first..])
-            .map(|(&segment, &error)| {
-                let s = &graph.segments[segment as usize];
-                let start = s.start - tables.clips()[s.clip as usize].first_frame;
-                OutgoingAction {
-                    segment,
-                    clip: s.clip as usize,
-                    start,
-                    num_frames: s.num_frames,
-                    displacement: s.displacement(),
-                    error,
-                    continues: s.clip as usize == clip && start == from.frame,
-                }
-            })
-            .collect();
+        let action = |link: ActionLink| {
+            let s = &graph.segments[link.segment as usize];
+            let start = s.start - tables.clips()[s.clip as usize].first_frame;
+            OutgoingAction {
+                segment: link.segment,
+                clip: s.clip as usize,
+                start,
+                num_frames: s.num_frames,
+                displacement: s.displacement(),
+                error: link.error,
+                continues: s.clip as usize == clip && start == from.frame,
+            }
+        };
+        let mut actions: Vec<OutgoingAction> = outgoing(graph, from.state).map(action).collect();
         actions.sort_by(|a, b| b.continues.cmp(&a.continues).then(a.error.total_cmp(&b.error)));
         Some(Self { from, actions })
     }

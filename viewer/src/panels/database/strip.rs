@@ -1,6 +1,7 @@
 //! Poses of a clip at regular intervals along an axis, as an onion skin.
 
 use super::figure::{FigureStyle, PoseFigure};
+use super::timeline::TimelineInput;
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::paint::FrameAxis;
@@ -9,6 +10,7 @@ use eframe::egui::{Rect, Stroke, Ui, pos2};
 use glam::{Quat, Vec3};
 use throng_core::characters::SampleJob;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_precompute::picture::step_up;
 
 /// Least distance of two figures, as a share of the height of the strip.
 const DISTANCE: f32 = 0.42;
@@ -47,10 +49,9 @@ pub struct TimelineStrip {
 
 impl TimelineStrip {
     /// Paints the poses within the axis and the one at the play head.
-    ///
-    /// - `document`: number of the shown version.
-    pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &FrameAxis, source: PoseSource<'_>, document: u64, head: u32) {
-        let clip = if let PoseSource::Bundle(_, clip) = source { clip } else { 0 };
+    pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &FrameAxis, scene: &TimelineInput<'_>) {
+        let (document, clip) = scene.key();
+        let (source, head) = (scene.source, scene.head);
         let step = step(DISTANCE * rect.height() / axis.points_per_frame());
         let seen = axis.seen();
         let (first, last) = (seen.start / step * step, seen.end.saturating_sub(1));
@@ -88,14 +89,7 @@ impl TimelineStrip {
 
 /// The least number of frames of a round series that is not below `least`.
 fn step(least: f32) -> u32 {
-    let least = least.clamp(1.0, 1e8).ceil() as u32;
-    let mut power = 1;
-    loop {
-        if let Some(m) = [1, 2, 5].into_iter().find(|m| m * power >= least) {
-            return m * power;
-        }
-        power *= 10;
-    }
+    step_up(f64::from(least.clamp(1.0, 1e8).ceil())).round() as u32
 }
 
 impl PoseSource<'_> {

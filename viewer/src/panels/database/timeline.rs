@@ -4,11 +4,9 @@ use super::lanes::{self, TimelineLanes};
 use super::outgoing::OutgoingActions;
 use super::strip::{PoseSource, TimelineStrip};
 use super::track::{FEET, TimelineTrack};
-use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
+use crate::panels::paint::{FrameAxis, FrameSpan, PanelWidget, RULER_HEIGHT, ruler};
 use crate::theme::ThemePalette;
-use eframe::egui::{
-    CursorIcon, Id, PointerButton, Pos2, Rangef, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
-};
+use eframe::egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 /// Width of the labels left of the lanes (points).
 const GUTTER: f32 = 88.0;
@@ -33,6 +31,11 @@ pub struct TimelineInput<'a> {
 }
 
 impl TimelineInput<'_> {
+    /// Number of the shown version, and of the clip.
+    pub fn key(&self) -> (u64, usize) {
+        (self.document, if let PoseSource::Bundle(_, clip) = self.source { clip } else { 0 })
+    }
+
     /// True where a clip of the bundle is the one shown.
     pub fn is_shown_clip(&self, clip: usize) -> bool {
         matches!(self.source, PoseSource::Bundle(_, shown) if shown == clip)
@@ -40,21 +43,21 @@ impl TimelineInput<'_> {
 }
 
 /// Visible part of a clip.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct TimelineView {
     /// Document and clip that the part belongs to.
     shown: Option<(u64, usize)>,
     span: Option<FrameSpan>,
     head: u32,
+    strip: TimelineStrip,
 }
 
 impl TimelineView {
     /// The part that is seen: all of a clip that was not shown before, else with the play head in sight.
     fn span(&mut self, scene: &TimelineInput<'_>) -> FrameSpan {
         let n = scene.track.num_frames;
-        let clip = if let PoseSource::Bundle(_, clip) = scene.source { clip } else { 0 };
-        if self.shown != Some((scene.document, clip)) {
-            *self = Self { shown: Some((scene.document, clip)), span: None, head: scene.head };
+        if self.shown != Some(scene.key()) {
+            (self.shown, self.span, self.head) = (Some(scene.key()), None, scene.head);
         }
         let mut span = self.span.unwrap_or(FrameSpan::whole(n));
         if self.head != scene.head {
@@ -78,12 +81,13 @@ impl TimelineView {
 /// Shows a timeline, and chooses its height.
 ///
 /// - returns the frame that the user went to.
-pub fn show(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView, strip: &mut TimelineStrip) -> Option<u32> {
+pub fn show(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) -> Option<u32> {
     let rest = TimelineLanes::height(scene.track);
     let poses = (ui.available_height() - rest - RULER_HEIGHT).clamp(56.0, 150.0);
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), RULER_HEIGHT + poses + rest), Sense::hover());
     let plot = rect.with_min_x((rect.left() + GUTTER).min(rect.right() - 1.0));
-    let response = interact(ui, plot, ui.scope_id().with("timeline"));
+    let response = ui.interact(plot, ui.scope_id().with("timeline"), Sense::click_and_drag());
+    let response = response.named(Role::Slider, "Timeline");
     let mut axis = FrameAxis {
         span: view.span(scene),
         x: plot.x_range(),
@@ -97,23 +101,15 @@ pub fn show(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView, str
     let poses_rect = Rect::from_x_y_ranges(plot.x_range(), ruler_rect.bottom()..=ruler_rect.bottom() + poses);
     ui.painter().rect_filled(plot, 2.0, ui.visuals().extreme_bg_color);
     ruler(ui, ruler_rect, &axis);
-    strip.show(ui, poses_rect, &axis, scene.source, scene.document, scene.head);
+    view.strip.show(ui, poses_rect, &axis, scene);
     let lanes = TimelineLanes::below(poses_rect.bottom(), rect, plot, scene.track);
     lanes::paint(ui, &lanes, &axis, scene);
     paint_head(ui, plot, &axis, scene.head);
     hover(ui, &response, plot, &axis, scene);
     let goes_to = scrubbed_frame(&response, &axis).filter(|f| *f != scene.head);
-    if goes_to.is_some() {
-        // The view follows the play head on its own accord, not while the user holds it.
-        view.head = goes_to.unwrap_or(view.head);
-    }
+    // The view follows the play head on its own accord, not while the user holds it.
+    view.head = goes_to.unwrap_or(view.head);
     goes_to
-}
-
-fn interact(ui: &Ui, plot: Rect, id: Id) -> Response {
-    let response = ui.interact(plot, id, Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
-    response
 }
 
 /// The span after scrolling, zooming and panning. The consumed scroll input is removed.
@@ -123,10 +119,7 @@ fn moved_span(ui: &Ui, response: &Response, axis: &FrameAxis) -> FrameSpan {
         span = span.panned(-response.drag_delta().x / axis.points_per_frame(), n);
     }
     let Some(pointer) = response.hover_pos() else { return span };
-    let (scroll, zoom) = ui.input_mut(|i| {
-        let scroll = std::mem::take(&mut i.smooth_scroll_delta);
-        (scroll, i.zoom_delta())
-    });
+    let (scroll, zoom) = ui.input_mut(|i| (std::mem::take(&mut i.smooth_scroll_delta), i.zoom_delta()));
     let factor = zoom * (scroll.y * ZOOM_PER_POINT).exp();
     if factor != 1.0 {
         span = span.zoomed(axis.instant_at(pointer.x), factor, n);
@@ -162,16 +155,11 @@ fn hover(ui: &Ui, response: &Response, plot: Rect, axis: &FrameAxis, scene: &Tim
     let Some(pointer) = response.hover_pos() else { return };
     let frame = axis.frame_at(pointer.x);
     let x = axis.x_of(frame as f32);
-    let range: Rangef = plot.y_range();
-    ui.painter().with_clip_rect(plot).vline(x, range, Stroke::new(1.0, ui.visuals().weak_text_color()));
+    ui.painter().with_clip_rect(plot).vline(x, plot.y_range(), Stroke::new(1.0, ui.visuals().weak_text_color()));
     response.clone().on_hover_cursor(CursorIcon::ResizeHorizontal).on_hover_ui_at_pointer(|ui| {
-        for (i, line) in describe(scene.track, frame).into_iter().enumerate() {
-            if i == 0 {
-                ui.strong(line)
-            } else {
-                ui.label(line)
-            };
-        }
+        let mut lines = describe(scene.track, frame).into_iter();
+        lines.next().map(|line| ui.strong(line));
+        lines.for_each(|line| _ = ui.label(line));
     });
 }
 

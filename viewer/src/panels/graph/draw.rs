@@ -70,11 +70,11 @@ impl GraphDrawing<'_> {
         let rect = self.scale.lane(lane);
         painter.rect_filled(rect.expand2(Vec2::new(2.0, 0.0)), 2.0, visuals.faint_bg_color);
         // Neighbours are kept apart if there is room.
-        let gap = (0.03 * self.scale.per_s()).min(1.0);
+        let gap = (0.03 * self.scale.per_s).min(1.0);
         for bar in self.layout.bars_within(lane, self.scale.range_s()) {
             let plays = self.links.plays[bar.segment as usize] as f32 / self.links.max_plays.max(1) as f32;
             let colour = viridis::line(plays.sqrt(), visuals.dark_mode);
-            let colour = if faint { blend(visuals.panel_fill, colour, 0.3) } else { colour };
+            let colour = if faint { visuals.panel_fill.lerp_to_gamma(colour, 0.3) } else { colour };
             let rect = self.scale.bar(lane, bar);
             painter.rect_filled(rect.with_max_x((rect.right() - gap).max(rect.left() + 0.5)), 1.0, colour);
         }
@@ -85,21 +85,19 @@ impl GraphDrawing<'_> {
         for lane in self.lanes().filter(|_| self.scale.has_names()) {
             let rect = self.scale.lane(lane);
             let seen = rect.intersect(self.scale.rect.shrink(2.0));
-            if seen.width() >= NAMED_FROM {
-                self.paint_name(ui, painter, lane.clip, pos2(seen.left(), rect.top()), seen.width());
+            if seen.width() < NAMED_FROM {
+                continue;
             }
+            let (at, colour) = (pos2(seen.left(), rect.top()), ui.visuals().weak_text_color());
+            let format = TextFormat::simple(FontId::proportional(11.0), colour);
+            let mut job = LayoutJob::single_section(self.bundle.clip_name(lane.clip).to_owned(), format);
+            let max_width = seen.width();
+            job.wrap = TextWrapping { max_width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
+            let galley = painter.layout_job(job);
+            let back = Rect::from_min_size(at, galley.size()).expand2(Vec2::new(2.0, 0.0));
+            painter.rect_filled(back, 2.0, ui.visuals().extreme_bg_color.gamma_multiply(0.8));
+            painter.galley(at, galley, colour);
         }
-    }
-
-    fn paint_name(&self, ui: &Ui, painter: &Painter, clip: usize, at: Pos2, width: f32) {
-        let colour = ui.visuals().weak_text_color();
-        let format = TextFormat::simple(FontId::proportional(11.0), colour);
-        let mut job = LayoutJob::single_section(self.bundle.clip_name(clip).to_owned(), format);
-        job.wrap = TextWrapping { max_width: width, max_rows: 1, break_anywhere: true, ..TextWrapping::default() };
-        let galley = painter.layout_job(job);
-        let back = Rect::from_min_size(at, galley.size()).expand2(Vec2::new(2.0, 0.0));
-        painter.rect_filled(back, 2.0, ui.visuals().extreme_bg_color.gamma_multiply(0.8));
-        painter.galley(at, galley, colour);
     }
 
     /// Segments that a state's actions play.
@@ -113,18 +111,14 @@ impl GraphDrawing<'_> {
     }
 
     fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
+        let incoming = ThemePalette::for_visuals(ui.visuals()).incoming.gamma_multiply(0.7);
         for link in self.links.leading_to(state) {
-            self.paint_link(
-                painter,
-                link,
-                Stroke::new(0.8, ThemePalette::for_visuals(ui.visuals()).incoming.gamma_multiply(0.7)),
-            );
+            self.paint_link(painter, link, Stroke::new(0.8, incoming));
         }
         for link in outgoing(graph, state) {
             self.paint_link(painter, &link, Stroke::new(1.3, self.cost_colour(ui, link.error)));
         }
-        let marked = outgoing(graph, state).find(|l| Some(l.segment) == self.marked);
-        if let Some(link) = marked {
+        if let Some(link) = outgoing(graph, state).find(|l| Some(l.segment) == self.marked) {
             let colour = ui.visuals().strong_text_color();
             self.paint_link(painter, &link, Stroke::new(2.5, colour));
             let rect = self.rect(self.layout.bar(link.segment)).expand(1.5);
@@ -150,7 +144,7 @@ impl GraphDrawing<'_> {
 
     fn paint_states(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph) {
         let visuals = ui.visuals();
-        let radius = (0.1 * self.scale.per_s()).clamp(1.2, 4.0);
+        let radius = (0.1 * self.scale.per_s).clamp(1.2, 4.0);
         let (fill, edge) = (visuals.text_color(), visuals.panel_fill);
         for lane in self.lanes() {
             for bar in self.layout.bars_within(lane, self.scale.range_s()) {
@@ -228,8 +222,4 @@ fn curve(from: Pos2, to: Pos2, below: bool) -> [Pos2; 4] {
     }
     let reach = (0.25 * dx.abs()).clamp(12.0, 80.0);
     [from, from + Vec2::new(reach, 0.0), to - Vec2::new(reach, 0.0), to]
-}
-
-fn blend(back: Color32, front: Color32, part: f32) -> Color32 {
-    back.lerp_to_gamma(front, part)
 }

@@ -69,10 +69,7 @@ impl GraphLayout {
         let graph = tables.graph();
         let rate_hz = tables.meta().rate_hz as f32;
         let mut order: Vec<u32> = (0..graph.segments.len() as u32).collect();
-        order.sort_by_key(|&s| {
-            let s = &graph.segments[s as usize];
-            (s.clip, s.start)
-        });
+        order.sort_by_key(|&s| (graph.segments[s as usize].clip, graph.segments[s as usize].start));
         let mut layout = Self { rate_hz, ..Self::default() };
         for same in order.chunk_by(|&a, &b| graph.segments[a as usize].clip == graph.segments[b as usize].clip) {
             layout.add_lane(&graph.segments, same);

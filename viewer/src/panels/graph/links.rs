@@ -16,8 +16,8 @@ pub struct ActionLink {
 /// Actions by the state that they lead to.
 #[derive(Clone, Debug, Default)]
 pub struct ActionLinks {
-    offsets: Vec<u32>,
-    incoming: Vec<ActionLink>,
+    /// Actions that lead into each state, by the state that may take them (number of states).
+    incoming: Vec<Vec<ActionLink>>,
     /// Actions that play each segment (number of segments).
     pub plays: Vec<u32>,
     /// The largest of them.
@@ -29,34 +29,20 @@ pub struct ActionLinks {
 impl ActionLinks {
     /// Goes through all actions of a graph.
     pub fn new(graph: &MotionGraph) -> Self {
-        let num_states = graph.states.len();
-        let mut offsets = vec![0; num_states + 1];
+        let mut incoming = vec![Vec::new(); graph.states.len()];
         let mut plays = vec![0; graph.segments.len()];
-        for &segment in &graph.action_segments {
-            offsets[graph.segments[segment as usize].end as usize + 1] += 1;
-            plays[segment as usize] += 1;
-        }
-        for s in 0..num_states {
-            offsets[s + 1] += offsets[s];
-        }
-        let mut next = offsets.clone();
-        let mut incoming = vec![ActionLink { from: 0, segment: 0, error: 0.0 }; graph.action_segments.len()];
-        for from in 0..num_states as u32 {
-            for link in outgoing(graph, from) {
-                let to = graph.segments[link.segment as usize].end as usize;
-                incoming[next[to] as usize] = link;
-                next[to] += 1;
-            }
+        for link in (0..graph.states.len() as u32).flat_map(|from| outgoing(graph, from)) {
+            incoming[graph.segments[link.segment as usize].end as usize].push(link);
+            plays[link.segment as usize] += 1;
         }
         let max_plays = plays.iter().copied().max().unwrap_or(0);
         let max_error = graph.action_errors.iter().copied().fold(0.0, f32::max);
-        Self { offsets, incoming, plays, max_plays, max_error }
+        Self { incoming, plays, max_plays, max_error }
     }
 
     /// Actions that lead into a state, by the state that may take them (state < number of states).
     pub fn leading_to(&self, state: u32) -> &[ActionLink] {
-        let s = state as usize;
-        &self.incoming[self.offsets[s] as usize..self.offsets[s + 1] as usize]
+        &self.incoming[state as usize]
     }
 }
 

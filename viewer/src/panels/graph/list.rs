@@ -5,10 +5,10 @@ use super::links::{ActionLink, outgoing};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
-use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableSort, least_width};
-use crate::panels::words;
+use crate::panels::paint::{PanelWidget, RowClick, RowTable, TableCell, TableColumn, TableSort, least_width};
+use crate::panels::{clip_frame, show_segment, words};
 use crate::run::RunInput;
-use eframe::egui::{Response, RichText, Ui};
+use eframe::egui::{Response, Ui};
 use std::cmp::Ordering;
 use throng_core::Planar;
 
@@ -27,40 +27,25 @@ pub fn width() -> f32 {
 }
 
 /// Shows the actions of a state; notes the segment under the pointer.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    bundle: &OpenBundle,
-    state: u32,
-    own: &mut GraphPanelState,
-    commands: &mut Commands,
-) {
+pub fn show(ui: &mut Ui, model: &Model, state: u32, own: &mut GraphPanelState, commands: &mut Commands) {
+    let Some(bundle) = model.document.bundle() else { return };
     let graph = bundle.tables().graph();
     let Some(record) = graph.states.get(state as usize) else { return };
-    let clip = bundle.clip_of(record.frame);
-    let frame = record.frame - bundle.tables().clips()[clip].first_frame;
-    let followed = model.selection.state.is_none();
+    let (clip, frame) = clip_frame(bundle, record.frame);
     ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("State {state}")).strong());
+        ui.strong(format!("State {state}"));
         let kind = if record.standing != 0 { ", standing" } else { "" };
         ui.label(format!("{} {frame}{kind}", bundle.clip_name(clip)));
-        if ui.small_button("show").on_hover_text("Show this frame in the 3-D view").clicked() {
-            commands.push(ViewerCommand::ShowClip { clip, frame });
-        }
+        let show = ui.small_button("show").on_hover_text("Show this frame in the 3-D view");
+        show.request(commands, ViewerCommand::ShowClip { clip, frame });
     });
     let incoming = own.drawn.as_ref().map_or(0, |d| d.links.leading_to(state).len());
-    let outgoing_count = graph.segments_of(state).len();
-    ui.label(
-        RichText::new(format!(
-            "{outgoing_count} actions, {incoming} lead here{}",
-            if followed { "; follows the selected character" } else { "" }
-        ))
-        .weak(),
-    );
+    let follows = if model.selection.state.is_none() { "; follows the selected character" } else { "" };
+    ui.weak(format!("{} actions, {incoming} lead here{follows}", graph.segments_of(state).len()));
     let player = model.selection.character.filter(|&c| model.document.chooser(c).is_some());
     match player {
-        Some(c) => ui.label(RichText::new(format!("Click an action: character {c} plays it.")).weak()),
-        None => ui.label(RichText::new("No character is selected: a click shows the motion instead.").weak()),
+        Some(c) => ui.weak(format!("Click an action: character {c} plays it.")),
+        None => ui.weak("No character is selected: a click shows the motion instead."),
     };
     let rows = sorted(bundle, state, own.sort);
     let table = RowTable {
@@ -71,7 +56,9 @@ pub fn show(
     let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
     own.sort = response.sort.unwrap_or(own.sort);
     if let Some(link) = response.chosen.and_then(|row| rows.get(row)) {
-        commands.push(play(bundle, link.segment, player));
+        // Without a character, the motion is shown instead.
+        let play = |character| ViewerCommand::Input(RunInput::Play { character, segment: link.segment });
+        commands.push(player.map_or_else(|| show_segment(bundle, link.segment), play));
     }
     if let Some((row, response)) = response.hovered {
         own.hovered_action = Some(rows[row].segment);
@@ -90,27 +77,13 @@ fn cell(bundle: &OpenBundle, link: &ActionLink, column: usize) -> TableCell {
     }
 }
 
-/// Lets a character play a segment; without a character, shows its motion.
-fn play(bundle: &OpenBundle, segment: u32, player: Option<usize>) -> ViewerCommand {
-    let record = bundle.tables().graph().segments[segment as usize];
-    let first = bundle.tables().clips()[record.clip as usize].first_frame;
-    match player {
-        Some(character) => ViewerCommand::Input(RunInput::Play { character, segment }),
-        None => ViewerCommand::ShowClip { clip: record.clip as usize, frame: record.start - first },
-    }
-}
-
 /// Shows a tooltip with details that may not fit the row.
 fn show_tooltip(bundle: &OpenBundle, response: Response, link: &ActionLink) {
     let segment = bundle.tables().graph().segments[link.segment as usize];
     response.on_hover_ui(|ui| {
         ui.strong(bundle.describe_segment(link.segment));
-        let seconds = segment.num_frames as f32 / bundle.rate_hz();
-        ui.label(format!(
-            "{seconds:.2} s, {} frames: {}",
-            segment.num_frames,
-            words::displacement(segment.displacement())
-        ));
+        let (frames, leads) = (segment.num_frames, words::displacement(segment.displacement()));
+        ui.label(format!("{:.2} s, {frames} frames: {leads}", frames as f32 / bundle.rate_hz()));
         ui.label(format!("error {:.3} rad, leads to state {}", link.error, segment.end));
     });
 }
@@ -133,6 +106,6 @@ fn sorted(bundle: &OpenBundle, state: u32, sort: TableSort) -> Vec<ActionLink> {
             _ => of(a).end.cmp(&of(b).end),
         }
     };
-    links.sort_by(|a, b| if sort.descending { compare(b, a) } else { compare(a, b) });
+    links.sort_by(|a, b| sort.directed(compare(a, b)));
     links
 }

@@ -3,19 +3,18 @@
 mod draw;
 mod facts;
 mod layout;
-mod links;
+pub(super) mod links;
 mod list;
 mod view;
 
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
-use crate::panels::paint::{TableSort, legend};
+use crate::panels::clip_frame;
+use crate::panels::paint::{PanelWidget, TableSort, legend};
 use crate::theme::{ThemePalette, viridis};
 use draw::GraphDrawing;
-use eframe::egui::{
-    Align, CursorIcon, Layout as UiLayout, Rect, Response, RichText, Role, Sense, Ui, UiBuilder, Vec2, WidgetInfo,
-};
+use eframe::egui::{Align, CursorIcon, Layout as UiLayout, Rect, Response, Role, Sense, TextEdit, Ui, UiBuilder, Vec2};
 use facts::GraphFacts;
 use layout::GraphLayout;
 use links::ActionLinks;
@@ -84,11 +83,11 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &
     let rest = ui.available_rect_before_wrap();
     let list_width = if looked_at.is_some() { list::width().min(0.5 * rest.width()) } else { 0.0 };
     let (drawing, side) = rest.split_left_right_at_x(rest.right() - list_width);
-    show_drawing(ui, drawing, model, bundle, state, commands);
+    show_drawing(ui, drawing, model, state, commands);
     if let Some(looked_at) = looked_at {
-        let builder =
-            UiBuilder::new().max_rect(side.shrink2(Vec2::new(8.0, 0.0))).layout(UiLayout::top_down(Align::Min));
-        ui.scope_builder(builder, |ui| list::show(ui, model, bundle, looked_at, state, commands));
+        let side = side.shrink2(Vec2::new(8.0, 0.0));
+        let builder = UiBuilder::new().max_rect(side).layout(UiLayout::top_down(Align::Min));
+        ui.scope_builder(builder, |ui| list::show(ui, model, looked_at, state, commands));
     }
 }
 
@@ -99,9 +98,8 @@ impl GraphPanelState {
             return;
         }
         let tables = bundle.tables();
-        let (layout, links, facts) =
-            (GraphLayout::new(tables), ActionLinks::new(tables.graph()), GraphFacts::new(tables));
-        self.drawn = Some(DrawnGraph { document, layout, links, facts });
+        let (links, facts) = (ActionLinks::new(tables.graph()), GraphFacts::new(tables));
+        self.drawn = Some(DrawnGraph { document, layout: GraphLayout::new(tables), links, facts });
         self.view = GraphView::default();
     }
 }
@@ -116,8 +114,7 @@ fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut GraphPanelState) {
             *view = GraphView::default();
         }
         ui.checkbox(follow, "Follow").on_hover_text("Keep the segment of the selected character in sight");
-        let edit =
-            eframe::egui::TextEdit::singleline(search).id_salt("find clip").hint_text("find clip").desired_width(110.0);
+        let edit = TextEdit::singleline(search).id_salt("find clip").hint_text("find clip").desired_width(110.0);
         let searched = ui.add(edit).changed();
         if searched && let Some(found) = find(bundle, &drawn.layout, search) {
             view.show(&drawn.layout, *rect, found, AROUND_S);
@@ -141,26 +138,16 @@ fn find(bundle: &OpenBundle, layout: &GraphLayout, text: &str) -> Option<(usize,
     Some((lane.row, 0.5 * (lane.start + lane.end).min(2.0 * lane.start + AROUND_S)))
 }
 
-fn show_drawing(
-    ui: &mut Ui,
-    rect: Rect,
-    model: &Model,
-    bundle: &OpenBundle,
-    state: &mut GraphPanelState,
-    commands: &mut Commands,
-) {
+fn show_drawing(ui: &mut Ui, rect: Rect, model: &Model, state: &mut GraphPanelState, commands: &mut Commands) {
     ui.advance_cursor_after_rect(rect);
     // A fixed name keeps the widget's identity, whatever is shown above it.
     let response = ui.interact(rect, ui.scope_id().with("drawing"), Sense::click_and_drag());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Motion graph"));
-    let Some(drawn) = &state.drawn else { return };
+    let response = response.named(Role::Canvas, "Motion graph");
+    let (Some(bundle), Some(drawn)) = (model.document.bundle(), &state.drawn) else { return };
     state.rect = rect;
     state.view.interact(ui, &drawn.layout, &response);
-    let character = model.selection.character;
-    let playing = character.and_then(|c| {
-        let chooser = model.document.chooser(c)?;
-        Some(chooser.characters.segment(chooser.number))
-    });
+    let chooser = model.selection.character.and_then(|c| model.document.chooser(c));
+    let playing = chooser.map(|c| c.characters.segment(c.number));
     if let Some((segment, frames)) = playing.filter(|_| state.follow) {
         let bar = drawn.layout.bar(segment);
         let row = drawn.layout.lanes[bar.lane as usize].row;
@@ -196,11 +183,10 @@ fn show_tooltip(response: Response, drawing: &GraphDrawing<'_>) {
     let (bundle, graph) = (drawing.bundle, drawing.bundle.tables().graph());
     if let Some(state) = drawing.hovered {
         let record = graph.states[state as usize];
-        let clip = bundle.clip_of(record.frame);
-        let frame = record.frame - bundle.tables().clips()[clip].first_frame;
+        let (clip, frame) = clip_frame(bundle, record.frame);
         response.on_hover_cursor(CursorIcon::PointingHand).on_hover_ui_at_pointer(|ui| {
             let standing = if record.standing != 0 { ", standing" } else { "" };
-            ui.label(RichText::new(format!("State {state}{standing}")).strong());
+            ui.strong(format!("State {state}{standing}"));
             ui.label(format!("{} {frame}", bundle.clip_name(clip)));
             let (out, into) = (graph.segments_of(state).len(), drawing.links.leading_to(state).len());
             ui.label(format!("{out} actions, {into} lead here"));
@@ -208,7 +194,7 @@ fn show_tooltip(response: Response, drawing: &GraphDrawing<'_>) {
     } else if let Some(segment) = drawing.segment_at(point) {
         response.on_hover_ui_at_pointer(|ui| {
             let record = &graph.segments[segment as usize];
-            ui.label(RichText::new(bundle.describe_segment(segment)).strong());
+            ui.strong(bundle.describe_segment(segment));
             let plays = drawing.links.plays[segment as usize];
             let seconds = record.num_frames as f32 / bundle.rate_hz();
             ui.label(format!("{seconds:.2} s, leads to state {}; {plays} actions play it", record.end));

@@ -35,7 +35,8 @@ pub struct GraphScale {
     /// The part of the screen.
     pub rect: Rect,
     origin: Pos2,
-    per_s: f32,
+    /// Points that a second takes.
+    pub per_s: f32,
     row_height: f32,
 }
 
@@ -114,11 +115,6 @@ impl GraphScale {
         (x - self.origin.x) / self.per_s
     }
 
-    /// Points that a second takes.
-    pub fn per_s(&self) -> f32 {
-        self.per_s
-    }
-
     /// Upper edge of a row.
     pub fn row_top(&self, row: usize) -> f32 {
         self.origin.y + row as f32 * self.row_height
@@ -152,9 +148,8 @@ impl GraphScale {
         let lane_rect = self.lane(lane);
         let top = lane_rect.top() + if self.has_names() { NAME_HEIGHT } else { 2.0 };
         let height = (lane_rect.bottom() - top) / lane.num_tracks as f32;
-        let y = top + bar.track as f32 * height;
         let thick = height.min(12.0);
-        let y = y + 0.5 * (height - thick);
+        let y = top + bar.track as f32 * height + 0.5 * (height - thick);
         Rect::from_min_max(Pos2::new(self.x(bar.start), y), Pos2::new(self.x(bar.end), y + thick))
     }
 }

@@ -1,6 +1,7 @@
 //! The effective hits of a bundle, and which of them are selected.
 
 use crate::bundle::OpenBundle;
+use crate::panels::clip_frame;
 use crate::panels::paint::TableSort;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -110,11 +111,11 @@ impl HitCollection {
     pub fn from_bundle(bundle: &OpenBundle) -> Self {
         let tables = bundle.tables();
         let entry = |h: &throng_core::HitRecord| {
-            let clip = bundle.clip_of(h.frame);
+            let (clip, frame) = clip_frame(bundle, h.frame);
             HitEntry {
                 row: h.frame,
                 clip,
-                frame: h.frame - tables.clips()[clip].first_frame,
+                frame,
                 kind: h.kind,
                 joint: Joint::ALL[h.joint as usize],
                 force: h.force,

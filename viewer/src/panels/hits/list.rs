@@ -1,8 +1,9 @@
 //! The hits as a list.
 
+use super::HitsInput;
 use super::collection::{HitCollection, HitColumn, HitEntry, joint_name};
 use crate::bundle::OpenBundle;
-use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableSort};
+use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort};
 use eframe::egui::Ui;
 
 const COLUMNS: [TableColumn<'static>; 7] = [
@@ -15,40 +16,21 @@ const COLUMNS: [TableColumn<'static>; 7] = [
     TableColumn::number("height", "Above the ground [m]", 50.0),
 ];
 
-/// Actions of the user in the list.
-pub struct HitListResponse {
-    /// Hit that was clicked.
-    pub chosen: Option<usize>,
-    /// Hit whose row is under the pointer.
-    pub hovered: Option<usize>,
-}
-
 /// Shows the selected hits.
 ///
-/// - `selected`: number of the hit that stands out; `scrolls` brings it into sight.
-pub fn show(
-    ui: &mut Ui,
-    bundle: &OpenBundle,
-    hits: &HitCollection,
-    shown: &[usize],
-    sort: &mut TableSort,
-    selected: Option<usize>,
-    scrolls: bool,
-) -> HitListResponse {
+/// - `scrolls`: brings the hit that stands out into sight.
+pub fn show(ui: &mut Ui, input: &HitsInput<'_>, sort: &mut TableSort, scrolls: bool) -> TableResponse {
+    let &HitsInput { bundle, hits, shown, .. } = input;
     let table = RowTable {
         click: RowClick::Does("Show"),
         sort: Some(*sort),
-        selected: selected.and_then(|s| shown.iter().position(|&i| i == s)),
+        selected: input.standing_out.and_then(|s| shown.iter().position(|&i| i == s)),
         scroll_to_selected: scrolls,
         ..RowTable::new("hits", &COLUMNS, shown.len())
     };
     let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], HitColumn::ALL[column]));
     *sort = response.sort.unwrap_or(*sort);
-    let of_row = |row: usize| shown.get(row).copied();
-    HitListResponse {
-        chosen: response.chosen.and_then(of_row),
-        hovered: response.hovered.and_then(|(row, _)| of_row(row)),
-    }
+    response
 }
 
 fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, field: HitColumn) -> TableCell {

@@ -7,7 +7,8 @@ mod outline;
 mod plot;
 mod view;
 
-use super::paint::{TableSort, empty, legend, no_bundle};
+use super::paint::{PanelWidget, TableSort, choose, empty, legend, no_bundle};
+use super::policy::behaviour_name;
 use super::words;
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
@@ -17,10 +18,9 @@ use crate::volume::Volume;
 use body::PoseSilhouette;
 use collection::{HitCollection, HitEntry, HitFilter, HitRanges, joint_name};
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{
-    CentralPanel, Color32, ComboBox, Frame, Panel, Rect, Response, RichText, Role, Sense, Ui, Visuals, WidgetInfo,
-};
+use eframe::egui::{CentralPanel, Color32, ComboBox, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
+use std::iter::once;
 use throng_core::Joint;
 use throng_core::policy::PolicyTable;
 use view::{HitBounds, HitViewPlace};
@@ -65,6 +65,18 @@ struct HitDotsKey {
     places: [HitViewPlace; 3],
 }
 
+/// Hits that are shown.
+struct HitsInput<'a> {
+    bundle: &'a OpenBundle,
+    hits: &'a HitCollection,
+    /// Numbers of the selected hits, in the order of the list.
+    shown: &'a [usize],
+    /// Ranges over the selected hits; none without any.
+    ranges: Option<HitRanges>,
+    /// Number of the hit under the pointer, or else of the one that is shown as a clip.
+    standing_out: Option<usize>,
+}
+
 /// Input shared by all views.
 struct HitViewInput<'a> {
     body: Option<&'a PoseSilhouette>,
@@ -88,7 +100,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &m
     if hits.entries.is_empty() {
         empty(ui, "This bundle has no effective hits", NO_HITS);
     } else {
-        show_hits(ui, model, bundle, &hits, state, commands);
+        show_hits(ui, model, &hits, state, commands);
     }
     state.hits = Some((model.generation, hits));
 }
@@ -96,70 +108,45 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &m
 const NO_HITS: &str = "A hit is where a fist or foot moves fast along its limb. Build from clips with blows \
      (`throng synth --set boxing` makes some), lower the thresholds in `annotate.hits`, or mark hits in sidecar files.";
 
-fn show_hits(
-    ui: &mut Ui,
-    model: &Model,
-    bundle: &OpenBundle,
-    hits: &HitCollection,
-    state: &mut HitsPanelState,
-    commands: &mut Commands,
-) {
+fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsPanelState, commands: &mut Commands) {
+    let Some(bundle) = model.document.bundle() else { return };
     let shown = hits.select(state.filter, state.sort);
-    let ranges = hits.ranges(&shown);
-    options(ui, bundle, hits, state, ranges);
-    summary(ui, hits, &shown, ranges);
-    if shown.is_empty() {
-        return empty(ui, "No hit is of this kind and limb", "Choose other ones above.");
-    }
     let playing = model.shown_row().filter(|_| model.shows_clip());
     let playing = playing.and_then(|row| shown.iter().copied().find(|&i| hits.entries[i].row == row));
     let before = state.hovered.take();
     let standing_out = before.map(|h| h.0).filter(|i| shown.contains(i)).or(playing);
+    let input = HitsInput { bundle, hits, shown: &shown, ranges: hits.ranges(&shown), standing_out };
+    options(ui, &input, state);
+    summary(ui, &input);
+    if shown.is_empty() {
+        return empty(ui, "No hit is of this kind and limb", "Choose other ones above.");
+    }
     let mut chosen = None;
     if ui.available_width() >= WIDE {
         let scrolls = before.is_some_and(|h| !h.1);
-        Panel::right("list of hits").default_size(400.0).min_size(200.0).frame(Frame::NONE.inner_margin(4)).show(
-            ui,
-            |ui| {
-                let listed = list::show(ui, bundle, hits, &shown, &mut state.sort, standing_out, scrolls);
-                chosen = listed.chosen;
-                state.hovered = listed.hovered.map(|i| (i, true));
-            },
-        );
+        let panel = Panel::right("list of hits").default_size(400.0).min_size(200.0);
+        panel.frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
+            let listed = list::show(ui, &input, &mut state.sort, scrolls);
+            chosen = listed.chosen.map(|row| shown[row]);
+            state.hovered = listed.hovered.map(|(row, _)| (shown[row], true));
+        });
     }
     CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
-        let clicked = views(ui, model, bundle, hits, &shown, state, standing_out);
-        chosen = chosen.or(clicked);
+        chosen = chosen.or(views(ui, model, &input, state));
     });
     if let Some(e) = chosen.map(|i| hits.entries[i]) {
         commands.push(ViewerCommand::ShowClip { clip: e.clip, frame: e.frame });
     }
 }
 
-fn options(
-    ui: &mut Ui,
-    bundle: &OpenBundle,
-    hits: &HitCollection,
-    state: &mut HitsPanelState,
-    ranges: Option<HitRanges>,
-) {
+fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>, state: &mut HitsPanelState) {
     ui.horizontal_wrapped(|ui| {
-        let kind = state.filter.kind.map_or("all kinds", |k| hits.kind(k));
-        let combo = ComboBox::from_id_salt("kind").selected_text(kind).width(84.0).show_ui(ui, |ui| {
-            ui.selectable_value(&mut state.filter.kind, None, "all kinds");
-            for kind in hits.kinds_present() {
-                ui.selectable_value(&mut state.filter.kind, Some(kind), hits.kind(kind));
-            }
-        });
-        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Kind"));
-        let limb = state.filter.joint.map_or("all limbs".into(), joint_name);
-        let combo = ComboBox::from_id_salt("limb").selected_text(limb).width(94.0).show_ui(ui, |ui| {
-            ui.selectable_value(&mut state.filter.joint, None, "all limbs");
-            for joint in hits.joints_present() {
-                ui.selectable_value(&mut state.filter.joint, Some(joint), joint_name(joint));
-            }
-        });
-        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Limb"));
+        let kinds = hits.kinds_present().into_iter().map(|k| (Some(k), hits.kind(k).to_owned()));
+        let kinds = once((None, "all kinds".to_owned())).chain(kinds);
+        choose(ui, "Kind", Some(84.0), &mut state.filter.kind, kinds);
+        let joints = hits.joints_present().into_iter().map(|j| (Some(j), joint_name(j)));
+        let joints = once((None, "all limbs".to_owned())).chain(joints);
+        choose(ui, "Limb", Some(94.0), &mut state.filter.joint, joints);
         outline_choice(ui, bundle, state);
         ui.checkbox(&mut state.whole_body, "whole body");
         ui.separator();
@@ -181,12 +168,8 @@ fn options(
 
 /// Behaviours that have a volume to be drawn.
 fn volumes(bundle: &OpenBundle) -> impl Iterator<Item = (usize, &PolicyTable)> {
-    bundle
-        .tables()
-        .policies()
-        .iter()
-        .enumerate()
-        .filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
+    let all = bundle.tables().policies().iter().enumerate();
+    all.filter(|(_, p)| !p.grid().is_polar() || Volume::of_region(p.region()).is_some())
 }
 
 fn outlined(bundle: &OpenBundle, state: &HitsPanelState) -> Option<usize> {
@@ -198,27 +181,25 @@ fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut HitsPanelState) 
         return;
     }
     let now = outlined(bundle, state);
-    let name = |p: usize| bundle.tables().meta().behaviours.get(p).map_or("behaviour", String::as_str);
-    let text = now.map_or("no grid".into(), |p| format!("grid of {}", name(p)));
+    let text = now.map_or("no grid".into(), |p| format!("grid of {}", behaviour_name(bundle, p)));
     let mut chosen = now;
     let combo = ComboBox::from_id_salt("outline").selected_text(text).show_ui(ui, |ui| {
         ui.selectable_value(&mut chosen, None, "no grid");
         for (policy, _) in volumes(bundle) {
-            ui.selectable_value(&mut chosen, Some(policy), name(policy));
+            ui.selectable_value(&mut chosen, Some(policy), behaviour_name(bundle, policy));
         }
     });
-    combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Grid"));
-    combo.response.on_hover_text("Cells of a behaviour, and, dashed, where it is active");
+    let tip = "Cells of a behaviour, and, dashed, where it is active";
+    combo.response.named(Role::ComboBox, "Grid").on_hover_text(tip);
     if chosen != now {
         state.outlined = Some(chosen);
     }
 }
 
-fn summary(ui: &mut Ui, hits: &HitCollection, shown: &[usize], ranges: Option<HitRanges>) {
-    let Some(r) = ranges else { return };
-    let all = hits.entries.len();
-    let count =
-        if shown.len() == all { format!("{all} effective hits") } else { format!("{} of {all} hits", shown.len()) };
+fn summary(ui: &mut Ui, input: &HitsInput<'_>) {
+    let Some(r) = input.ranges else { return };
+    let (shown, all) = (input.shown.len(), input.hits.entries.len());
+    let count = if shown == all { format!("{all} effective hits") } else { format!("{shown} of {all} hits") };
     let span = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
     ui.horizontal_wrapped(|ui| {
         ui.strong(count);
@@ -227,15 +208,8 @@ fn summary(ui: &mut Ui, hits: &HitCollection, shown: &[usize], ranges: Option<Hi
 }
 
 /// Shows the three views; returns the hit that was clicked.
-fn views(
-    ui: &mut Ui,
-    model: &Model,
-    bundle: &OpenBundle,
-    hits: &HitCollection,
-    shown: &[usize],
-    state: &mut HitsPanelState,
-    standing_out: Option<usize>,
-) -> Option<usize> {
+fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPanelState) -> Option<usize> {
+    let &HitsInput { bundle, hits, shown, ranges, standing_out } = input;
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
     let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set().policy(p));
     let edges = outlined.into_iter().flat_map(outline_points);
@@ -247,15 +221,9 @@ fn views(
     if state.body.as_ref().is_none_or(|b| (b.0, b.1.row) != (model.generation, row)) {
         state.body = PoseSilhouette::sample_row(bundle, row).map(|b| (model.generation, b));
     }
-    let key = HitDotsKey {
-        document: model.generation,
-        filter: state.filter,
-        colours: state.colours,
-        dark: visuals.dark_mode,
-        places,
-    };
+    let (document, dark) = (model.generation, visuals.dark_mode);
+    let key = HitDotsKey { document, filter: state.filter, colours: state.colours, dark, places };
     if state.dots.as_ref().is_none_or(|d| d.0 != key) {
-        let ranges = hits.ranges(shown);
         let colour = |e: &HitEntry| colour(e, state.colours, ranges, &visuals);
         let of =
             |p: &HitViewPlace| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
@@ -268,10 +236,10 @@ fn views(
         let dots = state.dots.as_ref().map(|d| d.1[k].clone()).unwrap_or_default();
         plot::paint(&painter, &visuals, place, &scene, dots);
         if let Some(e) = standing_out.map(|i| &hits.entries[i]) {
-            let colour = colour(e, state.colours, hits.ranges(shown), &visuals);
-            plot::paint_mark(&painter, place, e.position, e.direction, colour, &visuals);
+            plot::paint_mark(&painter, place, e, colour(e, state.colours, ranges, &visuals), &visuals);
         }
-        let response = view_response(ui, place);
+        let name = format!("Hits, {} view", place.view.title().to_lowercase());
+        let response = ui.interact(place.rect, ui.scope_id().with(&name), Sense::click()).named(Role::Canvas, name);
         let Some(at) = response.hover_pos() else { continue };
         let places = shown.iter().map(|&i| (i, hits.entries[i].position));
         if let Some(hit) = plot::pointed_at(place, at, places) {
@@ -294,14 +262,6 @@ fn outline_points(policy: &PolicyTable) -> Vec<Vec3> {
         v.over_ground().into_iter().flat_map(ends).collect::<Vec<_>>()
     };
     volumes.flat_map(of_volume).collect()
-}
-
-fn view_response(ui: &Ui, place: &HitViewPlace) -> Response {
-    let rect: Rect = place.rect;
-    let name = format!("Hits, {} view", place.view.title().to_lowercase());
-    let response = ui.interact(rect, ui.scope_id().with(&name), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &name));
-    response
 }
 
 /// Shows a tooltip about a hit.

@@ -1,6 +1,7 @@
 //! One view of the hits: axes, a body for scale, the volume of a behaviour, and the hits themselves.
 
 use super::HitViewInput;
+use super::collection::HitEntry;
 use super::outline;
 use super::view::{HitViewPlace, HitViewpoint};
 use crate::volume::Volume;
@@ -53,17 +54,9 @@ pub fn dots(place: &HitViewPlace, hits: impl Iterator<Item = (Vec3, Color32)>) -
 }
 
 /// Highlights a hit under the pointer or shown as a clip, with its direction.
-pub fn paint_mark(
-    painter: &Painter,
-    place: &HitViewPlace,
-    position: Vec3,
-    direction: Vec3,
-    colour: Color32,
-    visuals: &Visuals,
-) {
+pub fn paint_mark(painter: &Painter, place: &HitViewPlace, e: &HitEntry, colour: Color32, visuals: &Visuals) {
     let painter = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
-    let at = place.screen(position);
-    let tip = place.screen(position + direction * ARROW_M);
+    let (at, tip) = (place.screen(e.position), place.screen(e.position + e.direction * ARROW_M));
     if (tip - at).length() > 4.0 {
         painter.arrow(at, tip - at, Stroke::new(1.8, visuals.strong_text_color()));
     }

@@ -109,10 +109,8 @@ impl HitViewPlace {
         let per_m = (room.x / width).min(room.y / height).max(5.0);
         let mut x = rect.left() + 0.5 * (room.x - width * per_m).max(0.0);
         let bottom = rect.top() + ABOVE + 0.5 * (room.y + height * per_m).max(height * per_m);
-        let mut next = 0;
-        corners.map(|(low, high)| {
-            let view = HitViewpoint::ALL[next];
-            next += 1;
+        std::array::from_fn(|k| {
+            let (view, (low, high)) = (HitViewpoint::ALL[k], corners[k]);
             let size = (high - low) * per_m;
             let rect = Rect::from_min_max(pos2(x + LEFT, bottom - size.y), pos2(x + LEFT + size.x, bottom));
             x += LEFT + size.x + GAP;

@@ -50,12 +50,10 @@ impl FrameSpan {
 
     /// The span moved if the frame is out of sight, so that the frame is at the left or, going back, in the middle.
     pub fn followed(self, frame: f32, num_frames: u32) -> Self {
-        let at = if frame > self.to {
-            0.05
-        } else if frame < self.from {
-            0.5
-        } else {
-            return self;
+        let at = match frame {
+            f if f > self.to => 0.05,
+            f if f < self.from => 0.5,
+            _ => return self,
         };
         self.panned(frame - at * self.len() - self.from, num_frames)
     }

@@ -1,7 +1,7 @@
 //! Seconds along an axis.
 
 use super::FrameAxis;
-use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, Visuals};
+use eframe::egui::{Align2, FontId, Rect, Stroke, Ui, vec2};
 use throng_precompute::picture::step_up;
 
 /// Height of a ruler (points).
@@ -21,24 +21,19 @@ pub fn ruler(ui: &Ui, rect: Rect, axis: &FrameAxis) {
     let points_per_s = axis.points_per_frame() * axis.rate_hz;
     let step = step_up(f64::from((LABEL_DISTANCE / points_per_s).clamp(1e-3, 1e6)));
     let base = rect.bottom();
-    painter.hline(rect.x_range(), base, Stroke::new(1.0, line(visuals)));
-    ticks(axis, step / 5.0, |x, _| {
-        painter.vline(x, base - 4.0..=base, Stroke::new(1.0, line(visuals)));
-    });
+    let line = Stroke::new(1.0, visuals.widgets.noninteractive.bg_stroke.color);
+    painter.hline(rect.x_range(), base, line);
+    ticks(axis, step / 5.0, |x, _| _ = painter.vline(x, base - 4.0..=base, line));
     if axis.points_per_frame() >= TICK_DISTANCE {
         for frame in axis.seen() {
-            painter.vline(axis.x_of(frame as f32), base - 3.0..=base, Stroke::new(1.0, line(visuals)));
+            painter.vline(axis.x_of(frame as f32), base - 3.0..=base, line);
         }
     }
     ticks(axis, step, |x, seconds| {
         painter.vline(x, base - 8.0..=base, Stroke::new(1.0, visuals.weak_text_color()));
-        let at = rect.left_top() + eframe::egui::vec2(x - rect.left() + BESIDE, 1.0);
+        let at = rect.left_top() + vec2(x - rect.left() + BESIDE, 1.0);
         painter.text(at, Align2::LEFT_TOP, label(seconds, step), FontId::proportional(11.0), visuals.weak_text_color());
     });
-}
-
-fn line(visuals: &Visuals) -> eframe::egui::Color32 {
-    visuals.widgets.noninteractive.bg_stroke.color
 }
 
 fn ticks(axis: &FrameAxis, step_s: f64, mut tick: impl FnMut(f32, f64)) {

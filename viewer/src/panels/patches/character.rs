@@ -4,10 +4,11 @@ use super::PatchesPanelState;
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::panels::{offer_first_character, words};
+use crate::panels::paint::{PanelWidget, facts};
+use crate::panels::{colour_of_view, offer_first_character, words};
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
-use eframe::egui::{Align, Color32, DragValue, FontSelection, Grid, Label, RichText, Ui};
+use eframe::egui::{Align, DragValue, FontSelection, Label, RichText, Ui};
 use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal};
 
 /// Default duration of an action (s).
@@ -18,8 +19,8 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
     population(ui, world, state, commands);
     let run = world.run();
     let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
-        offer_first_character(ui, "Click a character in the 3-D view, or", run.num_characters() > 0, commands);
-        return;
+        let has_characters = run.num_characters() > 0;
+        return offer_first_character(ui, "Click a character in the 3-D view, or", has_characters, commands);
     };
     ui.horizontal_wrapped(|ui| {
         let mut number = c;
@@ -55,15 +56,10 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
         for (doing, name) in KINDS {
-            let [r, g, b, _] = colour_of(doing).0;
             let mut text = LayoutJob::default();
-            RichText::new("■ ").color(Color32::from_rgb(r, g, b)).append_to(
-                &mut text,
-                ui.style(),
-                FontSelection::Default,
-                Align::Center,
-            );
-            RichText::new(name).weak().append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
+            for part in [RichText::new("■ ").color(colour_of_view(colour_of(doing))), RichText::new(name).weak()] {
+                part.append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
+            }
             // The name stays in the row of its colour.
             ui.add(Label::new(text).extend());
         }
@@ -75,12 +71,8 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     let seen = run.moment().states[c];
     let tags = &world.bundle().tables().meta().link_tags;
     let (inhabitants, id) = (run.inhabitants(), run.id(c));
-    Grid::new("character").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(name);
-            ui.add(Label::new(value).wrap());
-            ui.end_row();
-        };
+    facts(ui, "character", true, |row| {
+        let mut row = |name: &str, value: String| row(name, "", value.into());
         row("is to", words::goal(seen.goal, tags));
         row("now", words::inhabitant_activity(&seen));
         row("patch", format!("{} ({})", world.patch_name(seen.node.instance), seen.node.instance));
@@ -89,33 +81,21 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             return;
         }
         let rate = world.bundle().rate_hz();
-        let plan = inhabitants.last_plan(id).ok().flatten();
-        match plan {
-            Some(p) => row(
-                "way",
-                format!(
-                    "{:.1} m, {:.1} s, {} steps; {} of it left",
-                    p.length_m,
-                    p.num_frames as f32 / rate,
-                    p.num_steps,
-                    inhabitants.path_steps(id).map_or(0, <[_]>::len)
-                ),
-            ),
+        let path_steps = inhabitants.path_steps(id).unwrap_or_default();
+        match inhabitants.last_plan(id).ok().flatten() {
+            Some(p) => {
+                let (seconds, num_left) = (p.num_frames as f32 / rate, path_steps.len());
+                let way = format!("{:.1} m, {seconds:.1} s, {} steps; {num_left} of it left", p.length_m, p.num_steps);
+                row("way", way);
+                row("planning", format!("opened {} instances, {} nodes", p.opened_instances, p.opened_nodes));
+            }
             None => row("way", "no path is planned".into()),
-        }
-        if let Some(p) = plan {
-            row("planning", format!("opened {} instances, {} nodes", p.opened_instances, p.opened_nodes));
         }
         let name = |u: u32| world.placed().get(u as usize).map_or("unit", |p| &world.unit(p.unit).name);
         let held: Vec<String> =
             inhabitants.units_of(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
         row("holds", held.join(", "));
-        if let Some(step) = inhabitants
-            .path_steps(id)
-            .unwrap_or_default()
-            .first()
-            .filter(|_| seen.activity == InhabitantActivity::Waiting)
-        {
+        if let Some(step) = path_steps.first().filter(|_| seen.activity == InhabitantActivity::Waiting) {
             let wanted = world.graph().resources(step.to.instance).iter();
             let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h != id)?.index())));
             let text: Vec<String> =
@@ -126,14 +106,13 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
 }
 
 fn show_orders(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut PatchesPanelState, commands: &mut Commands) {
-    let mut order = |goal| commands.push(ViewerCommand::World(WorldCommand::Order { character: c, goal }));
+    let order = |goal| ViewerCommand::World(WorldCommand::Order { character: c, goal });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Roam").on_hover_text("Wander about until it gets another order").clicked() {
-            order(Some(InhabitantGoal::Roam));
-        }
-        let tip = "It decides for itself again, as the scene says";
-        if world.run().order_of(c).is_some() && ui.button("Let go").on_hover_text(tip).clicked() {
-            order(None);
+        let roam = ui.button("Roam").on_hover_text("Wander about until it gets another order");
+        roam.request(commands, order(Some(InhabitantGoal::Roam)));
+        if world.run().order_of(c).is_some() {
+            let let_go = ui.button("Let go").on_hover_text("It decides for itself again, as the scene says");
+            let_go.request(commands, order(None));
         }
         let tags = &world.bundle().tables().meta().link_tags;
         if tags.is_empty() {
@@ -142,9 +121,8 @@ fn show_orders(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut Patches
         let seconds = state.seconds.get_or_insert(PERFORM_S);
         for (t, tag) in tags.iter().enumerate() {
             let tip = format!("Go to the nearest place where motion is tagged {tag}, and do that");
-            if ui.button(tag).on_hover_text(tip).clicked() {
-                order(Some(InhabitantGoal::Perform { tag: t as u16 + 1, seconds: *seconds }));
-            }
+            let goal = InhabitantGoal::Perform { tag: t as u16 + 1, seconds: *seconds };
+            ui.button(tag).on_hover_text(tip).request(commands, order(Some(goal)));
         }
         ui.label("for");
         ui.add(DragValue::new(seconds).range(0.0..=600.0).speed(0.2).suffix(" s"));

@@ -5,6 +5,7 @@ use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::UnitChange;
 use crate::model::Model;
+use crate::panels::paint::{PanelWidget, coordinates};
 use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_core::patch::Placement;
@@ -16,10 +17,9 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
     selected(ui, model, world, commands);
     if let Some(e) = world.edited() {
         let lost = if e.num_lost > 0 { format!("; {} characters found no place", e.num_lost) } else { String::new() };
-        let free = if e.num_released > 0 {
-            format!("; {} can no longer do what they were told", e.num_released)
-        } else {
-            String::new()
+        let free = match e.num_released {
+            0 => String::new(),
+            n => format!("; {n} can no longer do what they were told"),
         };
         let [total, stitch] = [e.total_s, e.stitch_s].map(|s| 1e3 * s);
         ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.description));
@@ -65,11 +65,7 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Co
     let mut p = now;
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {place}", world.unit(placed.unit).name));
-        for (name, value) in [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)] {
-            ui.label(name);
-            let field = DragValue::new(value).range(-1e4..=1e4).speed(0.0).update_while_editing(false);
-            ui.add(field.suffix(" m").fixed_decimals(2));
-        }
+        coordinates(ui, [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)], 1e4, 0.0, 2);
         let mut degrees = p.with_wrapped_heading().heading.to_degrees();
         let field = DragValue::new(&mut degrees).range(-180.0..=180.0).speed(0.0).update_while_editing(false);
         if ui.add(field.suffix("°").fixed_decimals(0)).changed() {
@@ -81,15 +77,12 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Co
     });
     ui.horizontal_wrapped(|ui| {
         for (text, tip, degrees) in [("⟲ 90°", "Turn it left", 90.0f32), ("⟳ 90°", "Turn it right", -90.0)] {
-            if ui.button(text).on_hover_text(tip).clicked() {
-                let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.with_wrapped_heading();
-                commands.push(edit(UnitChange::Move { place, to }));
-            }
+            let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.with_wrapped_heading();
+            ui.button(text).on_hover_text(tip).request(commands, edit(UnitChange::Move { place, to }));
         }
         let remove = ui.add_enabled(world.working().is_none(), Button::new("Remove"));
-        if remove.on_hover_text("Delete, while units are moved").clicked() {
-            commands.push(edit(UnitChange::Remove { place }));
-        }
+        let remove = remove.on_hover_text("Delete, while units are moved");
+        remove.request(commands, edit(UnitChange::Remove { place }));
     });
 }
 

@@ -3,14 +3,18 @@
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
+use crate::panels::colour_of_view;
+use crate::panels::paint::{self, PanelWidget};
 use crate::stage::world::{DISABLED, ENABLED};
-use eframe::egui::{Color32, ComboBox, Grid, Label, Ui};
+use eframe::egui::{ComboBox, Ui};
 use throng_core::patch::CellRecord;
 use throng_precompute::stitch::{InstanceItem, RemovalReason};
 
 /// Figures of an instance.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InstanceFacts {
+    /// Number of the instance.
+    pub instance: u32,
     /// Cells that are left, and all.
     pub cells: [usize; 2],
     /// Entries that are left, and all.
@@ -29,7 +33,8 @@ impl InstanceFacts {
     /// Counts cells and links of an instance (instance < number of instances).
     pub fn count_cells(world: &WorldDocument, instance: u32) -> Self {
         let graph = world.graph();
-        let mut facts = Self { neighbours: graph.instance(instance).num_adjacencies as usize, ..Self::default() };
+        let neighbours = graph.instance(instance).num_adjacencies as usize;
+        let mut facts = Self { instance, neighbours, ..Self::default() };
         for (c, cell) in graph.cells(instance).iter().enumerate() {
             let left = usize::from(world.reason(instance, InstanceItem::Cell(c as u32)).is_none());
             let count = |is_one: bool, counts: &mut [usize; 2]| {
@@ -69,26 +74,16 @@ pub fn reason_text(reason: RemovalReason) -> &'static str {
 }
 
 /// Shows the figures of an instance.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    world: &WorldDocument,
-    instance: u32,
-    facts: &InstanceFacts,
-    commands: &mut Commands,
-) {
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &InstanceFacts, commands: &mut Commands) {
+    let instance = facts.instance;
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("Patch {}", world.patch_name(instance)));
         ui.weak(format!("instance {instance}, {}", if world.graph().is_tile(instance) { "tile" } else { "block" }));
     });
     choose(ui, model, world, instance, commands);
     let of = |[left, all]: [usize; 2]| format!("{left} of {all} left");
-    Grid::new("facts").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        let mut row = |name: &str, value: String| {
-            ui.label(name);
-            ui.add(Label::new(value).wrap());
-            ui.end_row();
-        };
+    paint::facts(ui, "facts", true, |row| {
+        let mut row = |name: &str, value: String| row(name, "", value.into());
         let units: Vec<String> = world.graph().resources(instance).iter().map(|&u| unit(world, u)).collect();
         row("units", units.join(", "));
         row("cells", of(facts.cells));
@@ -109,8 +104,7 @@ pub fn show(
             commands.push(ViewerCommand::World(WorldCommand::ShowLinks(shown)));
         }
         for (colour, name) in [(ENABLED, "left"), (DISABLED, "taken out")] {
-            let [r, g, b, _] = colour.0;
-            ui.colored_label(Color32::from_rgb(r, g, b), "■");
+            ui.colored_label(colour_of_view(colour), "■");
             ui.label(name);
         }
     });
@@ -134,9 +128,8 @@ fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, comm
         ui.label(format!("The unit is in {} patches:", all.len()));
         ComboBox::from_id_salt("instance").selected_text(name(instance)).show_ui(ui, |ui| {
             for i in all {
-                if ui.selectable_label(i == instance, name(i)).clicked() {
-                    commands.push(ViewerCommand::World(WorldCommand::SelectInstance(Some(i))));
-                }
+                let select = ViewerCommand::World(WorldCommand::SelectInstance(Some(i)));
+                ui.selectable_label(i == instance, name(i)).request(commands, select);
             }
         });
     });

@@ -4,6 +4,7 @@ use super::facts::{InstanceFacts, reason_text};
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
+use crate::panels::clip_frame;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
 use eframe::egui::{CollapsingHeader, Ui, vec2};
 use throng_core::patch::LinkRecord;
@@ -18,14 +19,7 @@ const COLUMNS: [TableColumn<'static>; 4] = [
 const HEIGHT: f32 = 170.0;
 
 /// Shows the list; a click selects a link.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    world: &WorldDocument,
-    instance: u32,
-    facts: &InstanceFacts,
-    commands: &mut Commands,
-) {
+pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &InstanceFacts, commands: &mut Commands) {
     let (graph, selected) = (world.graph(), model.selection.world.link);
     let out: Vec<usize> = (0..facts.links.len()).filter(|&l| facts.links[l].is_some()).collect();
     if out.is_empty() {
@@ -41,7 +35,7 @@ pub fn show(
                 ..RowTable::new("links taken out", &COLUMNS, out.len())
             };
             let response = table.show(ui, |row, column| {
-                let (number, link) = (out[row], &graph.links(instance)[out[row]]);
+                let (number, link) = (out[row], &graph.links(facts.instance)[out[row]]);
                 match column {
                     0 => TableCell::new(number.to_string()),
                     1 => TableCell::new(motion(world, link)).ending(),
@@ -59,7 +53,6 @@ pub fn show(
 /// Clip and time that a link begins at.
 fn motion(world: &WorldDocument, link: &LinkRecord) -> String {
     let bundle = world.bundle();
-    let clip = bundle.clip_of(link.frame);
-    let first = bundle.tables().clips().get(clip).map_or(0, |c| c.first_frame);
-    format!("{} {:.2} s", bundle.clip_name(clip), (link.frame - first) as f32 / bundle.rate_hz())
+    let (clip, frame) = clip_frame(bundle, link.frame);
+    format!("{} {:.2} s", bundle.clip_name(clip), frame as f32 / bundle.rate_hz())
 }

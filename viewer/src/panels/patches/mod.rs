@@ -7,6 +7,7 @@ mod links;
 
 use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use eframe::egui::{Button, Ui};
 use facts::InstanceFacts;
 use throng_precompute::stitch::InstanceItem;
@@ -51,8 +52,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
                 state.facts = is_known.then(|| (key, InstanceFacts::count_cells(world, instance)));
             }
             if let Some((_, facts)) = &state.facts {
-                facts::show(ui, model, world, instance, facts, commands);
-                links::show(ui, model, world, instance, facts, commands);
+                facts::show(ui, model, world, facts, commands);
+                links::show(ui, model, world, facts, commands);
             }
             show_reason(ui, model, state, instance);
         }
@@ -72,9 +73,8 @@ fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut C
             (Tool::Create(state.unit), "Create", "A click places a unit; Q and E turn it first"),
         ] {
             let is_on = std::mem::discriminant(&now) == std::mem::discriminant(&tool);
-            if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() {
-                commands.push(ViewerCommand::World(WorldCommand::Tool(tool)));
-            }
+            let label = ui.selectable_label(is_on, name).on_hover_text(tip);
+            label.request(commands, ViewerCommand::World(WorldCommand::Tool(tool)));
         }
         ui.separator();
         history(ui, model, commands);
@@ -101,9 +101,8 @@ fn history(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     ] {
         let button = ui.add_enabled(change.is_some(), Button::new(text));
         let tip = format!("{tip}: {} ({key})", change.unwrap_or("nothing"));
-        if button.on_hover_text(&tip).on_disabled_hover_text(&tip).clicked() {
-            commands.push(ViewerCommand::World(command));
-        }
+        let button = button.on_hover_text(&tip).on_disabled_hover_text(&tip);
+        button.request(commands, ViewerCommand::World(command));
     }
 }
 
@@ -118,9 +117,8 @@ fn outcome(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     } else if let Some(refused) = world.refused() {
         ui.horizontal_wrapped(|ui| {
             ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.reason));
-            if ui.small_button("✖").on_hover_text("Close this message (Escape)").clicked() {
-                commands.push(ViewerCommand::World(WorldCommand::ForgetRefused));
-            }
+            let close = ui.small_button("✖").on_hover_text("Close this message (Escape)");
+            close.request(commands, ViewerCommand::World(WorldCommand::ForgetRefused));
         });
     }
 }

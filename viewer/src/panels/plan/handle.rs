@@ -3,8 +3,8 @@
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use eframe::egui::{ComboBox, DragValue, Role, Ui, WidgetInfo};
-use glam::Vec3;
+use crate::panels::paint::{PanelWidget, coordinates};
+use eframe::egui::{ComboBox, Role, Ui};
 
 /// Shows the selected thing or place.
 pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanVi
                 ui.selectable_value(&mut wanted.handle, Some(handle), task.task().handle_name(handle));
             }
         });
-        combo.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Thing or place"));
+        combo.response.named(Role::ComboBox, "Thing or place");
     });
     let selected = wanted.handle.and_then(|h| Some((h, task.place_of(h, model.task_time_s())?)));
     let Some((handle, place)) = selected else {
@@ -27,12 +27,10 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanVi
     let now = place.position.as_vec3();
     let mut to = now;
     ui.horizontal_wrapped(|ui| {
-        for (name, value) in [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)] {
-            ui.label(name);
-            let field = DragValue::new(value).range(-1e3..=1e3).speed(0.0).update_while_editing(false);
-            ui.add(field.suffix(" m").fixed_decimals(3));
-        }
-        let text = toml(task.task().written_position(handle).as_vec3());
+        coordinates(ui, [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], 1e3, 0.0, 3);
+        // The position as in a task file.
+        let at = task.task().written_position(handle).as_vec3();
+        let text = format!("at = [{:.3}, {:.3}, {:.3}]", at.x, at.y, at.z);
         if ui.small_button("Copy").on_hover_text(format!("{text}: for the task's file")).clicked() {
             ui.ctx().copy_text(text);
         }
@@ -42,9 +40,4 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanVi
         commands.push(ViewerCommand::Plan(PlanCommand::Move(handle, to - now)));
         commands.push(ViewerCommand::Plan(PlanCommand::EndMove));
     }
-}
-
-/// The position as in a task file.
-fn toml(at: Vec3) -> String {
-    format!("at = [{:.3}, {:.3}, {:.3}]", at.x, at.y, at.z)
 }

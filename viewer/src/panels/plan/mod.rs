@@ -9,6 +9,7 @@ mod timeline;
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &m
         ui.separator();
         motions::show(ui, task, &mut wanted, commands);
         ui.separator();
-        timeline::show(ui, model, task, &mut state.along, &mut wanted, commands);
+        commands.extend(timeline::show(ui, model, &mut state.along, &mut wanted).map(ViewerCommand::Seek));
         ui.separator();
         handle::show(ui, model, task, &mut wanted, commands);
         ui.separator();
@@ -72,8 +73,7 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, command
             let is_on = wanted.step == Some(i);
             if ui.selectable_label(is_on, name).on_hover_text("Look at its trees alone, and go to its time").clicked() {
                 wanted.step = (!is_on).then_some(i);
-                let begin_s = windows[i].map(|w| w[1]).filter(|_| !is_on);
-                if let Some(s) = at_s.or(begin_s).filter(|_| !is_on) {
+                if let Some(s) = at_s.or(windows[i].map(|w| w[1])).filter(|_| !is_on) {
                     commands.push(ViewerCommand::Seek((s * f64::from(rate_hz)).round() as u32));
                 }
             }
@@ -89,14 +89,11 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, command
 fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         let tip = "Plan motions beside the window; the same seed gives the same motion";
-        if ui.add(Button::new("Plan")).on_hover_text(tip).clicked() {
-            commands.push(ViewerCommand::Plan(PlanCommand::Plan));
-        }
-        let mut number = wanted.num_motions;
-        let unit = if number == 1 { " motion" } else { " motions" };
-        ui.add(DragValue::new(&mut number).range(1..=MOST).speed(0.05).suffix(unit))
-            .on_hover_text("So many that differ, where seeds give them");
-        wanted.num_motions = number.clamp(1, MOST);
+        ui.button("Plan").on_hover_text(tip).request(commands, ViewerCommand::Plan(PlanCommand::Plan));
+        let unit = if wanted.num_motions == 1 { " motion" } else { " motions" };
+        let field = DragValue::new(&mut wanted.num_motions).range(1..=MOST).speed(0.05).suffix(unit);
+        ui.add(field).on_hover_text("So many that differ, where seeds give them");
+        wanted.num_motions = wanted.num_motions.clamp(1, MOST);
         let own = task.task().config.budget.seed;
         let mut seed = wanted.seed.unwrap_or(own);
         ui.add(DragValue::new(&mut seed).speed(0.05).prefix("seed ")).on_hover_text("In place of the task's");
@@ -107,19 +104,15 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
         let ([tried, total], motion) = planning.progress();
         ui.horizontal(|ui| {
             let tip = "Stop planning; the motions stay as they are";
-            if ui.button("Cancel").on_hover_text(tip).clicked() {
-                commands.push(ViewerCommand::Plan(PlanCommand::Cancel));
-            }
+            ui.button("Cancel").on_hover_text(tip).request(commands, ViewerCommand::Plan(PlanCommand::Cancel));
             ui.label(format!("motion {motion}: {tried} of {total}"));
             ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
         });
     } else if let Some(why) = task.refused() {
         ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
     } else if task.is_changed() {
-        ui.colored_label(
-            ThemePalette::for_visuals(ui.visuals()).warning,
-            "The scene has changed since; what is shown was planned before.",
-        );
+        let colour = ThemePalette::for_visuals(ui.visuals()).warning;
+        ui.colored_label(colour, "The scene has changed since; what is shown was planned before.");
     }
 }
 

@@ -1,14 +1,15 @@
 //! Timeline of a task: when limbs leave the clip, reach, and are back; below it the trees of the searches and the
 //! paths of hands, one direction of space over time.
 
-use crate::command::{Commands, PlanViewOptions, ViewerCommand};
+use crate::command::PlanViewOptions;
 use crate::document::TaskDocument;
 use crate::model::Model;
+use crate::panels::colour_of_view;
 use crate::panels::paint::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
 use crate::stage::task::{TREES, colour_of_node, end_of_limb, inspected_steps};
 use crate::theme::ThemePalette;
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, Visuals, pos2, vec2};
 use glam::DVec3;
 use throng_planner::task::StepOutcome;
 
@@ -47,15 +48,9 @@ impl PlotDirection {
     }
 }
 
-/// Shows it; a click or a drag moves the play head.
-pub fn show(
-    ui: &mut Ui,
-    model: &Model,
-    task: &TaskDocument,
-    along: &mut PlotDirection,
-    wanted: &mut PlanViewOptions,
-    commands: &mut Commands,
-) {
+/// Shows it; returns the frame that the play head is moved to by a click or a drag.
+pub fn show(ui: &mut Ui, model: &Model, along: &mut PlotDirection, wanted: &mut PlanViewOptions) -> Option<u32> {
+    let task = model.task()?;
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");
         ui.checkbox(&mut wanted.trees, "trees").on_hover_text("Where hands and feet are in the trees of the searches");
@@ -63,8 +58,7 @@ pub fn show(
             ui.selectable_value(along, direction, name);
         }
         for (colour, name) in TREES.into_iter().zip(["from the start", "from the goal"]) {
-            let [r, g, b, _] = colour.0;
-            ui.colored_label(Color32::from_rgb(r, g, b), name);
+            ui.colored_label(colour_of_view(colour), name);
         }
     });
     let (windows, (num_frames, rate_hz)) = (task.task().windows_s(), task.frames());
@@ -72,22 +66,24 @@ pub fn show(
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
     let x = (rect.left() + LEFT..=rect.right() - 4.0).into();
     let axis = FrameAxis { span: span(task, &windows), x, rate_hz, num_frames };
-    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     ruler(ui, Rect::from_x_y_ranges(axis.x, rect.top()..=rect.top() + RULER_HEIGHT), &axis);
     let rows = Rect::from_min_size(rect.min + vec2(0.0, RULER_HEIGHT), vec2(rect.width(), ROW * windows.len() as f32));
-    bars(ui, &painter, rows, &axis, &windows, wanted.step);
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let palette = ThemePalette::for_visuals(ui.visuals());
+    let plot = TaskPlot { visuals: ui.visuals(), palette, painter, axis, task };
+    plot.bars(rows, &windows, wanted.step);
     if wanted.trees {
         let at = Rect::from_x_y_ranges(axis.x, rows.bottom() + 4.0..=rect.bottom());
-        plot(ui, &painter, at, &axis, model, task, *along);
+        let done: Vec<&StepOutcome> = inspected_steps(model, task).filter(|d| !d.trees.is_empty()).collect();
+        plot.trees(at, &done, *along);
     }
     let head = axis.x_of(model.player.frame.round());
     if axis.x.contains(head) {
-        painter.vline(head, rect.y_range(), Stroke::new(1.5, ThemePalette::for_visuals(ui.visuals()).head));
+        plot.painter.vline(head, rect.y_range(), Stroke::new(1.5, palette.head));
     }
-    if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked() || response.dragged()) {
-        commands.push(ViewerCommand::Seek(axis.frame_at(at.x)));
-    }
+    let at = response.interact_pointer_pos().filter(|_| response.clicked() || response.dragged());
     response.on_hover_text("Click or drag to move through the clip");
+    at.map(|at| axis.frame_at(at.x))
 }
 
 /// From a little before the first thing to do until a little after the last one.
@@ -103,104 +99,87 @@ fn span(task: &TaskDocument, windows: &[Option<[f64; 3]>]) -> FrameSpan {
     FrameSpan { from: frame(from - AROUND_S).max(whole.from), to: frame(to + AROUND_S).min(whole.to) }
 }
 
-/// Bars of the times at which each limb leaves the clip, reaches, and is back.
-fn bars(
-    ui: &Ui,
-    painter: &Painter,
-    rows: Rect,
-    axis: &FrameAxis,
-    windows: &[Option<[f64; 3]>],
-    selected: Option<usize>,
-) {
-    let palette = ThemePalette::for_visuals(ui.visuals());
-    for (i, window) in windows.iter().enumerate() {
-        let top = rows.top() + ROW * i as f32;
-        let y = pos2(rows.left() + LEFT - 4.0, top + 0.5 * ROW);
-        let weak = ui.visuals().weak_text_color();
-        painter.text(y, Align2::RIGHT_CENTER, format!("{}", i + 1), FontId::proportional(10.5), weak);
-        let Some(window) = window else { continue };
-        let at = |s: f64| axis.x_of((s.min(1e6) * f64::from(axis.rate_hz)) as f32).clamp(axis.x.min, axis.x.max);
-        let bar = Rect::from_x_y_ranges(at(window[0])..=at(window[2]), top + 3.0..=top + ROW - 3.0);
-        let colour = if selected.is_none_or(|s| s == i) { palette.right } else { palette.right.gamma_multiply(0.35) };
-        painter.rect_filled(bar, 2.0, colour.gamma_multiply(0.55));
-        if window[1] > window[0] {
-            painter.vline(at(window[1]), bar.y_range(), Stroke::new(2.5, colour));
-        }
-    }
+/// Input shared by the parts of the timeline.
+struct TaskPlot<'a> {
+    visuals: &'a Visuals,
+    palette: ThemePalette,
+    painter: Painter,
+    axis: FrameAxis,
+    task: &'a TaskDocument,
 }
 
-/// One direction over time: nodes and edges of trees, and the planned hand.
-fn plot(
-    ui: &Ui,
-    painter: &Painter,
-    rect: Rect,
-    axis: &FrameAxis,
-    model: &Model,
-    task: &TaskDocument,
-    along: PlotDirection,
-) {
-    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
-    let done: Vec<&StepOutcome> = inspected_steps(model, task).filter(|d| !d.trees.is_empty()).collect();
-    let nodes = || done.iter().flat_map(|d| &d.trees).flat_map(|g| g.trees.iter().flatten());
-    let [low, high] = nodes().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| {
-        let v = along.component(n.tip);
-        [low.min(v), high.max(v)]
-    });
-    if low > high {
-        let text = if task.planning().is_some() { "planning …" } else { "no search was needed, or none is shown" };
-        painter.text(
-            rect.center(),
-            Align2::CENTER_CENTER,
-            text,
-            FontId::proportional(12.0),
-            ui.visuals().weak_text_color(),
-        );
-        return;
+impl TaskPlot<'_> {
+    fn x_of(&self, time_s: f64) -> f32 {
+        self.axis.x_of((time_s * f64::from(self.axis.rate_hz)) as f32)
     }
-    let (low, high) = (low - 0.05, high + 0.05);
-    let y_of = |v: f64| rect.bottom() - ((v - low) / (high - low)) as f32 * rect.height();
-    let point =
-        |at: DVec3, time_s: f64| pos2(axis.x_of((time_s * f64::from(axis.rate_hz)) as f32), y_of(along.component(at)));
-    for (v, anchor) in [(low, Align2::RIGHT_BOTTOM), (high, Align2::RIGHT_TOP)] {
-        let at = pos2(rect.left() - 4.0, y_of(v));
-        painter.text(at, anchor, format!("{v:.2}"), FontId::proportional(10.5), ui.visuals().weak_text_color());
-    }
-    let painter = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
-    let mut mesh = Mesh::default();
-    for grown in done.iter().flat_map(|d| &d.trees) {
-        for (k, tree) in grown.trees.iter().enumerate() {
-            for node in tree.iter().skip(1).step_by(tree.len() / MAX_NODES + 1) {
-                let [r, g, b, a] = colour_of_node(k, grown, node.time_s).0;
-                let parent = &tree[node.parent];
-                let ends = [point(parent.tip, parent.time_s), point(node.tip, node.time_s)];
-                line(&mut mesh, ends, 0.6, Color32::from_rgba_unmultiplied(r, g, b, a));
-            }
-            if let Some(root) = tree.first() {
-                let [r, g, b, _] = TREES[k].0;
-                painter.circle_filled(point(root.tip, root.time_s), 3.0, Color32::from_rgb(r, g, b));
+
+    /// Bars of the times at which each limb leaves the clip, reaches, and is back.
+    fn bars(&self, rows: Rect, windows: &[Option<[f64; 3]>], selected: Option<usize>) {
+        for (i, window) in windows.iter().enumerate() {
+            let top = rows.top() + ROW * i as f32;
+            self.number(pos2(rows.left() + LEFT - 4.0, top + 0.5 * ROW), Align2::RIGHT_CENTER, format!("{}", i + 1));
+            let Some(window) = window else { continue };
+            let at = |s: f64| self.x_of(s.min(1e6)).clamp(self.axis.x.min, self.axis.x.max);
+            let bar = Rect::from_x_y_ranges(at(window[0])..=at(window[2]), top + 3.0..=top + ROW - 3.0);
+            let right = self.palette.right;
+            let colour = if selected.is_none_or(|s| s == i) { right } else { right.gamma_multiply(0.35) };
+            self.painter.rect_filled(bar, 2.0, colour.gamma_multiply(0.55));
+            if window[1] > window[0] {
+                self.painter.vline(at(window[1]), bar.y_range(), Stroke::new(2.5, colour));
             }
         }
     }
-    painter.add(mesh);
-    hands(&painter, task, &done, &point, ThemePalette::for_visuals(ui.visuals()).head);
-}
 
-/// Paths of the ends of limbs in the shown motion.
-fn hands(
-    painter: &Painter,
-    task: &TaskDocument,
-    done: &[&StepOutcome],
-    point: &dyn Fn(DVec3, f64) -> Pos2,
-    colour: Color32,
-) {
-    for done in done {
-        let clip = task.clip(done.character);
-        let last = clip.num_frames() - 1;
-        for grown in &done.trees {
-            let frames = grown.window_s.map(|t| ((t * clip.rate_hz).round() as usize).min(last));
-            let points =
-                (frames[0]..=frames[1]).map(|f| point(end_of_limb(task, done, clip, f), f as f64 / clip.rate_hz));
-            painter.line(points.collect(), Stroke::new(2.0, colour));
+    fn number(&self, at: Pos2, anchor: Align2, text: String) {
+        self.painter.text(at, anchor, text, FontId::proportional(10.5), self.visuals.weak_text_color());
+    }
+
+    /// One direction over time: nodes and edges of trees, and the planned hand.
+    fn trees(&self, rect: Rect, done: &[&StepOutcome], along: PlotDirection) {
+        self.painter.rect_filled(rect, 0.0, self.visuals.extreme_bg_color);
+        let nodes = done.iter().flat_map(|d| &d.trees).flat_map(|g| g.trees.iter().flatten());
+        let [low, high] = nodes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| {
+            let v = along.component(n.tip);
+            [low.min(v), high.max(v)]
+        });
+        if low > high {
+            let is_planning = self.task.planning().is_some();
+            let text = if is_planning { "planning …" } else { "no search was needed, or none is shown" };
+            let (font, weak) = (FontId::proportional(12.0), self.visuals.weak_text_color());
+            self.painter.text(rect.center(), Align2::CENTER_CENTER, text, font, weak);
+            return;
+        }
+        let (low, high) = (low - 0.05, high + 0.05);
+        let y_of = |v: f64| rect.bottom() - ((v - low) / (high - low)) as f32 * rect.height();
+        let point = |at: DVec3, time_s: f64| pos2(self.x_of(time_s), y_of(along.component(at)));
+        for (v, anchor) in [(low, Align2::RIGHT_BOTTOM), (high, Align2::RIGHT_TOP)] {
+            self.number(pos2(rect.left() - 4.0, y_of(v)), anchor, format!("{v:.2}"));
+        }
+        let painter = self.painter.with_clip_rect(rect.intersect(self.painter.clip_rect()));
+        let mut mesh = Mesh::default();
+        for grown in done.iter().flat_map(|d| &d.trees) {
+            for (k, tree) in grown.trees.iter().enumerate() {
+                for node in tree.iter().skip(1).step_by(tree.len() / MAX_NODES + 1) {
+                    let [r, g, b, a] = colour_of_node(k, grown, node.time_s).0;
+                    let parent = &tree[node.parent];
+                    let ends = [point(parent.tip, parent.time_s), point(node.tip, node.time_s)];
+                    line(&mut mesh, ends, 0.6, Color32::from_rgba_unmultiplied(r, g, b, a));
+                }
+                if let Some(root) = tree.first() {
+                    painter.circle_filled(point(root.tip, root.time_s), 3.0, colour_of_view(TREES[k]));
+                }
+            }
+        }
+        painter.add(mesh);
+        // Paths of the ends of limbs in the shown motion.
+        for done in done {
+            let clip = self.task.clip(done.character);
+            let last = clip.num_frames() - 1;
+            for grown in &done.trees {
+                let [first, last] = grown.window_s.map(|t| ((t * clip.rate_hz).round() as usize).min(last));
+                let place = |f: usize| point(end_of_limb(self.task, done, clip, f), f as f64 / clip.rate_hz);
+                painter.line((first..=last).map(place).collect(), Stroke::new(2.0, self.palette.head));
+            }
         }
     }
 }

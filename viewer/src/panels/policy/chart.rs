@@ -36,7 +36,8 @@ impl ChartSector {
 /// The cells of one height as sectors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolicyChart {
-    record: GridRecord,
+    /// Record of the grid.
+    pub record: GridRecord,
 }
 
 impl PolicyChart {

@@ -104,18 +104,41 @@ impl HeatPicture {
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
         let colour = |v: f32| viridis::map(viridis::ratio(v, range));
         let mesh = if key.smooth {
-            smooth(
-                &chart,
-                &plan,
-                |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)),
-                key,
-                policy,
-            )
+            smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)))
         } else {
             cells(&chart, &plan, key.height, |cell| colour(values[cell]))
         };
-        let (arrows, arrow_scale) = arrows(&key, &chart, &plan, policy, graph);
-        Self { key, plan, mesh: Arc::new(mesh), range, arrows, arrow_scale }
+        let mut picture = Self { key, plan, mesh: Arc::new(mesh), range, arrows: Vec::new(), arrow_scale: 1.0 };
+        picture.add_arrows(&chart, policy, graph);
+        picture
+    }
+
+    /// Adds arrows of the best actions of cells, for as many cells as there is room for.
+    fn add_arrows(&mut self, chart: &PolicyChart, policy: &PolicyTable, graph: &MotionGraph) {
+        let (key, plan) = (self.key, self.plan);
+        let segments = graph.segments_of(key.state);
+        let direction = |cell: usize| {
+            let best = usize::from(policy.best_of(key.state, cell)[0]);
+            let d = graph.segments[segments[best] as usize].displacement;
+            Vec2::new(d[0], d[1])
+        };
+        let longest = chart.cells(key.height).map(|c| direction(c).length()).fold(0.0, f32::max) * plan.per_m;
+        self.arrow_scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
+        let mut taken = HashSet::new();
+        for cell in chart.cells(key.height).rev() {
+            let centre = policy.grid_of(key.state).cell_centre(cell);
+            let foot = plan.screen(Vec2::new(centre.x, centre.z));
+            let bucket = ((foot.x / APART) as i32, (foot.y / APART) as i32);
+            let mut around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (bucket.0 + x, bucket.1 + y)));
+            let is_near = |b| taken.contains(&b) && self.arrows.iter().any(|a| a[0].distance(foot) < APART);
+            if around.any(is_near) {
+                continue;
+            }
+            taken.insert(bucket);
+            let direction = direction(cell) * self.arrow_scale;
+            let tip = Pos2::new(foot.x - direction.x * plan.per_m, foot.y - direction.y * plan.per_m);
+            self.arrows.push([foot, tip]);
+        }
     }
 }
 
@@ -142,16 +165,8 @@ fn cells(chart: &PolicyChart, plan: &MapProjection, height: u32, colour: impl Fn
 }
 
 /// A net of colours over all of the chart.
-fn smooth(
-    chart: &PolicyChart,
-    plan: &MapProjection,
-    colour: impl Fn(Vec2) -> Color32,
-    key: HeatKey,
-    policy: &PolicyTable,
-) -> Mesh {
-    let mut mesh = Mesh::default();
-    let grid = policy.grid_of(key.state);
-    let record = grid.record();
+fn smooth(chart: &PolicyChart, plan: &MapProjection, colour: impl Fn(Vec2) -> Color32) -> Mesh {
+    let (mut mesh, record) = (Mesh::default(), &chart.record);
     let around = (record.num_angles as usize * FINENESS).max(90) as u32;
     let out = record.num_rings as usize * FINENESS;
     let [from, to] = chart.angles();
@@ -175,38 +190,4 @@ fn stitch(mesh: &mut Mesh, first: u32, parts: u32) {
         mesh.add_triangle(i, i + 1, above);
         mesh.add_triangle(i + 1, above, above + 1);
     }
-}
-
-/// Arrows of the best actions of cells, for as many cells as there is room for.
-fn arrows(
-    key: &HeatKey,
-    chart: &PolicyChart,
-    plan: &MapProjection,
-    policy: &PolicyTable,
-    graph: &MotionGraph,
-) -> (Vec<[Pos2; 2]>, f32) {
-    let segments = graph.segments_of(key.state);
-    let direction = |cell: usize| {
-        let best = usize::from(policy.best_of(key.state, cell)[0]);
-        let d = graph.segments[segments[best] as usize].displacement;
-        Vec2::new(d[0], d[1])
-    };
-    let longest = chart.cells(key.height).map(|c| direction(c).length()).fold(0.0, f32::max) * plan.per_m;
-    let scale = if longest > LONGEST { LONGEST / longest } else { 1.0 };
-    let mut taken = HashSet::new();
-    let mut found = Vec::new();
-    for cell in chart.cells(key.height).rev() {
-        let centre = policy.grid_of(key.state).cell_centre(cell);
-        let foot = plan.screen(Vec2::new(centre.x, centre.z));
-        let bucket = ((foot.x / APART) as i32, (foot.y / APART) as i32);
-        let around = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (bucket.0 + x, bucket.1 + y)));
-        let near = |b: (i32, i32)| taken.contains(&b) && found.iter().any(|a: &[Pos2; 2]| a[0].distance(foot) < APART);
-        if around.into_iter().any(near) {
-            continue;
-        }
-        taken.insert(bucket);
-        let direction = direction(cell) * scale;
-        found.push([foot, Pos2::new(foot.x - direction.x * plan.per_m, foot.y - direction.y * plan.per_m)]);
-    }
-    (found, scale)
 }

@@ -5,14 +5,13 @@ use super::heat::{HeatKey, HeatPicture, MapProjection};
 use super::{PolicyPanelState, slices, why::behaviour_name};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
-use crate::panels::paint::legend;
+use crate::panels::paint::{PanelWidget, legend};
 use crate::panels::words;
 use crate::run::{ActionCandidate, ChoiceReason};
 use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, Vec2 as Span,
-    WidgetInfo,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Role, Sense, Shape, Slider, Stroke, Ui, Vec2 as Span,
 };
 use glam::{Vec2, Vec3};
 use throng_core::policy::PolicyTable;
@@ -64,13 +63,13 @@ pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState,
     options(ui, shown, own, commands);
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     let arrow_scale = if own.slices && heights > 1 {
-        slices::show(ui, shown, own, heights, commands)
+        slices::show(ui, shown, own, commands)
     } else {
         let side = ui.available_width().min(LARGEST);
         let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
-        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Values around the character"));
+        let response = response.named(Role::Canvas, "Values around the character");
         own.heats.truncate(1);
-        paint(ui, shown, own, 0, shown.slice, rect, response)
+        own.paint(ui, shown, shown.slice, rect, response)
     };
     let range = own.heats.first().map_or([0.0, 1.0], |h| h.range);
     ui.horizontal_wrapped(|ui| {
@@ -84,42 +83,37 @@ pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState,
     });
 }
 
-/// Paints one height into a part of the screen; returns the scale of its arrows.
-///
-/// - `at`: number of the picture that is recorded.
-/// - `height`: number of the height.
-pub fn paint(
-    ui: &Ui,
-    shown: &PolicyMapInput<'_>,
-    own: &mut PolicyPanelState,
-    at: usize,
-    height: u32,
-    rect: Rect,
-    response: Response,
-) -> f32 {
-    let margin = MARGINS[usize::from(own.slices)];
-    let (document, policy, state) = (shown.document, shown.number, shown.state);
-    let key = HeatKey { document, policy, state, height, smooth: own.smooth, rect, margin };
-    if own.heats.get(at).is_none_or(|h| h.key != key) {
-        let heat = HeatPicture::new(key, shown.policy, shown.bundle.tables().graph());
-        own.heats.truncate(at);
-        own.heats.push(heat);
+impl PolicyPanelState {
+    /// Paints one height into a part of the screen; returns the scale of its arrows.
+    ///
+    /// - `height`: number of the height.
+    pub fn paint(&mut self, ui: &Ui, shown: &PolicyMapInput<'_>, height: u32, rect: Rect, response: Response) -> f32 {
+        let margin = MARGINS[usize::from(self.slices)];
+        let (document, policy, state) = (shown.document, shown.number, shown.state);
+        let key = HeatKey { document, policy, state, height, smooth: self.smooth, rect, margin };
+        // One picture is kept for each map.
+        let at = if self.slices { height as usize } else { 0 };
+        if self.heats.get(at).is_none_or(|h| h.key != key) {
+            let heat = HeatPicture::new(key, shown.policy, shown.bundle.tables().graph());
+            self.heats.truncate(at);
+            self.heats.push(heat);
+        }
+        let Some(heat) = self.heats.get(at) else { return 1.0 };
+        let painter = ui.painter_at(rect);
+        painter.add(Shape::mesh(heat.mesh.clone()));
+        if !self.slices {
+            directions(ui, &painter, shown, &heat.plan);
+        }
+        region(&painter, shown, height, &heat.plan);
+        nose(&painter, &heat.plan, if self.slices { 0.7 } else { 1.0 });
+        if self.arrows {
+            heat.arrows.iter().for_each(|&[from, to]| arrow(&painter, from, to, 1.0, Color32::WHITE));
+        }
+        choice(&painter, shown, self, &heat.plan);
+        targets(&painter, shown, height, &heat.plan);
+        show_tooltip(response, shown, heat);
+        heat.arrow_scale
     }
-    let Some(heat) = own.heats.get(at) else { return 1.0 };
-    let painter = ui.painter_at(rect);
-    painter.add(Shape::mesh(heat.mesh.clone()));
-    if !own.slices {
-        directions(ui, &painter, shown, &heat.plan);
-    }
-    region(&painter, shown, height, &heat.plan);
-    nose(&painter, &heat.plan, if own.slices { 0.7 } else { 1.0 });
-    if own.arrows {
-        heat.arrows.iter().for_each(|&[from, to]| arrow(&painter, from, to, 1.0, Color32::WHITE));
-    }
-    choice(&painter, shown, own, &heat.plan);
-    targets(&painter, shown, height, &heat.plan);
-    show_tooltip(response, shown, own, height, heat);
-    heat.arrow_scale
 }
 
 fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
@@ -138,7 +132,7 @@ fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, 
         let chart = shown.chart();
         let mut slice = shown.slice;
         let what = if chart.is_space_time() { "time" } else { "height" };
-        let slider = eframe::egui::Slider::new(&mut slice, 0..=heights - 1).text(what);
+        let slider = Slider::new(&mut slice, 0..=heights - 1).text(what);
         ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
         if slice != shown.slice {
             commands.push(ViewerCommand::SelectSlice(slice));
@@ -247,29 +241,25 @@ fn arrow(painter: &Painter, from: Pos2, to: Pos2, width: f32, colour: Color32) {
 }
 
 /// Shows a tooltip with the value under the pointer, and the best action there.
-fn show_tooltip(
-    response: Response,
-    shown: &PolicyMapInput<'_>,
-    own: &PolicyPanelState,
-    height: u32,
-    heat: &HeatPicture,
-) {
+fn show_tooltip(response: Response, shown: &PolicyMapInput<'_>, heat: &HeatPicture) {
     let Some(point) = response.hover_pos() else { return };
-    let chart = shown.chart();
+    let (chart, height) = (shown.chart(), heat.key.height);
     let place = heat.plan.ground(point);
     if !chart.covers(place) {
         return;
     }
     let target = chart.target(place, height) + shown.policy.centre();
     let cell = shown.policy.nearest_cell(shown.state, target);
-    let value =
-        if own.smooth { shown.policy.value(shown.state, target) } else { shown.policy.values_of(shown.state)[cell] };
+    let value = match heat.key.smooth {
+        true => shown.policy.value(shown.state, target),
+        false => shown.policy.values_of(shown.state)[cell],
+    };
     let graph = shown.bundle.tables().graph();
     let best = usize::from(shown.policy.best_of(shown.state, cell)[0]);
     let segment = graph.segments_of(shown.state)[best];
     let of_heights = shown.policy.grid_of(shown.state).record().num_heights > 1;
     response.on_hover_ui_at_pointer(|ui| {
-        ui.label(RichText::new(format!("value {}", words::number(value))).strong());
+        ui.strong(format!("value {}", words::number(value)));
         let height = if of_heights { format!(", {}", chart.height_name(height)) } else { String::new() };
         ui.label(format!("target {}{height}", words::place(Vec2::new(target.x, target.z))));
         if !shown.policy.region().contains(target) {

@@ -1,6 +1,5 @@
 //! The policy: the value of a state for every place of the target, and why an action was taken.
 
-mod chances;
 mod chart;
 mod heat;
 mod map;
@@ -11,12 +10,14 @@ mod why;
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
+use crate::panels::clip_frame;
+use crate::panels::paint::PanelWidget;
 use crate::run::{GoalSubject, explain_choice};
-use eframe::egui::{ComboBox, RichText, Ui};
+use eframe::egui::{ComboBox, Ui};
 use glam::{Vec2, Vec3};
 use heat::HeatPicture;
 use throng_core::policy::PolicyTable;
-use why::behaviour_name;
+pub(super) use why::behaviour_name;
 
 /// View settings of the policy.
 #[derive(Clone, Debug)]
@@ -97,8 +98,8 @@ fn coming_target(target: Vec3) -> Option<Vec3> {
 fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
     let chooser = model.document.chooser(model.selection.character?)?;
     let is_threat = chooser.goals.iter().any(|g| g.policy == policy && g.subject == GoalSubject::Threat);
-    let target =
-        coming_target(chooser.subject_position(if is_threat { GoalSubject::Threat } else { GoalSubject::Target })?)?;
+    let subject = if is_threat { GoalSubject::Threat } else { GoalSubject::Target };
+    let target = coming_target(chooser.subject_position(subject)?)?;
     let local = chooser.characters.root(chooser.number).inverse_transform_point(Vec2::new(target.x, target.z));
     Some(Vec3::new(local.x, target.y, local.y))
 }
@@ -106,9 +107,8 @@ fn local_target(model: &Model, policy: usize) -> Option<Vec3> {
 fn behaviour(ui: &mut Ui, bundle: &OpenBundle, number: usize, commands: &mut Commands) {
     ComboBox::new("behaviour", "behaviour").selected_text(behaviour_name(bundle, number)).show_ui(ui, |ui| {
         for policy in 0..bundle.tables().policies().len() {
-            if ui.selectable_label(policy == number, behaviour_name(bundle, policy)).clicked() {
-                commands.push(ViewerCommand::SelectPolicy(policy));
-            }
+            let label = ui.selectable_label(policy == number, behaviour_name(bundle, policy));
+            label.request(commands, ViewerCommand::SelectPolicy(policy));
         }
     });
 }
@@ -121,18 +121,10 @@ fn facts(ui: &mut Ui, bundle: &OpenBundle, policy: &PolicyTable, number: usize) 
     let heights = if g.num_heights > 1 { format!(" × {} {third}", g.num_heights) } else { String::new() };
     let rate_hz = bundle.rate_hz();
     let half_life_s = 0.5f32.ln() / record.discount.ln() / rate_hz;
-    let text = format!(
-        "{} rings × {} angles{heights}, up to {:.1} m; discount {:.4} a frame (halves in {half_life_s:.1} s); \
-         {} sweeps, residual {:.1e}, within {:.1e} of the best values",
-        g.num_rings,
-        g.num_angles,
-        grid.radius(),
-        record.discount,
-        record.num_sweeps,
-        record.residual,
-        record.epsilon
-    );
-    ui.label(RichText::new(text).weak());
+    let extent = format!("{} rings × {} angles{heights}, up to {:.1} m", g.num_rings, g.num_angles, grid.radius());
+    let discount = format!("discount {:.4} a frame (halves in {half_life_s:.1} s)", record.discount);
+    let solution = format!("{} sweeps, residual {:.1e}", record.num_sweeps, record.residual);
+    ui.weak(format!("{extent}; {discount}; {solution}, within {:.1e} of the best values", record.epsilon));
 }
 
 /// The selected state, and how to select another.
@@ -141,22 +133,19 @@ fn show_state(ui: &mut Ui, model: &Model, bundle: &OpenBundle, commands: &mut Co
     let Some(state) = model.inspected_state() else {
         ui.horizontal_wrapped(|ui| {
             ui.label("No state is selected: click one in the motion graph, or");
-            if ui.small_button("select state 0").clicked() {
-                commands.push(ViewerCommand::SelectState(Some(0)));
-            }
+            ui.small_button("select state 0").request(commands, ViewerCommand::SelectState(Some(0)));
         });
         return;
     };
     let Some(record) = graph.states.get(state as usize) else { return };
-    let clip = bundle.clip_of(record.frame);
-    let frame = record.frame - bundle.tables().clips()[clip].first_frame;
+    let (clip, frame) = clip_frame(bundle, record.frame);
     ui.horizontal_wrapped(|ui| {
         ui.strong(format!("State {state}"));
         ui.label(format!("{} {frame}", bundle.clip_name(clip)));
         if model.selection.state.is_none() {
             ui.weak("where the selected character last chose");
-        } else if model.selection.character.is_some() && ui.small_button("follow the character").clicked() {
-            commands.push(ViewerCommand::SelectState(None));
+        } else if model.selection.character.is_some() {
+            ui.small_button("follow the character").request(commands, ViewerCommand::SelectState(None));
         }
     });
 }

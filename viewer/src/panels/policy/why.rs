@@ -2,10 +2,10 @@
 
 use super::{PolicyPanelState, story};
 use crate::bundle::OpenBundle;
-use crate::command::{Commands, ViewerCommand};
+use crate::command::Commands;
 use crate::model::Model;
-use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn};
-use crate::panels::{offer_first_character, words};
+use crate::panels::paint::{PanelWidget, RowClick, RowTable, TableCell, TableColumn};
+use crate::panels::{offer_first_character, show_segment, words};
 use crate::run::{ActionCandidate, ChoiceReason, PolicyChooser};
 use crate::theme::viridis;
 use eframe::egui::{DragValue, Response, Ui};
@@ -32,8 +32,7 @@ pub fn show(
 ) {
     ui.strong("Why this action?");
     let Some(character) = model.selection.character else {
-        offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
-        return;
+        return offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
     };
     let Some(chooser) = chooser else {
         ui.weak(format!("Character {character} does not choose by the policies of this bundle."));
@@ -59,10 +58,9 @@ pub fn show(
         }
         ui.label(format!("of {most} candidates"));
         let picked = own.picked.and_then(|s| why.candidates.iter().find(|c| c.segment == s));
-        if let Some(c) = picked.or(why.candidates.get(why.chosen))
-            && ui.button("Show motion").on_hover_text(bundle.describe_segment(c.segment)).clicked()
-        {
-            commands.push(show_motion(bundle, c.segment));
+        if let Some(c) = picked.or(why.candidates.get(why.chosen)) {
+            let show = ui.button("Show motion").on_hover_text(bundle.describe_segment(c.segment));
+            show.request(commands, show_segment(bundle, c.segment));
         }
     });
     candidates(ui, chooser, why, own);
@@ -123,10 +121,10 @@ fn cell(bundle: &OpenBundle, why: &ChoiceReason, rank: usize, column: usize, cha
         5 => TableCell::new(format!("{:.3}", best - c.score)),
         6 if chances[rank] > 0.0 => TableCell::new(format!("{:.0} %", 100.0 * chances[rank])),
         6 => TableCell::weak("–"),
-        _ => c
-            .by_behaviour
-            .get(column - COLUMNS.len())
-            .map_or_else(TableCell::default, |s| TableCell::new(format!("{s:.3}"))),
+        _ => {
+            let score = c.by_behaviour.get(column - COLUMNS.len());
+            score.map_or_else(TableCell::default, |s| TableCell::new(format!("{s:.3}")))
+        }
     }
 }
 
@@ -150,11 +148,4 @@ fn seconds(bundle: &OpenBundle, c: &ActionCandidate) -> f32 {
 /// Name of a behaviour.
 pub fn behaviour_name(bundle: &OpenBundle, policy: usize) -> &str {
     bundle.tables().meta().behaviours.get(policy).map_or("behaviour", String::as_str)
-}
-
-/// Shows a segment from its first frame on.
-fn show_motion(bundle: &OpenBundle, segment: u32) -> ViewerCommand {
-    let s = bundle.tables().graph().segments[segment as usize];
-    let clip = s.clip as usize;
-    ViewerCommand::ShowClip { clip, frame: s.start - bundle.tables().clips()[clip].first_frame }
 }

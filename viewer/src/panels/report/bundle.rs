@@ -40,16 +40,14 @@ impl SourceListState {
             self.copied = None;
         }
         self.rows = (0..sources.len()).collect();
-        let TableSort { column, descending } = self.sort;
         self.rows.sort_by(|&a, &b| {
             let (a, b) = (&sources[a], &sources[b]);
-            let order = match column {
+            self.sort.directed(match self.sort.column {
                 0 => a.path.cmp(&b.path),
                 1 => a.bytes.cmp(&b.bytes),
                 2 => a.hash.cmp(&b.hash),
                 _ => Ordering::Equal,
-            };
-            if descending { order.reverse() } else { order }
+            })
         });
         self.made_of = Some((document, self.sort));
     }
@@ -83,7 +81,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
     let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
     section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
     if sources.is_empty() {
-        ui.label(RichText::new("The bundle names no source files: it was made from generated motion.").weak());
+        ui.weak("The bundle names no source files: it was made from generated motion.");
         return;
     }
     let rows = &state.rows;
@@ -111,20 +109,18 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
 
 fn config(ui: &mut Ui, toml: &str) {
     ui.add_space(8.0);
-    let name = ui
-        .horizontal(|ui| {
-            let name = ui.label(RichText::new("Configuration").strong().size(15.0)).id;
-            if ui.small_button("Copy").on_hover_text("Copy the configuration").clicked() {
-                ui.copy_text(toml.to_owned());
-            }
-            name
-        })
-        .inner;
+    let name = ui.horizontal(|ui| {
+        let name = ui.label(RichText::new("Configuration").strong().size(15.0)).id;
+        if ui.small_button("Copy").on_hover_text("Copy the configuration").clicked() {
+            ui.copy_text(toml.to_owned());
+        }
+        name
+    });
     ScrollArea::both().id_salt("config").max_height(420.0).auto_shrink([false, true]).show(ui, |ui| {
         // Text to select and copy; a borrowed string takes no changes.
         let mut text = toml;
         let edit = TextEdit::multiline(&mut text).code_editor().desired_width(f32::INFINITY);
-        ui.add(edit).labelled_by(name);
+        ui.add(edit).labelled_by(name.inner);
     });
 }
 

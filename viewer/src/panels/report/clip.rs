@@ -5,9 +5,10 @@ use super::{facts, section};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::RawMotion;
 use crate::panels::glitches;
-use crate::panels::paint::time_text;
+use crate::panels::paint::{PanelWidget, time_text};
+use crate::panels::words::counted;
 use crate::theme::ThemePalette;
-use eframe::egui::{Color32, Frame, Grid, Label, Link, RichText, Sense, Stroke, TextStyle, Ui, vec2};
+use eframe::egui::{Color32, Frame, Grid, Label, RichText, Sense, Stroke, TextStyle, Ui, vec2};
 use throng_core::Joint;
 use throng_precompute::inspect::ClipReport;
 
@@ -20,9 +21,7 @@ pub fn show(ui: &mut Ui, raw: &RawMotion, commands: &mut Commands) {
     excluded(ui, report, commands);
     recorded(ui, raw, commands);
     section(ui, "What was found and why");
-    for finding in &report.findings {
-        bullet(ui, finding);
-    }
+    report.findings.iter().for_each(|finding| bullet(ui, finding));
     roles(ui, report);
 }
 
@@ -34,12 +33,8 @@ fn warnings(ui: &mut Ui, report: &ClipReport) {
     let frame = Frame::group(ui.style()).stroke(Stroke::new(1.5, colour)).fill(colour.gamma_multiply(0.08));
     frame.show(ui, |ui| {
         ui.set_width(ui.available_width());
-        let n = report.warnings.len();
-        let title = if n == 1 { "1 warning".to_owned() } else { format!("{n} warnings") };
-        ui.label(RichText::new(title).strong().color(colour));
-        for warning in &report.warnings {
-            bullet(ui, warning);
-        }
+        ui.label(RichText::new(counted(report.warnings.len(), "warning")).strong().color(colour));
+        report.warnings.iter().for_each(|warning| bullet(ui, warning));
     });
 }
 
@@ -102,29 +97,21 @@ fn contacts(ui: &mut Ui, r: &ClipReport) {
     }
     let c = &r.contact;
     let share = |v: f32| format!("{:.0} % of the frames that are used", 100.0 * v);
-    let all = [
-        ("Left foot planted", share(c.left_share)),
-        ("Right foot planted", share(c.right_share)),
-        (
-            "Speed while planted",
-            format!("{:.3} m/s on average, {:.3} m/s at the 95th percentile", c.mean_speed_mps, c.p95_speed_mps),
-        ),
-    ];
-    facts(ui, "contacts", all);
+    let speed = format!("{:.3} m/s on average, {:.3} m/s at the 95th percentile", c.mean_speed_mps, c.p95_speed_mps);
+    let shares = [("Left foot planted", share(c.left_share)), ("Right foot planted", share(c.right_share))];
+    facts(ui, "contacts", shares.into_iter().chain([("Speed while planted", speed)]));
 }
 
 /// Ranges that a build would leave out; a click goes there.
 fn excluded(ui: &mut Ui, r: &ClipReport, commands: &mut Commands) {
     section(ui, "Left out by a build");
     if r.excluded.is_empty() {
-        ui.label(RichText::new("Nothing: every frame is used.").weak());
+        ui.weak("Nothing: every frame is used.");
     }
     for (reason, start, end) in &r.excluded {
         let seconds = end.saturating_sub(*start) as f64 / r.rate_hz;
         let text = format!("{reason}: frames {start} to {end}, {}", time_text(seconds));
-        if ui.link(text).on_hover_text("Go there").clicked() {
-            commands.push(ViewerCommand::Seek(*start as u32));
-        }
+        ui.link(text).on_hover_text("Go there").request(commands, ViewerCommand::Seek(*start as u32));
     }
 }
 
@@ -139,10 +126,8 @@ fn recorded(ui: &mut Ui, raw: &RawMotion, commands: &mut Commands) {
     for mark in marks {
         ui.horizontal_top(|ui| {
             dot(ui, glitches::colour(&palette, mark.treated));
-            let link = ui.add(Link::new(&mark.words));
-            if link.on_hover_text("Go there").clicked() {
-                commands.push(ViewerCommand::Seek(mark.frames.start));
-            }
+            let link = ui.link(&mark.words).on_hover_text("Go there");
+            link.request(commands, ViewerCommand::Seek(mark.frames.start));
         });
     }
 }
@@ -157,8 +142,7 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
     section(ui, "Roles of the joints");
     let missing = Joint::ALL.iter().filter(|j| !r.roles.contains_key(j.name())).count();
     if missing > 0 {
-        let text = format!("Roles without a joint of their own: {missing} of {}.", Joint::ALL.len());
-        ui.label(RichText::new(text).weak());
+        ui.weak(format!("Roles without a joint of their own: {missing} of {}.", Joint::ALL.len()));
     }
     let warning = ThemePalette::for_visuals(ui.visuals()).warning;
     Grid::new("roles").num_columns(2).striped(true).spacing([16.0, 3.0]).show(ui, |ui| {

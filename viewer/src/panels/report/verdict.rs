@@ -21,10 +21,8 @@ pub fn verdict(c: &ContactSanity) -> Vec<(Mood, String)> {
     let mut out = vec![stance(c)];
     if (c.left_share - c.right_share).abs() > UNEVEN {
         let more = if c.left_share > c.right_share { "left" } else { "right" };
-        out.push((
-            Mood::Odd,
-            format!("The {more} foot stands much more often than the other: a limp, or one side is wrong."),
-        ));
+        let text = format!("The {more} foot stands much more often than the other: a limp, or one side is wrong.");
+        out.push((Mood::Odd, text));
     }
     if c.left_share.max(c.right_share) > 0.0 {
         out.push(sliding(c));

@@ -2,9 +2,10 @@
 
 use super::heading;
 use crate::command::{Commands, ViewerCommand};
+use crate::panels::paint::PanelWidget;
 use eframe::egui::{
-    Align, ColorImage, Context, CornerRadius, Image, Label, Layout, Rect, RichText, Role, Sense, StrokeKind,
-    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    Align, ColorImage, Context, CornerRadius, CursorIcon, Image, Label, Layout, Rect, Response, RichText, Role, Sense,
+    StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
 };
 use std::fmt;
 use std::io::Cursor;
@@ -109,19 +110,18 @@ pub fn show(ui: &mut Ui, state: &mut DemosState, commands: &mut Commands) {
         ui.horizontal_top(|ui| {
             for &i in row {
                 let (demo, is_complete) = (&DEMOS[i], state.complete[i].unwrap_or(false));
-                if card(ui, demo, is_complete, state.pictures[i].as_ref(), width) {
-                    commands.push(ViewerCommand::Open(vec![folder.join(demo.file)]));
-                }
+                let card = card(ui, demo, is_complete, state.pictures[i].as_ref(), width);
+                card.request(commands, ViewerCommand::Open(vec![folder.join(demo.file)]));
             }
         });
     }
 }
 
-/// Shows a card; true if it was clicked.
-fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHandle>, width: f32) -> bool {
+/// Shows a card.
+fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHandle>, width: f32) -> Response {
     let height = (PICTURE * width).round();
     let (rect, response) = ui.allocate_exact_size(vec2(width, height + TEXT), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, demo.title));
+    let response = response.named(Role::Button, demo.title);
     let visuals = ui.visuals();
     let is_lit = response.hovered() || response.has_focus();
     let edge = if is_lit { visuals.selection.stroke.color } else { visuals.widgets.noninteractive.bg_stroke.color };
@@ -142,7 +142,7 @@ fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHan
     above.add(plain(RichText::new(demo.line)));
     let state = if is_complete { "opens at once" } else { "is built first, once" };
     child(ui, Layout::bottom_up(Align::Min)).add(plain(RichText::new(state).size(11.5).weak()));
-    response.on_hover_cursor(eframe::egui::CursorIcon::PointingHand).clicked()
+    response.on_hover_cursor(CursorIcon::PointingHand)
 }
 
 /// The picture of a demonstration, for the graphics device.

@@ -3,6 +3,7 @@
 use super::heading;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::name_of;
+use crate::panels::paint::PanelWidget;
 use crate::panels::words::path_list;
 use crate::theme::ThemePalette;
 use eframe::egui::{Align, Button, Label, Layout, Link, RichText, Ui, vec2};
@@ -23,9 +24,7 @@ pub fn show(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Comman
         let size = vec2(ui.available_width(), ROW);
         ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Min), |ui| {
             let remove = ui.add(Button::new("✖").small()).on_hover_text("Take it off this list");
-            if remove.clicked() {
-                commands.push(ViewerCommand::Forget(paths.clone()));
-            }
+            remove.request(commands, ViewerCommand::Forget(paths.clone()));
             if !is_there {
                 ui.colored_label(ThemePalette::for_visuals(ui.visuals()).warning, "missing");
             }
@@ -39,9 +38,8 @@ fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Commands
     ui.spacing_mut().item_spacing.y = 1.0;
     let more = if paths.len() > 1 { format!(" and {} more", paths.len() - 1) } else { String::new() };
     let name = RichText::new(format!("{}{more}", name_of(paths))).size(14.0);
-    if ui.add_enabled(is_there, Link::new(name)).on_hover_text(path_list(paths)).clicked() {
-        commands.push(ViewerCommand::Open(paths.to_vec()));
-    }
+    let link = ui.add_enabled(is_there, Link::new(name)).on_hover_text(path_list(paths));
+    link.request(commands, ViewerCommand::Open(paths.to_vec()));
     let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
     ui.add(Label::new(RichText::new(folder).weak().size(11.5)).truncate());
 }

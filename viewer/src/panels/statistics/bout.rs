@@ -1,10 +1,10 @@
 //! Results of blows, and penetration of opponents.
 
 use super::{COLOURS, SMOOTH, key, line, plot, row, section, smooth};
-use crate::render::Rgba;
+use crate::panels::colour_of_view;
 use crate::run::{BoutFigures, STEP_HZ, StepFigures};
 use crate::stage::bout::{KINDS, colour_of};
-use eframe::egui::{Color32, Grid, Ui};
+use eframe::egui::{Grid, Ui};
 
 /// Time that hits a minute are counted over, in the plot (s).
 const WINDOW_S: f32 = 10.0;
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
             ui.weak("marks:");
             for (met, name) in KINDS {
                 match colour_of(met) {
-                    Some(Rgba([r, g, b, _])) => key(ui, name, Color32::from_rgb(r, g, b)),
+                    Some(colour) => key(ui, name, colour_of_view(colour)),
                     None => _ = ui.label(name),
                 }
             }

@@ -5,10 +5,8 @@ mod bout;
 use crate::model::Model;
 use crate::panels::paint::fixed_plot;
 use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
-use eframe::egui::{self, CollapsingHeader, Color32, Grid, Ui};
-use egui_plot::Line;
-use egui_plot::Plot;
-use egui_plot::PlotPoints;
+use eframe::egui::{CollapsingHeader, Color32, Grid, Label, RichText, Sense, Ui, vec2};
+use egui_plot::{Line, Plot, PlotPoints};
 use throng_core::Bundle;
 
 /// Height of a plot (points).
@@ -56,11 +54,8 @@ fn show_current(ui: &mut Ui, model: &Model, run: &CrowdRun) {
         let per_character = 1e9 * f.wall_s / n as f64;
         row(ui, "step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
         row(ui, "frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
-        row(
-            ui,
-            "record",
-            format!("{} for {:.0} s", bytes(run.recording_bytes()), run.history().count() as f32 / STEP_HZ),
-        );
+        let record_s = run.history().count() as f32 / STEP_HZ;
+        row(ui, "record", format!("{} for {record_s:.0} s", bytes(run.recording_bytes())));
     });
 }
 
@@ -85,7 +80,7 @@ fn show_scene(ui: &mut Ui, run: &SceneRun) {
 
 fn row(ui: &mut Ui, name: &str, text: String) {
     ui.label(name);
-    ui.add(egui::Label::new(egui::RichText::new(text).strong()).wrap().selectable(true));
+    ui.add(Label::new(RichText::new(text).strong()).wrap().selectable(true));
     ui.end_row();
 }
 
@@ -147,7 +142,7 @@ fn line<'a>(name: &str, colour: Color32, points: PlotPoints<'a>) -> Line<'a> {
 /// A name with the colour of its line.
 fn key(ui: &mut Ui, name: &str, colour: Color32) {
     ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
+        let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(rect, 2.0, colour);
         ui.label(name);
     });
@@ -195,7 +190,7 @@ fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
 
 fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
     ui.add_space(4.0);
-    CollapsingHeader::new(egui::RichText::new(title).strong()).default_open(true).show(ui, add);
+    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show(ui, add);
 }
 
 fn plot(id: &str, unit: &'static str) -> Plot<'static> {
@@ -207,13 +202,11 @@ fn plot(id: &str, unit: &'static str) -> Plot<'static> {
 /// Means over a few steps, against seconds.
 fn smooth(steps: impl Iterator<Item = u32>, values: &[f64]) -> PlotPoints<'static> {
     let steps: Vec<u32> = steps.collect();
-    let points = steps.chunks(SMOOTH).zip(values.chunks(SMOOTH));
-    points
-        .map(|(s, v)| {
-            let mean = v.iter().sum::<f64>() / v.len() as f64;
-            [f64::from(s[s.len() / 2]) / f64::from(STEP_HZ), mean]
-        })
-        .collect()
+    let point = |(s, v): (&[u32], &[f64])| {
+        let mean = v.iter().sum::<f64>() / v.len() as f64;
+        [f64::from(s[s.len() / 2]) / f64::from(STEP_HZ), mean]
+    };
+    steps.chunks(SMOOTH).zip(values.chunks(SMOOTH)).map(point).collect()
 }
 
 /// Description of a section; the tag if unknown.

@@ -4,6 +4,7 @@ use super::size;
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
+use crate::panels::paint::PanelWidget;
 use eframe::egui::{Align2, Area, Frame, Id, Pos2, Rect, Stroke, Ui, vec2};
 use throng_precompute::environment::PlacedUnit;
 
@@ -26,9 +27,8 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Commands) {
         note(ui, rect, place(model, world, refused.at.as_ref(), rect), |ui| {
             ui.horizontal(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, "The world is unchanged");
-                if ui.button("✖").on_hover_text("Close this message (Escape)").clicked() {
-                    commands.push(ViewerCommand::World(WorldCommand::ForgetRefused));
-                }
+                let close = ui.button("✖").on_hover_text("Close this message (Escape)");
+                close.request(commands, ViewerCommand::World(WorldCommand::ForgetRefused));
             });
             ui.label(&refused.reason);
         });

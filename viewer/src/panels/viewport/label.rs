@@ -1,18 +1,13 @@
 //! The selected character, in a line over the 3-D view.
 
-use super::words;
+use super::{caption, words};
 use crate::model::Model;
-use eframe::egui::{self, FontId, Rect, Ui};
+use eframe::egui::{Rect, Ui, vec2};
 
 /// Shows the selected character and its activity, at the upper right.
 pub fn show(ui: &Ui, rect: Rect, model: &Model) {
     let Some(text) = describe(model) else { return };
-    let font = FontId::proportional(13.0);
-    let galley = ui.painter().layout(text, font, ui.visuals().strong_text_color(), (rect.width() * 0.6).max(100.0));
-    let at = rect.right_top() + egui::vec2(-galley.size().x - 16.0, 12.0);
-    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
-    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
-    ui.painter().galley(at, galley, ui.visuals().strong_text_color());
+    caption(ui, rect, text, 0.6, |size| rect.right_top() + vec2(-size.x - 16.0, 12.0));
 }
 
 fn describe(model: &Model) -> Option<String> {
@@ -27,11 +22,8 @@ fn describe(model: &Model) -> Option<String> {
         let state = world.run().moment().states.get(c)?;
         let tags = &world.bundle().tables().meta().link_tags;
         let patch = world.patch_name(state.node.instance);
-        return Some(format!(
-            "character {c} · {} · {} · on {patch}",
-            words::inhabitant_activity(state),
-            words::goal(state.goal, tags)
-        ));
+        let (activity, goal) = (words::inhabitant_activity(state), words::goal(state.goal, tags));
+        return Some(format!("character {c} · {activity} · {goal} · on {patch}"));
     }
     if let Some(scene) = model.document.scene() {
         return words::character(scene.run().simulation(), model.selection.character?);

@@ -77,7 +77,7 @@ impl Pads {
         let (_, first) = all.gamepads().next()?;
         let pressed = |button| first.button_data(button).map_or(0.0, |b| b.value());
         let trigger = pressed(Button::RightTrigger2).max(pressed(Button::RightTrigger));
-        pad.held = held(first.value(Axis::LeftStickX), first.value(Axis::LeftStickY), trigger);
+        pad.input = stick_input(first.value(Axis::LeftStickX), first.value(Axis::LeftStickY), trigger);
         Some(pad)
     }
 }

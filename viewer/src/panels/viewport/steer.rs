@@ -1,9 +1,10 @@
 //! The state of steering and the delay of keys, in a line over the 3-D view.
 
+use super::caption;
 use super::pad::Pad;
 use crate::command::{Commands, SteerCommand, SteerInput, ViewerCommand};
 use crate::model::Model;
-use eframe::egui::{Context, FontId, Key, Modifiers, Rect, Ui, vec2};
+use eframe::egui::{Context, Key, Modifiers, Rect, Ui, vec2};
 
 /// Takes the steering keys out of the input; while no direction is held down, the input of a pad counts.
 pub fn keys(ctx: &Context, model: &Model, pad: Option<Pad>, commands: &mut Commands) {
@@ -39,10 +40,5 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model) {
             text += &format!("; {unseen} without effect");
         }
     }
-    let colour = ui.visuals().strong_text_color();
-    let galley = ui.painter().layout(text, FontId::proportional(13.0), colour, (rect.width() * 0.8).max(100.0));
-    let at = rect.left_bottom() + vec2(16.0, -galley.size().y - 14.0);
-    let back = Rect::from_min_size(at, galley.size()).expand(6.0);
-    ui.painter().rect_filled(back, 4.0, ui.visuals().extreme_bg_color.gamma_multiply(0.75));
-    ui.painter().galley(at, galley, colour);
+    caption(ui, rect, text, 0.8, |size| rect.left_bottom() + vec2(16.0, -size.y - 14.0));
 }

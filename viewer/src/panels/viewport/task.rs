@@ -1,6 +1,6 @@
 //! Mouse in a task of limbs: selects and drags things and places.
 
-use super::{position_in_view, size, upright};
+use super::{ray_at, size, upright};
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::model::Model;
 use crate::render::Ray;
@@ -39,8 +39,8 @@ pub fn drag(
         *held = None;
         return false;
     }
-    let (rect, camera) = (response.rect, model.settings.camera);
-    let ray = |at: Pos2| camera.ray(position_in_view(rect, at), size(rect));
+    let rect = response.rect;
+    let ray = |at: Pos2| ray_at(model, rect, at);
     let is_camera = ui.input(|i| i.modifiers.shift);
     if response.drag_started_by(PointerButton::Primary)
         && !is_camera
@@ -67,7 +67,7 @@ pub fn drag(
     if let Some(at) = response.interact_pointer_pos() {
         // The thing moves up and down while the Alt key is held, else it keeps its height.
         let to = match ui.input(|i| i.modifiers.alt) {
-            true => upright(&ray(at), camera, h.at),
+            true => upright(&ray(at), model.settings.camera, h.at),
             false => ray(at).intersect_height(h.at.y),
         };
         let by = to.map(|to| to - h.at).filter(|by| by.length() > 1e-5 && by.length() < 100.0);

@@ -66,12 +66,9 @@ pub fn drag(
     let at = fitted(ui, world, unit, Some(d.place), d.free);
     commands.push(ViewerCommand::World(WorldCommand::Draft(Some(UnitDraft { unit, at }))));
     if !response.dragged_by(PointerButton::Primary) {
-        let change = UnitChange::Move { place: d.place, to: at };
-        commands.push(ViewerCommand::World(if world.placed()[d.place].placement == at {
-            WorldCommand::Draft(None)
-        } else {
-            WorldCommand::Edit(change)
-        }));
+        let is_unmoved = world.placed()[d.place].placement == at;
+        let change = WorldCommand::Edit(UnitChange::Move { place: d.place, to: at });
+        commands.push(ViewerCommand::World(if is_unmoved { WorldCommand::Draft(None) } else { change }));
         *dragged = None;
         return false;
     }
@@ -147,18 +144,13 @@ pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &StageLayout
     let options = &model.selection.world;
     let sends = options.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
-        if let Some((_, place)) = world.pick(ray) {
-            let goal = Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
-            commands.push(ViewerCommand::World(WorldCommand::Order { character, goal }));
-        }
-        return;
+        let goal = |(_, place)| Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
+        let order = world.pick(ray).map(|met| WorldCommand::Order { character, goal: goal(met) });
+        return commands.extend(order.map(ViewerCommand::World));
     }
     if let Tool::Create(_) = options.tool {
-        if let Some(d) = options.draft {
-            let change = UnitChange::Add { unit: d.unit, at: d.at };
-            commands.push(ViewerCommand::World(WorldCommand::Edit(change)));
-        }
-        return;
+        let change = options.draft.map(|d| UnitChange::Add { unit: d.unit, at: d.at });
+        return commands.extend(change.map(|c| ViewerCommand::World(WorldCommand::Edit(c))));
     }
     let character = render::pick(ray, &layout.skeleton, layout.poses(model), &layout.instances);
     let unit = world.pick(ray);

@@ -4,6 +4,7 @@ mod layout;
 mod paint;
 mod route;
 
+use super::selected_brain;
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::{StateEntry, first_agent};
@@ -19,8 +20,7 @@ const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);
-    let selected = model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len());
-    let Some(agent) = selected else {
+    let Some(agent) = selected_brain(model, scene, brains) else {
         ui.weak("Select an agent.");
         return;
     };

@@ -20,11 +20,10 @@ pub type EdgeCurve = Vec<Pos2>;
 pub fn curves(edges: &[(Option<usize>, usize)], boxes: &[Rect], within: Rect) -> Vec<EdgeCurve> {
     let mut out: Vec<EdgeCurve> = Vec::new();
     for &(from, to) in edges {
+        let num_alike = out.iter().zip(edges).filter(|(_, e)| **e == (from, to)).count();
         let curve = match from {
-            None => stub(boxes[to], out.iter().zip(edges).filter(|(_, e)| **e == (None, to)).count()),
-            Some(from) if from == to => {
-                turn(boxes[to], out.iter().zip(edges).filter(|(_, e)| **e == (Some(to), to)).count())
-            }
+            None => stub(boxes[to], num_alike),
+            Some(from) if from == to => turn(boxes[to], num_alike),
             Some(from) => {
                 let all = BENDS.iter().map(|bend| arc(boxes[from], boxes[to], *bend));
                 let cost = |c: &EdgeCurve| cost(c, (from, to), boxes, within, &out);

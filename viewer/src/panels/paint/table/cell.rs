@@ -49,39 +49,28 @@ impl TableCell {
             let full = rect.shrink2(vec2(0.5 * PAD, 3.0));
             let bar = full.with_max_x(full.left() + full.width() * length.clamp(0.0, 1.0));
             let strength = if selected { 0.25 } else { 0.45 };
-            ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).rect_filled(
-                bar,
-                1.0,
-                back.gamma_multiply(strength),
-            );
+            let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+            painter.rect_filled(bar, 1.0, back.gamma_multiply(strength));
         }
         let colour = match (selected, self.weak) {
             (true, _) => visuals.selection.stroke.color,
             (false, true) => visuals.weak_text_color(),
             (false, false) => visuals.text_color(),
         };
-        paint_text(ui, rect, is_number, &self.text, self.ending, TextStyle::Body.resolve(ui.style()), colour);
+        paint_text(ui, rect, is_number, self, TextStyle::Body.resolve(ui.style()), colour);
     }
 }
 
-/// Paints one line; a text that is too long loses its end or, with `ending`, its beginning.
-pub(super) fn paint_text(
-    ui: &Ui,
-    rect: Rect,
-    is_number: bool,
-    text: &str,
-    ending: bool,
-    font: FontId,
-    colour: Color32,
-) {
-    if text.is_empty() {
+/// Paints the text of a cell; one that is too long loses its end or, with [`TableCell::ending`], its beginning.
+pub(super) fn paint_text(ui: &Ui, rect: Rect, is_number: bool, cell: &TableCell, font: FontId, colour: Color32) {
+    if cell.text.is_empty() {
         return;
     }
     let lay_out = |text: &str| -> Arc<Galley> {
         ui.painter().layout_job(LayoutJob::simple_singleline(text.to_owned(), font.clone(), colour))
     };
     let room = (rect.width() - 2.0 * PAD).max(1.0);
-    let galley = lay_out(&fitted(text, ending, |t| lay_out(t).size().x <= room));
+    let galley = lay_out(&fitted(&cell.text, cell.ending, |t| lay_out(t).size().x <= room));
     let align = if is_number { Align2([Align::Max, Align::Center]) } else { Align2([Align::Min, Align::Center]) };
     let place = align.align_size_within_rect(galley.size(), rect.shrink2(vec2(PAD, 0.0)));
     ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
@@ -100,13 +89,8 @@ fn fitted(text: &str, ending: bool, fits: impl Fn(&str) -> bool) -> String {
             chars[..n].iter().copied().chain(std::iter::once('…')).collect()
         }
     };
-    // The longest part that fits, by halves.
-    let (mut low, mut high) = (0, chars.len());
-    while low + 1 < high {
-        let middle = (low + high) / 2;
-        if fits(&part(middle)) { low = middle } else { high = middle }
-    }
-    part(low)
+    let lengths: Vec<usize> = (1..chars.len()).collect();
+    part(lengths.partition_point(|&n| fits(&part(n))))
 }
 
 #[cfg(test)]

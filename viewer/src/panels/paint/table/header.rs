@@ -1,9 +1,10 @@
 //! The titles of a table, and by which of them rows are sorted.
 
-use super::cell::paint_text;
+use super::cell::{TableCell, paint_text};
 use super::column::ColumnPlace;
 use super::{RowTable, place_rect};
-use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
+use crate::panels::paint::PanelWidget;
+use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, Stroke, Ui, vec2};
 use std::cmp::Ordering;
 
 /// By which column rows are sorted.
@@ -47,20 +48,15 @@ pub(super) fn show(ui: &mut Ui, table: &RowTable<'_>, id: Id, row: Rect, places:
         if let Some(sort) = sorted {
             paint_sort_mark(ui, rect, sort.descending, colour);
         }
-        paint_text(ui, rect, column.is_number, column.title, false, FontId::proportional(11.5), colour);
+        let title = TableCell::new(column.title);
+        paint_text(ui, rect, column.is_number, &title, FontId::proportional(11.5), colour);
         let response = match table.sort {
             Some(sort) => {
-                let name = || WidgetInfo::labeled(Role::Button, true, format!("Sort by {}", column.title));
-                response.widget_info(name);
-                if response.clicked() {
-                    asked = Some(sort.toggled(place.column));
-                }
-                response.on_hover_cursor(CursorIcon::PointingHand)
+                asked = asked.or(response.clicked().then(|| sort.toggled(place.column)));
+                let name = format!("Sort by {}", column.title);
+                response.named(Role::Button, name).on_hover_cursor(CursorIcon::PointingHand)
             }
-            None => {
-                response.widget_info(|| WidgetInfo::labeled(Role::ColumnHeader, true, column.title));
-                response
-            }
+            None => response.named(Role::ColumnHeader, column.title),
         };
         if !column.hint.is_empty() {
             response.on_hover_text(column.hint);

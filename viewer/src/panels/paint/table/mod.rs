@@ -13,7 +13,7 @@ pub use header::TableSort;
 
 use column::{ColumnPlace, places};
 use eframe::egui::{
-    CursorIcon, Id, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo,
+    CursorIcon, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo,
     pos2, vec2,
 };
 
@@ -29,7 +29,7 @@ pub enum RowClick<'a> {
 }
 
 /// A table of many rows.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct RowTable<'a> {
     /// Name, unique in the same place.
     pub id: &'a str,
@@ -62,6 +62,9 @@ pub struct TableResponse {
     pub sort: Option<TableSort>,
 }
 
+/// Content of a cell, by row and column.
+type CellContent<'a> = dyn FnMut(usize, usize) -> TableCell + 'a;
+
 /// State of a table between frames.
 #[derive(Clone, Copy, Debug, Default)]
 struct TableMemory {
@@ -74,42 +77,23 @@ struct TableMemory {
 impl<'a> RowTable<'a> {
     /// A table in which a click selects a row and the first column has the names.
     pub fn new(id: &'a str, columns: &'a [TableColumn<'a>], num_rows: usize) -> Self {
-        Self {
-            id,
-            columns,
-            num_rows,
-            named_by: 0,
-            click: RowClick::Selects,
-            selected: None,
-            sort: None,
-            scroll_to_selected: false,
-            most_rows: None,
-        }
+        Self { id, columns, num_rows, ..Self::default() }
     }
 
     /// Shows the table; `cell` is called with row and column of each visible cell.
-    pub fn show(&self, ui: &mut Ui, cell: impl FnMut(usize, usize) -> TableCell) -> TableResponse {
+    pub fn show(&self, ui: &mut Ui, mut cell: impl FnMut(usize, usize) -> TableCell) -> TableResponse {
         let row_height = row_height(ui);
         let all = ui.available_rect_before_wrap();
-        let height = match self.most_rows {
-            Some(most) => row_height * (1 + most.min(self.num_rows)) as f32,
-            None => all.height(),
-        };
+        let height = self.most_rows.map_or(all.height(), |most| row_height * (1 + most.min(self.num_rows)) as f32);
         let rect = Rect::from_min_size(all.min, vec2(all.width(), height));
         let inner = ui.scope_builder(UiBuilder::new().id_salt(self.id).max_rect(rect), |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
-            self.show_in(ui, rect, row_height, cell)
+            self.show_in(ui, rect, row_height, &mut cell)
         });
         inner.inner
     }
 
-    fn show_in(
-        &self,
-        ui: &mut Ui,
-        rect: Rect,
-        row_height: f32,
-        mut cell: impl FnMut(usize, usize) -> TableCell,
-    ) -> TableResponse {
+    fn show_in(&self, ui: &mut Ui, rect: Rect, row_height: f32, cell: &mut CellContent<'_>) -> TableResponse {
         let id = ui.scope_id().with("rows");
         let mut memory: TableMemory = ui.data(|d| d.get_temp(id)).unwrap_or_default();
         memory.cursor = memory.cursor.filter(|c| *c < self.num_rows);
@@ -138,7 +122,9 @@ impl<'a> RowTable<'a> {
         let scrolled = area.show_rows(ui, row_height, self.num_rows, |ui, rows| {
             for row in rows {
                 let (_, rect) = ui.allocate_space(vec2(width, row_height));
-                let response = self.row(ui, id, row, rect, &places, &mut cell);
+                // A fixed number keeps the widget's identity, whatever else is shown.
+                let response = ui.interact(rect, id.with(row), Sense::CLICK);
+                let response = self.show_row(ui, row, response, &places, cell);
                 if focused && self.click != RowClick::Selects && memory.cursor == Some(row) {
                     let stroke = Stroke::new(1.0, ui.visuals().selection.stroke.color);
                     ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
@@ -158,18 +144,15 @@ impl<'a> RowTable<'a> {
         out
     }
 
-    fn row(
+    fn show_row(
         &self,
         ui: &Ui,
-        id: Id,
         row: usize,
-        rect: Rect,
+        response: Response,
         places: &[ColumnPlace],
-        cell: &mut impl FnMut(usize, usize) -> TableCell,
+        cell: &mut CellContent<'_>,
     ) -> Response {
-        // A fixed number keeps the widget's identity, whatever else is shown.
-        let response = ui.interact(rect, id.with(row), Sense::CLICK);
-        let selected = self.selected == Some(row);
+        let (rect, selected) = (response.rect, self.selected == Some(row));
         let name = cell(row, self.named_by).text;
         response.widget_info(|| match self.click {
             RowClick::Selects => WidgetInfo::selected(Role::Row, true, selected, &name),
@@ -199,13 +182,8 @@ fn row_height(ui: &Ui) -> f32 {
 /// Scroll offset that brings a row into view; none if it is visible.
 fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f32> {
     let (top, bottom) = (row as f32 * row_height, (row + 1) as f32 * row_height);
-    if top < now {
-        Some(top)
-    } else if bottom > now + height {
-        Some((bottom - height).max(0.0))
-    } else {
-        None
-    }
+    let up = (top < now).then_some(top);
+    up.or_else(|| (bottom > now + height).then(|| (bottom - height).max(0.0)))
 }
 
 /// The part of a row that a column takes.
