@@ -27,23 +27,15 @@ fn time_of(model: &Model) -> Option<TransportTime> {
         return Some(TransportTime { playing: p.playing, speed: p.speed, now, first: 0, last, rate_hz, live: false });
     }
     let head = model.head()?;
-    let recorded = head.recorded();
-    Some(TransportTime {
-        playing: head.is_playing(),
-        speed: head.speed(),
-        now: head.shown_step(),
-        first: *recorded.start(),
-        last: *recorded.end(),
-        rate_hz: STEP_HZ,
-        live: head.is_live(),
-    })
+    let (first, last) = head.recorded().into_inner();
+    let (playing, speed, now, live) = (head.is_playing(), head.speed(), head.shown_step(), head.is_live());
+    Some(TransportTime { playing, speed, now, first, last, rate_hz: STEP_HZ, live })
 }
 
 /// Shows the bar.
 pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let Some(t) = time_of(model) else {
-        ui.weak("Open a file to play it.");
-        return;
+        return drop(ui.weak("Open a file to play it."));
     };
     let marks = if model.shows_clip() { glitches::shown_glitches(model) } else { Vec::new() };
     scrubber(ui, &t, &marks, commands);

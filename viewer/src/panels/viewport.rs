@@ -136,16 +136,15 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
     }
     let targets = targets(model);
     if response.drag_started_by(PointerButton::Primary)
-        && let (Some(targets), Some(at)) = (&targets, ui.input(|i| i.pointer.press_origin()))
+        && let Some(at) = ui.input(|i| i.pointer.press_origin())
     {
-        let held = grabbed(model, targets, rect, at);
-        state.dragged = held.map(|c| if shift { None } else { c });
+        state.dragged = grabbed(model, &targets, rect, at).map(|c| c.filter(|_| !shift));
     }
     if !response.dragged_by(PointerButton::Primary) {
         state.dragged = None;
     }
     if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
-        && let Some(targets) = &targets
+        && !targets.all.is_empty()
     {
         let ray = ray(at);
         let held = targets.all.iter().find(|t| character.is_none_or(|c| c == t.0));
@@ -161,9 +160,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
     }
-    if let (Some(targets), Some(at)) = (&targets, response.hover_pos())
-        && grabbed(model, targets, rect, at).is_some()
-    {
+    if response.hover_pos().is_some_and(|at| grabbed(model, &targets, rect, at).is_some()) {
         ui.set_cursor_icon(CursorIcon::Grab);
     }
     move_camera(ui, response, model, shift, commands);
@@ -196,7 +193,8 @@ fn upright(ray: &Ray, camera: OrbitCamera, place: Vec3) -> Option<Vec3> {
     (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.point_at(distance).y.max(0.05)))
 }
 
-/// Targets that can be moved.
+/// Targets that can be moved; none where no target can be.
+#[derive(Default)]
 struct MovableTargets {
     /// One for all characters.
     is_shared: bool,
@@ -204,21 +202,21 @@ struct MovableTargets {
     all: Vec<(usize, Vec3, Option<Vec3>)>,
 }
 
-/// Movable targets of the crowd or the scene that is shown; none without any.
-fn targets(model: &Model) -> Option<MovableTargets> {
+/// Movable targets of the crowd or the scene that is shown.
+fn targets(model: &Model) -> MovableTargets {
     if let Some((_, run)) = model.shown_crowd() {
         let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();
-        return Some(MovableTargets { is_shared: run.config().targets == TargetMode::Shared, all });
+        return MovableTargets { is_shared: run.config().targets == TargetMode::Shared, all };
     }
-    let simulation = model.shown_scene()?.run().simulation();
-    let mut all = Vec::new();
+    let mut found = MovableTargets::default();
+    let Some(simulation) = model.shown_scene().map(|s| s.run().simulation()) else { return found };
     for group in simulation.groups() {
         if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
             let targets = group.characters.clone().zip(p.practice().targets());
-            all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
+            found.all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
         }
     }
-    (!all.is_empty()).then_some(MovableTargets { is_shared: false, all })
+    found
 }
 
 /// Character whose target is under the pointer.
@@ -242,8 +240,7 @@ fn grabbed(model: &Model, targets: &MovableTargets, rect: Rect, at: Pos2) -> Opt
         return None;
     }
     let reach = |t: &(usize, Vec3, Option<Vec3>)| Some((t.0, near(t.1).filter(|&d| d < GRAB_OTHERS)?));
-    let found = targets.all.iter().filter_map(reach).min_by(|a, b| a.1.total_cmp(&b.1));
-    found.map(|(c, _)| Some(c))
+    targets.all.iter().filter_map(reach).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(c, _)| Some(c))
 }
 
 fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Commands) {
@@ -289,10 +286,11 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
 fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
     let selected = model.selection.character;
     let targets = targets(model);
-    let character = selected.filter(|_| targets.as_ref().is_none_or(|t| !t.is_shared));
+    let character = selected.filter(|_| !targets.is_shared);
     let is_own = |t: &&(usize, Vec3, Option<Vec3>)| character.is_none_or(|c| c == t.0);
-    let shared_or_selected = targets.as_ref().filter(|t| t.is_shared || character.is_some());
-    if let Some(held) = shared_or_selected.and_then(|t| t.all.iter().find(is_own)) {
+    if (targets.is_shared || character.is_some())
+        && let Some(held) = targets.all.iter().find(is_own)
+    {
         return Some(RunInput::Target { character, to: ray.intersect_height(held.2.map_or(0.0, |home| home.y))? });
     }
     let scene = model.shown_scene()?;

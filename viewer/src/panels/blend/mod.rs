@@ -1,7 +1,6 @@
 //! Blend spaces: examples in their parameter box, the weight of one over it, a point that is dragged, and the contacts
 //! of the examples and their blend over generic time (Kim, Kim and Shin 2003a, section 4).
 
-mod body;
 mod map;
 mod plane;
 mod rows;
@@ -12,7 +11,7 @@ use super::paint::{PanelWidget, choose, empty, no_bundle};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::model::Model;
-use crate::run::Blending;
+use crate::run::{BlendCompanions, Blending, LEGS, SIZES};
 use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;
@@ -108,7 +107,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
     ui.add_space(4.0);
     sliders(ui, &input, &mut wanted);
     ui.separator();
-    body::show(ui, &mut wanted);
+    body(ui, &mut wanted);
     ui.separator();
     rows::show(ui, &input, state);
     if wanted != blending {
@@ -173,23 +172,53 @@ fn axis_choice(ui: &mut Ui, name: &str, input: &BlendPanelInput<'_>, now: usize)
 fn sliders(ui: &mut Ui, input: &BlendPanelInput<'_>, wanted: &mut Blending) {
     Grid::new("axes").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
         for (axis, record) in input.space.axes().iter().enumerate() {
-            let name = input.meta.axes[axis].as_str();
-            ui.label(name);
-            slider(ui, name, &mut wanted.point[axis], [record.low, record.high], unit(record.kind));
-            ui.end_row();
+            let range = [record.low, record.high];
+            slider(ui, &input.meta.axes[axis], "", &mut wanted.point[axis], range, unit(record.kind));
         }
     });
 }
 
-/// A slider over the rest of the row, found by its name.
-fn slider(ui: &mut Ui, name: &str, value: &mut f32, [low, high]: [f32; 2], unit: &str) {
+/// Shows size, legs, retargeting and the companion.
+fn body(ui: &mut Ui, wanted: &mut Blending) {
+    Grid::new("body").num_columns(2).spacing([8.0, 3.0]).show(ui, |ui| {
+        slider(ui, "size", "Size of the walking body; the examples have 1", &mut wanted.size, SIZES, "");
+        slider(ui, "legs", "Length of its legs, relative to its size", &mut wanted.legs, LEGS, "");
+    });
+    ui.horizontal_wrapped(|ui| {
+        let tip =
+            "Planted feet stay, legs and touching arms reach; without it, joint angles are taken as they are blended";
+        ui.checkbox(&mut wanted.retarget, "retarget").on_hover_text(tip);
+        if (wanted.size, wanted.legs) != (1.0, 1.0) && ui.small_button("size of the examples").clicked() {
+            (wanted.size, wanted.legs) = (1.0, 1.0);
+        }
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.label("beside");
+        let other = if wanted.retarget { "not retargeted" } else { "retargeted" };
+        for (beside, name, tip) in [
+            (BlendCompanions::None, "nobody", "It walks alone"),
+            (BlendCompanions::Retargeting, other, "The same body with the other setting"),
+            (BlendCompanions::Sizes, "sizes", "The smallest and the largest body, on the same path"),
+        ] {
+            ui.selectable_value(&mut wanted.companions, beside, name).on_hover_text(tip);
+        }
+    });
+}
+
+/// A row with a name, a hint about it that may be empty, and a slider that is found by its name.
+fn slider(ui: &mut Ui, name: &str, hint: &str, value: &mut f32, [low, high]: [f32; 2], unit: &str) {
     /// Room for the number (points).
     const NUMBER: f32 = 96.0;
+    let label = ui.label(name);
+    if !hint.is_empty() {
+        label.on_hover_text(hint);
+    }
     ui.spacing_mut().slider_width = (ui.available_width() - NUMBER).max(80.0);
     // A limit of decimals would round a point that was dragged on the map.
     let slider = Slider::new(value, low..=high).suffix(unit).custom_formatter(|v, _| format!("{v:.2}"));
     let response = ui.add(slider);
     response.widget_info(|| WidgetInfo::slider(true, f64::from(*value), name));
+    ui.end_row();
 }
 
 /// An example in words, over several lines.

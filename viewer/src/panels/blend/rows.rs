@@ -5,7 +5,7 @@ use super::{BlendPanelInput, BlendPanelState, describe_example, weight_colour};
 use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rangef, Rect, Role, Sense, Stroke, StrokeKind, Ui, Visuals, pos2, vec2,
 };
 
 /// Height of a row, and of the one of the blend (points).
@@ -95,9 +95,8 @@ fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let font = FontId::proportional(13.0);
     let ink = visuals.strong_text_color();
     painter.text(pos2(columns.name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
-    let phase = format!("{:.2}", input.phase);
-    let at = pos2(columns.bar.max, rect.center().y);
-    painter.text(at, Align2::RIGHT_CENTER, phase, FontId::proportional(11.0), ThemePalette::for_visuals(visuals).head);
+    let head = ThemePalette::for_visuals(visuals).head;
+    number(painter, pos2(columns.bar.max, rect.center().y), format!("{:.2}", input.phase), head);
     chart(painter, visuals, rect, &steps, input.phase, ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
@@ -109,9 +108,8 @@ fn example_row(ui: &Ui, input: &BlendPanelInput<'_>, e: usize, name: &str, rect:
         let fill = if input.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
         painter.rect_filled(rect, 2.0, fill.gamma_multiply(0.35));
     }
-    let (font, middle) = (FontId::proportional(12.0), rect.center().y);
     let within = Rect::from_x_y_ranges(columns.name, rect.y_range());
-    let at = pos2(within.left(), middle);
+    let (at, font) = (within.left_center(), FontId::proportional(12.0));
     ui.painter_at(within).text(at, Align2::LEFT_CENTER, name, font, visuals.text_color());
     let weight = input.weights.get(e).copied().unwrap_or(0.0);
     bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
@@ -129,15 +127,17 @@ fn bar(painter: &Painter, visuals: &Visuals, all: Rect, weight: f32) {
     let filled = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), rect.shrink2(vec2(0.0, 4.0)).y_range());
     painter.rect_filled(filled, 1.0, weight_colour(weight, visuals.dark_mode));
     painter.vline(zero, rect.shrink2(vec2(0.0, 2.0)).y_range(), Stroke::new(1.0, visuals.weak_text_color()));
-    let at = pos2(all.right(), rect.center().y);
-    painter.text(at, Align2::RIGHT_CENTER, format!("{weight:.2}"), FontId::proportional(11.0), visuals.text_color());
+    number(painter, pos2(all.right(), rect.center().y), format!("{weight:.2}"), visuals.text_color());
+}
+
+fn number(painter: &Painter, right: Pos2, text: String, colour: Color32) {
+    painter.text(right, Align2::RIGHT_CENTER, text, FontId::proportional(11.0), colour);
 }
 
 /// When the left foot stands above, the right one below it, the generic time that is shown, and the time of the cycle.
 fn chart(painter: &Painter, visuals: &Visuals, row: Rect, steps: &CycleContacts, phase: f32, ink: Color32) {
     let (palette, columns) = (ThemePalette::for_visuals(visuals), ExampleColumns::in_rect(row));
-    let at = pos2(columns.seconds.max, row.center().y);
-    painter.text(at, Align2::RIGHT_CENTER, format!("{:.2} s", steps.seconds), FontId::proportional(11.0), ink);
+    number(painter, pos2(columns.seconds.max, row.center().y), format!("{:.2} s", steps.seconds), ink);
     let rect = Rect::from_x_y_ranges(columns.time, row.y_range()).shrink2(vec2(0.0, 2.0));
     painter.rect_stroke(rect, 0.0, visuals.widgets.noninteractive.bg_stroke, StrokeKind::Inside);
     let x = |t: f32| rect.left() + t * rect.width();

@@ -31,8 +31,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands:
         return scene::show(ui, model, scene, &mut state.scene, commands);
     }
     let OpenDocument::Bundle(document) = &model.document else {
-        ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open.");
-        return;
+        return drop(ui.weak("Open a bundle to run a crowd: drop it on the window, or File > Open."));
     };
     let run = match &document.run {
         Ok(run) => run,

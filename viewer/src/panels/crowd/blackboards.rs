@@ -44,7 +44,19 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
     let area = ScrollArea::vertical().id_salt("boards").max_height(HEIGHT).auto_shrink([false, true]);
     area.show_rows(ui, height, entries.len(), |ui, rows| {
         for entry in &entries[rows] {
-            row(ui, model, scene, brains, entry, commands);
+            let cell = entry.cell.map(|c| BlackboardCell::from_cell(&c));
+            ui.horizontal(|ui| {
+                swatch(ui, colour_of_view(colour_of_message(entry.event)));
+                let place = cell.map_or_else(|| "global".into(), |c| format!("cell {}", cell_text(c)));
+                let text = format!("{place}: {}", in_words(scene, brains, entry));
+                let label = ui.selectable_label(cell.is_some() && cell == now.cell, &text);
+                // A click reads the blackboard of the entry, and selects its author.
+                if label.named(Role::Button, format!("Entry {text}")).clicked() {
+                    commands.push(options_command(model, |l| l.cell = cell));
+                    let first = first_agent(scene.run().simulation()).unwrap_or(0);
+                    commands.extend(entry.by.map(|by| ViewerCommand::SelectCharacter(Some(first + by))));
+                }
+            });
         }
     });
 }
@@ -60,29 +72,6 @@ fn is_listed(entry: &BlackboardPost, blackboards: BlackboardFilter, cell: Option
             BlackboardFilter::Level(level) => of.level == level,
         },
     }
-}
-
-/// One entry; a click reads its blackboard.
-fn row(
-    ui: &mut Ui,
-    model: &Model,
-    scene: &SceneDocument,
-    brains: &AgentBrains,
-    entry: &BlackboardPost,
-    commands: &mut Commands,
-) {
-    let cell = entry.cell.map(|c| BlackboardCell::from_cell(&c));
-    ui.horizontal(|ui| {
-        swatch(ui, colour_of_view(colour_of_message(entry.event)));
-        let place = cell.map_or_else(|| "global".into(), |c| format!("cell {}", cell_text(c)));
-        let text = format!("{place}: {}", in_words(scene, brains, entry));
-        let label = ui.selectable_label(cell.is_some() && cell == model.selection.scene.cell, &text);
-        if label.named(Role::Button, format!("Entry {text}")).clicked() {
-            commands.push(options_command(model, |l| l.cell = cell));
-            let first = first_agent(scene.run().simulation()).unwrap_or(0);
-            commands.extend(entry.by.map(|by| ViewerCommand::SelectCharacter(Some(first + by))));
-        }
-    });
 }
 
 fn cell_text(cell: BlackboardCell) -> String {

@@ -1,7 +1,6 @@
 //! Agents of a scene: view options, figures, the selected agent, and events.
 
 mod agent;
-mod agent_brain;
 pub mod blackboards;
 mod events;
 mod figures;
@@ -48,7 +47,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
     if let Some(brains) = scene.run().simulation().brains() {
-        section(ui, "What it has in mind", |ui| agent_brain::show(ui, model, scene, brains));
+        section(ui, "What it has in mind", |ui| agent::show_brain(ui, model, scene, brains));
         if !scene.run().simulation().scene().graphs.is_empty() {
             section(ui, "State graphs", |ui| graphs::show(ui, model, scene, brains));
         }

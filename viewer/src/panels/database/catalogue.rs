@@ -91,11 +91,6 @@ impl ClipCatalogue {
         Self { entries }
     }
 
-    /// True where any clip has tags.
-    pub fn has_tags(&self) -> bool {
-        self.entries.iter().any(|e| !e.tags.is_empty())
-    }
-
     /// Numbers of the clips that have every word of the query in name, tags or source, in the order asked for.
     pub fn select(&self, query: &str, sort: TableSort) -> Vec<usize> {
         let query = query.to_lowercase();

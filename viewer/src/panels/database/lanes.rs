@@ -195,7 +195,7 @@ impl LanePainter<'_> {
     fn arcs(&self, lane: Rect, out: &OutgoingActions) {
         let (painter, axis) = (&self.painter, self.axis);
         let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
-        for action in out.actions.iter().filter(|w| self.scene.is_shown_clip(w.clip)) {
+        for action in out.actions.iter().filter(|w| w.clip == self.scene.key().1) {
             let is_strong = self.scene.highlighted == Some(action.segment);
             let (width, strength) = if is_strong { (2.5, 1.0) } else { (1.2, 0.7) };
             let stroke = Stroke::new(width, self.palette.state.gamma_multiply(strength));

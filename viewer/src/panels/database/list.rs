@@ -66,7 +66,8 @@ pub fn show(ui: &mut Ui, state: &mut ClipListState, model: &Model, bundle: &Open
         });
         return;
     }
-    let columns = if state.catalogue.has_tags() { &COLUMNS[..] } else { &COLUMNS[..ClipColumn::ALL.len() - 1] };
+    let has_tags = state.catalogue.entries.iter().any(|e| !e.tags.is_empty());
+    let columns = if has_tags { &COLUMNS[..] } else { &COLUMNS[..ClipColumn::ALL.len() - 1] };
     let table = RowTable {
         selected: state.rows.iter().position(|r| *r == selected),
         sort: state.sort.or(Some(TableSort::NONE)),

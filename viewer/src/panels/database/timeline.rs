@@ -35,11 +35,6 @@ impl TimelineInput<'_> {
     pub fn key(&self) -> (u64, usize) {
         (self.document, if let PoseSource::Bundle(_, clip) = self.source { clip } else { 0 })
     }
-
-    /// True where a clip of the bundle is the one shown.
-    pub fn is_shown_clip(&self, clip: usize) -> bool {
-        matches!(self.source, PoseSource::Bundle(_, shown) if shown == clip)
-    }
 }
 
 /// Visible part of a clip.

@@ -73,8 +73,11 @@ impl TimelineTrack {
         let (record, meta) = bundle.clips().nth(clip)?;
         let rows = record.first_frame..record.first_frame + record.num_frames;
         let within = rows.start as usize..rows.end as usize;
-        let all_states = &bundle.tables().graph().states;
-        let states = states_within(bundle, &rows);
+        let mark = |state: usize| {
+            let record = &bundle.tables().graph().states[state];
+            let (frame, standing) = (record.frame - rows.start, record.standing != 0);
+            StateMark { state: state as u32, frame, standing }
+        };
         let played = played_rows(bundle);
         let contacts = bundle.tables().contacts()[within.clone()].to_vec();
         Some(Self {
@@ -88,13 +91,7 @@ impl TimelineTrack {
             excluded: in_lanes(meta.excluded.iter().map(|e| (e.0.clone(), e.1..e.2)), record.num_frames),
             glitches: glitches::clip_glitches(meta),
             played: Some(runs(&played[within], |p| *p)),
-            states: states
-                .map(|s| StateMark {
-                    state: s as u32,
-                    frame: all_states[s].frame - rows.start,
-                    standing: all_states[s].standing != 0,
-                })
-                .collect(),
+            states: states_within(bundle, &rows).map(mark).collect(),
             contacts,
         })
     }

@@ -69,8 +69,7 @@ impl Default for GraphPanelState {
 /// Shows the motion graph of the open bundle.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else {
-        ui.weak("A motion graph is part of a bundle; open one to see it.");
-        return;
+        return drop(ui.weak("A motion graph is part of a bundle; open one to see it."));
     };
     if bundle.tables().graph().states.is_empty() {
         ui.weak("This bundle has no motion graph.");

@@ -133,11 +133,6 @@ impl HitCollection {
         self.kinds.get(kind as usize).map_or("hit", String::as_str)
     }
 
-    /// Kinds of the hits.
-    pub fn kinds_present(&self) -> BTreeSet<u32> {
-        self.entries.iter().map(|e| e.kind).collect()
-    }
-
     /// Joints that strike.
     pub fn joints_present(&self) -> BTreeSet<Joint> {
         self.entries.iter().map(|e| e.joint).collect()

@@ -20,6 +20,7 @@ use collection::{HitCollection, HitEntry, HitFilter, HitRanges, joint_name};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{CentralPanel, Color32, ComboBox, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
 use std::iter::once;
 use throng_core::Joint;
 use throng_core::policy::PolicyTable;
@@ -141,7 +142,8 @@ fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsP
 
 fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>, state: &mut HitsPanelState) {
     ui.horizontal_wrapped(|ui| {
-        let kinds = hits.kinds_present().into_iter().map(|k| (Some(k), hits.kind(k).to_owned()));
+        let kinds: BTreeSet<u32> = hits.entries.iter().map(|e| e.kind).collect();
+        let kinds = kinds.into_iter().map(|k| (Some(k), hits.kind(k).to_owned()));
         let kinds = once((None, "all kinds".to_owned())).chain(kinds);
         choose(ui, "Kind", Some(84.0), &mut state.filter.kind, kinds);
         let joints = hits.joints_present().into_iter().map(|j| (Some(j), joint_name(j)));

@@ -21,26 +21,22 @@ pub enum HitViewpoint {
     Side,
 }
 
+/// Titles of the viewpoints in their order, and labels of the left and the right edge.
+const WORDS: [(&str, [&str; 2]); 3] =
+    [("Front", ["right", "left"]), ("Top", ["left", "right"]), ("Side", ["behind", "ahead"])];
+
 impl HitViewpoint {
     /// All of them, from left to right.
     pub const ALL: [Self; 3] = [Self::Front, Self::Top, Self::Side];
 
     /// Title above the view.
     pub fn title(self) -> &'static str {
-        match self {
-            Self::Front => "Front",
-            Self::Top => "Top",
-            Self::Side => "Side",
-        }
+        WORDS[self as usize].0
     }
 
     /// Labels of its left and its right edge.
     pub fn ends(self) -> [&'static str; 2] {
-        match self {
-            Self::Front => ["right", "left"],
-            Self::Top => ["left", "right"],
-            Self::Side => ["behind", "ahead"],
-        }
+        WORDS[self as usize].1
     }
 
     /// Projection of a place: to the right and up (m).

@@ -1,12 +1,10 @@
 //! Small painters that panels share: a time axis with its ruler, legends, tables of many rows.
 
 mod axis;
-mod ruler;
 mod table;
 mod widget;
 
-pub use axis::{FrameAxis, FrameSpan};
-pub use ruler::{RULER_HEIGHT, ruler};
+pub use axis::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
 pub use widget::{PanelWidget, choose, coordinates, facts};
 
@@ -33,13 +31,8 @@ pub fn no_bundle(ui: &mut Ui, document: &OpenDocument) {
     match document {
         OpenDocument::Task(_) => empty(ui, "A task has no bundle", "The panel Plan (F11) shows what is to do."),
         OpenDocument::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
-        _ => nothing_open(ui),
+        _ => empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open."),
     }
-}
-
-/// Hint of panels if no document is open.
-pub fn nothing_open(ui: &mut Ui) {
-    empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open.");
 }
 
 /// Hatches a rectangle with lines that rise to the right and continue in its neighbours.

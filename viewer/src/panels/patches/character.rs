@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
 }
 
 fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
-    let (run, scene) = (world.run(), world.roamers());
+    let run = world.run();
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
         let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
@@ -43,7 +43,7 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
         field.clone().on_hover_text("As many as there is room for, each on units of its own; restarts the world");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
-            let seed = scene.seed;
+            let seed = world.roamers().seed;
             commands.push(ViewerCommand::World(WorldCommand::Populate { characters: n, seed }));
         }
         ui.label("characters");

@@ -57,8 +57,7 @@ fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patches
 /// The selected unit by its numbers.
 fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Commands) {
     let Some(place) = model.selection.world.place.filter(|&p| p < world.placed().len()) else {
-        ui.weak("No unit is selected.");
-        return;
+        return drop(ui.weak("No unit is selected."));
     };
     let placed = &world.placed()[place];
     let now = world.ordered_placement(place);

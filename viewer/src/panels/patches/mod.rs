@@ -3,7 +3,6 @@
 mod character;
 mod edit;
 mod facts;
-mod links;
 
 use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::model::Model;
@@ -35,8 +34,9 @@ pub struct PatchesPanelState {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands: &mut Commands) {
     let Some(world) = model.document.world() else {
-        ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
-        return;
+        return drop(
+            ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml."),
+        );
     };
     tools(ui, model, state, commands);
     ui.separator();
@@ -53,7 +53,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
             }
             if let Some((_, facts)) = &state.facts {
                 facts::show(ui, model, world, facts, commands);
-                links::show(ui, model, world, facts, commands);
+                facts::show_links(ui, model, world, facts, commands);
             }
             show_reason(ui, model, state, instance);
         }

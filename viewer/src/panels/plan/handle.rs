@@ -21,8 +21,7 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanVi
     });
     let selected = wanted.handle.and_then(|h| Some((h, task.place_of(h, model.task_time_s())?)));
     let Some((handle, place)) = selected else {
-        ui.weak("Drag a thing or a place in the view; with Alt it goes up and down.");
-        return;
+        return drop(ui.weak("Drag a thing or a place in the view; with Alt it goes up and down."));
     };
     let now = place.position.as_vec3();
     let mut to = now;

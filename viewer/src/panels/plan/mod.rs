@@ -31,8 +31,9 @@ pub struct PlanPanelState {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Commands) {
     let Some(task) = model.task() else {
-        ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
-        return;
+        return drop(
+            ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then."),
+        );
     };
     let options = model.selection.plan;
     let mut wanted = options;

@@ -55,13 +55,11 @@ impl Default for PolicyPanelState {
 /// Shows a behaviour's policy and the choice of the selected character.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else {
-        ui.weak("Policies are part of a bundle; open one to see them.");
-        return;
+        return drop(ui.weak("Policies are part of a bundle; open one to see them."));
     };
     let number = model.selection.policy;
     let Some(policy) = bundle.motion_set().policy(number) else {
-        ui.weak("This bundle has no behaviour. Build it from a config with `behaviours`.");
-        return;
+        return drop(ui.weak("This bundle has no behaviour. Build it from a config with `behaviours`."));
     };
     state.hovered_before = state.hovered.take();
     let character = model.selection.character;

@@ -35,8 +35,7 @@ pub fn show(
         return offer_first_character(ui, "Click a character in the 3-D view, or", true, commands);
     };
     let Some(chooser) = chooser else {
-        ui.weak(format!("Character {character} does not choose by the policies of this bundle."));
-        return;
+        return drop(ui.weak(format!("Character {character} does not choose by the policies of this bundle.")));
     };
     let Some(why) = why else {
         ui.label(format!(

@@ -21,8 +21,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
     let simulation = scene.run().simulation();
     let first = first_agent(simulation).unwrap_or(0);
     let Some(agent) = selected_brain(model, scene, brains) else {
-        ui.weak("Select an agent.");
-        return;
+        return drop(ui.weak("Select an agent."));
     };
     let states = brains.states_of(agent);
     if states.iter().all(Option::is_none) {

@@ -49,8 +49,7 @@ impl TableCell {
             let full = rect.shrink2(vec2(0.5 * PAD, 3.0));
             let bar = full.with_max_x(full.left() + full.width() * length.clamp(0.0, 1.0));
             let strength = if selected { 0.25 } else { 0.45 };
-            let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-            painter.rect_filled(bar, 1.0, back.gamma_multiply(strength));
+            ui.painter_at(rect).rect_filled(bar, 1.0, back.gamma_multiply(strength));
         }
         let colour = match (selected, self.weak) {
             (true, _) => visuals.selection.stroke.color,
@@ -73,7 +72,7 @@ pub(super) fn paint_text(ui: &Ui, rect: Rect, is_number: bool, cell: &TableCell,
     let galley = lay_out(&fitted(&cell.text, cell.ending, |t| lay_out(t).size().x <= room));
     let align = if is_number { Align2([Align::Max, Align::Center]) } else { Align2([Align::Min, Align::Center]) };
     let place = align.align_size_within_rect(galley.size(), rect.shrink2(vec2(PAD, 0.0)));
-    ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(place.min, galley, colour);
+    ui.painter_at(rect).galley(place.min, galley, colour);
 }
 
 /// The text, or the part of its beginning or end that fits, with an ellipsis.

@@ -1,21 +1,13 @@
 //! A table driven by keys while it has the focus.
 
-use super::{RowClick, RowTable, TableMemory, TableResponse};
+use super::{RowClick, RowTable, TableMemory};
 use eframe::egui::{EventFilter, Id, Key, Modifiers, Ui};
 
-/// Moves on by keys: to another row, which is chosen at once where rows are selected; where they do something, the
-/// enter key chooses.
+/// Moves on to another row by keys.
 ///
 /// - `page`: rows that are seen at once.
 /// - returns the row to bring into sight.
-pub(super) fn pressed(
-    ui: &Ui,
-    id: Id,
-    table: &RowTable<'_>,
-    page: usize,
-    memory: &mut TableMemory,
-    out: &mut TableResponse,
-) -> Option<usize> {
+pub(super) fn pressed(ui: &Ui, id: Id, table: &RowTable<'_>, page: usize, memory: &mut TableMemory) -> Option<usize> {
     if table.num_rows == 0 || !ui.memory(|m| m.has_focus(id)) {
         return None;
     }
@@ -39,10 +31,5 @@ pub(super) fn pressed(
         }
     }
     memory.cursor = at;
-    match table.click {
-        RowClick::Selects => out.chosen = to,
-        RowClick::Does(_) if ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Enter)) => out.chosen = at,
-        RowClick::Does(_) => {}
-    }
     to
 }

@@ -13,8 +13,8 @@ pub use header::TableSort;
 
 use column::{ColumnPlace, places};
 use eframe::egui::{
-    CursorIcon, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, WidgetInfo,
-    pos2, vec2,
+    CursorIcon, Key, Modifiers, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder,
+    WidgetInfo, pos2, vec2,
 };
 
 /// Effect of a click on a row.
@@ -108,7 +108,11 @@ impl<'a> RowTable<'a> {
         let body = rect.with_min_y(titles.bottom());
         ui.interact(body, id, Sense::focusable_noninteractive());
         let page = (body_height / row_height) as usize;
-        let moved = keys::pressed(ui, id, self, page, &mut memory, &mut out);
+        let focused = ui.memory(|m| m.has_focus(id));
+        let moved = keys::pressed(ui, id, self, page, &mut memory);
+        // A row that is moved to is chosen at once where rows are selected; else the enter key chooses it.
+        let enters = || focused && ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Enter));
+        out.chosen = if self.click == RowClick::Selects { moved } else { memory.cursor.filter(|_| enters()) };
         let mut area = ScrollArea::vertical()
             .id_salt("rows")
             .auto_shrink([false, false])
@@ -118,7 +122,6 @@ impl<'a> RowTable<'a> {
         if let Some(offset) = wanted.and_then(|row| shown_offset(memory.offset, row, row_height, body_height)) {
             area = area.vertical_scroll_offset(offset);
         }
-        let focused = ui.memory(|m| m.has_focus(id));
         let scrolled = area.show_rows(ui, row_height, self.num_rows, |ui, rows| {
             for row in rows {
                 let (_, rect) = ui.allocate_space(vec2(width, row_height));
