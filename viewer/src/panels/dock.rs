@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, dock: Dock, model: &Model, states: &mut PanelStates, co
         });
     });
     ui.separator();
-    let Some(panel) = open.and_then(|k| k.panel()) else { return };
+    let Some(panel) = PANELS.iter().find(|p| open == Some(p.kind)) else { return };
     match dock {
         Dock::Side => {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| (panel.show)(ui, model, states, commands));

@@ -31,7 +31,7 @@ use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::render::Rgba;
 use crate::settings::PanelKind;
-use eframe::egui::{Color32, Key, Ui};
+use eframe::egui::{Color32, DragValue, Key, Response, Ui};
 use paint::PanelWidget;
 
 /// A panel.
@@ -60,6 +60,14 @@ fn offer_first_character(ui: &mut Ui, hint: &str, has_characters: bool, commands
             ui.small_button("select character 0").request(commands, ViewerCommand::SelectCharacter(Some(0)));
         }
     });
+}
+
+/// A field with the number of the selected character, which selects another one.
+fn character_field(ui: &mut Ui, character: usize, num_characters: usize, commands: &mut Commands) -> Response {
+    let mut number = character;
+    let field = ui.add(DragValue::new(&mut number).range(0..=num_characters - 1));
+    commands.extend(field.changed().then_some(ViewerCommand::SelectCharacter(Some(number))));
+    field
 }
 
 /// Clip of a frame row, and the frame within it (row < number of frames).
@@ -162,13 +170,6 @@ pub struct PanelStates {
     pub crowd: crowd::CrowdPanelState,
     /// Tasks of limbs.
     pub plan: plan::PlanPanelState,
-}
-
-impl PanelKind {
-    /// Entry of the panel in [`PANELS`].
-    pub fn panel(self) -> Option<&'static PanelEntry> {
-        PANELS.iter().find(|p| p.kind == self)
-    }
 }
 
 #[cfg(test)]

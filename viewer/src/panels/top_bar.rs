@@ -32,11 +32,8 @@ pub fn show(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut
 
 fn title(model: &Model) -> String {
     if let Some(paths) = model.loading() {
-        let line = model.building().and_then(|b| b.log().status.status_line());
-        return match line {
-            Some(line) => format!("Building {}: {line}", name_of(paths)),
-            None => format!("Reading {} …", name_of(paths)),
-        };
+        let (name, line) = (name_of(paths), model.building().and_then(|b| b.log().status.status_line()));
+        return line.map_or_else(|| format!("Reading {name} …"), |line| format!("Building {name}: {line}"));
     }
     let name = name_of(model.asked());
     match &model.document {
@@ -159,7 +156,7 @@ fn appearance(ui: &mut Ui, s: &mut ViewerSettings) {
     });
 }
 
-/// Buttons of which one is pressed: the value that they stand for.
+/// Shows a button for each value; the one of the present value is pressed.
 fn radios<T: PartialEq>(ui: &mut Ui, value: &mut T, all: impl IntoIterator<Item = (T, impl ToString)>) {
     for (one, name) in all {
         ui.radio_value(value, one, name.to_string());

@@ -49,12 +49,10 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
         let text = format!("{:>6.2} s  {what} {:<5}", seconds(t.now), t.now);
         // Each control moves to the next row as a whole if there is no room.
         ui.add(Label::new(RichText::new(text).monospace()).extend());
-        let note = if model.shows_clip() {
-            format!("of {:.2} s", seconds(t.last))
-        } else if t.live {
-            format!("live · {:.0} s recorded", seconds(t.last - t.first))
-        } else {
-            format!("{:.1} s ago", seconds(t.last - t.now))
+        let note = match (model.shows_clip(), t.live) {
+            (true, _) => format!("of {:.2} s", seconds(t.last)),
+            (_, true) => format!("live · {:.0} s recorded", seconds(t.last - t.first)),
+            _ => format!("{:.1} s ago", seconds(t.last - t.now)),
         };
         ui.add(Label::new(RichText::new(note).weak()).extend());
     });

@@ -77,9 +77,7 @@ pub fn show(
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
     steer::show(ui, rect, model);
-    let pointed = response.hover_pos();
-    let ray = || Some(ray_at(model, rect, pointed?));
-    blackboards::show_tooltip(response.clone(), model, ray);
+    blackboards::show_tooltip(response.clone(), model);
     show_value_tooltip(response, model, layout);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
@@ -113,7 +111,7 @@ fn ray_at(model: &Model, rect: Rect, at: Pos2) -> Ray {
 /// Text at a corner of the view, on a ground of its own.
 ///
 /// - `width`: widest line, as a share of the view; `place`: where a text of some size lies.
-fn caption(ui: &Ui, rect: Rect, text: String, width: f32, place: impl FnOnce(egui::Vec2) -> Pos2) {
+fn show_caption(ui: &Ui, rect: Rect, text: String, width: f32, place: impl FnOnce(egui::Vec2) -> Pos2) {
     let (font, colour) = (FontId::proportional(13.0), ui.visuals().strong_text_color());
     let galley = ui.painter().layout(text, font, colour, (rect.width() * width).max(100.0));
     let at = place(galley.size());
@@ -128,10 +126,10 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
     let shift = ui.input(|i| i.modifiers.shift);
     let ray = |at: Pos2| ray_at(model, rect, at);
     let was_dragged = state.dragged_unit.is_some();
-    let drags_unit = world::drag(ui, response, model, ray, &mut state.dragged_unit, commands);
+    let drags_unit = world::drag(response, model, &mut state.dragged_unit, commands);
     world::keys(ui, model, was_dragged, commands);
     world::hover(ui, model, response.hover_pos().map(ray), &mut state.heading, commands);
-    if drags_unit || task::drag(ui, response, model, &mut state.dragged_thing, commands) {
+    if drags_unit || task::drag(response, model, &mut state.dragged_thing, commands) {
         return;
     }
     let targets = targets(model);
@@ -154,9 +152,7 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
             Some(home) => ray.intersect_height(home.y),
             None => ray.intersect_ground(),
         };
-        if let Some(to) = to {
-            commands.push(ViewerCommand::Input(RunInput::Target { character, to }));
-        }
+        commands.extend(to.map(|to| ViewerCommand::Input(RunInput::Target { character, to })));
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
     }

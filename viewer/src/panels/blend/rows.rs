@@ -18,25 +18,12 @@ const SECONDS: f32 = 0.12;
 /// Width of the number beside a bar (points).
 const NUMBER: f32 = 30.0;
 
-/// Positions of the columns of a row.
-struct ExampleColumns {
-    name: Rangef,
-    bar: Rangef,
-    time: Rangef,
-    seconds: Rangef,
-}
-
-impl ExampleColumns {
-    fn in_rect(rect: Rect) -> Self {
-        let at = |share: f32| rect.left() + share * rect.width();
-        let end = 1.0 - SECONDS;
-        Self {
-            name: Rangef::new(at(0.0) + 4.0, at(NAME) - 4.0),
-            bar: Rangef::new(at(NAME), at(NAME + BAR) - 6.0),
-            time: Rangef::new(at(NAME + BAR), at(end) - 4.0),
-            seconds: Rangef::new(at(end), at(1.0) - 2.0),
-        }
-    }
+/// Positions of the columns of a row: name, bar, generic time, duration.
+fn columns(rect: Rect) -> [Rangef; 4] {
+    let at = |share: f32| rect.left() + share * rect.width();
+    let (bar, time, seconds) = (at(NAME), at(NAME + BAR), at(1.0 - SECONDS));
+    let name = Rangef::new(at(0.0) + 4.0, bar - 4.0);
+    [name, Rangef::new(bar, time - 6.0), Rangef::new(time, seconds - 4.0), Rangef::new(seconds, at(1.0) - 2.0)]
 }
 
 /// Shows the blend and the examples, the largest weights first; a click on an example shows its weights on the map.
@@ -72,16 +59,13 @@ pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelStat
 
 /// Names without the words that all of them have.
 fn short_names(names: &[String]) -> Vec<String> {
-    let words = |name: &'_ str| name.split('_').map(str::to_owned).collect::<Vec<_>>();
-    let all: Vec<Vec<String>> = names.iter().map(|n| words(n)).collect();
-    let is_shared = |word: &String| all.len() > 1 && all.iter().all(|n| n.contains(word));
-    all.iter()
-        .zip(names)
-        .map(|(words, name)| {
-            let own: Vec<&str> = words.iter().filter(|w| !is_shared(w)).map(String::as_str).collect();
-            if own.is_empty() { name.clone() } else { own.join(" ") }
-        })
-        .collect()
+    let all: Vec<Vec<&str>> = names.iter().map(|n| n.split('_').collect()).collect();
+    let is_shared = |word: &str| all.len() > 1 && all.iter().all(|n| n.contains(&word));
+    let short = |(words, name): (&Vec<&str>, &String)| {
+        let own: Vec<&str> = words.iter().copied().filter(|w| !is_shared(w)).collect();
+        if own.is_empty() { name.clone() } else { own.join(" ") }
+    };
+    all.iter().zip(names).map(short).collect()
 }
 
 /// Row of the blend: its contacts, and the duration of its cycle.
@@ -91,28 +75,28 @@ fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let mut weights = input.weights.to_vec();
     weights.resize(input.space.stride(), 0.0);
     let Ok(steps) = CycleContacts::from_blend(input.space, &weights) else { return };
-    let (visuals, columns, painter) = (ui.visuals(), ExampleColumns::in_rect(rect), ui.painter());
+    let (visuals, [name, bar, ..], painter) = (ui.visuals(), columns(rect), ui.painter());
     let font = FontId::proportional(13.0);
     let ink = visuals.strong_text_color();
-    painter.text(pos2(columns.name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
+    painter.text(pos2(name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
     let head = ThemePalette::for_visuals(visuals).head;
-    number(painter, pos2(columns.bar.max, rect.center().y), format!("{:.2}", input.phase), head);
+    paint_number(painter, pos2(bar.max, rect.center().y), format!("{:.2}", input.phase), head);
     chart(painter, visuals, rect, &steps, input.phase, ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
 
 fn example_row(ui: &Ui, input: &BlendPanelInput<'_>, e: usize, name: &str, rect: Rect, is_hovered: bool) {
-    let (visuals, columns) = (ui.visuals(), ExampleColumns::in_rect(rect));
+    let (visuals, [names, bars, ..]) = (ui.visuals(), columns(rect));
     let painter = ui.painter_at(rect);
     if input.example == e || is_hovered {
         let fill = if input.example == e { visuals.selection.bg_fill } else { visuals.widgets.hovered.bg_fill };
         painter.rect_filled(rect, 2.0, fill.gamma_multiply(0.35));
     }
-    let within = Rect::from_x_y_ranges(columns.name, rect.y_range());
+    let within = Rect::from_x_y_ranges(names, rect.y_range());
     let (at, font) = (within.left_center(), FontId::proportional(12.0));
     ui.painter_at(within).text(at, Align2::LEFT_CENTER, name, font, visuals.text_color());
     let weight = input.weights.get(e).copied().unwrap_or(0.0);
-    bar(&painter, visuals, Rect::from_x_y_ranges(columns.bar, rect.y_range()), weight);
+    bar(&painter, visuals, Rect::from_x_y_ranges(bars, rect.y_range()), weight);
     let Some(example) = input.space.examples().get(e) else { return };
     let steps = CycleContacts::from_example(example);
     chart(&painter, visuals, rect, &steps, input.phase, visuals.weak_text_color());
@@ -127,18 +111,18 @@ fn bar(painter: &Painter, visuals: &Visuals, all: Rect, weight: f32) {
     let filled = Rect::from_x_y_ranges(zero.min(end)..=zero.max(end), rect.shrink2(vec2(0.0, 4.0)).y_range());
     painter.rect_filled(filled, 1.0, weight_colour(weight, visuals.dark_mode));
     painter.vline(zero, rect.shrink2(vec2(0.0, 2.0)).y_range(), Stroke::new(1.0, visuals.weak_text_color()));
-    number(painter, pos2(all.right(), rect.center().y), format!("{weight:.2}"), visuals.text_color());
+    paint_number(painter, pos2(all.right(), rect.center().y), format!("{weight:.2}"), visuals.text_color());
 }
 
-fn number(painter: &Painter, right: Pos2, text: String, colour: Color32) {
+fn paint_number(painter: &Painter, right: Pos2, text: String, colour: Color32) {
     painter.text(right, Align2::RIGHT_CENTER, text, FontId::proportional(11.0), colour);
 }
 
 /// When the left foot stands above, the right one below it, the generic time that is shown, and the time of the cycle.
 fn chart(painter: &Painter, visuals: &Visuals, row: Rect, steps: &CycleContacts, phase: f32, ink: Color32) {
-    let (palette, columns) = (ThemePalette::for_visuals(visuals), ExampleColumns::in_rect(row));
-    number(painter, pos2(columns.seconds.max, row.center().y), format!("{:.2} s", steps.seconds), ink);
-    let rect = Rect::from_x_y_ranges(columns.time, row.y_range()).shrink2(vec2(0.0, 2.0));
+    let (palette, [.., time, seconds]) = (ThemePalette::for_visuals(visuals), columns(row));
+    paint_number(painter, pos2(seconds.max, row.center().y), format!("{:.2} s", steps.seconds), ink);
+    let rect = Rect::from_x_y_ranges(time, row.y_range()).shrink2(vec2(0.0, 2.0));
     painter.rect_stroke(rect, 0.0, visuals.widgets.noninteractive.bg_stroke, StrokeKind::Inside);
     let x = |t: f32| rect.left() + t * rect.width();
     let half = 0.5 * rect.height();

@@ -2,10 +2,10 @@
 
 use crate::command::{Commands, SteerCommand, ViewerCommand};
 use crate::model::Model;
-use crate::panels::offer_first_character;
 use crate::panels::paint::{PanelWidget, coordinates};
+use crate::panels::{character_field, offer_first_character};
 use crate::run::{CrowdRun, MAX_TARGET_M, RunInput, TargetMode};
-use eframe::egui::{DragValue, Ui};
+use eframe::egui::Ui;
 use glam::Vec3;
 
 /// Shows the target of the selected character of a crowd, and lets it be moved.
@@ -17,12 +17,8 @@ pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands)
     let (root, target) = (run.characters().root(c), run.targets()[c]);
     let mut to = target;
     ui.horizontal_wrapped(|ui| {
-        let mut number = c;
         ui.label("of character");
-        let last = run.config().characters - 1;
-        if ui.add(DragValue::new(&mut number).range(0..=last)).changed() {
-            commands.push(ViewerCommand::SelectCharacter(Some(number)));
-        }
+        character_field(ui, c, run.config().characters, commands);
         coordinates(ui, [("x", &mut to.x), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
     });
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));

@@ -5,11 +5,11 @@ use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts};
-use crate::panels::{colour_of_view, words};
+use crate::panels::{character_field, colour_of_view, words};
 use crate::render::Rgba;
 use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
-use eframe::egui::{Color32, DragValue, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
+use eframe::egui::{Color32, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
 use throng_core::planar::wrap_angle;
 use throng_simulation::scenario::AgentBrains;
@@ -30,11 +30,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
         return;
     };
     ui.horizontal_wrapped(|ui| {
-        let mut number = who;
         let label = ui.label("number");
-        if ui.add(DragValue::new(&mut number).range(0..=n - 1)).labelled_by(label.id).changed() {
-            commands.push(ViewerCommand::SelectCharacter(Some(number)));
-        }
+        character_field(ui, who, n, commands).labelled_by(label.id);
         ui.label(super::agent_name(scene, who));
         ui.small_button("none").request(commands, ViewerCommand::SelectCharacter(None));
     });

@@ -54,8 +54,7 @@ pub fn show(ui: &mut Ui, bundle: &OpenBundle, scene: &TimelineInput<'_>, command
             _ => TableCell::new(format!("{:.2}", action.error)),
         }
     });
-    if let Some(action) = response.chosen.and_then(|row| out.actions.get(row)) {
-        commands.push(ViewerCommand::ShowClip { clip: action.clip, frame: action.start });
-    }
+    let chosen = response.chosen.and_then(|row| out.actions.get(row));
+    commands.extend(chosen.map(|action| ViewerCommand::ShowClip { clip: action.clip, frame: action.start }));
     response.hovered.and_then(|(row, _)| out.actions.get(row)).map(|w| w.segment)
 }

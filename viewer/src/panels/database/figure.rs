@@ -1,5 +1,6 @@
 //! A body seen from its right side, small.
 
+use crate::panels::paint::paint_chain;
 use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
@@ -54,24 +55,17 @@ impl PoseFigure {
         let (left, right, trunk) = (colour(palette.left), colour(palette.right), colour(palette.trunk));
         let at = |p: Vec2| foot + vec2(p.x, -p.y) * style.scale;
         let joint = |j: Joint| at(self.joints[j.index()]);
-        let chain = |points: &[Pos2], metres: f32, colour: Color32| {
-            let stroke = Stroke::new(((metres + grown) * style.scale).max(1.0), colour);
-            for pair in points.windows(2) {
-                painter.line_segment([pair[0], pair[1]], stroke);
-            }
-            // Round joints, so that bent limbs have no notches.
-            for p in points {
-                painter.circle_filled(*p, 0.5 * stroke.width, colour);
-            }
+        let limb = |points: &[Pos2], metres: f32, colour: Color32| {
+            paint_chain(painter, points, ((metres + grown) * style.scale).max(1.0), colour)
         };
-        chain(&[joint(LeftUpperArm), joint(LeftForearm), joint(LeftHand)], 0.06, left);
-        chain(&[joint(LeftThigh), joint(LeftShin), joint(LeftFoot), joint(LeftToe), at(self.tips[1])], 0.08, left);
-        chain(&[joint(Hips), joint(Spine), joint(Chest), joint(UpperChest), joint(Neck)], 0.14, trunk);
+        limb(&[joint(LeftUpperArm), joint(LeftForearm), joint(LeftHand)], 0.06, left);
+        limb(&[joint(LeftThigh), joint(LeftShin), joint(LeftFoot), joint(LeftToe), at(self.tips[1])], 0.08, left);
+        limb(&[joint(Hips), joint(Spine), joint(Chest), joint(UpperChest), joint(Neck)], 0.14, trunk);
         let head = joint(Head) + 0.5 * (at(self.tips[0]) - joint(Head));
-        chain(&[joint(Neck), head], 0.06, trunk);
+        limb(&[joint(Neck), head], 0.06, trunk);
         painter.circle_filled(head, ((0.1 + 0.5 * grown) * style.scale).max(1.5), trunk);
-        chain(&[joint(RightThigh), joint(RightShin), joint(RightFoot), joint(RightToe), at(self.tips[2])], 0.08, right);
-        chain(&[joint(RightUpperArm), joint(RightForearm), joint(RightHand)], 0.06, right);
+        limb(&[joint(RightThigh), joint(RightShin), joint(RightFoot), joint(RightToe), at(self.tips[2])], 0.08, right);
+        limb(&[joint(RightUpperArm), joint(RightForearm), joint(RightHand)], 0.06, right);
         self.paint_contacts(painter, foot, style, palette);
     }
 

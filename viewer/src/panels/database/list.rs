@@ -78,9 +78,7 @@ pub fn show(ui: &mut Ui, state: &mut ClipListState, model: &Model, bundle: &Open
         table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], ClipColumn::ALL[column]));
     state.shown = Some(selected);
     state.sort = response.sort.or(state.sort);
-    if let Some(clip) = response.chosen.map(|row| state.rows[row]) {
-        commands.push(ViewerCommand::ShowClip { clip, frame: 0 });
-    }
+    commands.extend(response.chosen.map(|row| ViewerCommand::ShowClip { clip: state.rows[row], frame: 0 }));
 }
 
 fn search(ui: &mut Ui, state: &mut ClipListState) {

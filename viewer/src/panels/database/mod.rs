@@ -54,14 +54,8 @@ fn bundle_view(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, comma
     let Some((_, _, track)) = &state.track else { return };
     let head = (model.player.frame as u32).min(track.num_frames - 1);
     let outgoing = OutgoingActions::from_frame(bundle, clip, track, head);
-    let scene = TimelineInput {
-        document,
-        track,
-        source: PoseSource::Bundle(bundle, clip),
-        outgoing: outgoing.as_ref(),
-        highlighted: state.highlighted,
-        head,
-    };
+    let (source, highlighted) = (PoseSource::Bundle(bundle, clip), state.highlighted);
+    let scene = TimelineInput { document, track, source, outgoing: outgoing.as_ref(), highlighted, head };
     let wide = ui.available_width() >= WIDE;
     let actions =
         if wide { Panel::right("actions").default_size(460.0) } else { Panel::bottom("actions").default_size(90.0) };

@@ -83,14 +83,10 @@ pub fn show(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) -> 
     let plot = rect.with_min_x((rect.left() + GUTTER).min(rect.right() - 1.0));
     let response = ui.interact(plot, ui.scope_id().with("timeline"), Sense::click_and_drag());
     let response = response.named(Role::Slider, "Timeline");
-    let mut axis = FrameAxis {
-        span: view.span(scene),
-        x: plot.x_range(),
-        rate_hz: scene.track.rate_hz,
-        num_frames: scene.track.num_frames,
-    };
+    let (rate_hz, num_frames) = (scene.track.rate_hz, scene.track.num_frames);
+    let mut axis = FrameAxis { span: view.span(scene), x: plot.x_range(), rate_hz, num_frames };
     axis.span = moved_span(ui, &response, &axis);
-    view.span = Some(axis.span).filter(|s| !s.is_whole(scene.track.num_frames));
+    view.span = Some(axis.span).filter(|s| !s.is_whole(num_frames));
 
     let ruler_rect = plot.with_max_y(plot.top() + RULER_HEIGHT);
     let poses_rect = Rect::from_x_y_ranges(plot.x_range(), ruler_rect.bottom()..=ruler_rect.bottom() + poses);

@@ -159,9 +159,7 @@ fn in_lanes(runs: impl Iterator<Item = (String, Range<u32>)>, num_frames: u32) -
     let mut ends: Vec<u32> = Vec::new();
     for named in &mut out {
         named.lane = ends.iter().position(|e| *e <= named.frames.start).unwrap_or(ends.len());
-        if named.lane == ends.len() {
-            ends.push(0);
-        }
+        ends.resize(ends.len().max(named.lane + 1), 0);
         ends[named.lane] = named.frames.end;
     }
     out

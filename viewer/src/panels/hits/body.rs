@@ -2,7 +2,8 @@
 
 use super::view::HitViewPlace;
 use crate::bundle::OpenBundle;
-use eframe::egui::{Color32, Painter, Stroke};
+use crate::panels::paint::paint_chain;
+use eframe::egui::{Color32, Painter};
 use glam::Vec3;
 use throng_core::characters::SampleJob;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS};
@@ -56,9 +57,7 @@ impl PoseSilhouette {
             (&[joint(Neck), head], 0.09),
         ];
         for (points, metres) in chains {
-            let stroke = Stroke::new((metres * place.per_m).max(1.0), colour);
-            points.windows(2).for_each(|w| _ = painter.line_segment([w[0], w[1]], stroke));
-            points.iter().for_each(|p| _ = painter.circle_filled(*p, 0.5 * stroke.width, colour));
+            paint_chain(painter, points, (metres * place.per_m).max(1.0), colour);
         }
         painter.circle_filled(head, (0.115 * place.per_m).max(1.5), colour);
     }

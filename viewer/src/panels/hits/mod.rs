@@ -135,9 +135,8 @@ fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsP
     CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
         chosen = chosen.or(views(ui, model, &input, state));
     });
-    if let Some(e) = chosen.map(|i| hits.entries[i]) {
-        commands.push(ViewerCommand::ShowClip { clip: e.clip, frame: e.frame });
-    }
+    let chosen = chosen.map(|i| hits.entries[i]);
+    commands.extend(chosen.map(|e| ViewerCommand::ShowClip { clip: e.clip, frame: e.frame }));
 }
 
 fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>, state: &mut HitsPanelState) {

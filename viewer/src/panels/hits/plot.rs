@@ -6,7 +6,7 @@ use super::outline;
 use super::view::{HitViewPlace, HitViewpoint};
 use crate::volume::Volume;
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, Visuals, vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Stroke, StrokeKind, Visuals, vec2};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
@@ -95,11 +95,6 @@ fn axes(painter: &Painter, visuals: &Visuals, place: &HitViewPlace) {
         painter.text(Pos2::new(rect.left() - 3.0, y), Align2::RIGHT_CENTER, label(v), font.clone(), weak);
     }
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, line), StrokeKind::Outside);
-    words(painter, visuals, place, font);
-}
-
-fn words(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, font: FontId) {
-    let (rect, weak): (Rect, Color32) = (place.rect, visuals.weak_text_color());
     let [left, right] = place.view.ends();
     painter.text(rect.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, left, font.clone(), weak);
     painter.text(rect.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, right, font.clone(), weak);

@@ -11,7 +11,7 @@ pub use widget::{PanelWidget, choose, coordinates, facts};
 use super::words::number;
 use crate::document::OpenDocument;
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{Align, Color32, Layout, Painter, Rect, RichText, Sense, Shape, Stroke, Ui, pos2};
+use eframe::egui::{Align, Color32, Layout, Painter, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, pos2};
 use egui_plot::{HoverPosition, Plot};
 
 /// Distance of two lines of a hatching (points).
@@ -33,6 +33,12 @@ pub fn no_bundle(ui: &mut Ui, document: &OpenDocument) {
         OpenDocument::Scene(_) => empty(ui, "This scene has no bundle", "The panel Control (F1) shows its groups."),
         _ => empty(ui, "Nothing is open", "Open a bundle or a motion file: drop it here or use File > Open."),
     }
+}
+
+/// Paints a chain of limbs with round joints, so that bent limbs have no notches.
+pub fn paint_chain(painter: &Painter, points: &[Pos2], width: f32, colour: Color32) {
+    points.windows(2).for_each(|w| _ = painter.line_segment([w[0], w[1]], Stroke::new(width, colour)));
+    points.iter().for_each(|p| _ = painter.circle_filled(*p, 0.5 * width, colour));
 }
 
 /// Hatches a rectangle with lines that rise to the right and continue in its neighbours.

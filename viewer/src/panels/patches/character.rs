@@ -5,7 +5,7 @@ use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts};
-use crate::panels::{colour_of_view, offer_first_character, words};
+use crate::panels::{character_field, colour_of_view, offer_first_character, words};
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, DragValue, FontSelection, Label, RichText, Ui};
@@ -23,11 +23,8 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
         return offer_first_character(ui, "Click a character in the 3-D view, or", has_characters, commands);
     };
     ui.horizontal_wrapped(|ui| {
-        let mut number = c;
         ui.strong("Character");
-        if ui.add(DragValue::new(&mut number).range(0..=run.num_characters() - 1)).changed() {
-            commands.push(ViewerCommand::SelectCharacter(Some(number)));
-        }
+        character_field(ui, c, run.num_characters(), commands);
         ui.weak(if run.order_of(c).is_some() { "follows its order" } else { "decides for itself" });
     });
     status(ui, world, c);

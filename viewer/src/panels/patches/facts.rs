@@ -165,9 +165,8 @@ pub fn show_links(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &Ins
                     _ => TableCell::new(facts.links[number].map_or("", reason_text)),
                 }
             });
-            if let Some(&link) = response.chosen.and_then(|row| out.get(row)) {
-                commands.push(ViewerCommand::World(WorldCommand::SelectLink(Some(link as u32))));
-            }
+            let link = response.chosen.map(|row| WorldCommand::SelectLink(Some(out[row] as u32)));
+            commands.extend(link.map(ViewerCommand::World));
         });
     });
 }

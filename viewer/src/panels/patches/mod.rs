@@ -34,9 +34,8 @@ pub struct PatchesPanelState {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands: &mut Commands) {
     let Some(world) = model.document.world() else {
-        return drop(
-            ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml."),
-        );
+        ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
+        return;
     };
     tools(ui, model, state, commands);
     ui.separator();

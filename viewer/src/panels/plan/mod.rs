@@ -31,9 +31,8 @@ pub struct PlanPanelState {
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Commands) {
     let Some(task) = model.task() else {
-        return drop(
-            ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then."),
-        );
+        ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
+        return;
     };
     let options = model.selection.plan;
     let mut wanted = options;
@@ -74,9 +73,8 @@ fn steps(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, command
             let is_on = wanted.step == Some(i);
             if ui.selectable_label(is_on, name).on_hover_text("Look at its trees alone, and go to its time").clicked() {
                 wanted.step = (!is_on).then_some(i);
-                if let Some(s) = at_s.or(windows[i].map(|w| w[1])).filter(|_| !is_on) {
-                    commands.push(ViewerCommand::Seek((s * f64::from(rate_hz)).round() as u32));
-                }
+                let to_s = at_s.or(windows[i].map(|w| w[1])).filter(|_| !is_on);
+                commands.extend(to_s.map(|s| ViewerCommand::Seek((s * f64::from(rate_hz)).round() as u32)));
             }
             at_s.iter().for_each(|s| _ = ui.weak(format!("at {s:.2} s")));
         });

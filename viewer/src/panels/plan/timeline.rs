@@ -117,20 +117,21 @@ impl TaskPlot<'_> {
     fn bars(&self, rows: Rect, windows: &[Option<[f64; 3]>], selected: Option<usize>) {
         for (i, window) in windows.iter().enumerate() {
             let top = rows.top() + ROW * i as f32;
-            self.number(pos2(rows.left() + LEFT - 4.0, top + 0.5 * ROW), Align2::RIGHT_CENTER, format!("{}", i + 1));
+            let at = pos2(rows.left() + LEFT - 4.0, top + 0.5 * ROW);
+            self.paint_number(at, Align2::RIGHT_CENTER, format!("{}", i + 1));
             let Some(window) = window else { continue };
-            let at = |s: f64| self.x_of(s.min(1e6)).clamp(self.axis.x.min, self.axis.x.max);
-            let bar = Rect::from_x_y_ranges(at(window[0])..=at(window[2]), top + 3.0..=top + ROW - 3.0);
+            let x = |s: f64| self.x_of(s.min(1e6)).clamp(self.axis.x.min, self.axis.x.max);
+            let bar = Rect::from_x_y_ranges(x(window[0])..=x(window[2]), top + 3.0..=top + ROW - 3.0);
             let right = self.palette.right;
             let colour = if selected.is_none_or(|s| s == i) { right } else { right.gamma_multiply(0.35) };
             self.painter.rect_filled(bar, 2.0, colour.gamma_multiply(0.55));
             if window[1] > window[0] {
-                self.painter.vline(at(window[1]), bar.y_range(), Stroke::new(2.5, colour));
+                self.painter.vline(x(window[1]), bar.y_range(), Stroke::new(2.5, colour));
             }
         }
     }
 
-    fn number(&self, at: Pos2, anchor: Align2, text: String) {
+    fn paint_number(&self, at: Pos2, anchor: Align2, text: String) {
         self.painter.text(at, anchor, text, FontId::proportional(10.5), self.visuals.weak_text_color());
     }
 
@@ -153,7 +154,7 @@ impl TaskPlot<'_> {
         let y_of = |v: f64| rect.bottom() - ((v - low) / (high - low)) as f32 * rect.height();
         let point = |at: DVec3, time_s: f64| pos2(self.x_of(time_s), y_of(along.component(at)));
         for (v, anchor) in [(low, Align2::RIGHT_BOTTOM), (high, Align2::RIGHT_TOP)] {
-            self.number(pos2(rect.left() - 4.0, y_of(v)), anchor, format!("{v:.2}"));
+            self.paint_number(pos2(rect.left() - 4.0, y_of(v)), anchor, format!("{v:.2}"));
         }
         let painter = self.painter.with_clip_rect(rect.intersect(self.painter.clip_rect()));
         let mut mesh = Mesh::default();

@@ -150,15 +150,13 @@ fn cells(chart: &PolicyChart, plan: &MapProjection, height: u32, colour: impl Fn
         let [from, to] = sector.angles;
         let parts = ((to - from) / ARC).ceil().max(1.0) as usize;
         let colour = colour(cell);
-        let row = |mesh: &mut Mesh, radius: f32| {
+        let first = mesh.vertices.len() as u32;
+        for radius in sector.radii {
             for i in 0..=parts {
                 let angle = from + (to - from) * i as f32 / parts as f32;
                 mesh.colored_vertex(plan.screen(polar(angle, radius)), colour);
             }
-        };
-        let first = mesh.vertices.len() as u32;
-        row(&mut mesh, sector.radii[0]);
-        row(&mut mesh, sector.radii[1]);
+        }
         stitch(&mut mesh, first, parts as u32);
     }
     mesh

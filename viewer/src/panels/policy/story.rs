@@ -78,26 +78,25 @@ pub fn decision(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> String {
     if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, chooser) {
         return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
     }
-    let gap = why.candidates[0].score - taken.score;
+    let (best, rank) = (&why.candidates[0], words::ordinal(why.chosen + 1));
     if is_single_load(why, chooser) {
         let agreement = match why.chosen {
             0 => "Looking ahead agrees.".to_owned(),
-            k => format!(
-                "Looking ahead would have taken {}; this one is {} of {n} by its score, {gap:.3} below.",
-                bundle.describe_segment(why.candidates[0].segment),
-                words::ordinal(k + 1)
-            ),
+            _ => {
+                let (gap, best) = (best.score - taken.score, bundle.describe_segment(best.segment));
+                format!(
+                    "Looking ahead would have taken {best}; this one is {rank} of {n} by its score, {gap:.3} below."
+                )
+            }
         };
         return format!("It loaded the stored best action of the nearest cell, {action}. {agreement}");
     }
-    match (why.chosen, chances(why, chooser)[why.chosen]) {
-        (0, chance) if chance > 0.999 => format!("Of {n} actions it took the best, {action}."),
-        (0, chance) => format!("Of {n} actions it took the best (its chance was {:.0} %), {action}.", 100.0 * chance),
-        (k, chance) => format!(
-            "Of {n} actions it took the {} best (at random; its chance was {:.0} %), {action}.",
-            words::ordinal(k + 1),
-            100.0 * chance
-        ),
+    let chance = chances(why, chooser)[why.chosen];
+    let percent = 100.0 * chance;
+    match why.chosen {
+        0 if chance > 0.999 => format!("Of {n} actions it took the best, {action}."),
+        0 => format!("Of {n} actions it took the best (its chance was {percent:.0} %), {action}."),
+        _ => format!("Of {n} actions it took the {rank} best (at random; its chance was {percent:.0} %), {action}."),
     }
 }
 

@@ -38,9 +38,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
     match model.document.bundle() {
         Some(bundle) => memory(ui, bundle.tables(), model),
         None if model.document.scene().is_some() => {}
-        None => {
-            ui.weak("Open a bundle to see what its tables take and how fast a crowd runs on it.");
-        }
+        None => drop(ui.weak("Open a bundle to see what its tables take and how fast a crowd runs on it.")),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Blackboards on the floor: entries under the pointer, and a click that selects a blackboard.
 
+use super::ray_at;
 use crate::command::{BlackboardCell, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::model::Model;
 use crate::panels::crowd::blackboards;
@@ -14,10 +15,11 @@ fn pick_cell(model: &Model, ray: &Ray) -> Option<BlackboardCell> {
 }
 
 /// Shows a tooltip with the entries of the blackboard under the pointer.
-pub fn show_tooltip(response: Response, model: &Model, ray: impl Fn() -> Option<Ray>) {
+pub fn show_tooltip(response: Response, model: &Model) {
     let Some(scene) = model.shown_scene() else { return };
     let Some(brains) = scene.run().simulation().brains() else { return };
-    let Some(cell) = ray().and_then(|ray| pick_cell(model, &ray)) else { return };
+    let cell = response.hover_pos().and_then(|at| pick_cell(model, &ray_at(model, response.rect, at)));
+    let Some(cell) = cell else { return };
     response.on_hover_ui_at_pointer(|ui| {
         let of_cell = brains.posts().filter(|p| p.cell.is_some_and(|c| BlackboardCell::from_cell(&c) == cell));
         for (i, entry) in of_cell.enumerate() {

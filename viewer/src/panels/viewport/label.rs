@@ -1,13 +1,13 @@
 //! The selected character, in a line over the 3-D view.
 
-use super::{caption, words};
+use super::{show_caption, words};
 use crate::model::Model;
 use eframe::egui::{Rect, Ui, vec2};
 
 /// Shows the selected character and its activity, at the upper right.
 pub fn show(ui: &Ui, rect: Rect, model: &Model) {
     let Some(text) = describe(model) else { return };
-    caption(ui, rect, text, 0.6, |size| rect.right_top() + vec2(-size.x - 16.0, 12.0));
+    show_caption(ui, rect, text, 0.6, |size| rect.right_top() + vec2(-size.x - 16.0, 12.0));
 }
 
 fn describe(model: &Model) -> Option<String> {

@@ -1,7 +1,7 @@
 //! The state of steering and the delay of keys, in a line over the 3-D view.
 
-use super::caption;
 use super::pad::Pad;
+use super::show_caption;
 use crate::command::{Commands, SteerCommand, SteerInput, ViewerCommand};
 use crate::model::Model;
 use eframe::egui::{Context, Key, Modifiers, Rect, Ui, vec2};
@@ -40,5 +40,5 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model) {
             text += &format!("; {unseen} without effect");
         }
     }
-    caption(ui, rect, text, 0.8, |size| rect.left_bottom() + vec2(16.0, -size.y - 14.0));
+    show_caption(ui, rect, text, 0.8, |size| rect.left_bottom() + vec2(16.0, -size.y - 14.0));
 }

@@ -4,7 +4,7 @@ use super::{ray_at, size, upright};
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::model::Model;
 use crate::render::Ray;
-use eframe::egui::{CursorIcon, PointerButton, Pos2, Response, Ui};
+use eframe::egui::{CursorIcon, PointerButton, Pos2, Response};
 use glam::{Vec2, Vec3};
 use throng_planner::task::Handle;
 
@@ -28,23 +28,17 @@ fn pick_handle(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
 }
 
 /// Drags things; true while one is dragged.
-pub fn drag(
-    ui: &Ui,
-    response: &Response,
-    model: &Model,
-    held: &mut Option<DraggedThing>,
-    commands: &mut Commands,
-) -> bool {
+pub fn drag(response: &Response, model: &Model, held: &mut Option<DraggedThing>, commands: &mut Commands) -> bool {
     if model.task().is_none() {
         *held = None;
         return false;
     }
-    let rect = response.rect;
+    let (ctx, rect) = (&response.ctx, response.rect);
     let ray = |at: Pos2| ray_at(model, rect, at);
-    let is_camera = ui.input(|i| i.modifiers.shift);
+    let is_camera = ctx.input(|i| i.modifiers.shift);
     if response.drag_started_by(PointerButton::Primary)
         && !is_camera
-        && let Some(origin) = ui.input(|i| i.pointer.press_origin())
+        && let Some(origin) = ctx.input(|i| i.pointer.press_origin())
         && let Some((handle, at)) = pick_handle(model, &ray(origin), size(rect))
     {
         *held = Some(DraggedThing { handle, at, has_moved: false });
@@ -53,7 +47,7 @@ pub fn drag(
     let Some(h) = held else {
         let is_over = response.hover_pos().is_some_and(|at| pick_handle(model, &ray(at), size(rect)).is_some());
         if is_over && !response.dragged() {
-            ui.set_cursor_icon(CursorIcon::Grab);
+            ctx.set_cursor_icon(CursorIcon::Grab);
         }
         return false;
     };
@@ -66,7 +60,7 @@ pub fn drag(
     }
     if let Some(at) = response.interact_pointer_pos() {
         // The thing moves up and down while the Alt key is held, else it keeps its height.
-        let to = match ui.input(|i| i.modifiers.alt) {
+        let to = match ctx.input(|i| i.modifiers.alt) {
             true => upright(&ray(at), model.settings.camera, h.at),
             false => ray(at).intersect_height(h.at.y),
         };
@@ -76,7 +70,7 @@ pub fn drag(
             commands.push(ViewerCommand::Plan(PlanCommand::Move(h.handle, by)));
         }
     }
-    ui.set_cursor_icon(CursorIcon::Grabbing);
+    ctx.set_cursor_icon(CursorIcon::Grabbing);
     true
 }
 

@@ -1,5 +1,6 @@
 //! Mouse and keys in a world: select, send, place, drag and turn.
 
+use super::ray_at;
 use crate::command::{Commands, Tool, UnitDraft, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::UnitChange;
@@ -7,7 +8,7 @@ use crate::model::Model;
 use crate::model::world::snapped;
 use crate::render::{self, Ray};
 use crate::stage::StageLayout;
-use eframe::egui::{CursorIcon, Key, PointerButton, Response, Ui};
+use eframe::egui::{Context, CursorIcon, Key, PointerButton, Response, Ui};
 use glam::Vec3;
 use std::f32::consts::PI;
 use throng_core::patch::Placement;
@@ -34,22 +35,17 @@ pub struct DraggedUnit {
 }
 
 /// Drags units; true while one is dragged.
-pub fn drag(
-    ui: &Ui,
-    response: &Response,
-    model: &Model,
-    ray: impl Fn(eframe::egui::Pos2) -> Ray,
-    dragged: &mut Option<DraggedUnit>,
-    commands: &mut Commands,
-) -> bool {
+pub fn drag(response: &Response, model: &Model, dragged: &mut Option<DraggedUnit>, commands: &mut Commands) -> bool {
+    let ctx = &response.ctx;
+    let ray = |at| ray_at(model, response.rect, at);
     let Some(world) = model.shown_world().filter(|_| model.selection.world.tool == Tool::Move) else {
         *dragged = None;
         return false;
     };
     if response.drag_started_by(PointerButton::Primary)
         && world.working().is_none()
-        && !ui.input(|i| i.modifiers.shift)
-        && let Some(at) = ui.input(|i| i.pointer.press_origin())
+        && !ctx.input(|i| i.modifiers.shift)
+        && let Some(at) = ctx.input(|i| i.pointer.press_origin())
         && let Some((Some(place), met)) = world.pick(&ray(at))
         && let Some(p) = world.placed().get(place)
     {
@@ -61,9 +57,9 @@ pub fn drag(
     let Some(unit) = world.placed().get(d.place).map(|p| p.unit) else { return false };
     if let Some(to) = response.interact_pointer_pos().and_then(|p| ray(p).intersect_height(d.height)) {
         let at = to + d.offset;
-        d.free = Placement { x: at.x, z: at.z, heading: d.free.heading + turned(ui), ..d.free };
+        d.free = Placement { x: at.x, z: at.z, heading: d.free.heading + turned(ctx), ..d.free };
     }
-    let at = fitted(ui, world, unit, Some(d.place), d.free);
+    let at = fitted(ctx, world, unit, Some(d.place), d.free);
     commands.push(ViewerCommand::World(WorldCommand::Draft(Some(UnitDraft { unit, at }))));
     if !response.dragged_by(PointerButton::Primary) {
         let is_unmoved = world.placed()[d.place].placement == at;
@@ -72,13 +68,13 @@ pub fn drag(
         *dragged = None;
         return false;
     }
-    ui.set_cursor_icon(CursorIcon::Grabbing);
+    ctx.set_cursor_icon(CursorIcon::Grabbing);
     true
 }
 
 /// Placement of a dragged unit: snapped to others of its kind; with the Alt key, exactly as dragged.
-fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free: Placement) -> Placement {
-    if ui.input(|i| i.modifiers.alt) {
+fn fitted(ctx: &Context, world: &WorldDocument, unit: usize, but: Option<usize>, free: Placement) -> Placement {
+    if ctx.input(|i| i.modifiers.alt) {
         return free;
     }
     let others = world.placed().iter().enumerate().filter(|(i, p)| p.unit == unit && Some(*i) != but);
@@ -86,11 +82,11 @@ fn fitted(ui: &Ui, world: &WorldDocument, unit: usize, but: Option<usize>, free:
 }
 
 /// Angle that keys turn a unit by (rad).
-fn turned(ui: &Ui) -> f32 {
-    if ui.ctx().text_edit_focused() {
+fn turned(ctx: &Context) -> f32 {
+    if ctx.text_edit_focused() {
         return 0.0;
     }
-    ui.input(|i| {
+    ctx.input(|i| {
         let step = if i.modifiers.shift { QUARTER } else { TURN };
         let count = |key| f32::from(u8::from(i.key_pressed(key)));
         step * (count(Key::Q) - count(Key::E))

@@ -2,10 +2,11 @@
 
 use super::layout::{StateGraphShape, lay_out};
 use super::{in_words, route};
+use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{
     Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, Role, Sense, Shape as Drawn, Stroke, StrokeKind,
-    TextStyle, Ui, Vec2, WidgetInfo, vec2,
+    TextStyle, Ui, Vec2, vec2,
 };
 use throng_simulation::scene::StateGraphConfig;
 
@@ -40,7 +41,7 @@ pub fn show(ui: &mut Ui, name: &str, graph: &StateGraphConfig, shape: &StateGrap
     // Edges from any state come in from above.
     let above = if shape.edges.iter().any(|e| e.0.is_none()) { 22.0 } else { 2.0 };
     let (rect, response) = ui.allocate_exact_size(vec2(width, height + above), Sense::hover());
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Graph {name}")));
+    let response = response.named(Role::Image, format!("Graph {name}"));
     let boxes: Vec<Rect> = boxes.iter().map(|b| b.translate(rect.min.to_vec2() + vec2(0.0, above))).collect();
     let curves = route::curves(&shape.edges, &boxes, rect.shrink(1.0));
     let pointer = response.hover_pos();
@@ -64,19 +65,16 @@ pub fn show(ui: &mut Ui, name: &str, graph: &StateGraphConfig, shape: &StateGrap
         let fill = if is_now { palette.head } else { visuals.widgets.inactive.bg_fill };
         let corners = CornerRadius::same(4);
         painter.rect_filled(*place, corners, fill);
-        let line = if is_now && marks.is_anew {
-            Stroke::new(2.0, palette.state)
-        } else if state == shape.start {
-            Stroke::new(1.5, visuals.text_color())
-        } else {
-            Stroke::new(1.0, visuals.weak_text_color())
+        let line = match (is_now && marks.is_anew, state == shape.start) {
+            (true, _) => Stroke::new(2.0, palette.state),
+            (_, true) => Stroke::new(1.5, visuals.text_color()),
+            _ => Stroke::new(1.0, visuals.weak_text_color()),
         };
         painter.rect_stroke(*place, corners, line, StrokeKind::Inside);
         if graph.states[name].graph.is_some() {
             // A second frame marks a state that is a graph itself.
-            let inner =
-                Stroke::new(1.0, if is_now { contrasting_colour(palette.head) } else { visuals.weak_text_color() });
-            painter.rect_stroke(place.shrink(3.0), CornerRadius::same(2), inner, StrokeKind::Inside);
+            let inner = if is_now { contrasting_colour(palette.head) } else { visuals.weak_text_color() };
+            painter.rect_stroke(place.shrink(3.0), 2.0, Stroke::new(1.0, inner), StrokeKind::Inside);
         }
         let colour = if is_now { contrasting_colour(palette.head) } else { visuals.text_color() };
         painter.text(place.center(), Align2::CENTER_CENTER, name, font.clone(), colour);
