@@ -140,7 +140,7 @@ fn text(ui: &mut Ui, text: RichText) {
 }
 
 /// A mark, and a text beside it.
-fn marked(ui: &mut Ui, mark: RichText, words: RichText) {
+pub fn marked(ui: &mut Ui, mark: RichText, words: RichText) {
     ui.horizontal_top(|ui| {
         ui.label(mark);
         text(ui, words);

@@ -37,8 +37,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
     }
     let entries: Vec<BlackboardPost> = brains.posts().filter(|p| is_listed(p, now.blackboards, now.cell)).collect();
     if entries.is_empty() {
-        ui.weak("Nothing is written.");
-        return;
+        return drop(ui.weak("Nothing is written."));
     }
     let height = ui.text_style_height(&TextStyle::Body) + 3.0;
     let area = ScrollArea::vertical().id_salt("boards").max_height(HEIGHT).auto_shrink([false, true]);

@@ -72,8 +72,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &
         return drop(ui.weak("A motion graph is part of a bundle; open one to see it."));
     };
     if bundle.tables().graph().states.is_empty() {
-        ui.weak("This bundle has no motion graph.");
-        return;
+        return drop(ui.weak("This bundle has no motion graph."));
     }
     state.prepare(bundle, model.generation);
     show_header(ui, bundle, state);

@@ -81,8 +81,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
     let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
     section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
     if sources.is_empty() {
-        ui.weak("The bundle names no source files: it was made from generated motion.");
-        return;
+        return drop(ui.weak("The bundle names no source files: it was made from generated motion."));
     }
     let rows = &state.rows;
     let table = RowTable {

@@ -4,6 +4,7 @@ use super::verdict::{Mood, verdict};
 use super::{facts, section};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::RawMotion;
+use crate::panels::build::marked;
 use crate::panels::glitches;
 use crate::panels::paint::{PanelWidget, time_text};
 use crate::panels::words::counted;
@@ -39,10 +40,7 @@ fn warnings(ui: &mut Ui, report: &ClipReport) {
 }
 
 fn bullet(ui: &mut Ui, text: &str) {
-    ui.horizontal_top(|ui| {
-        ui.label(RichText::new("•").weak());
-        ui.add(Label::new(text).selectable(true).wrap());
-    });
+    marked(ui, RichText::new("•").weak(), RichText::new(text));
 }
 
 fn motion(ui: &mut Ui, r: &ClipReport) {

@@ -25,8 +25,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
     };
     let states = brains.states_of(agent);
     if states.iter().all(Option::is_none) {
-        ui.weak("It is in no state: it follows its goal and rules.");
-        return;
+        return drop(ui.weak("It is in no state: it follows its goal and rules."));
     }
     for (level, now) in states.iter().enumerate() {
         let entry = scene.run().entry(first + agent, level);
