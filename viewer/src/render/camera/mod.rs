@@ -4,7 +4,7 @@ mod ray;
 mod text;
 
 pub use ray::Ray;
-pub use text::{CameraParseError, CameraPreset};
+pub use text::CameraPreset;
 
 use glam::{Mat4, Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
