@@ -90,7 +90,7 @@ fn state_bytes(simulation: &Simulation) -> usize {
 impl SceneRun {
     /// All characters where they start, or in a saved state.
     ///
-    /// - `kept`: what [`SceneRun::snapshot`] gave for the same scene.
+    /// - `kept`: what [`Simulation::snapshot`] gave for the same scene.
     ///
     /// # Errors
     /// [`throng_core::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
@@ -134,11 +134,6 @@ impl SceneRun {
     /// The scene at the step shown.
     pub fn simulation(&self) -> &Simulation {
         &self.state.simulation
-    }
-
-    /// The state at the step shown, for [`SceneRun::new`].
-    pub fn snapshot(&self) -> Vec<u8> {
-        self.state.simulation.snapshot()
     }
 
     /// Figures of the shown step.
