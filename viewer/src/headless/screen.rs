@@ -10,7 +10,8 @@ use std::time::Instant;
 
 /// A texture that egui draws into.
 pub struct Screen {
-    state: RenderState,
+    /// Device and renderer of egui and the 3-D view.
+    pub(super) state: RenderState,
     texture: wgpu::Texture,
     size: PictureSize,
     scale: f32,
@@ -45,11 +46,6 @@ impl Screen {
             view_formats: &[],
         });
         Ok(Self { state, texture, size, scale, complaint })
-    }
-
-    /// Device and renderer of egui and the 3-D view.
-    pub fn render_state(&self) -> &RenderState {
-        &self.state
     }
 
     /// Name of the graphics adapter.
@@ -156,6 +152,6 @@ impl Screen {
         self.complaint()?;
         let (_, rgba) = read.map_err(|e| self.failed(&e))?;
         let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(Image::new(self.size, rgb))
+        Ok(Image { size: self.size, rgb })
     }
 }

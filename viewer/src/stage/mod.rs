@@ -112,7 +112,7 @@ impl StageLayout {
             OpenDocument::Task(t) => task::lay_out(self, model, t, &palette, dark),
             OpenDocument::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());
-                self.solids.meshes = Arc::clone(w.meshes());
+                self.solids.meshes = Arc::clone(&w.meshes);
                 match model.shows_clip() {
                     true => clip::lay_out(self, model, w.bundle(), &palette),
                     false => world::lay_out(self, model, w, &palette, dark),

@@ -57,7 +57,7 @@ pub fn end_of_limb(task: &TaskDocument, done: &StepOutcome, clip: &Clip, frame: 
 }
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, task: &TaskDocument, palette: &StagePalette, dark: bool) {
-    out.solids.meshes = Arc::clone(task.meshes());
+    out.solids.meshes = Arc::clone(&task.meshes);
     if let Some(first) = task.actors().first() {
         out.skeleton.clone_from(&first.skeleton);
     }

@@ -46,27 +46,14 @@ pub fn colour_of(what: AgentEventKind, dark: bool) -> Rgba {
 
 /// Duration of a mark of a kind (s).
 fn mark_duration_s(what: AgentEventKind) -> f64 {
-    match what {
-        AgentEventKind::Arrived
-        | AgentEventKind::Left
-        | AgentEventKind::Struck
-        | AgentEventKind::Stuck
-        | AgentEventKind::Learnt => RARE_S,
-        _ => MARK_S,
-    }
+    use AgentEventKind::*;
+    if matches!(what, Arrived | Left | Struck | Stuck | Learnt) { RARE_S } else { MARK_S }
 }
 
 /// Frequent events of all agents.
 fn is_frequent(what: AgentEventKind) -> bool {
-    matches!(
-        what,
-        AgentEventKind::Resetting
-            | AgentEventKind::Entering
-            | AgentEventKind::Leaving
-            | AgentEventKind::EnteredPlace
-            | AgentEventKind::LeftPlace
-            | AgentEventKind::Edge
-    )
+    use AgentEventKind::*;
+    matches!(what, Resetting | Entering | Leaving | EnteredPlace | LeftPlace | Edge)
 }
 
 pub(super) fn lay_out(shapes: &mut ShapeList, run: &SceneRun, options: &SceneViewOptions, brush: &Brush<'_>) {
