@@ -158,11 +158,8 @@ impl SceneDocument {
 
     /// Present point of the run, to resume it with a later version of the file.
     pub fn resume_point(&self) -> SceneResumePoint {
-        SceneResumePoint {
-            said: SceneChoice::from_scene(&self.scene),
-            choice: self.choice,
-            step: self.run.head.shown_step(),
-        }
+        let (said, step) = (SceneChoice::from_scene(&self.scene), self.run.head.shown_step());
+        SceneResumePoint { said, choice: self.choice, step }
     }
 
     /// Resumes at the point of an older version of the same file: with its settings, at its time.
@@ -256,18 +253,10 @@ impl SceneDocument {
             AnyCharacterGroup::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
             _ => return None,
         };
-        Some(PolicyChooser {
-            bundle,
-            characters,
-            number,
-            goals,
-            choice,
-            target: simulation.target(who)?,
-            threat,
-            single_load: false,
-            temperature: simulation.scene().groups[group.number].temperature as f32,
-            now: self.run.head.shown_step(),
-        })
+        let (target, now) = (simulation.target(who)?, self.run.head.shown_step());
+        let temperature = simulation.scene().groups[group.number].temperature as f32;
+        let single_load = false;
+        Some(PolicyChooser { bundle, characters, number, goals, choice, target, threat, single_load, temperature, now })
     }
 
     /// Names and weights of the behaviours of a character's group; none for a character that does not choose.

@@ -115,11 +115,9 @@ fn frame(clip: &Clip, time_s: f64) -> usize {
 
 fn things(out: &mut StageLayout, model: &Model, task: &TaskDocument, time_s: f64, palette: &StagePalette, dark: bool) {
     let selected = model.selection.plan.handle;
-    let instance = |i: usize, at: Rigid, colour: Rgba| SolidInstance {
-        mesh: i as u32,
-        at: at.position.as_vec3(),
-        turn: at.rotation.as_quat(),
-        colour,
+    let instance = |i: usize, place: Rigid, colour: Rgba| {
+        let (at, turn) = (place.position.as_vec3(), place.rotation.as_quat());
+        SolidInstance { mesh: i as u32, at, turn, colour }
     };
     for i in 0..task.task().things.len() {
         let tint = Rgba::hex(TINTS[i % TINTS.len()]);
