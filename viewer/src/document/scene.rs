@@ -16,7 +16,7 @@ use throng_core::patch::Placement;
 use throng_crowd::{Obstacle, Scheme};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
-use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world};
+use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world, policy_characters};
 use throng_precompute::stitch::StitchKit;
 use throng_simulation::scene::engine;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
@@ -248,11 +248,10 @@ impl SceneDocument {
             return None;
         }
         let (goals, _, choice, number) = self.run.recorded_choice(who)?;
-        let (characters, threat) = match simulation.locate(who).0 {
-            AnyCharacterGroup::Policy(p) => (p.practice().characters(), None),
-            AnyCharacterGroup::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
-            _ => return None,
-        };
+        let character_group = simulation.locate(who).0;
+        let characters = policy_characters(character_group)?.characters();
+        let bouts = if let AnyCharacterGroup::Sparring(s) = character_group { Some(s.sparring()) } else { None };
+        let threat = bouts.and_then(|s| s.threats().get(number).copied());
         let (target, now) = (simulation.target(who)?, self.run.head.shown_step());
         let temperature = simulation.scene().groups[group.number].temperature as f32;
         let single_load = false;

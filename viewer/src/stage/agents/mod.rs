@@ -18,7 +18,7 @@ use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
-use crate::run::agents::{agent_bound, agent_route};
+use crate::run::agents::{agent_bound, agent_path};
 use glam::Vec3;
 use throng_crowd::Scheme;
 use throng_simulation::agents::Disc;
@@ -86,7 +86,7 @@ pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, brush: &Brush<'_>) 
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {
             if is_drawn(options.paths, who, count) {
-                route(out, &agent_route(simulation, who), colour_of_group(g), selected == Some(who));
+                route(out, &agent_path(simulation, who), colour_of_group(g), selected == Some(who));
             }
             if options.bounds == OverlayScope::All
                 && selected != Some(who)
