@@ -6,8 +6,7 @@ use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
 use crate::panels::{PANELS, PanelStates, SystemDialog, dock, keys, messages, start, top_bar, transport, viewport};
 use crate::render::{SceneCallback, SceneFrame, SceneRenderer, WornFrame};
-use crate::settings::Dock;
-use crate::settings::ViewerSettings;
+use crate::settings::{Dock, ViewerSettings};
 use crate::stage::{StageLayout, scene_colours};
 use crate::theme;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
@@ -44,12 +43,10 @@ pub struct Viewer {
 impl Viewer {
     /// A viewer with nothing open. Without a graphics device, the 3-D view shows an error.
     pub fn new(settings: ViewerSettings, render_state: Option<&RenderState>) -> Self {
-        let renderer = match render_state {
-            None => Err("There is no graphics device to draw with.".to_owned()),
-            Some(r) => SceneRenderer::new(&r.device, &r.queue, r.target_format)
-                .map(|r| Arc::new(Mutex::new(r)))
-                .map_err(|e| e.to_string()),
-        };
+        let renderer = render_state.ok_or("There is no graphics device to draw with.".to_owned()).and_then(|r| {
+            let renderer = SceneRenderer::new(&r.device, &r.queue, r.target_format);
+            renderer.map(|r| Arc::new(Mutex::new(r))).map_err(|e| e.to_string())
+        });
         Self {
             model: Model::new(settings.limited()),
             states: PanelStates::default(),
@@ -133,11 +130,22 @@ impl Viewer {
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Commands) {
         let (model, states) = (&self.model, &mut self.states);
+        if !states.bare {
+            Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
+        }
         if matches!(model.document, OpenDocument::Nothing) {
-            return start_page(ui, model, states, commands);
+            CentralPanel::default().show(ui, |ui| {
+                start::show(ui, model, states, commands);
+                messages::show(ui, ui.max_rect(), model, commands);
+            });
+            return;
         }
         if !states.bare {
-            bars(ui, model, states, commands);
+            Panel::bottom("transport").show(ui, |ui| {
+                ui.add_space(3.0);
+                transport::show(ui, model, commands);
+                ui.add_space(3.0);
+            });
         }
         if model.settings.side_panel.is_some() {
             let side = Panel::right("side").default_size(370.0).size_range(260.0..=900.0);
@@ -217,7 +225,11 @@ impl Viewer {
 
     fn act(&mut self, action: KeyAction, is_dark: bool, commands: &mut Commands) {
         let m = &self.model;
-        let mut s = m.settings.clone();
+        let changed = |change: &dyn Fn(&mut ViewerSettings)| {
+            let mut settings = m.settings.clone();
+            change(&mut settings);
+            ViewerCommand::Settings(Box::new(settings))
+        };
         let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
         let speed = m.head().map_or(m.player.speed, |h| h.speed());
         commands.push(match action {
@@ -245,16 +257,12 @@ impl Viewer {
             KeyAction::Undo => ViewerCommand::World(WorldCommand::Undo),
             KeyAction::Redo => ViewerCommand::World(WorldCommand::Redo),
             KeyAction::Help => return self.states.help = !self.states.help,
-            KeyAction::Follow | KeyAction::Body | KeyAction::JointAxes | KeyAction::Theme => {
-                match action {
-                    KeyAction::Follow => s.follow = !s.follow,
-                    KeyAction::Body => s.body = m.next_body(),
-                    KeyAction::JointAxes => s.overlays.joint_axes = !s.overlays.joint_axes,
-                    _ => {
-                        s.theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
-                    }
-                }
-                ViewerCommand::Settings(Box::new(s))
+            KeyAction::Follow => changed(&|s| s.follow = !s.follow),
+            KeyAction::Body => changed(&|s| s.body = m.next_body()),
+            KeyAction::JointAxes => changed(&|s| s.overlays.joint_axes = !s.overlays.joint_axes),
+            KeyAction::Theme => {
+                let theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
+                changed(&|s| s.theme = theme)
             }
         });
     }
@@ -289,27 +297,6 @@ impl Viewer {
         });
         self.dialog = Some((wanted, receive));
     }
-}
-
-/// Start page, shown while no document is open.
-fn start_page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
-    if !states.bare {
-        Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
-    }
-    CentralPanel::default().show(ui, |ui| {
-        start::show(ui, model, states, commands);
-        messages::show(ui, ui.max_rect(), model, commands);
-    });
-}
-
-/// The bars at the top and at the bottom.
-fn bars(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Commands) {
-    Panel::top("top bar").show(ui, |ui| top_bar::show(ui, model, states, commands));
-    Panel::bottom("transport").show(ui, |ui| {
-        ui.add_space(3.0);
-        transport::show(ui, model, commands);
-        ui.add_space(3.0);
-    });
 }
 
 impl eframe::App for Viewer {

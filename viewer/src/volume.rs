@@ -42,11 +42,11 @@ impl Volume {
     /// Outline over ground: to the left and ahead. A full turn is a circle (m).
     pub fn over_ground(&self) -> Vec<Vec2> {
         let [near, far] = self.distance;
-        if self.angle[1] - self.angle[0] > TAU - 0.01 {
-            return arc(far, [-PI, PI]).iter().map(|p| *p + Vec2::new(self.centre.x, self.centre.z)).collect();
+        let is_circle = self.angle[1] - self.angle[0] > TAU - 0.01;
+        let mut out = arc(far, if is_circle { [-PI, PI] } else { self.angle });
+        if !is_circle {
+            out.extend(arc(near, self.angle).into_iter().rev());
         }
-        let mut out = arc(far, self.angle);
-        out.extend(arc(near, self.angle).into_iter().rev());
         out.iter().map(|p| *p + Vec2::new(self.centre.x, self.centre.z)).collect()
     }
 

@@ -224,7 +224,7 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("eight boxers", |v| v.model().num_characters() == 8);
     v.apply(ViewerCommand::Restart);
-    v.until("the start", |v| scene(v).num_runs() == 2);
+    v.until("the start", |v| scene(v).num_runs == 2);
     assert_eq!((v.model().num_characters(), scene(&v).run().head.shown_step()), (8, 0));
 }
 

@@ -130,7 +130,7 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
     v.until("three walkers", |v| v.model().num_characters() == 3);
     assert_eq!(v.model().selection.character, None);
     v.apply(ViewerCommand::Restart);
-    v.until("the start", |v| v.model().document.scene().is_some_and(|s| s.num_runs() == 2));
+    v.until("the start", |v| v.model().document.scene().is_some_and(|s| s.num_runs == 2));
     assert_eq!(now(&v), 0);
     // All panels have something to say of it.
     for panel in throng_viewer::panels::PANELS {

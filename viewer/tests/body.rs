@@ -48,7 +48,7 @@ fn everybody_wears_the_mesh_of_a_file() {
         keep(&worn, name);
         // The rig is painted in one strong blue, which nothing else has.
         let blue = |image: &Image| {
-            let rgb = image.rgb();
+            let rgb = &image.rgb;
             (0..rgb.len() / 3).filter(|&i| rgb[3 * i + 2] > 90 && rgb[3 * i] < rgb[3 * i + 2] / 2).collect::<Vec<_>>()
         };
         // So is an axis, which is there without it.

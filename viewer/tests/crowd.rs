@@ -87,9 +87,9 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     v.until("those of before", |v| v.model().num_characters() == 24);
     assert_eq!((scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s()), (hash, time_s));
 
-    let runs = scene(&v).num_runs();
+    let runs = scene(&v).num_runs;
     v.harness.key_press(Key::R);
-    v.until("the start", |v| scene(v).num_runs() > runs);
+    v.until("the start", |v| scene(v).num_runs > runs);
     assert_eq!(scene(&v).run().simulation().time_s(), 0.0);
     // All panels have something to say of it.
     for panel in PANELS {
@@ -110,7 +110,7 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     let mut v = Viewing::of(&path);
     let choice = SceneChoice { seed: 8, ..scene(&v).choice() };
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
-    v.until("the other seed", |v| scene(v).num_runs() == 1);
+    v.until("the other seed", |v| scene(v).num_runs == 1);
     v.until("a second", |v| now(v) >= 60);
     v.apply(ViewerCommand::Play(false));
     v.apply(ViewerCommand::SelectCharacter(Some(4)));

@@ -15,6 +15,8 @@ pub const PICTURE_FRAMES: u32 = 150;
 /// Frames that are measured of every crowd of `--bench`, unless given.
 pub const BENCH_FRAMES: u32 = 60;
 
+/// Heading of the arguments that need no screen.
+const SCREENLESS: &str = "Without a screen";
 const AFTER_HELP: &str = "\
 JSON keys: with --png file, characters, frames, adapter, width, height, simulation_ms, layout_ms, upload_ms, drawing_ms, \
 interface_ms, frame_ms (medians of the frames that ran), and simulation_p95_ms to frame_p95_ms (their 95th percentiles). \
@@ -47,7 +49,7 @@ pub struct Args {
     pub file: Option<PathBuf>,
 
     /// Draw a picture instead of opening a window.
-    #[arg(long, value_name = "OUT", help_heading = "Without a screen")]
+    #[arg(long, value_name = "OUT", help_heading = SCREENLESS)]
     pub png: Option<PathBuf>,
     /// Measure the frames of crowds instead of opening a window: numbers of characters, with commas.
     #[arg(
@@ -57,21 +59,14 @@ pub struct Args {
         allow_negative_numbers = true,
         value_parser = number_parser::<usize>(&limits::SHOWN_CHARACTERS),
         requires = "file",
-        help_heading = "Without a screen"
+        help_heading = SCREENLESS
     )]
     pub bench: Vec<usize>,
     /// Print one JSON object.
-    #[arg(long, requires = "screenless", help_heading = "Without a screen")]
+    #[arg(long, requires = "screenless", help_heading = SCREENLESS)]
     pub json: bool,
     /// Graphics adapter: `software` draws the same everywhere, `any` takes the fastest.
-    #[arg(
-        long,
-        value_enum,
-        default_value_t,
-        value_name = "WHICH",
-        requires = "screenless",
-        help_heading = "Without a screen"
-    )]
+    #[arg(long, value_enum, default_value_t, value_name = "WHICH", requires = "screenless", help_heading = SCREENLESS)]
     pub adapter: AdapterChoice,
 
     /// Size of the picture or the window. [default: 1280x720]

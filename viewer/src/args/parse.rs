@@ -1,7 +1,7 @@
 //! Values of arguments.
 
 use crate::panels::{PANELS, PanelEntry};
-use crate::render::{BodyStyle, CameraParseError, OrbitCamera};
+use crate::render::{BodyStyle, OrbitCamera};
 use crate::settings::{BODIES, PanelKind};
 use eframe::egui::ThemePreference;
 use std::path::{Path, PathBuf};
@@ -98,9 +98,9 @@ pub struct CameraArg {
 }
 
 impl FromStr for CameraArg {
-    type Err = CameraParseError;
+    type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, CameraParseError> {
+    fn from_str(text: &str) -> Result<Self, String> {
         let given = |key: &str| text.split(',').any(|part| part.split('=').next().is_some_and(|k| k.trim() == key));
         Ok(Self { camera: text.parse()?, is_placed: given("distance") || given("target") })
     }

@@ -130,18 +130,15 @@ impl Args {
                 return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
             }
         }
-        if let Some(engine) = self.engine {
-            let name = engine::name(engine);
-            return Err(format!(
-                "--engine {name}: engines are for scenes with agents, such as data/scenes/corridor.toml"
-            ));
+        if let Some(name) = self.engine.map(engine::name) {
+            let example = "data/scenes/corridor.toml";
+            return Err(format!("--engine {name}: engines are for scenes with agents, such as {example}"));
         }
-        if let Some(world) = model.document.world() {
-            let (old, more) = (world.roamers(), self.characters.is_some() || self.seed.is_some());
+        if let Some(old) = model.document.world().map(|w| w.roamers())
+            && (self.characters.is_some() || self.seed.is_some())
+        {
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
-            if more {
-                model.apply(ctx, ViewerCommand::World(WorldCommand::Populate { characters, seed }));
-            }
+            model.apply(ctx, ViewerCommand::World(WorldCommand::Populate { characters, seed }));
         }
         Ok(())
     }
@@ -218,14 +215,13 @@ fn show_frame(ctx: &egui::Context, model: &mut Model, frame: u32) -> Result<(), 
 }
 
 fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
-    let n = model.num_characters();
-    if n == 0 {
-        return Err(format!("--character {wanted}: there is no crowd to select from"));
+    match model.num_characters() {
+        0 => Err(format!("--character {wanted}: there is no crowd to select from")),
+        n if wanted < n => Ok(()),
+        n => {
+            Err(format!("--character {wanted}: the crowd has {n} characters, counted from 0; --characters makes more"))
+        }
     }
-    if wanted < n {
-        return Ok(());
-    }
-    Err(format!("--character {wanted}: the crowd has {n} characters, counted from 0; --characters makes more"))
 }
 
 #[cfg(test)]

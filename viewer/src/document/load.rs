@@ -1,16 +1,15 @@
 //! Opens files on another thread, and builds missing bundles first.
 
+use super::background::Background;
 use super::{
     BundleDocument, FileStamp, OngoingBuild, OpenDocument, RawMotion, SceneDocument, SceneResumePoint, TaskDocument,
     WorldDocument,
 };
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use throng_precompute::import;
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion};
-use throng_precompute::verdict;
+use throng_precompute::{import, verdict};
 
 /// Extension of a file, in lower case.
 fn extension(path: &Path) -> String {
@@ -72,7 +71,8 @@ pub struct LoadedDocument {
 #[derive(Debug)]
 struct RunningLoad {
     paths: Vec<PathBuf>,
-    loaded: Receiver<LoadedDocument>,
+    /// The version that was read, and the document or a message.
+    loaded: Background<(Option<FileStamp>, Result<OpenDocument, String>)>,
     building: OngoingBuild,
 }
 
@@ -94,36 +94,32 @@ impl Loader {
         wake: impl FnOnce() + Send + 'static,
     ) -> OngoingBuild {
         self.stop();
-        let (send, loaded) = channel();
         let building = OngoingBuild::default();
-        let log = building.clone();
-        self.running = Some(RunningLoad { paths: paths.to_vec(), loaded, building: building.clone() });
-        let paths = paths.to_vec();
-        std::thread::spawn(move || {
-            let before = if let [path] = &*paths { FileStamp::read(path) } else { None };
-            let mut result = building.run_with_cache(|with| OpenDocument::read(&paths, with));
+        let (log, own) = (building.clone(), paths.to_vec());
+        let read = move || {
+            let before = if let [path] = &*own { FileStamp::read(path) } else { None };
+            let mut result = log.run_with_cache(|with| OpenDocument::read(&own, with));
             if let (Ok(OpenDocument::Scene(scene)), Some(from)) = (&mut result, from)
-                && let Err(why) = scene.resume(&from, || building.is_stopped())
+                && let Err(why) = scene.resume(&from, || log.is_stopped())
             {
                 result = Err(why);
             }
             if let Ok(opened) = &result
-                && building.has_begun()
+                && log.has_begun()
             {
-                judge(opened, &building);
+                judge(opened, &log);
             }
             let stamp = result.as_ref().ok().and_then(|opened| {
                 // A bundle built from motion is newer than its sources: its stamp is read now.
                 let path = opened.path()?;
-                let own = if paths[..] == [path] { before } else { FileStamp::read(path) };
+                let own = if own[..] == [path] { before } else { FileStamp::read(path) };
                 FileStamp::combined(own, &opened.more_files())
             });
-            // The receiver is gone if another file was asked for meanwhile.
-            if send.send(LoadedDocument { paths, stamp, result, building }).is_ok() {
-                wake();
-            }
-        });
-        log
+            (stamp, result)
+        };
+        let loaded = Background::start(read, wake);
+        self.running = Some(RunningLoad { paths: paths.to_vec(), loaded, building: building.clone() });
+        building
     }
 
     /// Stops the build of the requested files; [`Loader::poll`] then reports that.
@@ -138,19 +134,12 @@ impl Loader {
 
     /// Document read since the last call.
     pub fn poll(&mut self) -> Option<LoadedDocument> {
-        let running = self.running.as_ref()?;
-        let loaded = match running.loaded.try_recv() {
-            Ok(loaded) => loaded,
-            Err(TryRecvError::Empty) => return None,
-            Err(TryRecvError::Disconnected) => {
-                let (paths, building) = (running.paths.clone(), running.building.clone());
-                let all: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-                let result = Err(format!("{}: reading failed unexpectedly", all.join(", ")));
-                LoadedDocument { paths, stamp: None, result, building }
-            }
-        };
-        self.running = None;
-        Some(loaded)
+        let RunningLoad { paths, loaded, .. } = self.running.as_ref()?;
+        let names = || paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ");
+        let lost = || (None, Err(format!("{}: reading failed unexpectedly", names())));
+        let (stamp, result) = loaded.poll(false, lost)?;
+        let RunningLoad { paths, building, .. } = self.running.take()?;
+        Some(LoadedDocument { paths, stamp, result, building })
     }
 }
 

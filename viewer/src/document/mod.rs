@@ -1,5 +1,6 @@
 //! The open document: nothing, a bundle, a scene, a world of motion patches, a task of limbs, or a raw motion file.
 
+mod background;
 mod building;
 mod clip;
 mod load;
@@ -99,7 +100,7 @@ impl OpenDocument {
         match self {
             Self::World(w) => vec![w.bundle().path().to_path_buf()],
             Self::Scene(s) => s.more_files(),
-            Self::Task(t) => t.more_files(),
+            Self::Task(t) => t.sources.files.clone(),
             Self::Nothing | Self::Bundle(_) | Self::Clip(_) => Vec::new(),
         }
     }
@@ -116,18 +117,14 @@ impl OpenDocument {
 
     /// The bundle and its run, if there is one.
     pub fn crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
-        match self {
-            Self::Bundle(b) => Some((&b.bundle, b.run.as_ref().ok()?)),
-            _ => None,
-        }
+        let Self::Bundle(b) = self else { return None };
+        Some((&b.bundle, b.run.as_ref().ok()?))
     }
 
     /// The bundle and its run, mutable.
     pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut CrowdRun)> {
-        match self {
-            Self::Bundle(b) => Some((&b.bundle, b.run.as_mut().ok()?)),
-            _ => None,
-        }
+        let Self::Bundle(b) = self else { return None };
+        Some((&b.bundle, b.run.as_mut().ok()?))
     }
 
     /// A character of a crowd or a scene that chooses by policies, and all that bears on its choices.
@@ -141,49 +138,33 @@ impl OpenDocument {
 
     /// The world, where one is open.
     pub fn world(&self) -> Option<&WorldDocument> {
-        match self {
-            Self::World(w) => Some(w),
-            _ => None,
-        }
+        if let Self::World(w) = self { Some(w) } else { None }
     }
 
     /// The scene, where one is open.
     pub fn scene(&self) -> Option<&SceneDocument> {
-        match self {
-            Self::Scene(s) => Some(s),
-            _ => None,
-        }
+        if let Self::Scene(s) = self { Some(s) } else { None }
     }
 
     /// The task, where one is open.
     pub fn task(&self) -> Option<&TaskDocument> {
-        match self {
-            Self::Task(t) => Some(t),
-            _ => None,
-        }
+        if let Self::Task(t) = self { Some(t) } else { None }
     }
 
     /// The bundle and the character in its blend space, if it has one.
     pub fn blend(&self) -> Option<(&OpenBundle, &BlendRun)> {
-        match self {
-            Self::Bundle(b) => Some((&b.bundle, b.blend.as_ref()?)),
-            _ => None,
-        }
+        let Self::Bundle(b) = self else { return None };
+        Some((&b.bundle, b.blend.as_ref()?))
     }
 
     /// The bundle and the character in its blend space, mutable.
     pub fn blend_mut(&mut self) -> Option<(&OpenBundle, &mut BlendRun)> {
-        match self {
-            Self::Bundle(b) => Some((&b.bundle, b.blend.as_mut()?)),
-            _ => None,
-        }
+        let Self::Bundle(b) = self else { return None };
+        Some((&b.bundle, b.blend.as_mut()?))
     }
 
     /// The raw motion, where a motion file is open.
     pub fn raw_motion(&self) -> Option<&RawMotion> {
-        match self {
-            Self::Clip(c) => Some(c),
-            _ => None,
-        }
+        if let Self::Clip(c) = self { Some(c) } else { None }
     }
 }

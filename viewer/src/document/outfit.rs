@@ -1,9 +1,9 @@
 //! A character of the user, with a mesh that all characters wear.
 
+use super::background::Background;
 use crate::render::WornMesh;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_precompute::import::ImportConfig;
 use throng_precompute::wearer::SkinnedFigure;
 
@@ -44,30 +44,18 @@ impl UserOutfit {
 #[derive(Debug)]
 pub struct OutfitLoader {
     path: PathBuf,
-    read: Receiver<Result<UserOutfit, String>>,
+    read: Background<Result<UserOutfit, String>>,
 }
 
 impl OutfitLoader {
     /// Starts to read. `wake` is called when it is done.
     pub fn start(path: &Path, wake: impl FnOnce() + Send + 'static) -> Self {
-        let (send, read) = channel();
         let own = path.to_path_buf();
-        std::thread::spawn(move || {
-            if send.send(UserOutfit::open(&own)).is_ok() {
-                wake();
-            }
-        });
-        Self { path: path.to_path_buf(), read }
+        Self { path: path.to_path_buf(), read: Background::start(move || UserOutfit::open(&own), wake) }
     }
 
     /// The character, once it was read.
     pub fn poll(&self) -> Option<Result<UserOutfit, String>> {
-        match self.read.try_recv() {
-            Ok(read) => Some(read),
-            Err(TryRecvError::Empty) => None,
-            Err(TryRecvError::Disconnected) => {
-                Some(Err(format!("{}: reading failed unexpectedly", self.path.display())))
-            }
-        }
+        self.read.poll(false, || Err(format!("{}: reading failed unexpectedly", self.path.display())))
     }
 }

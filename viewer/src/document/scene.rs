@@ -1,5 +1,6 @@
 //! A scene: its file, its bundles and worlds, and its run.
 
+use super::background::Background;
 use super::obstacles::{DOOR_M, mesh_of};
 use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
@@ -9,14 +10,13 @@ use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_core::body::HeightField;
 use throng_core::patch::Placement;
 use throng_crowd::{Obstacle, Scheme};
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
-use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world};
+use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world, policy_characters};
 use throng_precompute::stitch::StitchKit;
 use throng_simulation::scene::engine;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
@@ -107,13 +107,6 @@ pub struct SceneUnit {
     pub placement: Placement,
 }
 
-/// A new run that is prepared on its own thread.
-#[derive(Debug)]
-struct SceneRestart {
-    choice: SceneChoice,
-    made: Receiver<Result<(SceneRun, SceneSurroundings), String>>,
-}
-
 /// A scene of groups that is open.
 #[derive(Debug)]
 pub struct SceneDocument {
@@ -124,9 +117,10 @@ pub struct SceneDocument {
     surroundings: SceneSurroundings,
     /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
-    restart: Option<SceneRestart>,
+    /// A new run that is prepared, and its settings.
+    restart: Option<(SceneChoice, Background<Result<(SceneRun, SceneSurroundings), String>>)>,
     /// Number of restarts.
-    num_runs: u32,
+    pub num_runs: u32,
 }
 
 impl SceneSurroundings {
@@ -154,29 +148,18 @@ impl SceneDocument {
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         ensure_scene(&scene, with).map_err(|e| fail(&e))?;
         let compiled = scene.open().map_err(|e| e.to_string())?;
-        let (run, standing) = start_run(&compiled, None)?;
+        let (run, surroundings) = start_run(&compiled, None)?;
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.find_bundle(g).is_some());
         let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
         let choice = SceneChoice::from_scene(&scene);
-        Ok(Self {
-            path: path.to_path_buf(),
-            scene,
-            choice,
-            run,
-            surroundings: standing,
-            bundle,
-            restart: None,
-            num_runs: 0,
-        })
+        let path = path.to_path_buf();
+        Ok(Self { path, scene, choice, run, surroundings, bundle, restart: None, num_runs: 0 })
     }
 
     /// Present point of the run, to resume it with a later version of the file.
     pub fn resume_point(&self) -> SceneResumePoint {
-        SceneResumePoint {
-            said: SceneChoice::from_scene(&self.scene),
-            choice: self.choice,
-            step: self.run.head.shown_step(),
-        }
+        let (said, step) = (SceneChoice::from_scene(&self.scene), self.run.head.shown_step());
+        SceneResumePoint { said, choice: self.choice, step }
     }
 
     /// Resumes at the point of an older version of the same file: with its settings, at its time.
@@ -219,7 +202,7 @@ impl SceneDocument {
 
     /// Settings of the run in preparation.
     pub fn restarting(&self) -> Option<SceneChoice> {
-        self.restart.as_ref().map(|r| r.choice)
+        self.restart.as_ref().map(|r| r.0)
     }
 
     /// The bundle of the first group that has one.
@@ -256,11 +239,6 @@ impl SceneDocument {
         &self.surroundings
     }
 
-    /// Number of restarts.
-    pub fn num_runs(&self) -> u32 {
-        self.num_runs
-    }
-
     /// A character that chooses by policies of the bundle, with all data of its choices; none for any other.
     pub fn chooser(&self, who: usize) -> Option<PolicyChooser<'_>> {
         let simulation = self.run.simulation();
@@ -270,23 +248,14 @@ impl SceneDocument {
             return None;
         }
         let (goals, _, choice, number) = self.run.recorded_choice(who)?;
-        let (characters, threat) = match simulation.locate(who).0 {
-            AnyCharacterGroup::Policy(p) => (p.practice().characters(), None),
-            AnyCharacterGroup::Sparring(s) => (s.sparring().characters(), s.sparring().threats().get(number).copied()),
-            _ => return None,
-        };
-        Some(PolicyChooser {
-            bundle,
-            characters,
-            number,
-            goals,
-            choice,
-            target: simulation.target(who)?,
-            threat,
-            single_load: false,
-            temperature: simulation.scene().groups[group.number].temperature as f32,
-            now: self.run.head.shown_step(),
-        })
+        let character_group = simulation.locate(who).0;
+        let characters = policy_characters(character_group)?.characters();
+        let bouts = if let AnyCharacterGroup::Sparring(s) = character_group { Some(s.sparring()) } else { None };
+        let threat = bouts.and_then(|s| s.threats().get(number).copied());
+        let (target, now) = (simulation.target(who)?, self.run.head.shown_step());
+        let temperature = simulation.scene().groups[group.number].temperature as f32;
+        let single_load = false;
+        Some(PolicyChooser { bundle, characters, number, goals, choice, target, threat, single_load, temperature, now })
     }
 
     /// Names and weights of the behaviours of a character's group; none for a character that does not choose.
@@ -300,7 +269,7 @@ impl SceneDocument {
     /// Restarts on its own thread; [`SceneDocument::adopt_restart`] adopts the finished run. A new request replaces the old
     /// one.
     ///
-    /// - `kept`: the state to begin with, which [`SceneRun::snapshot`] gave.
+    /// - `kept`: the state to begin with, which [`throng_simulation::Simulation::snapshot`] gave.
     /// - `wake`: called when the run is ready.
     ///
     /// # Errors
@@ -312,16 +281,8 @@ impl SceneDocument {
         wake: impl FnOnce() + Send + 'static,
     ) -> Result<(), String> {
         let scene = scene_with_choice(&self.scene, choice)?;
-        let (send, made) = channel();
-        self.restart = Some(SceneRestart { choice, made });
-        std::thread::spawn(move || {
-            let run =
-                scene.open().map_err(|e| e.to_string()).and_then(|compiled| start_run(&compiled, kept.as_deref()));
-            // The receiver is gone if another restart was asked for meanwhile.
-            if send.send(run).is_ok() {
-                wake();
-            }
-        });
+        let run = move || start_run(&scene.open().map_err(|e| e.to_string())?, kept.as_deref());
+        self.restart = Some((choice, Background::start(run, wake)));
         Ok(())
     }
 
@@ -332,17 +293,9 @@ impl SceneDocument {
     /// # Errors
     /// A message where it could not be made; the old one continues.
     pub fn adopt_restart(&mut self, waits: bool) -> Result<bool, String> {
-        let Some(restart) = &self.restart else { return Ok(false) };
-        let made = match waits {
-            true => restart.made.recv().map_err(|_| TryRecvError::Disconnected),
-            false => restart.made.try_recv(),
-        };
-        let made = match made {
-            Err(TryRecvError::Empty) => return Ok(false),
-            Err(TryRecvError::Disconnected) => Err("restarting failed unexpectedly".to_owned()),
-            Ok(made) => made,
-        };
-        let choice = restart.choice;
+        let lost = || Err("restarting failed unexpectedly".to_owned());
+        let poll = |(choice, run): &(_, Background<_>)| Some((*choice, run.poll(waits, lost)?));
+        let Some((choice, made)) = self.restart.as_ref().and_then(poll) else { return Ok(false) };
         self.restart = None;
         let (run, standing) = made?;
         let old = std::mem::replace(&mut self.run, run);
@@ -358,7 +311,7 @@ impl SceneDocument {
     /// A message that names the file and the reason.
     pub fn save(&self, path: &Path) -> Result<(), String> {
         let choice = serde_json::to_string(&self.choice).map_err(|e| e.to_string())?;
-        let state = self.run.snapshot();
+        let state = self.run.simulation().snapshot();
         write_atomically(path, |out| {
             writeln!(out, "{MAGIC}\n{choice}")?;
             out.write_all(&state)

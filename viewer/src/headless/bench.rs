@@ -24,17 +24,10 @@ pub struct BenchReport {
 
 impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(
-            f,
-            "{}, {} x {} pixels; median (95th percentile) of a frame, in ms",
-            self.adapter, self.width, self.height
-        )?;
+        let Self { adapter, width, height, .. } = self;
+        writeln!(f, "{adapter}, {width} x {height} pixels; median (95th percentile) of a frame, in ms")?;
         let columns = ["simulation", "layout", "upload", "drawing", "interface", "frame"];
-        write!(f, "{:>10}", "characters")?;
-        for column in columns {
-            write!(f, " {column:>17}")?;
-        }
-        writeln!(f)?;
+        writeln!(f, "{:>10}{}", "characters", columns.map(|column| format!(" {column:>17}")).concat())?;
         for c in &self.crowds {
             let cells = [
                 (c.simulation_ms, c.simulation_p95_ms),
@@ -44,11 +37,8 @@ impl fmt::Display for BenchReport {
                 (c.interface_ms, c.interface_p95_ms),
                 (c.frame_ms, c.frame_p95_ms),
             ];
-            write!(f, "{:>10}", c.characters)?;
-            for (median, p95) in cells {
-                write!(f, " {:>17}", format!("{median:.2} ({p95:.2})"))?;
-            }
-            writeln!(f)?;
+            let cells = cells.map(|(median, p95)| format!(" {:>17}", format!("{median:.2} ({p95:.2})")));
+            writeln!(f, "{:>10}{}", c.characters, cells.concat())?;
         }
         Ok(())
     }
@@ -71,21 +61,21 @@ fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
 /// [`HeadlessError`]
 pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     let mut headless = Headless::new(args)?;
-    if headless.viewer().model.num_characters() == 0 {
+    if headless.viewer.model.num_characters() == 0 {
         let why = "--bench: there is no crowd to measure; open a bundle that was built with `behaviours`";
         return Err(HeadlessError::Scene(why.into()));
     }
     let mut crowds = Vec::new();
     for &characters in &args.bench {
-        headless.apply(with_characters(&headless.viewer().model, characters));
+        headless.apply(with_characters(&headless.viewer.model, characters));
         headless.apply(ViewerCommand::Play(true));
         if !args.camera.is_some_and(|view| view.is_placed) {
             headless.apply(ViewerCommand::FrameAll);
         }
         let frames = args.frames.unwrap_or(BENCH_FRAMES);
         let spans = (0..frames).map(|_| headless.advance(true)).collect::<Result<Vec<_>, _>>()?;
-        crowds.push(FrameFigures::from_frames(super::figures::num_characters(headless.viewer()), &spans));
+        crowds.push(FrameFigures::from_frames(super::figures::num_characters(&headless.viewer), &spans));
     }
     let PictureSize { width, height } = args.size.unwrap_or_default();
-    Ok(BenchReport { adapter: headless.adapter(), width, height, crowds })
+    Ok(BenchReport { adapter: headless.screen.adapter_name(), width, height, crowds })
 }

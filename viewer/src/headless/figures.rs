@@ -46,29 +46,15 @@ impl FrameFigures {
             ms.sort_by(f64::total_cmp);
             (share(&ms, 0.5), share(&ms, 0.95))
         };
-        let (simulation_ms, simulation_p95_ms) = figures(|s| s.simulation_s);
-        let (layout_ms, layout_p95_ms) = figures(|s| s.layout_s);
-        let (upload_ms, upload_p95_ms) = figures(|s| s.upload_s);
-        let (drawing_ms, drawing_p95_ms) = figures(|s| s.drawing_s);
-        let (interface_ms, interface_p95_ms) =
+        let mut f = Self { characters, frames: counted.len(), ..Self::default() };
+        (f.simulation_ms, f.simulation_p95_ms) = figures(|s| s.simulation_s);
+        (f.layout_ms, f.layout_p95_ms) = figures(|s| s.layout_s);
+        (f.upload_ms, f.upload_p95_ms) = figures(|s| s.upload_s);
+        (f.drawing_ms, f.drawing_p95_ms) = figures(|s| s.drawing_s);
+        (f.interface_ms, f.interface_p95_ms) =
             figures(|s| (s.frame_s - s.simulation_s - s.layout_s - s.upload_s - s.drawing_s).max(0.0));
-        let (frame_ms, frame_p95_ms) = figures(|s| s.frame_s);
-        Self {
-            characters,
-            frames: counted.len(),
-            simulation_ms,
-            simulation_p95_ms,
-            layout_ms,
-            layout_p95_ms,
-            upload_ms,
-            upload_p95_ms,
-            drawing_ms,
-            drawing_p95_ms,
-            interface_ms,
-            interface_p95_ms,
-            frame_ms,
-            frame_p95_ms,
-        }
+        (f.frame_ms, f.frame_p95_ms) = figures(|s| s.frame_s);
+        f
     }
 }
 

@@ -8,27 +8,13 @@ use throng_precompute::files::write_atomically;
 /// A picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Image {
-    size: PictureSize,
-    /// Red, green and blue (3 * width * height).
-    rgb: Vec<u8>,
+    /// Size of the picture.
+    pub size: PictureSize,
+    /// All pixels, row-major, top row first: red, green and blue (3 * width * height).
+    pub rgb: Vec<u8>,
 }
 
 impl Image {
-    /// An image from rows, top row first, each pixel red, green and blue (3 * width * height).
-    pub(super) fn new(size: PictureSize, rgb: Vec<u8>) -> Self {
-        Self { size, rgb }
-    }
-
-    /// Size of the picture.
-    pub fn size(&self) -> PictureSize {
-        self.size
-    }
-
-    /// All pixels, row-major: red, green and blue (3 * width * height).
-    pub fn rgb(&self) -> &[u8] {
-        &self.rgb
-    }
-
     /// Writes a PNG file.
     ///
     /// # Errors
@@ -60,7 +46,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.png");
         let rgb: Vec<u8> = (0..5 * 3 * 3).map(|i| i as u8 * 5).collect();
-        let image = Image::new(PictureSize { width: 5, height: 3 }, rgb.clone());
+        let image = Image { size: PictureSize { width: 5, height: 3 }, rgb: rgb.clone() };
         image.save_png(&path).expect("written");
         let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(&path).expect("a file")));
         let mut reader = decoder.read_info().expect("a PNG");

@@ -84,7 +84,8 @@ pub struct PictureReport {
 /// The viewer without a window.
 pub struct Headless {
     ctx: egui::Context,
-    viewer: Viewer,
+    /// The viewer.
+    pub viewer: Viewer,
     screen: Screen,
     frame: u32,
 }
@@ -98,22 +99,12 @@ impl Headless {
         let screen = Screen::new(args.adapter, args.size.unwrap_or_default(), args.scale.unwrap_or(1.0))?;
         let ctx = egui::Context::default();
         let settings = args.settings(crate::settings::ViewerSettings::default());
-        let mut viewer = Viewer::new(settings, Some(screen.render_state()));
+        let mut viewer = Viewer::new(settings, Some(&screen.state));
         viewer.model.is_unhurried = true;
         viewer.states.bare = args.panel.contains(&PanelChoice::None);
         args.dress(&mut viewer.model).map_err(HeadlessError::Scene)?;
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;
         Ok(Self { ctx, viewer, screen, frame: 0 })
-    }
-
-    /// The viewer.
-    pub fn viewer(&self) -> &Viewer {
-        &self.viewer
-    }
-
-    /// Name of the graphics adapter.
-    pub fn adapter(&self) -> String {
-        self.screen.adapter_name()
     }
 
     /// Carries out a command as a panel's would be.
@@ -164,14 +155,11 @@ impl Headless {
 pub fn draw_picture(args: &Args, out: &Path) -> Result<PictureReport, HeadlessError> {
     throng_precompute::files::check_target(out)?;
     let mut headless = Headless::new(args)?;
-    let frames = args.frames.unwrap_or(PICTURE_FRAMES);
-    let mut spans = Vec::new();
-    for _ in 0..frames {
-        spans.push(headless.advance(args.json)?);
-    }
+    let frames = 0..args.frames.unwrap_or(PICTURE_FRAMES);
+    let spans = frames.map(|_| headless.advance(args.json)).collect::<Result<Vec<_>, _>>()?;
     let image = headless.picture()?;
     image.save_png(out)?;
-    let PictureSize { width, height } = image.size();
-    let figures = FrameFigures::from_frames(figures::num_characters(headless.viewer()), &spans);
-    Ok(PictureReport { file: out.to_path_buf(), adapter: headless.adapter(), width, height, figures })
+    let PictureSize { width, height } = image.size;
+    let figures = FrameFigures::from_frames(figures::num_characters(&headless.viewer), &spans);
+    Ok(PictureReport { file: out.to_path_buf(), adapter: headless.screen.adapter_name(), width, height, figures })
 }

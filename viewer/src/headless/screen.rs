@@ -10,7 +10,8 @@ use std::time::Instant;
 
 /// A texture that egui draws into.
 pub struct Screen {
-    state: RenderState,
+    /// Device and renderer of egui and the 3-D view.
+    pub(super) state: RenderState,
     texture: wgpu::Texture,
     size: PictureSize,
     scale: f32,
@@ -47,11 +48,6 @@ impl Screen {
         Ok(Self { state, texture, size, scale, complaint })
     }
 
-    /// Device and renderer of egui and the 3-D view.
-    pub fn render_state(&self) -> &RenderState {
-        &self.state
-    }
-
     /// Name of the graphics adapter.
     pub fn adapter_name(&self) -> String {
         self.state.adapter.get_info().name
@@ -78,7 +74,10 @@ impl Screen {
         mut output: egui::FullOutput,
         draws: bool,
     ) -> Result<f64, HeadlessError> {
-        self.update_textures(&mut output.textures_delta);
+        let RenderState { device, queue, renderer, .. } = &self.state;
+        for (id, images) in output.textures_delta.set.drain() {
+            images.iter().for_each(|image| renderer.write().update_texture(device, queue, id, image));
+        }
         let shapes = std::mem::take(&mut output.shapes);
         let drawing_s = if draws {
             let primitives = ctx.tessellate(shapes, output.pixels_per_point);
@@ -87,25 +86,12 @@ impl Screen {
             begin.elapsed().as_secs_f64()
         } else {
             // Hands on the textures, which would pile up.
-            self.state.queue.submit([]);
+            queue.submit([]);
             0.0
         };
-        let mut renderer = self.state.renderer.write();
-        for id in output.textures_delta.free.drain() {
-            renderer.free_texture(&id);
-        }
-        drop(renderer);
+        output.textures_delta.free.drain().for_each(|id| renderer.write().free_texture(&id));
         self.complaint()?;
         Ok(drawing_s)
-    }
-
-    fn update_textures(&self, delta: &mut egui::TexturesDelta) {
-        let mut renderer = self.state.renderer.write();
-        for (id, images) in delta.set.drain() {
-            for image in images {
-                renderer.update_texture(&self.state.device, &self.state.queue, id, &image);
-            }
-        }
     }
 
     fn draw(&self, primitives: &[egui::ClippedPrimitive], pixels_per_point: f32) -> Result<(), HeadlessError> {
@@ -156,6 +142,6 @@ impl Screen {
         self.complaint()?;
         let (_, rgba) = read.map_err(|e| self.failed(&e))?;
         let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(Image::new(self.size, rgb))
+        Ok(Image { size: self.size, rgb })
     }
 }

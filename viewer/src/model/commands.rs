@@ -91,8 +91,7 @@ impl Model {
         let old = b.run.as_ref().map_or(PlayHead::default(), |r| r.head);
         b.run = CrowdRun::new(&b.bundle, self.settings.run, &self.weights);
         b.run.iter_mut().for_each(|run| run.head.play_like(&old));
-        let n = b.run.as_ref().map_or(0, |r| r.config().characters);
-        self.selection.character = self.selection.character.filter(|&c| c < n);
+        self.limit_selected();
     }
 
     fn apply_to_scene(&mut self, ctx: &egui::Context, command: SceneCommand) {
@@ -132,14 +131,14 @@ impl Model {
     }
 
     /// Clears a selection beyond the number of characters.
-    fn limit_selected(&mut self) {
+    pub(super) fn limit_selected(&mut self) {
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
         self.watch_selected();
     }
 
     /// Keeps the events of the selected agent.
-    pub(super) fn watch_selected(&mut self) {
+    fn watch_selected(&mut self) {
         let selected = self.selection.character;
         if let OpenDocument::Scene(scene) = &mut self.document {
             scene.run_mut().watch(selected);
@@ -151,9 +150,7 @@ impl Model {
         let OpenDocument::Scene(scene) = &mut self.document else { return };
         match scene.adopt_restart(waits) {
             Ok(false) => {}
-            Ok(true) => {
-                self.limit_selected();
-            }
+            Ok(true) => self.limit_selected(),
             Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }

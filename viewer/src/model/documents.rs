@@ -101,9 +101,7 @@ impl Model {
         self.selection.policy = self.selection.policy.min(policies.saturating_sub(1));
         self.selection.state = None;
         self.selection.world = WorldSelection { tool: self.selection.world.tool, ..Default::default() };
-        let n = self.num_characters();
-        self.selection.character = self.selection.character.filter(|&c| c < n);
-        self.watch_selected();
+        self.limit_selected();
         // A newly opened task is planned at once; a task that is read again with its former options.
         self.plan(false);
         self.adopt_plan(self.is_unhurried);

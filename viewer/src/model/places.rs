@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::document::{OpenDocument, SceneDocument, TaskDocument, WorldDocument};
-use crate::run::agents::agent_route;
+use crate::run::agents::agent_path;
 use glam::Vec3;
 use throng_crowd::Obstacle;
 
@@ -85,7 +85,7 @@ fn world_points(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
 fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
     let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
     let points = all.flat_map(|who| {
-        let route = agent_route(run.simulation(), who);
+        let route = agent_path(run.simulation(), who);
         [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
     });
     let standing = Some(scene.surroundings()).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);

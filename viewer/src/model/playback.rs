@@ -6,6 +6,7 @@ use crate::document::OpenDocument;
 use crate::run::PlayHead;
 use glam::Vec2;
 use std::time::Instant;
+use throng_core::{Error, Result};
 
 impl Model {
     /// Play head of the 3-D view; none for a clip, which has [`Model::player`].
@@ -27,16 +28,16 @@ impl Model {
     }
 
     /// One step forward: a recorded one, or a new one.
-    fn step(&mut self) -> Result<(), String> {
+    fn step(&mut self) -> Result<()> {
         let (shows_blend, eye) = (self.shows_blend(), self.settings.camera.eye());
         match &mut self.document {
-            OpenDocument::World(w) => w.step().map_err(|e| e.to_string()),
-            OpenDocument::Scene(s) => s.run_mut().step().map_err(|e| e.to_string()),
+            OpenDocument::World(w) => w.step(),
+            OpenDocument::Scene(s) => s.run_mut().step(),
             OpenDocument::Bundle(b) => match (&mut b.blend, &mut b.run) {
-                (Some(blend), _) if shows_blend => blend.step(&b.bundle).map_err(|e| e.to_string()),
+                (Some(blend), _) if shows_blend => blend.step(&b.bundle),
                 (_, Ok(run)) => {
                     run.set_eye(Vec2::new(eye.x, eye.z));
-                    run.step(&b.bundle).map_err(|e| e.to_string())
+                    run.step(&b.bundle)
                 }
                 _ => Ok(()),
             },
@@ -45,14 +46,11 @@ impl Model {
     }
 
     /// Shows a recorded step.
-    fn seek(&mut self, step: u32) -> Result<(), String> {
+    fn seek(&mut self, step: u32) -> Result<()> {
         let shows_blend = self.shows_blend();
         match &mut self.document {
-            OpenDocument::Bundle(b) if !shows_blend => match &mut b.run {
-                Ok(run) => run.seek(&b.bundle, step).map_err(|e| e.to_string()),
-                Err(_) => Ok(()),
-            },
-            OpenDocument::Scene(s) => s.run_mut().seek(step).map_err(|e| e.to_string()),
+            OpenDocument::Bundle(b) if !shows_blend => b.run.as_mut().map_or(Ok(()), |run| run.seek(&b.bundle, step)),
+            OpenDocument::Scene(s) => s.run_mut().seek(step),
             _ => {
                 self.head_mut().into_iter().for_each(|head| head.seek(step));
                 Ok(())
@@ -92,14 +90,8 @@ impl Model {
         let waits = self.waits_for_edit();
         let Some(head) = self.head_mut() else { return };
         let result = match *command {
-            ViewerCommand::Play(on) => {
-                head.play(on);
-                Ok(())
-            }
-            ViewerCommand::Speed(speed) => {
-                head.set_speed(speed);
-                Ok(())
-            }
+            ViewerCommand::Play(on) => return head.play(on),
+            ViewerCommand::Speed(speed) => return head.set_speed(speed),
             ViewerCommand::Seek(step) if !waits => self.seek(step),
             ViewerCommand::Step(by) if !waits && by > 0 => (0..by).try_for_each(|_| self.step()),
             ViewerCommand::Step(by) if !waits => {
@@ -125,7 +117,7 @@ impl Model {
         self.advance_clip(0.0);
     }
 
-    fn stop(&mut self, why: &str) {
+    fn stop(&mut self, why: &Error) {
         if let Some(head) = self.head_mut() {
             head.play(false);
         }

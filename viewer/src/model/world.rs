@@ -76,8 +76,7 @@ impl Model {
             (options.place, options.instance, options.link) = (place, None, None);
         }
         if taken.is_some() {
-            let n = world.run().num_characters();
-            self.selection.character = self.selection.character.filter(|&c| c < n);
+            self.limit_selected();
         }
     }
 

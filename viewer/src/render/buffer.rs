@@ -1,12 +1,14 @@
 //! GPU buffers that grow with their data.
 
+use super::device::Gpu;
 use super::{RenderError, Result};
-use wgpu::{Buffer, BufferUsages, Device, Queue};
+use wgpu::{Buffer, BufferUsages, Device};
 
 /// A buffer that is replaced by a larger one where data does not fit.
 #[derive(Debug)]
 pub(super) struct GrowingBuffer {
-    buffer: Buffer,
+    /// The buffer of the moment.
+    pub buffer: Buffer,
     usage: BufferUsages,
     what: &'static str,
 }
@@ -24,11 +26,9 @@ impl GrowingBuffer {
     /// [`RenderError::TooMany`] beyond what the device can hold or bind.
     pub fn reserve(&mut self, device: &Device, count: usize, size: usize) -> Result<bool> {
         let limits = device.limits();
-        let limit = if self.usage.contains(BufferUsages::STORAGE) {
-            limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
-        } else {
-            limits.max_buffer_size
-        };
+        let is_bound = self.usage.contains(BufferUsages::STORAGE);
+        let most_bound = if is_bound { limits.max_storage_buffer_binding_size } else { u64::MAX };
+        let limit = limits.max_buffer_size.min(most_bound);
         let needed = (count as u64).saturating_mul(size as u64);
         if needed > limit {
             let most = limit / size.max(1) as u64;
@@ -46,17 +46,12 @@ impl GrowingBuffer {
     ///
     /// # Errors
     /// As [`Self::reserve`].
-    pub fn write<T: bytemuck::NoUninit>(&mut self, device: &Device, queue: &Queue, data: &[T]) -> Result<bool> {
-        let replaced = self.reserve(device, data.len(), size_of::<T>())?;
+    pub fn write<T: bytemuck::NoUninit>(&mut self, gpu: &Gpu, data: &[T]) -> Result<bool> {
+        let replaced = self.reserve(&gpu.device, data.len(), size_of::<T>())?;
         if !data.is_empty() {
-            queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(data));
+            gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(data));
         }
         Ok(replaced)
-    }
-
-    /// The buffer of the moment.
-    pub fn get(&self) -> &Buffer {
-        &self.buffer
     }
 }
 

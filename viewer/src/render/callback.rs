@@ -49,12 +49,7 @@ impl CallbackTrait for SceneCallback {
         Vec::new()
     }
 
-    fn paint(
-        &self,
-        _info: egui::PaintCallbackInfo,
-        pass: &mut wgpu::RenderPass<'static>,
-        _resources: &CallbackResources,
-    ) {
+    fn paint(&self, _: egui::PaintCallbackInfo, pass: &mut wgpu::RenderPass<'static>, _: &CallbackResources) {
         self.renderer.lock().unwrap_or_else(PoisonError::into_inner).blit(pass);
     }
 }

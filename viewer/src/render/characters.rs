@@ -2,26 +2,19 @@
 
 use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
+use super::device::Gpu;
 use super::mesh::{self, BodyStyle, LEVELS};
+use super::picking::world_position;
 use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_draws::WornDraws;
 use super::{OrbitCamera, RenderError, Result, Rgba, SceneFrame};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::ops::Range;
 use std::sync::Arc;
-use throng_core::Mat3x4;
-use throng_core::NUM_JOINTS;
-use throng_core::Planar;
-use throng_core::Skeleton;
 use throng_core::characters::PoseInstance;
-use wgpu::BindGroup;
-use wgpu::BindGroupLayout;
-use wgpu::Device;
-use wgpu::Face;
-use wgpu::Queue;
-use wgpu::RenderPass;
-use wgpu::RenderPipeline;
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use wgpu::{BindGroup, BindGroupLayout, Device, Face, Queue, RenderPass, RenderPipeline};
 
 /// From these heights in pixels on, a body is drawn at a level of detail, finest first; below, at the coarsest.
 const LEVEL_PIXELS: [f32; LEVELS - 1] = [170.0, 72.0, 40.0];
@@ -137,15 +130,9 @@ impl GpuMesh {
         }
     }
 
-    pub fn write<V: bytemuck::NoUninit>(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        vertices: &[V],
-        indices: &[u32],
-    ) -> Result<()> {
-        self.vertices.write(device, queue, vertices)?;
-        self.indices.write(device, queue, indices)?;
+    pub fn write<V: bytemuck::NoUninit>(&mut self, gpu: &Gpu, vertices: &[V], indices: &[u32]) -> Result<()> {
+        self.vertices.write(gpu, vertices)?;
+        self.indices.write(gpu, indices)?;
         self.num_indices = indices.len() as u32;
         Ok(())
     }
@@ -216,12 +203,12 @@ impl CharacterDraws {
     }
 
     /// Makes the meshes of a body around a skeleton, unless they are there.
-    pub fn set_body(&mut self, device: &Device, queue: &Queue, body: BodyStyle, skeleton: &Skeleton) -> Result<()> {
+    pub fn set_body(&mut self, gpu: &Gpu, body: BodyStyle, skeleton: &Skeleton) -> Result<()> {
         if self.built.as_ref().is_some_and(|(b, s)| *b == body && s == skeleton) {
             return Ok(());
         }
-        for (gpu, mesh) in self.meshes.iter_mut().zip(mesh::build(body, skeleton)) {
-            gpu.write(device, queue, &mesh.vertices, &mesh.indices)?;
+        for (drawn, mesh) in self.meshes.iter_mut().zip(mesh::build(body, skeleton)) {
+            drawn.write(gpu, &mesh.vertices, &mesh.indices)?;
         }
         self.reach = cull::reach(skeleton);
         self.built = Some((body, skeleton.clone()));
@@ -229,7 +216,7 @@ impl CharacterDraws {
     }
 
     /// Hands over poses, instances and records.
-    pub fn upload(&mut self, device: &Device, queue: &Queue, frame: &SceneFrame<'_>) -> Result<()> {
+    pub fn upload(&mut self, gpu: &Gpu, frame: &SceneFrame<'_>) -> Result<()> {
         let SceneFrame { palette, instances, records, .. } = *frame;
         let (characters, got, expected) = (instances.len(), palette.len(), instances.len() * NUM_JOINTS);
         if got != expected {
@@ -249,9 +236,7 @@ impl CharacterDraws {
         self.staging.clear();
         for (i, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
             let root = instance.root;
-            let hips = pose[0].translation();
-            let p = root.transform_point(Vec2::new(hips.x, hips.z));
-            let (hips, ghost) = (Vec3::new(p.x, hips.y, p.y), instance.colour.0[3] < 255);
+            let (hips, ghost) = (world_position(root, pose[0].translation()), instance.colour.0[3] < 255);
             self.places.push(CharacterPlace { hips, ghost, worn: frame.worn.is_some() });
             let (worn, look) = ((i * num_frames) as u32, instance.look);
             let is_selected = u32::from(instance.is_selected);
@@ -267,27 +252,21 @@ impl CharacterDraws {
             self.staging.push(GpuInstance { root, colour: *colour, ..recorded });
         }
         // Every character may be in two lists: its body's and its shadow's.
-        self.lists.reserve(device, 2 * self.staging.len(), size_of::<u32>())?;
-        let are_new = self.instances.write(device, queue, &self.staging)?;
-        let mut moved = self.palette.write(device, queue, palette)? | are_new;
+        self.lists.reserve(&gpu.device, 2 * self.staging.len(), size_of::<u32>())?;
+        let are_new = self.instances.write(gpu, &self.staging)?;
+        let mut moved = self.palette.write(gpu, palette)? | are_new;
         if let Some(rows) = frame.rows.filter(|rows| self.uploaded_rows.as_ref().is_none_or(|u| !Arc::ptr_eq(u, rows)))
         {
-            moved |= self.rows.write(device, queue, rows)?;
+            moved |= self.rows.write(gpu, rows)?;
             self.uploaded_rows = Some(Arc::clone(rows));
         }
         if moved || self.group.is_none() {
-            let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-            let buffers = [&self.palette, &self.instances, &self.rows].map(|b| b.get().as_entire_binding());
-            let [palette, instances, rows] = buffers;
-            self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("characters"),
-                layout: &self.layout,
-                entries: &[bind(0, palette), bind(1, instances), bind(2, rows)],
-            }));
+            let buffers = [&self.palette, &self.instances, &self.rows].map(|b| b.buffer.as_entire_binding());
+            self.group = Some(pipelines::bind_group(&gpu.device, "characters", &self.layout, &buffers));
         }
         if let Some(worn) = &frame.worn {
             // The buffer may have been replaced while nothing was worn.
-            self.worn.upload(device, queue, worn, self.instances.get(), are_new || !self.was_worn)?;
+            self.worn.upload(gpu, worn, &self.instances.buffer, are_new || !self.was_worn)?;
             self.reach = self.reach.max(worn.mesh.reach * cull::reach(frame.skeleton));
         }
         self.was_worn = frame.worn.is_some();
@@ -329,7 +308,7 @@ impl CharacterDraws {
         let mut lists = || LevelLists { solid: by_level(), ghosts: by_level(), shadows: by_level() };
         let lists = DrawLists { made: lists(), worn: lists() };
         if !self.numbers.is_empty() {
-            queue.write_buffer(self.lists.get(), 0, bytemuck::cast_slice(&self.numbers));
+            queue.write_buffer(&self.lists.buffer, 0, bytemuck::cast_slice(&self.numbers));
         }
         lists
     }
@@ -339,9 +318,9 @@ impl CharacterDraws {
         if let Some(group) = &self.group {
             pass.set_pipeline(&self.pipelines[layer as usize]);
             pass.set_bind_group(1, group, &[]);
-            draw_levels(pass, &self.meshes, self.lists.get(), lists.made.layer_ranges(layer));
+            draw_levels(pass, &self.meshes, &self.lists.buffer, lists.made.layer_ranges(layer));
         }
-        self.worn.draw(pass, self.lists.get(), lists.worn.layer_ranges(layer), layer);
+        self.worn.draw(pass, &self.lists.buffer, lists.worn.layer_ranges(layer), layer);
     }
 }
 
@@ -350,9 +329,9 @@ impl CharacterDraws {
 /// - `numbers`: numbers of characters, of which each list is a range.
 pub(super) fn draw_levels(pass: &mut RenderPass<'_>, meshes: &[GpuMesh], numbers: &wgpu::Buffer, lists: &[Range<u32>]) {
     for (mesh, list) in meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
-        pass.set_vertex_buffer(0, mesh.vertices.get().slice(..));
+        pass.set_vertex_buffer(0, mesh.vertices.buffer.slice(..));
         pass.set_vertex_buffer(1, numbers.slice(..));
-        pass.set_index_buffer(mesh.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(mesh.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
     }
 }

@@ -41,8 +41,9 @@ impl Rgba {
     }
 }
 
-/// Colours of everything in the view without a colour of its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Colours of everything in the view without a colour of its own, in the order of `shaders/scene.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct SceneColours {
     /// Above the horizon, far up.
     pub sky: Rgba,

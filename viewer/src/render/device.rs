@@ -3,6 +3,12 @@
 use std::time::Duration;
 use wgpu::{DeviceDescriptor, Limits};
 
+/// The device that draws, and its queue.
+pub(super) struct Gpu {
+    pub device: wgpu::Device,
+    pub queue: wgpu::Queue,
+}
+
 /// Longest time for drawing a frame; a longer one counts as a hang.
 const WAIT: Duration = Duration::from_secs(120);
 

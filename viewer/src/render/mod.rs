@@ -25,7 +25,7 @@ mod worn_draws;
 mod worn_mesh;
 
 pub use callback::SceneCallback;
-pub use camera::{CameraParseError, CameraPreset, OrbitCamera, Ray};
+pub use camera::{CameraPreset, OrbitCamera, Ray};
 pub use characters::{CharacterInstance, RecordInstance};
 pub use colours::{Rgba, SceneColours};
 pub use device::{device_descriptor, wait};

@@ -1,9 +1,9 @@
 //! The textures that the view is drawn into, and their transfer into a window.
 
-use super::device::wait;
+use super::device::{Gpu, wait};
 use super::pipelines::{self, COLOUR, DEPTH, MASK, PipelineInput, PipelineOutput, PipelineRecipe, SAMPLES};
 use super::{RenderError, Result};
-use wgpu::{BindGroup, BindGroupLayout, Device, Queue, Texture, TextureView};
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, Device, Queue, Texture, TextureView};
 
 /// Textures of one size.
 pub(super) struct RenderTargets {
@@ -61,8 +61,7 @@ impl Offscreen {
 
     /// The targets of a size, rebuilt if it has changed; sizes are limited to what the device supports.
     pub fn resize(&mut self, device: &Device, size: [u32; 2]) -> &RenderTargets {
-        let most = device.limits().max_texture_dimension_2d;
-        let size = size.map(|s| s.clamp(1, most));
+        let size = size.map(|s| s.clamp(1, device.limits().max_texture_dimension_2d));
         let kept = self.targets.take().filter(|t| t.size == size);
         let targets = kept.unwrap_or_else(|| self.allocate(device, size));
         self.targets.insert(targets)
@@ -100,11 +99,8 @@ impl Offscreen {
     }
 
     fn group(&self, device: &Device, layout: &BindGroupLayout, view: &TextureView) -> BindGroup {
-        let entries = [
-            wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(view) },
-            wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&self.sampler) },
-        ];
-        device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("texture"), layout, entries: &entries })
+        let resources = [BindingResource::TextureView(view), BindingResource::Sampler(&self.sampler)];
+        pipelines::bind_group(device, "texture", layout, &resources)
     }
 
     /// Draws the last picture over the viewport of a pass with one sample and no depth.
@@ -120,9 +116,9 @@ impl Offscreen {
     ///
     /// # Errors
     /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
-    pub fn pixels(&self, device: &Device, queue: &Queue) -> Result<([u32; 2], Vec<u8>)> {
+    pub fn pixels(&self, gpu: &Gpu) -> Result<([u32; 2], Vec<u8>)> {
         let nothing = || RenderError::ReadBack("nothing has been drawn".to_owned());
-        read_back(device, queue, &self.targets.as_ref().ok_or_else(nothing)?.picture)
+        read_back(&gpu.device, &gpu.queue, &self.targets.as_ref().ok_or_else(nothing)?.picture)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{CharacterInstance, Ray, cull};
 use glam::{Vec2, Vec3};
-use throng_core::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Skeleton};
+use throng_core::{BodyVolume, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_geometry::Capsule;
 
 /// Width around a body within which it is picked (m).
@@ -35,7 +35,7 @@ pub fn pick(
     let mut nearest: Option<PickedCharacter> = None;
     for (character, (instance, pose)) in instances.iter().zip(palette.chunks_exact(NUM_JOINTS)).enumerate() {
         let limit = nearest.map_or(f32::INFINITY, |h| h.distance);
-        if !may_hit_sphere(ray, world_position(instance, pose[0].translation()), reach, limit) {
+        if !may_hit_sphere(ray, world_position(instance.root, pose[0].translation()), reach, limit) {
             continue;
         }
         let found = pick_one(ray, &volume, pose, instance).filter(|(_, d)| *d < limit);
@@ -44,8 +44,9 @@ pub fn pick(
     nearest
 }
 
-fn world_position(instance: &CharacterInstance, p: Vec3) -> Vec3 {
-    let q = instance.root.transform_point(Vec2::new(p.x, p.z));
+/// A point in model space, in the world (m).
+pub fn world_position(root: Planar, p: Vec3) -> Vec3 {
+    let q = root.transform_point(Vec2::new(p.x, p.z));
     Vec3::new(q.x, p.y, q.y)
 }
 
@@ -58,7 +59,8 @@ fn may_hit_sphere(ray: &Ray, centre: Vec3, radius: f32, limit: f32) -> bool {
 
 /// The nearest limb of one character.
 fn pick_one(ray: &Ray, volume: &BodyVolume, pose: &[Mat3x4], instance: &CharacterInstance) -> Option<(Joint, f32)> {
-    let place = |joint: Joint, p: Vec3| world_position(instance, pose[joint.index()].to_mat4().transform_point3(p));
+    let place =
+        |joint: Joint, p: Vec3| world_position(instance.root, pose[joint.index()].to_mat4().transform_point3(p));
     let mut nearest: Option<(Joint, f32)> = None;
     for limb in &volume.capsules {
         let capsule = limb.placed(place);
@@ -78,7 +80,6 @@ mod tests {
     use glam::Quat;
     use rand::{RngExt, SeedableRng};
     use rand_pcg::Pcg32;
-    use throng_core::Planar;
 
     fn rest_pose(skeleton: &Skeleton) -> [Mat3x4; NUM_JOINTS] {
         skeleton.rest_positions().map(|p| Mat3x4::from_rotation_translation(Quat::IDENTITY, p))

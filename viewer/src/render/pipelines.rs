@@ -1,8 +1,8 @@
 //! Construction of render pipelines, each from a short description.
 
 use wgpu::{
-    BindGroupLayout, BlendState, BufferBindingType, CompareFunction, Device, RenderPipeline, TextureFormat,
-    TextureViewDimension, VertexAttribute,
+    BindGroup, BindGroupEntry, BindGroupLayout, BindingResource, BlendState, BufferBindingType, CompareFunction,
+    Device, RenderPipeline, TextureFormat, TextureViewDimension, VertexAttribute,
 };
 
 /// Colour format of the picture.
@@ -266,4 +266,16 @@ pub(super) fn texture_layout(device: &Device, label: &str, view_dimension: Textu
     let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
     let entries = [entry(0, texture), entry(1, sampler)];
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// A group of resources, in binding order.
+pub(super) fn bind_group(
+    device: &Device,
+    label: &str,
+    layout: &BindGroupLayout,
+    all: &[BindingResource<'_>],
+) -> BindGroup {
+    let all = (0..).zip(all).map(|(binding, resource)| BindGroupEntry { binding, resource: resource.clone() });
+    let entries: Vec<_> = all.collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }

@@ -1,6 +1,7 @@
 //! The whole view: upload a scene, then draw it from a camera.
 
 use super::characters::{CharacterDraws, CharacterInstance, RecordInstance};
+use super::device::Gpu;
 use super::mesh::{BodyStyle, LEVELS};
 use super::offscreen::{Offscreen, RenderTargets};
 use super::pipelines::{self, Layer, PipelineInput, PipelineOutput, PipelineRecipe};
@@ -39,8 +40,7 @@ pub struct SceneFrame<'a> {
 
 /// Draws scenes into a picture of its own, which can be shown in a window or read back.
 pub struct SceneRenderer {
-    device: wgpu::Device,
-    queue: wgpu::Queue,
+    gpu: Gpu,
     uniform: wgpu::Buffer,
     scene_group: wgpu::BindGroup,
     ground: wgpu::RenderPipeline,
@@ -62,6 +62,7 @@ impl SceneRenderer {
         if available < STORAGE_BUFFERS {
             return Err(RenderError::NoStorageBuffers { available });
         }
+        let gpu = Gpu { device: device.clone(), queue: queue.clone() };
         let scene_layout = pipelines::buffer_layout(device, "scene", &[wgpu::BufferBindingType::Uniform]);
         let uniform = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("scene"),
@@ -69,11 +70,7 @@ impl SceneRenderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let scene_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("scene"),
-            layout: &scene_layout,
-            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
-        });
+        let scene_group = pipelines::bind_group(device, "scene", &scene_layout, &[uniform.as_entire_binding()]);
         let offscreen = Offscreen::new(device, target_format);
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/ground.wgsl")];
         let shader = &pipelines::shader(device, "ground", &pieces);
@@ -86,11 +83,10 @@ impl SceneRenderer {
             ground: surface("ground", ["ground_vertex", "ground_fragment"], PipelineOutput::SOLID, true),
             sky: surface("sky", ["sky_vertex", "sky_fragment"], PipelineOutput::BACKDROP, false),
             characters: CharacterDraws::new(device, &scene_layout),
-            shapes: ShapeDraws::new(device, queue, &scene_layout)?,
+            shapes: ShapeDraws::new(&gpu, &scene_layout)?,
             solids: SolidDraws::new(device, &scene_layout, &offscreen.mask_layout),
             offscreen,
-            device: device.clone(),
-            queue: queue.clone(),
+            gpu,
             uniform,
             scene_group,
             skeleton: Skeleton::default(),
@@ -112,11 +108,10 @@ impl SceneRenderer {
     }
 
     fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<()> {
-        let (device, queue) = (&self.device, &self.queue);
-        self.characters.set_body(device, queue, frame.body, frame.skeleton)?;
-        self.characters.upload(device, queue, frame)?;
-        self.shapes.upload(device, queue, frame.shapes)?;
-        self.solids.upload(device, queue, frame.solids)?;
+        self.characters.set_body(&self.gpu, frame.body, frame.skeleton)?;
+        self.characters.upload(&self.gpu, frame)?;
+        self.shapes.upload(&self.gpu, frame.shapes)?;
+        self.solids.upload(&self.gpu, frame.solids)?;
         if self.skeleton != *frame.skeleton {
             self.skeleton = frame.skeleton.clone();
         }
@@ -128,11 +123,12 @@ impl SceneRenderer {
     ///
     /// - returns the number of characters in view by level of detail, finest first.
     pub fn draw(&mut self, size_px: [u32; 2], camera: &OrbitCamera, colours: &SceneColours) -> [usize; LEVELS] {
-        let targets = self.offscreen.resize(&self.device, size_px);
+        let targets = self.offscreen.resize(&self.gpu.device, size_px);
         let uniform = SceneUniform::new(camera, targets.size, colours, &self.skeleton);
-        self.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
-        let lists = self.characters.choose(&self.queue, camera, targets.size);
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
+        self.gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        let lists = self.characters.choose(&self.gpu.queue, camera, targets.size);
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("scene") });
         {
             let mut pass = mask_pass(&mut encoder, targets);
             pass.set_bind_group(0, &self.scene_group, &[]);
@@ -154,7 +150,7 @@ impl SceneRenderer {
             self.characters.draw(&mut pass, &lists, Layer::Ghosts);
             self.shapes.draw_flat(&mut pass);
         }
-        self.queue.submit([encoder.finish()]);
+        self.gpu.queue.submit([encoder.finish()]);
         lists.per_level()
     }
 
@@ -168,7 +164,7 @@ impl SceneRenderer {
     /// # Errors
     /// [`RenderError::ReadBack`] where the device fails, or where nothing has been drawn.
     pub fn pixels(&self) -> Result<([u32; 2], Vec<u8>)> {
-        self.offscreen.pixels(&self.device, &self.queue)
+        self.offscreen.pixels(&self.gpu)
     }
 }
 

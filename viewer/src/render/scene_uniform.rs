@@ -1,8 +1,8 @@
 //! Data shared by all shaders: camera, light, colours, rest positions.
 
-use super::{OrbitCamera, SceneColours};
+use super::{OrbitCamera, Rgba, SceneColours};
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use throng_core::{NUM_JOINTS, Skeleton};
 
 /// Towards the sun. Steep, so that shadows stay near their feet.
@@ -45,27 +45,8 @@ impl SceneUniform {
             forward: vector(-back, 0.0),
             viewport: [width, height, tan * aspect, tan],
             sun: vector(SUN.normalize(), 0.0),
-            colours: table(colours).map(|c| c.to_array()),
+            colours: bytemuck::cast::<_, [Rgba; 12]>(*colours).map(|c| c.linear().to_array()),
             rest: skeleton.rest_positions().map(|p| vector(p, 1.0)),
         }
     }
-}
-
-/// In the order of `shaders/scene.wgsl`.
-fn table(c: &SceneColours) -> [Vec4; 12] {
-    [
-        c.sky,
-        c.horizon,
-        c.ground,
-        c.grid,
-        c.grid_strong,
-        c.axis_x,
-        c.axis_z,
-        c.shadow,
-        c.light_above,
-        c.light_below,
-        c.light_key,
-        c.selected,
-    ]
-    .map(|c| c.linear())
 }

@@ -1,11 +1,12 @@
 //! Draws a list of shapes: one instanced draw for each kind.
 
 use super::buffer::GrowingBuffer;
+use super::device::Gpu;
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::{Result, ShapeList};
 use bytemuck::{Pod, Zeroable};
 use std::f32::consts::{PI, TAU};
-use wgpu::{BindGroupLayout, BufferUsages, Device, Queue, RenderPass, RenderPipeline};
+use wgpu::{BindGroupLayout, BufferUsages, RenderPass, RenderPipeline};
 
 /// Points around a round cone, and rings of each of its ends.
 const AROUND: usize = 14;
@@ -30,7 +31,8 @@ pub(super) struct ShapeDraws {
 }
 
 impl ShapeDraws {
-    pub fn new(device: &Device, queue: &Queue, scene_layout: &BindGroupLayout) -> Result<Self> {
+    pub fn new(gpu: &Gpu, scene_layout: &BindGroupLayout) -> Result<Self> {
+        let device = &gpu.device;
         let pieces = [include_str!("shaders/scene.wgsl"), include_str!("shaders/shapes.wgsl")];
         let shader = &pipelines::shader(device, "shapes", &pieces);
         let kind = |label, stages, input, output| {
@@ -43,8 +45,8 @@ impl ShapeDraws {
         let mut corners = GrowingBuffer::new(device, "corners", BufferUsages::VERTEX);
         let mut indices = GrowingBuffer::new(device, "triangles", BufferUsages::INDEX);
         let (points, triangles) = round_mesh();
-        corners.write(device, queue, &points)?;
-        indices.write(device, queue, &triangles)?;
+        corners.write(gpu, &points)?;
+        indices.write(gpu, &triangles)?;
         Ok(Self {
             lines: kind("lines", ["line_vertex", "line_fragment"], PipelineInput::Lines, PipelineOutput::OVERLAY),
             rounds: kind("solids", ["round_vertex", "round_fragment"], PipelineInput::Rounds, PipelineOutput::GHOST),
@@ -56,13 +58,12 @@ impl ShapeDraws {
     }
 
     /// Hands the shapes over.
-    pub fn upload(&mut self, device: &Device, queue: &Queue, shapes: &ShapeList) -> Result<()> {
-        self.lines.1.write(device, queue, &shapes.lines)?;
-        self.rounds.1.write(device, queue, &shapes.rounds)?;
-        self.rings.1.write(device, queue, &shapes.rings)?;
-        self.lines.2 = shapes.lines.len() as u32;
-        self.rounds.2 = shapes.rounds.len() as u32;
-        self.rings.2 = shapes.rings.len() as u32;
+    pub fn upload(&mut self, gpu: &Gpu, shapes: &ShapeList) -> Result<()> {
+        let counts = [shapes.lines.len(), shapes.rounds.len(), shapes.rings.len()];
+        [self.lines.2, self.rounds.2, self.rings.2] = counts.map(|count| count as u32);
+        self.lines.1.write(gpu, &shapes.lines)?;
+        self.rounds.1.write(gpu, &shapes.rounds)?;
+        self.rings.1.write(gpu, &shapes.rings)?;
         Ok(())
     }
 
@@ -73,9 +74,9 @@ impl ShapeDraws {
             return;
         }
         pass.set_pipeline(pipeline);
-        pass.set_vertex_buffer(0, self.corners.get().slice(..));
-        pass.set_vertex_buffer(1, instances.get().slice(..));
-        pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_vertex_buffer(0, self.corners.buffer.slice(..));
+        pass.set_vertex_buffer(1, instances.buffer.slice(..));
+        pass.set_index_buffer(self.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..self.num_indices, 0, 0..*count);
     }
 
@@ -84,7 +85,7 @@ impl ShapeDraws {
         for (pipeline, instances, count) in [&self.rings, &self.lines] {
             if *count > 0 {
                 pass.set_pipeline(pipeline);
-                pass.set_vertex_buffer(0, instances.get().slice(..));
+                pass.set_vertex_buffer(0, instances.buffer.slice(..));
                 pass.draw(0..4, 0..*count);
             }
         }

@@ -1,13 +1,14 @@
 //! Draws things that stand in the world: one instanced draw for each mesh.
 
 use super::buffer::GrowingBuffer;
+use super::device::Gpu;
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::solids::{SolidInstance, SolidMesh};
 use super::{Result, Rgba, Solids};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 use std::sync::Arc;
-use wgpu::{BindGroupLayout, BufferUsages, Device, Queue, RenderPipeline};
+use wgpu::{BindGroupLayout, BufferUsages, Device, RenderPipeline};
 
 /// The struct `SolidIn` of `shaders/solids.wgsl`, but for the corner.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -68,20 +69,20 @@ impl SolidDraws {
     }
 
     /// Uploads what has changed.
-    pub fn upload(&mut self, device: &Device, queue: &Queue, solids: &Solids) -> Result<()> {
+    pub fn upload(&mut self, gpu: &Gpu, solids: &Solids) -> Result<()> {
         let are_new = !Arc::ptr_eq(&self.meshes, &solids.meshes);
         if are_new {
-            self.upload_meshes(device, queue, &solids.meshes)?;
+            self.upload_meshes(gpu, &solids.meshes)?;
             self.meshes = Arc::clone(&solids.meshes);
         }
         if are_new || self.shown != solids.instances {
             self.shown.clone_from(&solids.instances);
-            self.upload_instances(device, queue)?;
+            self.upload_instances(gpu)?;
         }
         Ok(())
     }
 
-    fn upload_meshes(&mut self, device: &Device, queue: &Queue, meshes: &[SolidMesh]) -> Result<()> {
+    fn upload_meshes(&mut self, gpu: &Gpu, meshes: &[SolidMesh]) -> Result<()> {
         self.batches.clear();
         self.starts.clear();
         let (mut vertices, mut indices) = (Vec::new(), Vec::new());
@@ -90,22 +91,19 @@ impl SolidDraws {
             vertices.extend_from_slice(&mesh.vertices);
             indices.extend_from_slice(&mesh.indices);
         }
-        self.vertices.write(device, queue, &vertices)?;
-        self.indices.write(device, queue, &indices)?;
+        self.vertices.write(gpu, &vertices)?;
+        self.indices.write(gpu, &indices)?;
         Ok(())
     }
 
-    fn upload_instances(&mut self, device: &Device, queue: &Queue) -> Result<()> {
+    fn upload_instances(&mut self, gpu: &Gpu) -> Result<()> {
         self.batches.clear();
         let is_ghost = |s: &SolidInstance| s.colour.0[3] < 255;
         let mut sorted: Vec<&SolidInstance> =
             self.shown.iter().filter(|s| (s.mesh as usize) < self.starts.len()).collect();
         sorted.sort_by_key(|s| (is_ghost(s), s.mesh));
-        let gpu: Vec<GpuSolid> = sorted
-            .iter()
-            .map(|s| GpuSolid { at: s.at.to_array(), colour: s.colour, turn: s.turn.to_array() })
-            .collect();
-        self.instances.write(device, queue, &gpu)?;
+        let placed = |s: &&SolidInstance| GpuSolid { at: s.at.to_array(), colour: s.colour, turn: s.turn.to_array() };
+        self.instances.write(gpu, &sorted.iter().map(placed).collect::<Vec<_>>())?;
         let mut first = 0;
         for group in sorted.chunk_by(|a, b| (is_ghost(a), a.mesh) == (is_ghost(b), b.mesh)) {
             let mesh = group[0].mesh as usize;
@@ -128,9 +126,9 @@ impl SolidDraws {
         for (i, b) in batches.enumerate() {
             if i == 0 {
                 pass.set_pipeline(if ghosts { &self.ghost } else { &self.solid });
-                pass.set_vertex_buffer(0, self.vertices.get().slice(..));
-                pass.set_vertex_buffer(1, self.instances.get().slice(..));
-                pass.set_index_buffer(self.indices.get().slice(..), wgpu::IndexFormat::Uint32);
+                pass.set_vertex_buffer(0, self.vertices.buffer.slice(..));
+                pass.set_vertex_buffer(1, self.instances.buffer.slice(..));
+                pass.set_index_buffer(self.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
             }
             pass.draw_indexed(b.indices.clone(), b.base_vertex, b.instances.clone());
         }

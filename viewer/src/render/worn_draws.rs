@@ -3,19 +3,14 @@
 use super::Result;
 use super::buffer::GrowingBuffer;
 use super::characters::{GpuMesh, draw_levels};
+use super::device::Gpu;
 use super::mesh::LEVELS;
 use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_core::Mat3x4;
-use wgpu::BindGroup;
-use wgpu::BindGroupLayout;
-use wgpu::Buffer;
-use wgpu::Device;
-use wgpu::Queue;
-use wgpu::RenderPass;
-use wgpu::RenderPipeline;
+use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, Device, RenderPass, RenderPipeline};
 
 /// Characters that wear a mesh of the user's own, for one frame.
 #[derive(Clone, Copy, Debug)]
@@ -76,43 +71,28 @@ impl WornDraws {
     /// Hands over matrices, and a mesh that was not there.
     ///
     /// - `instances`: the instances that are drawn; `are_new`: true if that buffer was replaced.
-    pub fn upload(
-        &mut self,
-        device: &Device,
-        queue: &Queue,
-        worn: &WornFrame<'_>,
-        instances: &Buffer,
-        are_new: bool,
-    ) -> Result<()> {
+    pub fn upload(&mut self, gpu: &Gpu, worn: &WornFrame<'_>, instances: &Buffer, are_new: bool) -> Result<()> {
         if !self.built.as_ref().is_some_and(|b| Arc::ptr_eq(b, worn.mesh)) {
-            for (gpu, level) in self.meshes.iter_mut().zip(&worn.mesh.levels) {
-                gpu.write(device, queue, &level.vertices, &level.indices)?;
+            for (drawn, level) in self.meshes.iter_mut().zip(&worn.mesh.levels) {
+                drawn.write(gpu, &level.vertices, &level.indices)?;
             }
-            self.textures = Some(self.upload_textures(device, queue, worn.mesh));
+            self.textures = Some(self.upload_textures(gpu, worn.mesh));
             self.built = Some(Arc::clone(worn.mesh));
         }
-        let moved = self.matrices.write(device, queue, worn.matrices)?;
+        let moved = self.matrices.write(gpu, worn.matrices)?;
         if moved || are_new || self.group.is_none() {
-            let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-            let [matrices, instances] = [self.matrices.get(), instances].map(Buffer::as_entire_binding);
-            self.group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("worn characters"),
-                layout: &self.layout,
-                entries: &[bind(0, matrices), bind(1, instances)],
-            }));
+            let buffers = [&self.matrices.buffer, instances].map(Buffer::as_entire_binding);
+            self.group = Some(pipelines::bind_group(&gpu.device, "worn characters", &self.layout, &buffers));
         }
         Ok(())
     }
 
-    fn upload_textures(&self, device: &Device, queue: &Queue, mesh: &WornMesh) -> BindGroup {
+    fn upload_textures(&self, Gpu { device, queue }: &Gpu, mesh: &WornMesh) -> BindGroup {
         let levels = TEXTURE_PX.ilog2() + 1;
+        let extent = |side, layers| wgpu::Extent3d { width: side, height: side, depth_or_array_layers: layers };
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("textures of characters"),
-            size: wgpu::Extent3d {
-                width: TEXTURE_PX,
-                height: TEXTURE_PX,
-                depth_or_array_layers: mesh.layers.len() as u32,
-            },
+            size: extent(TEXTURE_PX, mesh.layers.len() as u32),
             mip_level_count: levels,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -136,7 +116,7 @@ impl WornDraws {
                     },
                     &smaller,
                     wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * side), rows_per_image: None },
-                    wgpu::Extent3d { width: side, height: side, depth_or_array_layers: 1 },
+                    extent(side, 1),
                 );
             }
         }
@@ -153,14 +133,8 @@ impl WornDraws {
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         });
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("textures of characters"),
-            layout: &self.texture_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&sampler) },
-            ],
-        })
+        let resources = [BindingResource::TextureView(&view), BindingResource::Sampler(&sampler)];
+        pipelines::bind_group(device, "textures of characters", &self.texture_layout, &resources)
     }
 
     /// Draws the characters of a layer.

@@ -3,6 +3,7 @@
 use glam::Vec3;
 use throng_core::CharacterGroup;
 use throng_core::characters::Blow;
+use throng_precompute::run::policy_characters;
 use throng_simulation::sparring::StruckPart;
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
@@ -38,12 +39,8 @@ pub struct BlowMark {
 pub(super) fn record_blows(simulation: &Simulation, step: u32, marks: &mut impl Extend<BlowMark>) {
     for group in simulation.groups() {
         let (first, character_group) = (group.characters.start, &simulation.character_groups()[group.character_group]);
-        let blows = match character_group {
-            AnyCharacterGroup::Sparring(s) => s.sparring().characters().blows(),
-            AnyCharacterGroup::Policy(p) => p.practice().characters().blows(),
-            _ => continue,
-        };
-        marks.extend(blows.iter().map(|b| {
+        let Some(boxers) = policy_characters(character_group) else { continue };
+        marks.extend(boxers.characters().blows().iter().map(|b| {
             let (character, met) = (first + b.character as usize, blow_result(character_group, b));
             BlowMark { step, character, point: b.point, direction: b.direction, force: b.force, result: met }
         }));

@@ -41,9 +41,7 @@ impl BoutFigures {
         let hits = self.blows.landed.saturating_sub(since.blows.landed);
         if seconds > 0.0 { f64::from(hits) * 60.0 / seconds / characters.max(1) as f64 } else { 0.0 }
     }
-}
 
-impl BoutFigures {
     /// Figures of all groups that strike; none in a scene without any.
     pub fn collect_from(simulation: &Simulation) -> Option<Self> {
         let mut all: Option<Self> = None;

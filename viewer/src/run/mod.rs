@@ -11,7 +11,6 @@ mod choice_reason;
 mod choices;
 mod config;
 mod figures;
-mod fork;
 mod recording;
 mod reel;
 mod scene;
@@ -25,24 +24,23 @@ pub use choice_reason::{ActionCandidate, BehaviourScore, ChoiceReason, explain_c
 pub use choices::{GoalSubject, PolicyChooser, RecordedChoice, RunGoal};
 pub use config::{CrowdRunConfig, MAX_CHARACTERS, MAX_TARGET_M, STEP_HZ, TargetMode};
 pub use figures::{BoutFigures, Slip, StepFigures};
-pub use fork::CrowdFork;
 pub use recording::{RECORDED_STEPS, TRAIL_EVERY};
 pub use reel::{PlayHead, Reel};
 pub use scene::SceneRun;
-pub use simulation::RunInput;
+pub use simulation::{CrowdSimulation, RunInput};
 pub use world::{InhabitantsMoment, WorldRun};
 
 use crate::bundle::OpenBundle;
 use glam::{Vec2, Vec3};
 use recording::CrowdRecording;
-use simulation::CrowdSimulation;
 use throng_core::Result;
 use throng_core::characters::Characters;
 
 /// A run of a crowd, with the record of its last minute.
 #[derive(Clone, Debug)]
 pub struct CrowdRun {
-    simulation: CrowdSimulation,
+    /// The characters at the step shown.
+    pub(crate) simulation: CrowdSimulation,
     recording: CrowdRecording,
     /// Which of the recorded steps is shown.
     pub head: PlayHead,

@@ -37,13 +37,6 @@ const LEAST_STATES: usize = 2;
 /// Steps between two points of a trail.
 const TRAIL_EVERY: u32 = 6;
 
-/// State of a scene at a step, before the inputs that were given there.
-#[derive(Clone)]
-struct SceneKeyframe {
-    step: u32,
-    state: SceneRunState,
-}
-
 /// A scene that runs, with the record of its last minute.
 pub struct SceneRun {
     state: SceneRunState,
@@ -53,8 +46,9 @@ pub struct SceneRun {
     state_bytes: usize,
     /// Which of the recorded steps is shown.
     pub head: PlayHead,
-    /// Ascending; the first is the state of the first recorded step.
-    keyframes: VecDeque<SceneKeyframe>,
+    /// States at steps, before the inputs that were given there, ascending; the first is that of the first recorded
+    /// step.
+    keyframes: VecDeque<(u32, SceneRunState)>,
     /// Inputs that took effect after the steps that they were given at, in order.
     inputs: VecDeque<(u32, RunInput)>,
     /// Events of the recorded steps, with their steps.
@@ -90,7 +84,7 @@ fn state_bytes(simulation: &Simulation) -> usize {
 impl SceneRun {
     /// All characters where they start, or in a saved state.
     ///
-    /// - `kept`: what [`SceneRun::snapshot`] gave for the same scene.
+    /// - `kept`: what [`Simulation::snapshot`] gave for the same scene.
     ///
     /// # Errors
     /// [`throng_core::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
@@ -111,21 +105,19 @@ impl SceneRun {
         let mut head = PlayHead::default();
         head.record(step..=step, step);
         let mut run = Self {
+            spread: SpreadLog::from_agent_brains(state.simulation.brains()),
+            figures: VecDeque::from([(step, state.figures)]),
             first_agent: first_agent(&state.simulation),
             state_bytes: state_bytes(&state.simulation),
-            keyframes: VecDeque::from([SceneKeyframe { step, state: state.clone() }]),
+            keyframes: VecDeque::from([(step, state.clone())]),
             state,
             head,
             inputs: VecDeque::new(),
             events: VecDeque::new(),
             log: EventLog::default(),
-            spread: SpreadLog::default(),
             marks: VecDeque::new(),
-            figures: VecDeque::new(),
             trails: VecDeque::new(),
         };
-        run.figures.push_back((step, run.state.figures));
-        run.spread = SpreadLog::from_agent_brains(run.simulation().brains());
         run.log_totals();
         run.keep_trail(step);
         Ok(run)
@@ -134,11 +126,6 @@ impl SceneRun {
     /// The scene at the step shown.
     pub fn simulation(&self) -> &Simulation {
         &self.state.simulation
-    }
-
-    /// The state at the step shown, for [`SceneRun::new`].
-    pub fn snapshot(&self) -> Vec<u8> {
-        self.state.simulation.snapshot()
     }
 
     /// Figures of the shown step.
@@ -204,21 +191,18 @@ impl SceneRun {
         let shown = self.head.shown_step();
         self.head.seek(step);
         let step = self.head.shown_step();
-        let after = self.keyframes.partition_point(|k| k.step <= step);
-        let before = &self.keyframes[after.saturating_sub(1)];
+        let after = self.keyframes.partition_point(|k| k.0 <= step);
+        let (before, state) = &self.keyframes[after.saturating_sub(1)];
         let mut at = shown;
-        if step < shown || before.step > shown {
-            self.state.clone_from(&before.state);
-            at = before.step;
+        if step < shown || *before > shown {
+            self.state.clone_from(state);
+            at = *before;
             self.take_inputs(at)?;
         }
         while at < step {
             let done = self.state.advance_to(at + 1).and_then(|()| self.take_inputs(at + 1));
-            if done.is_err() {
-                // The play head stays at the last step that could be repeated.
-                self.head.seek(at);
-                return done;
-            }
+            // The play head stays at the last step that could be repeated.
+            done.inspect_err(|_| self.head.seek(at))?;
             at += 1;
         }
         Ok(())
@@ -239,7 +223,7 @@ impl SceneRun {
         let Some(input) = input.limited() else { return Ok(()) };
         self.state.apply_input(&input)?;
         let now = self.head.shown_step();
-        self.keyframes.truncate(self.keyframes.partition_point(|k| k.step <= now).max(1));
+        self.keyframes.truncate(self.keyframes.partition_point(|k| k.0 <= now).max(1));
         self.events.truncate(self.events.partition_point(|e| e.0 <= now));
         self.marks.truncate(self.marks.partition_point(|m| m.step <= now));
         self.figures.truncate(self.figures.partition_point(|f| f.0 <= now));
@@ -312,12 +296,12 @@ impl SceneRun {
         self.log_totals();
         self.keep_trail(step);
         if step.is_multiple_of(STATE_EVERY) {
-            self.keyframes.push_back(SceneKeyframe { step, state: self.state.clone() });
+            self.keyframes.push_back((step, self.state.clone()));
         }
         let mut first = *self.head.recorded().start();
         let is_large = self.keyframes.len() * self.state_bytes > MAX_BYTES && self.keyframes.len() > LEAST_STATES;
         let is_full = step - first > RECORDED_STEPS + STATE_EVERY || is_large;
-        if let Some(second) = self.keyframes.get(1).map(|k| k.step).filter(|_| is_full) {
+        if let Some(second) = self.keyframes.get(1).map(|k| k.0).filter(|_| is_full) {
             self.keyframes.pop_front();
             while self.inputs.pop_front_if(|i| i.0 < second).is_some() {}
             while self.events.pop_front_if(|e| e.0 < second).is_some() {}
@@ -331,14 +315,11 @@ impl SceneRun {
 
     /// Writes the events of agents into the log, with where they happened.
     fn log_events(&mut self) {
+        let Some(first) = self.first_agent else { return };
         for group in self.state.simulation.character_groups() {
             match group {
-                AnyCharacterGroup::Ground(agents) => {
-                    log_engine_events(&mut self.log, self.first_agent, agents, &self.trails)
-                }
-                AnyCharacterGroup::Air(agents) => {
-                    log_engine_events(&mut self.log, self.first_agent, agents, &self.trails)
-                }
+                AnyCharacterGroup::Ground(agents) => log_engine_events(&mut self.log, first, agents, &self.trails),
+                AnyCharacterGroup::Air(agents) => log_engine_events(&mut self.log, first, agents, &self.trails),
                 _ => {}
             }
         }
@@ -347,24 +328,18 @@ impl SceneRun {
     /// Writes the events of agent brains into the log.
     fn log_brain_events(&mut self) {
         let (simulation, Some(first)) = (&self.state.simulation, self.first_agent) else { return };
-        let place = |who: usize| {
+        let position = |who: usize| {
             let last = || *self.trails.back()?.1.get(who)?;
             simulation.disc(who).map(|d| d.centre).or_else(last)
         };
         for turn in simulation.brains().map_or(&[][..], |m| m.turns()) {
             self.spread.record_turn(turn);
-            let Some((what, with)) = AgentEventKind::from_brain_event(turn, first) else { continue };
-            let agent = first + turn.agent;
-            self.log.add(AgentEvent {
-                time_s: turn.time_s,
-                agent,
-                kind: what,
-                other_party: with,
-                place: turn.place,
-                message: turn.event,
-                at: place(agent).unwrap_or_default(),
-                other_at: with.other().and_then(place).filter(|_| what == AgentEventKind::Learnt),
-            });
+            let Some((kind, other_party)) = AgentEventKind::from_brain_event(turn, first) else { continue };
+            let (time_s, agent, message) = (turn.time_s, first + turn.agent, turn.event);
+            let at = position(agent).unwrap_or_default();
+            let other_at = other_party.other().and_then(position).filter(|_| kind == AgentEventKind::Learnt);
+            let place = turn.place;
+            self.log.add(AgentEvent { time_s, agent, kind, other_party, place, message, at, other_at });
         }
     }
 
@@ -386,33 +361,24 @@ impl SceneRun {
 /// Writes the events of the last step into a log.
 fn log_engine_events<V: throng_crowd::Space>(
     log: &mut EventLog,
-    first: Option<usize>,
+    first: usize,
     agents: &SceneAgents<V>,
     trails: &VecDeque<(u32, Vec<Option<Vec3>>)>,
 ) {
-    let Some(first) = first else { return };
     let place = |agent: usize, event: &CrowdEvent| {
         let last = || *trails.back()?.1.get(first + agent)?;
         agents.position(agent, event.time).map(world_vector).or_else(last)
     };
     for event in agents.engine_events() {
-        let Some((what, with)) = AgentEventKind::from_engine_event(&event.kind, |id| agents.agent_of(id)) else {
-            continue;
+        let named = AgentEventKind::from_engine_event(&event.kind, |id| agents.agent_of(id));
+        let (Some((kind, party)), Some(agent)) = (named, agents.agent_of(event.agent)) else { continue };
+        let (other_party, other_at) = match party {
+            OtherParty::Agent(other) => (OtherParty::Agent(first + other), place(other, event)),
+            party => (party, None),
         };
-        let Some(agent) = agents.agent_of(event.agent) else { continue };
-        let other_at = if let OtherParty::Agent(other) = with { place(other, event) } else { None };
-        let with = if let OtherParty::Agent(other) = with { OtherParty::Agent(first + other) } else { with };
-        let at = place(agent, event).unwrap_or_default();
-        log.add(AgentEvent {
-            time_s: event.time,
-            agent: first + agent,
-            kind: what,
-            other_party: with,
-            place: None,
-            message: None,
-            at,
-            other_at,
-        });
+        let (at, time_s) = (place(agent, event).unwrap_or_default(), event.time);
+        let (agent, place, message) = (first + agent, None, None);
+        log.add(AgentEvent { time_s, agent, kind, other_party, place, message, at, other_at });
     }
 }
 

@@ -119,16 +119,16 @@ impl CrowdKeyframe {
     }
 }
 
-/// The characters at one instant.
+/// The characters at one instant. A copy goes on by itself, beside the run that is shown, without its later inputs.
 #[derive(Clone, Debug)]
-pub(super) struct CrowdSimulation {
-    pub config: CrowdRunConfig,
-    pub characters: Characters,
+pub struct CrowdSimulation {
+    pub(super) config: CrowdRunConfig,
+    pub(crate) characters: Characters,
     /// Goals that are weighed (number of weights).
-    pub goals: Vec<RunGoal>,
-    pub around: RunSurroundings,
+    pub(super) goals: Vec<RunGoal>,
+    pub(super) around: RunSurroundings,
     /// Position of the eye (m).
-    pub eye: Vec2,
+    pub(super) eye: Vec2,
     slip: SlipMeter,
 }
 
@@ -136,7 +136,7 @@ impl CrowdSimulation {
     /// Characters on a loose grid, each with a target in some direction. No step has been taken.
     ///
     /// - `weights`: of the first behaviours, which are weighed.
-    pub fn new(bundle: &OpenBundle, config: CrowdRunConfig, weights: Vec<f32>) -> Result<Self> {
+    pub(super) fn new(bundle: &OpenBundle, config: CrowdRunConfig, weights: Vec<f32>) -> Result<Self> {
         let (starts, targets) = scatter(&config, &trial::start_states(bundle.tables(), &config.characters()));
         let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
         let goals = (0..weights.len()).map(|policy| RunGoal { policy, subject: GoalSubject::Target }).collect();
@@ -146,11 +146,11 @@ impl CrowdSimulation {
         Ok(Self { config, characters, goals, around, eye: Vec2::ZERO, slip: SlipMeter::new(n) })
     }
 
-    pub fn keyframe(&self) -> CrowdKeyframe {
+    pub(super) fn keyframe(&self) -> CrowdKeyframe {
         CrowdKeyframe { characters: self.characters.snapshot(), around: self.around.clone() }
     }
 
-    pub fn restore(&mut self, bundle: &OpenBundle, keyframe: &CrowdKeyframe) -> Result<()> {
+    pub(super) fn restore(&mut self, bundle: &OpenBundle, keyframe: &CrowdKeyframe) -> Result<()> {
         self.characters.restore(bundle.motion_set(), &keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
@@ -158,7 +158,7 @@ impl CrowdSimulation {
     }
 
     /// Applies an input.
-    pub fn apply_input(&mut self, bundle: &OpenBundle, input: &RunInput) -> Result<()> {
+    pub(super) fn apply_input(&mut self, bundle: &OpenBundle, input: &RunInput) -> Result<()> {
         match input {
             RunInput::Target { character, to } => self.move_target(*character, *to),
             RunInput::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
@@ -168,8 +168,15 @@ impl CrowdSimulation {
         Ok(())
     }
 
+    /// Moves a target, or all targets if no character is named, within [`super::MAX_TARGET_M`].
+    pub(crate) fn send(&mut self, character: Option<usize>, to: Vec3) {
+        if let Some(RunInput::Target { character, to }) = (RunInput::Target { character, to }).limited() {
+            self.move_target(character, to);
+        }
+    }
+
     /// Moves a target; all targets if no character is named.
-    pub fn move_target(&mut self, character: Option<usize>, to: Vec3) {
+    pub(super) fn move_target(&mut self, character: Option<usize>, to: Vec3) {
         let targets = &mut self.around.targets;
         match character {
             None => targets.fill(to),
@@ -178,7 +185,7 @@ impl CrowdSimulation {
     }
 
     /// One step; the very first one only takes the first choices. Measures it.
-    pub fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures> {
+    pub(crate) fn step(&mut self, bundle: &OpenBundle) -> Result<StepFigures> {
         let dt = if self.around.step == 0 { 0.0 } else { 1.0 / STEP_HZ };
         let begin = Instant::now();
         self.move_characters(bundle, dt)?;

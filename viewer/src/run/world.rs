@@ -5,7 +5,8 @@
 
 use super::STEP_HZ;
 use super::reel::Reel;
-use glam::{Vec2, Vec3};
+use crate::render::picking::world_position;
+use glam::Vec3;
 use std::time::Instant;
 use throng_core::characters::CharactersConfig;
 use throng_core::{CharacterGroup, Id, Inline, Mat3x4, NUM_JOINTS, Planar, Result};
@@ -100,9 +101,7 @@ impl WorldRun {
     /// Hips of a character at the step shown (m, character < num_characters).
     pub fn hips(&self, character: usize) -> Vec3 {
         let m = self.moment();
-        let hips = m.poses[character * NUM_JOINTS].translation();
-        let p = m.roots[character].transform_point(Vec2::new(hips.x, hips.z));
-        Vec3::new(p.x, hips.y, p.y)
+        world_position(m.roots[character], m.poses[character * NUM_JOINTS].translation())
     }
 
     /// The present characters, with their paths and reservations.

@@ -2,9 +2,9 @@
 
 use super::{StageLayout, StagePalette, body, cues};
 use crate::bundle::OpenBundle;
-use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba};
 use crate::run::{BlendCompanions, BlendMoment, BlendRun};
+use crate::settings::Overlays;
 use glam::Vec3;
 use throng_core::{NUM_JOINTS, Planar};
 
@@ -15,13 +15,7 @@ const TRAIL_EVERY: u32 = 4;
 /// Height of lines above the ground (m).
 const ABOVE_M: f32 = 0.012;
 
-pub(super) fn lay_out(
-    out: &mut StageLayout,
-    model: &Model,
-    bundle: &OpenBundle,
-    run: &BlendRun,
-    palette: &StagePalette,
-) {
+pub(super) fn lay_out(out: &mut StageLayout, o: Overlays, bundle: &OpenBundle, run: &BlendRun, palette: &StagePalette) {
     let moment = run.moment();
     let database = bundle.tables().skeleton();
     for (i, (body, &root)) in run.bodies().zip(&moment.roots).enumerate() {
@@ -30,7 +24,6 @@ pub(super) fn lay_out(
         let colour = colour(run.blending().companions, i, palette);
         out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     }
-    let o = model.settings.overlays;
     for (i, &root) in moment.roots.iter().enumerate() {
         let pose = &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS];
         if o.trails {

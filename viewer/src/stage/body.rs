@@ -58,11 +58,8 @@ pub(super) fn axis_of_limb(database: &Skeleton, joint: usize) -> Option<usize> {
 
 /// Adds the poses of a body, so that they skin the database skeleton's triangles to it.
 pub(super) fn push_stretched(poses: &mut Vec<Mat3x4>, pose: &[Mat3x4], stretch: &Stretch) {
-    poses.extend(
-        pose.iter()
-            .zip(stretch)
-            .map(|(m, s)| Mat3x4 { rows: m.rows.map(|[x, y, z, at]| [x * s.x, y * s.y, z * s.z, at]) }),
-    );
+    let stretched = |(m, s): (&Mat3x4, &Vec3)| m.rows.map(|[x, y, z, at]| [x * s.x, y * s.y, z * s.z, at]);
+    poses.extend(pose.iter().zip(stretch).map(|joint| Mat3x4 { rows: stretched(joint) }));
 }
 
 #[cfg(test)]

@@ -67,12 +67,8 @@ pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, selected: Option<us
 /// A ball on a string, its shadow on the ground, and where it hangs while it swings.
 fn hanging(shapes: &mut ShapeList, target: &StruckTarget, radius: f32, is_selected: bool, palette: &StagePalette) {
     let (home, at) = (target.home, target.position());
-    shapes.line(
-        home + Vec3::Y * STRING_M,
-        at + (home + Vec3::Y * STRING_M - at).normalize() * radius,
-        1.5,
-        palette.middle.alpha(0.6),
-    );
+    let hook = home + Vec3::Y * STRING_M;
+    shapes.line(hook, at + (hook - at).normalize() * radius, 1.5, palette.middle.alpha(0.6));
     shapes.sphere(at, radius, palette.target);
     if home.distance(at) > 0.02 {
         shapes.circle(home, radius, 1.0, palette.target.alpha(0.8));

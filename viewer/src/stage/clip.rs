@@ -51,7 +51,9 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, bundle: &OpenBundle,
 fn draw_cues(out: &mut StageLayout, model: &Model, bundle: &OpenBundle, row: u32, palette: &StagePalette) {
     let o = model.settings.overlays;
     if o.trails {
-        let points: Vec<Vec3> = path(model, bundle).map(|p| p.with_y(0.012)).collect();
+        let record = bundle.tables().clips()[model.selection.clip];
+        let rows = (record.first_frame..record.first_frame + record.num_frames).step_by(3);
+        let points: Vec<Vec3> = rows.map(|row| bundle.planar(row).translation().with_y(0.012)).collect();
         out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
     }
     if o.contacts {
@@ -71,11 +73,4 @@ fn planar(bundle: &OpenBundle, row: u32, ratio: f32) -> Planar {
     let b = bundle.planar(row + 1);
     // Headings are unwrapped within a clip.
     Planar::new(a.x + (b.x - a.x) * ratio, a.z + (b.z - a.z) * ratio, a.heading + (b.heading - a.heading) * ratio)
-}
-
-/// The ground path of the clip shown (m).
-fn path(model: &Model, bundle: &OpenBundle) -> impl Iterator<Item = Vec3> {
-    let record = bundle.tables().clips().get(model.selection.clip);
-    let rows = record.map_or(0..0, |r| r.first_frame..r.first_frame + r.num_frames);
-    rows.step_by(3).map(|row| bundle.planar(row).translation())
 }

@@ -17,13 +17,8 @@ const MAX_CUES: usize = 2000;
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
 
-pub(super) fn lay_out(
-    out: &mut StageLayout,
-    model: &Model,
-    bundle: &OpenBundle,
-    run: &CrowdRun,
-    palette: &StagePalette,
-) {
+pub(super) fn lay_out(out: &mut StageLayout, model: &Model, palette: &StagePalette) {
+    let Some((bundle, run)) = model.shown_crowd() else { return };
     let n = run.characters().num_characters();
     let selected = model.selection.character;
     let (characters, has_records) = (run.characters(), !run.characters().instances().is_empty());
@@ -75,10 +70,9 @@ fn colour(model: &Model, bundle: &OpenBundle, run: &CrowdRun, c: usize, palette:
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < run.config().reach_m { palette.reached } else { palette.on_the_way }
         }
-        Colouring::Clip | Colouring::Speed => match run.chooser(bundle, c) {
-            Some(chooser) => colour_of_segment(&chooser, model.settings.colouring, palette),
-            None => palette.plain,
-        },
+        Colouring::Clip | Colouring::Speed => run
+            .chooser(bundle, c)
+            .map_or(palette.plain, |chooser| colour_of_segment(&chooser, model.settings.colouring, palette)),
     }
 }
 

@@ -39,15 +39,10 @@ pub(super) fn trail(shapes: &mut ShapeList, points: &[Vec3], width: f32, colour:
 }
 
 /// A mark on the ground below every heel and toe, strong while it is planted.
-pub(super) fn contacts(
-    shapes: &mut ShapeList,
-    joints: &[Vec3; NUM_JOINTS],
-    contacts: Contacts,
-    palette: &StagePalette,
-) {
+pub(super) fn contacts(shapes: &mut ShapeList, joints: &[Vec3; NUM_JOINTS], planted: Contacts, palette: &StagePalette) {
     for (joint, part) in FOOT_PARTS {
         let at = joints[joint.index()].with_y(0.01);
-        if contacts.any(part) {
+        if planted.any(part) {
             shapes.disc(at, 0.055, palette.planted.alpha(0.85));
         } else {
             shapes.ring(at, 0.035, 0.042, palette.lifted);
@@ -94,4 +89,10 @@ pub(super) fn category(n: usize) -> Rgba {
     const COLOURS: [u32; 10] =
         [0x4e79a7, 0xf28e2b, 0x59a14f, 0xe15759, 0x76b7b2, 0xedc948, 0xb07aa1, 0xff9da7, 0x9c755f, 0x8cd17d];
     Rgba::hex(COLOURS[n % COLOURS.len()])
+}
+
+/// The edges of a box, from its corners in the order of [`throng_geometry::BoundingBox::corners`].
+pub(super) fn box_edges(corners: [Vec3; 8]) -> impl Iterator<Item = [Vec3; 2]> {
+    let rising = |i: usize| [i | 1, i | 2, i | 4].into_iter().filter(move |&k| k != i).map(move |k| [i, k]);
+    (0..8).flat_map(rising).map(move |ends| ends.map(|i| corners[i]))
 }

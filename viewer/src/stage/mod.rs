@@ -112,7 +112,7 @@ impl StageLayout {
             OpenDocument::Task(t) => task::lay_out(self, model, t, &palette, dark),
             OpenDocument::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());
-                self.solids.meshes = Arc::clone(w.meshes());
+                self.solids.meshes = Arc::clone(&w.meshes);
                 match model.shows_clip() {
                     true => clip::lay_out(self, model, w.bundle(), &palette),
                     false => world::lay_out(self, model, w, &palette, dark),
@@ -130,8 +130,8 @@ impl StageLayout {
             OpenDocument::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
                 match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
-                    (Some((bundle, run)), _) => crowd::lay_out(self, model, bundle, run, &palette),
-                    (None, Some(run)) => blend::lay_out(self, model, &b.bundle, run, &palette),
+                    (Some(_), _) => crowd::lay_out(self, model, &palette),
+                    (None, Some(run)) => blend::lay_out(self, model.settings.overlays, &b.bundle, run, &palette),
                     (None, None) => clip::lay_out(self, model, &b.bundle, &palette),
                 }
             }

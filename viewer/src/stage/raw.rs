@@ -4,20 +4,13 @@ use super::{StageLayout, StagePalette, cues};
 use crate::document::RawMotion;
 use crate::model::Model;
 use crate::render::CharacterInstance;
+use crate::render::mesh::BodySide;
 use crate::settings::RawView;
 use glam::Vec3;
 use throng_core::{Joint, Mat3x4, Planar};
 
 /// Offset of the source's joints from the body (m).
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
-
-/// Side of the body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum JointSide {
-    Left,
-    Right,
-    Middle,
-}
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
     let view = model.settings.raw_view;
@@ -33,13 +26,8 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, motion: &RawMotion, 
     let frame = motion.clip_frame(model.player.frame);
     let joints = clip.joint_transforms(&motion.clips.skeleton, frame);
     out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
-    let usable = clip.is_usable(frame);
-    out.instances.push(CharacterInstance {
-        root: Planar::IDENTITY,
-        colour: if usable { palette.on_the_way } else { palette.plain },
-        is_selected: false,
-        look: 0,
-    });
+    let colour = if clip.is_usable(frame) { palette.on_the_way } else { palette.plain };
+    out.instances.push(CharacterInstance { root: Planar::IDENTITY, colour, is_selected: false, look: 0 });
     let o = model.settings.overlays;
     if o.contacts {
         let contacts = clip.contacts.get(frame).copied().unwrap_or_default();
@@ -68,9 +56,9 @@ fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, shift: Vec3,
     let hips = motion.imported.roles.get(Joint::Hips);
     for (j, ((joint, &(at, rotation)), side)) in raw.joints.iter().zip(&world).zip(sides(motion)).enumerate() {
         let colour = match side {
-            JointSide::Left => palette.left,
-            JointSide::Right => palette.right,
-            JointSide::Middle => palette.middle,
+            BodySide::Left => palette.left,
+            BodySide::Right => palette.right,
+            BodySide::Middle => palette.middle,
         };
         // The connection from the origin to the hips is not a limb.
         if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
@@ -86,16 +74,15 @@ fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, shift: Vec3,
 }
 
 /// Side of each of the source's joints: from its role, or else from its parent (number of joints).
-fn sides(motion: &RawMotion) -> Vec<JointSide> {
+fn sides(motion: &RawMotion) -> Vec<BodySide> {
     let joints = &motion.imported.clip.joints;
-    let mut sides: Vec<JointSide> = Vec::with_capacity(joints.len());
+    let mut sides: Vec<BodySide> = Vec::with_capacity(joints.len());
     for (j, joint) in joints.iter().enumerate() {
         let role = Joint::ALL.into_iter().find(|&role| motion.imported.roles.get(role) == Some(j));
         sides.push(match (role, joint.parent) {
-            (Some(role), _) if role.name().starts_with("left") => JointSide::Left,
-            (Some(role), _) if role.name().starts_with("right") => JointSide::Right,
-            (Some(_), _) | (None, None) => JointSide::Middle,
+            (Some(role), _) => BodySide::of_joint(role),
             (None, Some(parent)) => sides[parent],
+            (None, None) => BodySide::Middle,
         });
     }
     sides

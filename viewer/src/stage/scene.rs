@@ -35,18 +35,18 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     doors(out, scene.surroundings(), simulation, &brush);
     things(out, scene.surroundings(), simulation, &brush);
     obstacles::lay_out(&mut out.shapes, scene.surroundings(), simulation.time_s(), &brush);
-    agents::lay_out_blackboards(&mut out.shapes, simulation, &model.selection.scene, &brush);
+    agents::lay_out_blackboards(&mut out.shapes, simulation, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
-            let colour = match by_message(model, simulation, who) {
-                Some((minds, agent, event)) => agents::colour_by_message(minds, agent, event, &brush),
+            let colour = match by_message(simulation, who, &brush) {
+                Some((brains, agent, event)) => agents::colour_by_message(brains, agent, event, &brush),
                 None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, g, who, palette)),
             };
-            character(out, model, simulation, who, colour, &brush);
+            character(out, simulation, who, colour, &brush);
         }
     }
     bout::lay_out(out, run, selected, palette);
-    agents::lay_out(out, model, scene, &brush);
+    agents::lay_out(out, run, &brush);
     let mut o = model.settings.overlays;
     // On hills, marks on level ground would be hidden.
     o.contacts &= !scene.surroundings().has_hills;
@@ -73,30 +73,27 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
 
 /// Agent brains, number of an agent, and number of the message, if the agent is coloured by its knowledge of a
 /// message.
-fn by_message<'a>(model: &Model, simulation: &'a Simulation, who: usize) -> Option<(&'a AgentBrains, usize, usize)> {
-    let event = model.selection.scene.message?;
+fn by_message<'a>(
+    simulation: &'a Simulation,
+    who: usize,
+    brush: &Brush<'_>,
+) -> Option<(&'a AgentBrains, usize, usize)> {
+    let event = brush.options.message?;
     let brains = simulation.brains().filter(|m| event < m.event_names().len())?;
     let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < brains.len())?;
     Some((brains, agent, event))
 }
 
 /// A body, a disc on the ground, or a ball in the air.
-fn character(
-    out: &mut StageLayout,
-    model: &Model,
-    simulation: &Simulation,
-    who: usize,
-    colour: Rgba,
-    brush: &Brush<'_>,
-) {
+fn character(out: &mut StageLayout, simulation: &Simulation, who: usize, colour: Rgba, brush: &Brush<'_>) {
     let Some(root) = simulation.root(who) else { return };
-    let is_selected = model.selection.character == Some(who);
+    let is_selected = brush.selected == Some(who);
     let disc = simulation.disc(who);
-    let pose = simulation.pose(who).filter(|_| disc.is_none() || model.selection.scene.bodies);
+    let pose = simulation.pose(who).filter(|_| disc.is_none() || brush.options.bodies);
     if let Some(disc) = &disc {
         let colour = if pose.is_some() { colour.alpha(BELOW_BODIES) } else { colour };
         // Where one message is looked at, discs have its colour.
-        let disc = Disc { knows: disc.knows && model.selection.scene.message.is_none(), ..*disc };
+        let disc = Disc { knows: disc.knows && brush.options.message.is_none(), ..*disc };
         agents::disc(&mut out.shapes, brush, &disc, colour, is_selected);
     }
     if let Some(pose) = pose {
@@ -110,20 +107,15 @@ fn character(
 fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize, palette: &StagePalette) -> Rgba {
     let simulation = scene.run().simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
+    let speed = || simulation.disc(who).map_or(0.0, |d| d.velocity.length());
+    let by_desired = |desired: f32| by_speed(speed() / desired.max(1e-3));
     match (colouring, simulation.locate(who)) {
         (Colouring::Plain, _) => palette.plain,
         (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
-        (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_speed(
-            simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
-        ),
-        (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_speed(
-            simulation.disc(who).map_or(0.0, |d| d.velocity.length()) / desired(a.layout().setup.agents[m].speed),
-        ),
+        (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_desired(a.layout().setup.agents[m].speed),
+        (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed | Colouring::Clip, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_), _)) => {
-            match scene.chooser(who) {
-                Some(chooser) => crowd::colour_of_segment(&chooser, colouring, palette),
-                None => palette.plain,
-            }
+            scene.chooser(who).map_or(palette.plain, |c| crowd::colour_of_segment(&c, colouring, palette))
         }
         (Colouring::Speed, _) => palette.plain,
         (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::colour_of(i.state(m).activity),
@@ -131,11 +123,6 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
         (Colouring::Target, (AnyCharacterGroup::Policy(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),
     }
-}
-
-/// A desired speed that can be divided by (m/s).
-fn desired(speed: f32) -> f32 {
-    speed.max(1e-3)
 }
 
 /// Obstacles, hills, and the units of worlds.
@@ -154,10 +141,8 @@ fn draw_surroundings(out: &mut StageLayout, standing: &SceneSurroundings, brush:
 /// Doors: closed ones stand, of open ones only the sill is seen.
 fn doors(out: &mut StageLayout, standing: &SceneSurroundings, simulation: &Simulation, brush: &Brush<'_>) {
     let colour = Rgba::hex(if brush.dark { 0xb5793f } else { 0xa0622a });
-    let ground = simulation
-        .character_groups()
-        .iter()
-        .find_map(|c| if let AnyCharacterGroup::Ground(a) = c { Some(a) } else { None });
+    let mut groups = simulation.character_groups().iter();
+    let ground = groups.find_map(|c| if let AnyCharacterGroup::Ground(a) = c { Some(a) } else { None });
     let Some(agents) = ground else { return };
     for (d, door) in standing.doors.iter().enumerate() {
         if agents.is_open(d) {

@@ -57,7 +57,7 @@ pub fn end_of_limb(task: &TaskDocument, done: &StepOutcome, clip: &Clip, frame: 
 }
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, task: &TaskDocument, palette: &StagePalette, dark: bool) {
-    out.solids.meshes = Arc::clone(task.meshes());
+    out.solids.meshes = Arc::clone(&task.meshes);
     if let Some(first) = task.actors().first() {
         out.skeleton.clone_from(&first.skeleton);
     }
@@ -115,11 +115,9 @@ fn frame(clip: &Clip, time_s: f64) -> usize {
 
 fn things(out: &mut StageLayout, model: &Model, task: &TaskDocument, time_s: f64, palette: &StagePalette, dark: bool) {
     let selected = model.selection.plan.handle;
-    let instance = |i: usize, at: Rigid, colour: Rgba| SolidInstance {
-        mesh: i as u32,
-        at: at.position.as_vec3(),
-        turn: at.rotation.as_quat(),
-        colour,
+    let instance = |i: usize, place: Rigid, colour: Rgba| {
+        let (at, turn) = (place.position.as_vec3(), place.rotation.as_quat());
+        SolidInstance { mesh: i as u32, at, turn, colour }
     };
     for i in 0..task.task().things.len() {
         let tint = Rgba::hex(TINTS[i % TINTS.len()]);

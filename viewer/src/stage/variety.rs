@@ -70,11 +70,6 @@ pub(super) fn look_bits(character: usize) -> u32 {
     (bits(character) >> 32) as u32 | 1 << 31
 }
 
-/// Shirt colour of a character, if shirts have no meaning.
-pub(super) fn shirt(character: usize) -> Rgba {
-    Rgba::hex(SHIRTS[(bits(character) >> 8) as usize % SHIRTS.len()])
-}
-
 /// True where bodies differ: capsules show poses as they are.
 pub(super) fn is_wanted(model: &Model) -> bool {
     model.settings.varied && model.settings.body != BodyStyle::Capsules && !model.shows_clip() && !model.shows_blend()
@@ -83,7 +78,7 @@ pub(super) fn is_wanted(model: &Model) -> bool {
 /// Colour of a character: its shirt colour if colours have no meaning.
 pub(super) fn shirt_or_plain(model: &Model, character: usize, plain: Rgba) -> Rgba {
     let is_shirt = is_wanted(model) && model.settings.colouring == Colouring::Plain;
-    if is_shirt { shirt(character) } else { plain }
+    if is_shirt { Rgba::hex(SHIRTS[(bits(character) >> 8) as usize % SHIRTS.len()]) } else { plain }
 }
 
 impl BodyVariants {

@@ -121,17 +121,8 @@ fn outline(out: &mut StageLayout, bounds: BoundingBox, at: Placement, colour: Rg
         return;
     }
     out.shapes.on_top(true);
-    let corner = |i: usize| {
-        let pick = |k: usize, bit: usize| if i & bit == 0 { bounds.min[k] } else { bounds.max[k] };
-        at.transform_point(Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4)))
-    };
-    for i in 0..8usize {
-        for bit in [1, 2, 4] {
-            if i & bit == 0 {
-                out.shapes.line(corner(i), corner(i | bit), 2.0, colour);
-            }
-        }
-    }
+    let edges = cues::box_edges(bounds.corners().map(|c| at.transform_point(c)));
+    edges.for_each(|[a, b]| out.shapes.line(a, b, 2.0, colour));
     out.shapes.on_top(false);
 }
 
@@ -178,8 +169,7 @@ fn cues_of(out: &mut StageLayout, model: &Model, world: &WorldDocument, c: usize
     draw_path(out, world, inhabitants.reserved_steps(id).unwrap_or_default(), palette.slow);
     draw_path(out, world, path, PLANNED);
     if let Some(last) = path.last() {
-        let at = world.graph().place(last.to).translation();
-        out.shapes.sphere(at, 0.08, PLANNED);
+        out.shapes.sphere(world.graph().place(last.to).translation(), 0.08, PLANNED);
     }
 }
 

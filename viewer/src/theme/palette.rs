@@ -29,7 +29,8 @@ pub struct ThemePalette {
     pub good: Color32,
     /// Warnings.
     pub warning: Color32,
-    tags: [Color32; 6],
+    /// Colours of names (0xRRGGBB).
+    tags: [u32; 6],
 }
 
 impl ThemePalette {
@@ -46,14 +47,7 @@ impl ThemePalette {
         head: Color32::from_rgb(0xff, 0xd8, 0x4d),
         good: Color32::from_rgb(0x5f, 0xd0, 0xa8),
         warning: Color32::from_rgb(0xff, 0xb0, 0x54),
-        tags: [
-            Color32::from_rgb(0x4a, 0x6f, 0xa5),
-            Color32::from_rgb(0x8a, 0x5a, 0x9b),
-            Color32::from_rgb(0x9a, 0x6b, 0x3f),
-            Color32::from_rgb(0x4d, 0x86, 0x59),
-            Color32::from_rgb(0x9b, 0x4f, 0x68),
-            Color32::from_rgb(0x3f, 0x84, 0x8f),
-        ],
+        tags: [0x4a6fa5, 0x8a5a9b, 0x9a6b3f, 0x4d8659, 0x9b4f68, 0x3f848f],
     };
 
     const LIGHT: Self = Self {
@@ -69,14 +63,7 @@ impl ThemePalette {
         head: Color32::from_rgb(0xc4, 0x2f, 0x1d),
         good: Color32::from_rgb(0x1b, 0x7a, 0x58),
         warning: Color32::from_rgb(0xa8, 0x5a, 0x00),
-        tags: [
-            Color32::from_rgb(0xbf, 0xd3, 0xee),
-            Color32::from_rgb(0xde, 0xc6, 0xe8),
-            Color32::from_rgb(0xee, 0xd5, 0xb4),
-            Color32::from_rgb(0xc2, 0xe2, 0xc8),
-            Color32::from_rgb(0xf0, 0xc6, 0xd2),
-            Color32::from_rgb(0xbc, 0xe0, 0xe5),
-        ],
+        tags: [0xbfd3ee, 0xdec6e8, 0xeed5b4, 0xc2e2c8, 0xf0c6d2, 0xbce0e5],
     };
 
     /// Marks of the selected character over the colour map, which is the same in every theme.
@@ -92,6 +79,7 @@ impl ThemePalette {
     /// Colour of a name: the same for the same name in every place.
     pub fn of_name(&self, name: &str) -> Color32 {
         let hash = name.bytes().fold(0x811c_9dc5_u32, |h, b| (h ^ u32::from(b)).wrapping_mul(0x0100_0193));
-        self.tags[(hash >> 8) as usize % self.tags.len()]
+        let [_, r, g, b] = self.tags[(hash >> 8) as usize % self.tags.len()].to_be_bytes();
+        Color32::from_rgb(r, g, b)
     }
 }

@@ -2,19 +2,9 @@
 
 use eframe::egui::Color32;
 
-/// Stations of viridis, at equal distances: perceptually uniform, distinguished by colour-blind people too.
-const VIRIDIS: [[u8; 3]; 10] = [
-    [0x44, 0x01, 0x54],
-    [0x48, 0x28, 0x78],
-    [0x3e, 0x4a, 0x89],
-    [0x31, 0x68, 0x8e],
-    [0x26, 0x82, 0x8e],
-    [0x1f, 0x9e, 0x89],
-    [0x35, 0xb7, 0x79],
-    [0x6d, 0xcd, 0x59],
-    [0xb4, 0xde, 0x2c],
-    [0xfd, 0xe7, 0x25],
-];
+/// Stations of viridis, at equal distances: perceptually uniform, distinguished by colour-blind people too (0xRRGGBB).
+const VIRIDIS: [u32; 10] =
+    [0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26828e, 0x1f9e89, 0x35b779, 0x6dcd59, 0xb4de2c, 0xfde725];
 
 /// Colour of a ratio, from dark violet to light yellow (0 to 1, clamped).
 pub fn map(ratio: f32) -> Color32 {
@@ -22,10 +12,10 @@ pub fn map(ratio: f32) -> Color32 {
     let i = (t as usize).min(VIRIDIS.len() - 2);
     let part = t - i as f32;
     let mix = |k: usize| {
-        let [low, high] = [VIRIDIS[i][k], VIRIDIS[i + 1][k]].map(f32::from);
+        let [low, high] = [i, i + 1].map(|station| f32::from(VIRIDIS[station].to_be_bytes()[k]));
         (low + (high - low) * part).round() as u8
     };
-    Color32::from_rgb(mix(0), mix(1), mix(2))
+    Color32::from_rgb(mix(1), mix(2), mix(3))
 }
 
 /// The part of the colour map that lines can be drawn with on a panel of the theme.

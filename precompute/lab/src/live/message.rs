@@ -30,10 +30,11 @@ pub fn hello_message(sim: &Simulation, rate_hz: f64) -> io::Result<Vec<u8>> {
             pair_str(out, "motion", group.motion.name())?;
             pair_uint(out, "first", group.characters.start as u64)?;
             pair_uint(out, "count", group.characters.len() as u64)?;
-            write_str(out, "offsets")?;
-            match sim.compiled().bundle(group.number) {
-                Ok(bundle) => write_floats(out, bundle.skeleton().offsets.iter().flat_map(|o| o.to_array()))?,
-                Err(_) => write_nil(out)?,
+            if let Ok(bundle) = sim.compiled().bundle(group.number) {
+                pair_floats(out, "offsets", bundle.skeleton().offsets.iter().flat_map(|o| o.to_array()))?;
+            } else {
+                write_str(out, "offsets")?;
+                write_nil(out)?;
             }
         }
         Ok(())
@@ -47,17 +48,11 @@ pub fn frame_message(sim: &Simulation, step: usize) -> io::Result<Vec<u8>> {
     encode_message("frame", 8, |out| {
         pair_uint(out, "step", step as u64)?;
         pair_f64(out, "time_s", sim.time_s())?;
-        write_str(out, "ids")?;
-        write_integers(out, there().map(|(who, _)| who as u32))?;
-        write_str(out, "roots")?;
-        write_floats(out, there().flat_map(|(_, r)| [r.x, r.z, r.heading]))?;
-        write_str(out, "posed")?;
-        write_integers(out, posed().map(|(who, _)| who as u32))?;
-        write_str(out, "poses")?;
-        write_floats(
-            out,
-            posed().flat_map(|(_, pose)| pose.iter().flat_map(|joint| joint.rows.as_flattened()).copied()),
-        )?;
+        pair_integers(out, "ids", there().map(|(who, _)| who as u32))?;
+        pair_floats(out, "roots", there().flat_map(|(_, r)| [r.x, r.z, r.heading]))?;
+        pair_integers(out, "posed", posed().map(|(who, _)| who as u32))?;
+        let rows = posed().flat_map(|(_, pose)| pose.iter().flat_map(|joint| joint.rows.as_flattened()).copied());
+        pair_floats(out, "poses", rows)?;
         write_str(out, "events")?;
         write_array_len(out, sim.events().len() as u32)?;
         sim.events().iter().try_for_each(|e| write_event(out, e))
@@ -84,8 +79,7 @@ fn write_event(out: &mut Vec<u8>, event: &SimulationEvent) -> io::Result<()> {
     pair_uint(out, "who", event.who as u64)?;
     pair_str(out, "what", what)?;
     if let Some(at) = at {
-        write_str(out, "at")?;
-        write_floats(out, at.to_array())?;
+        pair_floats(out, "at", at.to_array())?;
     }
     other.map_or(Ok(()), |other| pair_uint(out, "other", other as u64))
 }
@@ -118,11 +112,13 @@ fn pair_f64(out: &mut Vec<u8>, key: &str, value: f64) -> io::Result<()> {
 }
 
 /// Writes numbers of 4 bytes each, little-endian.
-fn write_floats(out: &mut Vec<u8>, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
+fn pair_floats(out: &mut Vec<u8>, key: &str, numbers: impl IntoIterator<Item = f32>) -> io::Result<()> {
+    write_str(out, key)?;
     Ok(write_bin(out, &numbers.into_iter().flat_map(f32::to_le_bytes).collect::<Vec<u8>>())?)
 }
 
 /// Writes whole numbers of 4 bytes each, little-endian.
-fn write_integers(out: &mut Vec<u8>, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
+fn pair_integers(out: &mut Vec<u8>, key: &str, numbers: impl Iterator<Item = u32>) -> io::Result<()> {
+    write_str(out, key)?;
     Ok(write_bin(out, &numbers.flat_map(u32::to_le_bytes).collect::<Vec<u8>>())?)
 }

@@ -11,11 +11,8 @@ use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use throng_core::base::limits::LIVE_SPEED;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::base::limits::{LIVE_SPEED, SECONDS, STEP_HZ};
+use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::StopRequested;
 use throng_simulation::{CompiledScene, Simulation};
 

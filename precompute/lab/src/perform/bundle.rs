@@ -1,31 +1,21 @@
 //! Takes from a bundle: characters that run on it, the clips that they play, and its stored clips.
 
 use super::take_recorder::TakeRecorder;
-use super::{PerformConfig, TIME_TOLERANCE_S, TakeSpan, export_error, selected_numbers};
+use super::{PerformConfig, TIME_TOLERANCE_S, TakeJob, TakeSpan, export_error, selected_numbers};
 use crate::trial::{self, TrialConfig};
 use glam::{Quat, Vec3};
 use std::path::Path;
 use throng_base::maths;
-use throng_core::Bundle;
-use throng_core::CharacterGroup;
-use throng_core::NUM_JOINTS;
-use throng_core::Planar;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::{Bundle, CharacterGroup, NUM_JOINTS, Planar};
+use throng_motion::error::{BuildError, Result};
 use throng_motion::export::{ActorPose, CrowdInstance, InstanceRecording, Take, TakeWriter};
 use throng_motion::progress::Progress;
 
-pub fn perform_trial(
-    bundle: &Bundle,
-    trial: &TrialConfig,
-    config: &PerformConfig,
-    folder: &Path,
-    progress: &dyn Progress,
-) -> Result<Take> {
-    let (span, trial) = trial_span(bundle, trial, config)?;
-    let (hz, who) = (f64::from(trial.step_hz), selected_numbers(config, trial.characters, "character")?);
+pub fn perform_trial(bundle: &Bundle, trial: &TrialConfig, job: TakeJob<'_>) -> Result<Take> {
+    let (span, trial) = trial_span(bundle, trial, job.config)?;
+    let (hz, who) = (f64::from(trial.step_hz), selected_numbers(job.config, trial.characters, "character")?);
     let actors = who.into_iter().map(|c| (c, format!("character {c}"), bundle.skeleton().clone())).collect();
-    let mut camera = TakeRecorder::new(actors, span, config, folder, progress)?;
+    let mut camera = TakeRecorder::new(actors, span, job)?;
     let (mut group, _) = trial::scatter_characters(bundle, &trial).map_err(|e| export_error(e, "Check the bundle"))?;
     trial::play(&mut group, &trial, |group, step| {
         let bodies = group.bodies();
@@ -65,7 +55,7 @@ pub fn record_instances(
     let (step_hz, rate_hz) = (f64::from(trial.step_hz), config.rate_hz()?);
     let who = selected_numbers(config, trial.characters, "character")?;
     let clips = bundle.meta().clips.iter().map(|c| c.name.clone()).collect();
-    let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+    let io = |e| TakeJob { config, folder, progress }.file_error(e);
     let mut out = InstanceRecording::new(folder, clips, who.clone(), rate_hz).map_err(io)?;
     let (mut next, frames) = (0, span.num_frames(rate_hz));
     progress.begin("record", frames as u64, "frames");
@@ -105,7 +95,8 @@ fn playing_instance(bundle: &Bundle, segment: u32, frames: f32, root: Planar) ->
 }
 
 /// Takes the clips of a bundle as they are stored.
-pub fn perform_clips(bundle: &Bundle, config: &PerformConfig, folder: &Path, progress: &dyn Progress) -> Result<Take> {
+pub fn perform_clips(bundle: &Bundle, job: TakeJob<'_>) -> Result<Take> {
+    let TakeJob { config, folder, progress } = job;
     if config.rate_hz.is_some() || config.from_s.is_some() || config.to_s.is_some() {
         let help = "Leave out --fps, --from and --to: clips are written whole, at the rate of the bundle";
         return Err(export_error("clips have times and a rate of their own", help));
@@ -113,7 +104,7 @@ pub fn perform_clips(bundle: &Bundle, config: &PerformConfig, folder: &Path, pro
     let who = selected_numbers(config, bundle.clips().len(), "clip in the bundle")?;
     let names = &bundle.meta().clips;
     let actor = |&c: &usize| (c, names[c].name.clone(), bundle.skeleton().clone());
-    let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
+    let io = |e| job.file_error(e);
     let mut writer = TakeWriter::library(folder, who.iter().map(actor).collect(), bundle.meta().rate_hz).map_err(io)?;
     progress.begin("record", who.len() as u64, "clips");
     for (a, &clip) in who.iter().enumerate() {

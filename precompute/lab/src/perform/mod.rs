@@ -10,12 +10,8 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use take_recorder::TakeRecorder;
 use throng_core::Bundle;
-use throng_core::base::limits::EXPORT_HZ;
-use throng_core::base::limits::MOMENT_S;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::base::limits::{EXPORT_HZ, MOMENT_S, SECONDS, STEP_HZ};
+use throng_motion::error::{BuildError, Result};
 use throng_motion::export::Take;
 use throng_motion::progress::Progress;
 use throng_simulation::{CompiledScene, Simulation};
@@ -51,6 +47,21 @@ pub struct PerformConfig {
     pub rate_hz: Option<f64>,
 }
 
+/// A part to record, the folder of its frames until the take is dropped, and who hears how far it is.
+#[derive(Clone, Copy)]
+struct TakeJob<'a> {
+    config: &'a PerformConfig,
+    folder: &'a Path,
+    progress: &'a dyn Progress,
+}
+
+impl TakeJob<'_> {
+    /// Error of a file in the folder.
+    fn file_error(&self, source: std::io::Error) -> BuildError {
+        BuildError::Io { path: self.folder.to_path_buf(), source }
+    }
+}
+
 /// Default number of frames a second (Hz).
 const FRAMES_HZ: f64 = 30.0;
 
@@ -67,13 +78,14 @@ pub fn perform(
     progress: &dyn Progress,
 ) -> Result<Take> {
     config.rate_hz()?;
+    let job = TakeJob { config, folder, progress };
     match show {
-        PerformSource::Clips(bundle) => bundle::perform_clips(bundle, config, folder, progress),
-        PerformSource::Trial(bundle, trial) => bundle::perform_trial(bundle, trial, config, folder, progress),
+        PerformSource::Clips(bundle) => bundle::perform_clips(bundle, job),
+        PerformSource::Trial(bundle, trial) => bundle::perform_trial(bundle, trial, job),
         PerformSource::Scene(compiled) => {
             let span = TakeSpan::new(config, compiled.scene().seconds, None)?;
             let mut sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
-            let mut camera = TakeRecorder::for_scene(&sim, config, span, folder, progress)?;
+            let mut camera = TakeRecorder::for_scene(&sim, span, job)?;
             // Prolonged to whole steps.
             let seconds = ((span.to_s * RUN_HZ - TIME_TOLERANCE_S).ceil().max(1.0)) / RUN_HZ;
             play_scene(&mut sim, seconds, RUN_HZ, seconds, |sim, _| camera.observe_simulation(sim, RUN_HZ))?;
@@ -83,7 +95,7 @@ pub fn perform(
             STEP_HZ.check("step_hz", None, recording.step_hz).map_err(|e| export_error(e, "Record it again"))?;
             let span = TakeSpan::new(config, recording.seconds, Some(recording.seconds))?;
             let sim = Simulation::new(compiled).map_err(|e| export_error(e, "Correct the scene"))?;
-            let mut camera = TakeRecorder::for_scene(&sim, config, span, folder, progress)?;
+            let mut camera = TakeRecorder::for_scene(&sim, span, job)?;
             let hz = recording.step_hz;
             let until_s = Some(span.to_s + 1.0 / hz);
             let sim = recording.replay_observed(compiled, until_s, |sim, _| camera.observe_simulation(sim, hz))?;

@@ -1,12 +1,9 @@
 //! Records frames of running characters.
 
-use super::{PerformConfig, TIME_TOLERANCE_S, TakeSpan, export_error, selected_numbers};
-use std::path::Path;
+use super::{TIME_TOLERANCE_S, TakeJob, TakeSpan, export_error, selected_numbers};
 use throng_core::Skeleton;
-use throng_motion::error::BuildError;
 use throng_motion::error::Result;
 use throng_motion::export::{ActorPose, Take, TakeWriter};
-use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Simulation};
 
 /// Records the poses of some characters at evenly spaced times; poses between two steps are blended.
@@ -19,40 +16,26 @@ pub struct TakeRecorder<'a> {
     next: usize,
     /// Time and poses of the previous step, if they are needed.
     before: Option<(f64, Vec<Option<ActorPose>>)>,
-    folder: &'a Path,
-    progress: &'a dyn Progress,
+    job: TakeJob<'a>,
 }
 
 impl<'a> TakeRecorder<'a> {
-    pub fn new(
-        actors: Vec<(usize, String, Skeleton)>,
-        span: TakeSpan,
-        config: &PerformConfig,
-        folder: &'a Path,
-        progress: &'a dyn Progress,
-    ) -> Result<Self> {
-        let rate_hz = config.rate_hz()?;
+    pub fn new(actors: Vec<(usize, String, Skeleton)>, span: TakeSpan, job: TakeJob<'a>) -> Result<Self> {
+        let rate_hz = job.config.rate_hz()?;
         let who: Vec<usize> = actors.iter().map(|a| a.0).collect();
-        let io = |source| BuildError::Io { path: folder.to_path_buf(), source };
-        let writer = TakeWriter::new(folder, actors, rate_hz).map_err(io)?;
+        let writer = TakeWriter::new(job.folder, actors, rate_hz).map_err(|e| job.file_error(e))?;
         let num_frames = span.num_frames(rate_hz);
-        progress.begin("record", num_frames as u64, "frames");
-        Ok(Self { writer, who, span, rate_hz, num_frames, next: 0, before: None, folder, progress })
+        job.progress.begin("record", num_frames as u64, "frames");
+        Ok(Self { writer, who, span, rate_hz, num_frames, next: 0, before: None, job })
     }
 
     /// Recorder of the characters of a scene that have bodies.
-    pub fn for_scene(
-        sim: &Simulation,
-        config: &PerformConfig,
-        span: TakeSpan,
-        folder: &'a Path,
-        progress: &'a dyn Progress,
-    ) -> Result<Self> {
-        let mut who = selected_numbers(config, sim.num_characters(), "character in the scene")?;
+    pub fn for_scene(sim: &Simulation, span: TakeSpan, job: TakeJob<'a>) -> Result<Self> {
+        let mut who = selected_numbers(job.config, sim.num_characters(), "character in the scene")?;
         let group = |c: usize| sim.groups().iter().find(|g| g.characters.contains(&c));
         let is_bare = |c: usize| group(c).is_none_or(|g| g.motion == GroupMotion::None);
         let bare = who.iter().copied().find(|&c| is_bare(c));
-        let is_asked = !config.characters.is_empty();
+        let is_asked = !job.config.characters.is_empty();
         who.retain(|&c| !is_bare(c));
         if let Some(c) = bare.filter(|_| is_asked || who.is_empty()) {
             let name = group(c).map_or("", |g| &g.name);
@@ -67,7 +50,7 @@ impl<'a> TakeRecorder<'a> {
         };
         let name = |c: usize| format!("{} {c}", group(c).map_or("character", |g| &g.name));
         let actors = who.into_iter().map(|c| (c, name(c), skeleton(c))).collect();
-        Self::new(actors, span, config, folder, progress)
+        Self::new(actors, span, job)
     }
 
     pub fn observe_simulation(&mut self, sim: &Simulation, hz: f64) -> Result<()> {
@@ -85,7 +68,7 @@ impl<'a> TakeRecorder<'a> {
             if self.next == self.num_frames || at_s > time_s + TIME_TOLERANCE_S {
                 break;
             }
-            self.progress.check()?;
+            self.job.progress.check()?;
             let now = now.get_or_insert_with(|| all(&self.who));
             for (a, to) in now.iter().enumerate() {
                 let between = match (&self.before, to) {
@@ -95,11 +78,10 @@ impl<'a> TakeRecorder<'a> {
                     }
                     _ => *to,
                 };
-                let io = |source| BuildError::Io { path: self.folder.to_path_buf(), source };
-                self.writer.push(a, between).map_err(io)?;
+                self.writer.push(a, between).map_err(|e| self.job.file_error(e))?;
             }
             self.next += 1;
-            self.progress.advance(1);
+            self.job.progress.advance(1);
         }
         let next_s = self.span.from_s + self.next as f64 / self.rate_hz;
         let is_between = self.next < self.num_frames && next_s < time_s + ahead_s - TIME_TOLERANCE_S;
@@ -111,11 +93,11 @@ impl<'a> TakeRecorder<'a> {
     ///
     /// - `ended_s`: when the run ended (s).
     pub fn into_take(self, ended_s: f64) -> Result<Take> {
-        self.progress.end();
+        self.job.progress.end();
         if self.next == 0 {
             let what = format!("--from {}: the run has ended by {ended_s:.3} s", self.span.from_s);
             return Err(export_error(what, "Begin earlier"));
         }
-        self.writer.into_take().map_err(|source| BuildError::Io { path: self.folder.to_path_buf(), source })
+        self.writer.into_take().map_err(|e| self.job.file_error(e))
     }
 }

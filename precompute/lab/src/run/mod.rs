@@ -3,6 +3,7 @@
 mod built_in_scenes;
 mod ensure;
 mod figures;
+mod groups;
 mod meter;
 mod news;
 mod record;
@@ -19,6 +20,7 @@ pub use ensure::{
     BuildContext, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion, motion_name,
 };
 pub use figures::{AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures};
+pub use groups::{agent_path, agents_crowd, first_agent, policy_characters};
 pub use meter::{AgentSample, GateFlow, HUMAN_FLOW_PER_M_S, ProgressMeter};
 pub use news::News;
 pub use record::{

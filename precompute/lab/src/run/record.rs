@@ -1,13 +1,13 @@
 //! Records of a run, for pictures.
 
+use super::groups::{agent_path, agents_crowd, first_agent, policy_characters};
 use super::report::SceneRunConfig;
 use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
-use throng_core::characters::PolicyCharacters;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::Capsule2d;
-use throng_simulation::agents::{SceneAgents, world_vector};
+use throng_simulation::agents::{Disc, SceneAgents, world_vector};
 use throng_simulation::scene::SiteConfig;
 use throng_simulation::{AnyCharacterGroup, Simulation, SimulationEvent};
 
@@ -212,19 +212,11 @@ impl SceneRecorder {
                         Some(one) => vec![one],
                         None => all.take(NUM_FOLLOWED[1]).collect(),
                     };
-                    record.worlds.push(WorldRecord {
-                        character_group: group.character_group,
-                        group: group.number,
-                        followed,
-                        samples: Vec::new(),
-                    });
+                    let (character_group, group, samples) = (group.character_group, group.number, Vec::new());
+                    record.worlds.push(WorldRecord { character_group, group, followed, samples });
                 }
-                AnyCharacterGroup::Ground(a) if record.agents.is_none() => {
-                    record.agents = Some(begin_agents_record(a, sim))
-                }
-                AnyCharacterGroup::Air(a) if record.agents.is_none() => {
-                    record.agents = Some(begin_agents_record(a, sim))
-                }
+                AnyCharacterGroup::Ground(a) => _ = record.agents.get_or_insert_with(|| begin_agents_record(a, sim)),
+                AnyCharacterGroup::Air(a) => _ = record.agents.get_or_insert_with(|| begin_agents_record(a, sim)),
                 _ => {}
             }
         }
@@ -234,14 +226,15 @@ impl SceneRecorder {
     pub fn observe(&mut self, sim: &Simulation, step: usize, hz: f64) {
         let time_s = sim.time_s();
         let record = &mut self.record;
-        if self.trajectories && step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1)) {
+        let is_sampled = step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1));
+        if self.trajectories && is_sampled {
             add_trajectory_points(sim, &mut record.trajectories);
         }
         if !self.is_on {
             return;
         }
         record.fights.iter_mut().for_each(|f| f.observe(sim));
-        if step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1)) {
+        if is_sampled {
             for p in &mut record.paths {
                 let characters = sim.groups()[p.group].characters.clone().take(NUM_FOLLOWED[0]);
                 let speed = |who| match sim.locate(who) {
@@ -274,18 +267,12 @@ impl SceneRecorder {
             let all = sim.groups()[f.group].characters.clone();
             f.roots = all.clone().filter_map(|who| sim.root(who)).collect();
             f.targets = all.filter_map(|who| sim.target(who)).collect();
-            f.walls = group_boxers(sim, f.group)
-                .and_then(|b| b.characters().reservations())
-                .map_or(Vec::new(), |r| r.walls().copied().collect());
+            let boxers = policy_characters(&sim.character_groups()[sim.groups()[f.group].character_group]);
+            let reservations = boxers.and_then(|b| b.characters().reservations());
+            f.walls = reservations.map_or(Vec::new(), |r| r.walls().copied().collect());
         }
-        if let Some(agents) = &mut self.record.agents {
-            for character_group in sim.character_groups() {
-                match character_group {
-                    AnyCharacterGroup::Ground(a) => agents.keep_paths(a),
-                    AnyCharacterGroup::Air(a) => agents.keep_paths(a),
-                    _ => {}
-                }
-            }
+        if let (Some(agents), Some(first)) = (&mut self.record.agents, first_agent(sim)) {
+            agents.paths = agents.trails.iter().map(|(m, _)| agent_path(sim, first + m)).collect();
         }
         self.record
     }
@@ -294,24 +281,10 @@ impl SceneRecorder {
 /// Adds the positions of all agents.
 fn add_trajectory_points(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
     for who in 0..sim.num_characters() {
-        let disc = match sim.locate(who) {
-            (AnyCharacterGroup::Ground(agents), agent) => agents.disc(agent),
-            (AnyCharacterGroup::Air(agents), agent) => agents.disc(agent),
-            _ => None,
-        };
-        if let Some(disc) = disc {
+        if let Some(disc) = sim.disc(who) {
             let (at, velocity) = (disc.centre.xz(), disc.velocity.xz());
             out.push(TrajectoryPoint { time_s: sim.time_s(), agent: who, at, velocity });
         }
-    }
-}
-
-/// Characters with policies that include a group's.
-fn group_boxers(sim: &Simulation, group: usize) -> Option<&PolicyCharacters> {
-    match &sim.character_groups()[sim.groups()[group].character_group] {
-        AnyCharacterGroup::Policy(p) => Some(p.practice().boxers()),
-        AnyCharacterGroup::Sparring(b) => Some(b.sparring().boxers()),
-        _ => None,
     }
 }
 
@@ -333,9 +306,8 @@ fn begin_agents_record<V: Space>(agents: &SceneAgents<V>, sim: &Simulation) -> A
     let layout = agents.layout();
     let num = agents.num_agents();
     let every = num.div_ceil(NUM_TRAILED).max(1);
-    let of_agents = sim.groups().iter().filter(|g| {
-        matches!(sim.character_groups()[g.character_group], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
-    });
+    let is_of_agents = |group: usize| agents_crowd(&sim.character_groups()[group]).is_some();
+    let of_agents = sim.groups().iter().filter(|g| is_of_agents(g.character_group));
     let (numbers, names): (Vec<usize>, Vec<String>) = of_agents.map(|g| (g.number, g.name.clone())).unzip();
     let group = |g: &usize| numbers.iter().position(|n| n == g).unwrap_or(0);
     AgentsRecord {
@@ -358,7 +330,8 @@ impl AgentsRecord {
         let due = seconds * self.moments.len() as f64 / (MOMENTS - 1) as f64;
         if is_last || time_s >= due && self.moments.len() < MOMENTS - 1 {
             let is_open = (0..self.doors.len()).map(|d| agents.is_open(d)).collect();
-            let agents = (0..agents.num_agents()).map(|m| recorded_agent(agents, m)).collect();
+            let recorded = |d: Disc| RecordedAgent { at: d.centre, velocity: d.velocity, is_informed: d.knows };
+            let agents = (0..agents.num_agents()).map(|m| agents.disc(m).map(recorded)).collect();
             self.moments.push(CrowdMoment { time_s, agents, is_open });
         }
         for (m, trail) in &mut self.trails {
@@ -367,17 +340,6 @@ impl AgentsRecord {
             }
         }
     }
-
-    /// Records the paths of the trailed agents at the end.
-    fn keep_paths<V: Space>(&mut self, agents: &SceneAgents<V>) {
-        let path = |(m, _): &(usize, Vec<Vec3>)| agents.layout().paths[*m].iter().map(|&p| world_vector(p)).collect();
-        self.paths = self.trails.iter().map(path).collect();
-    }
-}
-
-fn recorded_agent<V: Space>(agents: &SceneAgents<V>, m: usize) -> Option<RecordedAgent> {
-    let disc = agents.disc(m)?;
-    Some(RecordedAgent { at: disc.centre, velocity: disc.velocity, is_informed: disc.knows })
 }
 
 /// A place of the scene, for pictures.

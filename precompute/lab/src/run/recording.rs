@@ -3,17 +3,11 @@
 use super::report::{ObservedStep, config_error, play_scene};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use throng_core::base::Error;
-use throng_core::base::SnapshotKind;
-use throng_core::base::file::MAX_TEXT_BYTES;
-use throng_core::base::file::read_file;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_motion::error::BuildError;
+use throng_core::base::file::{MAX_TEXT_BYTES, read_file};
+use throng_core::base::limits::{SECONDS, STEP_HZ};
+use throng_core::base::{Error, SnapshotKind};
 use throng_motion::error::Result;
-use throng_simulation::CompiledScene;
-use throng_simulation::Scene;
-use throng_simulation::Simulation;
+use throng_simulation::{CompiledScene, Scene, Simulation};
 
 const KIND: SnapshotKind = SnapshotKind { what: "recording", tag: *b"RCRD", version: 1, setup: 0 };
 
@@ -42,7 +36,7 @@ impl RunRecording {
     pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self> {
         let scene = compiled.scene();
         let text = toml::to_string(scene)
-            .map_err(|e| BuildError::Config { message: format!("scene \"{}\" cannot be recorded: {e}", scene.name) })?;
+            .map_err(|e| config_error(format!("scene \"{}\" cannot be recorded: {e}", scene.name)))?;
         let (name, setup) = (scene.name.clone(), compiled.hash());
         Ok(Self { scene: text, name, setup, step_hz, hashes: Vec::new(), seconds: 0.0 })
     }
@@ -73,7 +67,7 @@ impl RunRecording {
                 Error::Snapshot { why, .. } => format!("expected a recording of `throng run --record`: {why}"),
                 e => e.to_string(),
             };
-            BuildError::Config { message: format!("{}: {why}", path.display()) }
+            config_error(format!("{}: {why}", path.display()))
         })
     }
 
@@ -103,9 +97,9 @@ impl RunRecording {
     /// the time lies beyond the end.
     pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation> {
         if let Some(until_s) = until_s.filter(|t| !(0.0..self.seconds + 0.01).contains(t)) {
-            let message =
-                format!("expected a time of 0 to {:.2} s, where the recording ends, found {until_s}", self.seconds);
-            return Err(BuildError::Config { message });
+            let end_s = self.seconds;
+            let what = format!("expected a time of 0 to {end_s:.2} s, where the recording ends, found {until_s}");
+            return Err(config_error(what));
         }
         self.replay_observed(compiled, until_s, |_, _| Ok(()))
     }
@@ -118,8 +112,7 @@ impl RunRecording {
         mut observe: impl FnMut(&Simulation, ObservedStep) -> Result<()>,
     ) -> Result<Simulation> {
         let differs = |what: &str| {
-            let message = format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name);
-            BuildError::Config { message }
+            config_error(format!("the recording of \"{}\" cannot be replayed: {what}; record it again", self.name))
         };
         if compiled.hash() != self.setup {
             return Err(differs("its scene, a bundle or a world is another one now"));

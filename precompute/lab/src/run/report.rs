@@ -9,21 +9,12 @@ use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
 use throng_base::clock::thread_cpu_s;
-use throng_core::Error;
-use throng_core::Executor;
-use throng_core::Inline;
-use throng_core::Rayon;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_core::base::limits::THREADS;
+use throng_core::base::limits::{SECONDS, STEP_HZ, THREADS};
+use throng_core::{Executor, Inline, Rayon};
 use throng_crowd::Space;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
-use throng_simulation::AnyCharacterGroup;
-use throng_simulation::CompiledScene;
-use throng_simulation::MotionKind;
-use throng_simulation::Simulation;
+use throng_motion::error::{BuildError, Result};
 use throng_simulation::agents::SceneAgents;
+use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
 
 /// Samples of agents a simulated second (Hz).
 pub(super) const SAMPLE_HZ: f64 = 30.0;
@@ -73,9 +64,9 @@ pub struct GroupReport {
     pub figures: SceneFigures,
 }
 
-/// Converts an error of the runtime.
-pub(super) fn config_error(e: Error) -> BuildError {
-    BuildError::Config { message: e.to_string() }
+/// An error of a config, by its message.
+pub(super) fn config_error(why: impl std::fmt::Display) -> BuildError {
+    BuildError::Config { message: why.to_string() }
 }
 
 pub(super) fn scene_error(message: String) -> BuildError {
@@ -108,12 +99,9 @@ pub fn run_recorded(
     sim.set_timed();
     let all: Vec<usize> = (0..sim.groups().len()).collect();
     let mut total = SceneWatch::new(&sim, &all)?;
-    let mut groups = Vec::new();
-    if all.len() > 1 {
-        for &g in &all {
-            groups.push(SceneWatch::new(&sim, &[g])?);
-        }
-    }
+    // A single group has the figures of all.
+    let apart = if all.len() > 1 { &all[..] } else { &[] };
+    let mut groups = apart.iter().map(|&g| SceneWatch::new(&sim, &[g])).collect::<Result<Vec<_>>>()?;
     let mut recorder = SceneRecorder::new(config, &sim, seconds);
     let busy_s = play_scene(&mut sim, seconds, hz, seconds, |sim, moment| {
         let ObservedStep { step, dt_s, is_last } = moment;
@@ -128,14 +116,12 @@ pub fn run_recorded(
     let seconds = sim.time_s();
     let rate = ((seconds * hz).round() + 1.0) / busy_s.max(1e-9);
     let figures = total.figures(&sim, seconds, Some(rate));
-    let mut report = SceneReport { scene: scene.scene().name.clone(), total: figures, groups: Vec::new() };
-    for (g, group) in sim.groups().iter().enumerate() {
-        let figures = match groups.get(g) {
-            Some(watch) => watch.figures(&sim, seconds, None),
-            None => report.total.clone(),
-        };
-        report.groups.push(GroupReport { group: group.name.clone(), motion: group.motion.name(), figures });
-    }
+    let groups = sim.groups().iter().enumerate().map(|(g, group)| {
+        let figures = groups.get(g).map_or_else(|| figures.clone(), |watch| watch.figures(&sim, seconds, None));
+        GroupReport { group: group.name.clone(), motion: group.motion.name(), figures }
+    });
+    let groups = groups.collect();
+    let report = SceneReport { scene: scene.scene().name.clone(), total: figures, groups };
     let record = recorder.finish(&sim, &total);
     Ok((report, record, sim))
 }
@@ -202,20 +188,17 @@ pub fn run_agents(scene: &CompiledScene, seconds: Option<f64>, threads: usize) -
     let begin = Instant::now();
     let mut sim = Simulation::new(scene).map_err(config_error)?;
     let setup_s = begin.elapsed().as_secs_f64();
-    let figures = pool.install(|| match sim.character_group_mut(0) {
-        AnyCharacterGroup::Ground(agents) => measure_agents(agents, &scene.scene().measure, scene, seconds, threads),
-        AnyCharacterGroup::Air(agents) => measure_agents(agents, &scene.scene().measure, scene, seconds, threads),
+    let mut figures = pool.install(|| match sim.character_group_mut(0) {
+        AnyCharacterGroup::Ground(agents) => measure_agents(agents, scene, seconds, threads),
+        AnyCharacterGroup::Air(agents) => measure_agents(agents, scene, seconds, threads),
         _ => Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into())),
-    });
-    figures.map(|mut figures| {
-        figures.crowd.iter_mut().for_each(|c| c.setup_s = Some(setup_s));
-        figures
-    })
+    })?;
+    figures.crowd.iter_mut().for_each(|c| c.setup_s = Some(setup_s));
+    Ok(figures)
 }
 
 fn measure_agents<V: Space>(
     live: &mut SceneAgents<V>,
-    config: &throng_simulation::scene::SceneMeasureConfig,
     scene: &CompiledScene,
     seconds: f64,
     threads: usize,
@@ -227,7 +210,7 @@ fn measure_agents<V: Space>(
     let wall_s = begin.elapsed().as_secs_f64();
     let ran = running.and_then(|begin| Some(thread_cpu_s()? - begin)).filter(|s| *s > MIN_TIMED_S);
     let all: Vec<usize> = (0..live.num_characters()).collect();
-    let mut watch = AgentWatch::new(live, config, all);
+    let mut watch = AgentWatch::new(live, &scene.scene().measure, all);
     for frame in 0..=(seconds * SAMPLE_HZ).ceil() as u64 {
         live.advance((frame as f64 / SAMPLE_HZ).min(seconds), run, &mut |_| {}).map_err(config_error)?;
         watch.observe(live);
@@ -240,15 +223,14 @@ fn measure_agents<V: Space>(
             help: "This must never happen; please report it with the scene".into(),
         });
     }
-    let mut figures = SceneFigures {
+    Ok(SceneFigures {
         agents: Some(live.num_agents()),
         engine: Some(throng_simulation::scene::engine::name(scene.scene().agents.engine).into()),
         simulated_s: seconds,
+        stuck: Some(watch.progress.stuck()),
+        crowd: Some(watch.figures(live, seconds, Some((wall_s, ran.unwrap_or(wall_s))))),
         ..SceneFigures::default()
-    };
-    figures.stuck = Some(watch.stuck());
-    figures.crowd = Some(watch.figures(live, seconds, Some((wall_s, ran.unwrap_or(wall_s)))));
-    Ok(figures)
+    })
 }
 
 /// Geometry of the world of a group of patches.

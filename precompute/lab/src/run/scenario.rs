@@ -1,20 +1,16 @@
 //! Speed of scenes with rules, state graphs and news, timed part by part.
 
+use super::groups::agents_crowd;
 use super::report::config_error;
 use crate::overlap::NearPairs;
 use glam::Vec3Swizzles;
 use serde::Serialize;
 use std::time::Instant;
-use throng_core::Executor;
-use throng_core::Inline;
-use throng_core::Rayon;
 use throng_core::base::limits::THREADS;
+use throng_core::{Executor, Inline, Rayon};
 use throng_geometry::Bounds2d;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
-use throng_simulation::AnyCharacterGroup;
-use throng_simulation::CompiledScene;
-use throng_simulation::Simulation;
+use throng_motion::error::{BuildError, Result};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 
 /// Frames a simulated second (Hz).
 const FRAME_HZ: f64 = 30.0;
@@ -102,10 +98,8 @@ fn measure_in_pool(
     let mut sim = Simulation::new(scene).map_err(config_error)?;
     sim.set_timed();
     let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
-    let (mut busy_s, mut taken, mut overlap_m, mut twice) = (0.0, 0, f64::NEG_INFINITY, 0);
-    let frames = (seconds * FRAME_HZ).round() as u64;
-    let mut last = 0;
-    for frame in 1..=frames {
+    let (mut busy_s, mut taken, mut overlap_m, mut twice, mut last) = (0.0, 0, f64::NEG_INFINITY, 0, 0);
+    for frame in 1..=(seconds * FRAME_HZ).round() as u64 {
         let (before, begin) = (count(), Instant::now());
         sim.step_to(frame as f64 / FRAME_HZ, run).map_err(config_error)?;
         busy_s += begin.elapsed().as_secs_f64();
@@ -124,11 +118,7 @@ fn measure_in_pool(
         AnyCharacterGroup::Air(agents) => agents.timings(),
         _ => None,
     });
-    let counts = sim.character_groups().iter().find_map(|group| match group {
-        AnyCharacterGroup::Ground(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
-        AnyCharacterGroup::Air(agents) => Some((agents.crowd().counts(), agents.crowd().bytes_per_agent())),
-        _ => None,
-    });
+    let crowd = sim.character_groups().iter().find_map(agents_crowd);
     let share = |s: f64| s / busy_s.max(1e-12);
     let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
     let brains = sim.brains();
@@ -147,14 +137,14 @@ fn measure_in_pool(
         motion_share: share(spent.bodies_s),
         evaluations_per_second: brains.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
         ns_per_evaluation: ns_per_evaluation(),
-        bytes_per_agent: brains.map_or(0, |m| m.bytes_per_agent()) + counts.map_or(0, |c| c.1),
+        bytes_per_agent: brains.map_or(0, |m| m.bytes_per_agent()) + crowd.map_or(0, |c| c.bytes_per_agent()),
         compile_s,
         informed: brains.map_or(0, |m| m.num_informed()),
         informed_last_s: spread.iter().filter_map(|s| s.last_s).reduce(f64::max),
         informed_pairs: spread.iter().map(|s| s.passed_on).sum(),
         queued_twice: twice,
         max_overlap_m: overlap_m.max(0.0),
-        stuck: counts.map_or(0, |c| c.0.stuck),
+        stuck: crowd.map_or(0, |c| c.counts().stuck),
         allocations: count().map(|_| taken),
         state_hash: format!("{:016x}", sim.hash()),
         scene: name,

@@ -1,17 +1,18 @@
 //! Measures one crowd that several processes move.
 
+use super::groups::agents_crowd;
 use super::report::{config_error, scene_error};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::time::Instant;
-use throng_base::Comm;
 use throng_base::clock::thread_cpu_s;
 use throng_base::limits::SECONDS;
+use throng_base::{Comm, Error};
 use throng_crowd::Crowd;
 use throng_motion::error::Result;
 use throng_motion::memory;
 use throng_motion::progress::Progress;
-use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
+use throng_simulation::{CompiledScene, Simulation};
 
 /// Samples of overlaps a simulated second (Hz).
 const OVERLAP_HZ: f64 = 10.0;
@@ -72,7 +73,7 @@ pub fn run_shared(
     SECONDS.check("seconds", None, seconds).map_err(config_error)?;
     let crowd = crowd_of(scene)?;
     let agents = crowd.num_agents();
-    let mut part = crowd.share(comm).map_err(|e| config_error(e.into()))?;
+    let mut part = crowd.share(comm).map_err(|e| config_error(Error::from(e)))?;
     comm.barrier().map_err(config_error)?;
     let (mut advance_s, mut busy_s, mut ran_s, mut overlaps) = (0.0, 0.0, 0.0, 0);
     let mut before = comm.traffic();
@@ -81,7 +82,7 @@ pub fn run_shared(
     progress.begin("crowd", looks, "tenths of a second");
     for observe in 1..=looks {
         let (begin, running) = (Instant::now(), thread_cpu_s());
-        part.advance((observe as f64 / OVERLAP_HZ).min(seconds), comm).map_err(|e| config_error(e.into()))?;
+        part.advance((observe as f64 / OVERLAP_HZ).min(seconds), comm).map_err(|e| config_error(Error::from(e)))?;
         let (wall_s, traffic) = (begin.elapsed().as_secs_f64(), comm.traffic());
         advance_s += wall_s;
         busy_s += wall_s - (traffic.waited_s - before.waited_s);
@@ -112,7 +113,7 @@ pub fn run_shared(
     let slowest_s = comm.max(advance_s).map_err(config_error)?;
     let handed_over = comm.sum(part.num_handed_over()).map_err(config_error)?;
     let overlaps = comm.sum(overlaps).map_err(config_error)?;
-    let whole = part.gather(comm).map_err(|e| config_error(e.into()))?;
+    let whole = part.gather(comm).map_err(|e| config_error(Error::from(e)))?;
     Ok(whole.map(|whole| SharedFigures {
         agents,
         ranks: comm.num_ranks(),
@@ -131,15 +132,12 @@ fn crowd_of(scene: &CompiledScene) -> Result<Crowd> {
     if scene.scenario().is_some() {
         return Err(scene_error("its agents react to what happens, and only one process can move such; leave out happenings, rules and wandering".into()));
     }
+    let others = || scene_error("expected a scene of agents, with `motion = \"none\"`".into());
     if !scene.scene().groups.iter().all(|g| g.is_of_agents()) {
-        return Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into()));
+        return Err(others());
     }
-    let mut sim = Simulation::new(scene).map_err(config_error)?;
-    match sim.character_group_mut(0) {
-        AnyCharacterGroup::Ground(agents) => Ok(agents.crowd().clone()),
-        AnyCharacterGroup::Air(agents) => Ok(agents.crowd().clone()),
-        _ => Err(scene_error("expected a scene of agents, with `motion = \"none\"`".into())),
-    }
+    let sim = Simulation::new(scene).map_err(config_error)?;
+    agents_crowd(&sim.character_groups()[0]).cloned().ok_or_else(others)
 }
 
 #[cfg(test)]

@@ -2,17 +2,16 @@
 
 use super::report::config_error;
 use glam::{Vec2, Vec3};
-use throng_core::Bundle;
-use throng_core::CharacterGroup;
-use throng_core::Inline;
-use throng_core::NUM_JOINTS;
-use throng_core::walkers::Control;
-use throng_core::walkers::WalkerStart;
-use throng_core::walkers::Walkers;
-use throng_core::walkers::WalkersConfig;
+use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
+use throng_core::{CharacterGroup, Inline, NUM_JOINTS};
 use throng_motion::error::Result;
 use throng_simulation::CompiledScene;
 use throng_simulation::scene::PictureStyle;
+
+/// Time of a step (s).
+const DT_S: f32 = 1.0 / 120.0;
+/// Distance walked before the path begins, so that the gait is steady (m).
+const RUN_UP_M: f32 = 4.0;
 
 /// One style on the shown path.
 #[derive(Clone, Debug)]
@@ -35,50 +34,32 @@ pub fn walk_styles(scene: &CompiledScene, length_m: f32, apart_m: f32) -> Result
     let Some(bundle) = groups.iter().position(|g| !g.spaces.is_empty()).and_then(|g| scene.find_bundle(g)) else {
         return Ok(Vec::new());
     };
-    let shown = scene.scene().picture.shown.iter().enumerate();
-    shown.map(|(i, style)| walk_style(scene, bundle, i, style, length_m, apart_m)).collect()
-}
-
-fn walk_style(
-    scene: &CompiledScene,
-    bundle: &Bundle,
-    i: usize,
-    style: &PictureStyle,
-    length_m: f32,
-    apart_m: f32,
-) -> Result<StyleWalk> {
-    const DT_S: f32 = 1.0 / 120.0;
-    /// Distance walked before the path begins, so that the gait is steady (m).
-    const RUN_UP_M: f32 = 4.0;
-    let key = format!("picture.shown[{i}]");
-    let space =
-        bundle.blend(&style.space).map_err(|e| config_error(scene.scene().fault(&format!("{key}.space"), e)))?;
-    let wrong = |e: throng_core::Error| config_error(scene.scene().fault(&key, e));
-    let control = |along: f32| {
-        let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { style_path(along) };
-        let mut values = Control::default().style;
-        values[0] = style.style;
-        let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
-        Control {
-            position: Some(position),
-            velocity,
-            heading: Some(heading),
-            turning_rate: None,
-            style: values,
-            ..Control::default()
+    let walk = |(i, style): (usize, &PictureStyle)| {
+        let key = format!("picture.shown[{i}]");
+        let wrong = |key: &str, e: throng_core::Error| config_error(scene.scene().fault(key, e));
+        let space = bundle.blend(&style.space).map_err(|e| wrong(&format!("{key}.space"), e))?;
+        let control = |along: f32| {
+            let (position, heading) = if along < 0.0 { (Vec2::new(0.0, along), 0.0) } else { style_path(along) };
+            let mut values = Control::default().style;
+            values[0] = style.style;
+            let velocity = Vec2::new(heading.sin(), heading.cos()) * style.speed;
+            let (position, heading) = (Some(position), Some(heading));
+            Control { position, velocity, heading, style: values, ..Control::default() }
+        };
+        let wrong = |e: throng_core::Error| wrong(&key, e);
+        let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).map_err(wrong)?;
+        let id = walkers.spawn(WalkerStart::default()).map_err(wrong)?;
+        let (mut along, mut poses) = (-RUN_UP_M, Vec::new());
+        while along < length_m {
+            walkers.order(id, control(along)).and_then(|()| walkers.step(DT_S, &Inline)).map_err(wrong)?;
+            if along >= poses.len() as f32 * apart_m {
+                poses.push(walkers.joint_positions(0));
+            }
+            along += style.speed * DT_S;
         }
+        Ok(StyleWalk { name: format!("{}, {:.1} m/s", style.name, style.speed), poses })
     };
-    let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).map_err(wrong)?;
-    let id = walkers.spawn(WalkerStart::default()).map_err(wrong)?;
-    let (mut along, mut poses) = (-RUN_UP_M, Vec::new());
-    while along < length_m {
-        walkers.order(id, control(along)).and_then(|()| walkers.step(DT_S, &Inline)).map_err(wrong)?;
-        if along >= poses.len() as f32 * apart_m {
-            poses.push(walkers.joint_positions(0));
-        }
-        along += style.speed * DT_S;
-    }
-    Ok(StyleWalk { name: format!("{}, {:.1} m/s", style.name, style.speed), poses })
+    scene.scene().picture.shown.iter().enumerate().map(walk).collect()
 }
 
 /// The path that styles are shown on: straight, a turn to the left, one to the right, straight.

@@ -5,24 +5,20 @@ mod partners;
 mod world;
 
 use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures};
+use super::groups::agents_crowd;
 use super::report::SAMPLE_HZ;
 use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::slip::SlipMeter;
 use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
 use partners::PartnerMeter;
-use throng_core::BodyVolume;
-use throng_core::Joint;
-use throng_core::NUM_JOINTS;
-use throng_core::PosedBody;
 use throng_core::body::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
+use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
 use throng_motion::error::Result;
-use throng_simulation::AnyCharacterGroup;
-use throng_simulation::GroupMotion;
-use throng_simulation::Simulation;
 use throng_simulation::scene::engine;
 use throng_simulation::sparring::BlowTally;
+use throng_simulation::{AnyCharacterGroup, GroupMotion, Simulation};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -73,9 +69,8 @@ impl SceneWatch {
                 .map(|g| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton())))
                 .collect(),
         };
-        for c in (0..sim.character_groups().len())
-            .filter(|&c| matches!(sim.character_groups()[c], AnyCharacterGroup::Patches(_)))
-        {
+        let is_world = |c: &usize| matches!(sim.character_groups()[*c], AnyCharacterGroup::Patches(_));
+        for c in (0..sim.character_groups().len()).filter(is_world) {
             let of_character_group = groups.iter().map(|&g| &sim.groups()[g]).filter(|g| g.character_group == c);
             let characters: Vec<usize> = of_character_group.flat_map(|g| g.characters.clone()).collect();
             if !characters.is_empty() {
@@ -131,9 +126,7 @@ impl SceneWatch {
     /// Measures overlaps of characters; scenes of agents only have a meter of their own.
     fn measure_overlaps(&mut self, sim: &Simulation) {
         let groups = || self.groups.iter().map(|&g| &sim.groups()[g]);
-        let is_agents = |character_group: &AnyCharacterGroup| {
-            matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
-        };
+        let is_agents = |group: &AnyCharacterGroup| agents_crowd(group).is_some();
         self.present.clear();
         if groups().all(|g| is_agents(&sim.character_groups()[g.character_group])) {
             return;
@@ -141,26 +134,20 @@ impl SceneWatch {
         for g in groups() {
             for who in g.characters.clone() {
                 let Some(root) = sim.root(who) else { continue };
-                let (character_group, member) = sim.locate(who);
+                let character_group = sim.locate(who).0;
                 let mut one = match (sim.pose(who), &self.volumes[g.number]) {
                     (Some(pose), Some(volume)) if !is_agents(character_group) => {
                         PresentCharacter::with_body(who, &PosedBody { root, model: pose }, volume)
                     }
-                    _ => PresentCharacter {
-                        number: who,
-                        place: Vec2::new(root.x, root.z),
-                        radius_m: BODY_RADIUS_M,
-                        core: None,
-                    },
-                };
-                match character_group {
-                    AnyCharacterGroup::Patches(_) => one.radius_m = 0.0,
-                    AnyCharacterGroup::Ground(agents) => {
-                        if let Some(disc) = agents.disc(member) {
-                            (one.place, one.radius_m) = (Vec2::new(disc.centre.x, disc.centre.z), disc.radius);
-                        }
+                    _ => {
+                        let (place, radius_m) = (Vec2::new(root.x, root.z), BODY_RADIUS_M);
+                        PresentCharacter { number: who, place, radius_m, core: None }
                     }
-                    _ => {}
+                };
+                if let AnyCharacterGroup::Patches(_) = character_group {
+                    one.radius_m = 0.0;
+                } else if let (AnyCharacterGroup::Ground(_), Some(disc)) = (character_group, sim.disc(who)) {
+                    (one.place, one.radius_m) = (Vec2::new(disc.centre.x, disc.centre.z), disc.radius);
                 }
                 self.present.push(one);
             }
@@ -185,15 +172,11 @@ impl SceneWatch {
     pub fn figures(&self, sim: &Simulation, seconds: f64, rate: Option<f64>) -> SceneFigures {
         let number = |of: &dyn Fn(GroupMotion, &AnyCharacterGroup) -> bool| {
             let groups = self.groups.iter().map(|&g| &sim.groups()[g]);
-            let num: usize = groups
-                .filter(|g| of(g.motion, &sim.character_groups()[g.character_group]))
-                .map(|g| g.characters.len())
-                .sum();
+            let counted = groups.filter(|g| of(g.motion, &sim.character_groups()[g.character_group]));
+            let num: usize = counted.map(|g| g.characters.len()).sum();
             (num > 0).then_some(num)
         };
-        let is_agent = |_: GroupMotion, character_group: &AnyCharacterGroup| {
-            matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
-        };
+        let is_agent = |_: GroupMotion, group: &AnyCharacterGroup| agents_crowd(group).is_some();
         let characters = number(&|m, c| !is_agent(m, c));
         let has_feet = self.feet.has_seen_feet();
         let mut figures = SceneFigures {

@@ -87,7 +87,7 @@ fn a_saved_state_is_restored_and_anything_else_refused() {
     assert_eq!(document.run().simulation().num_characters(), 8);
     document.restore(&file, || {}).unwrap();
     assert!(document.adopt_restart(true).unwrap());
-    assert_eq!((document.choice().characters, document.run().head.shown_step(), document.num_runs()), (24, 90, 2));
+    assert_eq!((document.choice().characters, document.run().head.shown_step(), document.num_runs), (24, 90, 2));
     assert!(seen(&document) == at);
     std::fs::write(&file, "something else").unwrap();
     let e = document.restore(&file, || {}).unwrap_err();

@@ -9,7 +9,6 @@ use crate::render::{Ray, SolidMesh};
 use glam::{DVec3, Quat, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::TryRecvError;
 use throng_core::base::text::TomlSource;
 use throng_planner::planner::Planners;
 use throng_planner::rotation::Rigid;
@@ -58,12 +57,13 @@ struct PlannedMotions {
 #[derive(Debug)]
 pub struct TaskDocument {
     path: PathBuf,
-    sources: Arc<TaskSources>,
+    pub(super) sources: Arc<TaskSources>,
     /// Task as in the file, with later changes: walkers have no times yet.
     task: Task,
     /// Task with times and clips.
     staged: StagedTask,
-    meshes: Arc<[SolidMesh]>,
+    /// One mesh for each thing.
+    pub meshes: Arc<[SolidMesh]>,
     motions: Option<PlannedMotions>,
     /// Motion that is shown; none shows the clip before planning.
     shown: Option<usize>,
@@ -84,22 +84,12 @@ impl TaskDocument {
         &self.path
     }
 
-    /// Further files that the task depends on.
-    pub fn more_files(&self) -> Vec<PathBuf> {
-        self.sources.files.clone()
-    }
-
     /// The task with all changes; for walkers, with the times of the last plan.
     pub fn task(&self) -> &Task {
         match (self.motions.as_ref(), self.is_changed()) {
             (Some(motions), false) => &motions.staged.task,
             _ => &self.staged.task,
         }
-    }
-
-    /// One mesh for each thing.
-    pub fn meshes(&self) -> &Arc<[SolidMesh]> {
-        &self.meshes
     }
 
     /// The motions that were planned, of which each has a clip for each character; none before the first plan.
@@ -234,13 +224,7 @@ impl TaskDocument {
     ///
     /// - `waits`: until it has.
     pub fn adopt_plan(&mut self, waits: bool) -> bool {
-        let Some(planning) = &self.planning else { return false };
-        let done = match planning.poll(waits) {
-            Ok(done) => done,
-            Err(TryRecvError::Empty) => return false,
-            Err(TryRecvError::Disconnected) => Err("planning failed unexpectedly".into()),
-        };
-        let revision = planning.revision;
+        let Some((revision, done)) = self.planning.as_ref().and_then(|p| p.poll(waits)) else { return false };
         self.planning = None;
         match done {
             Ok((staged, all)) => {

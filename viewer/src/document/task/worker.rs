@@ -1,9 +1,9 @@
 //! Plans on its own thread, so that the window keeps drawing.
 
 use super::{PlannedMotion, StagedTask};
+use crate::document::background::Background;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use throng_planner::planner::Planners;
 use throng_planner::task::{RunOptions, Task};
 use throng_precompute::plans::{self, TaskSources};
@@ -26,10 +26,10 @@ pub(super) type PlanningResult = Result<(Arc<StagedTask>, Vec<PlannedMotion>), S
 /// A plan under way.
 #[derive(Debug)]
 pub struct Planning {
-    made: Receiver<PlanningResult>,
+    made: Background<PlanningResult>,
     shared: Arc<PlanningShared>,
     /// Revision of the scene that is planned for.
-    pub(super) revision: u64,
+    revision: u64,
     /// Number of things to do.
     total: usize,
 }
@@ -44,13 +44,9 @@ struct PlanningShared {
 
 impl Planning {
     pub(super) fn begin(job: PlanningJob, revision: u64, total: usize) -> Self {
-        let (send, made) = channel();
         let shared = Arc::new(PlanningShared::default());
         let shared_state = Arc::clone(&shared);
-        std::thread::spawn(move || {
-            // The receiver is gone if another plan was started meanwhile.
-            _ = send.send(job.carry_out(&shared_state));
-        });
+        let made = Background::start(move || job.carry_out(&shared_state), || {});
         Self { made, shared, revision, total }
     }
 
@@ -65,11 +61,9 @@ impl Planning {
         ([tried, self.total], self.shared.motions.load(Ordering::Relaxed) + 1)
     }
 
-    pub(super) fn poll(&self, waits: bool) -> Result<PlanningResult, TryRecvError> {
-        match waits {
-            true => self.made.recv().map_err(|_| TryRecvError::Disconnected),
-            false => self.made.try_recv(),
-        }
+    /// The revision that was planned for, and the result, once there is one.
+    pub(super) fn poll(&self, waits: bool) -> Option<(u64, PlanningResult)> {
+        Some((self.revision, self.made.poll(waits, || Err("planning failed unexpectedly".into()))?))
     }
 }
 

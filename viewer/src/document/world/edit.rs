@@ -1,12 +1,12 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
-use super::orders::{EditorOrder, EditorWork, UnitChange};
-use super::worker::{self, EditJob, EditOutcome, EditResult, NewInhabitants, StitchedWorld};
+use super::orders::{EditorOrder, UnitChange, ended_message, work_name};
+use super::worker::{EditJob, EditOutcome, EditResult, StitchedWorld, place_roamers};
 use super::{Roamers, WorldDocument};
+use crate::document::background::Background;
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError};
 use throng_core::patch::Placement;
 use throng_precompute::environment::PlacedUnit;
 use throng_world::inhabitants::InhabitantGoal;
@@ -36,16 +36,16 @@ pub struct RefusedEdit {
 }
 
 /// An edit under way, or characters being placed.
-#[derive(Debug)]
 pub struct EditInProgress {
-    work: EditorWork,
+    /// Order that the editor carries out; none where new inhabitants are placed in the unchanged world.
+    order: Option<EditorOrder>,
     /// Present activity, as text.
     pub doing: String,
     /// The unit with its new placement, or the unit that is removed.
     pub at: Option<PlacedUnit>,
     /// Orders that come after it.
     next: VecDeque<EditorOrder>,
-    pub(super) done: Receiver<EditResult>,
+    pub(super) done: Background<EditResult>,
 }
 
 /// Result of an edit.
@@ -62,7 +62,7 @@ pub enum EditStatus {
 impl EditInProgress {
     /// Place of the unit that is moved or removed.
     pub fn place(&self) -> Option<usize> {
-        match self.work.order()? {
+        match self.order? {
             EditorOrder::Change(UnitChange::Move { place, .. } | UnitChange::Remove { place }) => Some(place),
             _ => None,
         }
@@ -99,7 +99,7 @@ impl WorldDocument {
     /// Placement of a unit after all pending orders (place < number of places).
     pub fn ordered_placement(&self, place: usize) -> Placement {
         let working = self.working.as_ref();
-        let orders = working.into_iter().flat_map(|w| w.work.order().into_iter().chain(w.next.iter().copied()));
+        let orders = working.into_iter().flat_map(|w| w.order.into_iter().chain(w.next.iter().copied()));
         let moved = orders.filter_map(|o| o.moves()).rfind(|m| m.0 == place);
         moved.map_or(self.placed()[place].placement, |m| m.1)
     }
@@ -117,10 +117,12 @@ impl WorldDocument {
             return Ok(());
         };
         let moved = |o: EditorOrder| o.moves().map(|m| m.0);
-        let last = working.next.back().copied().or(working.work.order());
+        let last = working.next.back().copied().or(working.order);
         let goes_on = moved(order).is_some() && last.and_then(moved) == moved(order);
         match order {
-            EditorOrder::Change(_) if !goes_on => return Err(format!("{} is still under way", working.work.name())),
+            EditorOrder::Change(_) if !goes_on => {
+                return Err(format!("{} is still under way", work_name(working.order)));
+            }
             EditorOrder::Change(UnitChange::Move { place, to }) => {
                 if let Some(last) = working.next.back_mut() {
                     *last = order;
@@ -141,37 +143,33 @@ impl WorldDocument {
     /// A message that names what is under way, where something is.
     pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
         if let Some(working) = &self.working {
-            return Err(format!("the run can restart when {} is done", working.work.name()));
+            return Err(format!("the run can restart when {} is done", work_name(working.order)));
         }
         self.refused = None;
-        let done = worker::begin_populating(Arc::clone(&self.walkable), Roamers { characters, seed });
+        let (ground, roamers) = (Arc::clone(&self.walkable), Roamers { characters, seed });
+        let done = Background::start(move || place_roamers(&ground, roamers), || {});
         let doing = format!("Finding room for {characters} characters");
-        self.working =
-            Some(EditInProgress { work: EditorWork::Populate, doing, at: None, next: VecDeque::new(), done });
+        self.working = Some(EditInProgress { order: None, doing, at: None, next: VecDeque::new(), done });
         Ok(())
     }
 
     fn begin(&mut self, order: EditorOrder) {
         self.refused = None;
         let doing = match order {
-            EditorOrder::Change(change) => format!("Stitching the world around {}", self.name_of(change)),
-            EditorOrder::Undo => match self.to_undo() {
-                Some(last) => format!("Undoing: {last}"),
-                None => return,
-            },
-            EditorOrder::Redo => match self.to_redo() {
-                Some(next) => format!("Redoing: {next}"),
-                None => return,
-            },
+            EditorOrder::Change(change) => Some(format!("Stitching the world around {}", self.name_of(change))),
+            EditorOrder::Undo => self.to_undo().map(|last| format!("Undoing: {last}")),
+            EditorOrder::Redo => self.to_redo().map(|next| format!("Redoing: {next}")),
         };
-        let (work, at) = (EditorWork::Edit(order), self.edited_unit(order));
+        let Some(doing) = doing else { return };
+        let (at, seed) = (self.edited_unit(order), self.roamers.seed);
         let Some(workshop) = self.workshop.take() else {
-            self.refused = Some(RefusedEdit { reason: work.ended().to_owned(), at });
+            self.refused = Some(RefusedEdit { reason: ended_message(Some(order)).to_owned(), at });
             return;
         };
         let places = (0..self.run.num_characters()).map(|c| self.run.hips(c)).collect();
-        let done = worker::begin(EditJob { workshop, order, seed: self.roamers.seed, places });
-        self.working = Some(EditInProgress { work, doing, at, next: VecDeque::new(), done });
+        let job = EditJob { workshop, order, seed, places };
+        let done = Background::start(move || job.carry_out(), || {});
+        self.working = Some(EditInProgress { order: Some(order), doing, at, next: VecDeque::new(), done });
     }
 
     /// Adopts the world stitched since the last call; none if there is no new one.
@@ -180,16 +178,11 @@ impl WorldDocument {
     pub fn adopt_edit(&mut self, waits: bool) -> Option<EditStatus> {
         let mut taken = None;
         while let Some(working) = &self.working {
-            let done = match waits {
-                true => working.done.recv().map_err(|_| TryRecvError::Disconnected),
-                false => working.done.try_recv(),
-            };
-            if matches!(done, Err(TryRecvError::Empty)) {
-                break;
-            }
+            let lost = || EditResult { workshop: None, result: Err(ended_message(working.order).to_owned()) };
+            let Some(done) = working.done.poll(waits, lost) else { break };
             let mut working = self.working.take()?;
             let mut next = std::mem::take(&mut working.next);
-            taken = Some(self.finish(working, done.ok()));
+            taken = Some(self.finish(working, done));
             while let Some(order) = next.pop_front().filter(|_| self.refused.is_none()) {
                 self.begin(order);
                 if let Some(begun) = &mut self.working {
@@ -201,33 +194,24 @@ impl WorldDocument {
         taken
     }
 
-    fn finish(&mut self, working: EditInProgress, done: Option<EditResult>) -> EditStatus {
-        let result = match done {
-            Some(done) => {
-                self.workshop = done.workshop.or(self.workshop.take());
-                done.result
-            }
-            None => Err(working.work.ended().to_owned()),
-        };
-        let order = working.work.order();
-        let name = match order {
-            Some(EditorOrder::Change(change)) => Some(self.describe(change)),
-            Some(EditorOrder::Undo | EditorOrder::Redo) | None => None,
-        };
-        let is_new = result.is_ok();
-        let what = match order {
+    fn finish(&mut self, working: EditInProgress, done: EditResult) -> EditStatus {
+        self.workshop = done.workshop.or(self.workshop.take());
+        let name =
+            if let Some(EditorOrder::Change(change)) = working.order { Some(self.describe(change)) } else { None };
+        let what = match working.order {
             Some(EditorOrder::Undo) => format!("undid: {}", self.to_undo().unwrap_or_default()),
             Some(EditorOrder::Redo) => format!("redid: {}", self.to_redo().unwrap_or_default()),
-            Some(EditorOrder::Change(_)) | None => name.clone().unwrap_or_default(),
+            _ => name.clone().unwrap_or_default(),
         };
         let counts = self.workshop.as_ref().and_then(|w| w.run(|e| [e.num_undos(), e.num_redos()]));
         if let Some(counts) = counts {
-            self.made.follow(counts, name.filter(|_| is_new));
+            self.made.follow(counts, name.filter(|_| done.result.is_ok()));
         }
-        match result {
+        match done.result {
             Ok(EditOutcome::Stitched(stitched)) => EditStatus::Changed(self.show(*stitched, what)),
-            Ok(EditOutcome::Begun(begun)) => {
-                self.replace_inhabitants(*begun);
+            Ok(EditOutcome::Begun(roamers, mut run)) => {
+                run.reel.head.play_like(&self.run.reel.head);
+                (self.run, self.roamers) = (*run, roamers);
                 EditStatus::Begun
             }
             Err(why) => {
@@ -235,13 +219,6 @@ impl WorldDocument {
                 EditStatus::Refused
             }
         }
-    }
-
-    /// Replaces the inhabitants of the world.
-    fn replace_inhabitants(&mut self, begun: NewInhabitants) {
-        let mut run = begun.run;
-        run.reel.head.play_like(&self.run.reel.head);
-        (self.run, self.roamers) = (run, begun.roamers);
     }
 
     /// Shows another world; returns the place that came or was moved.

@@ -49,7 +49,8 @@ pub struct WorldDocument {
     environment: Environment,
     geometry: PlacedGeometry,
     report: StitchReport,
-    meshes: Arc<[SolidMesh]>,
+    /// A mesh of every unit of the bundle.
+    pub meshes: Arc<[SolidMesh]>,
     run: WorldRun,
     made: EditHistory,
     working: Option<EditInProgress>,
@@ -73,7 +74,7 @@ impl WorldDocument {
 
     /// Bundle with the patches of the world.
     pub fn bundle(&self) -> &OpenBundle {
-        self.walkable.bundle()
+        &self.walkable.bundle
     }
 
     /// The inhabitants.
@@ -98,17 +99,12 @@ impl WorldDocument {
 
     /// The world as it can be walked.
     pub fn graph(&self) -> &WorldGraph {
-        self.walkable.graph()
+        self.walkable.world.graph()
     }
 
     /// Units with their placements.
     pub fn placed(&self) -> &[PlacedUnit] {
         &self.geometry.units
-    }
-
-    /// A mesh of every unit of the bundle.
-    pub fn meshes(&self) -> &Arc<[SolidMesh]> {
-        &self.meshes
     }
 
     /// The inhabitants now.

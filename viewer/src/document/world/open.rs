@@ -66,9 +66,9 @@ impl WorldDocument {
 
 /// Places the requested number of characters, as far as there is room.
 pub(super) fn populate(roamers: &mut Roamers, ground: &WalkableWorld) -> Result<WorldRun, String> {
-    let starts = scatter_rest_nodes(ground.graph(), roamers.characters, roamers.seed);
+    let starts = scatter_rest_nodes(ground.world.graph(), roamers.characters, roamers.seed);
     roamers.characters = starts.len();
-    WorldRun::new(ground.world(), roamers.seed, &starts).map_err(|e| e.to_string())
+    WorldRun::new(&ground.world, roamers.seed, &starts).map_err(|e| e.to_string())
 }
 
 /// Triangles of a unit.

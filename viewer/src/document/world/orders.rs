@@ -47,38 +47,20 @@ impl EditorOrder {
     }
 }
 
-/// Work done on its own thread.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum EditorWork {
-    /// The editor carries out an order.
-    Edit(EditorOrder),
-    /// New inhabitants are placed in the unchanged world.
-    Populate,
+/// Name of work on its own thread, for messages to requests that have to wait.
+///
+/// - `order`: that the editor carries out; none where new inhabitants are placed in the unchanged world.
+pub(super) fn work_name(order: Option<EditorOrder>) -> &'static str {
+    if order.is_some() { "the last edit" } else { "finding room for characters" }
 }
 
-impl EditorWork {
-    /// Order that the editor carries out, if it is at work.
-    pub fn order(self) -> Option<EditorOrder> {
-        match self {
-            Self::Edit(order) => Some(order),
-            Self::Populate => None,
-        }
-    }
-
-    /// Name of the work, for messages to requests that have to wait.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Edit(_) => "the last edit",
-            Self::Populate => "finding room for characters",
-        }
-    }
-
-    /// Message for a thread that ended without a result.
-    pub fn ended(self) -> &'static str {
-        match self {
-            Self::Edit(_) => "the editor ended unexpectedly; save the world, then reload the file (Ctrl+R)",
-            Self::Populate => "finding room for characters ended unexpectedly; the old characters stay; try again",
-        }
+/// Message for a thread that ended without a result.
+///
+/// - `order`: as for [`work_name`].
+pub(super) fn ended_message(order: Option<EditorOrder>) -> &'static str {
+    match order {
+        Some(_) => "the editor ended unexpectedly; save the world, then reload the file (Ctrl+R)",
+        None => "finding room for characters ended unexpectedly; the old characters stay; try again",
     }
 }
 

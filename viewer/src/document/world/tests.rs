@@ -1,6 +1,7 @@
 //! A small world: opened, lived in, edited, saved.
 
 use super::*;
+use crate::document::background::Background;
 use crate::fixtures::quietly;
 use crate::fixtures::square::Square;
 use crate::render::Ray;
@@ -223,7 +224,7 @@ fn works_meanwhile(world: &mut WorldDocument) {
 fn survives_its_threads(world: &mut WorldDocument) {
     let (characters, stands) = (world.run().num_characters(), world.placed().to_vec());
     let gone = |world: &mut WorldDocument| {
-        world.working.as_mut().unwrap().done = channel().1;
+        world.working.as_mut().unwrap().done = Background(channel().1);
         assert_eq!(world.adopt_edit(true), Some(EditStatus::Refused));
         world.refused().unwrap().reason.clone()
     };

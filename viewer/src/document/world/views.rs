@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use throng_precompute::environment::Environment;
 use throng_precompute::progress::Silent;
 use throng_precompute::stitch::{Editor, StitchConfig, StitchKit};
-use throng_world::{World, WorldData, WorldGraph};
+use throng_world::{World, WorldData};
 
 /// Work for the thread of an editor.
 type EditorRequest = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
@@ -15,8 +15,8 @@ type EditorRequest = Box<dyn FnOnce(&mut Editor<'_>) + Send>;
 ///
 /// An editor borrows from the bundle; the thread holds both.
 pub(super) struct EditorThread {
-    bundle: Arc<OpenBundle>,
-    kit: Arc<StitchKit>,
+    pub bundle: Arc<OpenBundle>,
+    pub kit: Arc<StitchKit>,
     requests: Sender<EditorRequest>,
 }
 
@@ -50,15 +50,6 @@ impl EditorThread {
         Ok(Self { bundle, kit, requests })
     }
 
-    /// The bundle's units.
-    pub fn kit(&self) -> &StitchKit {
-        &self.kit
-    }
-
-    pub fn shared_bundle(&self) -> Arc<OpenBundle> {
-        Arc::clone(&self.bundle)
-    }
-
     /// Runs work on the editor and returns its result; none if the editor has ended unexpectedly.
     pub fn run<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
         let (send, receive) = channel();
@@ -72,8 +63,8 @@ impl EditorThread {
 
 /// A stitched world and its bundle.
 pub(super) struct WalkableWorld {
-    bundle: Arc<OpenBundle>,
-    world: World,
+    pub bundle: Arc<OpenBundle>,
+    pub world: World,
 }
 
 impl WalkableWorld {
@@ -82,17 +73,5 @@ impl WalkableWorld {
     pub fn new(bundle: Arc<OpenBundle>, world: &WorldData) -> Result<Self, String> {
         let world = World::from_data(world, bundle.tables()).map_err(|e| e.to_string())?;
         Ok(Self { bundle, world })
-    }
-
-    pub fn bundle(&self) -> &OpenBundle {
-        &self.bundle
-    }
-
-    pub fn world(&self) -> &World {
-        &self.world
-    }
-
-    pub fn graph(&self) -> &WorldGraph {
-        self.world.graph()
     }
 }

@@ -2,13 +2,12 @@
 
 use super::Roamers;
 use super::open::populate;
-use super::orders::{EditorOrder, EditorWork, UnitChange};
+use super::orders::{EditorOrder, UnitChange, ended_message};
 use super::placement::place_inhabitants;
 use super::views::{EditorThread, WalkableWorld};
 use crate::run::WorldRun;
 use glam::Vec3;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
 use std::time::Instant;
 use throng_precompute::environment::{Environment, PlacedGeometry};
 use throng_precompute::stitch::{Editor, StitchReport};
@@ -36,16 +35,8 @@ pub(super) struct EditResult {
 pub(super) enum EditOutcome {
     /// Another world.
     Stitched(Box<StitchedWorld>),
-    /// New inhabitants in the unchanged world.
-    Begun(Box<NewInhabitants>),
-}
-
-/// New inhabitants of a world.
-pub(super) struct NewInhabitants {
-    /// Number of inhabitants, as far as there was room.
-    pub roamers: Roamers,
-    /// They at their first step.
-    pub run: WorldRun,
+    /// New inhabitants in the unchanged world, as far as there was room, at their first step.
+    Begun(Roamers, Box<WorldRun>),
 }
 
 /// A world that was stitched, with its inhabitants.
@@ -64,33 +55,15 @@ pub(super) struct StitchedWorld {
     pub total_s: f64,
 }
 
-/// Starts a job; it ends by sending its result.
-pub(super) fn begin(job: EditJob) -> Receiver<EditResult> {
-    spawn(move || job.carry_out())
-}
-
-/// Starts to place new inhabitants in a world.
-pub(super) fn begin_populating(ground: Arc<WalkableWorld>, mut roamers: Roamers) -> Receiver<EditResult> {
-    spawn(move || {
-        let run = populate(&mut roamers, &ground);
-        EditResult {
-            workshop: None,
-            result: run.map(|run| EditOutcome::Begun(Box::new(NewInhabitants { roamers, run }))),
-        }
-    })
-}
-
-fn spawn(work: impl FnOnce() -> EditResult + Send + 'static) -> Receiver<EditResult> {
-    let (send, receive) = channel();
-    std::thread::spawn(move || {
-        // The receiver is gone if another file was opened meanwhile.
-        let _ = send.send(work());
-    });
-    receive
+/// Places new inhabitants in a world.
+pub(super) fn place_roamers(ground: &WalkableWorld, mut roamers: Roamers) -> EditResult {
+    let run = populate(&mut roamers, ground);
+    EditResult { workshop: None, result: run.map(|run| EditOutcome::Begun(roamers, Box::new(run))) }
 }
 
 impl EditJob {
-    fn carry_out(self) -> EditResult {
+    /// Edits the world, and puts its inhabitants back.
+    pub fn carry_out(self) -> EditResult {
         let begin = Instant::now();
         let stitched = self.change(self.order).and_then(|()| {
             let stitch_s = begin.elapsed().as_secs_f64();
@@ -120,7 +93,7 @@ impl EditJob {
     }
 
     fn ended(&self) -> &'static str {
-        EditorWork::Edit(self.order).ended()
+        ended_message(Some(self.order))
     }
 
     /// The world that the editor had before.
@@ -138,10 +111,11 @@ impl EditJob {
     fn place_in_new_world(&self) -> Result<StitchedWorld, String> {
         let view = |e: &mut Editor<'_>| (e.world().clone(), e.environment().clone(), e.report().clone());
         let (world, environment, report) = self.workshop.run(view).ok_or(self.ended())?;
-        let ground = WalkableWorld::new(self.workshop.shared_bundle(), &world)?;
-        let (before, starts): (Vec<_>, Vec<_>) = place_inhabitants(ground.graph(), &self.places).into_iter().unzip();
-        let run = WorldRun::new(ground.world(), self.seed, &starts).map_err(|e| e.to_string())?;
-        let geometry = PlacedGeometry::new(&environment, &self.workshop.kit().geometries);
+        let ground = WalkableWorld::new(Arc::clone(&self.workshop.bundle), &world)?;
+        let (before, starts): (Vec<_>, Vec<_>) =
+            place_inhabitants(ground.world.graph(), &self.places).into_iter().unzip();
+        let run = WorldRun::new(&ground.world, self.seed, &starts).map_err(|e| e.to_string())?;
+        let geometry = PlacedGeometry::new(&environment, &self.workshop.kit.geometries);
         Ok(StitchedWorld { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::bundle::OpenBundle;
 use crate::command::SteerInput;
-use crate::run::{BlendRun, CrowdFork, CrowdRun, TargetMode};
+use crate::run::{BlendRun, CrowdRun, CrowdSimulation, TargetMode};
 use glam::Vec3;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar};
 
@@ -63,7 +63,7 @@ pub(super) struct Twin {
 
 #[derive(Clone, Debug)]
 enum TwinRun {
-    Crowd { fork: Box<CrowdFork>, character: usize, is_shared: bool, held: SteerInput },
+    Crowd { fork: Box<CrowdSimulation>, character: usize, is_shared: bool, held: SteerInput },
     Blend(Box<BlendRun>),
 }
 
@@ -74,7 +74,10 @@ impl Twin {
             return None;
         }
         let is_shared = run.config().targets == TargetMode::Shared;
-        Some(Self { who: TwinRun::Crowd { fork: Box::new(run.fork()), character, is_shared, held }, steps: 0 })
+        Some(Self {
+            who: TwinRun::Crowd { fork: Box::new(run.simulation.clone()), character, is_shared, held },
+            steps: 0,
+        })
     }
 
     pub fn copy_blend(run: &BlendRun) -> Option<Self> {
@@ -95,10 +98,10 @@ impl Twin {
         for _ in 0..steps {
             let done = match &mut self.who {
                 TwinRun::Crowd { fork, character, is_shared, held } => {
-                    if let Some(to) = direction(*held, fork.characters().root(*character).translation()) {
+                    if let Some(to) = direction(*held, fork.characters.root(*character).translation()) {
                         fork.send((!*is_shared).then_some(*character), to);
                     }
-                    fork.step(bundle)
+                    fork.step(bundle).map(|_| ())
                 }
                 TwinRun::Blend(run) => run.step(bundle),
             };
@@ -109,20 +112,17 @@ impl Twin {
         }
         let (root, pose) = match &self.who {
             TwinRun::Crowd { fork, character, .. } => {
-                (fork.characters().root(*character), fork.characters().pose(*character))
+                (fork.characters.root(*character), fork.characters.pose(*character))
             }
             TwinRun::Blend(run) => (run.moment().roots[0], &run.moment().poses[..NUM_JOINTS]),
         };
         let place = |root: Planar, m: &Mat3x4| root.rotation() * m.translation() + root.translation();
         let apart = seen.1.iter().zip(pose).map(|(a, b)| place(seen.0, a).distance(place(root, b)));
-        if apart.fold(0.0, f32::max) > SEEN_M {
-            lags.record(Some(self.steps));
-            return false;
+        let is_seen = apart.fold(0.0, f32::max) > SEEN_M;
+        let is_over = is_seen || self.steps >= MOST_STEPS;
+        if is_over {
+            lags.record(is_seen.then_some(self.steps));
         }
-        if self.steps >= MOST_STEPS {
-            lags.record(None);
-            return false;
-        }
-        true
+        !is_over
     }
 }

@@ -4,10 +4,11 @@ mod ray;
 mod text;
 
 pub use ray::Ray;
-pub use text::{CameraParseError, CameraPreset};
+pub use text::CameraPreset;
 
 use glam::{Mat4, Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
+use throng_geometry::BoundingBox;
 
 /// The eye is never lower than this (m).
 const MIN_EYE_HEIGHT: f32 = 0.04;
@@ -153,14 +154,13 @@ impl OrbitCamera {
         let [right, up, back] = self.axes();
         let centre = 0.5 * (low + high);
         let tan = (0.5 * self.fov_y).tan();
-        let needed = (0..8).map(|i| {
-            let pick = |bit: usize, a: f32, b: f32| if i >> bit & 1 == 0 { a } else { b };
-            let p = Vec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - centre;
+        let needed = BoundingBox { min: low, max: high }.corners().map(|corner| {
+            let p = corner - centre;
             let across = (p.dot(right).abs() / aspect.max(0.05)).max(p.dot(up).abs());
             p.dot(back) + across / tan
         });
         self.target = centre;
-        self.distance = 1.06 * needed.fold(0.5, f32::max);
+        self.distance = 1.06 * needed.into_iter().fold(0.5, f32::max);
         self.limit();
     }
 }

@@ -24,34 +24,24 @@ impl CameraPreset {
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Front => "front",
-            Self::Side => "side",
-            Self::Top => "top",
-            Self::ThreeQuarter => "three-quarter",
-        }
+        self.definition().0
     }
 
-    /// Yaw and pitch (degrees).
-    const fn angles_deg(self) -> (f32, f32) {
+    /// Name on the command line, yaw and pitch (degrees).
+    const fn definition(self) -> (&'static str, f32, f32) {
         match self {
-            Self::Front => (0.0, 6.0),
-            Self::Side => (90.0, 6.0),
-            Self::Top => (180.0, 90.0),
-            Self::ThreeQuarter => (35.0, 18.0),
+            Self::Front => ("front", 0.0, 6.0),
+            Self::Side => ("side", 90.0, 6.0),
+            Self::Top => ("top", 180.0, 90.0),
+            Self::ThreeQuarter => ("three-quarter", 35.0, 18.0),
         }
     }
 
     /// The view of one character at the origin.
     pub fn camera(self) -> OrbitCamera {
-        let (yaw, pitch) = self.angles_deg();
-        OrbitCamera {
-            target: Vec3::new(0.0, 0.9, 0.0),
-            distance: 4.5,
-            yaw: yaw.to_radians(),
-            pitch: pitch.to_radians(),
-            fov_y: 35_f32.to_radians(),
-        }
+        let (_, yaw, pitch) = self.definition();
+        let [yaw, pitch, fov_y] = [yaw, pitch, 35.0].map(f32::to_radians);
+        OrbitCamera { target: Vec3::new(0.0, 0.9, 0.0), distance: 4.5, yaw, pitch, fov_y }
     }
 
     /// Turns a camera into this direction and leaves its target and distance.
@@ -62,46 +52,8 @@ impl CameraPreset {
     }
 }
 
-/// Why a text is not a camera.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CameraParseError {
-    /// A part is neither a preset nor `key=value`.
-    #[error("camera: `{got}` is no view; use front, side, top or three-quarter, or key=value")]
-    UnknownView {
-        /// The part.
-        got: String,
-    },
-    /// A key that cameras do not have.
-    #[error("camera: `{got}` is no setting; the settings are yaw, pitch, distance, target and fov")]
-    UnknownKey {
-        /// The key.
-        got: String,
-    },
-    /// A value that cannot be read.
-    #[error("camera: {key}={got} is not {expected}")]
-    Value {
-        /// The key.
-        key: &'static str,
-        /// The value.
-        got: String,
-        /// Description of valid values.
-        expected: &'static str,
-    },
-    /// A value out of its range.
-    #[error("camera: {key}={got} is out of range; it must be {expected}")]
-    Range {
-        /// The key.
-        key: &'static str,
-        /// The value.
-        got: f32,
-        /// Description of valid values.
-        expected: &'static str,
-    },
-}
-
 impl FromStr for OrbitCamera {
-    type Err = CameraParseError;
+    type Err = String;
 
     /// A preset's name, or settings such as `yaw=30,pitch=20,distance=6,target=0:1:0,fov=35`, or a name followed by
     /// settings. Angles are in degrees; missing settings are those of the three-quarter view.
@@ -112,7 +64,9 @@ impl FromStr for OrbitCamera {
                 Some((key, value)) => set(&mut camera, key.trim(), value.trim())?,
                 None => {
                     let preset = CameraPreset::ALL.into_iter().find(|p| p.name() == part);
-                    let preset = preset.ok_or_else(|| CameraParseError::UnknownView { got: part.to_owned() })?;
+                    let preset = preset.ok_or_else(|| {
+                        format!("camera: `{part}` is no view; use front, side, top or three-quarter, or key=value")
+                    })?;
                     preset.turn(&mut camera);
                 }
             }
@@ -122,39 +76,38 @@ impl FromStr for OrbitCamera {
     }
 }
 
-fn set(camera: &mut OrbitCamera, key: &str, value: &str) -> Result<(), CameraParseError> {
+fn set(camera: &mut OrbitCamera, key: &str, value: &str) -> Result<(), String> {
     match key {
-        "yaw" => camera.yaw = number("yaw", value)?.to_radians(),
-        "pitch" => camera.pitch = ranged("pitch", value, -80.0..=90.0, "-80 to 90 degrees")?.to_radians(),
-        "distance" => camera.distance = ranged("distance", value, 0.15..=2000.0, "0.15 to 2000 m")?,
-        "fov" => camera.fov_y = ranged("fov", value, 3.0..=135.0, "3 to 135 degrees")?.to_radians(),
+        "yaw" => camera.yaw = number(key, value)?.to_radians(),
+        "pitch" => camera.pitch = ranged(key, value, -80.0..=90.0, "-80 to 90 degrees")?.to_radians(),
+        "distance" => camera.distance = ranged(key, value, 0.15..=2000.0, "0.15 to 2000 m")?,
+        "fov" => camera.fov_y = ranged(key, value, 3.0..=135.0, "3 to 135 degrees")?.to_radians(),
         "target" => camera.target = point(value)?,
-        _ => return Err(CameraParseError::UnknownKey { got: key.to_owned() }),
+        _ => {
+            return Err(format!(
+                "camera: `{key}` is no setting; the settings are yaw, pitch, distance, target and fov"
+            ));
+        }
     }
     Ok(())
 }
 
-fn number(key: &'static str, value: &str) -> Result<f32, CameraParseError> {
+fn number(key: &str, value: &str) -> Result<f32, String> {
     let parsed = value.parse::<f32>().ok().filter(|v| v.is_finite());
-    parsed.ok_or_else(|| CameraParseError::Value { key, got: value.to_owned(), expected: "a number" })
+    parsed.ok_or_else(|| format!("camera: {key}={value} is not a number"))
 }
 
-fn ranged(
-    key: &'static str,
-    value: &str,
-    range: std::ops::RangeInclusive<f32>,
-    expected: &'static str,
-) -> Result<f32, CameraParseError> {
+fn ranged(key: &str, value: &str, range: std::ops::RangeInclusive<f32>, expected: &str) -> Result<f32, String> {
     let v = number(key, value)?;
-    if range.contains(&v) { Ok(v) } else { Err(CameraParseError::Range { key, got: v, expected }) }
+    if range.contains(&v) { Ok(v) } else { Err(format!("camera: {key}={v} is out of range; it must be {expected}")) }
 }
 
-fn point(value: &str) -> Result<Vec3, CameraParseError> {
+fn point(value: &str) -> Result<Vec3, String> {
     let parts: Vec<f32> =
         value.split(':').filter_map(|p| p.trim().parse().ok()).filter(|v: &f32| v.is_finite()).collect();
     match parts[..] {
         [x, y, z] if value.split(':').count() == 3 => Ok(Vec3::new(x, y, z)),
-        _ => Err(CameraParseError::Value { key: "target", got: value.to_owned(), expected: "three numbers x:y:z" }),
+        _ => Err(format!("camera: target={value} is not three numbers x:y:z")),
     }
 }
 

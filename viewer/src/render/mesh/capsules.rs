@@ -9,27 +9,14 @@ use throng_geometry::Capsule;
 
 /// Levels of detail that are made of capsules.
 pub(super) const LEVELS: usize = 3;
-/// Fineness of a capsule's mesh.
-#[derive(Clone, Copy)]
-struct CapsuleDetail {
-    /// Number of points of a ring.
-    segments: usize,
-    /// Number of rings of each end.
-    end_rings: usize,
-}
-
-/// Fineness by level of detail.
-const DETAIL: [CapsuleDetail; LEVELS] = [
-    CapsuleDetail { segments: 12, end_rings: 3 },
-    CapsuleDetail { segments: 7, end_rings: 1 },
-    CapsuleDetail { segments: 3, end_rings: 1 },
-];
+/// Number of points of a ring, and of rings of each end, by level of detail.
+const DETAIL: [[usize; 2]; LEVELS] = [[12, 3], [7, 1], [3, 1]];
 
 /// The body at one level of detail.
 pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
     let mut mesh = BodyMesh::default();
     for limb in limbs(skeleton).into_iter().filter(|l| level < 2 || l.radius > 0.028 * BodyVolume::scale(skeleton)) {
-        add_capsule(&limb, BodySide::of_joint(limb.joint), DETAIL[level], &mut mesh);
+        add_capsule(&limb, DETAIL[level], &mut mesh);
     }
     mesh
 }
@@ -74,9 +61,9 @@ fn surface_part(joint: Joint) -> SurfacePart {
     }
 }
 
-fn add_capsule(limb: &LimbCapsule, side: BodySide, detail: CapsuleDetail, mesh: &mut BodyMesh) {
+fn add_capsule(limb: &LimbCapsule, [segments, end_rings]: [usize; 2], mesh: &mut BodyMesh) {
     let radius = limb.radius;
-    let CapsuleDetail { segments, end_rings } = detail;
+    let side = BodySide::of_joint(limb.joint);
     // What is nearly a ball would be two cones with a single ring: a head with a hat.
     let is_ball = limb.from.distance(limb.to) < radius && end_rings < 2 && segments > 3;
     let end_rings = if is_ball { 2 } else { end_rings };

@@ -150,7 +150,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
     for format in [Rgba8Unorm, Rgba8UnormSrgb] {
         let Some(mut renderer) = renderer_for(format) else { return };
         renderer.draw(SIZE, &OrbitCamera::default(), &SceneColours::DARK);
-        let (device, queue) = (renderer.device.clone(), renderer.queue.clone());
+        let (device, queue) = (renderer.gpu.device.clone(), renderer.gpu.queue.clone());
         let window = device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
@@ -200,10 +200,10 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
 fn more_than_the_device_can_hold_is_an_error() {
     use crate::render::buffer::GrowingBuffer;
     let Some(renderer) = renderer() else { return };
-    let mut buffer = GrowingBuffer::new(&renderer.device, "joint matrices", wgpu::BufferUsages::STORAGE);
-    assert_eq!(buffer.reserve(&renderer.device, 1000, 48), Ok(true));
-    assert_eq!(buffer.reserve(&renderer.device, 900, 48), Ok(false));
-    let error = buffer.reserve(&renderer.device, usize::MAX / 64, 48).err().map(|e| e.to_string());
+    let mut buffer = GrowingBuffer::new(&renderer.gpu.device, "joint matrices", wgpu::BufferUsages::STORAGE);
+    assert_eq!(buffer.reserve(&renderer.gpu.device, 1000, 48), Ok(true));
+    assert_eq!(buffer.reserve(&renderer.gpu.device, 900, 48), Ok(false));
+    let error = buffer.reserve(&renderer.gpu.device, usize::MAX / 64, 48).err().map(|e| e.to_string());
     assert!(error.is_some_and(|e| e.contains("joint matrices") && e.contains("fewer than")));
 }
 

@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 use throng_crowd::{Crowd, Id};
-use throng_simulation::agents::world_vector;
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
 /// Terms of the force field, with their equations in Kim, Kim and Shin 2003b.
@@ -46,14 +45,6 @@ pub struct AgentDetails {
     pub cell_side: f32,
 }
 
-/// Number of the first agent among all characters; none in a scene without agents.
-pub fn first_agent(simulation: &Simulation) -> Option<usize> {
-    let is_of_agents = |group: usize| {
-        matches!(simulation.character_groups()[group], AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_))
-    };
-    simulation.groups().iter().find(|g| is_of_agents(g.character_group)).map(|g| g.characters.start)
-}
-
 /// The engine of an agent, and its name there; none for other characters.
 fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
     match simulation.locate(who) {
@@ -67,17 +58,6 @@ fn engine(simulation: &Simulation, who: usize) -> Option<(&Crowd, Id)> {
 pub fn agent_bound(simulation: &Simulation, who: usize) -> Option<(Vec3, f32)> {
     let (crowd, id) = engine(simulation, who)?;
     crowd.bound(id, crowd.time_s())
-}
-
-/// Corners of an agent's route, from its start to its goal; none for other characters (m).
-pub fn agent_route(simulation: &Simulation, who: usize) -> Vec<Vec3> {
-    match simulation.locate(who) {
-        (AnyCharacterGroup::Ground(agents), member) => {
-            agents.layout().paths[member].iter().map(|&p| world_vector(p)).collect()
-        }
-        (AnyCharacterGroup::Air(agents), member) => agents.layout().paths[member].clone(),
-        _ => Vec::new(),
-    }
 }
 
 /// Details of an agent; none for other characters and after it has left.

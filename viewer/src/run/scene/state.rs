@@ -7,7 +7,7 @@ use crate::run::{RunInput, STEP_HZ};
 use glam::Vec3;
 use std::sync::Arc;
 use throng_core::{Executor as Threads, Inline, Rayon, Result};
-use throng_precompute::run::AgentsMeter;
+use throng_precompute::run::{AgentsMeter, policy_characters};
 use throng_precompute::slip::SlipMeter;
 use throng_simulation::sparring::NO_THREAT_S;
 use throng_simulation::{AnyCharacterGroup, Simulation};
@@ -76,11 +76,8 @@ impl SceneRunState {
     /// One step of all characters, and its measures.
     pub fn advance_to(&mut self, step: u32) -> Result<()> {
         let simulation = &mut self.simulation;
-        let before: Vec<_> = self
-            .choosing
-            .iter()
-            .map(|c| targets_and_threats(&simulation.character_groups()[c.character_group]))
-            .collect();
+        let subjects = |c: &ChoosingGroup| targets_and_threats(&simulation.character_groups()[c.character_group]);
+        let before: Vec<_> = self.choosing.iter().map(subjects).collect();
         let was_s = simulation.time_s();
         let is_large = simulation.num_characters() >= PARALLEL_FROM;
         let threads: &dyn Threads = if is_large { &Rayon } else { &Inline };
@@ -159,18 +156,12 @@ impl SceneRunState {
 impl ChoosingGroup {
     /// The state of a group; none for a group without policies.
     fn new(simulation: &Simulation, character_group: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let boxers = match &simulation.character_groups()[character_group] {
-            AnyCharacterGroup::Policy(p) => p.practice().boxers(),
-            AnyCharacterGroup::Sparring(s) => s.sparring().boxers(),
-            _ => return None,
-        };
+        let boxers = policy_characters(&simulation.character_groups()[character_group])?;
         let order = boxers.order_of(*boxers.ids().first()?).ok()?;
         let goal = |&policy: &u32| {
             let is_threat = boxers.motion_set().policy(policy as usize)?.grid().is_space_time();
-            Some(RunGoal {
-                policy: policy as usize,
-                subject: if is_threat { GoalSubject::Threat } else { GoalSubject::Target },
-            })
+            let subject = if is_threat { GoalSubject::Threat } else { GoalSubject::Target };
+            Some(RunGoal { policy: policy as usize, subject })
         };
         Some(Self {
             character_group,
@@ -182,12 +173,8 @@ impl ChoosingGroup {
     }
 
     fn observe(&mut self, simulation: &Simulation, targets: &[Vec3], threats: &[Vec3], step: u32) {
-        let characters = match &simulation.character_groups()[self.character_group] {
-            AnyCharacterGroup::Policy(p) => p.practice().characters(),
-            AnyCharacterGroup::Sparring(s) => s.sparring().characters(),
-            _ => return,
-        };
-        self.choices.observe(characters, targets, threats, &self.weights, step);
+        let Some(boxers) = policy_characters(&simulation.character_groups()[self.character_group]) else { return };
+        self.choices.observe(boxers.characters(), targets, threats, &self.weights, step);
     }
 }
 

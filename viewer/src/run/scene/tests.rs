@@ -262,7 +262,7 @@ fn a_saved_scene_goes_on_as_before() {
     for path in [meeting.scene(6), meeting.flock(6), boxing.pairs(2), boxing.targets(2)] {
         let mut document = open(&path);
         steps(document.run_mut(), 97);
-        let bytes = document.run().snapshot();
+        let bytes = document.run().simulation().snapshot();
         let compiled = document.run().simulation().compiled().clone();
         steps(document.run_mut(), 50);
         let mut again = SceneRun::new(&compiled, Some(&bytes)).unwrap();

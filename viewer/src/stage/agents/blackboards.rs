@@ -31,14 +31,10 @@ pub fn posted<'a>(
 
 /// The smallest cell with an entry at a place on the ground.
 pub fn cell_at(brains: &AgentBrains, options: &SceneViewOptions, at: Vec3) -> Option<BlackboardCell> {
-    let is_in = |(cell, p): &(BlackboardCell, BlackboardPost)| {
-        let c = p
-            .cell
-            .as_ref()
-            .filter(|c| (Vec2::from(c.middle) - Vec2::new(at.x, at.z)).abs().max_element() * 2.0 <= c.side_m);
-        c.map(|_| *cell)
+    let is_in = |p: &BlackboardPost| {
+        p.cell.is_some_and(|c| (Vec2::from(c.middle) - Vec2::new(at.x, at.z)).abs().max_element() * 2.0 <= c.side_m)
     };
-    posted(brains, options).filter_map(|p| is_in(&p)).min_by_key(|c| c.level)
+    posted(brains, options).filter(|(_, p)| is_in(p)).map(|(cell, _)| cell).min_by_key(|c| c.level)
 }
 
 /// The colour of a message.
@@ -47,26 +43,19 @@ pub fn colour_of_message(event: usize) -> Rgba {
     super::super::cues::category(event + 4)
 }
 
-pub(in crate::stage) fn lay_out(
-    shapes: &mut ShapeList,
-    simulation: &Simulation,
-    options: &SceneViewOptions,
-    brush: &Brush<'_>,
-) {
+pub(in crate::stage) fn lay_out(shapes: &mut ShapeList, simulation: &Simulation, brush: &Brush<'_>) {
     let Some(brains) = simulation.brains().filter(|_| !brush.in_the_air) else { return };
-    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(brains, options).take(MAX_CELLS).collect();
+    let mut all: Vec<(BlackboardCell, BlackboardPost)> = posted(brains, &brush.options).take(MAX_CELLS).collect();
     // From large to small, so that the small ones lie on the large ones.
     all.sort_by_key(|(cell, p)| (std::cmp::Reverse(cell.level), cell.at, p.event));
     for same in all.chunk_by(|a, b| a.0 == b.0) {
         let (cell, Some(c)) = (same[0].0, same[0].1.cell) else { continue };
         let y = CELL_Y * (1.0 + 1.0 / (1.0 + cell.level as f32));
         let (at, half) = (Vec3::new(c.middle[0], y, c.middle[1]), 0.5 * c.side_m);
-        let colour = same
-            .iter()
-            .skip(1)
-            .fold(colour_of_message(same[0].1.event), |sum, (_, p)| sum.mix(colour_of_message(p.event), 0.5));
+        let colours = same.iter().map(|(_, p)| colour_of_message(p.event));
+        let Some(colour) = colours.reduce(|sum, own| sum.mix(own, 0.5)) else { continue };
         shapes.square(at, half, colour.alpha((TINT * same.len() as f32).min(MOST_TINT)));
-        let is_selected = options.cell == Some(cell);
+        let is_selected = brush.options.cell == Some(cell);
         let (line, width) = if is_selected { (brush.palette.selected, 2.5) } else { (colour.alpha(0.8), 1.0) };
         let corner = |x: f32, z: f32| at + Vec3::new(x, 0.0, z) * (half - 0.5 * brush.pixel_m);
         let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0), corner(-1.0, -1.0)];

@@ -1,7 +1,6 @@
 //! Marks where something happened, which fade.
 
 use super::Brush;
-use crate::command::SceneViewOptions;
 use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
 use crate::run::agents::{AgentEvent, AgentEventKind, EventFilter};
@@ -46,33 +45,21 @@ pub fn colour_of(what: AgentEventKind, dark: bool) -> Rgba {
 
 /// Duration of a mark of a kind (s).
 fn mark_duration_s(what: AgentEventKind) -> f64 {
-    match what {
-        AgentEventKind::Arrived
-        | AgentEventKind::Left
-        | AgentEventKind::Struck
-        | AgentEventKind::Stuck
-        | AgentEventKind::Learnt => RARE_S,
-        _ => MARK_S,
-    }
+    use AgentEventKind::*;
+    if matches!(what, Arrived | Left | Struck | Stuck | Learnt) { RARE_S } else { MARK_S }
 }
 
 /// Frequent events of all agents.
 fn is_frequent(what: AgentEventKind) -> bool {
-    matches!(
-        what,
-        AgentEventKind::Resetting
-            | AgentEventKind::Entering
-            | AgentEventKind::Leaving
-            | AgentEventKind::EnteredPlace
-            | AgentEventKind::LeftPlace
-            | AgentEventKind::Edge
-    )
+    use AgentEventKind::*;
+    matches!(what, Resetting | Entering | Leaving | EnteredPlace | LeftPlace | Edge)
 }
 
-pub(super) fn lay_out(shapes: &mut ShapeList, run: &SceneRun, options: &SceneViewOptions, brush: &Brush<'_>) {
+pub(super) fn lay_out(shapes: &mut ShapeList, run: &SceneRun, brush: &Brush<'_>) {
     let now = run.simulation().time_s();
     let is_rare = AgentEventKind::all().map(|what| mark_duration_s(what) > MARK_S);
-    let of_kinds = |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| options.kinds[k] && is_rare[k] == rare));
+    let of_kinds =
+        |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| brush.options.kinds[k] && is_rare[k] == rare));
     let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
     let first_s = usual.last().map_or(now, |h| h.time_s);
     let mut more = run.log().last_of_watched(&of_kinds(false), now, MAX_MARKS);

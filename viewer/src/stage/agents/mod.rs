@@ -13,11 +13,12 @@ pub use selected::{TAKEN, colour_of_force};
 pub(super) use spread::colour as colour_by_message;
 
 use super::{StageLayout, StagePalette, cues};
-use crate::command::OverlayScope;
+use crate::command::{OverlayScope, SceneViewOptions};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
-use crate::run::agents::{agent_bound, agent_route, first_agent};
+use crate::run::SceneRun;
+use crate::run::agents::{agent_bound, agent_path};
 use glam::Vec3;
 use throng_crowd::Scheme;
 use throng_simulation::agents::Disc;
@@ -37,6 +38,9 @@ const SLOW_MPS: f32 = 0.05;
 /// Drawing context shared by all parts.
 pub(super) struct Brush<'a> {
     pub palette: &'a StagePalette,
+    pub options: SceneViewOptions,
+    /// Selected character.
+    pub selected: Option<usize>,
     pub dark: bool,
     in_the_air: bool,
     has_regions: bool,
@@ -48,7 +52,8 @@ impl<'a> Brush<'a> {
     pub fn new(model: &Model, scene: &SceneDocument, palette: &'a StagePalette, dark: bool) -> Self {
         let pixel_m = model.settings.camera.pixels_per_metre(model.settings.camera.distance, VIEW_HEIGHT).recip();
         let (in_the_air, has_regions) = (scene.surroundings().in_the_air, scene.choice().engine == Scheme::default());
-        Self { palette, dark, in_the_air, has_regions, pixel_m }
+        let (options, selected) = (model.selection.scene, model.selection.character);
+        Self { palette, options, selected, dark, in_the_air, has_regions, pixel_m }
     }
 
     /// A circle on the ground, a ball that can be seen through in the air.
@@ -68,23 +73,20 @@ impl<'a> Brush<'a> {
 }
 
 /// Routes, bounds and marks of agents, and details of the selected one.
-pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, brush: &Brush<'_>) {
-    let (run, options) = (scene.run(), &model.selection.scene);
-    let simulation = run.simulation();
-    let selected = model.selection.character.filter(|&who| simulation.disc(who).is_some());
+pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, brush: &Brush<'_>) {
+    let (simulation, options) = (run.simulation(), &brush.options);
+    let selected = brush.selected.filter(|&who| simulation.disc(who).is_some());
     let is_drawn = |scope: OverlayScope, who: usize, count: usize| match scope {
         OverlayScope::None => false,
         OverlayScope::Selected => selected == Some(who),
         OverlayScope::All => selected == Some(who) || count < MAX_LINES,
     };
-    if let (Some(event), Some(first)) = (options.message, first_agent(simulation)) {
-        spread::lay_out(&mut out.shapes, run, first, event, selected, brush);
-    }
+    spread::lay_out(&mut out.shapes, simulation, selected, brush);
     let mut count = 0;
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {
             if is_drawn(options.paths, who, count) {
-                route(out, &agent_route(simulation, who), colour_of_group(g), selected == Some(who));
+                route(out, &agent_path(simulation, who), colour_of_group(g), selected == Some(who));
             }
             if options.bounds == OverlayScope::All
                 && selected != Some(who)
@@ -96,10 +98,10 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
         }
     }
     if options.marks {
-        marks::lay_out(&mut out.shapes, run, options, brush);
+        marks::lay_out(&mut out.shapes, run, brush);
     }
     if let Some(who) = selected {
-        selected::lay_out(&mut out.shapes, simulation, options, who, brush);
+        selected::lay_out(&mut out.shapes, simulation, who, brush);
     }
 }
 

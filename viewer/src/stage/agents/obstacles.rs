@@ -3,15 +3,20 @@
 use super::Brush;
 use crate::document::SceneSurroundings;
 use crate::render::{Rgba, ShapeList};
+use crate::stage::cues;
 use glam::Vec3;
 use throng_crowd::Obstacle;
+use throng_geometry::BoundingBox;
 use throng_precompute::run::position_on_timed_path;
 
 /// Draws outlines of boxes in the air, and moving obstacles; all others have meshes.
 pub(in crate::stage) fn lay_out(shapes: &mut ShapeList, standing: &SceneSurroundings, time_s: f64, brush: &Brush<'_>) {
     for obstacle in &standing.obstacles {
         match obstacle {
-            Obstacle::Box { min: low, max: high } if brush.in_the_air => edges(shapes, *low, *high, grey(brush.dark)),
+            Obstacle::Box { min, max } if brush.in_the_air => {
+                let edges = cues::box_edges(BoundingBox { min: *min, max: *max }.corners());
+                edges.for_each(|[a, b]| shapes.line(a, b, 1.0, grey(brush.dark).alpha(0.7)));
+            }
             Obstacle::Mover { path, radius } => mover(shapes, brush, path, *radius, time_s),
             _ => {}
         }
@@ -21,18 +26,6 @@ pub(in crate::stage) fn lay_out(shapes: &mut ShapeList, standing: &SceneSurround
 /// Colour of static obstacles.
 pub(in crate::stage) fn grey(dark: bool) -> Rgba {
     Rgba::hex(if dark { 0x77808d } else { 0x9aa1ab })
-}
-
-fn edges(shapes: &mut ShapeList, low: Vec3, high: Vec3, colour: Rgba) {
-    let corner = |i: usize| {
-        let pick = |axis: usize, bit: usize| if i & bit == 0 { low[axis] } else { high[axis] };
-        Vec3::new(pick(0, 1), pick(1, 2), pick(2, 4))
-    };
-    for i in 0..8usize {
-        for bit in [1, 2, 4].into_iter().filter(|bit| i & bit == 0) {
-            shapes.line(corner(i), corner(i | bit), 1.0, colour.alpha(0.7));
-        }
-    }
 }
 
 /// A moving obstacle, at its present position and with its path.

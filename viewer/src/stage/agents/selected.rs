@@ -1,7 +1,7 @@
 //! The selected agent: its bound, cells, stop region and forces.
 
 use super::{BOUND_Y, Brush};
-use crate::command::{OverlayScope, SceneViewOptions};
+use crate::command::OverlayScope;
 use crate::render::{Rgba, ShapeList};
 use crate::run::agents::{AgentDetails, agent_bound, agent_details};
 use glam::Vec3;
@@ -29,18 +29,13 @@ pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
     Rgba::hex(FORCES[term][usize::from(!dark)])
 }
 
-pub(super) fn lay_out(
-    shapes: &mut ShapeList,
-    simulation: &Simulation,
-    options: &SceneViewOptions,
-    who: usize,
-    brush: &Brush<'_>,
-) {
+pub(super) fn lay_out(shapes: &mut ShapeList, simulation: &Simulation, who: usize, brush: &Brush<'_>) {
     let (Some((at, radius)), Some(details), Some(disc)) =
         (agent_bound(simulation, who), agent_details(simulation, who), simulation.disc(who))
     else {
         return;
     };
+    let options = &brush.options;
     if options.bounds != OverlayScope::None {
         brush.round(shapes, at, radius, (2.5, brush.palette.selected));
     }

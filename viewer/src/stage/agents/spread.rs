@@ -2,8 +2,9 @@
 
 use super::Brush;
 use crate::render::{Rgba, ShapeList};
-use crate::run::SceneRun;
+use crate::run::agents::first_agent;
 use glam::Vec3;
+use throng_simulation::Simulation;
 use throng_simulation::scenario::AgentBrains;
 
 /// Height of lines above the ground (m).
@@ -25,15 +26,8 @@ pub(in crate::stage) fn colour(brains: &AgentBrains, agent: usize, event: usize,
 }
 
 /// Draws lines from senders to receivers, and from the selected agent back to the origin of the message.
-pub(super) fn lay_out(
-    shapes: &mut ShapeList,
-    run: &SceneRun,
-    first: usize,
-    event: usize,
-    selected: Option<usize>,
-    brush: &Brush<'_>,
-) {
-    let simulation = run.simulation();
+pub(super) fn lay_out(shapes: &mut ShapeList, simulation: &Simulation, selected: Option<usize>, brush: &Brush<'_>) {
+    let (Some(event), Some(first)) = (brush.options.message, first_agent(simulation)) else { return };
     let Some(brains) = simulation.brains() else { return };
     let place = |agent: usize| {
         let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * LINE_Y };

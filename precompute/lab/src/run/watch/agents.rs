@@ -2,11 +2,12 @@
 
 use crate::overlap::OverlapMeter;
 use crate::run::figures::{AgentFigures, ThingFigures};
+use crate::run::groups::agents_crowd;
 use crate::run::meter::{AgentSample, GateMeter, LaneMeter, ProgressMeter};
 use glam::{Vec2, Vec3};
 use throng_core::Joint;
 use throng_crowd::{AtEnd, EventCounts, Space};
-use throng_simulation::agents::{self as crowd, HandlingCounts, ground_coordinates};
+use throng_simulation::agents::{SceneAgents, ground_coordinates};
 use throng_simulation::scene::SceneMeasureConfig;
 use throng_simulation::{AnyCharacterGroup, Simulation};
 
@@ -62,10 +63,7 @@ impl AgentsMeter {
 
     /// Meter of the agents of some groups, by their number; none without agents.
     pub(super) fn of_groups(sim: &Simulation, is_seen: impl Fn(usize) -> bool) -> Option<Self> {
-        let character_group = sim
-            .character_groups()
-            .iter()
-            .position(|c| matches!(c, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_)))?;
+        let character_group = sim.character_groups().iter().position(|c| agents_crowd(c).is_some())?;
         let groups = || sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == character_group);
         let first = groups().next()?.1.characters.start;
         let seen = groups().filter(|(number, _)| is_seen(*number)).flat_map(|(_, g)| g.characters.clone());
@@ -84,14 +82,14 @@ impl AgentsMeter {
 
     /// Observes all agents; to be called at most 30 times a simulated second.
     pub fn observe(&mut self, sim: &Simulation) -> AgentsSummary {
-        with_agents!(&mut self.agents, &sim.character_groups()[self.character_group], |w, all| w.summarize(all))
-            .unwrap_or_default()
+        let group = &sim.character_groups()[self.character_group];
+        with_agents!(&mut self.agents, group, |w, all| w.summarize(all)).unwrap_or_default()
     }
 
     /// Measures the distances of bodies from their discs, after a step.
     pub(super) fn observe_bodies(&mut self, sim: &Simulation) {
-        with_agents!(&mut self.agents, &sim.character_groups()[self.character_group], |w, all| w
-            .observe_bodies(sim, self.first, all));
+        let group = &sim.character_groups()[self.character_group];
+        with_agents!(&mut self.agents, group, |w, all| w.observe_bodies(sim, self.first, all));
     }
 
     /// Number of stuck agents, and the figures.
@@ -99,10 +97,8 @@ impl AgentsMeter {
     /// - `is_timed`: the wall times of the simulation are attributed to these agents.
     pub(super) fn figures(&self, sim: &Simulation, seconds: f64, is_timed: bool) -> Option<(usize, AgentFigures)> {
         let busy_s = sim.busy_s().get(self.character_group).filter(|_| is_timed).map(|&s| (s, s));
-        with_agents!(&self.agents, &sim.character_groups()[self.character_group], |w, all| (
-            w.stuck(),
-            w.figures(all, seconds, busy_s)
-        ))
+        let group = &sim.character_groups()[self.character_group];
+        with_agents!(&self.agents, group, |w, all| (w.progress.stuck(), w.figures(all, seconds, busy_s)))
     }
 }
 
@@ -112,7 +108,7 @@ pub(in crate::run) struct AgentWatch<V> {
     /// Numbers of the agents in the crowd.
     agents: Vec<usize>,
     overlaps: OverlapMeter,
-    progress: ProgressMeter<V>,
+    pub progress: ProgressMeter<V>,
     gate: Option<GateMeter>,
     lanes: Option<LaneMeter>,
     /// Flags of the scene's groups that go along the direction of lanes.
@@ -124,7 +120,7 @@ pub(in crate::run) struct AgentWatch<V> {
 }
 
 impl<V: Space> AgentWatch<V> {
-    pub fn new(agents: &crowd::SceneAgents<V>, config: &SceneMeasureConfig, numbers: Vec<usize>) -> Self {
+    pub fn new(agents: &SceneAgents<V>, config: &SceneMeasureConfig, numbers: Vec<usize>) -> Self {
         Self {
             agents: numbers,
             overlaps: OverlapMeter::default(),
@@ -139,7 +135,7 @@ impl<V: Space> AgentWatch<V> {
     }
 
     /// Observes all of them.
-    pub fn observe(&mut self, agents: &crowd::SceneAgents<V>) {
+    pub fn observe(&mut self, agents: &SceneAgents<V>) {
         let (layout, time_s) = (agents.layout(), agents.crowd().time_s());
         let at = |m: usize| agents.position(m, time_s);
         let all = || self.agents.iter().copied();
@@ -171,7 +167,7 @@ impl<V: Space> AgentWatch<V> {
     }
 
     /// Observes all of them, and returns the figures until now.
-    fn summarize(&mut self, agents: &crowd::SceneAgents<V>) -> AgentsSummary {
+    fn summarize(&mut self, agents: &SceneAgents<V>) -> AgentsSummary {
         let before = self.overlaps.over_1mm;
         self.observe(agents);
         AgentsSummary {
@@ -184,17 +180,13 @@ impl<V: Space> AgentWatch<V> {
         }
     }
 
-    pub fn stuck(&self) -> usize {
-        self.progress.stuck()
-    }
-
     /// The figures.
     ///
     /// - `busy_s`: wall time and running time of the engine, if they are measured (s).
-    pub fn figures(&self, agents: &crowd::SceneAgents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
+    pub fn figures(&self, agents: &SceneAgents<V>, seconds: f64, busy_s: Option<(f64, f64)>) -> AgentFigures {
         let n = self.agents.len();
         let of_all = n == agents.num_agents();
-        let counts = agents.crowd().counts();
+        let (counts, handled) = (agents.crowd().counts(), agents.handling_counts());
         let frames = self.overlaps.agent_frames.max(1) as f64;
         // Agents that have left cost nothing any more.
         let present_s = frames * seconds / self.num_samples.max(1) as f64;
@@ -218,7 +210,13 @@ impl<V: Space> AgentWatch<V> {
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
             informed: agents.brains().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
-            things: (agents.things().len() > 0).then(|| thing_figures(&agents.handling_counts())),
+            things: (agents.things().len() > 0).then(|| ThingFigures {
+                things_taken: handled.taken,
+                things_put: handled.put,
+                things_out_of_reach: handled.missed,
+                hand_off_p95_m: handled.palm_error_m(0.95),
+                hand_off_max_m: handled.palm_error_m(1.0),
+            }),
             lane_order: self.lanes.as_ref().and_then(LaneMeter::final_order),
             flow: self.gate.as_ref().map(GateMeter::flow),
             hips_off_max_m: self.hips_off_max_m,
@@ -227,7 +225,7 @@ impl<V: Space> AgentWatch<V> {
     }
 
     /// Measures the distances over ground of bodies from their discs.
-    fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &crowd::SceneAgents<V>) {
+    fn observe_bodies(&mut self, sim: &Simulation, first: usize, agents: &SceneAgents<V>) {
         for &m in &self.agents {
             let Some(pose) = sim.joint_positions(first + m) else { continue };
             let Some(at) = agents.position(m, agents.crowd().time_s()) else { continue };
@@ -247,22 +245,11 @@ fn num_events(c: &EventCounts) -> u64 {
 }
 
 /// Flags of the groups whose agents on the whole go along a direction.
-fn goes_along<V: Space>(agents: &crowd::SceneAgents<V>, along: Vec2) -> Vec<bool> {
+fn goes_along<V: Space>(agents: &SceneAgents<V>, along: Vec2) -> Vec<bool> {
     let layout = agents.layout();
     let mut sums = vec![0.0; layout.groups.iter().max().map_or(0, |g| g + 1)];
     for (path, &group) in layout.paths.iter().zip(&layout.groups) {
         sums[group] += (ground_coordinates(path[path.len() - 1]) - ground_coordinates(path[0])).dot(along);
     }
     sums.iter().map(|s| *s > 0.0).collect()
-}
-
-/// Figures of hands.
-fn thing_figures(handled: &HandlingCounts) -> ThingFigures {
-    ThingFigures {
-        things_taken: handled.taken,
-        things_put: handled.put,
-        things_out_of_reach: handled.missed,
-        hand_off_p95_m: handled.palm_error_m(0.95),
-        hand_off_max_m: handled.palm_error_m(1.0),
-    }
 }

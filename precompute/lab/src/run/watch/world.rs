@@ -6,11 +6,9 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::collections::BTreeSet;
 use throng_bake::environment::{BodySpheres, PlacedGeometry};
 use throng_base::maths;
-use throng_core::Joint;
-use throng_core::NUM_JOINTS;
+use throng_core::{Joint, NUM_JOINTS};
 use throng_motion::error::Result;
-use throng_simulation::AnyCharacterGroup;
-use throng_simulation::Simulation;
+use throng_simulation::{AnyCharacterGroup, Simulation};
 use throng_world::inhabitants::InhabitantActivity;
 
 /// Penetrations deeper than this into a unit count (m).

@@ -2,15 +2,13 @@
 
 use super::super::loft::{Loft, Ring};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
-use super::MannequinPlan;
+use super::{BodySection, MannequinPlan};
 use glam::Vec3;
 use throng_core::Joint;
 
-/// A cross-section: place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width,
-/// height, shift to the outer side, and the coarsest level of detail that has it (m).
-type FootSection = (f32, f32, f32, f32, usize);
-
-const SECTIONS: [FootSection; 9] = [
+/// Place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width, height, and shift to the
+/// outer side (m).
+const SECTIONS: [BodySection; 9] = [
     (-0.44, 0.024, 0.062, 0.000, 0),
     (-0.36, 0.034, 0.086, 0.000, 2),
     (-0.15, 0.039, 0.104, 0.000, 1),
@@ -36,17 +34,10 @@ pub(super) fn build(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
         let p = if t <= 1.0 { ankle + (ball - ankle) * t } else { ball + (tip - ball) * (t - 1.0) };
         p.with_y(sole)
     };
-    let rings: Vec<Ring> = SECTIONS
-        .iter()
-        .filter(|section| section.4 >= plan.level)
-        .map(|&(t, width, height, outwards, _)| Ring {
-            centre: place(t) + Vec3::new(outwards * mirror, 0.5 * height, 0.0) * s,
-            u: Vec3::X * (width * s * mirror),
-            v: Vec3::Y * (0.5 * height * s),
-            square: [2.3, 5.0],
-        })
-        .map(|ring| Ring { centre: ring.centre.with_y(sole + ring.v.y), ..ring })
-        .collect();
+    let rings = plan.rings(&SECTIONS, |[t, width, height, outwards]| {
+        let (centre, v) = (place(t) + Vec3::X * (outwards * mirror) * s, Vec3::Y * (0.5 * height * s));
+        Ring { centre: centre.with_y(sole + v.y), u: Vec3::X * (width * s * mirror), v, square: [2.3, 5.0] }
+    });
     let poles = [place(HEEL) + Vec3::Y * (0.03 * s), place(TIP) + Vec3::Y * (0.018 * s)];
     let links = [(joints[0], f32::NEG_INFINITY, 0.0), (joints[1], ball.z, 0.025 * s)];
     let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { SurfacePart::Sole } else { SurfacePart::Shoe }, side);

@@ -2,15 +2,12 @@
 
 use super::super::loft::{Loft, Ring};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
-use super::MannequinPlan;
+use super::{BodySection, MannequinPlan};
 use glam::Vec3;
 use throng_core::Joint;
 
-/// A cross-section: distance from the wrist, half thickness, half width, how far forward, and the coarsest level of
-/// detail that has it (m).
-type HandSection = (f32, f32, f32, f32, usize);
-
-const PALM: [HandSection; 7] = [
+/// Distance from the wrist, half thickness, half width, and how far forward (m).
+const PALM: [BodySection; 7] = [
     (-0.025, 0.019, 0.023, 0.000, 1),
     (0.020, 0.018, 0.030, 0.002, 2),
     (0.055, 0.017, 0.040, 0.003, 0),
@@ -37,13 +34,9 @@ pub(super) fn build(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
     let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
     let place = |[along, up, forward]: [f32; 3]| wrist + (out * along + Vec3::Y * up + Vec3::Z * forward) * s;
     let weigh = |p: Vec3| Influence::chain(&[(fore, 0.0, 0.0), (hand, 0.0, 0.03 * s)], (p - wrist).dot(out));
-    let rings: Vec<Ring> = PALM
-        .iter()
-        .filter(|section| section.4 >= plan.level)
-        .map(|&(along, thick, wide, forward, _)| {
-            Ring::ellipse(place([along, 0.0, forward]), Vec3::Y * (thick * s), Vec3::Z * (wide * s))
-        })
-        .collect();
+    let rings = plan.rings(&PALM, |[along, thick, wide, forward]| {
+        Ring::ellipse(place([along, 0.0, forward]), Vec3::Y * (thick * s), Vec3::Z * (wide * s))
+    });
     let poles = PALM_ENDS.map(|along| place([along, 0.0, 0.0]));
     let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3, 3]), poles };
     loft.build(mesh, weigh, |_| (SurfacePart::Skin, side));

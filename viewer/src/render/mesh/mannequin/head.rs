@@ -2,15 +2,12 @@
 
 use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
-use super::MannequinPlan;
+use super::{BodySection, MannequinPlan};
 use glam::Vec3;
 use throng_core::Joint;
 
-/// A cross-section: height above the head joint, half width, half depth, how far forward, and the coarsest level of
-/// detail that has it. For a head 0.2 m high (m).
-type HeadSection = (f32, f32, f32, f32, usize);
-
-const SKULL: [HeadSection; 11] = [
+/// Height above the head joint, half width, half depth, and how far forward, for a head 0.2 m high (m).
+const SKULL: [BodySection; 11] = [
     (-0.040, 0.030, 0.034, 0.050, 1),
     (-0.026, 0.046, 0.055, 0.036, 0),
     (0.000, 0.058, 0.073, 0.024, 2),
@@ -27,7 +24,7 @@ const SKULL_ENDS: [(f32, f32); 2] = [(-0.046, 0.05), (0.2, -0.004)];
 /// Between these heights the front of the skull is a visor (m).
 const VISOR: std::ops::Range<f32> = 0.062..0.122;
 
-const NECK: [HeadSection; 4] = [
+const NECK: [BodySection; 4] = [
     (-0.150, 0.058, 0.056, -0.004, 1),
     (-0.085, 0.057, 0.055, -0.005, 2),
     (-0.040, 0.055, 0.057, -0.004, 0),
@@ -41,13 +38,12 @@ pub(super) fn build(plan: &MannequinPlan, mesh: &mut BodyMesh) {
     let size = ((plan.tips[0] - head).length() / 0.2).clamp(0.2, 5.0);
     let base = head + Vec3::Y * ((plan.tips[0].y - head.y) - 0.2 * size);
     let place = |y: f32, forward: f32| base + Vec3::new(0.0, y, forward) * size;
-    let sections = |all: &[HeadSection], segments: usize| -> Vec<Ring> {
+    let rings_at = |sections: &[BodySection], segments: usize| {
         let stout = size * equal_area(segments);
-        let ring = |&(y, width, depth, forward, _): &HeadSection| Ring {
+        plan.rings(sections, |[y, width, depth, forward]| Ring {
             square: [2.2, 2.2],
             ..Ring::ellipse(place(y, forward), Vec3::X * (width * stout), Vec3::Z * (depth * stout))
-        };
-        all.iter().filter(|s| s.4 >= plan.level).map(ring).collect()
+        })
     };
 
     let links = [
@@ -57,13 +53,13 @@ pub(super) fn build(plan: &MannequinPlan, mesh: &mut BodyMesh) {
     ];
     if !plan.is_coarsest() {
         let segments = plan.segments([12, 6, 4, 4]);
-        let (rings, poles) = (sections(&NECK, segments), NECK_ENDS.map(|y| place(y, 0.0)));
+        let (rings, poles) = (rings_at(&NECK, segments), NECK_ENDS.map(|y| place(y, 0.0)));
         let loft = Loft { rings: &rings, segments, poles };
         loft.build(mesh, |p| Influence::chain(&links, p.y), |_| (SurfacePart::Skin, BodySide::Middle));
     }
 
     let segments = plan.segments([18, 8, 6, 4]);
-    let rings = sections(&SKULL, segments);
+    let rings = rings_at(&SKULL, segments);
     let [chin, crown] = SKULL_ENDS.map(|(y, forward)| place(y, forward));
     let chin = if plan.is_coarsest() { place(NECK_ENDS[0], 0.0) } else { chin };
     let loft = Loft { rings: &rings, segments, poles: [chin, crown] };

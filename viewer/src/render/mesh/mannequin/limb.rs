@@ -2,57 +2,43 @@
 
 use super::super::loft::{Loft, Ring, equal_area};
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart};
-use super::MannequinPlan;
+use super::{BodySection, MannequinPlan};
 use glam::Vec3;
 use throng_core::Joint;
 
-/// A cross-section of a limb in a body of the default size.
-struct LimbSection {
-    /// Along the limb: 0 to 1 from the first to the second joint, 1 to 2 from there to the third.
-    along: f32,
-    /// Semi-axes: sideways (arms: up and down), and front to back (m).
-    half: [f32; 2],
-    /// Offset to the front (m).
-    forward: f32,
-    /// The coarsest level of detail that has it.
-    level: usize,
-}
-
-const fn section(along: f32, across: f32, depth: f32, forward: f32, level: usize) -> LimbSection {
-    LimbSection { along, half: [across, depth], forward, level }
-}
-
-const LEG: [LimbSection; 14] = [
-    section(-0.11, 0.036, 0.050, -0.008, 1),
-    section(-0.02, 0.064, 0.090, -0.006, 3),
-    section(0.12, 0.079, 0.098, -0.004, 0),
-    section(0.30, 0.081, 0.091, 0.001, 1),
-    section(0.55, 0.071, 0.079, 0.007, 0),
-    section(0.80, 0.058, 0.065, 0.006, 1),
-    section(0.94, 0.053, 0.061, 0.005, 0),
-    section(1.04, 0.051, 0.059, 0.003, 3),
-    section(1.13, 0.050, 0.057, -0.004, 0),
-    section(1.25, 0.052, 0.060, -0.012, 1),
-    section(1.42, 0.048, 0.054, -0.013, 0),
-    section(1.64, 0.039, 0.044, -0.008, 1),
-    section(1.86, 0.035, 0.041, -0.003, 2),
-    section(1.94, 0.037, 0.045, -0.002, 1),
+/// Along the limb (0 to 1 from the first to the second joint, 1 to 2 from there to the third), semi-axes sideways (arms:
+/// up and down) and front to back, and how far forward, in a body of the default size (m).
+const LEG: [BodySection; 14] = [
+    (-0.11, 0.036, 0.050, -0.008, 1),
+    (-0.02, 0.064, 0.090, -0.006, 3),
+    (0.12, 0.079, 0.098, -0.004, 0),
+    (0.30, 0.081, 0.091, 0.001, 1),
+    (0.55, 0.071, 0.079, 0.007, 0),
+    (0.80, 0.058, 0.065, 0.006, 1),
+    (0.94, 0.053, 0.061, 0.005, 0),
+    (1.04, 0.051, 0.059, 0.003, 3),
+    (1.13, 0.050, 0.057, -0.004, 0),
+    (1.25, 0.052, 0.060, -0.012, 1),
+    (1.42, 0.048, 0.054, -0.013, 0),
+    (1.64, 0.039, 0.044, -0.008, 1),
+    (1.86, 0.035, 0.041, -0.003, 2),
+    (1.94, 0.037, 0.045, -0.002, 1),
 ];
 
-const ARM: [LimbSection; 13] = [
-    section(-0.26, 0.040, 0.052, 0.0, 1),
-    section(-0.06, 0.055, 0.060, 0.0, 3),
-    section(0.08, 0.056, 0.059, 0.0, 0),
-    section(0.24, 0.052, 0.055, 0.0, 1),
-    section(0.48, 0.045, 0.050, 0.001, 0),
-    section(0.74, 0.041, 0.044, 0.0, 1),
-    section(0.94, 0.039, 0.041, 0.0, 0),
-    section(1.04, 0.039, 0.041, 0.0, 3),
-    section(1.17, 0.041, 0.043, 0.001, 1),
-    section(1.40, 0.038, 0.039, 0.001, 0),
-    section(1.68, 0.031, 0.031, 0.0, 0),
-    section(1.92, 0.028, 0.028, 0.0, 2),
-    section(1.99, 0.027, 0.027, 0.0, 0),
+const ARM: [BodySection; 13] = [
+    (-0.26, 0.040, 0.052, 0.0, 1),
+    (-0.06, 0.055, 0.060, 0.0, 3),
+    (0.08, 0.056, 0.059, 0.0, 0),
+    (0.24, 0.052, 0.055, 0.0, 1),
+    (0.48, 0.045, 0.050, 0.001, 0),
+    (0.74, 0.041, 0.044, 0.0, 1),
+    (0.94, 0.039, 0.041, 0.0, 0),
+    (1.04, 0.039, 0.041, 0.0, 3),
+    (1.17, 0.041, 0.043, 0.001, 1),
+    (1.40, 0.038, 0.039, 0.001, 0),
+    (1.68, 0.031, 0.031, 0.0, 0),
+    (1.92, 0.028, 0.028, 0.0, 2),
+    (1.99, 0.027, 0.027, 0.0, 0),
 ];
 
 /// A leg from the hip to the ankle, in trousers.
@@ -60,7 +46,7 @@ pub(super) fn leg(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
     let joints = [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot].map(|j| side.joint_on_side(j));
     let (part, coarse_end) = (SurfacePart::Trousers, 2.0);
     let tube = LimbTube { joints, before: Joint::Hips, across: Vec3::X, blends: [0.075, 0.07], part, coarse_end };
-    tube.build(plan, side, &LEG, plan.segments([14, 6, 4, 3]), mesh);
+    tube.build(plan, &LEG, plan.segments([14, 6, 4, 3]), mesh);
     plan.ball(joints[0], 0.062, SurfacePart::Trousers, mesh);
     plan.ball(joints[1], 0.052, SurfacePart::Trousers, mesh);
 }
@@ -71,7 +57,7 @@ pub(super) fn arm(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
     let before = side.joint_on_side(Joint::LeftClavicle);
     let (part, coarse_end) = (SurfacePart::Shirt, 2.4);
     let tube = LimbTube { joints, before, across: Vec3::Y, blends: [0.075, 0.05], part, coarse_end };
-    tube.build(plan, side, &ARM, plan.segments([12, 5, 3, 3]), mesh);
+    tube.build(plan, &ARM, plan.segments([12, 5, 3, 3]), mesh);
     plan.ball(joints[0], 0.047, SurfacePart::Shirt, mesh);
     plan.ball(joints[1], 0.036, SurfacePart::Shirt, mesh);
 }
@@ -92,29 +78,17 @@ struct LimbTube {
 }
 
 impl LimbTube {
-    fn build(
-        &self,
-        plan: &MannequinPlan,
-        side: BodySide,
-        sections: &[LimbSection],
-        segments: usize,
-        mesh: &mut BodyMesh,
-    ) {
+    fn build(&self, plan: &MannequinPlan, sections: &[BodySection], segments: usize, mesh: &mut BodyMesh) {
         let [a, b, c] = self.joints.map(|j| plan.joint_position(j));
-        let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
-        let s = plan.scale;
+        let (s, side) = (plan.scale, BodySide::of_joint(self.joints[0]));
         let place = |t: f32| if t <= 1.0 { a + (b - a) * t } else { b + (c - b) * (t - 1.0) };
-        let rings: Vec<Ring> = sections
-            .iter()
-            .filter(|section| section.level >= plan.level)
-            .map(|section| {
-                let across = if self.across == Vec3::X { Vec3::X * mirror } else { self.across };
-                let centre = place(section.along) + Vec3::Z * (section.forward * s);
-                let [u, v] = section.half.map(|half| half * s * equal_area(segments));
-                Ring::ellipse(centre, across * u, Vec3::Z * v)
-            })
-            .collect();
-        let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.along - 0.04, l.along + 0.02]);
+        let is_mirrored = side == BodySide::Right && self.across == Vec3::X;
+        let direction = if is_mirrored { -self.across } else { self.across };
+        let rings = plan.rings(sections, |[along, across, depth, forward]| {
+            let [u, v] = [across, depth].map(|half| half * s * equal_area(segments));
+            Ring::ellipse(place(along) + Vec3::Z * (forward * s), direction * u, Vec3::Z * v)
+        });
+        let ends = sections.first().zip(sections.last()).map_or([0.0, 2.0], |(f, l)| [f.0 - 0.04, l.0 + 0.02]);
         let ends = if plan.is_coarsest() { [ends[0], self.coarse_end] } else { ends };
         let loft = Loft { rings: &rings, segments, poles: ends.map(place) };
         loft.build(mesh, |p| self.weigh(plan, p), |_| (self.part, side));

@@ -14,6 +14,10 @@ use super::{BodyMesh, BodySide, Influence, LEVELS, SurfacePart};
 use glam::Vec3;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
+/// A cross-section of a part: position along the part, two half axes, how far forward or to the outer side, and the
+/// coarsest level of detail that has it. Units and directions are those of the part.
+type BodySection = (f32, f32, f32, f32, usize);
+
 /// Data shared by all parts of one mannequin.
 struct MannequinPlan {
     /// Rest positions of the joints (m).
@@ -39,6 +43,14 @@ impl MannequinPlan {
     /// The points of a ring at this level. `by_level` is finest first.
     fn segments(&self, by_level: [usize; LEVELS]) -> usize {
         by_level[self.level]
+    }
+
+    /// Rings at the cross-sections that this level has.
+    ///
+    /// - `ring`: from position, half axes and offset.
+    fn rings(&self, sections: &[BodySection], ring: impl Fn([f32; 4]) -> Ring) -> Vec<Ring> {
+        let kept = sections.iter().filter(|section| section.4 >= self.level);
+        kept.map(|&(at, u, v, offset, _)| ring([at, u, v, offset])).collect()
     }
 
     /// A ball around a joint, moved by the joint. It is round, so turns are not visible. Only at the finest level.

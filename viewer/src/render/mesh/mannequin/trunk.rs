@@ -3,15 +3,12 @@
 use super::super::loft::{Loft, Ring, equal_area};
 use super::super::weights::smooth;
 use super::super::{BodyMesh, BodySide, Influence, SurfacePart, Vertex};
-use super::MannequinPlan;
+use super::{BodySection, MannequinPlan};
 use glam::Vec3;
 use throng_core::{Joint, Skeleton};
 
-/// A cross-section: height, half width, half depth and how far forward, in a body of the default size, and the
-/// coarsest level of detail that has it (m).
-type TrunkSection = (f32, f32, f32, f32, usize);
-
-const SECTIONS: [TrunkSection; 15] = [
+/// Height, half width, half depth, and how far forward, in a body of the default size (m).
+const SECTIONS: [BodySection; 15] = [
     (0.838, 0.070, 0.050, -0.016, 1),
     (0.862, 0.128, 0.078, -0.018, 3),
     (0.900, 0.155, 0.100, -0.016, 0),
@@ -67,16 +64,12 @@ pub(super) fn build(plan: &MannequinPlan, mesh: &mut BodyMesh) {
     let s = plan.scale;
     let segments = plan.segments([18, 8, 6, 4]);
     let stout = s * equal_area(segments);
-    let rings: Vec<Ring> = SECTIONS
-        .iter()
-        .filter(|section| section.4 >= plan.level)
-        .map(|&(y, width, depth, forward, _)| Ring {
-            centre: heights.middle(y) + Vec3::Z * (forward * s),
-            u: Vec3::X * (width * stout),
-            v: Vec3::Z * (depth * stout),
-            square: [2.35; 2],
-        })
-        .collect();
+    let rings = plan.rings(&SECTIONS, |[y, width, depth, forward]| Ring {
+        centre: heights.middle(y) + Vec3::Z * (forward * s),
+        u: Vec3::X * (width * stout),
+        v: Vec3::Z * (depth * stout),
+        square: [2.35; 2],
+    });
     let poles = [heights.middle(BOTTOM), heights.middle(TOP)];
     let waist = heights.middle(WAIST).y;
     // Trousers have two legs, which begin at the belt.

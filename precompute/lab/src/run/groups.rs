@@ -1,0 +1,42 @@
+//! Agents and characters with policies among the characters of a simulation.
+
+use glam::Vec3;
+use throng_core::characters::PolicyCharacters;
+use throng_crowd::Crowd;
+use throng_simulation::agents::world_vector;
+use throng_simulation::{AnyCharacterGroup, Simulation};
+
+/// Characters with policies of a character group; none for others.
+pub fn policy_characters(group: &AnyCharacterGroup) -> Option<&PolicyCharacters> {
+    match group {
+        AnyCharacterGroup::Policy(p) => Some(p.practice().boxers()),
+        AnyCharacterGroup::Sparring(s) => Some(s.sparring().boxers()),
+        _ => None,
+    }
+}
+
+/// Crowd of a character group of agents; none for others.
+pub fn agents_crowd(group: &AnyCharacterGroup) -> Option<&Crowd> {
+    match group {
+        AnyCharacterGroup::Ground(agents) => Some(agents.crowd()),
+        AnyCharacterGroup::Air(agents) => Some(agents.crowd()),
+        _ => None,
+    }
+}
+
+/// Number of the first agent among all characters; none in a scene without agents.
+pub fn first_agent(sim: &Simulation) -> Option<usize> {
+    let is_of_agents = |group: usize| agents_crowd(&sim.character_groups()[group]).is_some();
+    sim.groups().iter().find(|g| is_of_agents(g.character_group)).map(|g| g.characters.start)
+}
+
+/// Corners of an agent's path, from its start to its goal; none for other characters (m).
+pub fn agent_path(sim: &Simulation, who: usize) -> Vec<Vec3> {
+    match sim.locate(who) {
+        (AnyCharacterGroup::Ground(agents), member) => {
+            agents.layout().paths[member].iter().map(|&p| world_vector(p)).collect()
+        }
+        (AnyCharacterGroup::Air(agents), member) => agents.layout().paths[member].clone(),
+        _ => Vec::new(),
+    }
+}
