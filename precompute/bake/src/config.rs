@@ -205,13 +205,18 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::Config`] where a value cannot be written.
     pub fn to_toml(&self) -> Result<String> {
-        toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
+        to_toml(self)
     }
 
     /// The JSON schema of config files.
     pub fn json_schema() -> schemars::Schema {
         schemars::schema_for!(BuildConfig)
     }
+}
+
+/// A value as TOML.
+pub(crate) fn to_toml(value: &impl Serialize) -> Result<String> {
+    toml::to_string(value).map_err(|e| BuildError::Config { message: e.to_string() })
 }
 
 #[cfg(test)]
