@@ -99,11 +99,8 @@ impl BuildConfig {
     pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self> {
         let walk = Self::parse(include_str!("../../../data/walk.toml"), Path::new("walk.toml"))?;
         let (mut config, kind) = (Self { name: name.into(), inputs, ..walk }, BehaviourKind::ThrowPunches);
-        config.behaviours.push(PolicyBehaviourConfig {
-            name: "throw-punches".into(),
-            kind,
-            ..PolicyBehaviourConfig::default()
-        });
+        let blows = PolicyBehaviourConfig { name: "throw-punches".into(), kind, ..PolicyBehaviourConfig::default() };
+        config.behaviours.push(blows);
         config.blend.insert("ahead".into(), BlendConfig::for_all_clips());
         Ok(config)
     }

@@ -213,8 +213,8 @@ struct PartBaker<'a> {
 }
 
 impl PartBaker<'_> {
-    /// Motion patches of the environments in which clips were captured, and of tiles; tiles that cannot be made are left
-    /// out if they may be missing.
+    /// Motion patches of the environments in which clips were captured, and of tiles; tiles that cannot be made are
+    /// left out if they may be missing.
     fn patches(
         &mut self,
         groups: &StageOutput<cluster::PoseGroups>,

@@ -34,8 +34,9 @@ impl GraphInputs<'_> {
     /// - `matches`: all links up to `max_error` of this rank's events, best first.
     /// - `comm`: processes that choose for the other events.
     ///
-    /// For every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link is
-    /// taken, whatever its error; then the rest up to the threshold, unless a better one leads nearly to the same place.
+    /// For every kind of outcome (turning left, right or not; staying, going forward, back or to a side) the best link
+    /// is taken, whatever its error; then the rest up to the threshold, unless a better one leads nearly to the same
+    /// place.
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].

@@ -15,8 +15,8 @@ use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
-/// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
-/// nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
+/// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions
+/// are nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
 const POINTS_PER_EVENT: usize = 512;
 /// Points compared for each kind of outcome of each event; see [`POINTS_PER_EVENT`].
 const POINTS_PER_KIND: usize = 48;

@@ -119,8 +119,8 @@ fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
     }
 }
 
-/// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and again: of all
-/// links, in every round.
+/// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and
+/// again: of all links, in every round.
 fn join_naively(graph: &mut EventGraph, matches: &[Vec<TransitionLink>], alive: &[bool], most: usize) {
     loop {
         let r = reaches(graph, alive);

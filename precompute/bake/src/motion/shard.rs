@@ -78,8 +78,8 @@ const REFUSED: &str = "refused";
 /// them. `parts` must be that of the build that will use them.
 ///
 /// # Errors
-/// [`BuildError::Key`] for synthetic motion and for values out of their range; the first output that the cache cannot store; the first bad file if
-/// `import.strict` is set; those of the stages from import to annotate.
+/// [`BuildError::Key`] for synthetic motion and for values out of their range; the first output that the cache cannot
+/// store; the first bad file if `import.strict` is set; those of the stages from import to annotate.
 pub fn bake_shard(
     cfg: &BuildConfig,
     parts: RequiredParts,

@@ -185,8 +185,8 @@ impl FrameBodies {
     /// moved on. The exact geometry is used if none is clearly inside.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: larger clearances are not distinguished, nor those above [`DistanceField::MARGIN_M`] less the thickest sphere
-    ///   (m).
+    /// - `most`: larger clearances are not distinguished, nor those above [`DistanceField::MARGIN_M`] less the thickest
+    ///   sphere (m).
     pub fn room(&self, frame: usize, root: Placement, unit: &DistanceField, most: f32) -> UnitRoom {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
