@@ -95,7 +95,7 @@ fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Ve
             let name = if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
             let name = if config.clips.is_empty() { name } else { format!("{tag}:{name}") };
             check(clip, range).map_err(|why| format!("`{name}`: {why}"))?;
-            found.push(activity(name, tag, number, clip, range, config));
+            found.push(ActivityMeta { clip: number, ..activity(name, tag, clip, range, config) });
         }
     }
     if found.is_empty() {
@@ -135,14 +135,8 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     Ok(())
 }
 
-fn activity(
-    name: String,
-    tag: &str,
-    number: u32,
-    clip: &Clip,
-    range: &FrameRange,
-    config: &ActivityConfig,
-) -> ActivityMeta {
+/// An activity, but for the number of its clip.
+fn activity(name: String, tag: &str, clip: &Clip, range: &FrameRange, config: &ActivityConfig) -> ActivityMeta {
     let is_within = |r: &FrameRange| range.start <= r.start && r.end < range.end && r.len() > 1;
     let looped = clip.tags.iter().find(|t| t.name == config.looped && is_within(&t.range)).map(|t| t.range.clone());
     let object_frames = config.held.each_ref().map(|tag| {
@@ -155,12 +149,12 @@ fn activity(
     ActivityMeta {
         name,
         tag: tag.into(),
-        clip: number,
         first_frame: range.start as u32,
         num_frames: range.len() as u32,
         looped: looped.map(|l| [(l.start - range.start) as u32, l.len() as u32]),
         object_frames,
         is_seated: height(middle) < SEATED * height(range.start),
+        ..ActivityMeta::default()
     }
 }
 

@@ -113,11 +113,8 @@ impl CacheEntry {
     fn new(name: String, bytes: u64, used: SystemTime) -> Option<Self> {
         let (stage, key) = name.strip_suffix(BUNDLE).unwrap_or(&name).rsplit_once('-')?;
         let ours = key.len() == 32 && key.bytes().all(|b| matches!(b, b'0'..=b'9' | b'a'..=b'f'));
-        if !ours {
-            return None;
-        }
         let stage = stage.to_owned();
-        Some(Self { stage, name, bytes, used })
+        ours.then_some(Self { stage, name, bytes, used })
     }
 }
 
@@ -136,8 +133,8 @@ impl Cache {
     /// - `limit_bytes`: most that a folder keeps; the limits of a bucket are set in the bucket itself.
     ///
     /// # Errors
-    /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the feature
-    /// `object-store`.
+    /// [`BuildError::Store`] where a store does not answer or refuses, or where this program is built without the
+    /// feature `object-store`.
     pub fn at_address(address: &Path, limit_bytes: u64) -> Result<Self> {
         match address.to_str().filter(|a| a.starts_with(STORE)) {
             Some(address) => Self::in_store(address),
@@ -147,7 +144,7 @@ impl Cache {
 
     #[cfg(feature = "object-store")]
     fn in_store(address: &str) -> Result<Self> {
-        Ok(Self::new(Some(Arc::new(objects::Objects::open(address)?)), LIMIT as u64))
+        Ok(Self::new(Some(Arc::new(objects::ObjectStorage::open(address)?)), LIMIT as u64))
     }
 
     #[cfg(not(feature = "object-store"))]
@@ -239,17 +236,12 @@ impl Cache {
             self.touch(&name);
             self.make_room(Some(&name))
         });
-        match stored {
-            Ok(()) => true,
-            Err(e) => {
-                warnings.push(format!("{}: not cached: {e}", storage.address(&name).display()));
-                false
-            }
-        }
+        let address = storage.address(&name);
+        stored.map_err(|e| warnings.push(format!("{}: not cached: {e}", address.display()))).is_ok()
     }
 
-    /// Loads the output of one of many files, or makes and stores it. Call [`Cache::finish_batch`] after the last of the
-    /// files.
+    /// Loads the output of one of many files, or makes and stores it. Call [`Cache::finish_batch`] after the last of
+    /// the files.
     ///
     /// - returns also whether it was loaded.
     ///

@@ -99,11 +99,8 @@ impl BuildConfig {
     pub fn of_motion(name: impl Into<String>, inputs: Vec<PathBuf>) -> Result<Self> {
         let walk = Self::parse(include_str!("../../../data/walk.toml"), Path::new("walk.toml"))?;
         let (mut config, kind) = (Self { name: name.into(), inputs, ..walk }, BehaviourKind::ThrowPunches);
-        config.behaviours.push(PolicyBehaviourConfig {
-            name: "throw-punches".into(),
-            kind,
-            ..PolicyBehaviourConfig::default()
-        });
+        let blows = PolicyBehaviourConfig { name: "throw-punches".into(), kind, ..PolicyBehaviourConfig::default() };
+        config.behaviours.push(blows);
         config.blend.insert("ahead".into(), BlendConfig::for_all_clips());
         Ok(config)
     }
@@ -205,13 +202,18 @@ impl BuildConfig {
     /// # Errors
     /// [`BuildError::Config`] where a value cannot be written.
     pub fn to_toml(&self) -> Result<String> {
-        toml::to_string(self).map_err(|e| BuildError::Config { message: e.to_string() })
+        to_toml(self)
     }
 
     /// The JSON schema of config files.
     pub fn json_schema() -> schemars::Schema {
         schemars::schema_for!(BuildConfig)
     }
+}
+
+/// A value as TOML.
+pub(crate) fn to_toml(value: &impl Serialize) -> Result<String> {
+    toml::to_string(value).map_err(|e| BuildError::Config { message: e.to_string() })
 }
 
 #[cfg(test)]

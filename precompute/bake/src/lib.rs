@@ -3,6 +3,7 @@
 pub mod activities;
 pub mod cache;
 pub mod cluster;
+mod components;
 pub mod config;
 pub mod environment;
 pub mod examples;

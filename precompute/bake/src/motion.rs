@@ -25,37 +25,13 @@ use throng_motion::progress::Progress;
 use throng_motion::{mirror, resample, retarget};
 use throng_synth as synth;
 
-/// Clips of a build, with their surroundings.
-///
-/// # Errors
-/// As the stages from import to annotate; of several bad clips, the first is named.
-pub(crate) fn collect_motion(
-    cfg: &BuildConfig,
-    parts: RequiredParts,
-    units: Option<&UnitSet>,
-    from: &Provenance,
-    s: &Stages<'_>,
-) -> Result<MotionOutput> {
-    shard::bake_together(cfg, parts, from, s)?;
-    let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
-        read_all(cfg, parts, from, s, streams_motion(cfg, s))?;
-    let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, shares_poses(cfg, s).then(|| s.comm()), p))?;
-    if let Some(units) = units {
-        s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
-    }
-    provenance::check_unchanged(from, cfg)?;
-    Ok(MotionOutput { clips, skipped, performers, files_kept, clips_kept, warnings })
-}
-
-/// True if several processes stream the motion of files from the cache, so that none needs memory for all of it.
-fn streams_motion(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
-    s.comm().num_ranks() > 1 && s.cache().is_on() && cfg.synth.is_none()
-}
-
-/// True if each of several processes keeps only the poses of its share of the clips. Blend spaces, activities and
-/// patches need the poses of all.
-pub(crate) fn shares_poses(cfg: &BuildConfig, s: &Stages<'_>) -> bool {
-    streams_motion(cfg, s) && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
+/// The stages from files to clips.
+#[derive(Clone, Copy)]
+pub(crate) struct MotionStages<'a> {
+    pub cfg: &'a BuildConfig,
+    pub parts: RequiredParts,
+    pub from: &'a Provenance,
+    pub s: &'a Stages<'a>,
 }
 
 /// Imported files, with measurements that they share.
@@ -70,123 +46,142 @@ struct ReadMotion<'a> {
     warnings: Warnings,
 }
 
-/// Reads all files, and measures what they share.
-///
-/// - `streams_motion`: true if the motion of a file stays in the cache and is streamed.
-fn read_all<'a>(
-    cfg: &'a BuildConfig,
-    parts: RequiredParts,
-    from: &'a Provenance,
-    s: &'a Stages<'_>,
-    lends: bool,
-) -> Result<ReadMotion<'a>> {
-    let files = from.file_keys(&cfg.import);
-    let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
-    let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
-        Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
-        None => Ok((read_files(cfg, &files, s.cache(), streamed.as_ref(), p)?, BTreeMap::new())),
-    })?;
-    let mut warnings = Warnings::default();
-    let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
-    let repeated = report_repeated(&mut raw, streamed.as_ref(), parts)?;
-    if parts == RequiredParts::Possible {
-        skipped.extend(repeated)
-    } else {
-        warnings.messages.extend(repeated)
+impl<'a> MotionStages<'a> {
+    /// Clips of a build, with their surroundings.
+    ///
+    /// # Errors
+    /// As the stages from import to annotate; of several bad clips, the first is named.
+    pub(crate) fn collect(&self, units: Option<&UnitSet>) -> Result<MotionOutput> {
+        let Self { cfg, from, s, .. } = *self;
+        self.bake_together()?;
+        let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
+            self.read_all(self.streams_motion())?;
+        let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, self.shares_poses().then(|| s.comm()), p))?;
+        if let Some(units) = units {
+            s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
+        }
+        provenance::check_unchanged(from, cfg)?;
+        Ok(MotionOutput { clips, skipped, performers, files_kept, clips_kept, warnings })
     }
-    warnings.messages.extend(raw.clips.iter().flat_map(ImportedClip::own_warnings).map(str::to_owned));
-    warnings.messages.extend(import::skeleton_warnings(&raw.clips));
-    resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
-    let keys: Vec<Option<CacheKey>> = match &cfg.synth {
-        Some(_) => vec![None; raw.clips.len()],
-        None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
-    };
-    let plan =
-        s.run("retarget", |_| measure_performers(&raw.clips, streamed.as_ref(), &keys, cfg, s.cache(), &mut warnings))?;
-    let performer = |indices: Vec<usize>| SourcePerformer {
-        height_m: raw.clips[indices[0]].height,
-        clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
-    };
-    let performers = retarget::performers(&raw.clips).into_iter().map(performer).collect();
-    let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
-    let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
-    let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
-    let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed };
-    Ok(ReadMotion { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
-}
 
-/// Reads files, or loads them from the cache, file by file.
-///
-/// - `streamed`: receives the motion of each file after reading; `None` to keep it in memory.
-/// - returns also the number of files loaded from the cache.
-fn read_files(
-    cfg: &BuildConfig,
-    keys: &FileKeys<'_>,
-    cache: &Cache,
-    streamed: Option<&StreamedMotion<'_>>,
-    p: &dyn Progress,
-) -> Result<(ImportedSet, usize)> {
-    let kept = AtomicUsize::new(0);
-    let reader = |file: &MotionFile, read: &dyn Fn() -> ClipsResult| {
-        let Ok(key) = keys.key_of(&file.path) else { return read() };
-        let (mut imported, was_kept) = cache.load_or_make("import", key, || keys.read_file(&file.path, read))?;
-        kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
-        streamed.into_iter().for_each(|streamed| streamed.release_motion(file, key, &mut imported));
-        Ok(imported)
-    };
-    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?.require_clips()?;
-    cache.finish_batch();
-    Ok((set, kept.into_inner()))
-}
-
-/// Reports clips that repeat the motion of others; if only possible parts are made, they are dropped.
-fn report_repeated(
-    raw: &mut ImportedSet,
-    streamed: Option<&StreamedMotion<'_>>,
-    parts: RequiredParts,
-) -> Result<Vec<String>> {
-    let repeated = streamed.map_or_else(|| Ok(raw.repeated()), |streamed| streamed.repeated_clips(&raw.clips))?;
-    let path = |i: usize| raw.clips[i].clip.path.display();
-    let end = if parts == RequiredParts::Possible { "; it is left out" } else { "" };
-    let messages = repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
-    let messages = messages.collect();
-    if parts == RequiredParts::Possible {
-        let mut place = 0..;
-        raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
+    /// True if several processes stream the motion of files from the cache, so that none needs memory for all of it.
+    fn streams_motion(&self) -> bool {
+        self.s.comm().num_ranks() > 1 && self.s.cache().is_on() && self.cfg.synth.is_none()
     }
-    Ok(messages)
-}
 
-/// Measures the performers and their floors.
-fn measure_performers(
-    clips: &[ImportedClip],
-    streamed: Option<&StreamedMotion<'_>>,
-    keys: &[Option<CacheKey>],
-    cfg: &BuildConfig,
-    cache: &Cache,
-    warnings: &mut Warnings,
-) -> Result<retarget::RetargetPlan> {
-    let sources: Vec<retarget::RetargetSource> = clips.iter().map(retarget::RetargetSource::from).collect();
-    let provider: Box<retarget::ClipProvider<'_>> = match streamed {
-        Some(streamed) => Box::new(|places, look| streamed.with_motion(clips, places, look)),
-        None => retarget::provide_from_memory(&sources),
-    };
-    let mut plan = retarget::RetargetPlan::new(&sources, &*provider, &cfg.retarget, warnings)?;
-    if cfg.resample.mirror {
-        retarget::rename_mirror_clashes(&mut plan.names, warnings);
+    /// True if each of several processes keeps only the poses of its share of the clips. Blend spaces, activities and
+    /// patches need the poses of all.
+    pub(crate) fn shares_poses(&self) -> bool {
+        let cfg = self.cfg;
+        self.streams_motion() && cfg.patches.units.is_none() && cfg.blend.is_empty() && cfg.activities.is_empty()
     }
-    for p in 0..plan.performers.len() {
-        let measured = &plan.performers[p].measured_clips;
-        let find = || plan.find_floor(p, &*provider);
-        let floor = match measured.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
-            Some(keys) => {
-                cache.load_or_make("floor", CacheKey::for_stage("floor", &keys, &plan.basis(measured[0]))?, find)?.0
-            }
-            None => find()?,
+
+    /// Reads all files, and measures what they share.
+    ///
+    /// - `lends`: true if the motion of a file stays in the cache and is streamed.
+    fn read_all(&self, lends: bool) -> Result<ReadMotion<'a>> {
+        let Self { cfg, parts, from, s } = *self;
+        let files = from.file_keys(&cfg.import);
+        let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
+        let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
+            Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
+            None => Ok((self.read_files(&files, streamed.as_ref(), p)?, BTreeMap::new())),
+        })?;
+        let mut warnings = Warnings::default();
+        let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
+        let repeated = self.report_repeated(&mut raw, streamed.as_ref())?;
+        let told = if parts == RequiredParts::Possible { &mut skipped } else { &mut warnings.messages };
+        told.extend(repeated);
+        warnings.messages.extend(raw.clips.iter().flat_map(ImportedClip::own_warnings).map(str::to_owned));
+        warnings.messages.extend(import::skeleton_warnings(&raw.clips));
+        resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;
+        let keys: Vec<Option<CacheKey>> = match &cfg.synth {
+            Some(_) => vec![None; raw.clips.len()],
+            None => raw.clips.iter().map(|c| files.key_of(&c.clip.path).map(Some)).collect::<Result<_, _>>()?,
         };
-        plan.set_floor(p, floor, &*provider)?;
+        let plan =
+            s.run("retarget", |_| self.measure_performers(&raw.clips, streamed.as_ref(), &keys, &mut warnings))?;
+        let performer = |indices: Vec<usize>| SourcePerformer {
+            height_m: raw.clips[indices[0]].height,
+            clips: indices.iter().map(|&i| plan.names[i].clone()).collect(),
+        };
+        let performers = retarget::performers(&raw.clips).into_iter().map(performer).collect();
+        let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
+        let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
+        let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
+        let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed };
+        Ok(ReadMotion { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
     }
-    Ok(plan)
+
+    /// Reads files, or loads them from the cache, file by file.
+    ///
+    /// - `streamed`: receives the motion of each file after reading; `None` to keep it in memory.
+    /// - returns also the number of files loaded from the cache.
+    fn read_files(
+        &self,
+        keys: &FileKeys<'_>,
+        streamed: Option<&StreamedMotion<'_>>,
+        p: &dyn Progress,
+    ) -> Result<(ImportedSet, usize)> {
+        let (kept, cache) = (AtomicUsize::new(0), self.s.cache());
+        let reader = |file: &MotionFile, read: &dyn Fn() -> ClipsResult| {
+            let Ok(key) = keys.key_of(&file.path) else { return read() };
+            let (mut imported, was_kept) = cache.load_or_make("import", key, || keys.read_file(&file.path, read))?;
+            kept.fetch_add(usize::from(was_kept), Ordering::Relaxed);
+            streamed.into_iter().for_each(|streamed| streamed.release_motion(file, key, &mut imported));
+            Ok(imported)
+        };
+        let set = import::read_by(&reader, &self.cfg.inputs, &self.cfg.import, p)?.require_clips()?;
+        cache.finish_batch();
+        Ok((set, kept.into_inner()))
+    }
+
+    /// Reports clips that repeat the motion of others; if only possible parts are made, they are dropped.
+    fn report_repeated(&self, raw: &mut ImportedSet, streamed: Option<&StreamedMotion<'_>>) -> Result<Vec<String>> {
+        let repeated = streamed.map_or_else(|| Ok(raw.repeated()), |streamed| streamed.repeated_clips(&raw.clips))?;
+        let path = |i: usize| raw.clips[i].clip.path.display();
+        let end = if self.parts == RequiredParts::Possible { "; it is left out" } else { "" };
+        let messages =
+            repeated.iter().map(|&[first, i]| format!("{}: the same motion as {}{end}", path(i), path(first)));
+        let messages = messages.collect();
+        if self.parts == RequiredParts::Possible {
+            let mut place = 0..;
+            raw.clips.retain(|_| place.next().is_none_or(|i: usize| repeated.iter().all(|[_, later]| *later != i)));
+        }
+        Ok(messages)
+    }
+
+    /// Measures the performers and their floors.
+    fn measure_performers(
+        &self,
+        clips: &[ImportedClip],
+        streamed: Option<&StreamedMotion<'_>>,
+        keys: &[Option<CacheKey>],
+        warnings: &mut Warnings,
+    ) -> Result<retarget::RetargetPlan> {
+        let sources: Vec<retarget::RetargetSource> = clips.iter().map(retarget::RetargetSource::from).collect();
+        let provider: Box<retarget::ClipProvider<'_>> = match streamed {
+            Some(streamed) => Box::new(|places, look| streamed.with_motion(clips, places, look)),
+            None => retarget::provide_from_memory(&sources),
+        };
+        let mut plan = retarget::RetargetPlan::new(&sources, &*provider, &self.cfg.retarget, warnings)?;
+        if self.cfg.resample.mirror {
+            retarget::rename_mirror_clashes(&mut plan.names, warnings);
+        }
+        for p in 0..plan.performers.len() {
+            let measured = &plan.performers[p].measured_clips;
+            let find = || plan.find_floor(p, &*provider);
+            let floor = match measured.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
+                Some(keys) => {
+                    let key = CacheKey::for_stage("floor", &keys, &plan.basis(measured[0]))?;
+                    self.s.cache().load_or_make("floor", key, find)?.0
+                }
+                None => find()?,
+            };
+            plan.set_floor(p, floor, &*provider)?;
+        }
+        Ok(plan)
+    }
 }
 
 /// Converter of files to clips.

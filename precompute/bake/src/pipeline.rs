@@ -4,15 +4,16 @@ use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
+use crate::motion::MotionStages;
 pub use crate::motion::{Shard, ShardReport, bake_shard};
 use crate::parts::{Attempts, RequiredParts};
 use crate::patch::{self, PatchConfig, RawPatches, TileConfig};
 use crate::policy::{BehaviourKind, PolicyBehaviourConfig, RawPolicy};
 use crate::report::{self, BuildProducts, BuildReport};
 use crate::share::{clip_owners, sort_by_owner};
-use crate::stages::{MotionOutput, StageOutput, Stages};
+use crate::stages::{MotionOutput, StageOutput, Stages, stage_error};
 use crate::write::{self, BundleInputs};
-use crate::{activities, cluster, examples, features, graph, motion, policy, provenance, stops};
+use crate::{activities, cluster, examples, features, graph, policy, provenance, stops};
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -78,47 +79,48 @@ pub fn build_shared(
 ) -> Result<BuildReport> {
     cfg.check()?;
     files::check_replaced(out, &MAGIC, "a bundle")?;
-    let (s, mut attempts) = (Stages::new(cache, progress, comm), Attempts::new(parts));
+    let s = Stages::new(cache, progress, comm);
     let units = cfg.patches.units.as_deref().map(UnitSet::load).transpose()?;
 
     let from = s.run("hash", |_| provenance::collect_provenance(cfg))?;
     let motion_cfg = (cfg.motion_config(), parts == RequiredParts::Possible);
-    let collect = || motion::collect_motion(cfg, parts, units.as_ref(), &from, &s);
-    let motion = match motion::shares_poses(cfg, &s) {
+    let stages = MotionStages { cfg, parts, from: &from, s: &s };
+    let collect = || stages.collect(units.as_ref());
+    let motion = match stages.shares_poses() {
         // No process has all the motion.
-        true => s.run_unkept("motion", &[from.key()?], &motion_cfg, collect)?,
+        true => StageOutput { key: CacheKey::for_stage("motion", &[from.key()?], &motion_cfg)?, value: collect()? },
         false => s.run_group("motion", &[from.key()?], &motion_cfg, collect)?,
     };
     let clips = &motion.clips;
-    let features = s.on_demand("features", &[motion.key], &cfg.features, || features::extract(clips, &cfg.features))?;
-    let blends = bake_blend_spaces(cfg, &motion, motion.key, &mut attempts, &s)?;
-    let activities = find_activities(cfg, clips, &mut attempts)?;
+    let features_key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
+    let mut baker = PartBaker { cfg, motion: &motion, s: &s, attempts: Attempts::new(parts) };
+    let blends = baker.blend_spaces()?;
+    let activities = baker.activities()?;
     let baked_patches = match &units {
         Some(units) => {
-            let groups = s.stage("cluster", &[features.key], &cfg.cluster, |p| {
-                cluster::group(clips, features.get()?, &cfg.cluster, p, comm)
+            let groups = s.stage("cluster", &[features_key], &cfg.cluster, |p| {
+                let features = s.run("features", |_| features::extract(clips, &cfg.features))?;
+                cluster::group(clips, &features, &cfg.cluster, p, comm)
             })?;
-            let patches = bake_patches(cfg, clips, &groups, groups.key, units, &mut attempts, &s)?;
-            patches.map(|patches| (groups, patches))
+            baker.patches(&groups, units)?.map(|patches| (groups, patches))
         }
         None => None,
     };
-    let connected = s.stage("graph", &[features.key], &cfg.graph, |p| match cfg.graph.enabled {
+    let connected = s.stage("graph", &[features_key], &cfg.graph, |p| match cfg.graph.enabled {
         true => graph::connect(clips, &cfg.features, &cfg.graph, p, comm),
         false => graph::empty_graph(clips, &cfg.graph),
     });
-    let (connected, graph_key) = match attempts.accept("policies", connected)? {
+    let (connected, graph_key) = match baker.attempts.accept("policies", connected)? {
         Some(connected) => (connected.value, connected.key),
-        None => (graph::empty_graph(clips, &cfg.graph)?, features.key),
+        None => (graph::empty_graph(clips, &cfg.graph)?, features_key),
     };
-    drop(features);
     let (graph, graph_report) = &connected;
     let (stops, stops_report) = s.run("stops", |_| stops::find_stops(clips, graph, comm))?;
-    let policies = bake_policies(cfg, clips, graph, graph_key, &mut attempts, &s)?;
+    let policies = baker.policies(graph, graph_key)?;
 
     let (groups, patches) = baked_patches.as_ref().map(|(g, p)| (&**g, &**p)).unzip();
     if graph.states.is_empty() && blends.spaces.is_empty() && patches.is_none() {
-        return Err(nothing_to_play_error(&attempts, &motion));
+        return Err(nothing_to_play_error(&baker.attempts, &motion));
     }
     let meta = from.meta(cfg, graph_report)?;
     let baked = BundleInputs {
@@ -140,8 +142,9 @@ pub fn build_shared(
     })?;
     let (graph, stops) = (graph_report, stops_report);
     let built = BuildProducts { motion: &motion, baked, blends: &blends, graph, stops, written, sanity };
+    let not_made = baker.attempts.not_made;
     let (timing, warnings) = s.finish();
-    Ok(BuildReport { not_made: attempts.not_made, ..report::build_report(cfg, &built, timing, warnings) })
+    Ok(BuildReport { not_made, ..report::build_report(cfg, &built, timing, warnings) })
 }
 
 /// Error of a build that has nothing to play.
@@ -161,7 +164,7 @@ fn nothing_to_play_error(attempts: &Attempts, motion: &MotionOutput) -> BuildErr
             (format!("nothing can be made of this motion: {there_is}; {parts}"), "`throng inspect` says more")
         }
     };
-    BuildError::Stage { stage: "build", message, help: help.into() }
+    stage_error("build", message, help)
 }
 
 /// Describes insufficient motion: how much there is, what is left out, and whether it shows walking.
@@ -201,112 +204,94 @@ fn shows_walking(clips: &ClipSet) -> bool {
     })
 }
 
-/// Motion patches of a config; tiles that cannot be made are left out if they may be missing.
-fn bake_patches(
-    cfg: &BuildConfig,
-    clips: &ClipSet,
-    groups: &cluster::PoseGroups,
-    key: CacheKey,
-    units: &UnitSet,
-    attempts: &mut Attempts,
-    s: &Stages<'_>,
-) -> Result<Option<StageOutput<RawPatches>>> {
-    let with_tiles = |tiles: Vec<TileConfig>| {
-        let cfg = BuildConfig { patches: PatchConfig { tiles, ..cfg.patches.clone() }, ..cfg.clone() };
-        s.stage("patch", &[key], &cfg.patches, |p| build_patches(clips, groups, &cfg, units, p))
-    };
-    let tiles = &cfg.patches.tiles;
-    if attempts.parts == RequiredParts::All || tiles.len() < 2 {
-        return attempts.accept("motion patches", with_tiles(tiles.clone()));
-    }
-    let mut possible = Vec::new();
-    for tile in tiles {
-        let alone = with_tiles(vec![tile.clone()]);
-        possible.extend(attempts.accept(format!("tile {}", tile.unit), alone)?.map(|_| tile.clone()));
-    }
-    if possible.is_empty() && cfg.patches.environments.is_empty() {
-        return Ok(None);
-    }
-    attempts.accept("motion patches", with_tiles(possible))
+/// Parts of a bundle that the motion may not allow.
+struct PartBaker<'a> {
+    cfg: &'a BuildConfig,
+    motion: &'a StageOutput<MotionOutput>,
+    s: &'a Stages<'a>,
+    attempts: Attempts,
 }
 
-/// The blend spaces of a config.
-fn bake_blend_spaces(
-    cfg: &BuildConfig,
-    motion: &MotionOutput,
-    key: CacheKey,
-    attempts: &mut Attempts,
-    s: &Stages<'_>,
-) -> Result<BlendSpaces> {
-    let mut all = BlendSpaces::default();
-    let tables: Vec<_> = cfg.blend.iter().map(|(name, table)| (name.clone(), table.clone())).collect();
-    for some in attempts.units_of_work(&tables) {
-        let tables = some.iter().cloned().collect();
-        let fitted = s.stage("examples", &[key], &tables, |p| examples::fit(&motion.clips, &tables, p));
-        if let Some(fitted) = attempts.accept(format!("blend space {}", some[0].0), fitted)? {
-            let BlendSpaces { spaces, report, warnings } = fitted.value;
-            all.spaces.extend(spaces);
-            all.report.extend(report);
-            all.warnings.messages.extend(warnings.messages);
+impl PartBaker<'_> {
+    /// Motion patches of the environments in which clips were captured, and of tiles; tiles that cannot be made are
+    /// left out if they may be missing.
+    fn patches(
+        &mut self,
+        groups: &StageOutput<cluster::PoseGroups>,
+        units: &UnitSet,
+    ) -> Result<Option<StageOutput<RawPatches>>> {
+        let (cfg, clips) = (&self.cfg.patches, &self.motion.clips);
+        let with_tiles = |tiles: Vec<TileConfig>| {
+            let cfg = PatchConfig { tiles, ..cfg.clone() };
+            self.s.stage("patch", &[groups.key], &cfg, |p| {
+                let settings = patch::scenes(&clips.clips, &cfg, units)?.settings(clips, &cfg.touch);
+                patch::build(clips, groups, &settings, &cfg, units, p)
+            })
+        };
+        if self.attempts.parts == RequiredParts::All || cfg.tiles.len() < 2 {
+            return self.attempts.accept("motion patches", with_tiles(cfg.tiles.clone()));
         }
-    }
-    Ok(all)
-}
-
-/// The activities of a config.
-fn find_activities(cfg: &BuildConfig, clips: &ClipSet, attempts: &mut Attempts) -> Result<Vec<ActivityMeta>> {
-    let tables: Vec<_> = cfg.activities.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
-    let mut all = Vec::new();
-    for some in attempts.units_of_work(&tables) {
-        let found = activities::find_activities(clips, &some.iter().cloned().collect());
-        all.extend(attempts.accept(format!("activity {}", some[0].0), found)?.unwrap_or_default());
-    }
-    Ok(all)
-}
-
-/// Policies of a config, over a motion graph and its key.
-fn bake_policies(
-    cfg: &BuildConfig,
-    clips: &ClipSet,
-    graph: &graph::RawMotionGraph,
-    key: CacheKey,
-    attempts: &mut Attempts,
-    s: &Stages<'_>,
-) -> Result<Vec<RawPolicy>> {
-    let mut all = Vec::new();
-    if graph.states.is_empty() {
-        return Ok(all);
-    }
-    let stays = |b: &PolicyBehaviourConfig| b.kind == BehaviourKind::Approach && !shows_walking(clips);
-    for some in attempts.units_of_work(&cfg.behaviours) {
-        if attempts.parts == RequiredParts::Possible && some.iter().any(stays) {
-            let why = "nobody walks in this motion, so that characters would stay where they are. Add walks that start, turn \
-                       and stop, with root motion";
-            attempts
-                .accept::<()>(format!("policy {}", some[0].name), Err(BuildError::Config { message: why.into() }))?;
-            continue;
+        let mut possible = Vec::new();
+        for tile in &cfg.tiles {
+            let alone = with_tiles(vec![tile.clone()]);
+            possible.extend(self.attempts.accept(format!("tile {}", tile.unit), alone)?.map(|_| tile.clone()));
         }
-        let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
-            policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
-        });
-        if let Some(solved) = attempts.accept(format!("policy {}", some[0].name), solved)? {
-            all.extend(solved.value.policies);
+        if possible.is_empty() && cfg.environments.is_empty() {
+            return Ok(None);
         }
+        self.attempts.accept("motion patches", with_tiles(possible))
     }
-    Ok(all)
-}
 
-/// Motion patches of the environments in which clips were captured, and of tiles.
-fn build_patches(
-    clips: &ClipSet,
-    groups: &cluster::PoseGroups,
-    cfg: &BuildConfig,
-    units: &UnitSet,
-    progress: &dyn Progress,
-) -> Result<RawPatches> {
-    let scenes = patch::scenes(&clips.clips, &cfg.patches, units)?;
-    let settings = scenes.settings(clips, &cfg.patches.touch);
-    patch::build(clips, groups, &settings, &cfg.patches, units, progress)
+    /// Blend spaces.
+    fn blend_spaces(&mut self) -> Result<BlendSpaces> {
+        let mut all = BlendSpaces::default();
+        let tables: Vec<_> = self.cfg.blend.iter().map(|(name, table)| (name.clone(), table.clone())).collect();
+        for some in self.attempts.units_of_work(&tables) {
+            let (tables, motion) = (some.iter().cloned().collect(), self.motion);
+            let fitted = self.s.stage("examples", &[motion.key], &tables, |p| examples::fit(&motion.clips, &tables, p));
+            if let Some(fitted) = self.attempts.accept(format!("blend space {}", some[0].0), fitted)? {
+                let BlendSpaces { spaces, report, warnings } = fitted.value;
+                all.spaces.extend(spaces);
+                all.report.extend(report);
+                all.warnings.messages.extend(warnings.messages);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Activities.
+    fn activities(&mut self) -> Result<Vec<ActivityMeta>> {
+        let tables: Vec<_> = self.cfg.activities.iter().map(|(tag, table)| (tag.clone(), table.clone())).collect();
+        let mut all = Vec::new();
+        for some in self.attempts.units_of_work(&tables) {
+            let found = activities::find_activities(&self.motion.clips, &some.iter().cloned().collect());
+            all.extend(self.attempts.accept(format!("activity {}", some[0].0), found)?.unwrap_or_default());
+        }
+        Ok(all)
+    }
+
+    /// Policies over a motion graph with a key.
+    fn policies(&mut self, graph: &graph::RawMotionGraph, key: CacheKey) -> Result<Vec<RawPolicy>> {
+        let (mut all, cfg, clips, s) = (Vec::new(), self.cfg, &self.motion.clips, self.s);
+        if graph.states.is_empty() {
+            return Ok(all);
+        }
+        let stays = |b: &PolicyBehaviourConfig| b.kind == BehaviourKind::Approach && !shows_walking(clips);
+        for some in self.attempts.units_of_work(&cfg.behaviours) {
+            let part = format!("policy {}", some[0].name);
+            if self.attempts.parts == RequiredParts::Possible && some.iter().any(stays) {
+                let why = "nobody walks in this motion, so that characters would stay where they are. Add walks that start, turn \
+                           and stop, with root motion";
+                self.attempts.accept::<()>(part, Err(BuildError::Config { message: why.into() }))?;
+                continue;
+            }
+            let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
+                policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
+            });
+            all.extend(self.attempts.accept(part, solved)?.into_iter().flat_map(|solved| solved.value.policies));
+        }
+        Ok(all)
+    }
 }
 
 /// Processes one clip as a build does before the motion graph: with default settings, without mirrored copy.

@@ -60,14 +60,12 @@ impl FileKeys<'_> {
     pub fn read_file(&self, file: &Path, import: impl FnOnce() -> ClipsResult) -> ClipsResult {
         let clips = import();
         let given = self.given.iter().map(|s| PathBuf::from(&s.path));
-        for path in self.read_with(file).chain(given) {
-            let is_same = |was: &&SourceMeta| hash(&path).is_ok_and(|now| now == **was);
-            if self.files.get(&*path).is_none_or(is_same) {
-                continue;
-            }
-            return Err(ImportError::Changed { path });
+        let is_same = |path: &Path, was: &SourceMeta| hash(path).is_ok_and(|now| now == *was);
+        let changed = |path: &PathBuf| self.files.get(&**path).is_some_and(|was| !is_same(path, was));
+        match self.read_with(file).chain(given).find(changed) {
+            Some(path) => Err(ImportError::Changed { path }),
+            None => clips,
         }
-        clips
     }
 }
 
@@ -129,9 +127,7 @@ fn shared_files(a: &Path, b: &Path) -> PathBuf {
 
 /// Files of unit objects, with their meshes, and of the environments of clips.
 fn surrounding_files(config: &BuildConfig) -> Result<Vec<PathBuf>> {
-    let Some(path) = &config.patches.units else {
-        return Ok(Vec::new());
-    };
+    let Some(path) = &config.patches.units else { return Ok(Vec::new()) };
     let units = UnitSet::load(path)?;
     let mut all = vec![path.clone()];
     all.extend(config.patches.environments.iter().map(|e| e.file.clone()));

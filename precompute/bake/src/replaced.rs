@@ -65,10 +65,7 @@ impl BuildConfig {
 ///
 /// - returns false for an impossible space, and a description of the change.
 fn replace_examples(space: &mut BlendConfig, there: &impl Fn(&str) -> bool) -> (bool, Option<String>) {
-    let words = match space.for_each.is_empty() {
-        true => vec![String::new()],
-        false => space.for_each.clone(),
-    };
+    let words = if space.for_each.is_empty() { vec![String::new()] } else { space.for_each.clone() };
     let known = |pattern: &str| words.iter().all(|w| there(&pattern.replace("{}", w)));
     let before = (space.examples.len(), space.find.len());
     space.examples.retain(|e| known(&e.clip));

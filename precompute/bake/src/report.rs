@@ -137,13 +137,8 @@ pub(crate) fn build_report(
     for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
         *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
     }
-    let originals: usize = motion
-        .clips
-        .clips
-        .iter()
-        .filter(|c| !c.mirrored)
-        .map(|c| c.usable_ranges().iter().map(ExactSizeIterator::len).sum::<usize>())
-        .sum();
+    let originals = motion.clips.clips.iter().filter(|c| !c.mirrored);
+    let originals: usize = originals.flat_map(|c| c.usable_ranges()).map(|range| range.len()).sum();
     BuildReport {
         name: cfg.name.clone(),
         clips: motion.clips.clips.len(),
@@ -218,10 +213,9 @@ fn far_from_ground(motion: &MotionOutput, of_clips: &[ContactSanity]) -> Option<
     let originals = motion.clips.clips.iter().zip(of_clips).filter(|(c, _)| !c.mirrored);
     let far: Vec<_> = originals.filter_map(|(c, s)| Some((c, s.stance.p95_cm, s.stance.advice()?))).collect();
     let (clip, _, advice) = far.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let more = if far.len() > 1 {
-        format!(", farthest of {} clips whose feet are off the ground", far.len())
-    } else {
-        String::new()
+    let more = match far.len() {
+        1 => String::new(),
+        n => format!(", farthest of {n} clips whose feet are off the ground"),
     };
     Some(format!("{}{more}: {advice}. `throng inspect` has all of them.", clip.name))
 }

@@ -19,14 +19,23 @@ pub(crate) fn run_dealt<T: Serialize + DeserializeOwned>(
     count: usize,
     work: impl FnOnce(Vec<usize>) -> Result<Vec<T>>,
 ) -> Result<Vec<T>> {
-    let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
     let own = work(own_numbers(comm, count))?;
-    if num_ranks == 1 {
+    gather_owned(comm, own, (0..count).map(|n| n % comm.num_ranks()))
+}
+
+/// Gathers the results for all items, in order, from those of each rank.
+fn gather_owned<T: Serialize + DeserializeOwned>(
+    comm: &dyn Comm,
+    own: Vec<T>,
+    owners: impl ExactSizeIterator<Item = usize>,
+) -> Result<Vec<T>> {
+    if comm.num_ranks() == 1 {
         return Ok(own);
     }
+    let count = owners.len();
     let mut hands: Vec<_> = gather_bytes(comm, own)?.into_iter().map(Vec::into_iter).collect();
-    let all: Vec<T> = (0..count).map_while(|n| hands[n % num_ranks].next()).collect();
-    if all.len() == count { Ok(all) } else { Err(unexpected_message(rank).into()) }
+    let all: Vec<T> = owners.map_while(|rank| hands[rank].next()).collect();
+    if all.len() == count { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
 }
 
 /// Indices of this rank's items, of so many that are dealt out (see [`run_dealt`]).
@@ -140,13 +149,7 @@ pub(crate) fn sort_by_owner<T: Send + Serialize + DeserializeOwned>(
     work: impl Fn(usize) -> T + Send + Sync,
 ) -> Result<Vec<T>> {
     let own: Vec<usize> = (0..owners.len()).filter(|&n| owners[n] == comm.rank()).collect();
-    let own: Vec<T> = own.into_par_iter().map(work).collect();
-    if comm.num_ranks() == 1 {
-        return Ok(own);
-    }
-    let mut hands: Vec<_> = gather_bytes(comm, own)?.into_iter().map(Vec::into_iter).collect();
-    let all: Vec<T> = owners.iter().map_while(|&rank| hands[rank].next()).collect();
-    if all.len() == owners.len() { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
+    gather_owned(comm, own.into_par_iter().map(work).collect(), owners.iter().copied())
 }
 
 /// Gathers serialized values of all ranks, in the order of ranks.

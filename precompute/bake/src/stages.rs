@@ -3,14 +3,19 @@
 use crate::cache::{Cache, CacheKey};
 use crate::share::all_ranks_agree;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use std::cell::{OnceCell, RefCell};
+use std::cell::RefCell;
 use std::ops::Deref;
 use std::time::Instant;
 use throng_base::Comm;
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{Result, Warnings};
+use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
+
+/// A fault of a stage, and the way out.
+pub(crate) fn stage_error(stage: &'static str, message: impl Into<String>, help: impl Into<String>) -> BuildError {
+    BuildError::Stage { stage, message: message.into(), help: help.into() }
+}
 
 /// Files of one performer: those of one source skeleton.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -200,40 +205,6 @@ impl<'a> Stages<'a> {
         Ok(StageOutput { key, value })
     }
 
-    /// Output of several stages that is not cached as a whole; see [`Stages::run_group`].
-    ///
-    /// # Errors
-    /// Errors of `work`.
-    pub fn run_unkept<T>(
-        &self,
-        name: &'static str,
-        inputs: &[CacheKey],
-        config: &impl Serialize,
-        work: impl FnOnce() -> Result<T>,
-    ) -> Result<StageOutput<T>> {
-        Ok(StageOutput { key: CacheKey::for_stage(name, inputs, config)?, value: work()? })
-    }
-
-    /// A stage that runs when its output is first requested, and is faster than reading a cache.
-    ///
-    /// # Errors
-    /// [`throng_motion::error::BuildError::Format`] for a config that cannot be encoded.
-    pub fn on_demand<T, W: Fn() -> Result<T>>(
-        &self,
-        name: &'static str,
-        inputs: &[CacheKey],
-        config: &impl Serialize,
-        work: W,
-    ) -> Result<OnDemand<'_, T, W>> {
-        Ok(OnDemand {
-            stages: self,
-            key: CacheKey::for_stage(name, inputs, config)?,
-            name,
-            work,
-            made: OnceCell::new(),
-        })
-    }
-
     /// Processes that build together.
     pub fn comm(&self) -> &'a dyn Comm {
         self.comm
@@ -251,31 +222,5 @@ impl<'a> Stages<'a> {
         }
         let timing = self.timing.into_inner();
         (BuildTiming { seconds_total: self.begin.elapsed().as_secs_f64(), ..timing }, self.warnings.into_inner())
-    }
-}
-
-/// An output that is made once, when first requested.
-pub struct OnDemand<'a, T, W> {
-    /// Key of the stage's config and its inputs.
-    pub key: CacheKey,
-    stages: &'a Stages<'a>,
-    name: &'static str,
-    work: W,
-    made: OnceCell<T>,
-}
-
-impl<T, W: Fn() -> Result<T>> OnDemand<'_, T, W> {
-    /// The output.
-    ///
-    /// # Errors
-    /// Errors of the stage.
-    pub fn get(&self) -> Result<&T> {
-        match self.made.get() {
-            Some(made) => Ok(made),
-            None => {
-                let made = self.stages.run(self.name, |_| (self.work)())?;
-                Ok(self.made.get_or_init(|| made))
-            }
-        }
     }
 }

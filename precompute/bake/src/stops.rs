@@ -95,8 +95,7 @@ pub fn find_stops(clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> R
     }
     let found =
         CheapestPaths { graph, rate, rests, sweeps: out.sweeps.clone(), on_both: on_both(clips, &starts, graph) };
-    let choices = found.cheapest();
-    out.stops = choices;
+    out.stops = found.cheapest();
     out.stops.iter_mut().zip(of_states).for_each(|(stop, &radius)| stop.pose_radius = radius);
     spread_radii(graph, &out.sweeps, &mut out.stops);
     let report = report(&out.stops, &found, &paths);
@@ -106,10 +105,8 @@ pub fn find_stops(clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> R
 /// Path of the root over a segment, relative to its first frame (num_frames + 1).
 fn root_path(clip: &Clip, first: usize, num_frames: usize) -> Vec<Vec2> {
     let origin = clip.planar(first);
-    (first..=first + num_frames)
-        .map(|f| clip.planar(f))
-        .map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z)))
-        .collect()
+    let places = (first..=first + num_frames).map(|f| clip.planar(f));
+    places.map(|p| origin.inverse_transform_point(Vec2::new(p.x, p.z))).collect()
 }
 
 /// Simplifies a path to nodes, each as far from the previous one as [`SWEEP_TOLERANCE_M`] allows.
@@ -179,12 +176,8 @@ fn rest_segments(
         let fits = |a: &&crate::graph::GraphAction| {
             is_rest[graph.segments[a.segment.0 as usize].end.0 as usize] && stays(a.segment)
         };
-        graph
-            .actions_of(StateId(state as u32))
-            .iter()
-            .filter(fits)
-            .min_by(|a, b| a.error.total_cmp(&b.error))
-            .map(|a| a.segment)
+        let possible = graph.actions_of(StateId(state as u32)).iter().filter(fits);
+        possible.min_by(|a, b| a.error.total_cmp(&b.error)).map(|a| a.segment)
     };
     loop {
         let gone: Vec<usize> = (0..is_rest.len()).filter(|&s| is_rest[s] && leads(s, &is_rest).is_none()).collect();
@@ -229,8 +222,7 @@ impl CheapestPaths<'_> {
         let mut into: Vec<Vec<(u32, SegmentId)>> = vec![Vec::new(); n];
         let mut best: Vec<(f64, StopRecord)> = Vec::with_capacity(n);
         for state in 0..n {
-            let mut slow =
-                (f64::INFINITY, StopRecord { segment: 0, kind: SLOW_DOWN, frames: 0, ..StopRecord::zeroed() });
+            let mut slow = (f64::INFINITY, StopRecord { kind: SLOW_DOWN, ..StopRecord::zeroed() });
             for a in graph.actions_of(StateId(state as u32)) {
                 let s = &graph.segments[a.segment.0 as usize];
                 let end = s.end.0 as usize;
@@ -241,12 +233,8 @@ impl CheapestPaths<'_> {
                     slow = (cost, StopRecord { segment: a.segment.0, frames: 2 * s.num_frames, ..slow.1 });
                 }
             }
-            best.push(match self.rests[state] {
-                Some(segment) => {
-                    (0.0, StopRecord { segment: segment.0, kind: REST, frames: 0, ..StopRecord::zeroed() })
-                }
-                None => slow,
-            });
+            let rest = |segment: SegmentId| StopRecord { segment: segment.0, kind: REST, ..StopRecord::zeroed() };
+            best.push(self.rests[state].map_or(slow, |segment| (0.0, rest(segment))));
         }
         // Costs are not negative, so that their bits have their order.
         let mut open: BinaryHeap<Reverse<(u64, u32)>> =

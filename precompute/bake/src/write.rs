@@ -2,7 +2,7 @@
 
 use crate::cluster::PoseGroups;
 use crate::examples::RawBlendSpace;
-use crate::graph::RawMotionGraph;
+use crate::graph::{GraphSegment, RawMotionGraph};
 use crate::patch::{RawPatch, RawPatches};
 use crate::policy::RawPolicy;
 use crate::share::{clip_owners, gather_to_first};
@@ -102,7 +102,7 @@ fn sections<'a>(baked: &BundleInputs<'a>, rows: Vec<u8>, code: &RotationCode) ->
     meta.behaviours = baked.policies.iter().map(|p| p.name.clone()).collect();
     meta.pose_groups = baked.groups.map_or(0, |g| g.num_groups() as u64);
     if let Some(p) = baked.patches {
-        meta.patches = p.patches.iter().map(patch_meta).collect();
+        meta.patches = p.patches.iter().map(|p| PatchMeta { name: p.name.clone(), units: p.units.clone() }).collect();
         meta.link_tags.clone_from(&p.link_tags);
         meta.units.clone_from(&p.units);
     }
@@ -152,10 +152,6 @@ fn too_many(space: &str) -> FormatError {
     FormatError::Layout { message }
 }
 
-fn patch_meta(p: &RawPatch) -> PatchMeta {
-    PatchMeta { name: p.name.clone(), units: p.units.clone() }
-}
-
 fn patches(patches: &[RawPatch], out: &mut BundleWriter<'_>) {
     let mut records: Vec<PatchRecord> = Vec::with_capacity(patches.len());
     for p in patches {
@@ -195,17 +191,11 @@ fn clip_meta(c: &Clip) -> ClipMeta {
 
 fn motion(set: &ClipSet, rows: Vec<u8>, code: &RotationCode, out: &mut BundleWriter<'_>) {
     let starts = set.frame_starts();
-    let records: Vec<_> = set
-        .clips
-        .iter()
-        .zip(&starts)
-        .map(|(c, &first_frame)| ClipRecord {
-            first_frame,
-            num_frames: c.num_frames() as u32,
-            mirrored: u32::from(c.mirrored),
-            reserved: 0,
-        })
-        .collect();
+    let record = |(c, &first_frame): (&Clip, &u32)| {
+        let (num_frames, mirrored) = (c.num_frames() as u32, u32::from(c.mirrored));
+        ClipRecord { first_frame, num_frames, mirrored, reserved: 0 }
+    };
+    let records: Vec<_> = set.clips.iter().zip(&starts).map(record).collect();
     let contacts: Vec<Contacts> = set.clips.iter().flat_map(|c| c.contacts.iter().copied()).collect();
     out.section(tags::CLIPS, &records);
     out.section_bytes::<FrameRow>(tags::FRAMES, rows);
@@ -227,12 +217,8 @@ pub fn hit_records(set: &ClipSet) -> Vec<HitRecord> {
         direction: h.direction.to_array(),
         reserved: 0,
     };
-    set.clips
-        .iter()
-        .zip(set.frame_starts())
-        .flat_map(|(c, first)| c.hits.iter().map(move |h| (h, first)))
-        .map(record)
-        .collect()
+    let clips = set.clips.iter().zip(set.frame_starts());
+    clips.flat_map(|(c, first)| c.hits.iter().map(move |h| (h, first))).map(record).collect()
 }
 
 /// All frames as stored ([`FrameRow`], num_frames), the code of their rotations, and the error of the worst joint of
@@ -294,24 +280,18 @@ fn clip_rows(clip: &Clip, code: &RotationCode) -> Vec<FrameRow> {
 
 fn graph(baked: &BundleInputs<'_>, out: &mut BundleWriter<'_>) {
     let (g, starts) = (baked.graph, baked.clips.frame_starts());
-    let states: Vec<_> = g
-        .states
-        .iter()
-        .zip(&g.standing)
-        .map(|(s, &standing)| StateRecord { frame: s.0, standing: u32::from(standing) })
-        .collect();
-    let segments: Vec<_> = g
-        .segments
-        .iter()
-        .map(|s| MotionSegment {
-            start: s.start.0,
-            num_frames: s.num_frames,
-            end: s.end.0,
-            clip: (starts.partition_point(|&f| f <= s.start.0) - 1) as u32,
-            displacement: [s.displacement.x, s.displacement.z, s.displacement.heading],
-            reserved: 0,
-        })
-        .collect();
+    let states = g.states.iter().zip(&g.standing);
+    let states: Vec<_> =
+        states.map(|(s, &standing)| StateRecord { frame: s.0, standing: u32::from(standing) }).collect();
+    let segment = |s: &GraphSegment| MotionSegment {
+        start: s.start.0,
+        num_frames: s.num_frames,
+        end: s.end.0,
+        clip: (starts.partition_point(|&f| f <= s.start.0) - 1) as u32,
+        displacement: [s.displacement.x, s.displacement.z, s.displacement.heading],
+        reserved: 0,
+    };
+    let segments: Vec<_> = g.segments.iter().map(segment).collect();
     out.section(tags::STATES, &states);
     out.section(tags::SEGMENTS, &segments);
     // A graph without states still stores the end of its empty actions.

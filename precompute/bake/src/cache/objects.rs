@@ -1,6 +1,6 @@
 //! Entries as objects of a bucket, in a store that speaks the protocol of S3.
 
-use super::{STORE, Storage};
+use super::{CacheStorage, STORE};
 use object_store::aws::{AmazonS3, AmazonS3Builder, AmazonS3ConfigKey};
 use object_store::path::Path;
 use object_store::{ClientConfigKey, Error, ObjectStore, ObjectStoreExt, RetryConfig};
@@ -31,7 +31,7 @@ pub(super) struct ObjectStorage {
     is_away: AtomicBool,
 }
 
-impl Objects {
+impl ObjectStorage {
     /// - `address`: `s3://BUCKET/PREFIX`; the prefix may be left out.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl Objects {
         // An existing bucket answers that it has no such object.
         match objects.runtime.block_on(objects.store.get(&objects.path(".throng"))) {
             Err(e @ Error::NotFound { .. }) if !e.to_string().contains("NoSuchBucket") => Ok(objects),
-            Err(e) => Err(objects.told("it cannot be asked for an object", e)),
+            Err(e) => Err(objects.describe_error("it cannot be asked for an object", e)),
             Ok(_) => Ok(objects),
         }
     }
@@ -87,7 +87,7 @@ impl Objects {
             Err(Error::NotFound { .. }) => Ok(None),
             Err(e) => {
                 self.is_away.fetch_or(matches!(e, Error::Generic { .. }), Ordering::Relaxed);
-                Err(self.told(what, e))
+                Err(self.describe_error(what, e))
             }
         }
     }
@@ -104,7 +104,7 @@ impl Objects {
                  AWS_ALLOW_HTTP=true allows http://"
             }
         };
-        let why = format!("{what}: {}. {way_out}", plain(&e));
+        let why = format!("{what}: {}. {way_out}", error_text(&e));
         BuildError::Store { address: self.address.clone(), why }
     }
 
@@ -145,20 +145,20 @@ fn error_text(e: &Error) -> String {
     }
 }
 
-impl Storage for Objects {
+impl CacheStorage for ObjectStorage {
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>> {
         let bytes = async { self.store.get(&self.path(name)).await?.bytes().await };
-        Ok(self.asked(&format!("{name} cannot be read"), bytes)?.map(Into::into))
+        Ok(self.request(&format!("{name} cannot be read"), bytes)?.map(Into::into))
     }
 
     fn has_entry(&self, name: &str) -> Result<bool> {
         let path = self.path(name);
-        Ok(self.asked(&format!("{name} cannot be looked for"), self.store.head(&path))?.is_some())
+        Ok(self.request(&format!("{name} cannot be looked for"), self.store.head(&path))?.is_some())
     }
 
     fn write(&self, name: &str, bytes: Vec<u8>) -> Result<()> {
         let what = format!("{name} cannot be written");
-        match self.asked(&what, self.put(&self.path(name), bytes))? {
+        match self.request(&what, self.put(&self.path(name), bytes))? {
             Some(()) => Ok(()),
             None => {
                 Err(BuildError::Store { address: self.address.clone(), why: format!("{what}: the bucket is gone") })
@@ -168,11 +168,12 @@ impl Storage for Objects {
 
     fn remove(&self, name: &str) -> Result<()> {
         let path = self.path(name);
-        self.asked(&format!("{name} cannot be removed"), self.store.delete(&path)).map(drop)
+        self.request(&format!("{name} cannot be removed"), self.store.delete(&path)).map(drop)
     }
 
     fn list(&self) -> Result<Vec<(String, u64, SystemTime)>> {
-        let listed = self.asked("its objects cannot be listed", self.store.list_with_delimiter(Some(&self.prefix)))?;
+        let listed =
+            self.request("its objects cannot be listed", self.store.list_with_delimiter(Some(&self.prefix)))?;
         let of = |o: object_store::ObjectMeta| {
             Some((o.location.filename()?.to_owned(), o.size, SystemTime::from(o.last_modified)))
         };

@@ -40,20 +40,16 @@ struct Agglomeration<'a> {
 
 impl Agglomeration<'_> {
     fn run(&self, items: Vec<ClusterItem>, limit: f32, halvings: u32) -> Vec<ClusterItem> {
-        let mut items = match self.merge(items, limit) {
-            Ok(merged) => return merged,
-            Err(items) => items,
+        let by_halves = |items| match halvings {
+            0 => Err(items),
+            _ => self.merge(self.run(items, limit / 2.0, halvings - 1), limit),
         };
-        if halvings > 0 {
-            items = match self.merge(self.run(items, limit / 2.0, halvings - 1), limit) {
-                Ok(merged) => return merged,
-                Err(items) => items,
-            };
-        }
-        let [mut items, right] = self.split(items).map(|half| self.run(half, limit, 0));
-        items.extend(right);
-        // Items that still have too many near pairs stay unmerged.
-        self.merge(items, limit).unwrap_or_else(|items| items)
+        self.merge(items, limit).or_else(by_halves).unwrap_or_else(|items| {
+            let [mut items, right] = self.split(items).map(|half| self.run(half, limit, 0));
+            items.extend(right);
+            // Items that still have too many near pairs stay unmerged.
+            self.merge(items, limit).unwrap_or_else(|items| items)
+        })
     }
 
     /// Complete linkage up to `limit`; returns the items unchanged if there are too many near pairs.

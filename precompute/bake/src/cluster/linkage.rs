@@ -82,11 +82,11 @@ impl<D: Distance> NeighbourLinks<'_, D> {
         near.retain(|n| self.items[n.item as usize].is_some());
         let key = |n: &Neighbour| (n.linkage, Some(n.item) != preferred);
         let nearest = loop {
-            let best = near.iter().enumerate().min_by(|(_, a), (_, b)| {
+            let best = near.iter().min_by(|a, b| {
                 let (a, b) = (key(a), key(b));
                 a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
             });
-            let Some((k, n)) = best.map(|(k, n)| (k, *n)) else { break None };
+            let Some(n) = best.copied() else { break None };
             if n.estimated {
                 break Some(n);
             }
@@ -94,29 +94,11 @@ impl<D: Distance> NeighbourLinks<'_, D> {
                 (Some(a), Some(b)) => self.distance.estimate(a, b),
                 _ => None,
             };
-            match found {
-                Some(linkage) => (near[k].linkage, near[k].estimated) = (linkage, true),
-                None => {
-                    near.remove(k);
-                }
-            }
-            self.set_linkage(n.item, of, found);
+            set_linkage(&mut near, n.item, found);
+            set_linkage(&mut self.neighbours[n.item as usize], of, found);
         };
         self.neighbours[of as usize] = near;
         nearest
-    }
-
-    /// Updates the linkage of an item to another one.
-    fn set_linkage(&mut self, item: u32, of: u32, linkage: Option<f32>) {
-        let near = &mut self.neighbours[item as usize];
-        if let Ok(k) = near.binary_search_by_key(&of, |n| n.item) {
-            match linkage {
-                Some(linkage) => (near[k].linkage, near[k].estimated) = (linkage, true),
-                None => {
-                    near.remove(k);
-                }
-            }
-        }
     }
 
     /// Merges two items; if they are too far apart, removes their pair and returns false.
@@ -133,8 +115,8 @@ impl<D: Distance> NeighbourLinks<'_, D> {
             Ok(all) => all,
             Err(pair) => {
                 [self.items[a as usize], self.items[b as usize]] = pair.map(Some);
-                self.set_linkage(a, b, None);
-                self.set_linkage(b, a, None);
+                set_linkage(&mut self.neighbours[a as usize], b, None);
+                set_linkage(&mut self.neighbours[b as usize], a, None);
                 return false;
             }
         };
@@ -148,6 +130,15 @@ impl<D: Distance> NeighbourLinks<'_, D> {
         self.items.push(Some(all));
         self.neighbours.push(common);
         true
+    }
+}
+
+/// Updates the linkage to one of an item's neighbours.
+fn set_linkage(near: &mut Vec<Neighbour>, item: u32, linkage: Option<f32>) {
+    match (near.binary_search_by_key(&item, |n| n.item), linkage) {
+        (Ok(k), Some(linkage)) => (near[k].linkage, near[k].estimated) = (linkage, true),
+        (Ok(k), None) => _ = near.remove(k),
+        (Err(_), _) => {}
     }
 }
 

@@ -13,12 +13,13 @@ pub use config::ClusterConfig;
 
 use crate::features::Features;
 use crate::share::run_dealt;
+use crate::stages::stage_error;
 use neighbours::FrameSpace;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::Result;
 use throng_motion::progress::Progress;
 use tree::ClusterItem;
 
@@ -66,8 +67,8 @@ const MEDOID_SAMPLE: usize = 256;
 /// The medoid of a group of more than 256 frames is the one nearest to an even sample of 256 of them.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a threshold outside its limits. [`BuildError::Stage`] for clips without contacts, or
-/// features of other clips.
+/// [`throng_motion::error::BuildError::Key`] for a threshold outside its limits.
+/// [`throng_motion::error::BuildError::Stage`] for clips without contacts, or features of other clips.
 ///
 /// Lee, Choi and Lee 2006, section 3. Differs: in place of agglomerative hierarchical k-means, near pairs are merged
 /// first if those of a contact state are few enough, which is complete linkage but for the estimate of which pair is
@@ -104,14 +105,13 @@ pub fn group(
 /// The threshold in single precision, once clips and features are found to match.
 fn check(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<f32> {
     let limit = config.check()?;
-    let fail = |message: String, help: &str| BuildError::Stage { stage: "cluster", message, help: help.to_owned() };
     if let Some(c) = clips.clips.iter().find(|c| c.contacts.len() != c.num_frames()) {
         let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
-        return Err(fail(message, "Annotate the clips first"));
+        return Err(stage_error("cluster", message, "Annotate the clips first"));
     }
     if features.num_frames() != clips.num_frames() {
         let message = format!("expected features of {} frames, found {}", clips.num_frames(), features.num_frames());
-        return Err(fail(message, "Extract the features from the same clips"));
+        return Err(stage_error("cluster", message, "Extract the features from the same clips"));
     }
     Ok(limit)
 }

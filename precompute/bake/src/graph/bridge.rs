@@ -14,27 +14,18 @@ use throng_motion::error::Result;
 /// link its best one, repeatedly: then every part has both, so some of them lie on a common cycle and merge.
 ///
 /// - `graph`: with all chosen links, in every rank.
-/// - `matches`: links of this rank's events.
-/// - `arrivals`: of `matches`.
-/// - `alive`: a component of the graph with all of `matches`.
 /// - `most`: links a single event may have.
 /// - `comm`: processes that hold the other links.
 ///
 /// # Errors
 /// [`throng_base::Error::Rank`].
-pub(super) fn bridge(
-    graph: &mut EventGraph,
-    matches: &[Vec<TransitionLink>],
-    arrivals: &IncomingLinks,
-    alive: &[bool],
-    most: usize,
-    comm: &dyn Comm,
-) -> Result<()> {
-    GraphComponents::new(graph, matches, arrivals, alive, most).join_all(comm)?;
+pub(super) fn bridge(graph: &mut EventGraph, known: KnownLinks<'_>, most: usize, comm: &dyn Comm) -> Result<()> {
+    let alive = known.alive;
+    GraphComponents::new(graph, known, most).join_all(comm)?;
     let ends = own_numbers(comm, alive.len()).into_iter().filter(|&i| alive[i] && !graph.has_live_successor(i, alive));
     let second = |i: usize| {
         let missing = 2usize.saturating_sub(graph.live_links(i, alive).count());
-        candidates(graph, matches, alive, i).take(missing).map(move |link| EventEdge { from: i as u32, link: *link })
+        known.candidates(graph, i).take(missing).map(move |link| EventEdge { from: i as u32, link: *link })
     };
     for EventEdge { from, link } in gather_all(comm, ends.flat_map(second).collect())? {
         graph.links[from as usize].push(link);
@@ -43,16 +34,24 @@ pub(super) fn bridge(
     Ok(())
 }
 
-/// Links of `i` that are not chosen and lead to live events, best first.
-fn candidates<'a>(
-    graph: &'a EventGraph,
-    matches: &'a [Vec<TransitionLink>],
-    alive: &'a [bool],
-    i: usize,
-) -> impl Iterator<Item = &'a TransitionLink> {
-    matches[i].iter().filter(move |l| {
-        graph.has_live_successor(l.event(), alive) && graph.links[i].iter().all(|k| k.event() != l.event())
-    })
+/// Links that may bridge parts of a graph.
+#[derive(Clone, Copy)]
+pub(super) struct KnownLinks<'a> {
+    /// Links of this rank's events.
+    pub matches: &'a [Vec<TransitionLink>],
+    /// The same links by their targets.
+    pub arrivals: &'a IncomingLinks,
+    /// A component of the graph with all of these links.
+    pub alive: &'a [bool],
+}
+
+impl<'a> KnownLinks<'a> {
+    /// Links of `i` that are not chosen and lead to live events, best first.
+    fn candidates(self, graph: &'a EventGraph, i: usize) -> impl Iterator<Item = &'a TransitionLink> {
+        self.matches[i].iter().filter(move |l| {
+            graph.has_live_successor(l.event(), self.alive) && graph.links[i].iter().all(|k| k.event() != l.event())
+        })
+    }
 }
 
 /// Links that lead to this rank's events.
@@ -95,9 +94,7 @@ impl IncomingLinks {
 /// examined any more.
 struct GraphComponents<'a> {
     graph: &'a mut EventGraph,
-    matches: &'a [Vec<TransitionLink>],
-    arrivals: &'a IncomingLinks,
-    alive: &'a [bool],
+    known: KnownLinks<'a>,
     most: usize,
     /// Preceding event in the clip of each event.
     before: Vec<Option<u32>>,
@@ -115,13 +112,8 @@ struct GraphComponents<'a> {
 }
 
 impl<'a> GraphComponents<'a> {
-    fn new(
-        graph: &'a mut EventGraph,
-        matches: &'a [Vec<TransitionLink>],
-        arrivals: &'a IncomingLinks,
-        alive: &'a [bool],
-        most: usize,
-    ) -> Self {
+    fn new(graph: &'a mut EventGraph, known: KnownLinks<'a>, most: usize) -> Self {
+        let alive = known.alive;
         let events = components(&graph.next, &graph.links, alive);
         let num_events = alive.len();
         let mut before = vec![None; num_events];
@@ -130,7 +122,7 @@ impl<'a> GraphComponents<'a> {
         let paths = (0..num_events).filter(|&i| alive[i]).flat_map(|i| graph.component_edges(i, &part_of));
         let paths = sort_edges(paths.collect());
         let (passed_out, passed_in) = (vec![0; num_events], vec![0; num_events]);
-        Self { graph, matches, arrivals, alive, most, before, part_of, events, paths, passed_out, passed_in }
+        Self { graph, known, most, before, part_of, events, paths, passed_out, passed_in }
     }
 
     /// Adds the best missing links, until there is one part or no further link.
@@ -169,7 +161,7 @@ impl<'a> GraphComponents<'a> {
         self.events = joined.into_iter().map(together).collect();
         self.paths.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
         self.paths = sort_edges(std::mem::take(&mut self.paths));
-        self.part_of = component_of_events(&self.events, self.alive.len());
+        self.part_of = component_of_events(&self.events, self.known.alive.len());
     }
 
     /// Best outgoing link of every part without one, and best incoming link of every part without one; ascending, each
@@ -211,8 +203,9 @@ impl<'a> GraphComponents<'a> {
             return None;
         }
         let passed = &mut self.passed_out[i];
-        for link in &self.matches[i][*passed as usize..] {
-            if self.graph.next[link.event()].is_some_and(|n| self.alive[n] && self.part_of[n] != self.part_of[i]) {
+        for link in &self.known.matches[i][*passed as usize..] {
+            if self.graph.next[link.event()].is_some_and(|n| self.known.alive[n] && self.part_of[n] != self.part_of[i])
+            {
                 return Some(EventEdge { from: i as u32, link: *link });
             }
             *passed += 1;
@@ -224,9 +217,12 @@ impl<'a> GraphComponents<'a> {
     fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<EventEdge> {
         let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
-        for way in &self.arrivals.links_to(to)[*passed as usize..] {
+        for way in &self.known.arrivals.links_to(to)[*passed as usize..] {
             let from = way.from as usize;
-            if self.alive[from] && self.part_of[from] != self.part_of[i] && self.graph.links[from].len() < self.most {
+            if self.known.alive[from]
+                && self.part_of[from] != self.part_of[i]
+                && self.graph.links[from].len() < self.most
+            {
                 return Some(*way);
             }
             *passed += 1;

@@ -53,10 +53,9 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame]
     let mut actions = Vec::new();
     let mut action_offsets = vec![0];
     for &i in &state_events {
-        let mut of_state: Vec<GraphAction> = paths[i]
-            .iter()
-            .map(|l| GraphAction { segment: SegmentId(index_of(&starts, l.event())), error: l.error })
-            .collect();
+        let action =
+            |l: &TransitionLink| GraphAction { segment: SegmentId(index_of(&starts, l.event())), error: l.error };
+        let mut of_state: Vec<GraphAction> = paths[i].iter().map(action).collect();
         of_state.sort_unstable_by(|a, b| a.error.total_cmp(&b.error).then(a.segment.cmp(&b.segment)));
         actions.extend(of_state);
         action_offsets.push(actions.len() as u32);

@@ -1,6 +1,7 @@
 //! The largest strongly connected component, without dead ends.
 
 use super::matches::TransitionLink;
+use crate::components::SuccessorGraph;
 use crate::share::{gather_all, gather_each, gather_rows, own_numbers};
 use std::borrow::Cow;
 use throng_base::Comm;
@@ -85,9 +86,7 @@ pub(super) fn largest_component(graph: &EventGraph, most_frames: u32, comm: &dyn
         if out.is_empty() {
             return Ok(alive);
         }
-        for i in out {
-            alive[i] = false;
-        }
+        out.into_iter().for_each(|i| alive[i] = false);
     }
 }
 
@@ -139,10 +138,8 @@ fn merge_components(
     comm: &dyn Comm,
 ) -> Result<Vec<Vec<u32>>> {
     let part_of = component_of_events(&parts, alive.len());
-    let paths = own_numbers(comm, alive.len())
-        .into_iter()
-        .filter(|&i| alive[i])
-        .flat_map(|i| graph.component_edges(i, &part_of));
+    let own = own_numbers(comm, alive.len()).into_iter().filter(|&i| alive[i]);
+    let paths = own.flat_map(|i| graph.component_edges(i, &part_of));
     let paths = gather_all(comm, sort_edges(paths.collect()))?;
     let joined = join_components(parts.len(), &sort_edges(paths));
     let together = |of: Vec<u32>| {
@@ -187,66 +184,49 @@ pub(super) fn join_components(num_parts: usize, paths: &[[u32; 2]]) -> Vec<Vec<u
 ///
 /// - `is_in`: for each node, whether the graph contains it.
 /// - `num_ways`: number of outgoing edges of a node.
-/// - `successor_event`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
-///
-/// # Source
-/// Tarjan 1972, with an explicit stack: paths through a large database are longer than the stack of a thread.
-pub(super) fn strongly_connected(
+/// - `target`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
+fn strongly_connected(
     num_nodes: usize,
     is_in: impl Fn(usize) -> bool,
     num_ways: impl Fn(usize) -> usize,
     target: impl Fn(usize, usize) -> Option<usize>,
 ) -> Vec<Vec<u32>> {
-    let mut out = Vec::new();
-    // Order of discovery, 0 for unseen nodes; the earliest node that each one leads back to.
-    let (mut order, mut lowest, mut num_seen) = (vec![0u32; num_nodes], vec![0u32; num_nodes], 0);
-    let (mut open, mut is_open) = (Vec::<u32>::new(), vec![false; num_nodes]);
-    for root in (0..num_nodes).filter(|&i| is_in(i)) {
-        // Nodes on the path from the root, and the number of outgoing edges followed from each.
-        let mut way = if order[root] == 0 { vec![(root, 0)] } else { Vec::new() };
-        while let Some((i, followed)) = way.last_mut() {
-            let i = *i;
-            if order[i] == 0 {
-                num_seen += 1;
-                (order[i], lowest[i], is_open[i]) = (num_seen, num_seen, true);
-                open.push(i as u32);
-            }
-            if *followed < num_ways(i) {
-                let target = target(i, *followed);
-                *followed += 1;
-                match target {
-                    Some(n) if order[n] == 0 => way.push((n, 0)),
-                    Some(n) if is_open[n] => lowest[i] = lowest[i].min(order[n]),
-                    _ => {}
-                }
-                continue;
-            }
-            way.pop();
-            if let Some(&(before, _)) = way.last() {
-                lowest[before] = lowest[before].min(lowest[i]);
-            }
-            if lowest[i] == order[i] {
-                let first = open.iter().rposition(|&n| n as usize == i).unwrap_or(0);
-                let mut component = open.split_off(first);
-                component.iter().for_each(|&n| is_open[n as usize] = false);
-                component.sort_unstable();
-                out.push(component);
-            }
-        }
+    let number = crate::components::components(&WayGraph { num_nodes, num_ways, target });
+    let mut nodes: Vec<u32> = (0..num_nodes as u32).filter(|&n| is_in(n as usize)).collect();
+    nodes.sort_by_key(|&n| number[n as usize]);
+    nodes.chunk_by(|a, b| number[*a as usize] == number[*b as usize]).map(<[u32]>::to_vec).collect()
+}
+
+/// A graph whose nodes have numbered outgoing edges.
+struct WayGraph<N, T> {
+    num_nodes: usize,
+    num_ways: N,
+    target: T,
+}
+
+impl<N: Fn(usize) -> usize, T: Fn(usize, usize) -> Option<usize>> SuccessorGraph for WayGraph<N, T> {
+    type Cursor = usize;
+
+    fn num_nodes(&self) -> usize {
+        self.num_nodes
     }
-    out
+
+    fn next(&self, node: u32, way: &mut usize) -> Option<u32> {
+        let node = node as usize;
+        let ahead = (*way..(self.num_ways)(node)).find_map(|k| Some((k, (self.target)(node, k)?)));
+        ahead.map(|(k, n)| {
+            *way = k + 1;
+            n as u32
+        })
+    }
 }
 
 /// Component of the largest weight, with the first event on a tie. A single event counts only if it leads to itself.
 fn strongest(graph: &EventGraph, parts: Vec<Vec<u32>>, leads_to_itself: &[u8]) -> Vec<bool> {
     let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
-    let best = parts
-        .into_iter()
-        .filter(|c| c.len() > 1 || leads_to_itself[c[0] as usize] > 0)
-        .max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
+    let cycles = parts.into_iter().filter(|c| c.len() > 1 || leads_to_itself[c[0] as usize] > 0);
+    let best = cycles.max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; graph.next.len()];
-    for n in best.into_iter().flatten() {
-        out[n as usize] = true;
-    }
+    best.into_iter().flatten().for_each(|n| out[n as usize] = true);
     out
 }

@@ -1,21 +1,22 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
-use super::bridge::{self, IncomingLinks};
+use super::bridge::{self, IncomingLinks, KnownLinks};
 use super::choose::MotionOutcome;
 use super::component::{EventGraph, largest_component};
 use super::config::MotionGraphConfig;
 use super::events::{self, EventFrame};
-use super::matches::{self, LinkFinder, LinkLimits};
+use super::matches::{self, LinkFinder, LinkLimits, TransitionLink};
 use super::report::{self, GraphReport};
-use super::{RawMotionGraph, choose, collapse};
-use crate::features::{self, FeaturesConfig};
+use super::{RawMotionGraph, collapse};
+use crate::features::{self, Features, FeaturesConfig};
+use crate::stages::stage_error;
 use throng_base::{Comm, SingleRank};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
-/// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions are
-/// nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
+/// Points compared for each event (see [`LinkLimits`]). Comparing all gives graphs of 5 to 19 minutes whose transitions
+/// are nearer by 0.3 % at most; comparing half as many, graphs farther by up to 1.4 %.
 const POINTS_PER_EVENT: usize = 512;
 /// Points compared for each kind of outcome of each event; see [`POINTS_PER_EVENT`].
 const POINTS_PER_KIND: usize = 48;
@@ -60,18 +61,19 @@ pub fn connect(
 ) -> Result<(RawMotionGraph, GraphReport)> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
-    let events = events::find_events(clips, config, comm)?;
+    let events = &events::find_events(clips, config, comm)?;
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
     let features = &features::extract_at(clips, &frames, features, comm)?;
-    let outcomes = matches::motion_outcomes(&events, clips, config.outcome_horizon_s);
+    let outcomes = &matches::motion_outcomes(events, clips, config.outcome_horizon_s);
+    let given = GraphInputs { clips, config, events, features, outcomes, rate_hz };
     let limits = LinkLimits {
         error: config.max_error.max(config.threshold.unwrap_or(0.0)) as f32,
         min_jump: (config.min_jump_s * rate_hz).round() as u32,
         points_per_kind: POINTS_PER_KIND,
         points_per_event: POINTS_PER_EVENT,
     };
-    let finder = LinkFinder::new(&events, features, &outcomes, limits, config, progress, comm)?;
-    let (graph, threshold) = GraphSearch::new(clips, &events, &outcomes, finder, config, rate_hz, comm)?.run()?;
+    let finder = LinkFinder::new(given, limits, progress, comm)?;
+    let (graph, threshold) = GraphSearch::new(given, finder, comm)?.run()?;
     let report = report::report(&graph, clips, events.len(), threshold);
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
@@ -91,25 +93,35 @@ pub fn empty_graph(clips: &ClipSet, config: &MotionGraphConfig) -> Result<(RawMo
     Ok((empty, GraphReport { unused_clips: Vec::new(), ..report }))
 }
 
-fn graph_error(message: String, help: &str) -> BuildError {
-    BuildError::Stage { stage: "graph", message, help: help.to_owned() }
+/// Links of every event; if ranks share them, only those of this rank's events.
+pub(super) type EventLinks = Vec<Vec<TransitionLink>>;
+
+/// Inputs of the search for a graph.
+#[derive(Clone, Copy)]
+pub(super) struct GraphInputs<'a> {
+    pub clips: &'a ClipSet,
+    pub config: &'a MotionGraphConfig,
+    pub events: &'a [EventFrame],
+    /// Features of the events (events.len()).
+    pub features: &'a Features,
+    /// Outcomes of the motion after each event (events.len()).
+    pub outcomes: &'a [MotionOutcome],
+    pub rate_hz: f64,
 }
 
 fn check_clips(clips: &ClipSet) -> Result<f64> {
     let Some(first) = clips.clips.first() else {
-        return Err(graph_error("there are no clips".into(), "Check the paths of the config"));
+        return Err(stage_error("graph", "there are no clips", "Check the paths of the config"));
     };
     for c in &clips.clips {
         if c.contacts.len() != c.num_frames() {
             let message = format!("clip {}: expected {} contacts, found {}", c.name, c.num_frames(), c.contacts.len());
-            return Err(graph_error(message, "Annotate the clips first"));
+            return Err(stage_error("graph", message, "Annotate the clips first"));
         }
         if c.rate_hz != first.rate_hz {
-            let message = format!(
-                "clip {}: expected {} Hz as clip {}, found {} Hz",
-                c.name, first.rate_hz, first.name, c.rate_hz
-            );
-            return Err(graph_error(message, "Resample the clips to one rate first"));
+            let (name, rate, wanted) = (&c.name, c.rate_hz, first.rate_hz);
+            let message = format!("clip {name}: expected {wanted} Hz as clip {}, found {rate} Hz", first.name);
+            return Err(stage_error("graph", message, "Resample the clips to one rate first"));
         }
     }
     Ok(first.rate_hz)
@@ -117,25 +129,19 @@ fn check_clips(clips: &ClipSet) -> Result<f64> {
 
 fn too_small(report: &GraphReport, config: &MotionGraphConfig, rate_hz: f64) -> BuildError {
     let seconds = |frames: usize| frames as f64 / rate_hz;
-    BuildError::Stage {
-        stage: "graph",
-        message: format!(
-            "the largest strongly connected part of the motion has {:.1} s ({} of {} usable frames, {} of {} event frames \
-             as states, transitions up to {:.3} rad), less than graph.min_component_s = {} s",
-            seconds(report.frames_kept),
-            report.frames_kept,
-            report.frames_in,
-            report.states,
-            report.event_frames,
-            config.max_error,
-            config.min_component_s
-        ),
-        help: format!(
-            "Add longer clips that return to similar poses ({:.1} s are usable now), check that feet touch the ground \
-             (throng inspect CLIP), add mirrored copies, or raise graph.max_error or graph.max_action_s",
-            seconds(report.frames_in)
-        ),
-    }
+    let GraphReport { frames_kept, frames_in, states, event_frames, .. } = report;
+    let [kept_s, in_s] = [*frames_kept, *frames_in].map(seconds);
+    let message = format!(
+        "the largest strongly connected part of the motion has {kept_s:.1} s ({frames_kept} of {frames_in} usable frames, \
+         {states} of {event_frames} event frames as states, transitions up to {:.3} rad), less than graph.min_component_s \
+         = {} s",
+        config.max_error, config.min_component_s
+    );
+    let help = format!(
+        "Add longer clips that return to similar poses ({in_s:.1} s are usable now), check that feet touch the ground \
+         (throng inspect CLIP), add mirrored copies, or raise graph.max_error or graph.max_action_s"
+    );
+    stage_error("graph", message, help)
 }
 
 /// Branching measured at a threshold.
@@ -156,10 +162,7 @@ impl BranchingProbe {
 
 /// The search for a graph of the wanted branching.
 struct GraphSearch<'a> {
-    clips: &'a ClipSet,
-    config: &'a MotionGraphConfig,
-    events: &'a [EventFrame],
-    outcomes: &'a [MotionOutcome],
+    given: GraphInputs<'a>,
     finder: LinkFinder<'a>,
     comm: &'a dyn Comm,
     /// All event frames, with those links of this rank's events, within the component, that the finder keeps.
@@ -173,15 +176,8 @@ struct GraphSearch<'a> {
 }
 
 impl<'a> GraphSearch<'a> {
-    fn new(
-        clips: &'a ClipSet,
-        events: &'a [EventFrame],
-        outcomes: &'a [MotionOutcome],
-        finder: LinkFinder<'a>,
-        config: &'a MotionGraphConfig,
-        rate_hz: f64,
-        comm: &'a dyn Comm,
-    ) -> Result<Self> {
+    fn new(given: GraphInputs<'a>, finder: LinkFinder<'a>, comm: &'a dyn Comm) -> Result<Self> {
+        let GraphInputs { clips, config, events, rate_hz, .. } = given;
         let next = matches::successors(events);
         let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
         let starts = clips.frame_starts();
@@ -195,12 +191,12 @@ impl<'a> GraphSearch<'a> {
         let whole = EventGraph { next, frames, worth, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
         let (alive, arrivals) = (Vec::new(), IncomingLinks::new(&[], &SingleRank)?);
-        Ok(Self { clips, config, events, outcomes, finder, comm, whole, alive, arrivals, most_frames })
+        Ok(Self { given, finder, comm, whole, alive, arrivals, most_frames })
     }
 
     /// Graph at the given threshold, or at the least one that reaches the wanted branching, or at the largest error.
     fn run(mut self) -> Result<(RawMotionGraph, f32)> {
-        let threshold = match self.config.threshold {
+        let threshold = match self.given.config.threshold {
             Some(threshold) => {
                 self.find_links_to(threshold as f32)?;
                 threshold as f32
@@ -208,7 +204,7 @@ impl<'a> GraphSearch<'a> {
             None => self.find_threshold()?,
         };
         let (graph, alive) = self.event_frames(threshold)?;
-        Ok((collapse::collapse(&graph, &alive, self.events, self.clips), threshold))
+        Ok((collapse::collapse(&graph, &alive, self.given.events, self.given.clips), threshold))
     }
 
     /// Finds the links for thresholds up to `threshold`, and their largest component.
@@ -223,13 +219,13 @@ impl<'a> GraphSearch<'a> {
     /// Mean number of actions of a state at a threshold, over the wanted number.
     fn probe(&self, threshold: f32) -> Result<BranchingProbe> {
         let (graph, alive) = self.event_frames(threshold)?;
-        Ok(BranchingProbe { threshold, share: collapse::branching(&graph, &alive) / self.config.branching })
+        Ok(BranchingProbe { threshold, share: collapse::branching(&graph, &alive) / self.given.config.branching })
     }
 
     /// Much motion has enough choices among near frames, so the search begins with small radii.
     fn find_threshold(&mut self) -> Result<f32> {
-        let most = self.config.max_error as f32;
-        let first = self.finder.threshold_for(MORE * self.config.branching, self.comm)?;
+        let most = self.given.config.max_error as f32;
+        let first = self.finder.threshold_for(MORE * self.given.config.branching, self.comm)?;
         let (mut low, mut threshold) = (None, first.clamp(LEAST_SHARE * most, most));
         let mut high = loop {
             self.find_links_to(threshold)?;
@@ -268,12 +264,12 @@ impl<'a> GraphSearch<'a> {
 
     /// Event graph with the links chosen at a threshold, and its component.
     fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>)> {
-        let links = choose::choose(&self.whole.links, self.outcomes, threshold, self.config, self.comm)?;
-        let whole = &self.whole;
+        let Self { whole, arrivals, alive, given, .. } = self;
+        let links = given.choose(&whole.links, threshold, self.comm)?;
         let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
         let mut graph = EventGraph { next, frames, worth, links };
-        let most = self.config.max_actions - 1;
-        bridge::bridge(&mut graph, &self.whole.links, &self.arrivals, &self.alive, most, self.comm)?;
+        let known = KnownLinks { matches: &whole.links, arrivals, alive };
+        bridge::bridge(&mut graph, known, given.config.max_actions - 1, self.comm)?;
         // Without room for a bridge because of max_actions, a part may still be lost.
         let alive = largest_component(&graph, self.most_frames, &SingleRank)?;
         Ok((graph, alive))

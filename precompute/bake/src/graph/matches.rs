@@ -1,10 +1,9 @@
 //! Search for similar event frames.
 
 use super::choose::{self, LinkChoice, MotionOutcome};
-use super::config::MotionGraphConfig;
+use super::connect::{EventLinks, GraphInputs};
 use super::events::{EventFrame, EventFrameKind};
 use super::tree::{PointTree, PointTreeWalk};
-use crate::features::Features;
 use crate::features::projection::{ProjectedPoint, project, squared_reach};
 use crate::share::{exchange_values, gather_all, is_own, own_numbers};
 use bytemuck::{Pod, Zeroable};
@@ -110,11 +109,8 @@ pub(super) struct LinkLimits {
 /// Finds similar events through k-d trees over points whose distance never exceeds that of the frames: equal to
 /// comparing all pairs if [`LinkLimits`] allow enough comparisons.
 pub(super) struct LinkFinder<'a> {
-    events: &'a [EventFrame],
-    features: &'a Features,
-    outcomes: &'a [MotionOutcome],
+    given: GraphInputs<'a>,
     limits: LinkLimits,
-    config: &'a MotionGraphConfig,
     points: Vec<ProjectedPoint>,
     /// Events with a successor, by their kind and that of their outcome.
     trees: BTreeMap<EventFrameKind, Vec<PointTree>>,
@@ -123,25 +119,16 @@ pub(super) struct LinkFinder<'a> {
     next: Vec<Option<usize>>,
     /// Best link of each of this rank's events to each kind of outcome, best first (events.len(); empty for other
     /// events).
-    of_kinds: Vec<Vec<TransitionLink>>,
+    of_kinds: EventLinks,
 }
 
 impl<'a> LinkFinder<'a> {
-    /// - `features`: of the events (events.len()).
-    /// - `motion_outcomes`: of the motion after each event.
     /// - `comm`: processes that search for the other events.
     ///
     /// # Errors
     /// [`throng_motion::error::BuildError::Stopped`] if the progress is stopped.
-    pub fn new(
-        events: &'a [EventFrame],
-        features: &'a Features,
-        outcomes: &'a [MotionOutcome],
-        limits: LinkLimits,
-        config: &'a MotionGraphConfig,
-        progress: &dyn Progress,
-        comm: &dyn Comm,
-    ) -> Result<Self> {
+    pub fn new(given: GraphInputs<'a>, limits: LinkLimits, progress: &dyn Progress, comm: &dyn Comm) -> Result<Self> {
+        let GraphInputs { events, features, outcomes, .. } = given;
         let points = project(features);
         let next = successors(events);
         let mut parts = BTreeMap::<_, Vec<(u32, ProjectedPoint)>>::new();
@@ -156,8 +143,7 @@ impl<'a> LinkFinder<'a> {
             beside[pair[0]][1] = Some(pair[1]);
             beside[pair[1]][0] = Some(pair[0]);
         }
-        let of_kinds = Vec::new();
-        let mut finder = Self { events, features, outcomes, limits, config, points, trees, beside, next, of_kinds };
+        let mut finder = Self { given, limits, points, trees, beside, next, of_kinds: Vec::new() };
         let own = own_numbers(comm, events.len());
         progress.begin("graph", own.len() as u64, "event frames");
         let of_kinds = |search: &mut LinkSearch, i: usize| {
@@ -170,7 +156,7 @@ impl<'a> LinkFinder<'a> {
             Ok(best)
         };
         let found = own.par_iter().map_init(LinkSearch::default, |search, &i| of_kinds(search, i));
-        let found: Result<Vec<Vec<TransitionLink>>> = found.collect();
+        let found: Result<EventLinks> = found.collect();
         finder.of_kinds = scatter_to_all(events.len(), &own, found?);
         progress.end();
         Ok(finder)
@@ -189,18 +175,18 @@ impl<'a> LinkFinder<'a> {
     ///
     /// # Errors
     /// [`throng_base::Error::Rank`].
-    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<Vec<Vec<TransitionLink>>> {
-        let (own, num_ranks) = (own_numbers(comm, self.events.len()), comm.num_ranks());
+    pub fn links(&self, threshold: f32, comm: &dyn Comm) -> Result<EventLinks> {
+        let events = self.given.events;
+        let (own, num_ranks) = (own_numbers(comm, events.len()), comm.num_ranks());
         let kept = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, threshold, NEAREST, search);
         let back = |(&i, links): (&usize, &Vec<TransitionLink>)| -> Vec<(u32, TransitionLink)> {
             let back = links.iter().map(|l| (l.to, TransitionLink::new(i, l.error)));
             back.filter(|(from, link)| self.is_possible(*from as usize, link)).collect()
         };
-        let mut links: Vec<Vec<TransitionLink>> = vec![Vec::new(); own.len()];
-        for first in (0..self.events.len().div_ceil(num_ranks)).step_by(AT_ONCE) {
+        let mut links: EventLinks = vec![Vec::new(); own.len()];
+        for first in (0..events.len().div_ceil(num_ranks)).step_by(AT_ONCE) {
             let block = first.min(own.len())..(first + AT_ONCE).min(own.len());
-            let found: Vec<Vec<TransitionLink>> =
-                own[block.clone()].par_iter().map_init(LinkSearch::default, kept).collect();
+            let found: EventLinks = own[block.clone()].par_iter().map_init(LinkSearch::default, kept).collect();
             let ways_back: Vec<Vec<(u32, TransitionLink)>> =
                 own[block.clone()].par_iter().zip(&found).map(back).collect();
             links[block].iter_mut().zip(found).for_each(|(links, found)| links.extend(found));
@@ -217,7 +203,7 @@ impl<'a> LinkFinder<'a> {
             links.dedup_by_key(|l| l.event());
             links.shrink_to_fit();
         });
-        Ok(scatter_to_all(self.events.len(), &own, links))
+        Ok(scatter_to_all(events.len(), &own, links))
     }
 
     /// Threshold at which about so many links of an event are chosen; the limit if there are never as many.
@@ -227,7 +213,8 @@ impl<'a> LinkFinder<'a> {
     /// # Errors
     /// [`throng_base::Error::Rank`].
     pub fn threshold_for(&self, branching: f64, comm: &dyn Comm) -> Result<f32> {
-        let sample: Vec<usize> = (0..self.events.len()).step_by(self.events.len().div_ceil(SAMPLE).max(1)).collect();
+        let events = self.given.events;
+        let sample: Vec<usize> = (0..events.len()).step_by(events.len().div_ceil(SAMPLE).max(1)).collect();
         let own: Vec<usize> = sample.iter().copied().filter(|&i| is_own(comm, i)).collect();
         let chosen = |search: &mut LinkSearch, &i: &usize| self.kept_links(i, self.limits.error, 0, search);
         let mut links =
@@ -239,7 +226,7 @@ impl<'a> LinkFinder<'a> {
 
     /// Possible target events of an event, by kind of outcome.
     fn trees_of(&self, i: usize) -> &[PointTree] {
-        self.trees.get(&self.events[i].kind).map_or(&[], Vec::as_slice)
+        self.trees.get(&self.given.events[i].kind).map_or(&[], Vec::as_slice)
     }
 
     /// The distance of two events where it is at most `limit`.
@@ -247,12 +234,12 @@ impl<'a> LinkFinder<'a> {
         let (a, b) = (FrameId(i as u32), FrameId(k as u32));
         // An equally near event may still have a lower number.
         let squared = (limit * (1.0 + 1e-6)).min(self.limits.error).powi(2);
-        self.features.squared_distance_within(a, b, squared).map(f32::sqrt)
+        self.given.features.squared_distance_within(a, b, squared).map(f32::sqrt)
     }
 
     /// True if motion may jump from event `i` along a link within the limit.
     fn is_possible(&self, i: usize, link: &TransitionLink) -> bool {
-        let (a, b) = (&self.events[i], &self.events[link.event()]);
+        let (a, b) = (&self.given.events[i], &self.given.events[link.event()]);
         let is_near = a.run == b.run && a.frame.0.abs_diff(b.frame.0) < self.limits.min_jump;
         // Neighbours in a standing run are nearly equal poses, so only local minima count.
         let [before, after] = self.beside[link.event()].map(|k| k.filter(|&k| k != i));
@@ -270,9 +257,8 @@ impl<'a> LinkFinder<'a> {
         let LinkSearch { walk, nearest, known, others } = search;
         // Radius up to which nearest links are still wanted.
         let mut limit = if num_nearest > 0 { self.limits.error } else { 0.0 };
-        let (mut looks, at, reach) =
-            (self.limits.points_per_event, &self.points[i], squared_reach(limit.max(threshold)));
-        walk.visit(self.trees_of(i), at, reach, |k, gap| {
+        let mut looks = self.limits.points_per_event;
+        walk.visit(self.trees_of(i), &self.points[i], squared_reach(limit.max(threshold)), |k, gap| {
             looks = looks.saturating_sub(1);
             if gap > squared_reach(limit) {
                 others.push((gap, k as usize));
@@ -292,14 +278,14 @@ impl<'a> LinkFinder<'a> {
             }
             if looks > 0 { squared_reach(limit.max(threshold)) } else { DONE }
         });
-        let mut choice = LinkChoice::new(&self.of_kinds[i], self.outcomes, self.config);
+        let mut choice = LinkChoice::new(&self.of_kinds[i], &self.given);
         others.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // Once a better link leads to a place, others to it are skipped without computing their distance.
         let take_before = |gap: f32, choice: &mut LinkChoice<'_>, known: &mut BinaryHeap<Reverse<LinkRank>>| {
             while let Some(link) = known.peek().map(|k| k.0.link()).filter(|l| squared_reach(l.error) < gap) {
                 known.pop();
                 if link.error <= threshold && choice.accepts(link.event()) && self.is_possible(i, &link) {
-                    choice.push(link);
+                    choice.chosen.push(link);
                 }
             }
         };
@@ -311,7 +297,7 @@ impl<'a> LinkFinder<'a> {
             }
         }
         take_before(f32::INFINITY, &mut choice, known);
-        nearest.drain().map(LinkRank::link).chain(choice.chosen().iter().copied()).collect()
+        nearest.drain().map(LinkRank::link).chain(choice.chosen).collect()
     }
 
     /// Nearest possible link to an event of a tree.

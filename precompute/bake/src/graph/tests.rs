@@ -1,9 +1,10 @@
 //! Matches, component, bridges and collapse of random event graphs against brute force.
 
-use super::bridge::{IncomingLinks, bridge};
-use super::choose::{MotionOutcome, choose, sort};
+use super::bridge::{IncomingLinks, KnownLinks, bridge};
+use super::choose::{MotionOutcome, sort};
 use super::collapse::collapse;
 use super::component::{EventGraph, components, largest_component};
+use super::connect::GraphInputs;
 use super::events::{EventFrame, EventFrameKind};
 use super::matches::{self, LinkFinder, LinkLimits, NEAREST, TransitionLink};
 use super::{MotionGraphConfig, RawMotionGraph, StateId};
@@ -12,6 +13,7 @@ use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use std::sync::LazyLock;
 use throng_base::{Comm, LocalComm, SingleRank};
 use throng_core::{NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, FrameId};
@@ -117,8 +119,8 @@ fn naive_component(graph: &EventGraph, most_frames: u32) -> Vec<bool> {
     }
 }
 
-/// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and again: of all
-/// links, in every round.
+/// Adds the best link out of each part that nothing leads out of, and into each that nothing leads into, again and
+/// again: of all links, in every round.
 fn join_naively(graph: &mut EventGraph, matches: &[Vec<TransitionLink>], alive: &[bool], most: usize) {
     loop {
         let r = reaches(graph, alive);
@@ -208,6 +210,16 @@ fn random_events(seed: u64, num_events: usize, variety: f32) -> (Features, Vec<E
     (features::extract_at(&set, &frames, &still, &SingleRank).unwrap(), events, outcomes)
 }
 
+fn given<'a>(
+    events: &'a [EventFrame],
+    features: &'a Features,
+    outcomes: &'a [MotionOutcome],
+    config: &'a MotionGraphConfig,
+) -> GraphInputs<'a> {
+    static NO_CLIPS: LazyLock<ClipSet> = LazyLock::new(|| ClipSet { skeleton: Skeleton::default(), clips: Vec::new() });
+    GraphInputs { clips: &NO_CLIPS, config, events, features, outcomes, rate_hz: 30.0 }
+}
+
 fn limits(error: f32) -> LinkLimits {
     LinkLimits { error, min_jump: 9, points_per_kind: usize::MAX, points_per_event: usize::MAX }
 }
@@ -218,10 +230,8 @@ fn a_few_looks_find_links_nearly_as_good() {
     let all = all_links(&events, &features, 0.5, 9);
     let (config, limits) =
         (MotionGraphConfig::default(), LinkLimits { points_per_kind: 32, points_per_event: 128, ..limits(0.5) });
-    let found = LinkFinder::new(&events, &features, &outcomes, limits, &config, &Silent, &SingleRank)
-        .unwrap()
-        .links(0.1, &SingleRank)
-        .unwrap();
+    let given = given(&events, &features, &outcomes, &config);
+    let found = LinkFinder::new(given, limits, &Silent, &SingleRank).unwrap().links(0.1, &SingleRank).unwrap();
     let mut sums = [0.0; 2];
     for (found, all) in found.iter().zip(&all) {
         assert!(found.iter().all(|l| all.contains(l)));
@@ -280,8 +290,9 @@ proptest! {
         let config = MotionGraphConfig { max_actions, ..MotionGraphConfig::default() };
         let all = all_links(&events, &features, limit, 9);
         let highest = share * limit;
-        let found = LinkFinder::new(&events, &features, &outcomes, limits(limit), &config, &Silent, &SingleRank).unwrap().links(highest, &SingleRank).unwrap();
-        let mut kept = choose(&all, &outcomes, highest, &config, &SingleRank).unwrap();
+        let given = given(&events, &features, &outcomes, &config);
+        let found = LinkFinder::new(given, limits(limit), &Silent, &SingleRank).unwrap().links(highest, &SingleRank).unwrap();
+        let mut kept = given.choose(&all, highest, &SingleRank).unwrap();
         kept.iter_mut().zip(&all).for_each(|(kept, all)| kept.extend(all.iter().take(NEAREST)));
         let back: Vec<(usize, TransitionLink)> = kept
             .iter()
@@ -297,7 +308,7 @@ proptest! {
         prop_assert_eq!(&found, &kept);
         for share in [0.0, 0.2, 0.5, 0.8, 1.0] {
             let threshold = share * highest;
-            prop_assert_eq!(choose(&found, &outcomes, threshold, &config, &SingleRank).unwrap(), choose(&all, &outcomes, threshold, &config, &SingleRank).unwrap());
+            prop_assert_eq!(given.choose(&found, threshold, &SingleRank).unwrap(), given.choose(&all, threshold, &SingleRank).unwrap());
         }
     }
 }
@@ -325,7 +336,9 @@ proptest! {
             links.retain(|l| keep[(i + l.event()) % 14]);
         }
         let chosen = thin.links.clone();
-        bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, 255, &SingleRank).unwrap();
+        let arrivals = &IncomingLinks::new(&whole.links, &SingleRank).unwrap();
+        let known = KnownLinks { matches: &whole.links, arrivals, alive: &alive };
+        bridge(&mut thin, known, 255, &SingleRank).unwrap();
         prop_assert_eq!(largest_component(&thin, u32::MAX, &SingleRank).unwrap(), alive);
         for i in 0..thin.links.len() {
             prop_assert!(chosen[i].iter().all(|l| thin.links[i].contains(l)));
@@ -354,7 +367,9 @@ proptest! {
             }
             let mut expected = thin.clone();
             join_naively(&mut expected, &whole.links, &alive, most);
-            bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, most, &SingleRank).unwrap();
+            let arrivals = &IncomingLinks::new(&whole.links, &SingleRank).unwrap();
+            let known = KnownLinks { matches: &whole.links, arrivals, alive: &alive };
+            bridge(&mut thin, known, most, &SingleRank).unwrap();
             // Ends of clips may have been given more.
             for i in (0..alive.len()).filter(|&i| !alive[i] || thin.has_live_successor(i, &alive)) {
                 sort(&mut expected.links[i]);
@@ -377,7 +392,9 @@ proptest! {
         thin.links.iter_mut().flatten().for_each(|l| l.error *= keep);
         thin.links.iter_mut().for_each(|links| links.retain(|l| l.error.fract() < 0.3));
         let chosen = thin.clone();
-        bridge(&mut thin, &whole.links, &IncomingLinks::new(&whole.links, &SingleRank).unwrap(), &alive, max_links, &SingleRank).unwrap();
+        let arrivals = &IncomingLinks::new(&whole.links, &SingleRank).unwrap();
+        let known = KnownLinks { matches: &whole.links, arrivals, alive: &alive };
+        bridge(&mut thin, known, max_links, &SingleRank).unwrap();
         let found = LocalComm::run(num_ranks, |comm| {
             let own = |graph: &EventGraph| {
                 let mut own = graph.clone();
@@ -386,8 +403,9 @@ proptest! {
             };
             let found = largest_component(&own(&of_all), most, comm).unwrap();
             let (mut graph, whole) = (chosen.clone(), own(&whole));
-            let arrivals = IncomingLinks::new(&whole.links, comm).unwrap();
-            bridge(&mut graph, &whole.links, &arrivals, &alive, max_links, comm).unwrap();
+            let arrivals = &IncomingLinks::new(&whole.links, comm).unwrap();
+            let known = KnownLinks { matches: &whole.links, arrivals, alive: &alive };
+            bridge(&mut graph, known, max_links, comm).unwrap();
             (found, graph)
         });
         for (found, graph) in found {

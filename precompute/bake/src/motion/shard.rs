@@ -1,11 +1,11 @@
 //! Shards: the share of a build's files that one of several processes reads and converts to clips. The processes share
 //! only the folder of the cache.
 
-use super::{ReadMotion, read_all};
+use super::{MotionStages, ReadMotion};
 use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::parts::RequiredParts;
-use crate::provenance::{self, FileKeys, Provenance};
+use crate::provenance;
 use crate::stages::Stages;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -78,8 +78,8 @@ const REFUSED: &str = "refused";
 /// them. `parts` must be that of the build that will use them.
 ///
 /// # Errors
-/// [`BuildError::Key`] for synthetic motion and for values out of their range; the first output that the cache cannot store; the first bad file if
-/// `import.strict` is set; those of the stages from import to annotate.
+/// [`BuildError::Key`] for synthetic motion and for values out of their range; the first output that the cache cannot
+/// store; the first bad file if `import.strict` is set; those of the stages from import to annotate.
 pub fn bake_shard(
     cfg: &BuildConfig,
     parts: RequiredParts,
@@ -89,104 +89,87 @@ pub fn bake_shard(
 ) -> Result<ShardReport> {
     cfg.check()?;
     if cfg.synth.is_some() {
-        return Err(BuildError::key(
-            "synth",
-            "shards share the work on files; write this motion to files first, with `throng synth`, and name them as inputs",
-        ));
+        let why = "shards share the work on files; write this motion to files first, with `throng synth`, and name them as \
+                   inputs";
+        return Err(BuildError::key("synth", why));
     }
     let s = Stages::new(cache, progress, &SingleRank);
     let from = s.run("hash", |_| provenance::collect_provenance(cfg))?;
-    let report = bake_files(cfg, parts, shard, &from, &s)?;
+    let report = MotionStages { cfg, parts, from: &from, s: &s }.bake_files(shard)?;
     // The cache is the only output of a shard.
     cache.take_fault().map_or(Ok(report), Err)
 }
 
-/// Lets each rank of a build do a share of its work on single files, if there is a cache to store it in.
-///
-/// # Errors
-/// As [`bake`].
-pub(super) fn bake_together(cfg: &BuildConfig, parts: RequiredParts, from: &Provenance, s: &Stages<'_>) -> Result<()> {
-    let comm = s.comm();
-    if comm.num_ranks() == 1 || cfg.synth.is_some() || !s.cache().is_on() {
-        return Ok(());
-    }
-    // Files first, then clips, which need the files of all.
-    for _ in 0..2 {
-        bake_files(cfg, parts, Shard::of_rank(comm), from, s)?;
-        comm.barrier()?;
-    }
-    Ok(())
-}
-
-/// Bakes files with known hashes; see [`bake`].
-fn bake_files(
-    cfg: &BuildConfig,
-    parts: RequiredParts,
-    shard: Shard,
-    from: &Provenance,
-    s: &Stages<'_>,
-) -> Result<ShardReport> {
-    let cache = s.cache();
-    let mut report = s.run("import", |p| read_shard(cfg, &from.file_keys(&cfg.import), shard, cache, p))?;
-    if report.missing == 0 && report.own_files > report.skipped.len() {
-        let ReadMotion { raw, maker, warnings, .. } = read_all(cfg, parts, from, s, true)?;
-        let own: Vec<usize> = (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.owns(key))).collect();
-        report.made = s.run("clips", |p| {
-            p.begin("clips", own.len() as u64, "files");
-            let made = own.par_iter().map(|&i| {
-                p.check()?;
-                let (_, kept) = maker.clips_of_file(i, &raw[i])?;
-                p.advance(1);
-                Ok(usize::from(!kept))
-            });
-            let made = made.sum::<Result<usize>>();
-            p.end();
-            made
-        })?;
-        report.warnings = warnings.messages;
-    }
-    cache.finish_batch();
-    report.done = report.missing == 0;
-    Ok(report)
-}
-
-/// Reads the files of a shard that are missing in the cache.
-fn read_shard(
-    cfg: &BuildConfig,
-    keys: &FileKeys<'_>,
-    shard: Shard,
-    cache: &Cache,
-    p: &dyn Progress,
-) -> Result<ShardReport> {
-    let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
-    let count = |n: &AtomicUsize| _ = n.fetch_add(1, Ordering::Relaxed);
-    // Only one file is held in memory at a time.
-    let reader = |file: &MotionFile, import: &dyn Fn() -> ClipsResult| -> ClipsResult {
-        count(&files);
-        let Ok(key) = keys.key_of(&file.path) else { return Ok(Vec::new()) };
-        if !shard.owns(key) {
-            if !cache.has_entry("import", key) && !cache.has_entry(REFUSED, key) {
-                count(&missing);
-            }
-            return Ok(Vec::new());
+impl MotionStages<'_> {
+    /// Lets each rank of a build do a share of its work on single files, if there is a cache to store it in.
+    ///
+    /// # Errors
+    /// As [`bake_shard`].
+    pub(super) fn bake_together(&self) -> Result<()> {
+        let comm = self.s.comm();
+        if comm.num_ranks() == 1 || self.cfg.synth.is_some() || !self.s.cache().is_on() {
+            return Ok(());
         }
-        count(&own_files);
-        match cache.load_or_make("import", key, || keys.read_file(&file.path, import)) {
-            Ok((_, kept)) => {
-                if !kept {
-                    count(&read);
-                }
-                Ok(Vec::new())
+        // Files first, then clips, which need the files of all.
+        for _ in 0..2 {
+            self.bake_files(Shard::of_rank(comm))?;
+            comm.barrier()?;
+        }
+        Ok(())
+    }
+
+    /// Bakes files with known hashes; see [`bake_shard`].
+    fn bake_files(&self, shard: Shard) -> Result<ShardReport> {
+        let mut report = self.s.run("import", |p| self.read_shard(shard, p))?;
+        if report.missing == 0 && report.own_files > report.skipped.len() {
+            let ReadMotion { raw, maker, warnings, .. } = self.read_all(true)?;
+            let own: Vec<usize> =
+                (0..raw.len()).filter(|&i| maker.keys[i].is_some_and(|key| shard.owns(key))).collect();
+            report.made = self.s.run("clips", |p| {
+                p.begin("clips", own.len() as u64, "files");
+                let made = own.par_iter().map(|&i| {
+                    p.check()?;
+                    let (_, kept) = maker.clips_of_file(i, &raw[i])?;
+                    p.advance(1);
+                    Ok(usize::from(!kept))
+                });
+                let made = made.sum::<Result<usize>>();
+                p.end();
+                made
+            })?;
+            report.warnings = warnings.messages;
+        }
+        self.s.cache().finish_batch();
+        report.done = report.missing == 0;
+        Ok(report)
+    }
+
+    /// Reads the files of a shard that are missing in the cache.
+    fn read_shard(&self, shard: Shard, p: &dyn Progress) -> Result<ShardReport> {
+        let (keys, cache) = (self.from.file_keys(&self.cfg.import), self.s.cache());
+        let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
+        let count = |n: &AtomicUsize, is_one: bool| _ = n.fetch_add(usize::from(is_one), Ordering::Relaxed);
+        // Only one file is held in memory at a time.
+        let reader = |file: &MotionFile, import: &dyn Fn() -> ClipsResult| -> ClipsResult {
+            count(&files, true);
+            let Ok(key) = keys.key_of(&file.path) else { return Ok(Vec::new()) };
+            if !shard.owns(key) {
+                count(&missing, !cache.has_entry("import", key) && !cache.has_entry(REFUSED, key));
+                return Ok(Vec::new());
             }
-            Err(e) if e.is_passing() => Err(e),
-            Err(e) => {
+            count(&own_files, true);
+            let made = cache.load_or_make("import", key, || keys.read_file(&file.path, import));
+            if let Err(e) = &made
+                && !e.is_passing()
+            {
                 _ = cache.load_or_make::<String, ImportError>(REFUSED, key, || Ok(e.to_string()));
-                Err(e)
             }
-        }
-    };
-    let set = import::read_by(&reader, &cfg.inputs, &cfg.import, p)?;
-    let [files, own_files, read, missing] = [files, own_files, read, missing].map(AtomicUsize::into_inner);
-    let skipped = set.skipped.iter().map(ToString::to_string).collect();
-    Ok(ShardReport { files, own_files, read, skipped, missing, ..ShardReport::default() })
+            count(&read, !made?.1);
+            Ok(Vec::new())
+        };
+        let set = import::read_by(&reader, &self.cfg.inputs, &self.cfg.import, p)?;
+        let [files, own_files, read, missing] = [files, own_files, read, missing].map(AtomicUsize::into_inner);
+        let skipped = set.skipped.iter().map(ToString::to_string).collect();
+        Ok(ShardReport { files, own_files, read, skipped, missing, ..ShardReport::default() })
+    }
 }

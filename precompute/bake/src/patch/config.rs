@@ -2,6 +2,7 @@
 
 use crate::environment::GeometryTouchConfig;
 use schemars::JsonSchema;
+use serde::de::value::MapDeserializer;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_motion::error::{BuildError, Result, check_ranges};
@@ -146,22 +147,8 @@ impl PatchConfig {
 impl TileConfig {
     /// A tile of a unit, with default settings.
     pub fn for_unit(unit: &str) -> Self {
-        Self {
-            unit: unit.to_owned(),
-            clips: Vec::new(),
-            pairs: Vec::new(),
-            slots: slots(),
-            headings: headings(),
-            heading_step_deg: heading_step(),
-            edge_groups: edge_groups(),
-            rest_headings: rest_headings(),
-            rest_spots: rest_spots(),
-            rest_groups: rest_groups(),
-            edit_m_per_m: edit_position(),
-            edit_deg_per_m: edit_heading(),
-            variety: variety(),
-            margin_m: margin(),
-        }
+        let keys = MapDeserializer::<_, serde::de::value::Error>::new([("unit", unit)].into_iter());
+        Self::deserialize(keys).expect("every other key has a default")
     }
 
     fn check(&self) -> Result<()> {
@@ -188,10 +175,10 @@ impl TileConfig {
         let entries = 8 * self.slots * (2 * self.headings + 1) * self.edge_groups;
         let rest = self.rest_spots.pow(2) * self.rest_headings * (self.rest_groups + self.edge_groups);
         if entries + rest > MOST_SPOTS {
+            let found = entries + rest;
             let why = format!(
-                "expected {MOST_SPOTS} entries, exits and places of rest at most, found up to {}: ask for fewer `slots`, \
-                 `headings`, `edge_groups`, `rest_spots`, `rest_headings` or `rest_groups`",
-                entries + rest
+                "expected {MOST_SPOTS} entries, exits and places of rest at most, found up to {found}: ask for fewer \
+                 `slots`, `headings`, `edge_groups`, `rest_spots`, `rest_headings` or `rest_groups`"
             );
             return Err(BuildError::key("", why));
         }

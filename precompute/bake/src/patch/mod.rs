@@ -14,16 +14,17 @@ pub use tile::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
 use crate::cluster::PoseGroups;
 use crate::environment::{Environment, UnitObject, UnitSet};
+use crate::stages::stage_error;
 use bounds::FrameExtents;
 use serde::{Deserialize, Serialize};
-use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, PairRecord, Placement};
+use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, NONE, PairRecord, Placement};
 use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::Result;
 use throng_motion::progress::Progress;
 use track::PatchTrack;
 
 /// A motion patch, as the bundle stores it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RawPatch {
     /// Unique name: the units', joined by `+`, and a number if several arrangements of them occur.
     pub name: String,
@@ -104,13 +105,28 @@ pub struct CaptureSetting {
     pub units_of: Vec<Vec<u32>>,
 }
 
+/// Inputs shared by all patches of a build.
+struct PatchInputs<'a> {
+    clips: &'a ClipSet,
+    tracks: &'a [PatchTrack],
+    /// Names of all tags.
+    tags: &'a [String],
+    settings: &'a [Option<CaptureSetting>],
+    units: &'a UnitSet,
+    config: &'a PatchConfig,
+    /// Mean height of the hips above the support, by pose group (m).
+    hips: &'a [f32],
+    bounds: &'a FrameExtents,
+}
+
 /// Makes the patches of a clip set.
 ///
 /// - `settings`: of each clip; `None` on level ground (clips.clips.len()).
 /// - returns tiles in the order of the config, then building blocks in the order of the motion.
 ///
 /// # Errors
-/// [`BuildError::Config`] for a setting out of its limits or a tile with missing unit or clips; [`BuildError::Stage`]
+/// [`throng_motion::error::BuildError::Key`] for a setting out of its limits or a tile with missing unit or clips;
+/// [`throng_motion::error::BuildError::Stage`]
 /// for a tile that cannot be made, with the unmet condition, and for too many tags.
 ///
 /// # Source
@@ -128,9 +144,8 @@ pub fn build(
     let bounds = FrameExtents::new(clips);
     let mut out = RawPatches { link_tags: tags, ..RawPatches::default() };
     let hips = hips_heights(clips, groups);
-    let (tracks, hips, min_frames) = (tracks.as_slice(), hips.as_slice(), config.min_link_frames);
-    let given =
-        tile::TileInputs { clips, tracks, tags: &out.link_tags, settings, units, hips, bounds: &bounds, min_frames };
+    let (tracks, hips, tags) = (tracks.as_slice(), hips.as_slice(), out.link_tags.as_slice());
+    let given = PatchInputs { clips, tracks, tags, settings, units, config, hips, bounds: &bounds };
     let mut tiles = Vec::new();
     progress.begin("patch", config.tiles.len() as u64, "tiles");
     for (i, tile) in config.tiles.iter().enumerate() {
@@ -138,16 +153,13 @@ pub fn build(
         tiles.push(tile::build(&given, tile).map_err(|e| e.within_key(&format!("patches.tiles[{i}]")))?);
         progress.advance(1);
     }
-    (out.patches, out.report) = tiles.into_iter().unzip();
     progress.end();
-    let heights: Vec<f32> = clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
-    for (patch, report) in block::build(tracks, settings, units, config, &bounds, &heights, progress)? {
-        out.patches.push(patch);
-        out.report.push(report);
-    }
+    tiles.extend(block::build(&given, progress)?);
+    (out.patches, out.report) = tiles.into_iter().unzip();
     out.number_duplicates();
     out.keep_used_tags();
-    out.units = units_text(units)?;
+    let why = |e| stage_error("patch", format!("the units cannot be written as TOML: {e}"), "Correct the unit file");
+    out.units = toml::to_string(units).map_err(why)?;
     Ok(out)
 }
 
@@ -171,11 +183,7 @@ impl RawPatches {
             number[usize::from(link.tag & !LinkRecord::FOR_TWO)] = 1;
         }
         number[0] = 0;
-        let mut used = 0;
-        for n in number.iter_mut().filter(|n| **n > 0) {
-            used += 1;
-            *n = used;
-        }
+        number.iter_mut().filter(|n| **n > 0).zip(1..).for_each(|(n, used)| *n = used);
         let mut tags = number[1..].iter();
         self.link_tags.retain(|_| tags.next().is_some_and(|&n| n > 0));
         for link in self.patches.iter_mut().flat_map(|p| &mut p.links) {
@@ -190,6 +198,18 @@ fn is_ground(unit: &UnitObject) -> bool {
     unit.floor && unit.tile.as_ref().is_some_and(|t| t.steps.len() == 2 && t.steps.iter().all(|s| s[1] == 0.0))
 }
 
+/// A cell inside of a patch; a character may rest in it if a link for one leads from it to itself.
+///
+/// - `links`: sorted by the cell that they begin in.
+fn inner_cell(number: u32, placement: Placement, group: u32, links: &[LinkRecord]) -> CellRecord {
+    let first = links.partition_point(|l| l.from < number);
+    let own = &links[first..links.partition_point(|l| l.from <= number)];
+    let is_rest = own.iter().any(|l| l.to == number && !l.is_for_two());
+    let flags = if is_rest { CellRecord::IS_REST } else { 0 };
+    let (first_link, num_links) = (first as u32, own.len() as u32);
+    CellRecord { placement, group, edge: NONE, twin: NONE, flags, first_link, num_links, reserved: [0; 2] }
+}
+
 /// Mean height of the hips above the support, by pose group (m).
 fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
     let mut sums = vec![(0.0f64, 0u32); groups.num_groups()];
@@ -202,12 +222,4 @@ fn hips_heights(clips: &ClipSet, groups: &PoseGroups) -> Vec<f32> {
         }
     }
     sums.iter().map(|&(sum, n)| (sum / f64::from(n.max(1))) as f32).collect()
-}
-
-fn units_text(units: &UnitSet) -> Result<String> {
-    toml::to_string(units).map_err(|e| BuildError::Stage {
-        stage: "patch",
-        message: format!("the units cannot be written as TOML: {e}"),
-        help: "Correct the unit file".to_owned(),
-    })
 }

@@ -1,13 +1,14 @@
 //! Per-frame data of a clip for embedding: root, pose group, standing.
 
 use crate::cluster::PoseGroups;
+use crate::stages::stage_error;
 use std::collections::BTreeMap;
 use throng_base::thresholds::PATCH_STANDING_MPS;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::Result;
 
 /// Largest speed of a standing joint (rad/s).
 const STANDING_RADPS: f32 = 1.0;
@@ -43,7 +44,7 @@ impl PatchTrack {
     /// Tracks of all clips, and the names of all tags, rarest first, as it says most.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] for clips with too many tags.
+    /// [`throng_motion::error::BuildError::Stage`] for clips with too many tags.
     pub fn new_all(clips: &ClipSet, groups: &PoseGroups) -> Result<(Vec<Self>, Vec<String>)> {
         let mut frames: BTreeMap<&str, usize> = BTreeMap::new();
         for tag in clips.clips.iter().flat_map(|c| &c.tags) {
@@ -52,15 +53,9 @@ impl PatchTrack {
         let mut tags: Vec<String> = frames.keys().map(|name| (*name).to_owned()).collect();
         tags.sort_by_key(|name| frames[name.as_str()]);
         if tags.len() > MOST_TAGS {
-            return Err(BuildError::Stage {
-                stage: "patch",
-                message: format!(
-                    "the clips have {} tags, such as `{}`; expected {MOST_TAGS} at most",
-                    tags.len(),
-                    tags[0]
-                ),
-                help: "Give the same name to what is the same in their sidecar files".into(),
-            });
+            let (count, one) = (tags.len(), &tags[0]);
+            let message = format!("the clips have {count} tags, such as `{one}`; expected {MOST_TAGS} at most");
+            return Err(stage_error("patch", message, "Give the same name to what is the same in their sidecar files"));
         }
         let tracks = clips.clips.iter().zip(clips.frame_starts());
         Ok((tracks.map(|(c, first_row)| Self::new(c, first_row, groups, &tags)).collect(), tags))

@@ -102,54 +102,31 @@ pub fn collect_rewards(
     let mut targets: Vec<Vec3> = from.iter().map(|s| s.target).collect();
     let mut discounts = vec![1.0f64; n];
     let mut sums = vec![0.0f64; n];
-    let mut choices = BatchActions::new(n);
+    let (mut actions, mut ranked, weights) = (vec![0; n], vec![RankedActions::NONE; n], vec![1.0; n]);
     while discounts.iter().any(|&d| d > negligible) {
-        choices.make(table, &states, &targets, follow, rng);
-        for i in 0..n {
-            let from = PolicySituation { state: states[i], target: targets[i] };
-            let played = play(table, from, choices.actions[i]);
-            sums[i] += discounts[i] * f64::from(played.reward);
-            discounts[i] *= f64::from(played.discount);
-            (states[i], targets[i]) = (played.then.state, played.then.target);
-        }
-    }
-    sums
-}
-
-/// Actions of a batch, chosen as in the runtime.
-struct BatchActions {
-    actions: Vec<u8>,
-    ranked: Vec<RankedActions>,
-    weights: Vec<f32>,
-}
-
-impl BatchActions {
-    fn new(n: usize) -> Self {
-        Self { actions: vec![0; n], ranked: vec![RankedActions::NONE; n], weights: vec![1.0; n] }
-    }
-
-    fn make(
-        &mut self,
-        table: &PolicyTable,
-        states: &[u32],
-        targets: &[Vec3],
-        follow: ActionSelection,
-        rng: &mut Pcg64,
-    ) {
+        // Chosen as in the runtime.
         let done = match follow {
             ActionSelection::SingleLoad => {
-                let actions = &mut self.actions;
+                let (states, targets, actions) = (&states, &targets, &mut actions);
                 BestActionJob { policy: table, states, targets, choice: 0, actions }.run()
             }
             ActionSelection::LookAhead { temperature } => {
-                let goals = [LookAheadGoal { policy: table, weights: &self.weights, targets }];
-                let done = LookAheadJob { goals: &goals, states, ranked: &mut self.ranked }.run();
-                for (action, ranked) in self.actions.iter_mut().zip(&self.ranked) {
+                let goals = [LookAheadGoal { policy: table, weights: &weights, targets: &targets }];
+                let done = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
+                for (action, ranked) in actions.iter_mut().zip(&ranked) {
                     *action = ranked.choose(temperature, rng.random());
                 }
                 done
             }
         };
         done.unwrap_or_else(|e| unreachable!("states come from the table, targets are near: {e}"));
+        for i in 0..n {
+            let from = PolicySituation { state: states[i], target: targets[i] };
+            let played = play(table, from, actions[i]);
+            sums[i] += discounts[i] * f64::from(played.reward);
+            discounts[i] *= f64::from(played.discount);
+            (states[i], targets[i]) = (played.then.state, played.then.target);
+        }
     }
+    sums
 }

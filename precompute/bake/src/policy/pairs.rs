@@ -131,10 +131,25 @@ impl BackupPairs {
         geometry.zip(weights).zip(rewards).zip(used).for_each_init(
             || vec![Backups::default(); row / LANES],
             |backups, ((((base, ratio), (near, far)), reward), segment)| {
-                let rows = SegmentRows { base, ratio, near, far, reward };
                 vectorize(
                     #[inline(always)]
-                    || rows.fill(table, &centres, segment, backups),
+                    || {
+                        for (&height, rewards) in centres.heights.iter().zip(reward.chunks_exact_mut(row)) {
+                            table.back_up_all(segment, height, &centres.ground, backups);
+                            let rewards = rewards.as_chunks_mut().0.iter_mut();
+                            rewards.zip(&*backups).for_each(|(rewards, b)| *rewards = b.reward);
+                        }
+                        let stride = (shape.angles + 1) as f32;
+                        let base = base.as_chunks_mut::<LANES>().0.iter_mut();
+                        let ratio = ratio.as_chunks_mut::<LANES>().0.iter_mut();
+                        let weights = near.as_chunks_mut().0.iter_mut().zip(far.as_chunks_mut().0);
+                        for (((base, ratio), (near, far)), b) in base.zip(ratio).zip(weights).zip(&*backups) {
+                            (*near, *far) = (b.near, b.far);
+                            let index = |l: usize| nearest_index(b.ring[l] * stride + b.angle[l], 65535) as u16;
+                            *base = std::array::from_fn(index);
+                            *ratio = b.angle_ratio.map(|r| nearest_index(r * 65535.0, 65535) as u16);
+                        }
+                    },
                 );
             },
         );
@@ -229,40 +244,5 @@ impl CellCentres {
         }
         let heights = (0..shape.heights).map(|h| grid.cell_centre(h * shape.plane()).y).collect();
         Self { ground, heights }
-    }
-}
-
-/// The rows of one segment.
-struct SegmentRows<'a> {
-    base: &'a mut [u16],
-    ratio: &'a mut [u16],
-    near: &'a mut [f32],
-    far: &'a mut [f32],
-    reward: &'a mut [f32],
-}
-
-impl SegmentRows<'_> {
-    #[inline(always)]
-    fn fill(self, table: &PolicyTable, centres: &CellCentres, segment: &SegmentRecord, backups: &mut [Backups]) {
-        let row = self.base.len();
-        for (&height, rewards) in centres.heights.iter().zip(self.reward.chunks_exact_mut(row)) {
-            table.back_up_all(segment, height, &centres.ground, backups);
-            for (rewards, b) in rewards.as_chunks_mut().0.iter_mut().zip(&*backups) {
-                *rewards = b.reward;
-            }
-        }
-        let stride = (table.grid().record().num_angles + 1) as f32;
-        for (near, b) in self.near.as_chunks_mut().0.iter_mut().zip(&*backups) {
-            *near = b.near;
-        }
-        for (far, b) in self.far.as_chunks_mut().0.iter_mut().zip(&*backups) {
-            *far = b.far;
-        }
-        for (base, b) in self.base.as_chunks_mut::<LANES>().0.iter_mut().zip(&*backups) {
-            *base = std::array::from_fn(|l| nearest_index(b.ring[l] * stride + b.angle[l], 65535) as u16);
-        }
-        for (ratio, b) in self.ratio.as_chunks_mut::<LANES>().0.iter_mut().zip(&*backups) {
-            *ratio = b.angle_ratio.map(|r| nearest_index(r * 65535.0, 65535) as u16);
-        }
     }
 }

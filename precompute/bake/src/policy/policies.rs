@@ -2,7 +2,7 @@
 
 use super::adapt::{AdaptiveReport, adapt};
 use super::bake::{bake, best_actions};
-use super::behaviour::{Approach, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits};
+use super::behaviour::{Approach, BehaviourSpec, Evade, PolicyBehaviour, ThrowPunches, segment_hits};
 use super::compare::{Comparison, compare};
 use super::config::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
 use super::model::ActionModel;
@@ -130,27 +130,19 @@ pub fn solve(
 ) -> Result<PolicyTables> {
     let model = ActionModel::new(clips, graph)?;
     let hits = segment_hits(clips, graph);
-    let one =
-        |(i, b)| make_behaviour(b, clips, graph, &hits, comm).map_err(|e| e.within_key(&format!("behaviours[{i}]")));
+    let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+    // The only list of kinds.
+    let make = |b: &PolicyBehaviourConfig| -> Result<Box<dyn PolicyBehaviour>> {
+        Ok(match b.kind {
+            BehaviourKind::Approach => Box::new(Approach::new(b, rate_hz, hit_centre(clips))?),
+            BehaviourKind::ThrowPunches => Box::new(ThrowPunches::new(b, rate_hz, &hits)?),
+            BehaviourKind::Evade => Box::new(Evade::new(b, clips, graph, comm)?),
+        })
+    };
+    let one = |(i, b)| make(b).map_err(|e| e.within_key(&format!("behaviours[{i}]")));
     let made: Vec<Box<dyn PolicyBehaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_>>()?;
     let made: Vec<&dyn PolicyBehaviour> = made.iter().map(|b| &**b).collect();
     solve_behaviours(model, &made, cfg, rng, progress, comm)
-}
-
-/// Makes the behaviour of a config; the only list of kinds.
-fn make_behaviour(
-    config: &PolicyBehaviourConfig,
-    clips: &ClipSet,
-    graph: &RawMotionGraph,
-    hits: &[Vec<SegmentHit>],
-    comm: &dyn Comm,
-) -> Result<Box<dyn PolicyBehaviour>> {
-    let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
-    Ok(match config.kind {
-        BehaviourKind::Approach => Box::new(Approach::new(config, rate_hz, hit_centre(clips))?),
-        BehaviourKind::ThrowPunches => Box::new(ThrowPunches::new(config, rate_hz, hits)?),
-        BehaviourKind::Evade => Box::new(Evade::new(config, clips, graph, comm)?),
-    })
 }
 
 /// Centre of hits over ground, in the character's frame: their median distance, in the middle of their directions. The
@@ -211,38 +203,24 @@ fn solve_one(
     let seconds = begin.elapsed().as_secs_f64();
     let table = solution.table(model, &best)?;
     let comparison = compare(&table, cfg.compare_samples, rng);
-    let promise = promise(&table, behaviour.spec().name);
-    let report = PolicyReport { adaptive, promise, ..report(model, behaviour, &solution, &best, seconds, comparison) };
-    let Solution { record, segments, paths, state_grids, values, .. } = solution;
-    Ok(RawPolicy { name: behaviour.spec().name.into(), record, segments, paths, state_grids, values, best, report })
-}
-
-fn report(
-    model: &ActionModel,
-    behaviour: &dyn PolicyBehaviour,
-    solution: &Solution,
-    best: &[u8],
-    seconds: f64,
-    comparison: Comparison,
-) -> PolicyReport {
-    let shrinking = behaviour.spec().discount.powi(model.least_frames() as i32);
-    PolicyReport {
-        name: behaviour.spec().name.to_owned(),
-        cells: behaviour.spec().grid.num_cells(),
+    let BehaviourSpec { name, grid, discount, .. } = behaviour.spec();
+    let Solution { record, segments, paths, state_grids, values, residual, .. } = solution;
+    let value_bytes = size_of_val(&*values);
+    let record_bytes = size_of_val(&*segments) + size_of_val(&*paths) + size_of_val(&*state_grids);
+    let report = PolicyReport {
+        name: name.to_owned(),
+        cells: grid.num_cells(),
         pairs: solution.num_pairs,
         sweeps: solution.num_sweeps,
         greedy_sweeps: solution.num_greedy_sweeps,
-        residual: solution.residual,
-        error_bound: f64::from(solution.residual) / (1.0 - shrinking),
-        value_bytes: solution.values.len() * 4,
-        bytes: solution.values.len() * 4
-            + best.len()
-            + size_of_val(&*solution.segments)
-            + size_of_val(&*solution.paths)
-            + size_of_val(&*solution.state_grids),
+        residual,
+        error_bound: f64::from(residual) / (1.0 - discount.powi(model.least_frames() as i32)),
+        value_bytes,
+        bytes: value_bytes + best.len() + record_bytes,
         seconds,
         comparison,
-        promise: Promise::default(),
-        adaptive: None,
-    }
+        promise: promise(&table, name),
+        adaptive,
+    };
+    Ok(RawPolicy { name: name.into(), record, segments, paths, state_grids, values, best, report })
 }

@@ -78,15 +78,11 @@ pub fn promise(table: &PolicyTable, name: &str) -> Promise {
         .collect();
     let realised =
         collect_rewards(table, &starts, ActionSelection::LookAhead { temperature: 0.0 }, NEGLIGIBLE, &mut rng);
-    let mut rollouts: Vec<Rollout> = starts
-        .iter()
-        .zip(realised)
-        .map(|(s, realised)| Rollout {
-            promised: promised_rewards(table, *s),
-            realised,
-            ..grid_part_of(table, s.target)
-        })
-        .collect();
+    let rollout = |(s, realised): (&PolicySituation, f64)| {
+        let [ring, direction] = grid_part_of(table, s.target);
+        Rollout { ring, direction, promised: promised_rewards(table, *s), realised }
+    };
+    let mut rollouts: Vec<Rollout> = starts.iter().zip(realised).map(rollout).collect();
     let greatest = rollouts.iter().map(|r| r.promised.abs()).fold(0.0, f64::max);
     rollouts.retain(|r| r.promised.abs() > LEAST_SHARE * greatest);
     let [first, last] = [table.grid().record().ring_start, table.grid().radius()].map(f64::from);
@@ -115,14 +111,14 @@ fn promised_rewards(table: &PolicyTable, from: PolicySituation) -> f64 {
     scores[..n].iter().copied().fold(f32::NEG_INFINITY, f32::max).into()
 }
 
-/// Part of the grid with a target.
-fn grid_part_of(table: &PolicyTable, target: Vec3) -> Rollout {
+/// Part of the grid with a target: ring and direction.
+fn grid_part_of(table: &PolicyTable, target: Vec3) -> [usize; 2] {
     let place = target - table.centre();
     let (first, last) = (table.grid().record().ring_start, table.grid().radius());
     let share = (place.x.hypot(place.z) - first) / (last - first).max(1e-6);
     let quarter = (place.x.atan2(place.z) / std::f32::consts::FRAC_PI_2).round() as i32;
     let ring = ((share * RINGS as f32) as usize).min(RINGS - 1);
-    Rollout { ring, direction: quarter.rem_euclid(4) as usize, promised: 0.0, realised: 0.0 }
+    [ring, quarter.rem_euclid(4) as usize]
 }
 
 /// Kept share of the sum of promises, and the 5th percentile of single roll-outs; `None` without roll-outs.
@@ -231,7 +227,7 @@ mod tests {
     fn directions_are_quarters() {
         let small = SyntheticProblem { states: 3, actions: 2, rings: 4, angles: 5, seed: 1 };
         let table = small.solve_timed(&small.behaviour().expect("a valid grid"));
-        let direction = |x: f32, z: f32| DIRECTIONS[grid_part_of(&table, Vec3::new(x, 0.0, z)).direction];
+        let direction = |x: f32, z: f32| DIRECTIONS[grid_part_of(&table, Vec3::new(x, 0.0, z))[1]];
         assert_eq!(direction(0.1, 1.0), "ahead");
         assert_eq!(direction(1.0, 0.1), "left");
         assert_eq!(direction(0.1, -1.0), "behind");

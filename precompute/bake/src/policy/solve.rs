@@ -13,7 +13,7 @@ use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::Progress;
 
 /// Values of a solved policy, with measurements.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Solution {
     /// Record, without best actions yet: one choice, the first action everywhere.
     pub record: PolicyRecord,
@@ -76,8 +76,7 @@ pub fn value_iteration(
 ) -> Result<Solution> {
     let begin = Instant::now();
     check_size(model, behaviour, cfg)?;
-    let segments = segment_records(behaviour, &model.segments);
-    let mut solution = blank_table(model, behaviour, segments, cfg)?;
+    let mut solution = blank_table(model, behaviour, cfg)?;
     if behaviour.spec().grid.is_space_time() {
         // Every action leaves less time: the few true sweeps of the bake suffice.
         return Ok(solution);
@@ -184,17 +183,13 @@ const GREEDY_TOLERANCE: f32 = 0.3;
 const MAX_GREEDY_SWEEPS: u32 = 500;
 
 pub(super) fn stage_error(message: String, help: &str) -> BuildError {
-    BuildError::Stage { stage: "policy", message, help: help.into() }
+    crate::stages::stage_error("policy", message, help)
 }
 
 /// A record with zero values.
-fn blank_table(
-    model: &ActionModel,
-    behaviour: &dyn PolicyBehaviour,
-    segments: Vec<SegmentRecord>,
-    cfg: &PolicyConfig,
-) -> Result<Solution> {
+fn blank_table(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> Result<Solution> {
     cfg.check()?;
+    let segments = segment_records(behaviour, &model.segments);
     let grid = behaviour.spec().grid;
     let record = PolicyRecord {
         grid: *grid.record(),
@@ -213,15 +208,10 @@ fn blank_table(
         record,
         segments,
         paths: behaviour.paths().to_vec(),
-        state_grids: Vec::new(),
         values: vec![0.0; num_values],
         num_pairs: (model.action_segments.len() * grid.num_cells()) as u64,
-        num_sweeps: 0,
-        num_greedy_sweeps: 0,
         residual: f32::INFINITY,
-        bytes_per_sweep: 0,
-        setup_s: 0.0,
-        sweep_s: 0.0,
+        ..Solution::default()
     })
 }
 

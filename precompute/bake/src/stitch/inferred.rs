@@ -1,10 +1,11 @@
 //! Files of inferred surroundings, including a world.
 
 use super::{StitchConfig, WorldSource};
+use crate::config::to_toml;
 use crate::environment::{EnvironmentFile, InferredEnvironment};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::Result;
 use throng_motion::files::write_atomically;
 
 /// Paths of files of inferred surroundings.
@@ -23,7 +24,7 @@ impl InferredEnvironment {
     /// the end. The world's bundle has the environment's name and is expected beside it.
     ///
     /// # Errors
-    /// [`BuildError::Io`] names the file.
+    /// [`throng_motion::error::BuildError::Io`] names the file.
     pub fn save(&self, path: &Path) -> Result<SavedFiles> {
         let stem = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
         let beside = |end: &str| PathBuf::from(format!("{stem}{end}"));
@@ -46,16 +47,12 @@ impl InferredEnvironment {
             format!("Inferred from contacts.\n{}", self.report).lines().map(|l| format!("# {l}\n")).collect();
         let texts = [
             (&saved.units_out, self.units.to_toml()?),
-            (&saved.world_out, toml(&world)?),
-            (&saved.environment_out, toml(&environment)?),
+            (&saved.world_out, to_toml(&world)?),
+            (&saved.environment_out, to_toml(&environment)?),
         ];
         for (file, text) in texts {
             write_atomically(file, |w| w.write_all(format!("{head}{text}").as_bytes()))?;
         }
         Ok(saved)
     }
-}
-
-fn toml(value: &impl Serialize) -> Result<String> {
-    toml::to_string(value).map_err(|e| BuildError::Config { message: e.to_string() })
 }

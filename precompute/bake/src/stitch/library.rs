@@ -1,6 +1,7 @@
 //! Data of the bundle that stitching uses.
 
 use crate::environment::{Environment, UnitGeometry, UnitSet};
+use crate::stages::stage_error;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 use throng_core::format::{FrameRow, PatchMeta, RotationCode};
@@ -14,8 +15,7 @@ pub(super) const STAGE: &str = "stitch";
 
 /// Error for an environment of which no world can be made.
 pub(super) fn refusal_error(environment: &Environment, why: String, help: &str) -> BuildError {
-    let message = format!("environment {}: {why}", environment.name);
-    BuildError::Stage { stage: STAGE, message, help: help.into() }
+    stage_error(STAGE, format!("environment {}: {why}", environment.name), help)
 }
 
 /// Data of a bundle beside its patches.
@@ -60,30 +60,23 @@ impl Library<'_> {
     /// # Errors
     /// [`BuildError::Stage`] if patches, names, groups and frames do not match.
     pub(super) fn patterns(&self, patches: &PatchTables) -> Result<Vec<UnitPattern>> {
-        let damaged = |message: String| BuildError::Stage {
-            stage: STAGE,
-            message,
-            help: "Build the bundle again with `throng build`".into(),
-        };
+        let damaged = |message: String| stage_error(STAGE, message, "Build the bundle again with `throng build`");
         let frames = [self.frames.len(), self.groups.len(), self.contacts.len()];
         let units = [self.units.units.len(), self.geometries.len()];
         if self.names.len() != patches.patches.len() || frames[1..] != [frames[0]; 2] || units[1] != units[0] {
+            let (bundle, count, names) = (self.bundle, patches.patches.len(), self.names.len());
             return Err(damaged(format!(
-                "bundle {} has {} patches with {} names, {frames:?} frames with pose groups and contacts, {units:?} \
-                 units with geometries",
-                self.bundle,
-                patches.patches.len(),
-                self.names.len(),
+                "bundle {bundle} has {count} patches with {names} names, {frames:?} frames with pose groups and contacts, \
+                 {units:?} units with geometries"
             )));
         }
         let number = |name: &str| self.units.units.iter().position(|u| u.name == name);
         let pattern = |(p, meta): (usize, &PatchMeta)| {
             let units: Result<Vec<_>, String> =
                 meta.units.iter().map(|(name, at)| number(name).map(|n| (n, *at)).ok_or(name.clone())).collect();
+            let is_tile = patches.patches[p].kind == KIND_TILE;
             match units {
-                Ok(units) if !units.is_empty() => {
-                    Ok(UnitPattern { units, is_tile: patches.patches[p].kind == KIND_TILE })
-                }
+                Ok(units) if !units.is_empty() => Ok(UnitPattern { units, is_tile }),
                 Ok(_) => Err(damaged(format!("patch {} of bundle {} has no units", meta.name, self.bundle))),
                 Err(unit) => Err(damaged(format!(
                     "patch {} of bundle {} has the unit {unit}, which the bundle does not describe",
@@ -102,15 +95,9 @@ impl Library<'_> {
     /// Description of a placed unit: its name, number and place.
     pub(super) fn describe(&self, environment: &Environment, index: usize) -> String {
         let placed = &environment.units[index];
-        let p = placed.placement;
-        format!(
-            "unit {} (place {index}, at {:.2}, {:.2}, {:.2}, heading {:.0} deg)",
-            self.units.units[placed.unit].name,
-            p.x,
-            p.y,
-            p.z,
-            wrap_angle(p.heading).to_degrees()
-        )
+        let (name, Placement { x, y, z, heading, .. }) = (&self.units.units[placed.unit].name, placed.placement);
+        let deg = wrap_angle(heading).to_degrees();
+        format!("unit {name} (place {index}, at {x:.2}, {y:.2}, {z:.2}, heading {deg:.0} deg)")
     }
 
     /// Root of every frame of a link in its patch's frame; y is the height of the clip's ground.

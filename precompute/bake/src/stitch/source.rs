@@ -6,6 +6,7 @@ use super::{Editor, Library, StitchConfig, StitchReport};
 use crate::environment::{
     Environment, EnvironmentFile, PlacedUnit, PlacementPattern, UnitGeometry, UnitSet, geometries,
 };
+use crate::stages::stage_error;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -103,11 +104,8 @@ impl WorldSource {
         let beside = |p: &Path| std::path::absolute(p).map(|p| relative(&p, &folder)).map_err(io);
         let config = self.config.as_deref().map(beside).transpose()?;
         let saved = Self { name: String::new(), bundle: beside(&self.bundle)?, config, ..self.clone() };
-        let text = toml::to_string(&saved).map_err(|e| BuildError::Stage {
-            stage: "stitch",
-            message: format!("world {} cannot be written as TOML: {e}", self.name),
-            help: "Give every unit a finite place".into(),
-        })?;
+        let why = |e| format!("world {} cannot be written as TOML: {e}", self.name);
+        let text = toml::to_string(&saved).map_err(|e| stage_error(STAGE, why(e), "Give every unit a finite place"))?;
         write_atomically(path, |w| w.write_all(text.as_bytes()))
     }
 
@@ -127,13 +125,8 @@ impl WorldSource {
     /// # Errors
     /// As [`EnvironmentFile::expand`].
     pub fn environment(&self, units: &UnitSet, path: &Path) -> Result<Environment> {
-        let file = EnvironmentFile {
-            name: self.name.clone(),
-            units: PathBuf::new(),
-            prefabs: self.prefabs.clone(),
-            place: self.place.clone(),
-        };
-        file.expand(units, path)
+        let Self { name, prefabs, place, .. } = self.clone();
+        EnvironmentFile { name, units: PathBuf::new(), prefabs, place }.expand(units, path)
     }
 }
 
@@ -175,11 +168,9 @@ impl StitchKit {
     /// [`BuildError::Stage`] for a bundle without patches, [`BuildError::Config`] for units that cannot be read.
     pub fn new(tables: &Bundle, path: &Path) -> Result<Self> {
         if tables.patches().patches.is_empty() {
-            return Err(BuildError::Stage {
-                stage: "stitch",
-                message: format!("{}: the bundle has no motion patches", path.display()),
-                help: "Build it from a config with a table `[patches]`, such as data/playground.toml".into(),
-            });
+            let message = format!("{}: the bundle has no motion patches", path.display());
+            let help = "Build it from a config with a table `[patches]`, such as data/playground.toml";
+            return Err(stage_error(STAGE, message, help));
         }
         let units = UnitSet::parse(&tables.meta().units, path)?;
         let geometries =
@@ -234,15 +225,11 @@ pub fn stitch_source(
 /// [`BuildError::Io`] where it cannot be written, [`BuildError::Stage`] for a world without a place for a character.
 pub fn save(world: &mut WorldData, source: &Path, patches: &PatchTables, out: &Path) -> Result<u64> {
     let paths = WorldGraph::new(patches, &world.tables()).and_then(|graph| PathCosts::bake(&graph));
-    let paths = paths.map_err(|e| BuildError::Stage {
-        stage: STAGE,
-        message: format!("world {}: {e}", world.meta.name),
-        help: "Place more units".into(),
-    })?;
+    let why = |e| stage_error(STAGE, format!("world {}: {e}", world.meta.name), "Place more units");
+    let paths = paths.map_err(why)?;
     world.meta.source = seen_from(source, out)?;
     write_atomically(out, |mut w| world.write(&paths, &mut w))?;
-    let length = std::fs::metadata(out).map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?.len();
-    Ok(length)
+    Ok(std::fs::metadata(out).map_err(|source| BuildError::Io { path: out.to_path_buf(), source })?.len())
 }
 
 /// Refuses to overwrite a world stitched from another file, as each file would lose its world.
@@ -257,18 +244,11 @@ pub fn check_replaced(source: &Path, out: &Path) -> Result<()> {
         return Ok(());
     }
     let by = if meta.source.is_empty() { "no file" } else { meta.source.as_str() };
-    Err(BuildError::Stage {
-        stage: STAGE,
-        message: format!(
-            "{} was stitched from {by} (as seen from its folder), not from {}",
-            out.display(),
-            source.display()
-        ),
-        help:
-            "Give one of the two worlds another `name`, write this one elsewhere with `throng stitch --out`, or remove \
-               the old one"
-                .into(),
-    })
+    let (out, source) = (out.display(), source.display());
+    let message = format!("{out} was stitched from {by} (as seen from its folder), not from {source}");
+    let help = "Give one of the two worlds another `name`, write this one elsewhere with `throng stitch --out`, or remove \
+                the old one";
+    Err(stage_error(STAGE, message, help))
 }
 
 /// A file relative to the folder of another one, with `/` between the parts.

@@ -2,9 +2,9 @@
 
 use super::BlockSegment;
 use crate::cluster::PoseGroups;
-use crate::patch::PatchConfig;
 use crate::patch::track::PatchTrack;
-use std::collections::BTreeMap;
+use crate::patch::{PatchConfig, PatchInputs, inner_cell};
+use std::collections::{BTreeMap, BTreeSet};
 use throng_core::patch::{CellRecord, LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
 
@@ -38,11 +38,11 @@ struct CellLink {
 /// - `root_heights`: height of the hips over the clip's ground, by frame row (m).
 /// - returns cells with links, and the links by the cell they begin in.
 pub(super) fn embed(
-    tracks: &[PatchTrack],
+    given: &PatchInputs,
     segments: &[BlockSegment],
     root_heights: &[f32],
-    config: &PatchConfig,
 ) -> (Vec<CellRecord>, Vec<LinkRecord>) {
+    let PatchInputs { tracks, config, .. } = *given;
     let mut keys = BTreeMap::<BlockCellKey, PlacementSum>::new();
     let each = |s: &BlockSegment| s.range.clone();
     for s in segments {
@@ -54,7 +54,6 @@ pub(super) fn embed(
     }
     let number: BTreeMap<BlockCellKey, u32> = keys.keys().copied().zip(0..).collect();
     let means: Vec<Placement> = keys.values().map(PlacementSum::mean).collect();
-    let groups: Vec<u32> = keys.keys().map(|k| k.4).collect();
     let mut paths = Vec::new();
     for (i, s) in segments.iter().enumerate() {
         let track = &tracks[s.clip];
@@ -72,11 +71,18 @@ pub(super) fn embed(
             }
         }
     }
+    // Cells without links are left out.
     let paths = nearest(paths);
-    assemble(&means, &groups, &paths, |w| {
-        let s = &segments[w.segment as usize];
-        LinkRecord { from: w.from, to: w.to, ..captured_link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
-    })
+    let used: BTreeSet<u32> = paths.iter().flat_map(|w| [w.from, w.to]).collect();
+    let renumbered: BTreeMap<u32, u32> = used.iter().copied().zip(0..).collect();
+    let link = |w: &CellLink| {
+        let (s, [from, to]) = (&segments[w.segment as usize], [w.from, w.to].map(|cell| renumbered[&cell]));
+        LinkRecord { from, to, ..captured_link(&tracks[s.clip], s, w.start as usize, w.end as usize) }
+    };
+    let links: Vec<LinkRecord> = paths.iter().map(link).collect();
+    let all: Vec<(&BlockCellKey, Placement)> = keys.keys().zip(means).collect();
+    let cell = |(new, &old): (u32, &u32)| inner_cell(new, all[old as usize].1, all[old as usize].0.4, &links);
+    ((0u32..).zip(&used).map(cell).collect(), links)
 }
 
 /// A link as captured, without its cells.
@@ -122,9 +128,7 @@ fn distance(p: Placement, mean: Placement, config: &PatchConfig) -> f32 {
 impl PlacementSum {
     fn add(&mut self, p: Placement) {
         self.n += 1.0;
-        for (sum, v) in self.place.iter_mut().zip([p.x, p.y, p.z]) {
-            *sum += f64::from(v);
-        }
+        self.place.iter_mut().zip([p.x, p.y, p.z]).for_each(|(sum, v)| *sum += f64::from(v));
         let (sine, cosine) = f64::from(p.heading).sin_cos();
         self.heading = [self.heading[0] + sine, self.heading[1] + cosine];
     }
@@ -144,41 +148,4 @@ fn nearest(mut paths: Vec<CellLink>) -> Vec<CellLink> {
     });
     paths.dedup_by_key(|w| between(w));
     paths
-}
-
-/// Builds cells and links, without unused cells.
-fn assemble(
-    means: &[Placement],
-    groups: &[u32],
-    paths: &[CellLink],
-    link: impl Fn(&CellLink) -> LinkRecord,
-) -> (Vec<CellRecord>, Vec<LinkRecord>) {
-    let mut number = vec![NONE; means.len()];
-    for w in paths {
-        (number[w.from as usize], number[w.to as usize]) = (0, 0);
-    }
-    let touched: Vec<usize> = (0..means.len()).filter(|&c| number[c] == 0).collect();
-    for (new, &old) in touched.iter().enumerate() {
-        number[old] = new as u32;
-    }
-    let cells = touched.iter().map(|&old| {
-        let first = paths.partition_point(|w| (w.from as usize) < old);
-        let num = paths.partition_point(|w| w.from as usize <= old) - first;
-        let stays = paths[first..first + num].iter().any(|w| w.to as usize == old);
-        CellRecord {
-            placement: means[old],
-            group: groups[old],
-            edge: NONE,
-            twin: NONE,
-            flags: if stays { CellRecord::IS_REST } else { 0 },
-            first_link: first as u32,
-            num_links: num as u32,
-            reserved: [0; 2],
-        }
-    });
-    let numbered = |w: &CellLink| {
-        let l = link(w);
-        LinkRecord { from: number[l.from as usize], to: number[l.to as usize], tag: w.tag, ..l }
-    };
-    (cells.collect(), paths.iter().map(numbered).collect())
 }

@@ -4,10 +4,9 @@ mod embed;
 mod shape;
 mod spans;
 
-use super::bounds::FrameExtents;
 use super::track::PatchTrack;
-use super::{CaptureSetting, PatchConfig, PatchReport, RawPatch, is_ground};
-use crate::environment::{PlacedUnit, UnitSet};
+use super::{PatchInputs, PatchReport, RawPatch, is_ground};
+use crate::environment::PlacedUnit;
 use rayon::prelude::*;
 use shape::BlockShape;
 use throng_core::patch::{KIND_BLOCK, LinkRecord, Placement};
@@ -41,71 +40,45 @@ struct BuildingBlock {
 /// # Errors
 /// [`StopRequested`] if the progress is stopped.
 pub(super) fn build(
-    tracks: &[PatchTrack],
-    settings: &[Option<CaptureSetting>],
-    units: &UnitSet,
-    config: &PatchConfig,
-    bounds: &FrameExtents,
-    root_heights: &[f32],
+    given: &PatchInputs,
     progress: &dyn Progress,
 ) -> Result<Vec<(RawPatch, PatchReport)>, StopRequested> {
     let mut blocks = Vec::new();
-    for &k in &config.block_units {
-        find_blocks(tracks, settings, units, config, k, &mut blocks);
-    }
+    given.config.block_units.iter().for_each(|&k| find_blocks(given, k, &mut blocks));
     progress.begin("patch", blocks.len() as u64, "blocks");
-    let made: Vec<_> = blocks
-        .par_iter()
-        .map(|b| {
-            progress.check()?;
-            let patch = embed::embed(tracks, &b.segments, root_heights, config);
-            progress.advance(1);
-            Ok(patch)
-        })
-        .collect::<Result<_, StopRequested>>()?;
+    let root_heights: Vec<f32> = given.clips.clips.iter().flat_map(|c| &c.root_positions).map(|p| p.y).collect();
+    let patch = |b: &BuildingBlock| {
+        progress.check()?;
+        let patch = embed::embed(given, &b.segments, &root_heights);
+        progress.advance(1);
+        Ok(patch)
+    };
+    let made: Vec<_> = blocks.par_iter().map(patch).collect::<Result<_, StopRequested>>()?;
     let mut out = Vec::new();
     for (block, (cells, links)) in blocks.iter().zip(made).filter(|(_, (_, links))| !links.is_empty()) {
-        let placed = block.shape.units().map(|p| (units.units[p.unit].name.clone(), p.placement));
-        let placed: Vec<(String, Placement)> = placed.collect();
-        let name = placed.iter().map(|u| u.0.as_str()).collect::<Vec<_>>().join("+");
-        let segments = block.segments.iter();
+        let placed = block.shape.units.iter().map(|p| (given.units.units[p.unit].name.clone(), p.placement));
+        let units: Vec<(String, Placement)> = placed.collect();
+        let name = units.iter().map(|u| u.0.as_str()).collect::<Vec<_>>().join("+");
         let report = PatchReport {
             name: name.clone(),
             segments: block.segments.len(),
-            frames: segments.map(|s| s.range.len()).sum(),
+            frames: block.segments.iter().map(|s| s.range.len()).sum(),
             cells: cells.len(),
             links: links.len(),
             ..PatchReport::default()
         };
-        let bounds = bounds.extent_of_links(tracks, &whole_segment_links(tracks, &block.segments));
-        out.push((
-            RawPatch {
-                name,
-                units: placed,
-                kind: KIND_BLOCK,
-                edges: Vec::new(),
-                cells,
-                links,
-                pairs: Vec::new(),
-                bounds,
-            },
-            report,
-        ));
+        let whole = whole_segment_links(given.tracks, &block.segments);
+        let bounds = given.bounds.extent_of_links(given.tracks, &whole);
+        out.push((RawPatch { name, units, kind: KIND_BLOCK, cells, links, bounds, ..RawPatch::default() }, report));
     }
     progress.end();
     Ok(out)
 }
 
 /// Adds the blocks of `k` units, or their motion to existing ones.
-fn find_blocks(
-    tracks: &[PatchTrack],
-    settings: &[Option<CaptureSetting>],
-    units: &UnitSet,
-    config: &PatchConfig,
-    k: usize,
-    blocks: &mut Vec<BuildingBlock>,
-) {
-    for (clip, setting) in settings.iter().enumerate() {
+fn find_blocks(given: &PatchInputs, k: usize, blocks: &mut Vec<BuildingBlock>) {
+    let PatchInputs { tracks, units, .. } = *given;
+    for (clip, setting) in given.settings.iter().enumerate() {
         let Some(setting) = setting else { continue };
         // Tiles hold the motion over ground panels; a block with one would tie the other units to its place.
         let counts = |u: u32| !is_ground(&units.units[setting.environment.units[u as usize].unit]);
@@ -117,22 +90,18 @@ fn find_blocks(
         let units_of: Vec<Vec<u32>> = (0..setting.units_of.len()).map(of_frame).collect();
         for (set, ranges) in spans(&units_of, k) {
             let placed: Vec<PlacedUnit> = set.iter().map(|&u| setting.environment.units[u as usize].clone()).collect();
-            let long = ranges.into_iter().filter(|r| r.len() > config.min_link_frames);
+            let long = ranges.into_iter().filter(|r| r.len() > given.config.min_link_frames);
             let mut segments = long.map(|range| BlockSegment { clip, range, to_block: Placement::IDENTITY }).peekable();
             if segments.peek().is_none() {
                 continue;
             }
-            let fitted = blocks.iter_mut().find_map(|b| Some((b.shape.fit(&placed, units)?, b)));
-            let (to_block, block) = match fitted {
-                Some(found) => found,
-                None => {
-                    let (shape, to_block) = BlockShape::new(&placed);
-                    blocks.push(BuildingBlock { shape, segments: Vec::new() });
-                    let last = blocks.len() - 1;
-                    (to_block, &mut blocks[last])
-                }
-            };
-            block.segments.extend(segments.map(|s| BlockSegment { to_block, ..s }));
+            let fits = |(b, block): (usize, &BuildingBlock)| Some((block.shape.fit(&placed, units)?, b));
+            let (to_block, block) = blocks.iter().enumerate().find_map(fits).unwrap_or_else(|| {
+                let (shape, to_block) = BlockShape::new(&placed);
+                blocks.push(BuildingBlock { shape, segments: Vec::new() });
+                (to_block, blocks.len() - 1)
+            });
+            blocks[block].segments.extend(segments.map(|s| BlockSegment { to_block, ..s }));
         }
     }
 }

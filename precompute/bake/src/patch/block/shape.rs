@@ -13,7 +13,8 @@ const HEADING_RAD: f32 = 0.0524;
 /// Units in the frame of the first one.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct BlockShape {
-    units: Vec<PlacedUnit>,
+    /// The units; the first one at the identity.
+    pub units: Vec<PlacedUnit>,
 }
 
 impl BlockShape {
@@ -28,11 +29,6 @@ impl BlockShape {
             u.placement = to_block.compose(u.placement).with_wrapped_heading();
         }
         (Self { units }, to_block)
-    }
-
-    /// The units; the first one at the identity.
-    pub fn units(&self) -> impl Iterator<Item = &PlacedUnit> {
-        self.units.iter()
     }
 
     /// Placement of the world of `placed` in the shape's frame, if the two are the same block.

@@ -16,11 +16,8 @@ pub fn spans(units_of: &[Vec<u32>], k: usize) -> Vec<(Vec<u32>, Vec<FrameRange>)
     for _ in 1..k {
         sets = sets.iter().flat_map(|set| extended(units_of, set)).collect();
     }
-    sets.into_iter()
-        .map(|set| (runs_of(units_of, &set), set))
-        .filter(|(r, _)| !r.is_empty())
-        .map(|(r, s)| (s, r))
-        .collect()
+    let spans = sets.into_iter().map(|set| (runs_of(units_of, &set), set));
+    spans.filter(|(runs, _)| !runs.is_empty()).map(|(runs, set)| (set, runs)).collect()
 }
 
 /// A set with one more unit, for each that occurs in one of its runs or at the frame after.
@@ -33,8 +30,7 @@ fn extended(units_of: &[Vec<u32>], set: &[u32]) -> Vec<Vec<u32>> {
         more.extend(units_of[reached].iter().flatten().copied().filter(|u| !set.contains(u)));
     }
     let with = |u: u32| {
-        let mut out = set.to_vec();
-        out.push(u);
+        let mut out = [set, &[u]].concat();
         out.sort_unstable();
         out
     };

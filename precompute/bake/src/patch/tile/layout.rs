@@ -2,9 +2,10 @@
 
 use super::region::{TileOutline, lateral};
 use super::vocabulary::TileVocabulary;
-use crate::environment::{TileEdges, UnitObject};
-use crate::patch::{TileConfig, is_ground};
+use crate::environment::TileEdges;
+use crate::patch::TileConfig;
 use glam::Vec2;
+use std::collections::BTreeMap;
 use std::f32::consts::{PI, TAU};
 use throng_core::Planar;
 use throng_core::patch::NONE;
@@ -37,6 +38,13 @@ pub(super) struct TileSpot {
     pub kind: SpotKind,
 }
 
+impl TileSpot {
+    /// A rest spot.
+    pub fn at_rest(place: Planar, support: f32, group: u32) -> Self {
+        Self { place, support, group, edge: NONE, twin: NONE, kind: SpotKind::Rest }
+    }
+}
+
 /// All spots of a tile: entries, then exits in the same order seen from the neighbours, then rest.
 pub(super) struct TileLayout {
     /// The spots.
@@ -48,13 +56,8 @@ pub(super) struct TileLayout {
 }
 
 /// Spots along the edges and inside, regardless of whether motion can serve them.
-pub(super) fn lay_out(
-    unit: &UnitObject,
-    edges: &TileEdges,
-    region: &TileOutline,
-    words: &TileVocabulary,
-    config: &TileConfig,
-) -> TileLayout {
+pub(super) fn lay_out(region: &TileOutline, words: &TileVocabulary, config: &TileConfig) -> TileLayout {
+    let edges = region.edges;
     let num_edges = 2 * edges.steps.len();
     let mut entries = Vec::new();
     for edge in 0..num_edges {
@@ -82,10 +85,8 @@ pub(super) fn lay_out(
     }
     let num_entries = entries.len();
     let exits: Vec<TileSpot> = entries.iter().enumerate().map(|(i, e)| exit_for_entry(e, i, edges)).collect();
-    for (i, e) in entries.iter_mut().enumerate() {
-        e.twin = (num_entries + i) as u32;
-    }
-    let rest = rest_spots(unit, region, words, config);
+    entries.iter_mut().zip(num_entries as u32..).for_each(|(e, exit)| e.twin = exit);
+    let rest = rest_spots(region, words, config);
     let spots: Vec<TileSpot> = entries.into_iter().chain(exits).chain(rest).collect();
     TileLayout { first_of_pairs: spots.len(), spots, num_edges }
 }
@@ -102,46 +103,39 @@ fn exit_for_entry(entry: &TileSpot, number: usize, edges: &TileEdges) -> TileSpo
     let step = edges.steps[edge as usize / 2];
     let sign = if edge.is_multiple_of(2) { 1.0 } else { -1.0 };
     let place = Planar::new(entry.place.x + sign * step[0], entry.place.z + sign * step[2], entry.place.heading);
-    TileSpot {
-        place,
-        support: entry.support + sign * step[1],
-        edge,
-        twin: number as u32,
-        kind: SpotKind::Exit,
-        ..*entry
-    }
+    let support = entry.support + sign * step[1];
+    TileSpot { place, support, edge, twin: number as u32, kind: SpotKind::Exit, ..*entry }
 }
 
-/// Rest spots, in a square about the centre of level ground.
-fn rest_spots(unit: &UnitObject, region: &TileOutline, words: &TileVocabulary, config: &TileConfig) -> Vec<TileSpot> {
+/// Rest spots, in a square about the centre of level ground; other units have no pose groups of rest.
+fn rest_spots(region: &TileOutline, words: &TileVocabulary, config: &TileConfig) -> Vec<TileSpot> {
     let mut out = Vec::new();
-    if !is_ground(unit) {
-        return out;
-    }
     let insets = (0..region.sides.len()).map(|s| region.inset(s, region.centre));
     let half = insets.fold(f32::MAX, f32::min) - 2.0 * region.margin;
     let n = config.rest_spots;
-    let level = unit.tile.as_ref().map_or(0.0, |t| t.centre[1]);
+    let level = region.edges.centre[1];
     let at = |k: usize| half.max(0.0) * (2.0 * (k as f32 + 0.5) / n as f32 - 1.0);
     for spot in 0..n * n {
         for turn in 0..config.rest_headings {
             let heading = turn as f32 * TAU / config.rest_headings as f32;
             let heading = if heading > PI { heading - TAU } else { heading };
             let place = Planar::new(region.centre.x + at(spot % n), region.centre.y + at(spot / n), heading);
-            out.extend(words.rest.iter().map(|&group| TileSpot {
-                place,
-                support: level,
-                group,
-                edge: NONE,
-                twin: NONE,
-                kind: SpotKind::Rest,
-            }));
+            out.extend(words.rest.iter().map(|&group| TileSpot::at_rest(place, level, group)));
         }
     }
     out
 }
 
 impl TileLayout {
+    /// Exits and rest, by pose group.
+    pub fn targets(&self) -> BTreeMap<u32, Vec<u32>> {
+        let mut targets = BTreeMap::<u32, Vec<u32>>::new();
+        for (i, spot) in (0u32..).zip(&self.spots).filter(|(_, s)| s.kind != SpotKind::Entry) {
+            targets.entry(spot.group).or_default().push(i);
+        }
+        targets
+    }
+
     /// For each spot, then for each edge, the one a quarter turn (from +Z to +X) farther; `None` for a tile without
     /// that symmetry.
     pub fn quarter_turn(&self) -> Option<Vec<u32>> {
@@ -152,7 +146,7 @@ impl TileLayout {
             (s.kind as u8, s.group, mm(p.x), mm(p.z), turn, mm(s.support))
         };
         let numbered = self.spots.iter().enumerate();
-        let all: std::collections::BTreeMap<_, u32> = numbered.map(|(i, s)| (key(s, s.place), i as u32)).collect();
+        let all: BTreeMap<_, u32> = numbered.map(|(i, s)| (key(s, s.place), i as u32)).collect();
         self.spots.iter().map(|s| all.get(&key(s, quarter.compose(s.place))).copied()).collect()
     }
 

@@ -14,18 +14,15 @@ mod vocabulary;
 
 pub use prune::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
-use super::bounds::FrameExtents;
-use super::track::PatchTrack;
-use super::{CaptureSetting, PairReport, PatchReport, RawPatch, TileConfig, is_ground};
-use crate::environment::{TileEdges, UnitObject, UnitSet};
+use super::{PairReport, PatchInputs, PatchReport, RawPatch, TileConfig, inner_cell, is_ground};
+use crate::environment::UnitObject;
 use layout::{SpotKind, TileLayout, lay_out};
-use pairs::PairLinks;
+use pairs::{PairLinks, PairSearch};
 use rayon::prelude::*;
 use region::TileOutline;
 use search::TileSearch;
 use source::TileSource;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
-use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result};
 use vocabulary::TileVocabulary;
 
@@ -36,73 +33,51 @@ const RISING_FRAMES: usize = 5;
 /// Multiples of the configured number of poses that are tried in turn.
 const MORE_POSES: [usize; 3] = [1, 2, 4];
 
-/// Inputs shared by all tiles of a build.
-pub(super) struct TileInputs<'a> {
-    pub clips: &'a ClipSet,
-    pub tracks: &'a [PatchTrack],
-    /// Names of all tags.
-    pub tags: &'a [String],
-    pub settings: &'a [Option<CaptureSetting>],
-    pub units: &'a UnitSet,
-    /// Mean height of the hips above the support, by pose group (m).
-    pub hips: &'a [f32],
-    pub bounds: &'a FrameExtents,
-    pub min_frames: usize,
-}
-
 /// Makes one tile.
 ///
 /// # Errors
 /// [`BuildError::Key`] for a missing unit, one without edges, or patterns without matching clips; [`BuildError::Stage`]
 /// if pruning leaves nothing, with the unmet condition.
-pub(super) fn build(given: &TileInputs, config: &TileConfig) -> Result<(RawPatch, PatchReport)> {
-    let unit = given
-        .units
-        .units
-        .iter()
-        .find(|u| u.name == config.unit)
-        .ok_or_else(|| refusal::missing_unit_error(given, config))?;
+pub(super) fn build(given: &PatchInputs, config: &TileConfig) -> Result<(RawPatch, PatchReport)> {
+    let unit = given.units.units.iter().find(|u| u.name == config.unit);
+    let unit = unit.ok_or_else(|| refusal::missing_unit_error(given, config))?;
     let edges = unit.tile.as_ref().ok_or_else(|| refusal::missing_edges_error(unit))?;
     let source = source_of(given, unit, config)?;
     let region = TileOutline::new(edges, config.margin_m as f32);
     let num_edges = 2 * edges.steps.len();
-    let min_frames = if is_ground(unit) { given.min_frames } else { RISING_FRAMES.min(given.min_frames) };
+    let usual = given.config.min_link_frames;
+    let min_frames = if is_ground(unit) { usual } else { RISING_FRAMES.min(usual) };
     let with_poses = |times: usize| {
         let words = if is_ground(unit) {
             TileVocabulary::from_ground(&source, num_edges, config, times)
         } else {
-            TileVocabulary::from_rising(&source, &region, edges, config)
+            TileVocabulary::from_rising(&source, &region, config)
         };
-        let mut layout = lay_out(unit, edges, &region, &words, config);
-        let (takes, reports) =
-            pairs::find_pairs(given, config, &pairs::poses_of_rest(&source, &words.rest, min_frames))?;
-        let joints = pairs::lay_out(given, &takes, unit, &region, edges, &mut layout);
-        let links = all_links(&TileSearch::new(&source, &layout, &region, config, min_frames));
+        let mut layout = lay_out(&region, &words, config);
+        let rest = pairs::poses_of_rest(&source, &words.rest, min_frames);
+        let (takes, reports) = PairSearch { given, rest: &rest }.find(config)?;
+        let joints = layout.add_pairs(given, &takes, &region);
+        let (source, region, targets) = (&source, &region, layout.targets());
+        let links = all_links(&TileSearch { source, layout: &layout, region, config, min_frames, targets });
         let graph = graph_of(unit, &layout, &links);
-        Ok::<_, BuildError>(UnprunedTile { layout, links, graph, joints, reports })
+        Ok::<_, BuildError>(UnprunedTile { unit, region, layout, links, graph, joints, reports })
     };
     // Few poses make a small tile; motion of several kinds needs more of them.
     let mut tried = Vec::new();
     for times in if is_ground(unit) { &MORE_POSES[..] } else { &MORE_POSES[..1] } {
         tried.push(with_poses(*times)?);
-        let last = &tried[tried.len() - 1];
-        let pruned = prune(&last.graph, Freedom::EachTile);
-        if pruned.links.contains(&true) {
-            return Ok(finish(given, unit, edges, last, &pruned));
+        if let Some(made) = tried[tried.len() - 1].prune(given, Freedom::EachTile) {
+            return Ok(made);
         }
     }
-    for one in &tried {
-        let pruned = prune(&one.graph, Freedom::FurtherTiles);
-        if pruned.links.contains(&true) {
-            let (patch, report) = finish(given, unit, edges, one, &pruned);
-            return Ok((patch, PatchReport { freedom: Freedom::FurtherTiles, ..report }));
-        }
-    }
-    Err(refusal::empty_tile_error(unit, &source, &region, &tried[tried.len() - 1].graph))
+    let further = tried.iter().find_map(|tile| tile.prune(given, Freedom::FurtherTiles));
+    further.ok_or_else(|| refusal::empty_tile_error(&tried[tried.len() - 1], &source))
 }
 
 /// A tile before pruning.
-struct UnprunedTile {
+struct UnprunedTile<'a> {
+    unit: &'a UnitObject,
+    region: &'a TileOutline<'a>,
     layout: TileLayout,
     links: Vec<LinkRecord>,
     graph: TileGraph,
@@ -112,7 +87,7 @@ struct UnprunedTile {
 }
 
 /// Clips of a tile, and the copies of a rising one that they were captured on.
-fn source_of<'a>(given: &TileInputs<'a>, unit: &UnitObject, config: &TileConfig) -> Result<TileSource<'a>> {
+fn source_of<'a>(given: &PatchInputs<'a>, unit: &UnitObject, config: &TileConfig) -> Result<TileSource<'a>> {
     let mut clips = Vec::new();
     let mut copies = Vec::new();
     for (c, (clip, setting)) in given.clips.clips.iter().zip(given.settings).enumerate() {
@@ -179,111 +154,101 @@ fn graph_of(unit: &UnitObject, layout: &TileLayout, links: &[LinkRecord]) -> Til
     }
 }
 
-/// Patch of the remaining cells and links.
-fn finish(
-    given: &TileInputs,
-    unit: &UnitObject,
-    edges: &TileEdges,
-    UnprunedTile { layout, links, joints, reports, .. }: &UnprunedTile,
-    pruned: &PrunedTile,
-) -> (RawPatch, PatchReport) {
-    let mut number = vec![NONE; layout.spots.len()];
-    let alive: Vec<usize> = (0..layout.spots.len()).filter(|&i| pruned.cells[i]).collect();
-    for (new, &old) in alive.iter().enumerate() {
-        number[old] = new as u32;
-    }
-    let renumbered = |l: &LinkRecord| LinkRecord { from: number[l.from as usize], to: number[l.to as usize], ..*l };
-    let links: Vec<LinkRecord> =
-        links.iter().zip(&pruned.links).filter(|(_, left)| **left).map(|(l, _)| renumbered(l)).collect();
-    let (links, pairs, reports) = add_pairs(links, joints, reports, &pruned.cells, renumbered);
-    let cells = alive.iter().enumerate().map(|(new, &old)| {
-        let s = &layout.spots[old];
-        let first = links.partition_point(|l| (l.from as usize) < new);
-        let num_links = links.partition_point(|l| l.from as usize <= new) - first;
-        let stays = links[first..first + num_links].iter().any(|l| l.to as usize == new && !l.is_for_two());
-        CellRecord {
-            placement: Placement::from_planar(s.place, s.support + given.hips[s.group as usize]),
-            group: s.group,
-            edge: s.edge,
-            twin: if s.twin == NONE { NONE } else { number[s.twin as usize] },
-            flags: match s.kind {
+impl UnprunedTile<'_> {
+    /// Patch of the cells and links that remain after pruning; `None` if no link does.
+    fn prune(&self, given: &PatchInputs, freedom: Freedom) -> Option<(RawPatch, PatchReport)> {
+        let Self { unit, region, layout, links, .. } = self;
+        let pruned = prune(&self.graph, freedom);
+        if !pruned.links.contains(&true) {
+            return None;
+        }
+        let mut number = vec![NONE; layout.spots.len()];
+        let alive: Vec<usize> = (0..layout.spots.len()).filter(|&i| pruned.cells[i]).collect();
+        for (new, &old) in alive.iter().enumerate() {
+            number[old] = new as u32;
+        }
+        let renumbered = |l: &LinkRecord| LinkRecord { from: number[l.from as usize], to: number[l.to as usize], ..*l };
+        let links: Vec<LinkRecord> =
+            links.iter().zip(&pruned.links).filter(|(_, left)| **left).map(|(l, _)| renumbered(l)).collect();
+        let (links, pairs, reports) = self.add_pairs(links, &pruned.cells, renumbered);
+        let cells = (0u32..).zip(&alive).map(|(new, &old)| {
+            let s = &layout.spots[old];
+            let placement = Placement::from_planar(s.place, s.support + given.hips[s.group as usize]);
+            let inner = inner_cell(new, placement, s.group, &links);
+            let flags = match s.kind {
                 SpotKind::Entry => CellRecord::IS_ENTRY,
                 SpotKind::Exit => CellRecord::IS_EXIT,
-                SpotKind::Rest if stays => CellRecord::IS_REST,
-                SpotKind::Rest => 0,
-            },
-            first_link: first as u32,
-            num_links: num_links as u32,
-            reserved: [0; 2],
-        }
-    });
-    let cells: Vec<CellRecord> = cells.collect();
-    let used: std::collections::BTreeSet<u32> =
-        links.iter().flat_map(|l| l.frame..=l.frame + u32::from(l.num_frames)).collect();
-    let report = PatchReport {
-        name: unit.name.clone(),
-        segments: links.len(),
-        frames: used.len(),
-        cells: cells.len(),
-        links: links.len(),
-        pruned_directions: pruned.directions,
-        freedom: Freedom::default(),
-        pruned_component: pruned.component,
-        pairs: reports,
-    };
-    let edge = |e: usize| {
-        let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
-        EdgeRecord { step: edges.steps[e / 2].map(|v| sign * v), opposite: e as u32 ^ 1 }
-    };
-    let patch = RawPatch {
-        name: unit.name.clone(),
-        units: vec![(unit.name.clone(), Placement::IDENTITY)],
-        kind: KIND_TILE,
-        edges: (0..2 * edges.steps.len()).map(edge).collect(),
-        bounds: given.bounds.extent_of_links(given.tracks, &links),
-        cells,
-        links,
-        pairs,
-    };
-    (patch, report)
-}
+                SpotKind::Rest => inner.flags,
+            };
+            let twin = if s.twin == NONE { NONE } else { number[s.twin as usize] };
+            CellRecord { edge: s.edge, twin, flags, ..inner }
+        });
+        let cells: Vec<CellRecord> = cells.collect();
+        let used: std::collections::BTreeSet<u32> =
+            links.iter().flat_map(|l| l.frame..=l.frame + u32::from(l.num_frames)).collect();
+        let report = PatchReport {
+            name: unit.name.clone(),
+            segments: links.len(),
+            frames: used.len(),
+            cells: cells.len(),
+            links: links.len(),
+            pruned_directions: pruned.directions,
+            freedom,
+            pruned_component: pruned.component,
+            pairs: reports,
+        };
+        let edge = |e: usize| {
+            let sign = if e.is_multiple_of(2) { 1.0 } else { -1.0 };
+            EdgeRecord { step: region.edges.steps[e / 2].map(|v| sign * v), opposite: e as u32 ^ 1 }
+        };
+        let patch = RawPatch {
+            name: unit.name.clone(),
+            units: vec![(unit.name.clone(), Placement::IDENTITY)],
+            kind: KIND_TILE,
+            edges: (0..layout.num_edges).map(edge).collect(),
+            bounds: given.bounds.extent_of_links(given.tracks, &links),
+            cells,
+            links,
+            pairs,
+        };
+        Some((patch, report))
+    }
 
-/// Adds the links of interactions, if all their cells remain.
-fn add_pairs(
-    mut links: Vec<LinkRecord>,
-    joints: &[(usize, PairLinks)],
-    reports: &[PairReport],
-    alive: &[bool],
-    renumbered: impl Fn(&LinkRecord) -> LinkRecord,
-) -> (Vec<LinkRecord>, Vec<PairRecord>, Vec<PairReport>) {
-    let mut reports = reports.to_vec();
-    let mut found: Vec<usize> = (0..reports.len()).filter(|&r| reports[r].refused.is_none()).collect();
-    let stays: std::collections::BTreeSet<u32> = links.iter().filter(|l| l.from == l.to).map(|l| l.from).collect();
-    let is_left = |l: &LinkRecord| {
-        let ends = [l.from, l.to].iter().all(|&c| alive[c as usize]);
-        ends && [renumbered(l).from, renumbered(l).to].iter().all(|c| stays.contains(c))
-    };
-    let left: Vec<_> = joints.iter().filter(|(_, j)| j.links.iter().all(is_left)).collect();
-    for (number, _) in &left {
-        reports[found[*number]].edges += 1;
-    }
-    found.retain(|&r| reports[r].edges == 0);
-    for r in found {
-        reports[r].refused =
-            Some("no motion leads to where both begin and away from where they end, or nobody can wait there".into());
-    }
-    let joined = |j: &PairLinks| j.links.map(|l| renumbered(&l));
-    let key = |l: &LinkRecord| (l.from, l.to, l.tag, l.frame, l.num_frames);
-    links.extend(left.iter().flat_map(|(_, j)| joined(j)));
-    links.sort_by_key(key);
-    let number = |l: &LinkRecord| links.partition_point(|k| key(k) < key(l)) as u32;
-    let mut pairs: Vec<PairRecord> = left
-        .iter()
-        .map(|(_, j)| {
+    /// Adds the links of interactions, if all their cells remain.
+    fn add_pairs(
+        &self,
+        mut links: Vec<LinkRecord>,
+        alive: &[bool],
+        renumbered: impl Fn(&LinkRecord) -> LinkRecord,
+    ) -> (Vec<LinkRecord>, Vec<PairRecord>, Vec<PairReport>) {
+        let mut reports = self.reports.clone();
+        let mut found: Vec<usize> = (0..reports.len()).filter(|&r| reports[r].refused.is_none()).collect();
+        let stays: std::collections::BTreeSet<u32> = links.iter().filter(|l| l.from == l.to).map(|l| l.from).collect();
+        let is_left = |l: &LinkRecord| {
+            let ends = [l.from, l.to].iter().all(|&c| alive[c as usize]);
+            ends && [renumbered(l).from, renumbered(l).to].iter().all(|c| stays.contains(c))
+        };
+        let left: Vec<_> = self.joints.iter().filter(|(_, j)| j.links.iter().all(is_left)).collect();
+        for (number, _) in &left {
+            reports[found[*number]].edges += 1;
+        }
+        found.retain(|&r| reports[r].edges == 0);
+        for r in found {
+            reports[r].refused = Some(
+                "no motion leads to where both begin and away from where they end, or nobody can wait there".into(),
+            );
+        }
+        let joined = |j: &PairLinks| j.links.map(|l| renumbered(&l));
+        let key = |l: &LinkRecord| (l.from, l.to, l.tag, l.frame, l.num_frames);
+        links.extend(left.iter().flat_map(|(_, j)| joined(j)));
+        links.sort_by_key(key);
+        let number = |l: &LinkRecord| links.partition_point(|k| key(k) < key(l)) as u32;
+        let pair = |(_, j): &&(usize, PairLinks)| {
             let [own, other] = joined(j);
             PairRecord { patch: 0, edge: j.edge, link: number(&own), partner_link: number(&other) }
-        })
-        .collect();
-    pairs.sort_by_key(|p| (p.edge, p.link, p.partner_link));
-    (links, pairs, reports)
+        };
+        let mut pairs: Vec<PairRecord> = left.iter().map(pair).collect();
+        pairs.sort_by_key(|p| (p.edge, p.link, p.partner_link));
+        (links, pairs, reports)
+    }
 }

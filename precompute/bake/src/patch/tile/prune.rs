@@ -71,22 +71,18 @@ pub struct PrunedTile {
 /// Lee, Choi and Lee 2006, section 6. Differs: reachable rest is a condition too, and the first condition can be
 /// skipped.
 pub fn prune(graph: &TileGraph, freedom: Freedom) -> PrunedTile {
-    let mut left = PrunedTile {
-        cells: vec![true; graph.cells.len()],
-        links: vec![true; graph.links.len()],
-        directions: 0,
-        component: 0,
-    };
+    let (cells, links) = (vec![true; graph.cells.len()], vec![true; graph.links.len()]);
+    let mut left = PrunedTile { cells, links, directions: 0, component: 0 };
+    let count = |left: &PrunedTile| left.links.iter().filter(|&&l| l).count();
     loop {
-        let before = left.links.iter().filter(|&&l| l).count();
+        let before = count(&left);
         if freedom == Freedom::EachTile {
             drop_stuck_entries(graph, &mut left);
         }
-        let after_first = left.links.iter().filter(|&&l| l).count();
+        let after_first = count(&left);
         let changed = keep_components(graph, &mut left);
-        let after = left.links.iter().filter(|&&l| l).count();
         left.directions += before - after_first;
-        left.component += after_first - after;
+        left.component += after_first - count(&left);
         if !changed {
             return left;
         }
@@ -96,22 +92,16 @@ pub fn prune(graph: &TileGraph, freedom: Freedom) -> PrunedTile {
 /// One step of the first condition, repeated until it holds.
 fn drop_stuck_entries(graph: &TileGraph, left: &mut PrunedTile) {
     loop {
-        let mut stuck = Vec::new();
         let reached = exit_edges(graph, left);
-        for (i, cell) in graph.cells.iter().enumerate() {
-            if let TileCell::Entry(edge) = *cell
-                && left.cells[i]
-                && !is_free(graph, edge, &reached[i])
-            {
-                stuck.push(i);
-            }
-        }
+        let is_stuck = |&i: &usize| match graph.cells[i] {
+            TileCell::Entry(edge) => left.cells[i] && !is_free(graph, edge, &reached[i]),
+            _ => false,
+        };
+        let stuck: Vec<usize> = (0..graph.cells.len()).filter(is_stuck).collect();
         if stuck.is_empty() {
             return;
         }
-        for i in stuck {
-            left.cells[i] = false;
-        }
+        stuck.into_iter().for_each(|i| left.cells[i] = false);
         for (i, cell) in graph.cells.iter().enumerate() {
             if let TileCell::Exit(_, twin) = *cell {
                 left.cells[i] &= left.cells[twin as usize];
@@ -155,9 +145,7 @@ fn keep_components(graph: &TileGraph, left: &mut PrunedTile) -> bool {
         _ => cell as usize,
     };
     let mut torus = DiGraph::<(), ()>::new();
-    for _ in &graph.cells {
-        torus.add_node(());
-    }
+    graph.cells.iter().for_each(|_| _ = torus.add_node(()));
     let links = || graph.links.iter().enumerate();
     for (_, &(from, to)) in links().filter(|(l, _)| left.links[*l]) {
         torus.add_edge(NodeIndex::new(node(from)), NodeIndex::new(node(to)), ());
@@ -165,9 +153,7 @@ fn keep_components(graph: &TileGraph, left: &mut PrunedTile) -> bool {
     let mut component = vec![usize::MAX; graph.cells.len()];
     let found = tarjan_scc(&torus);
     for (c, nodes) in found.iter().enumerate() {
-        for n in nodes {
-            component[n.index()] = c;
-        }
+        nodes.iter().for_each(|n| component[n.index()] = c);
     }
     let mut within = vec![0usize; found.len()];
     for (_, &(from, to)) in links().filter(|(l, _)| left.links[*l]) {

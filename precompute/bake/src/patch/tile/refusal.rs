@@ -4,13 +4,14 @@ use super::layout::TileLayout;
 use super::prune::{TileCell, TileGraph};
 use super::region::TileOutline;
 use super::source::TileSource;
-use super::{TileConfig, TileInputs};
+use super::{PatchInputs, TileConfig, UnprunedTile};
 use crate::environment::UnitObject;
 use crate::patch::is_ground;
+use crate::stages::stage_error;
 use throng_motion::error::BuildError;
 
 /// Error for a missing unit.
-pub(super) fn missing_unit_error(given: &TileInputs, config: &TileConfig) -> BuildError {
+pub(super) fn missing_unit_error(given: &PatchInputs, config: &TileConfig) -> BuildError {
     let names: Vec<_> = given.units.units.iter().map(|u| format!("`{}`", u.name)).collect();
     let why = format!("expected a unit ({}), found `{}`. Correct the config.", names.join(", "), config.unit);
     BuildError::key("unit", why)
@@ -37,12 +38,8 @@ pub(super) fn missing_clips_error(unit: &UnitObject, config: &TileConfig) -> Bui
 }
 
 /// Error for a tile of which pruning left nothing.
-pub(super) fn empty_tile_error(
-    unit: &UnitObject,
-    source: &TileSource,
-    region: &TileOutline,
-    graph: &TileGraph,
-) -> BuildError {
+pub(super) fn empty_tile_error(tile: &UnprunedTile, source: &TileSource) -> BuildError {
+    let UnprunedTile { unit, region, graph, .. } = tile;
     let (message, help) = first_unmet(source, region, graph).unwrap_or_else(|| {
         let help = format!(
             "Add walks of {:.1} m in the same few poses, straight and with turns to all sides, and stops: what the fewest \
@@ -52,16 +49,10 @@ pub(super) fn empty_tile_error(
         );
         (format!("no entries meet all conditions together: {}", count_met(region, graph)), help)
     });
-    let minutes = source.minutes();
-    BuildError::Stage {
-        stage: "patch",
-        message: format!(
-            "the tile `{}` cannot be made from {minutes:.1} min of motion: {message}{}",
-            unit.name,
-            if graph.must_rest { ", and further tiles do not make up for it" } else { "" }
-        ),
-        help,
-    }
+    let (name, minutes) = (&unit.name, source.minutes());
+    let further = if graph.must_rest { ", and further tiles do not make up for it" } else { "" };
+    let message = format!("the tile `{name}` cannot be made from {minutes:.1} min of motion: {message}{further}");
+    stage_error("patch", message, help)
 }
 
 /// How many of the entries across the first edge meet each condition, in words.
@@ -72,13 +63,11 @@ fn count_met(region: &TileOutline, graph: &TileGraph) -> String {
         graph.links.iter().any(|&(f, to)| f == from && fits(graph.cells[to as usize]))
     };
     let count = |fits: &dyn Fn(TileCell) -> bool| entries.iter().filter(|&&e| leads(e, fits)).count();
-    let mut out: Vec<String> = graph.exit_edges[0]
-        .iter()
-        .map(|&way| {
-            let n = count(&|c| matches!(c, TileCell::Exit(e, _) if e == way));
-            format!("{n} can leave {}", TileLayout::direction(region, 0, way))
-        })
-        .collect();
+    let leaving = |&way: &u32| {
+        let n = count(&|c| matches!(c, TileCell::Exit(e, _) if e == way));
+        format!("{n} can leave {}", TileLayout::direction(region, 0, way))
+    };
+    let mut out: Vec<String> = graph.exit_edges[0].iter().map(leaving).collect();
     if graph.must_rest {
         out.push(format!("{} can come to rest", count(&|c| c == TileCell::Rest)));
     }
@@ -119,24 +108,15 @@ fn first_unmet(source: &TileSource, region: &TileOutline, graph: &TileGraph) -> 
     }
     let rests = |l: &&(u32, u32)| enters(l.0).is_some() && graph.cells[l.1 as usize] == TileCell::Rest;
     if graph.must_rest && !graph.links.iter().any(|l| rests(&l)) {
-        return Some(match source.stops() {
-            0 => (
-                "no entry can come to rest: there is no walking that stops".to_owned(),
-                format!(
-                    "Add walks that come to a stop within {:.1} m and then stand for a second, {EDIT}",
-                    region.size
-                ),
-            ),
-            n => (
-                format!(
-                    "no entry can come to rest: none of {n} stops ends a walk of the kind that enters, in a pose of rest"
-                ),
-                format!(
-                    "Add walks that come to a stop within {:.1} m, take more poses of rest (rest_groups), {EDIT}",
-                    region.size
-                ),
-            ),
-        });
+        let (why, also) = match source.stops() {
+            0 => ("there is no walking that stops".to_owned(), " and then stand for a second"),
+            n => {
+                let why = format!("none of {n} stops ends a walk of the kind that enters, in a pose of rest");
+                (why, ", take more poses of rest (rest_groups)")
+            }
+        };
+        let help = format!("Add walks that come to a stop within {:.1} m{also}, {EDIT}", region.size);
+        return Some((format!("no entry can come to rest: {why}"), help));
     }
     let sets_out = |l: &(u32, u32)| {
         graph.cells[l.0 as usize] == TileCell::Rest && matches!(graph.cells[l.1 as usize], TileCell::Exit(..))

@@ -18,7 +18,9 @@ pub(super) struct OutlineSide {
 }
 
 /// The outline of a tile.
-pub(super) struct TileOutline {
+pub(super) struct TileOutline<'a> {
+    /// Edges of the tile.
+    pub edges: &'a TileEdges,
     /// Sides; those of edges first, in the order of the edges.
     pub sides: Vec<OutlineSide>,
     /// Centre: (x, z) (m).
@@ -29,9 +31,9 @@ pub(super) struct TileOutline {
     pub size: f32,
 }
 
-impl TileOutline {
+impl<'a> TileOutline<'a> {
     /// Outline implied by edges; a margin takes at most half of the narrowest edge.
-    pub fn new(edges: &TileEdges, margin: f32) -> Self {
+    pub fn new(edges: &'a TileEdges, margin: f32) -> Self {
         let centre = Vec2::new(edges.centre[0], edges.centre[2]);
         let side = |normal: Vec2, half: f32, edge| OutlineSide { normal, offset: normal.dot(centre) + half, edge };
         let mut sides = Vec::new();
@@ -49,7 +51,7 @@ impl TileOutline {
             sides.push(side(-lateral, edges.widths[0] / 2.0, None));
         }
         let size = edges.steps.iter().map(|s| s[0].hypot(s[2])).fold(0.0, f32::max);
-        Self { sides, centre, margin: margin.min(narrowest / 4.0), size }
+        Self { edges, sides, centre, margin: margin.min(narrowest / 4.0), size }
     }
 
     /// Depth of a point inside a side; negative outside (m).

@@ -40,97 +40,95 @@ pub(super) fn links(search: &TileSearch) -> Vec<LinkRecord> {
         let rest = search.layout.spots.iter().filter(|s| s.kind == SpotKind::Rest);
         rest.map(|s| s.group).collect::<std::collections::BTreeSet<_>>().into_iter().collect()
     };
-    let mut found = BTreeMap::<RestChange, BestCandidates>::new();
-    for &from in &groups {
-        for (clip, start) in search.source.frames_in(from) {
-            offer_standing_from(search, &groups, clip, start, &mut found);
-        }
+    let mut rest = RestSearch { search, groups: &groups, found: BTreeMap::new() };
+    for (clip, start) in groups.iter().flat_map(|&from| search.source.frames_in(from)) {
+        rest.offer_standing_from(clip, start);
     }
-    for &clip in &search.source.clips {
-        behaviours(search, &groups, clip, &mut found);
-    }
+    search.source.clips.iter().for_each(|&clip| rest.offer_behaviours(clip));
     let mut out = Vec::new();
-    for ((from, to, steps), best) in found {
+    for ((from, to, _), best) in rest.found {
         for (_, tag, candidate) in best.into_sorted() {
-            out.extend(links_at_all_spots(search, (from, to, steps), tag, &candidate));
+            out.extend(links_at_all_spots(search, [from, to], tag, &candidate));
         }
     }
     out
 }
 
-/// Offers all standing and turning that begins with one frame.
-fn offer_standing_from(
-    search: &TileSearch,
-    groups: &[u32],
-    clip: usize,
-    start: usize,
-    found: &mut BTreeMap<RestChange, BestCandidates>,
-) {
-    let track = &search.source.tracks[clip];
-    if !track.is_standing(start) {
-        return;
-    }
-    for end in start + 1..search.source.run_end(clip, start).min(start + MAX_FRAMES + 1) {
-        let moved = track.places[start].to_local(track.places[end]);
-        if moved.x.hypot(moved.z) > SWAY_M {
+/// Search for the best candidates of every change.
+struct RestSearch<'a> {
+    search: &'a TileSearch<'a>,
+    /// Pose groups of rest.
+    groups: &'a [u32],
+    found: BTreeMap<RestChange, BestCandidates>,
+}
+
+impl RestSearch<'_> {
+    /// Offers all standing and turning that begins with one frame.
+    fn offer_standing_from(&mut self, clip: usize, start: usize) {
+        let search = self.search;
+        let track = &search.source.tracks[clip];
+        if !track.is_standing(start) {
             return;
         }
-        if end - start >= search.min_frames && groups.contains(&track.groups[end]) && track.is_standing(end) {
-            let travelled = track.travelled[end] - track.travelled[start];
-            let reach_m = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
-            let turn_rad = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
-            offer_run(search, clip, &(start..end), RestTolerance { reach_m, turn_rad }, found);
+        for end in start + 1..search.source.run_end(clip, start).min(start + MAX_FRAMES + 1) {
+            let moved = track.places[start].to_local(track.places[end]);
+            if moved.x.hypot(moved.z) > SWAY_M {
+                return;
+            }
+            if end - start >= search.min_frames && self.groups.contains(&track.groups[end]) && track.is_standing(end) {
+                let travelled = track.travelled[end] - track.travelled[start];
+                let reach_m = REACH_M.max(search.config.edit_m_per_m as f32 * travelled);
+                let turn_rad = TURN_RAD.max((search.config.edit_deg_per_m as f32).to_radians() * travelled);
+                self.offer_run(clip, &(start..end), RestTolerance { reach_m, turn_rad });
+            }
         }
     }
-}
 
-/// Offers the clip's tagged ranges that begin and end at rest in one place.
-fn behaviours(search: &TileSearch, groups: &[u32], clip: usize, found: &mut BTreeMap<RestChange, BestCandidates>) {
-    let track = &search.source.tracks[clip];
-    for range in search.source.tag_ranges(clip) {
-        let rests = |f: &usize| groups.contains(&track.groups[*f]) && track.is_standing(*f);
-        let Some(first) = range.clone().find(rests) else { continue };
-        let near = |f: &usize| {
-            let moved = track.places[first].to_local(track.places[*f]);
-            moved.x.hypot(moved.z) <= RETURN.reach_m && wrap_angle(moved.heading).abs() <= RETURN.turn_rad
-        };
-        let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < search.source.run_end(clip, first));
-        let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
-        if last - first <= usize::from(u16::MAX) {
-            offer_run(search, clip, &(first..last), RETURN, found);
+    /// Offers the clip's tagged ranges that begin and end at rest in one place.
+    fn offer_behaviours(&mut self, clip: usize) {
+        let (search, groups) = (self.search, self.groups);
+        let track = &search.source.tracks[clip];
+        for range in search.source.tag_ranges(clip) {
+            let rests = |f: &usize| groups.contains(&track.groups[*f]) && track.is_standing(*f);
+            let Some(first) = range.clone().find(rests) else { continue };
+            let near = |f: &usize| {
+                let moved = track.places[first].to_local(track.places[*f]);
+                moved.x.hypot(moved.z) <= RETURN.reach_m && wrap_angle(moved.heading).abs() <= RETURN.turn_rad
+            };
+            let last = range.clone().rev().find(|f| rests(f) && near(f) && *f < search.source.run_end(clip, first));
+            let Some(last) = last.filter(|&l| l >= first + search.min_frames.max(range.len() / 2)) else { continue };
+            if last - first <= usize::from(u16::MAX) {
+                self.offer_run(clip, &(first..last), RETURN);
+            }
         }
     }
-}
 
-/// Offers one run of frames as a change of pose and heading, if near enough to one.
-fn offer_run(
-    search: &TileSearch,
-    clip: usize,
-    range: &FrameRange,
-    tolerance: RestTolerance,
-    found: &mut BTreeMap<RestChange, BestCandidates>,
-) {
-    let track = &search.source.tracks[clip];
-    let moved = track.places[range.start].to_local(track.places[range.end]);
-    let RestTolerance { reach_m: reach, turn_rad: turn } = tolerance;
-    let num = search.config.rest_headings;
-    let steps = (moved.heading / TAU * num as f32).round();
-    let missing = Planar::new(-moved.x, -moved.z, steps * TAU / num as f32 - moved.heading);
-    let moved_by = missing.x.hypot(missing.z);
-    if moved_by > reach || missing.heading.abs() > turn {
-        return;
+    /// Offers one run of frames as a change of pose and heading, if near enough to one.
+    fn offer_run(&mut self, clip: usize, range: &FrameRange, tolerance: RestTolerance) {
+        let search = self.search;
+        let track = &search.source.tracks[clip];
+        let moved = track.places[range.start].to_local(track.places[range.end]);
+        let RestTolerance { reach_m: reach, turn_rad: turn } = tolerance;
+        let num = search.config.rest_headings;
+        let steps = (moved.heading / TAU * num as f32).round();
+        let missing = Planar::new(-moved.x, -moved.z, steps * TAU / num as f32 - moved.heading);
+        let moved_by = missing.x.hypot(missing.z);
+        if moved_by > reach || missing.heading.abs() > turn {
+            return;
+        }
+        let cost = (moved_by / reach).hypot(missing.heading / turn);
+        let candidate = LinkCandidate { clip, start: range.start, end: range.end, missing, cost };
+        let change = (track.groups[range.start], track.groups[range.end], steps.rem_euclid(num as f32) as usize);
+        let best =
+            self.found.entry(change).or_insert_with(|| BestCandidates::new(search.config.variety, search.min_frames));
+        best.offer(0, track.tag_of(range), candidate, || true);
     }
-    let cost = (moved_by / reach).hypot(missing.heading / turn);
-    let candidate = LinkCandidate { clip, start: range.start, end: range.end, missing, cost };
-    let change = (track.groups[range.start], track.groups[range.end], steps.rem_euclid(num as f32) as usize);
-    let best = found.entry(change).or_insert_with(|| BestCandidates::new(search.config.variety, search.min_frames));
-    best.offer(0, track.tag_of(range), candidate, || true);
 }
 
 /// One link for every place and heading of rest.
 fn links_at_all_spots<'a>(
     search: &'a TileSearch,
-    (from, to, _): RestChange,
+    [from, to]: [u32; 2],
     tag: u16,
     c: &'a LinkCandidate,
 ) -> impl Iterator<Item = LinkRecord> + 'a {
@@ -142,16 +140,8 @@ fn links_at_all_spots<'a>(
     let spots = spots.filter(move |(i, _)| tag == 0 || *i < search.layout.first_of_pairs);
     spots.filter_map(move |(i, spot)| {
         let end = Planar { heading: spot.place.heading + turned, ..spot.place };
-        let to = search.layout.rest_spot_at(end, to)?;
-        Some(LinkRecord {
-            from: i as u32,
-            to,
-            frame: track.first_row + c.start as u32,
-            num_frames: (c.end - c.start) as u16,
-            tag,
-            start: Placement::from_planar(spot.place, spot.support - track.support[c.start]),
-            end: Placement::from_planar(end, spot.support - track.support[c.end]),
-        })
+        let link = search.link_record(i as u32, search.layout.rest_spot_at(end, to)?, tag, c);
+        Some(LinkRecord { end: Placement::from_planar(end, spot.support - track.support[c.end]), ..link })
     })
 }
 

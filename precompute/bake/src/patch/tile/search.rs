@@ -30,7 +30,7 @@ pub(super) struct TileSearch<'a> {
     /// Spots of the tile.
     pub layout: &'a TileLayout,
     /// Outline that roots must stay in.
-    pub region: &'a TileOutline,
+    pub region: &'a TileOutline<'a>,
     /// Limits of editing, and number of kept motions.
     pub config: &'a TileConfig,
     /// Shortest link (frames).
@@ -46,22 +46,7 @@ struct LinkStart {
     base: Planar,
 }
 
-impl<'a> TileSearch<'a> {
-    /// Prepares the search.
-    pub fn new(
-        source: &'a TileSource,
-        layout: &'a TileLayout,
-        region: &'a TileOutline,
-        config: &'a TileConfig,
-        min_frames: usize,
-    ) -> Self {
-        let mut targets = BTreeMap::<u32, Vec<u32>>::new();
-        for (i, spot) in layout.spots.iter().enumerate().filter(|(_, s)| s.kind != SpotKind::Entry) {
-            targets.entry(spot.group).or_default().push(i as u32);
-        }
-        Self { source, layout, region, config, min_frames, targets }
-    }
-
+impl TileSearch<'_> {
     /// Links from an entry to exits and rest, or from rest to exits.
     pub fn links_from(&self, from: u32) -> Vec<LinkRecord> {
         let mut best = BestCandidates::new(self.config.variety, self.min_frames);
@@ -78,14 +63,11 @@ impl<'a> TileSearch<'a> {
             let base = spot.place.compose(self.source.tracks[clip].places[frame].inverse());
             LinkStart { clip, frame, base }
         };
-        let frames = self.source.frames_in(spot.group);
-        match spot.kind {
-            SpotKind::Rest => {
-                frames.filter(|&(c, f)| self.source.tracks[c].leaves_rest(f)).map(|(c, f)| placed(c, f)).collect()
-            }
-            _ if self.source.copies.is_empty() => frames.map(|(c, f)| placed(c, f)).collect(),
-            _ => frames.filter(|&(c, f)| self.is_captured_at(from, c, f)).map(|(c, f)| placed(c, f)).collect(),
-        }
+        let begins = |&(c, f): &(usize, usize)| match spot.kind {
+            SpotKind::Rest => self.source.tracks[c].leaves_rest(f),
+            _ => self.source.copies.is_empty() || self.is_captured_at(from, c, f),
+        };
+        self.source.frames_in(spot.group).filter(begins).map(|(c, f)| placed(c, f)).collect()
     }
 
     /// True if a frame was captured at the spot of some copy of the tile, within reach of editing.
@@ -148,14 +130,12 @@ impl<'a> TileSearch<'a> {
             (SpotKind::Rest, SpotKind::Rest) => false,
             (_, SpotKind::Rest) => track.has_settled(end) && within <= SETTLING_FRAMES,
             (SpotKind::Rest, _) => within <= SETTLING_FRAMES,
-            _ => within == 0 && self.reaches(from.support, to.support, track, start, end),
+            // The support rises from spot to spot as in the clip.
+            _ => {
+                let missing = (to.support - from.support) - (track.support[end] - track.support[start]);
+                within == 0 && missing.abs() <= super::vocabulary::LEVEL_M
+            }
         }
-    }
-
-    /// True if the support rises from spot to spot as in the clip.
-    fn reaches(&self, from: f32, to: f32, track: &PatchTrack, start: usize, end: usize) -> bool {
-        let missing = (to - from) - (track.support[end] - track.support[start]);
-        missing.abs() <= super::vocabulary::LEVEL_M
     }
 
     /// True if the edited path stays within the tile, does not cross itself and makes no great detour.
@@ -176,10 +156,12 @@ impl<'a> TileSearch<'a> {
             && (turned.abs() < LOOP_RAD || !crosses_itself(&path))
     }
 
-    fn link_record(&self, from: u32, to: u32, tag: u16, c: &LinkCandidate) -> LinkRecord {
+    /// A link from one spot to another.
+    pub fn link_record(&self, from: u32, to: u32, tag: u16, c: &LinkCandidate) -> LinkRecord {
         let track = &self.source.tracks[c.clip];
         let [a, b] = [from, to].map(|s| &self.layout.spots[s as usize]);
         let turned = track.places[c.end].heading - track.places[c.start].heading + c.missing.heading;
+        let end = Planar { heading: a.place.heading + turned, ..b.place };
         LinkRecord {
             from,
             to,
@@ -187,10 +169,7 @@ impl<'a> TileSearch<'a> {
             num_frames: (c.end - c.start) as u16,
             tag,
             start: Placement::from_planar(a.place, a.support - track.support[c.start]),
-            end: Placement::from_planar(
-                Planar { heading: a.place.heading + turned, ..b.place },
-                b.support - track.support[c.end],
-            ),
+            end: Placement::from_planar(end, b.support - track.support[c.end]),
         }
     }
 }

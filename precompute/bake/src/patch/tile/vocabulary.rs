@@ -4,7 +4,6 @@ use super::TileSource;
 use super::layout::edge_height;
 use super::region::TileOutline;
 use crate::cluster::PoseGroups;
-use crate::environment::TileEdges;
 use crate::patch::TileConfig;
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,24 +51,19 @@ impl TileVocabulary {
             for stop in &track.standing {
                 let usable = stop.clone().filter(|&f| source.run_end(c, f) > 0);
                 let passed: BTreeSet<u32> = usable.map(|f| track.groups[f]).collect();
-                for group in passed {
-                    *standing.entry(group).or_default() += 1;
-                }
+                passed.into_iter().for_each(|group| *standing.entry(group).or_default() += 1);
             }
         }
-        let words: Vec<EdgePose> = most_common_poses(walking, times * config.edge_groups)
-            .into_iter()
-            .map(|group| EdgePose { group, level: 0.0 })
-            .collect();
+        let words = most_common_poses(walking, times * config.edge_groups);
+        let words: Vec<EdgePose> = words.into_iter().map(|group| EdgePose { group, level: 0.0 }).collect();
         Self { edge: vec![words; num_edges], rest: most_common_poses(standing, times * config.rest_groups) }
     }
 
     /// Poses in which captured copies of a rising tile were crossed: for each edge the most frequent ones of entering
     /// it that also occur in leaving the opposite one.
-    pub fn from_rising(source: &TileSource, region: &TileOutline, edges: &TileEdges, config: &TileConfig) -> Self {
+    pub fn from_rising(source: &TileSource, region: &TileOutline, config: &TileConfig) -> Self {
         let edges = (0..2).map(|edge| {
-            let [entered, left] =
-                [edge, edge ^ 1].map(|e| crossings(source, region, e, edge_height(edges, e), e == edge));
+            let [entered, left] = [edge, edge ^ 1].map(|e| crossings(source, region, e, e == edge));
             let both = entered.into_iter().filter_map(|(word, n)| Some((word, n.min(*left.get(&word)?))));
             let found = most_common_poses(both.collect(), config.edge_groups);
             let word = |(group, level)| EdgePose { group, level: level as f32 * LEVEL_M };
@@ -81,16 +75,9 @@ impl TileVocabulary {
 
 /// Number of crossings of an edge of the captured copies, by pose group and level.
 ///
-/// - `height`: of the edge, from which levels are measured (m).
 /// - `inward`: true to count entries, false for exits.
-fn crossings(
-    source: &TileSource,
-    region: &TileOutline,
-    edge: usize,
-    height: f32,
-    inward: bool,
-) -> BTreeMap<(u32, i32), usize> {
-    let mut counts = BTreeMap::new();
+fn crossings(source: &TileSource, region: &TileOutline, edge: usize, inward: bool) -> BTreeMap<(u32, i32), usize> {
+    let (mut counts, height) = (BTreeMap::new(), edge_height(region.edges, edge));
     for (c, copy) in &source.copies {
         let track = &source.tracks[*c];
         let inset = |f: usize| {
@@ -105,10 +92,8 @@ fn crossings(
             if near && track.groups[f] != PoseGroups::NO_GROUP {
                 let level = ((track.support[f] - copy.y - height) / LEVEL_M).round() as i32;
                 passed.insert((track.groups[f], level));
-            } else if !passed.is_empty() {
-                for word in std::mem::take(&mut passed) {
-                    *counts.entry(word).or_default() += 1;
-                }
+            } else {
+                std::mem::take(&mut passed).into_iter().for_each(|word| *counts.entry(word).or_default() += 1);
             }
         }
     }

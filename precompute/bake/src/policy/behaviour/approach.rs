@@ -50,12 +50,11 @@ impl Approach {
             CentreConfig::Root => Vec2::ZERO,
             CentreConfig::Place([x, z]) if x.abs() < 100.0 && z.abs() < 100.0 => Vec2::new(x as f32, z as f32),
             CentreConfig::Place(_) => return Err(BuildError::key("centre", "expected two lengths below 100 m")),
-            CentreConfig::Hits => hit_centre.ok_or_else(|| {
-                BuildError::key(
-                    "centre",
-                    "the database has no effective hits. Add clips with blows, lower `annotate.hits`, or choose `root`",
-                )
-            })?,
+            CentreConfig::Hits => {
+                let why =
+                    "the database has no effective hits. Add clips with blows, lower `annotate.hits`, or choose `root`";
+                hit_centre.ok_or_else(|| BuildError::key("centre", why))?
+            }
         };
         Ok(Self {
             grid: c.grid.make_polar()?,

@@ -7,7 +7,7 @@
 use super::super::config::{KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{BehaviourSpec, PolicyBehaviour};
+use super::{BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
 use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
@@ -47,12 +47,7 @@ impl Evade {
         if c.reward.is_some_and(|r| r != RewardForm::Max) {
             return Err(BuildError::key("reward", "the kind `evade` has `max` alone: one blow lands at one moment"));
         }
-        let joint = Joint::from_name(&c.point).ok_or_else(|| {
-            BuildError::key(
-                "point",
-                format!("there is no joint `{}`; expected names such as `head`, `upper_chest`", c.point),
-            )
-        })?;
+        let joint = joint_named("point", &c.point, "`head`, `upper_chest`")?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let paths = joint_paths(clips, graph, joint, comm)?;
         let height = c.height.unwrap_or_else(|| median_height(&paths));

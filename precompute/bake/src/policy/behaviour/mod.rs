@@ -9,9 +9,9 @@ use super::model::SegmentMotion;
 pub use approach::Approach;
 pub use evade::Evade;
 use glam::Vec2;
-use throng_core::Planar;
 use throng_core::policy::{PathRecord, RegionRecord, Reward, SegmentRecord, TargetGrid};
-use throng_motion::error::Result;
+use throng_core::{Joint, Planar};
+use throng_motion::error::{BuildError, Result};
 pub use throw_punches::{SegmentHit, ThrowPunches, segment_hits};
 
 /// Specification of a behaviour, independent of motion.
@@ -67,6 +67,14 @@ pub trait PolicyBehaviour: Sync {
     fn check_values(&self, _values: &[f32]) -> Result<()> {
         Ok(())
     }
+}
+
+/// The joint of a name.
+///
+/// - `such`: names, for the message.
+fn joint_named(key: &str, name: &str, such: &str) -> Result<Joint> {
+    let why = || format!("there is no joint `{name}`; expected names such as {such}");
+    Joint::from_name(name).ok_or_else(|| BuildError::key(key, why()))
 }
 
 /// Geometry and discount of every segment, with the samples of a behaviour.

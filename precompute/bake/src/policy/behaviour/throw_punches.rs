@@ -3,12 +3,12 @@
 use super::super::config::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{BehaviourSpec, PolicyBehaviour};
+use super::{BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
 use glam::Vec3;
+use throng_core::Joint;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
-use throng_core::{Joint, Planar};
-use throng_motion::clip::ClipSet;
+use throng_motion::clip::{ClipHit, ClipSet};
 use throng_motion::error::{BuildError, Result};
 
 /// An effective hit within a segment.
@@ -37,26 +37,20 @@ pub fn segment_hits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Vec<SegmentH
         let clip = &clips.clips[clip];
         let root = clip.planar(first);
         let within = clip.hits.iter().filter(|h| h.frame > first && h.frame <= first + s.num_frames as usize);
-        within
-            .map(|h| {
-                let at = root.to_local(clip.planar(h.frame));
-                SegmentHit {
-                    frame: (h.frame - first) as u32,
-                    kind: h.kind.name().to_owned(),
-                    joint: h.joint,
-                    place: relative_to_frame(at, h.position),
-                    own_place: h.position,
-                    force: h.force,
-                }
-            })
-            .collect()
+        let hit = |h: &ClipHit| {
+            let at = root.to_local(clip.planar(h.frame));
+            SegmentHit {
+                frame: (h.frame - first) as u32,
+                kind: h.kind.name().to_owned(),
+                joint: h.joint,
+                place: at.translation() + at.rotation() * h.position,
+                own_place: h.position,
+                force: h.force,
+            }
+        };
+        within.map(hit).collect()
     };
     graph.segments.iter().map(of_segment).collect()
-}
-
-/// A point in the frame of a planar transform.
-fn relative_to_frame(frame: Planar, p: Vec3) -> Vec3 {
-    frame.translation() + frame.rotation() * p
 }
 
 /// Behaviour of throwing blows that land on the target.
@@ -95,7 +89,8 @@ impl ThrowPunches {
         if form == RewardForm::Integral {
             return Err(BuildError::key("reward", "the kind `throw_punches` has `max` and `sum`"));
         }
-        let joints = joints(c)?;
+        let named = |name: &String| joint_named("joints", name, "`left_hand`, `right_foot`");
+        let joints: Vec<Joint> = c.joints.iter().map(named).collect::<Result<_>>()?;
         let counts = |h: &&SegmentHit| {
             (c.hits.is_empty() || c.hits.contains(&h.kind)) && (joints.is_empty() || joints.contains(&h.joint))
         };
@@ -128,19 +123,6 @@ pub(super) const SCALE: f64 = 0.3;
 /// Extent of the active region beyond the grid (m).
 const REACH_OUT: f32 = 1.0;
 
-/// Joints whose hits count, by name.
-fn joints(c: &PolicyBehaviourConfig) -> Result<Vec<Joint>> {
-    let of_name = |name: &String| {
-        Joint::from_name(name).ok_or_else(|| {
-            BuildError::key(
-                "joints",
-                format!("there is no joint `{name}`; expected names such as `left_hand`, `right_foot`"),
-            )
-        })
-    };
-    c.joints.iter().map(of_name).collect()
-}
-
 /// Bounding volume of hits, each in the character's frame at that moment: (angle, distance, height).
 fn bounds_of_hits<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec3; 2]> {
     let coordinates = |h: &SegmentHit| {
@@ -154,20 +136,16 @@ fn bounds_of_hits<'a>(hits: impl Iterator<Item = &'a SegmentHit>) -> Option<[Vec
 fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     let total = hits.iter().flatten().count();
     if total == 0 {
-        return BuildError::key(
-            "kind",
-            "the motion graph plays no effective hit. Add clips with punches or kicks, lower the thresholds in \
-             `annotate.hits`, mark hits in sidecar files, or leave this behaviour out",
-        );
+        let why = "the motion graph plays no effective hit. Add clips with punches or kicks, lower the thresholds in \
+                   `annotate.hits`, mark hits in sidecar files, or leave this behaviour out";
+        return BuildError::key("kind", why);
     }
     let mut kinds: Vec<&str> = hits.iter().flatten().map(|h| h.kind.as_str()).collect();
     kinds.sort_unstable();
     kinds.dedup();
     let found = kinds.join(", ");
-    BuildError::key(
-        "hits",
-        format!("none of the {total} effective hits is of these kinds and joints; there are {found}"),
-    )
+    let why = format!("none of the {total} effective hits is of these kinds and joints; there are {found}");
+    BuildError::key("hits", why)
 }
 
 /// Volume widened in every direction, so that its cells include hits slightly outside.
@@ -223,6 +201,7 @@ impl PolicyBehaviour for ThrowPunches {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use throng_core::Planar;
 
     fn hit(frame: u32, place: Vec3, force: f32) -> SegmentHit {
         SegmentHit { frame, kind: "punch".into(), joint: Joint::LeftHand, place, own_place: place, force }

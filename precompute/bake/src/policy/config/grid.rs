@@ -14,8 +14,8 @@ use throng_motion::error::{BuildError, Result};
 /// Cells of the target. Absent settings depend on the behaviour's kind:
 ///
 /// - `approach`: polar, 16 rings x 32 angles over 8 m;
-/// - `throw_punches`: 10 rings x 10 angles over the bounding volume of the hits, `scale` wider, and 4 to 16 heights that
-///   are `scale` apart or less;
+/// - `throw_punches`: 10 rings x 10 angles over the bounding volume of the hits, `scale` wider, and 4 to 16 heights
+///   that are `scale` apart or less;
 /// - `evade`: polar, 8 rings x 16 angles over 1.2 m, at 9 times over 0.8 s.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -109,18 +109,12 @@ impl GridConfig {
 
     /// Checks every given number, by key.
     pub(super) fn check(&self) -> Result<()> {
-        let most = MAX_AXIS;
-        for (key, given, least) in [
-            ("rings", self.rings, 2),
-            ("angles", self.angles, 2),
-            ("heights", self.heights, 1),
-            ("times", self.times, 2),
-        ] {
-            if let Some(n) = given.filter(|n| !(least..=most).contains(n)) {
-                return Err(grid_error(key, format!("expected {least} to {most}, found {n}")));
-            }
-        }
+        let most = f64::from(MAX_AXIS);
         for (key, given, least, most) in [
+            ("rings", self.rings.map(f64::from), 2.0, most),
+            ("angles", self.angles.map(f64::from), 2.0, most),
+            ("heights", self.heights.map(f64::from), 1.0, most),
+            ("times", self.times.map(f64::from), 2.0, most),
             ("radius", self.radius, 0.01, 1e4),
             ("horizon_s", self.horizon_s, 0.01, 1e3),
             ("falloff", self.falloff, 1e-3, 1e4),

@@ -34,12 +34,12 @@ impl RegionConfig {
     /// [`BuildError::Key`].
     pub fn make_region(&self, space_time: bool, default: RegionRecord) -> Result<RegionRecord> {
         let fail = |key: &str, why: String| Err(BuildError::key(format!("region.{key}"), why));
-        let (unread, third) = if space_time { ("height_m", self.time_s) } else { ("time_s", self.height_m) };
-        if (if space_time { self.height_m } else { self.time_s }).is_some() {
-            return fail(unread, "this kind of behaviour has no such key; leave it out".into());
+        let (height, time) = (("height_m", self.height_m), ("time_s", self.time_s));
+        let (unread, (third_key, third)) = if space_time { (height, time) } else { (time, height) };
+        if unread.1.is_some() {
+            return fail(unread.0, "this kind of behaviour has no such key; leave it out".into());
         }
         let mut out = default;
-        let third_key = if space_time { "time_s" } else { "height_m" };
         for (key, given, to) in [
             ("distance_m", self.distance_m, &mut out.distance),
             ("angle_rad", self.angle_rad, &mut out.angle),

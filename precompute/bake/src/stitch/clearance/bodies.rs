@@ -2,12 +2,13 @@
 
 use super::field::{DistanceField, FieldAnswer};
 use crate::environment::{BodySpheres, NUM_SPHERES, Sphere};
+use crate::stitch::library::Library;
 use crate::stitch::sets::rows::set_bits;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
-use throng_core::format::{FrameRow, RotationCode};
+use throng_core::format::FrameRow;
 use throng_core::patch::Placement;
-use throng_core::{Contacts, Joint, Skeleton};
+use throng_core::{Contacts, Joint};
 use throng_geometry::BoundingBox;
 use throng_motion::clip::joint_transforms;
 
@@ -47,7 +48,7 @@ pub(in crate::stitch) struct FrameBodies {
     /// Spheres of every frame, relative to its root on the ground.
     frames: Vec<FrameSpheres>,
     /// Extents of every frame (frames.len()).
-    reaches: Vec<FrameReach>,
+    pub reaches: Vec<FrameReach>,
     /// Spheres at rest, for frame-independent data.
     spheres: [Sphere; NUM_SPHERES],
     /// Least distance of a unit from the centre of each sphere, by planted parts; first for other units, then for
@@ -55,8 +56,8 @@ pub(in crate::stitch) struct FrameBodies {
     limits: Vec<SphereLanes>,
     /// Clearance beyond which spheres are not distinguished, as grids end there (m).
     farthest: f32,
-    /// Largest radius of all frames (m).
-    radius: f32,
+    /// Largest distance of any body from the vertical through its root (m).
+    pub radius: f32,
     /// Lowest and highest point of all frames (m).
     heights: [f32; 2],
 }
@@ -71,9 +72,9 @@ struct FrameSpheres {
 
 /// Extent of the body of one frame, which is compact and separates most bodies from a unit by itself.
 #[derive(Clone, Copy, Debug)]
-struct FrameReach {
+pub(in crate::stitch) struct FrameReach {
     /// Largest distance of a sphere from the vertical through the root (m).
-    radius: f32,
+    pub radius: f32,
     /// Lowest and highest point (m).
     heights: [f32; 2],
 }
@@ -89,8 +90,10 @@ impl FrameReach {
     }
 
     /// Lower bound of the distance of any sphere from a unit, from the root's place only (m).
-    fn least_distance(&self, root: Placement, unit: &DistanceField) -> f32 {
-        let (shapes, beside) = (&unit.geometry.bounds, unit.plan().least_distance(root.x, root.z));
+    ///
+    /// - `root`: in the unit's frame.
+    pub fn least_distance(&self, root: Placement, unit: &DistanceField) -> f32 {
+        let (shapes, beside) = (&unit.geometry.bounds, unit.plan.least_distance(root.x, root.z));
         let above = root.y + self.heights[0] - shapes.max.y;
         let below = shapes.min.y - root.y - self.heights[1];
         (beside - self.radius).max(above).max(below)
@@ -138,16 +141,11 @@ impl FrameBodies {
     /// Places the spheres of every frame.
     ///
     /// - `depth_m`: allowed depth of bodies in units (m).
-    pub fn new(
-        frames: &[FrameRow],
-        code: &RotationCode,
-        contacts: &[Contacts],
-        skeleton: &Skeleton,
-        depth_m: f32,
-    ) -> Self {
+    pub fn new(library: &Library<'_>, depth_m: f32) -> Self {
+        let Library { frames, contacts, skeleton, rotation_code, .. } = *library;
         let body = BodySpheres::new(skeleton);
         let pose = |(row, &contacts): (&FrameRow, &Contacts)| {
-            let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j));
+            let joints = joint_transforms(skeleton, Vec3::Y * row.height, |j| rotation_code.rotation(row, j));
             let spheres = body.spheres(&joints);
             (FrameSpheres::new(&spheres, contacts), FrameReach::new(&spheres))
         };
@@ -160,16 +158,6 @@ impl FrameBodies {
         let lowest = reaches.iter().map(|r| r.heights[0]).fold(f32::INFINITY, f32::min);
         let highest = reaches.iter().map(|r| r.heights[1]).fold(f32::NEG_INFINITY, f32::max);
         Self { frames, reaches, spheres, limits, farthest, radius, heights: [lowest, highest] }
-    }
-
-    /// Largest distance of any body from the vertical through its root (m).
-    pub fn radius(&self) -> f32 {
-        self.radius
-    }
-
-    /// Largest distance of the body of a frame from the vertical through its root (m).
-    pub fn radius_of(&self, frame: usize) -> f32 {
-        self.reaches[frame].radius
     }
 
     /// Box of the root positions for which a body may touch something in a box.
@@ -191,21 +179,14 @@ impl FrameBodies {
         matches!(self.room(frame, root, unit, 0.0), UnitRoom::Taken(_))
     }
 
-    /// Lower bound of the distance of a frame's body from a unit, from its root's place only (m).
-    ///
-    /// - `root`: in the unit's frame.
-    pub fn least_distance(&self, frame: usize, root: Placement, unit: &DistanceField) -> f32 {
-        self.reaches[frame].least_distance(root, unit)
-    }
-
     /// Distance by which a unit may be moved without touching the body of a frame, or the sphere that collides.
     ///
     /// A reported sphere is about the deepest of those clearly in the unit, as it stays there longest when the unit is
     /// moved on. The exact geometry is used if none is clearly inside.
     ///
     /// - `root`: in the unit's frame.
-    /// - `most`: larger clearances are not distinguished, nor those above [`DistanceField::MARGIN_M`] less the thickest sphere
-    ///   (m).
+    /// - `most`: larger clearances are not distinguished, nor those above [`DistanceField::MARGIN_M`] less the thickest
+    ///   sphere (m).
     pub fn room(&self, frame: usize, root: Placement, unit: &DistanceField, most: f32) -> UnitRoom {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
@@ -244,10 +225,8 @@ impl FrameBodies {
         let pose = &self.frames[frame];
         let (centres, limits) = (pose.placed(root), self.limits(pose, unit));
         let depth = |s: usize| {
-            let sphere = &self.spheres[s];
-            unit.geometry
-                .nearest(sphere_position(&centres, s), limits[s])
-                .map(|n| (sphere.joint, sphere.radius - n.distance))
+            let (sphere, found) = (&self.spheres[s], unit.geometry.nearest(sphere_position(&centres, s), limits[s]));
+            found.map(|n| (sphere.joint, sphere.radius - n.distance))
         };
         (0..NUM_SPHERES).filter_map(depth).max_by(|a, b| a.1.total_cmp(&b.1))
     }

@@ -29,7 +29,8 @@ pub(in crate::stitch) struct DistanceField {
     distances: Vec<u8>,
     /// The least distance of each column of grid cells (size[0] * size[2]).
     columns: Vec<f32>,
-    plan: GroundDistances,
+    /// The unit seen from above.
+    pub plan: GroundDistances,
 }
 
 impl DistanceField {
@@ -86,11 +87,6 @@ impl DistanceField {
         let is_touched = |c: usize| columns[c] <= Self::ERROR_M;
         let plan = GroundDistances::new([bounds.min.x, bounds.min.z], Self::STEP_M, [size[0], size[2]], is_touched);
         Self { geometry: Arc::clone(geometry), min: bounds.min, size, distances, columns, plan }
-    }
-
-    /// The unit seen from above.
-    pub fn plan(&self) -> &GroundDistances {
-        &self.plan
     }
 
     /// Lower bound of the distance from the unit to the vertical line through a place, at most [`Self::MARGIN_M`] (m).

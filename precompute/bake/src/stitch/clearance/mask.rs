@@ -1,7 +1,7 @@
 //! Parts of a patch's motion that a unit obstructs, for every relative placement of the unit.
 
 use super::bodies::FrameBodies;
-use super::collision_span::{CollisionSpan, CollisionSpans, STRIDE, find_span};
+use super::collision_span::{CollisionSpan, STRIDE, find_span};
 use super::field::DistanceField;
 use super::link_clearance::{EarlierMask, LinkClearance, ObstacleMask};
 use super::sampler::{CollisionSampler, LinkSamples};
@@ -56,28 +56,23 @@ impl<'a> MotionObstacle<'a> {
         let num_links = self.paths.num_links();
         let Some(swept) = swept else {
             // Each root is sampled once, as a link of one frame.
-            let is_near = |at: &u32| near.contains(self.paths.roots()[*at as usize].translation());
-            let roots: Vec<u32> = (0..self.paths.roots().len() as u32).filter(is_near).collect();
-            let radius = |at: usize| self.bodies.radius_of(self.paths.rows()[at] as usize);
-            let samples = self.sample_links(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots().len());
+            let is_near = |at: &u32| near.contains(self.paths.roots[*at as usize].translation());
+            let roots: Vec<u32> = (0..self.paths.roots.len() as u32).filter(is_near).collect();
+            let radius = |at: usize| self.bodies.reaches[self.paths.rows[at] as usize].radius;
+            let samples = self.sample_links(&roots, |at| (at..at + 1, radius(at)), earlier, self.paths.roots.len());
             let shared = SharedRoots::new(&samples.clearance_of);
             let hit = (0..num_links as u32).filter(|&l| shared.any_collides(self.paths.root_range(l as usize)));
-            return ObstacleMask {
-                words: link_bits(num_links, hit),
-                samples,
-                by_roots: true,
-                hits: CollisionSpans::default(),
-            };
+            return ObstacleMask { words: link_bits(num_links, hit), samples, by_roots: true, ..Default::default() };
         };
-        let order = self.paths.play_order();
+        let order = &self.paths.play_order;
         let meeting = swept.links_meeting(&swept.shadow(self.unit, self.at)).into_iter().map(|k| order[k as usize]);
-        let is_near = |l: &u32| near.overlaps(self.paths.bounds(*l as usize));
+        let is_near = |l: &u32| near.overlaps(&self.paths.bounds[*l as usize]);
         let links: Vec<u32> = meeting.filter(is_near).collect();
         let samples =
-            self.sample_links(&links, |link| (self.paths.root_range(link), swept.radius(link)), earlier, num_links);
-        let hit =
-            links.iter().copied().filter(|&l| matches!(samples.clearance_of[l as usize], LinkClearance::Collides(_)));
-        ObstacleMask { words: link_bits(num_links, hit), samples, by_roots: false, hits: CollisionSpans::default() }
+            self.sample_links(&links, |link| (self.paths.root_range(link), swept.radii[link]), earlier, num_links);
+        let collides = |l: &u32| matches!(samples.clearance_of[*l as usize], LinkClearance::Collides(_));
+        let words = link_bits(num_links, links.iter().copied().filter(collides));
+        ObstacleMask { words, samples, ..Default::default() }
     }
 
     /// Samples some links; consecutive ones play nearly equal motion.
@@ -103,10 +98,9 @@ impl<'a> MotionObstacle<'a> {
         let mut all = LinkSamples { clearance_of: vec![LinkClearance::Nothing; num_links], clear: Vec::new() };
         for (links, part) in links.chunks(256).zip(parts) {
             let first = all.clear.len() as u32;
-            links
-                .iter()
-                .zip(part.clearance_of)
-                .for_each(|(&l, seen)| all.clearance_of[l as usize] = seen.offset_by(first));
+            for (&l, seen) in links.iter().zip(part.clearance_of) {
+                all.clearance_of[l as usize] = seen.offset_by(first);
+            }
             all.clear.extend(part.clear);
         }
         all
@@ -124,16 +118,16 @@ impl<'a> MotionObstacle<'a> {
     /// Samples a root: `None` for a collision, else how many frames before and after it are free too.
     fn sample_root(&self, at: usize) -> Option<usize> {
         let (row, root) = self.pose(at);
-        let distance = self.unit.plan().least_distance(root.x, root.z) - self.bodies.radius();
-        let clear = if distance > 0.0 { (distance / self.paths.longest_step().max(1e-3)) as usize } else { 0 };
+        let distance = self.unit.plan.least_distance(root.x, root.z) - self.bodies.radius;
+        let clear = if distance > 0.0 { (distance / self.paths.longest_step.max(1e-3)) as usize } else { 0 };
         (clear > 0 || !self.bodies.collides(row, root, self.unit)).then_some(clear)
     }
 
     /// Frame row and root in the unit's frame.
     pub fn pose(&self, at: usize) -> (usize, Placement) {
-        let p = &self.paths.roots()[at];
+        let p = &self.paths.roots[at];
         let [x, z] = self.in_unit(p.translation());
-        (self.paths.rows()[at] as usize, Placement::new(x, p.y - self.at.y, z, p.heading - self.at.heading))
+        (self.paths.rows[at] as usize, Placement::new(x, p.y - self.at.y, z, p.heading - self.at.heading))
     }
 
     /// x and z of a point in the unit's frame.

@@ -110,12 +110,12 @@ impl<'l, 'a> CollisionSampler<'l, 'a> {
     /// Estimates the clearance of a link where it passes far from the unit, and collects the frames to sample.
     fn estimate_clearance(&mut self, roots: &Range<usize>, radius: f32) {
         let num_sampled = num_samples(roots.len());
-        let step = STRIDE as f32 * self.obstacle.paths.longest_step();
+        let step = STRIDE as f32 * self.obstacle.paths.longest_step;
         let mut sample = 0;
         while sample < num_sampled {
-            let root = &self.obstacle.paths.roots()[roots.start + frame_of(sample, roots.len())];
+            let root = &self.obstacle.paths.roots[roots.start + frame_of(sample, roots.len())];
             let [x, z] = self.obstacle.in_unit(root.translation());
-            let mut clear = self.obstacle.unit.plan().least_distance(x, z) - radius;
+            let mut clear = self.obstacle.unit.plan.least_distance(x, z) - radius;
             if clear <= ENOUGH_M {
                 self.likely.push((self.obstacle.unit.distance_to_line(x, z), sample));
             }
@@ -134,7 +134,7 @@ impl<'l, 'a> CollisionSampler<'l, 'a> {
     fn sample_frame(&self, roots: &Range<usize>, frame: usize) -> Result<Clearance, LinkClearance> {
         let (row, root) = self.obstacle.pose(roots.start + frame);
         let (bodies, unit) = (self.obstacle.bodies, self.obstacle.unit);
-        let apart = bodies.least_distance(row, root, unit);
+        let apart = bodies.reaches[row].least_distance(root, unit);
         if apart > ENOUGH_M {
             return Ok(Clearance::new(apart));
         }

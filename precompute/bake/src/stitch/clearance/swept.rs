@@ -26,7 +26,7 @@ pub(in crate::stitch) struct SweptSquares {
     /// ones. Squares along x are adjacent (words of links * SIDE * SIDE).
     squares: Vec<u64>,
     /// Largest distance of a body of each link from its root over the ground (m, links).
-    radii: Vec<f32>,
+    pub radii: Vec<f32>,
 }
 
 /// Rows of squares that a unit touches.
@@ -36,13 +36,14 @@ impl SweptSquares {
     /// Computes the swept squares of all links of a patch.
     pub fn new(paths: &LinkRoots, bodies: &FrameBodies) -> Self {
         let all =
-            (0..paths.num_links()).fold(BoundingBox::EMPTY, |b, l| b.union(*paths.bounds(l))).expanded(bodies.radius());
+            (0..paths.num_links()).fold(BoundingBox::EMPTY, |b, l| b.union(paths.bounds[l])).expanded(bodies.radius);
         let side = (all.max - all.min).max_element().max(1e-3);
-        let radius = |l: usize| paths.rows_of(l).iter().map(|&row| bodies.radius_of(row as usize)).fold(0.0, f32::max);
+        let radius =
+            |l: usize| paths.rows_of(l).iter().map(|&row| bodies.reaches[row as usize].radius).fold(0.0, f32::max);
         let radii = (0..paths.num_links()).into_par_iter().map(radius).collect();
         let mut out = Self { min: [all.min.x, all.min.z], step: side / SIDE as f32, squares: Vec::new(), radii };
         let mut squares = vec![0; paths.num_links().div_ceil(LINKS) * SIDE * SIDE];
-        let words = squares.par_chunks_mut(SIDE * SIDE).zip(paths.play_order().par_chunks(LINKS));
+        let words = squares.par_chunks_mut(SIDE * SIDE).zip(paths.play_order.par_chunks(LINKS));
         words.for_each(|(words, links)| {
             let rows: Vec<_> = links.iter().map(|&l| out.rows(paths, bodies, l as usize)).collect();
             turn(&rows, words);
@@ -56,7 +57,7 @@ impl SweptSquares {
         let mut rows = [0; SIDE];
         let range = paths.root_range(link);
         for at in nearest_sampled(range.len()).map(|k| range.start + k) {
-            let shadow = bodies.shadow(paths.rows()[at] as usize, paths.roots()[at]);
+            let shadow = bodies.shadow(paths.rows[at] as usize, paths.roots[at]);
             shadow.for_each(|disc| self.mark_disc(disc, &mut rows));
         }
         rows
@@ -70,11 +71,6 @@ impl SweptSquares {
         let bits = (u128::MAX << low) & (u128::MAX >> (SIDE - 1 - high));
         let (first, last) = (square(z - radius, self.min[1]), square(z + radius, self.min[1]));
         rows[first..=last].iter_mut().for_each(|r| *r |= bits);
-    }
-
-    /// Largest distance of a body of a link from its root over the ground (m).
-    pub fn radius(&self, link: usize) -> f32 {
-        self.radii[link]
     }
 
     /// Squares that a unit at `unit_at` in the patch's frame may touch.

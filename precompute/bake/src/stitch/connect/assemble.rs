@@ -2,9 +2,10 @@
 
 use super::crossing::CrossingJoints;
 use super::joined::JoinedGraph;
+use super::prepare::ChangedWorld;
 use super::remains::WorldRemains;
+use super::stitch_result::StitchResult;
 use crate::environment::Environment;
-use crate::stitch::place::place_patches::PlacedPatches;
 use crate::stitch::place::relation::RelativePlacement;
 use crate::stitch::sets::bits::WordPool;
 use std::collections::{BTreeMap, HashMap};
@@ -12,42 +13,29 @@ use std::sync::Arc;
 use throng_core::patch::NONE;
 use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData};
 
-/// The world written before a change, with the unchanged part of it.
-#[derive(Clone, Copy)]
-pub(in crate::stitch) struct WrittenWorld<'w> {
-    /// Remaining instances and pairs of the previous world.
-    pub remains: &'w WorldRemains,
-    /// Previous number of each instance, as in [`super::resettle::Before::same`].
-    pub previous_of: &'w [u32],
-}
-
-/// Writes the remaining world, except its metadata.
+/// Writes a stitched world, except its metadata.
 ///
-/// - `world`: the world before the change; ignored if everything is new.
+/// - `past`: the world before a change, and the previous number of each unchanged instance, as for
+///   [`super::remains::RemainsSearch`].
+/// - `world`: the written world before the change; ignored if everything is new.
 pub(in crate::stitch) fn write_world(
     environment: &Environment,
-    placed: &PlacedPatches,
-    joined: &JoinedGraph,
-    remains: &WorldRemains,
-    before: Option<WrittenWorld<'_>>,
+    made: &StitchResult,
+    past: Option<(ChangedWorld<'_>, &[u32])>,
     world: &mut WorldData,
 ) {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
     world.units.clear();
     world.units.extend(units);
-    world.neighbours.clone_from(&placed.neighbours);
-    write_instances(placed, remains, before, world);
-    write_joints(placed, joined, remains, world);
-    resources(placed, joined, world);
+    world.neighbours.clone_from(&made.patches.neighbours);
+    write_instances(made, past, world);
+    write_joints(made, world);
+    resources(made, world);
 }
 
 /// Writes instances and their bits. Unchanged ones, most of a world, are not touched.
-fn write_instances(
-    placed: &PlacedPatches,
-    remains: &WorldRemains,
-    before: Option<WrittenWorld<'_>>,
-    world: &mut WorldData,
-) {
+fn write_instances(made: &StitchResult, past: Option<(ChangedWorld<'_>, &[u32])>, world: &mut WorldData) {
+    let StitchResult { patches: placed, remains, .. } = made;
     let were = std::mem::take(&mut world.instances);
     let (mut first_cell_word, mut first_link_word) = (0, 0);
     for (i, f) in (0u32..).zip(&placed.fitted) {
@@ -70,12 +58,12 @@ fn write_instances(
     world.link_words.resize(first_link_word, 0);
     for (i, record) in (0u32..).zip(&world.instances) {
         let (outcome, at) = (remains.outcome(i), [record.first_cell_word, record.first_link_word]);
-        let is_there = |before: WrittenWorld<'_>| {
-            let was = before.previous_of[i as usize];
+        let is_there = |(past, previous_of): (ChangedWorld<'_>, &[u32])| {
+            let was = previous_of[i as usize];
             let stood = were.get(was as usize).is_some_and(|r| [r.first_cell_word, r.first_link_word] == at);
-            stood && Arc::ptr_eq(before.remains.outcome(was), outcome)
+            stood && Arc::ptr_eq(past.result.remains.outcome(was), outcome)
         };
-        if !before.is_some_and(is_there) {
+        if !past.is_some_and(is_there) {
             let [cells, links] = at.map(|first| first as usize);
             world.cell_words[cells..cells + outcome.cells.len()].copy_from_slice(&outcome.cells);
             world.link_words[links..links + outcome.links.len()].copy_from_slice(&outcome.links);
@@ -84,7 +72,8 @@ fn write_instances(
 }
 
 /// Writes the needed joint tables, bits of joints, adjacencies.
-fn write_joints(placed: &PlacedPatches, joined: &JoinedGraph, remains: &WorldRemains, world: &mut WorldData) {
+fn write_joints(made: &StitchResult, world: &mut WorldData) {
+    let StitchResult { patches: placed, joined, remains, .. } = made;
     let used: Vec<bool> = used_crossings(joined, remains);
     let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
     let numbers = tables(of_used, world);
@@ -150,7 +139,8 @@ fn tables<'j>(
 }
 
 /// Reserved resources of each instance: its own units, and for a block the panels of tiles that its motion uses.
-fn resources(placed: &PlacedPatches, joined: &JoinedGraph, world: &mut WorldData) {
+fn resources(made: &StitchResult, world: &mut WorldData) {
+    let StitchResult { patches: placed, joined, .. } = made;
     let on_floor =
         || placed.pairs.iter().zip(&joined.shares_floor).filter(|(_, shares)| **shares).map(|(pair, _)| pair);
     let mut ends: Vec<usize> = placed.fitted.iter().map(|f| f.units.len()).collect();

@@ -1,9 +1,9 @@
 //! Membership of every cell of a world in its largest strongly connected component.
 
-use super::component::largest;
 use super::joined::JoinedGraph;
-use super::reach::{ReachedNodes, SearchDirection, search_reachable};
+use super::reach::{ReachSearch, ReachedNodes, SearchDirection};
 use super::update_component::{PriorGraph, update_component};
+use crate::components::largest;
 use crate::stitch::sets::rows::set_bits;
 
 /// Membership of a cell in the component.
@@ -42,10 +42,12 @@ pub(in crate::stitch) fn find_component(
     graph: &JoinedGraph,
     before: Option<&PriorGraph<'_>>,
 ) -> Option<ComponentCells> {
+    let around = |seed: (u32, u32)| ComponentCells::membership_at(graph, seed);
     let changed = before.and_then(|before| update_component(before, graph));
     changed
-        .or_else(|| seed_cells(graph).find_map(|seed| component_around(graph, seed)))
-        .or_else(|| search_component(graph))
+        .or_else(|| seed_cells(graph).map(around).find(|component| component.is_largest(graph)))
+        // Every component has cells reached by motion, which have the first numbers.
+        .or_else(|| largest(graph).map(|node| around(graph.instance_of(node))))
 }
 
 /// Cells from which motion continues, of instances all over the world.
@@ -58,22 +60,14 @@ fn seed_cells<'s>(graph: &'s JoinedGraph) -> impl Iterator<Item = (u32, u32)> + 
     })
 }
 
-/// Component of a cell; `None` if it is not certainly the largest.
-fn component_around(graph: &JoinedGraph, seed: (u32, u32)) -> Option<ComponentCells> {
-    let component = ComponentCells::membership_at(graph, seed);
-    component.is_largest(graph).then_some(component)
-}
-
-/// Component found by a full search.
-fn search_component(graph: &JoinedGraph) -> Option<ComponentCells> {
-    // Every component has cells reached by motion, which have the first numbers.
-    largest(graph).map(|node| ComponentCells::membership_at(graph, graph.instance_of(node)))
-}
-
 impl ComponentCells {
     /// Membership relative to the component of a cell.
     fn membership_at(graph: &JoinedGraph, (part, cell): (u32, u32)) -> Self {
-        let search = |direction| search_reachable(graph, part, cell, direction);
+        let search = |direction| {
+            let mut search = ReachSearch::new(graph, direction);
+            search.start(part, cell);
+            search.run()
+        };
         let (from, to) = rayon::join(|| search(SearchDirection::Forth), || search(SearchDirection::Back));
         Self::new(from, to)
     }

@@ -6,7 +6,6 @@
 
 pub(in crate::stitch) mod allow;
 pub(in crate::stitch) mod assemble;
-pub(in crate::stitch) mod component;
 pub(in crate::stitch) mod component_cells;
 pub(in crate::stitch) mod crossing;
 pub(in crate::stitch) mod joined;

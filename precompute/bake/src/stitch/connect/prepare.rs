@@ -5,7 +5,7 @@ use super::crossing::{CrossingJoints, PairState, RemainingJoints};
 use super::outcome::{InstanceOutcome, InstanceState};
 use super::situation::{PatchSituation, PatchSurroundings};
 use super::stitch_result::StitchResult;
-use super::table::{JointRule, JointTable};
+use super::table::JointTable;
 use crate::stitch::clearance::bodies::FrameBodies;
 use crate::stitch::clearance::collision_span::CollisionSpan;
 use crate::stitch::clearance::field::DistanceField;
@@ -13,7 +13,7 @@ use crate::stitch::clearance::link_clearance::{EarlierMask, ObstacleMask};
 use crate::stitch::clearance::mask::MotionObstacle;
 use crate::stitch::clearance::swept::SweptSquares;
 use crate::stitch::place::fit::FittedPatch;
-use crate::stitch::place::paths::{JoinSpots, JoinTolerance, LinkRoots};
+use crate::stitch::place::paths::{JoinSpots, LinkRoots};
 use crate::stitch::place::place_patches::{PlacedPatches, Placer};
 use crate::stitch::place::relation::RelativePlacement;
 use crate::stitch::place::update_patches::KeptInstances;
@@ -36,6 +36,7 @@ pub(in crate::stitch) struct Stitcher<'a> {
 }
 
 /// Results that depend on patches only, and tables of the last world.
+#[derive(Default)]
 pub(in crate::stitch) struct StitchCache {
     paths: Vec<OnceLock<LinkRoots>>,
     spots: Vec<OnceLock<JoinSpots>>,
@@ -62,20 +63,8 @@ impl StitchCache {
         fn empty<T>(count: usize) -> Vec<OnceLock<T>> {
             (0..count).map(|_| OnceLock::new()).collect()
         }
-        Self {
-            paths: empty(num_patches),
-            spots: empty(num_patches),
-            swept: empty(num_patches),
-            bodies: OnceLock::new(),
-            fields: empty(num_units),
-            tables: HashMap::new(),
-            masks: HashMap::new(),
-            stale: [Vec::new(), Vec::new()],
-            situations: HashMap::new(),
-            outcomes: HashMap::new(),
-            crossings: HashMap::new(),
-            remaining: HashMap::new(),
-        }
+        let (paths, spots, swept) = (empty(num_patches), empty(num_patches), empty(num_patches));
+        Self { paths, spots, swept, fields: empty(num_units), ..Self::default() }
     }
 }
 
@@ -178,9 +167,7 @@ impl<'a> Stitcher<'a> {
     pub fn forget(&mut self, placed: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
         for (k, needed) in [&placed.pairs, &placed.obstacles].into_iter().enumerate() {
             let stale = &mut self.found.stale[k];
-            stale.extend(&gone[k]);
-            stale.sort_unstable();
-            stale.dedup();
+            *stale = distinct(stale.iter().chain(&gone[k]).copied());
             if stale.len() <= MAX_STALE {
                 continue;
             }
@@ -197,9 +184,8 @@ impl<'a> Stitcher<'a> {
 
     /// Drops all tables and masks except those of a world.
     pub fn forget_all_but(&mut self, placed: &PlacedPatches) {
-        let needed =
-            |of: &[(u32, u32, RelativePlacement)]| of.iter().map(|p| p.2).collect::<HashSet<RelativePlacement>>();
-        let (pairs, obstacles) = (needed(&placed.pairs), needed(&placed.obstacles));
+        let [pairs, obstacles] =
+            [&placed.pairs, &placed.obstacles].map(|needed| needed.iter().map(|p| p.2).collect::<HashSet<_>>());
         self.found.tables.retain(|r, _| pairs.contains(r));
         self.found.masks.retain(|r, _| obstacles.contains(r));
         self.found.stale = [Vec::new(), Vec::new()];
@@ -221,12 +207,8 @@ impl<'a> Stitcher<'a> {
         self.bodies();
         let mut patches: Vec<u32> = obstacles.iter().map(|r| r.a).collect();
         patches.dedup();
-        patches.par_iter().for_each(|&p| {
-            self.paths(p);
-        });
-        for p in patches {
-            self.swept(p);
-        }
+        patches.par_iter().for_each(|&p| _ = self.paths(p));
+        patches.iter().for_each(|&p| _ = self.swept(p));
     }
 
     /// Finds the situations of all instances.
@@ -255,7 +237,7 @@ impl<'a> Stitcher<'a> {
             (None, None) => NONE,
         };
         out.situation_of = keys.into_iter().enumerate().map(number).collect();
-        out.situations = numbers.into_all();
+        out.situations = numbers.all;
         self.found.situations = known;
     }
 
@@ -290,7 +272,7 @@ impl<'a> Stitcher<'a> {
             out.crossing_of.push(number);
             out.shares_floor.push(shares_floor);
         }
-        out.crossings = numbers.into_all();
+        out.crossings = numbers.all;
         self.found.crossings = known;
     }
 
@@ -311,37 +293,24 @@ impl<'a> Stitcher<'a> {
 
     /// Bodies of all frames.
     pub fn bodies(&self) -> &FrameBodies {
-        let l = &self.placer.library;
-        self.found.bodies.get_or_init(|| {
-            FrameBodies::new(l.frames, l.rotation_code, l.contacts, l.skeleton, self.placer.config.penetration_m)
-        })
+        let make = || FrameBodies::new(&self.placer.library, self.placer.config.penetration_m);
+        self.found.bodies.get_or_init(make)
     }
 
     /// Ground swept by links; `None` if they have most of their roots in common.
     fn swept(&self, patch: u32) -> Option<&SweptSquares> {
         let paths = self.paths(patch);
         let make = || SweptSquares::new(paths, self.bodies());
-        (!paths.is_shared()).then(|| self.found.swept[patch as usize].get_or_init(make))
+        (!paths.is_shared).then(|| self.found.swept[patch as usize].get_or_init(make))
     }
 
     fn table(&self, relation: &RelativePlacement) -> JointTable {
-        let (patch, c) = (relation.a as usize, &self.placer.config);
-        let new_spots = || {
-            JoinSpots::new(
-                &self.placer.patches,
-                &self.placer.library,
-                self.paths(relation.a),
-                patch,
-                self.placer.config.min_frames,
-            )
-        };
+        let Placer { patches, library, config, patterns } = &self.placer;
+        let patch = relation.a as usize;
+        let new_spots = || JoinSpots::new(patches, library, self.paths(relation.a), patch, config.min_frames);
         let spots = self.found.spots[patch].get_or_init(new_spots);
-        let nearness =
-            JoinTolerance { position: c.position_m, height: c.height_m, heading: c.heading_deg.to_radians() };
-        let rule = JointRule { nearness, joints_per_cell: c.joints_per_cell };
-        let pattern = &self.placer.patterns[patch];
-        let panel = &self.placer.library.geometries[pattern.units[0].0].bounds;
-        JointTable::new(&self.placer.patches, spots, pattern.is_tile.then_some(panel), relation, rule)
+        let panel = &library.geometries[patterns[patch].units[0].0].bounds;
+        JointTable::new(patches, spots, patterns[patch].is_tile.then_some(panel), relation, config)
     }
 
     /// - `before`: masks of the world before the change.
@@ -352,8 +321,8 @@ impl<'a> Stitcher<'a> {
     ) -> ObstacleMask {
         let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
-        let moved = alike
-            .map(|(r, mask)| (r, EarlierMask { mask, moved: MotionObstacle::greatest_shift(unit, r.placement(), at) }));
+        let shift = |r: &RelativePlacement| MotionObstacle::greatest_shift(unit, r.placement(), at);
+        let moved = alike.map(|(r, mask)| (r, EarlierMask { mask, moved: shift(r) }));
         let least = moved.min_by(|(r, a), (s, b)| a.moved.total_cmp(&b.moved).then_with(|| r.cmp(s)));
         self.obstacle(relation).mask(self.swept(relation.a), least.map(|(_, earlier)| earlier))
     }

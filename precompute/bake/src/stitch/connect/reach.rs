@@ -37,21 +37,10 @@ impl ReachedNodes {
     }
 }
 
-/// All nodes reachable from a cell reached by motion, or from which it is reachable.
-pub(in crate::stitch) fn search_reachable(
-    graph: &JoinedGraph,
-    part: u32,
-    cell: u32,
-    direction: SearchDirection,
-) -> ReachedNodes {
-    let mut search = ReachSearch::new(graph, direction);
-    search.start(part, cell);
-    search.run()
-}
-
 /// A search from several nodes.
 pub(in crate::stitch) struct ReachSearch<'j> {
-    graph: &'j JoinedGraph,
+    /// Graph that is searched.
+    pub graph: &'j JoinedGraph,
     direction: SearchDirection,
     /// Nodes found so far.
     pub found: ReachedNodes,
@@ -100,11 +89,6 @@ impl<'j> ReachSearch<'j> {
         self.is_open[part as usize] = false;
         self.follow_new(part);
         true
-    }
-
-    /// Graph that is searched.
-    pub fn graph(&self) -> &'j JoinedGraph {
-        self.graph
     }
 
     /// Begins at a cell reached by motion.

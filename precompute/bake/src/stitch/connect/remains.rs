@@ -90,98 +90,95 @@ impl WorldRemains {
     }
 }
 
-/// Finds the remaining motion of a world.
-///
-/// - `past`: the world before a change, and the previous number of each unchanged instance, as in
-///   [`super::resettle::Before::same`].
-pub(in crate::stitch) fn find_remains(
-    found: &mut StitchCache,
-    placed: &PlacedPatches,
-    judged: &JudgedGraph<'_>,
-    past: Option<(ChangedWorld<'_>, &[u32])>,
-) -> WorldRemains {
-    let mut out = WorldRemains::default();
-    let is_same = find_outcomes(found, placed, judged, past, &mut out);
-    find_remaining_joints(found, placed, judged.joined, past.map(|(past, _)| past), &is_same, &mut out);
-    out
+/// Search for the remaining motion of a world.
+pub(in crate::stitch) struct RemainsSearch<'s> {
+    /// Results of earlier searches.
+    pub found: &'s mut StitchCache,
+    /// Placed patches.
+    pub placed: &'s PlacedPatches,
+    /// The graph.
+    pub judged: &'s JudgedGraph<'s>,
+    /// The world before a change, and the previous number of each unchanged instance, as in
+    /// [`super::update_component::PriorGraph::previous_of`].
+    pub past: Option<(ChangedWorld<'s>, &'s [u32])>,
 }
 
-/// - returns for each instance whether its remaining motion is unchanged.
-fn find_outcomes(
-    found: &mut StitchCache,
-    placed: &PlacedPatches,
-    judged: &JudgedGraph<'_>,
-    past: Option<(ChangedWorld<'_>, &[u32])>,
-    out: &mut WorldRemains,
-) -> Vec<bool> {
-    let all = 0..placed.fitted.len() as u32;
-    let was = |i: u32| past.map_or(NONE, |(_, same)| same[i as usize]);
-    let before = past
-        .map(|(past, _)| (past.result, JudgedGraph { joined: &past.result.joined, component: &past.result.component }));
-    let state = |i: u32| match &before {
-        Some((_, before)) if was(i) != NONE && judged.is_alike(i, before, was(i)) => None,
-        _ => Some(judged.state(i)),
-    };
-    let states: Vec<Option<InstanceState>> = all.clone().into_par_iter().with_min_len(256).map(state).collect();
-    let new: Vec<InstanceState> = states.iter().flatten().cloned().collect();
-    let known = &mut found.outcomes;
-    make_missing(known, &new, |state| Arc::new(InstanceOutcome::new(&judged.joined.patches, state)));
-    let mut numbers = SharedNumbers::new(before.as_ref().map_or(&[], |(made, _)| &made.remains.outcomes));
-    for (i, state) in all.zip(&states) {
-        out.outcome_of.push(match (state, &before) {
-            (Some(state), _) => numbers.number_of(&known[state]),
-            (None, Some((made, _))) => numbers.renumber(made.remains.outcome_of[was(i) as usize]),
-            (None, None) => NONE,
+impl RemainsSearch<'_> {
+    /// Finds the remaining motion.
+    pub fn find(mut self) -> WorldRemains {
+        let mut out = WorldRemains::default();
+        let is_same = self.find_outcomes(&mut out);
+        self.find_remaining_joints(&is_same, &mut out);
+        out
+    }
+
+    /// - returns for each instance whether its remaining motion is unchanged.
+    fn find_outcomes(&mut self, out: &mut WorldRemains) -> Vec<bool> {
+        let Self { placed, judged, past, .. } = *self;
+        let all = 0..placed.fitted.len() as u32;
+        let was = |i: u32| past.map_or(NONE, |(_, same)| same[i as usize]);
+        let before = past.map(|(past, _)| {
+            (past.result, JudgedGraph { joined: &past.result.joined, component: &past.result.component })
         });
-    }
-    out.outcomes = numbers.into_all();
-    states.iter().map(Option::is_none).collect()
-}
-
-/// - `is_same`: for each instance, whether its remaining motion is unchanged.
-fn find_remaining_joints(
-    found: &mut StitchCache,
-    placed: &PlacedPatches,
-    joined: &JoinedGraph,
-    past: Option<ChangedWorld<'_>>,
-    is_same: &[bool],
-    out: &mut WorldRemains,
-) {
-    let before = past.map(|past| past.result);
-    let crossing_before = |was: u32| {
-        let joined = &before?.joined;
-        joined.crossings.get(*joined.crossing_of.get(was as usize)? as usize)
-    };
-    // Previous number of a pair, if everything about it is unchanged.
-    let was = |k: usize| {
-        let was = past.map_or(NONE, |past| past.kept.previous_pair_of[k]);
-        let (a, b, _) = placed.pairs[k];
-        let is_left = is_same[a as usize] && is_same[b as usize];
-        let crossing = &joined.crossings[joined.crossing_of[k] as usize];
-        let is_alike = is_left && crossing_before(was).is_some_and(|before| Arc::ptr_eq(before, crossing));
-        if is_alike { was } else { NONE }
-    };
-    let state = |k: usize| PairState {
-        crossing: IdentityArc::new(&joined.crossings[joined.crossing_of[k] as usize]),
-        sides: [placed.pairs[k].0, placed.pairs[k].1].map(|i| IdentityArc::new(out.outcome(i))),
-    };
-    let has_joints = |k: &usize| joined.crossing_of[*k] != NONE;
-    let pairs: Vec<(usize, u32)> = (0..placed.pairs.len()).filter(has_joints).map(|k| (k, was(k))).collect();
-    let new: Vec<PairState> = pairs.iter().filter(|(_, was)| *was == NONE).map(|(k, _)| state(*k)).collect();
-    let known = &mut found.remaining;
-    make_missing(known, &new, |key| {
-        let crossing = &key.crossing.0;
-        let links = joined.patches.links_of(crossing.relation.a as usize);
-        Arc::new(crossing.remaining(links, &key.sides[0].0.cells, &key.sides[1].0.cells))
-    });
-    let mut numbers = SharedNumbers::new(before.map_or(&[], |made| &made.remains.remaining));
-    let mut left_of = vec![NONE; placed.pairs.len()];
-    let mut new = new.iter();
-    for (k, was) in pairs {
-        left_of[k] = match (was, before) {
-            (NONE, _) | (_, None) => new.next().map_or(NONE, |key| numbers.number_of(&known[key])),
-            (was, Some(made)) => numbers.renumber(made.remains.remaining_of[was as usize]),
+        let state = |i: u32| match &before {
+            Some((_, before)) if was(i) != NONE && judged.is_alike(i, before, was(i)) => None,
+            _ => Some(judged.state(i)),
         };
+        let states: Vec<Option<InstanceState>> = all.clone().into_par_iter().with_min_len(256).map(state).collect();
+        let new: Vec<InstanceState> = states.iter().flatten().cloned().collect();
+        let known = &mut self.found.outcomes;
+        make_missing(known, &new, |state| Arc::new(InstanceOutcome::new(&judged.joined.patches, state)));
+        let mut numbers = SharedNumbers::new(before.as_ref().map_or(&[], |(made, _)| &made.remains.outcomes));
+        for (i, state) in all.zip(&states) {
+            out.outcome_of.push(match (state, &before) {
+                (Some(state), _) => numbers.number_of(&known[state]),
+                (None, Some((made, _))) => numbers.renumber(made.remains.outcome_of[was(i) as usize]),
+                (None, None) => NONE,
+            });
+        }
+        out.outcomes = numbers.all;
+        states.iter().map(Option::is_none).collect()
     }
-    (out.remaining_of, out.remaining) = (left_of, numbers.into_all());
+
+    /// - `is_same`: for each instance, whether its remaining motion is unchanged.
+    fn find_remaining_joints(&mut self, is_same: &[bool], out: &mut WorldRemains) {
+        let (placed, joined, past) = (self.placed, self.judged.joined, self.past.map(|(past, _)| past));
+        let before = past.map(|past| past.result);
+        let crossing_before = |was: u32| {
+            let joined = &before?.joined;
+            joined.crossings.get(*joined.crossing_of.get(was as usize)? as usize)
+        };
+        // Previous number of a pair, if everything about it is unchanged.
+        let was = |k: usize| {
+            let was = past.map_or(NONE, |past| past.kept.previous_pair_of[k]);
+            let (a, b, _) = placed.pairs[k];
+            let is_left = is_same[a as usize] && is_same[b as usize];
+            let crossing = &joined.crossings[joined.crossing_of[k] as usize];
+            let is_alike = is_left && crossing_before(was).is_some_and(|before| Arc::ptr_eq(before, crossing));
+            if is_alike { was } else { NONE }
+        };
+        let state = |k: usize| PairState {
+            crossing: IdentityArc::new(&joined.crossings[joined.crossing_of[k] as usize]),
+            sides: [placed.pairs[k].0, placed.pairs[k].1].map(|i| IdentityArc::new(out.outcome(i))),
+        };
+        let has_joints = |k: &usize| joined.crossing_of[*k] != NONE;
+        let pairs: Vec<(usize, u32)> = (0..placed.pairs.len()).filter(has_joints).map(|k| (k, was(k))).collect();
+        let new: Vec<PairState> = pairs.iter().filter(|(_, was)| *was == NONE).map(|(k, _)| state(*k)).collect();
+        let known = &mut self.found.remaining;
+        make_missing(known, &new, |key| {
+            let crossing = &key.crossing.0;
+            let links = joined.patches.links_of(crossing.relation.a as usize);
+            Arc::new(crossing.remaining(links, &key.sides[0].0.cells, &key.sides[1].0.cells))
+        });
+        let mut numbers = SharedNumbers::new(before.map_or(&[], |made| &made.remains.remaining));
+        let mut left_of = vec![NONE; placed.pairs.len()];
+        let mut new = new.iter();
+        for (k, was) in pairs {
+            left_of[k] = match (was, before) {
+                (NONE, _) | (_, None) => new.next().map_or(NONE, |key| numbers.number_of(&known[key])),
+                (was, Some(made)) => numbers.renumber(made.remains.remaining_of[was as usize]),
+            };
+        }
+        (out.remaining_of, out.remaining) = (left_of, numbers.all);
+    }
 }

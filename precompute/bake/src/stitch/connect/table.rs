@@ -1,10 +1,11 @@
 //! Joint tables: places at which motion of one patch may continue as motion of another in a given relative placement
 //! (Lee, Choi and Lee 2006, section 5).
 
+use crate::stitch::config::StitchConfig;
 use crate::stitch::place::paths::{JoinSpots, JoinTolerance};
 use crate::stitch::place::relation::RelativePlacement;
 use rayon::prelude::*;
-use throng_core::patch::{CellRecord, PatchTables, Placement};
+use throng_core::patch::{PatchTables, Placement};
 use throng_geometry::BoundingBox;
 use throng_world::JointRecord;
 
@@ -17,15 +18,6 @@ pub(in crate::stitch) struct JointTable {
     pub by_b: Vec<u32>,
     /// True if motion of b takes place on the panel of tile a: characters in b obstruct those on a.
     pub shares_floor: bool,
-}
-
-/// Limits of the search for joints.
-#[derive(Clone, Copy, Debug)]
-pub(in crate::stitch) struct JointRule {
-    /// Tolerances of a joint.
-    pub nearness: JoinTolerance,
-    /// Number of joints for each cell of side b.
-    pub joints_per_cell: usize,
 }
 
 /// Cells of side b that are processed together.
@@ -42,14 +34,27 @@ impl JointTable {
         spots: &JoinSpots,
         floor: Option<&BoundingBox>,
         relation: &RelativePlacement,
-        rule: JointRule,
+        config: &StitchConfig,
     ) -> Self {
-        let (b, at) = (relation.b as usize, relation.placement());
+        let (b, at, most) = (relation.b as usize, relation.placement(), config.joints_per_cell);
+        let (position, height, heading) = (config.position_m, config.height_m, config.heading_deg.to_radians());
+        let tolerance = JoinTolerance { position, height, heading };
         let cells = patches.cells_of(b);
+        let nearer = |p: &NearSpot, q: &NearSpot| p.distance.total_cmp(&q.distance);
         let of_cells = |numbers: &[u32]| {
             let (mut joints, mut near) = (Vec::new(), Vec::new());
             for &c in numbers {
-                nearest_spots_of_cell(spots, &cells[c as usize], at, rule, &mut near);
+                // Nearest spots of side a, one an item, in no order.
+                let cell = &cells[c as usize];
+                near.clear();
+                let found = spots.spots_near(cell.group, at.compose(cell.placement), tolerance);
+                near.extend(found.map(|(s, distance)| NearSpot { item: s.item, offset: s.offset, distance }));
+                near.sort_unstable_by(|p, q| p.item.cmp(&q.item).then(nearer(p, q)).then(p.offset.cmp(&q.offset)));
+                near.dedup_by_key(|n| n.item);
+                if near.len() > most {
+                    near.select_nth_unstable_by(most, |p, q| nearer(p, q).then(p.item.cmp(&q.item)));
+                    near.truncate(most);
+                }
                 let joint = |n: &NearSpot| JointRecord { a: n.item, a_offset: n.offset, b: c, reserved: 0 };
                 joints.extend(near.iter().map(joint));
             }
@@ -83,25 +88,4 @@ struct NearSpot {
     item: u32,
     offset: u32,
     distance: f32,
-}
-
-/// Nearest spots of side a for all joints of one cell of side b, one an item, in no order.
-fn nearest_spots_of_cell(
-    spots: &JoinSpots,
-    cell: &CellRecord,
-    at: Placement,
-    rule: JointRule,
-    near: &mut Vec<NearSpot>,
-) {
-    let place = at.compose(cell.placement);
-    near.clear();
-    let found = spots.spots_near(cell.group, place, rule.nearness);
-    near.extend(found.map(|(s, distance)| NearSpot { item: s.item, offset: s.offset, distance }));
-    let nearer = |p: &NearSpot, q: &NearSpot| p.distance.total_cmp(&q.distance);
-    near.sort_unstable_by(|p, q| p.item.cmp(&q.item).then(nearer(p, q)).then(p.offset.cmp(&q.offset)));
-    near.dedup_by_key(|n| n.item);
-    if near.len() > rule.joints_per_cell {
-        near.select_nth_unstable_by(rule.joints_per_cell, |p, q| nearer(p, q).then(p.item.cmp(&q.item)));
-        near.truncate(rule.joints_per_cell);
-    }
 }

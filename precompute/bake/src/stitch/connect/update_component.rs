@@ -42,7 +42,7 @@ impl PriorGraph<'_> {
 /// Membership of the cells of a changed world; `None` if a full search is needed.
 pub(in crate::stitch) fn update_component(before: &PriorGraph<'_>, graph: &JoinedGraph) -> Option<ComponentCells> {
     let mut region = ChangedRegion::of_changed(before);
-    let inside = before.component.from.intersection(&before.component.to);
+    let inside = &before.component.from.intersection(&before.component.to);
     let mut rings = 0;
     for [near, beyond] in RINGS {
         (rings..near).for_each(|_| region.grow_ring(before, graph));
@@ -53,8 +53,8 @@ pub(in crate::stitch) fn update_component(before: &PriorGraph<'_>, graph: &Joine
             return None;
         }
         let apart = around.independent_parts(before, graph);
-        if apart.iter().all(|around| is_bypassed(before, graph, &region.intersection(around), around)) {
-            let search = |direction| derive_reached(before, graph, &inside, &region, direction);
+        if apart.iter().all(|around| is_bypassed(before, graph, inside, &region.intersection(around), around)) {
+            let search = |direction| derive_reached(before, graph, inside, &region, direction);
             let (from, to) = rayon::join(|| search(SearchDirection::Forth), || search(SearchDirection::Back));
             let component = ComponentCells::new(from, to);
             return component.is_largest(graph).then_some(component);
@@ -166,10 +166,30 @@ fn marked_numbers(parts: &[bool]) -> impl Iterator<Item = u32> {
 /// Each node that led into the region must have a path to all nodes that the region led to; one search from one of them
 /// shows it.
 ///
+/// - `inside`: nodes of the component.
 /// - `around`: region in which paths are searched; contains all neighbours of `region`.
-fn is_bypassed(before: &PriorGraph<'_>, graph: &JoinedGraph, region: &ChangedRegion, around: &ChangedRegion) -> bool {
-    let search = |direction| RegionBorder::new(before, region, around, direction);
-    let (into, out_of) = rayon::join(|| search(SearchDirection::Back), || search(SearchDirection::Forth));
+fn is_bypassed(
+    before: &PriorGraph<'_>,
+    graph: &JoinedGraph,
+    inside: &ReachedNodes,
+    region: &ChangedRegion,
+    around: &ChangedRegion,
+) -> bool {
+    // Nodes outside of the region that lead into it, or that it leads to. Changed instances are in the region.
+    let border = |direction| {
+        let mut search = ReachSearch::new(before.joined, direction);
+        search.within = Some(&region.before);
+        marked_numbers(&region.before).for_each(|part| seed(&mut search, part, inside));
+        let found = search.run().intersection(inside);
+        let outside = marked_numbers(&around.after).filter(|&part| !region.after[part as usize]);
+        let nodes = |part: u32| {
+            let words = before.joined.words(before.previous_of[part as usize]);
+            (part, [found.moved[words.clone()].to_vec(), found.joined[words].to_vec()])
+        };
+        let parts = outside.map(nodes).filter(|(_, nodes)| nodes.iter().flatten().any(|word| *word != 0));
+        RegionBorder { parts: parts.collect() }
+    };
+    let (into, out_of) = rayon::join(|| border(SearchDirection::Back), || border(SearchDirection::Forth));
     if into.parts.is_empty() || out_of.parts.is_empty() {
         return true;
     }
@@ -191,38 +211,6 @@ struct RegionBorder {
 }
 
 impl RegionBorder {
-    fn new(
-        before: &PriorGraph<'_>,
-        region: &ChangedRegion,
-        around: &ChangedRegion,
-        direction: SearchDirection,
-    ) -> Self {
-        let ComponentCells { from, to, .. } = before.component;
-        let both = |a: &[u64], b: &[u64]| a.iter().zip(b).map(|(a, b)| a & b).collect::<Vec<_>>();
-        let mut search = ReachSearch::new(before.joined, direction);
-        search.within = Some(&region.before);
-        for part in marked_numbers(&region.before) {
-            let words = before.joined.words(part);
-            search.found.moved[words.clone()]
-                .copy_from_slice(&both(&from.moved[words.clone()], &to.moved[words.clone()]));
-            search.found.joined[words.clone()].copy_from_slice(&both(&from.joined[words.clone()], &to.joined[words]));
-            search.queue_instance(part);
-        }
-        let found = search.run();
-        let nodes = |part: u32| {
-            let was = before.previous_of[part as usize];
-            let words = before.joined.words(was);
-            let inside = |found: &[u64], from: &[u64], to: &[u64]| {
-                both(&both(&found[words.clone()], &from[words.clone()]), &to[words.clone()])
-            };
-            [inside(&found.moved, &from.moved, &to.moved), inside(&found.joined, &from.joined, &to.joined)]
-        };
-        // Changed instances are in the region.
-        let outside = marked_numbers(&around.after).filter(|&part| !region.after[part as usize]);
-        let parts = outside.map(|part| (part, nodes(part)));
-        Self { parts: parts.filter(|(_, nodes)| nodes.iter().flatten().any(|word| *word != 0)).collect() }
-    }
-
     /// First instance and cell reached by motion.
     fn first_node(&self) -> Option<(u32, u32)> {
         self.parts.iter().find_map(|(part, [moved, _])| {
@@ -235,7 +223,7 @@ impl RegionBorder {
     fn is_found(&self, mut search: ReachSearch<'_>) -> bool {
         let holds = |a: &[u64], b: &[u64]| a.iter().zip(b).all(|(a, b)| b & !a == 0);
         self.parts.iter().all(|(part, [moved, joined])| {
-            let words = search.graph().words(*part);
+            let words = search.graph.words(*part);
             let is_there = |found: &ReachedNodes| {
                 holds(&found.moved[words.clone()], moved) && holds(&found.joined[words.clone()], joined)
             };
@@ -268,7 +256,7 @@ fn derive_reached(
     search.done = inside.clone();
     for part in marked_numbers(&region.before) {
         clear(&mut search.done, before.joined.words(part));
-        seed(&mut search, before.joined, part, reached);
+        seed(&mut search, part, reached);
     }
     let doubtful = search.run();
     let left = |reached: &[u64], doubtful: &[u64], inside: &[u64]| {
@@ -302,8 +290,8 @@ fn derive_reached(
     search.run()
 }
 
-fn seed(search: &mut ReachSearch<'_>, graph: &JoinedGraph, part: u32, nodes: &ReachedNodes) {
-    let words = graph.words(part);
+fn seed(search: &mut ReachSearch<'_>, part: u32, nodes: &ReachedNodes) {
+    let words = search.graph.words(part);
     search.found.moved[words.clone()].copy_from_slice(&nodes.moved[words.clone()]);
     search.found.joined[words.clone()].copy_from_slice(&nodes.joined[words]);
     search.queue_instance(part);

@@ -22,9 +22,9 @@ use throng_world::WorldData;
 /// only around changed parts. After every change the world equals a newly stitched one. An editor may be sent to
 /// another thread, so that the display continues meanwhile.
 pub struct Editor<'a> {
-    stitcher: Stitcher<'a>,
+    pub(in crate::stitch) stitcher: Stitcher<'a>,
     environment: Environment,
-    made: StitchResult,
+    pub(in crate::stitch) made: StitchResult,
     world: WorldData,
     history: WorldEditHistory,
 }
@@ -105,7 +105,7 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn undo(&mut self) -> Result<bool> {
-        let Some(edit) = self.history.next_undo() else { return Ok(false) };
+        let Some(edit) = self.history.undo.last().cloned() else { return Ok(false) };
         let back = self.apply(edit)?;
         self.history.record_undo(back);
         Ok(true)
@@ -118,7 +118,7 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn redo(&mut self) -> Result<bool> {
-        let Some(edit) = self.history.next_redo() else { return Ok(false) };
+        let Some(edit) = self.history.redo.last().cloned() else { return Ok(false) };
         let back = self.apply(edit)?;
         self.history.record_redo(back);
         Ok(true)
@@ -132,7 +132,7 @@ impl<'a> Editor<'a> {
     /// # Errors
     /// As [`crate::stitch::stitch`]; the world stays as it was.
     pub fn withdraw_last(&mut self) -> Result<bool> {
-        let Some(edit) = self.history.next_undo() else { return Ok(false) };
+        let Some(edit) = self.history.undo.last().cloned() else { return Ok(false) };
         self.apply(edit)?;
         self.history.record_withdrawal();
         Ok(true)
@@ -140,12 +140,12 @@ impl<'a> Editor<'a> {
 
     /// Number of changes that can be undone.
     pub fn num_undos(&self) -> usize {
-        self.history.counts()[0]
+        self.history.undo.len()
     }
 
     /// Number of changes that can be redone.
     pub fn num_redos(&self) -> usize {
-        self.history.counts()[1]
+        self.history.redo.len()
     }
 
     fn edit(&mut self, edit: EnvironmentEdit) -> Result<()> {
@@ -177,14 +177,6 @@ impl<'a> Editor<'a> {
         }
         let why = format!("there is no place {index}, expected one below {}", self.environment.units.len());
         Err(refusal_error(&self.environment, why, "Name a unit that is there"))
-    }
-
-    pub(in crate::stitch) fn stitcher(&self) -> &Stitcher<'a> {
-        &self.stitcher
-    }
-
-    pub(in crate::stitch) fn stitched(&self) -> &StitchResult {
-        &self.made
     }
 }
 

@@ -44,7 +44,7 @@ impl Editor<'_> {
     ///
     /// (instance < number of instances, the item within its patch)
     pub fn reason(&self, instance: u32, item: InstanceItem) -> Option<RemovalReason> {
-        let judged = JudgedGraph { joined: &self.stitched().joined, component: &self.stitched().component };
+        let judged = JudgedGraph { joined: &self.made.joined, component: &self.made.component };
         match item {
             InstanceItem::Cell(c) => judged.cell_reason(instance, c),
             InstanceItem::Link(l) => judged.link_reason(instance, l),
@@ -74,7 +74,7 @@ impl Editor<'_> {
                 c.frame,
                 c.joint.name(),
                 c.depth_m,
-                self.stitcher().placer.library.describe(self.environment(), c.unit)
+                self.stitcher.placer.library.describe(self.environment(), c.unit)
             ),
         };
         Some(RemovalExplanation {
@@ -86,20 +86,20 @@ impl Editor<'_> {
 
     /// Description of an instance: its patch and its units.
     fn describe(&self, instance: u32) -> String {
-        let (f, library) = (&self.stitched().patches.fitted[instance as usize], &self.stitcher().placer.library);
+        let (f, library) = (&self.made.patches.fitted[instance as usize], &self.stitcher.placer.library);
         let units: Vec<String> = f.units.iter().map(|&u| library.describe(self.environment(), u as usize)).collect();
         format!("patch {} on {}", library.names[f.patch as usize].name, units.join(" and "))
     }
 
     /// Deepest collision of a link with any unit that obstructs it.
     fn collision(&self, instance: u32, link: u32) -> Option<UnitCollision> {
-        let s = self.stitcher();
-        let patch = self.stitched().patches.fitted[instance as usize].patch;
+        let s = &self.stitcher;
+        let patch = self.made.patches.fitted[instance as usize].patch;
         let roots = s.paths(patch).roots_of_link(link as usize);
         let first_row = s.placer.patches.links_of(patch as usize)[link as usize].frame as usize;
-        let first = self.stitched().patches.obstacles.partition_point(|o| o.0 < instance);
+        let first = self.made.patches.obstacles.partition_point(|o| o.0 < instance);
         let mut deepest: Option<UnitCollision> = None;
-        for (_, unit, relation) in self.stitched().patches.obstacles[first..].iter().take_while(|o| o.0 == instance) {
+        for (_, unit, relation) in self.made.patches.obstacles[first..].iter().take_while(|o| o.0 == instance) {
             let (field, to_unit) = (s.field(relation.b), relation.placement().inverse());
             for k in nearest_sampled(roots.len()) {
                 let root = to_unit.compose(roots[k]);

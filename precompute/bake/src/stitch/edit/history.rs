@@ -5,8 +5,10 @@ use crate::stitch::place::change::EnvironmentEdit;
 /// Stacks of changes for undo and redo.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::stitch) struct WorldEditHistory {
-    undo: Vec<EnvironmentEdit>,
-    redo: Vec<EnvironmentEdit>,
+    /// Changes that undo the past ones, the last one at the end.
+    pub undo: Vec<EnvironmentEdit>,
+    /// Changes that redo the undone ones, the one undone last at the end.
+    pub redo: Vec<EnvironmentEdit>,
     /// Redoable changes that the last change discarded; empty unless it was the last operation.
     dropped: Vec<EnvironmentEdit>,
 }
@@ -25,29 +27,14 @@ impl WorldEditHistory {
         self.redo.append(&mut self.dropped);
     }
 
-    /// Numbers of changes that can be undone and redone.
-    pub fn counts(&self) -> [usize; 2] {
-        [self.undo.len(), self.redo.len()]
-    }
-
-    /// Change that undoes the last one.
-    pub fn next_undo(&self) -> Option<EnvironmentEdit> {
-        self.undo.last().cloned()
-    }
-
-    /// Records that it was undone, with its reverse `again`.
+    /// Records that the last change was undone, with its reverse `again`.
     pub fn record_undo(&mut self, again: EnvironmentEdit) {
         self.undo.pop();
         self.redo.push(again);
         self.dropped.clear();
     }
 
-    /// Change that redoes the one undone last.
-    pub fn next_redo(&self) -> Option<EnvironmentEdit> {
-        self.redo.last().cloned()
-    }
-
-    /// Records that it was redone, with its reverse `back`.
+    /// Records that the change undone last was redone, with its reverse `back`.
     pub fn record_redo(&mut self, back: EnvironmentEdit) {
         self.redo.pop();
         self.undo.push(back);
@@ -80,17 +67,17 @@ mod tests {
                 states.push(units.clone());
             }
             for state in states.iter().rev().skip(1) {
-                let again = history.next_undo().expect("a change").apply(&mut units);
+                let again = history.undo.last().cloned().expect("a change").apply(&mut units);
                 history.record_undo(again);
                 prop_assert_eq!(&units, state);
             }
-            prop_assert_eq!(history.next_undo(), None);
+            prop_assert_eq!(history.undo.last().cloned(), None);
             for state in &states[1..] {
-                let back = history.next_redo().expect("a change").apply(&mut units);
+                let back = history.redo.last().cloned().expect("a change").apply(&mut units);
                 history.record_redo(back);
                 prop_assert_eq!(&units, state);
             }
-            prop_assert_eq!(history.next_redo(), None);
+            prop_assert_eq!(history.redo.last().cloned(), None);
         }
 
         #[test]
@@ -102,7 +89,7 @@ mod tests {
                 history.record_edit(EnvironmentEdit::Insert { index: k, unit: unit(k) }.apply(&mut units));
             }
             for _ in 0..undos.min(changes) {
-                let again = history.next_undo().expect("a change").apply(&mut units);
+                let again = history.undo.last().cloned().expect("a change").apply(&mut units);
                 history.record_undo(again);
             }
             for k in 0..dones {
@@ -110,7 +97,7 @@ mod tests {
             }
             let (before, stood) = (history.clone(), units.clone());
             history.record_edit(EnvironmentEdit::Insert { index: 0, unit: unit(99) }.apply(&mut units));
-            history.next_undo().expect("a change").apply(&mut units);
+            history.undo.last().cloned().expect("a change").apply(&mut units);
             history.record_withdrawal();
             prop_assert_eq!((&history.undo, &history.redo), (&before.undo, &before.redo));
             prop_assert_eq!(units, stood);

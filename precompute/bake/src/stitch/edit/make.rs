@@ -1,15 +1,16 @@
 //! Stitching from the first step to the last, in full or after a change.
 
 use crate::environment::{Environment, UnitSolid};
+use crate::stages::stage_error;
 use crate::stitch::clearance::field::DistanceField;
 use crate::stitch::config::StitchConfig;
 use crate::stitch::connect::allow::build_joined_graph;
-use crate::stitch::connect::assemble::{WrittenWorld, write_world};
+use crate::stitch::connect::assemble::write_world;
 use crate::stitch::connect::component_cells::{ComponentMembership, find_component};
 use crate::stitch::connect::joined::JoinedGraph;
 use crate::stitch::connect::outcome::WorldCounts;
 use crate::stitch::connect::prepare::{ChangedWorld, Stitcher};
-use crate::stitch::connect::remains::{JudgedGraph, find_remains};
+use crate::stitch::connect::remains::{JudgedGraph, RemainsSearch};
 use crate::stitch::connect::stitch_result::StitchResult;
 use crate::stitch::connect::update_component::PriorGraph;
 use crate::stitch::library::{Library, STAGE, refusal_error};
@@ -49,7 +50,7 @@ pub(in crate::stitch) fn make_world<'a>(
         None => (stitcher.placer.place_patches(environment)?, None),
     };
     let past = kept.as_ref().map(|(made, kept)| ChangedWorld { result: made, kept });
-    check_sizes(stitcher, environment, &placed)?;
+    stitcher.check_sizes(environment, &placed)?;
     progress.check()?;
     let prepared = stitcher.prepare(&placed, past, progress);
     progress.check()?;
@@ -60,53 +61,30 @@ pub(in crate::stitch) fn make_world<'a>(
         component: &made.component,
         previous_of: unchanged_numbers(&made.joined, &joined, &kept.previous_of),
     });
-    let largest = find_component(&joined, before.as_ref()).ok_or_else(|| no_component(stitcher, environment))?;
+    let largest = find_component(&joined, before.as_ref()).ok_or_else(|| stitcher.no_component(environment))?;
     progress.end();
     let judged = JudgedGraph { joined: &joined, component: &largest };
     let alike = past.zip(before.as_ref().map(|before| before.previous_of.as_slice()));
-    let remains = find_remains(&mut stitcher.found, &placed, &judged, alike);
-    check_reached(stitcher, environment, &placed, &judged)?;
-    let mut report = report(stitcher, &placed, &remains.counts());
-    let meta = meta(stitcher, environment, &report)?;
-    write_world(
-        environment,
-        &placed,
-        &joined,
-        &remains,
-        alike.map(|(past, same)| WrittenWorld { remains: &past.result.remains, previous_of: same }),
-        world,
-    );
+    let remains = RemainsSearch { found: &mut stitcher.found, placed: &placed, judged: &judged, past: alike }.find();
+    stitcher.check_reached(environment, &placed, &judged)?;
+    let report = stitcher.report(&placed, &remains.counts());
+    let meta = stitcher.meta(environment, &report)?;
+    let mut made = StitchResult { patches: placed, joined, component: largest, remains, report };
+    write_world(environment, &made, alike, world);
     world.meta = meta;
     match &kept {
-        Some((_, kept)) => stitcher.forget(&placed, &kept.removed),
-        None => stitcher.forget_all_but(&placed),
+        Some((_, kept)) => stitcher.forget(&made.patches, &kept.removed),
+        None => stitcher.forget_all_but(&made.patches),
     }
+    let report = &mut made.report;
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
-    Ok(StitchResult { patches: placed, joined, component: largest, remains, report })
+    Ok(made)
 }
 
 /// Most cells of a world, about 80 bytes each during stitching, and most words of 64 links.
 const MOST_CELLS: u64 = 50_000_000;
 const MOST_WORDS: u64 = 100_000_000;
-
-/// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
-fn check_sizes(stitcher: &Stitcher<'_>, environment: &Environment, placed: &PlacedPatches) -> Result<()> {
-    let patches = &stitcher.placer.patches.patches;
-    let sizes = placed.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
-    if let Some(why) = too_many(sizes) {
-        return Err(refusal_error(environment, why, "Stitch several smaller worlds, or bake patches of fewer cells"));
-    }
-    let library = &stitcher.placer.library;
-    let is_too_large: Vec<bool> = library.geometries.iter().map(|g| DistanceField::is_too_large(g)).collect();
-    let Some((_, unit, relation)) = placed.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else {
-        return Ok(());
-    };
-    let bounds = &library.geometries[relation.b as usize].bounds;
-    let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
-    let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
-    Err(refusal_error(environment, why, "Make several smaller units of it"))
-}
 
 /// Reason why a world of instances with so many cells and links each is too large, if it is.
 fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
@@ -129,78 +107,94 @@ fn unchanged_numbers(before: &JoinedGraph, joined: &JoinedGraph, was: &[u32]) ->
     (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
 }
 
-fn no_component(stitcher: &Stitcher<'_>, environment: &Environment) -> BuildError {
-    let bundle = stitcher.placer.library.bundle;
-    let why = format!("no motion leads on for ever in any of the blocks of bundle {bundle} that fit it");
-    refusal_error(environment, why, "Place more units, so that ways through them lead back to where they began")
-}
-
-/// Checks that every unit that is not just an obstacle belongs to an instance with remaining motion.
-fn check_reached(
-    stitcher: &Stitcher<'_>,
-    environment: &Environment,
-    placed: &PlacedPatches,
-    judged: &JudgedGraph<'_>,
-) -> Result<()> {
-    if stitcher.placer.config.allow_unreachable {
-        return Ok(());
+impl Stitcher<'_> {
+    /// Checks limits up front: later steps need memory for each cell, and obstacles are measured on a grid.
+    fn check_sizes(&self, environment: &Environment, placed: &PlacedPatches) -> Result<()> {
+        let patches = &self.placer.patches.patches;
+        let sizes = placed.fitted.iter().map(|f| &patches[f.patch as usize]).map(|p| [p.num_cells, p.num_links]);
+        if let Some(why) = too_many(sizes) {
+            return Err(refusal_error(
+                environment,
+                why,
+                "Stitch several smaller worlds, or bake patches of fewer cells",
+            ));
+        }
+        let library = &self.placer.library;
+        let is_too_large: Vec<bool> = library.geometries.iter().map(|g| DistanceField::is_too_large(g)).collect();
+        let Some((_, unit, relation)) = placed.obstacles.iter().find(|o| is_too_large[o.2.b as usize]) else {
+            return Ok(());
+        };
+        let bounds = &library.geometries[relation.b as usize].bounds;
+        let (unit, size) = (library.describe(environment, *unit as usize), bounds.max - bounds.min);
+        let why = format!("{unit} is in the way of motion, and too large to be measured: {size:.0} m");
+        Err(refusal_error(environment, why, "Make several smaller units of it"))
     }
-    let has = |i: usize, what: ComponentMembership| judged.component.has_membership(judged.joined, i as u32, what);
-    let mut reached = vec![false; environment.units.len()];
-    for (i, f) in placed.fitted.iter().enumerate() {
-        if has(i, ComponentMembership::Inside) {
-            f.units.iter().for_each(|&u| reached[u as usize] = true);
+
+    fn no_component(&self, environment: &Environment) -> BuildError {
+        let bundle = self.placer.library.bundle;
+        let why = format!("no motion leads on for ever in any of the blocks of bundle {bundle} that fit it");
+        refusal_error(environment, why, "Place more units, so that ways through them lead back to where they began")
+    }
+
+    /// Checks that every unit that is not just an obstacle belongs to an instance with remaining motion.
+    fn check_reached(&self, environment: &Environment, placed: &PlacedPatches, judged: &JudgedGraph<'_>) -> Result<()> {
+        if self.placer.config.allow_unreachable {
+            return Ok(());
+        }
+        let has = |i: usize, what: ComponentMembership| judged.component.has_membership(judged.joined, i as u32, what);
+        let mut reached = vec![false; environment.units.len()];
+        for (i, f) in placed.fitted.iter().enumerate() {
+            if has(i, ComponentMembership::Inside) {
+                f.units.iter().for_each(|&u| reached[u as usize] = true);
+            }
+        }
+        let left: Vec<usize> =
+            (0..reached.len()).filter(|&u| !reached[u] && !self.placer.is_obstacle(environment, u)).collect();
+        let Some(&unit) = left.first() else { return Ok(()) };
+        let here = || placed.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
+        let leads_away = here().any(|(i, _)| has(i, ComponentMembership::Unreached));
+        let patches: Vec<&str> =
+            here().map(|(_, f)| self.placer.library.names[f.patch as usize].name.as_str()).collect();
+        let what = if leads_away { "no character can get there" } else { "no way leads out of it" };
+        let more = if left.len() > 1 { format!(", as of {} more units", left.len() - 1) } else { String::new() };
+        let unit = self.placer.library.describe(environment, unit);
+        let why = format!("{unit}: {what}{more} (blocks: {})", patches.join(", "));
+        let help = "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]";
+        Err(refusal_error(environment, why, help))
+    }
+
+    fn report(&self, placed: &PlacedPatches, counts: &WorldCounts) -> StitchReport {
+        let mut fitted = vec![0; self.placer.patterns.len()];
+        placed.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
+        let patches = self.placer.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
+        StitchReport {
+            instances: placed.fitted.len(),
+            patches: patches.map(|(patch, n)| (patch.name.clone(), n)).collect(),
+            cells: counts.cells,
+            transitions: counts.links + counts.joints,
+            motion_hours: counts.frames as f64 / self.placer.library.rate_hz / 3600.0,
+            disabled: RemovalReason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
+            ..StitchReport::default()
         }
     }
-    let left: Vec<usize> =
-        (0..reached.len()).filter(|&u| !reached[u] && !stitcher.placer.is_obstacle(environment, u)).collect();
-    let Some(&unit) = left.first() else { return Ok(()) };
-    let here = || placed.fitted.iter().enumerate().filter(|(_, f)| f.units.contains(&(unit as u32)));
-    let leads_away = here().any(|(i, _)| has(i, ComponentMembership::Unreached));
-    let patches: Vec<&str> =
-        here().map(|(_, f)| stitcher.placer.library.names[f.patch as usize].name.as_str()).collect();
-    let what = if leads_away { "no character can get there" } else { "no way leads out of it" };
-    let more = if left.len() > 1 { format!(", as of {} more units", left.len() - 1) } else { String::new() };
-    let unit = stitcher.placer.library.describe(environment, unit);
-    let why = format!("{unit}: {what}{more} (blocks: {})", patches.join(", "));
-    Err(refusal_error(
-        environment,
-        why,
-        "Connect it, take what is in the way away, or set `allow_unreachable` under [stitch]",
-    ))
-}
 
-fn report(stitcher: &Stitcher<'_>, placed: &PlacedPatches, counts: &WorldCounts) -> StitchReport {
-    let mut fitted = vec![0; stitcher.placer.patterns.len()];
-    placed.fitted.iter().for_each(|f| fitted[f.patch as usize] += 1);
-    let patches = stitcher.placer.library.names.iter().zip(fitted).filter(|(_, n)| *n > 0);
-    StitchReport {
-        instances: placed.fitted.len(),
-        patches: patches.map(|(patch, n)| (patch.name.clone(), n)).collect(),
-        cells: counts.cells,
-        transitions: counts.links + counts.joints,
-        motion_hours: counts.frames as f64 / stitcher.placer.library.rate_hz / 3600.0,
-        disabled: RemovalReason::ALL.iter().map(|&r| (r.name().to_owned(), counts.disabled[r as usize])).collect(),
-        ..StitchReport::default()
+    fn meta(&self, environment: &Environment, report: &StitchReport) -> Result<WorldMeta> {
+        let as_toml = as_toml(environment)?;
+        let source_hash = source_hash(&as_toml, &self.placer.config, &self.placer.library)?;
+        Ok(WorldMeta {
+            name: environment.name.clone(),
+            generator: concat!("throng ", env!("CARGO_PKG_VERSION")).to_owned(),
+            bundle: self.placer.library.bundle.to_owned(),
+            bundle_hash: self.placer.library.bundle_hash,
+            source: String::new(),
+            source_hash,
+            environment: as_toml,
+            disabled: report.disabled.iter().map(|(name, count)| (name.clone(), *count)).collect(),
+            cells: report.cells,
+            transitions: report.transitions,
+            motion_hours: report.motion_hours,
+        })
     }
-}
-
-fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchReport) -> Result<WorldMeta> {
-    let as_toml = as_toml(environment)?;
-    let source_hash = source_hash(&as_toml, &stitcher.placer.config, &stitcher.placer.library)?;
-    Ok(WorldMeta {
-        name: environment.name.clone(),
-        generator: concat!("throng ", env!("CARGO_PKG_VERSION")).to_owned(),
-        bundle: stitcher.placer.library.bundle.to_owned(),
-        bundle_hash: stitcher.placer.library.bundle_hash,
-        source: String::new(),
-        source_hash,
-        environment: as_toml,
-        disabled: report.disabled.iter().map(|(name, count)| (name.clone(), *count)).collect(),
-        cells: report.cells,
-        transitions: report.transitions,
-        motion_hours: report.motion_hours,
-    })
 }
 
 /// Serializes an environment or its settings as text.
@@ -208,11 +202,9 @@ fn meta(stitcher: &Stitcher<'_>, environment: &Environment, report: &StitchRepor
 /// # Errors
 /// [`BuildError::Stage`] for numbers that TOML cannot hold.
 pub(in crate::stitch) fn as_toml(value: &impl Serialize) -> Result<String> {
-    toml::to_string(value).map_err(|e| BuildError::Stage {
-        stage: STAGE,
-        message: format!("the world cannot be written as TOML: {e}"),
-        help: "Give every unit a finite place".into(),
-    })
+    let why =
+        |e| stage_error(STAGE, format!("the world cannot be written as TOML: {e}"), "Give every unit a finite place");
+    toml::to_string(value).map_err(why)
 }
 
 /// Content hash of all inputs of a stitched world. The bundle contains the units; their meshes are separate files.

@@ -1,9 +1,12 @@
 //! Fits patches into an environment by matching their units (Lee, Choi and Lee 2006, section 5).
 
-use crate::environment::Environment;
-use crate::stitch::library::{Library, UnitPattern, normalised, turn_difference};
+use super::place_patches::Placer;
+use super::relation::RelativePlacement;
+use crate::environment::{Environment, PlacedUnit};
+use crate::stitch::library::{normalised, turn_difference};
 use std::collections::{HashMap, HashSet};
-use throng_core::patch::{EdgeRecord, NONE, PatchTables, Placement};
+use std::f32::consts::TAU;
+use throng_core::patch::{EdgeRecord, NONE, Placement};
 
 /// Largest distance of matching units, in the patch's frame (m).
 const TOLERANCE_M: f32 = 0.02;
@@ -27,6 +30,12 @@ impl FittedPatch {
     /// Unique sort key of instances.
     pub fn sort_key(&self) -> (u32, u32, u32) {
         (self.units[0], self.patch, self.turn)
+    }
+
+    /// Relative placement of a placed unit that obstructs the instance; `None` for its own.
+    pub fn obstacle(&self, number: u32, unit: &PlacedUnit) -> Option<RelativePlacement> {
+        let relation = || RelativePlacement::new(self.patch, self.placement, unit.unit as u32, unit.placement);
+        (!self.units.contains(&number)).then(relation)
     }
 }
 
@@ -63,11 +72,9 @@ impl<'a> UnitIndex<'a> {
     /// Placed units of a given number with their origin within `radius` of a place, nearest first (radius < BUCKET_M).
     pub fn units_near(&self, unit: usize, at: Placement, radius: f32) -> Vec<u32> {
         let p = at.translation();
-        let mut corners: Vec<[i32; 3]> = (0..8)
-            .map(|k: usize| {
-                std::array::from_fn(|a| Self::bucket(p[a] + if k >> a & 1 == 0 { -radius } else { radius }))
-            })
-            .collect();
+        let side = |k: usize, axis: usize| if k >> axis & 1 == 0 { -radius } else { radius };
+        let corner = |k: usize| std::array::from_fn(|axis| Self::bucket(p[axis] + side(k, axis)));
+        let mut corners: Vec<[i32; 3]> = (0..8).map(corner).collect();
         corners.sort_unstable();
         corners.dedup();
         let distance = |i: u32| (self.environment.units[i as usize].placement.translation() - p).length();
@@ -87,99 +94,89 @@ impl<'a> UnitIndex<'a> {
     }
 }
 
-/// Every set of placed units that matches a patch's units, once, ascending by [`FittedPatch::order`].
-///
-/// - `firsts`: possible first units of a set; ascending.
-pub(in crate::stitch) fn fit_patches(
-    library: &Library<'_>,
-    patterns: &[UnitPattern],
-    index: &UnitIndex<'_>,
-    firsts: impl Iterator<Item = u32>,
-) -> Vec<FittedPatch> {
-    let mut of_unit = vec![Vec::new(); library.units.units.len()];
-    for (p, pattern) in patterns.iter().enumerate() {
-        of_unit[pattern.units[0].0].push(p);
-    }
-    let mut seen = HashSet::new();
-    let mut out = Vec::new();
-    for i in firsts {
-        let placed = &index.environment.units[i as usize];
-        let period = library.period(placed.unit);
-        let base = normalised(placed.placement, period);
-        for &p in &of_unit[placed.unit] {
-            let turns = library.units.units[placed.unit].symmetry.max(1);
-            for turn in 0..turns {
-                let frame = base.compose(Placement::new(0.0, 0.0, 0.0, turn as f32 * period));
-                let Some(units) = matching_units(library, &patterns[p], index, i, frame) else { continue };
-                let mut set = units.clone();
-                set.sort_unstable();
-                if seen.insert((p, set)) {
-                    out.push(FittedPatch { patch: p as u32, placement: frame.with_wrapped_heading(), units, turn });
+impl Placer<'_> {
+    /// Every set of placed units that matches a patch's units, once, ascending by [`FittedPatch::sort_key`].
+    ///
+    /// - `firsts`: possible first units of a set; ascending.
+    pub fn fit_patches(&self, index: &UnitIndex<'_>, firsts: impl Iterator<Item = u32>) -> Vec<FittedPatch> {
+        let Self { library, patterns, .. } = self;
+        let mut of_unit = vec![Vec::new(); library.units.units.len()];
+        for (p, pattern) in patterns.iter().enumerate() {
+            of_unit[pattern.units[0].0].push(p);
+        }
+        let mut seen = HashSet::new();
+        let mut out = Vec::new();
+        for i in firsts {
+            let placed = &index.environment.units[i as usize];
+            let period = library.period(placed.unit);
+            let base = normalised(placed.placement, period);
+            for &p in &of_unit[placed.unit] {
+                let turns = library.units.units[placed.unit].symmetry.max(1);
+                for turn in 0..turns {
+                    let frame = base.compose(Placement::new(0.0, 0.0, 0.0, turn as f32 * period));
+                    let Some(units) = self.matching_units(p, index, i, frame) else { continue };
+                    let mut set = units.clone();
+                    set.sort_unstable();
+                    if seen.insert((p, set)) {
+                        out.push(FittedPatch { patch: p as u32, placement: frame.with_wrapped_heading(), units, turn });
+                    }
                 }
             }
         }
+        out
     }
-    out
-}
 
-/// Placed units of a patch in this frame, beginning with `first`.
-fn matching_units(
-    library: &Library<'_>,
-    pattern: &UnitPattern,
-    index: &UnitIndex<'_>,
-    first: u32,
-    frame: Placement,
-) -> Option<Vec<u32>> {
-    let mut units = vec![first];
-    for &(unit, at) in &pattern.units[1..] {
-        let found = index.unit_at(unit, frame.compose(at), library.period(unit))?;
-        if units.contains(&found) {
-            return None;
+    /// Placed units of a patch in this frame, beginning with `first`.
+    fn matching_units(&self, patch: usize, index: &UnitIndex<'_>, first: u32, frame: Placement) -> Option<Vec<u32>> {
+        let mut units = vec![first];
+        for &(unit, at) in &self.patterns[patch].units[1..] {
+            let found = index.unit_at(unit, frame.compose(at), self.library.period(unit))?;
+            if units.contains(&found) {
+                return None;
+            }
+            units.push(found);
         }
-        units.push(found);
+        Some(units)
     }
-    Some(units)
-}
 
-/// Instance across every edge of every tile; [`NONE`] without one.
-///
-/// - returns the neighbours and, for each instance, the index of its first.
-pub(in crate::stitch) fn neighbours(
-    patches: &PatchTables,
-    patterns: &[UnitPattern],
-    index: &UnitIndex<'_>,
-    fitted: &[FittedPatch],
-) -> (Vec<u32>, Vec<u32>) {
-    let is_tile = |f: &FittedPatch| patterns[f.patch as usize].is_tile;
-    let tiles: HashMap<(u32, u32), u32> =
-        fitted.iter().enumerate().filter(|(_, f)| is_tile(f)).map(|(i, f)| ((f.patch, f.units[0]), i as u32)).collect();
-    let across = |f: &FittedPatch, edge: &EdgeRecord| {
-        let [x, y, z] = edge.step;
-        let place = f.placement.compose(Placement::new(x, y, z, 0.0));
-        let unit = patterns[f.patch as usize].units[0].0;
-        let other = |i: u32| tiles.get(&(f.patch, i)).copied();
-        let same_way = |&i: &u32| {
-            turn_difference(fitted[i as usize].placement.heading, f.placement.heading, std::f32::consts::TAU)
-                <= TOLERANCE
+    /// Instance across every edge of every tile; [`NONE`] without one.
+    ///
+    /// - returns the neighbours and, for each instance, the index of its first.
+    pub fn neighbours(&self, index: &UnitIndex<'_>, fitted: &[FittedPatch]) -> (Vec<u32>, Vec<u32>) {
+        let Self { patches, patterns, .. } = self;
+        let is_tile = |f: &FittedPatch| patterns[f.patch as usize].is_tile;
+        let tiles: HashMap<(u32, u32), u32> = fitted
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| is_tile(f))
+            .map(|(i, f)| ((f.patch, f.units[0]), i as u32))
+            .collect();
+        let across = |f: &FittedPatch, edge: &EdgeRecord| {
+            let [x, y, z] = edge.step;
+            let place = f.placement.compose(Placement::new(x, y, z, 0.0));
+            let unit = patterns[f.patch as usize].units[0].0;
+            let other = |i: u32| tiles.get(&(f.patch, i)).copied();
+            let heading = f.placement.heading;
+            let same_way = |&i: &u32| turn_difference(fitted[i as usize].placement.heading, heading, TAU) <= TOLERANCE;
+            index.units_near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
         };
-        index.units_near(unit, place, TOLERANCE_M).into_iter().filter_map(other).find(same_way).unwrap_or(NONE)
-    };
-    let (mut out, mut first) = (Vec::new(), Vec::with_capacity(fitted.len()));
-    for f in fitted {
-        first.push(out.len() as u32);
-        if is_tile(f) {
-            out.extend(patches.edges_of(f.patch as usize).iter().map(|e| across(f, e)));
-        }
-    }
-    // At the tolerance, rounding may make only one of two instances find the other.
-    for (i, f) in fitted.iter().enumerate() {
-        for (e, edge) in patches.edges_of(f.patch as usize).iter().enumerate() {
-            let at = first[i] as usize + e;
-            let back = |o: u32| out[(first[o as usize] + edge.opposite) as usize];
-            if out[at] != NONE && back(out[at]) != i as u32 {
-                out[at] = NONE;
+        let (mut out, mut first) = (Vec::new(), Vec::with_capacity(fitted.len()));
+        for f in fitted {
+            first.push(out.len() as u32);
+            if is_tile(f) {
+                out.extend(patches.edges_of(f.patch as usize).iter().map(|e| across(f, e)));
             }
         }
+        // At the tolerance, rounding may make only one of two instances find the other.
+        for (i, f) in fitted.iter().enumerate() {
+            for (e, edge) in patches.edges_of(f.patch as usize).iter().enumerate() {
+                let at = first[i] as usize + e;
+                let back = |o: u32| out[(first[o as usize] + edge.opposite) as usize];
+                if out[at] != NONE && back(out[at]) != i as u32 {
+                    out[at] = NONE;
+                }
+            }
+        }
+        (out, first)
     }
-    (out, first)
 }

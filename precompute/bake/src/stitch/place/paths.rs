@@ -15,17 +15,17 @@ pub(in crate::stitch) struct LinkRoots {
     /// Number of roots of each link (links).
     counts: Vec<u32>,
     /// The roots.
-    roots: Vec<Placement>,
+    pub roots: Vec<Placement>,
     /// Frame row of each root (roots.len()).
-    rows: Vec<u32>,
-    /// Links, sorted by the frames they play.
-    order: Vec<u32>,
+    pub rows: Vec<u32>,
+    /// Links, sorted by the frames they play: consecutive ones need the same bodies.
+    pub play_order: Vec<u32>,
     /// Bounds of the roots of each link (links).
-    bounds: Vec<BoundingBox>,
+    pub bounds: Vec<BoundingBox>,
     /// Longest step over the ground from one frame to the next (m).
-    step: f32,
+    pub longest_step: f32,
     /// True if links have most of their roots in common.
-    shared: bool,
+    pub is_shared: bool,
 }
 
 /// Motion in one place: where its frame row 0 would be, in steps; equal for links that share it.
@@ -43,7 +43,7 @@ impl LinkRoots {
             counts: links.iter().map(|l| u32::from(l.num_frames) + 1).collect(),
             ..Self::default()
         };
-        out.order = order.iter().map(|&(_, l)| l as u32).collect();
+        out.play_order = order.iter().map(|&(_, l)| l as u32).collect();
         let mut before: Option<RootMotion> = None;
         for (motion, l) in order {
             let link = &links[l];
@@ -53,46 +53,23 @@ impl LinkRoots {
                 _ => 0,
             };
             out.starts[l] = out.roots.len() as u32 - shared;
-            let new = library.link_roots(link).enumerate().skip(shared as usize);
-            for (k, root) in new {
-                out.roots.push(root);
-                out.rows.push(link.frame + k as u32);
-            }
+            out.roots.extend(library.link_roots(link).skip(shared as usize));
+            out.rows.extend((0..out.counts[l]).skip(shared as usize).map(|k| link.frame + k));
             before = motion;
         }
         let around = |l: usize| BoundingBox::around_points(out.roots_of_link(l).iter().map(|r| r.translation()));
         let longest = |l: usize| {
             out.roots_of_link(l).windows(2).map(|w| (w[1].x - w[0].x).hypot(w[1].z - w[0].z)).fold(0.0, f32::max)
         };
-        let (bounds, step) =
-            ((0..links.len()).map(around).collect(), (0..links.len()).map(longest).fold(0.0, f32::max));
-        let shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
-        Self { bounds, step, shared, ..out }
-    }
-
-    /// True if links have most of their roots in common.
-    pub fn is_shared(&self) -> bool {
-        self.shared
+        let bounds = (0..links.len()).map(around).collect();
+        let longest_step = (0..links.len()).map(longest).fold(0.0, f32::max);
+        let is_shared = 2 * out.roots.len() <= out.counts.iter().map(|&n| n as usize).sum();
+        Self { bounds, longest_step, is_shared, ..out }
     }
 
     /// Number of links.
     pub fn num_links(&self) -> usize {
         self.starts.len()
-    }
-
-    /// All links, sorted by the frames they play: consecutive ones need the same bodies.
-    pub fn play_order(&self) -> &[u32] {
-        &self.order
-    }
-
-    /// Bounds of the roots of a link.
-    pub fn bounds(&self, link: usize) -> &BoundingBox {
-        &self.bounds[link]
-    }
-
-    /// Longest step over the ground from one frame to the next (m).
-    pub fn longest_step(&self) -> f32 {
-        self.step
     }
 
     /// Roots of one link (num_frames + 1).
@@ -109,16 +86,6 @@ impl LinkRoots {
     pub fn root_range(&self, link: usize) -> std::ops::Range<usize> {
         let first = self.starts[link] as usize;
         first..first + self.counts[link] as usize
-    }
-
-    /// All roots.
-    pub fn roots(&self) -> &[Placement] {
-        &self.roots
-    }
-
-    /// Frame row of each root (roots().len()).
-    pub fn rows(&self) -> &[u32] {
-        &self.rows
     }
 }
 
@@ -321,13 +288,13 @@ mod tests {
         };
         let paths = LinkRoots::new(&patches, &library, 0);
         // Frames 2 to 10 and 15 to 18 once, and the edited link's own four.
-        assert_eq!(paths.roots().len(), 9 + 4 + 4);
+        assert_eq!(paths.roots.len(), 9 + 4 + 4);
         for (l, link) in links.iter().enumerate() {
             let expected: Vec<Placement> = library.link_roots(link).collect();
             assert_eq!(paths.roots_of_link(l).len(), expected.len());
             for (k, (a, b)) in paths.roots_of_link(l).iter().zip(&expected).enumerate() {
                 assert!((a.translation() - b.translation()).length() < 0.003 && (a.heading - b.heading).abs() < 0.003);
-                assert_eq!(paths.rows()[paths.root_range(l).start + k], link.frame + k as u32);
+                assert_eq!(paths.rows[paths.root_range(l).start + k], link.frame + k as u32);
             }
         }
     }

@@ -1,10 +1,10 @@
 //! Places patches in an environment, and finds overlaps and obstacles.
 
-use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
+use super::fit::{FittedPatch, UnitIndex};
 use super::near::overlapping_pairs;
 use super::relation::RelativePlacement;
-use super::solids;
 use crate::environment::{Environment, PlacedUnit};
+use crate::stages::stage_error;
 use crate::stitch::config::StitchConfig;
 use crate::stitch::library::{Library, STAGE, UnitPattern, refusal_error};
 use throng_core::patch::PatchTables;
@@ -59,15 +59,19 @@ impl<'a> Placer<'a> {
     /// [`BuildError::Stage`] names units that overlap or that no block fits.
     pub fn place_patches(&self, environment: &Environment) -> Result<PlacedPatches> {
         self.check_units(environment)?;
-        solids::check(&self.library, environment, self.config.overlap_m)?;
+        self.check_overlaps(environment)?;
         let index = UnitIndex::new(environment);
-        let fitted = fit_patches(&self.library, &self.patterns, &index, 0..environment.units.len() as u32);
+        let fitted = self.fit_patches(&index, 0..environment.units.len() as u32);
         self.check_cover(environment, &fitted)?;
-        let (neighbours, first_neighbour) = neighbours(&self.patches, &self.patterns, &index, &fitted);
+        let (neighbours, first_neighbour) = self.neighbours(&index, &fitted);
         let bounds: Vec<BoundingBox> = fitted.iter().map(|f| self.instance_bounds(f)).collect();
         let shapes: Vec<BoundingBox> = environment.units.iter().map(|u| self.pattern_bounds(u)).collect();
-        let pairs = self.pairs(&fitted, &bounds);
-        let obstacles = self.obstacles(environment, &fitted, &bounds, &shapes);
+        let both = overlapping_pairs(&bounds, &bounds).into_iter().filter(|(i, j)| i < j);
+        let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(&fitted, i, j)).collect();
+        pairs.sort_unstable();
+        let obstacle =
+            |(i, u): (u32, u32)| Some((i, u, fitted[i as usize].obstacle(u, &environment.units[u as usize])?));
+        let obstacles = overlapping_pairs(&bounds, &shapes).into_iter().filter_map(obstacle).collect();
         Ok(PlacedPatches { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
     }
 
@@ -82,15 +86,7 @@ impl<'a> Placer<'a> {
         self.library.geometries[unit.unit].bounds.mapped(|p| unit.placement.transform_point(p))
     }
 
-    /// Overlapping pairs with at least one block; a tile is side a, and of two blocks that of the lower patch.
-    fn pairs(&self, fitted: &[FittedPatch], bounds: &[BoundingBox]) -> Vec<(u32, u32, RelativePlacement)> {
-        let both = overlapping_pairs(bounds, bounds).into_iter().filter(|(i, j)| i < j);
-        let mut pairs: Vec<_> = both.filter_map(|(i, j)| self.pair(fitted, i, j)).collect();
-        pairs.sort_unstable();
-        pairs
-    }
-
-    /// Overlap of two instances, side a first; `None` for two tiles.
+    /// Overlap of two instances, side a first: a tile, or of two blocks that of the lower patch; `None` for two tiles.
     pub fn pair(&self, fitted: &[FittedPatch], i: u32, j: u32) -> Option<(u32, u32, RelativePlacement)> {
         let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
         let [first, second] = [i, j].map(|i| &fitted[i as usize]);
@@ -105,30 +101,6 @@ impl<'a> Placer<'a> {
             (false, false) => (ij, i) <= (ji, j),
         };
         Some(if first { (i, j, ij) } else { (j, i, ji) })
-    }
-
-    fn obstacles(
-        &self,
-        environment: &Environment,
-        fitted: &[FittedPatch],
-        bounds: &[BoundingBox],
-        shapes: &[BoundingBox],
-    ) -> Vec<(u32, u32, RelativePlacement)> {
-        let near = overlapping_pairs(bounds, shapes).into_iter();
-        near.filter_map(|(i, u)| self.obstacle_to(environment, fitted, i, u)).collect()
-    }
-
-    /// Relative placement of a unit that obstructs an instance.
-    pub fn obstacle_to(
-        &self,
-        environment: &Environment,
-        fitted: &[FittedPatch],
-        i: u32,
-        u: u32,
-    ) -> Option<(u32, u32, RelativePlacement)> {
-        let (f, p) = (&fitted[i as usize], &environment.units[u as usize]);
-        let relation = || RelativePlacement::new(f.patch, f.placement, p.unit as u32, p.placement);
-        (!f.units.contains(&u)).then(|| (i, u, relation()))
     }
 
     /// Checks that every unit is one of the bundle's, at a valid place.
@@ -163,10 +135,11 @@ impl<'a> Placer<'a> {
         };
         let unit = environment.units[first].unit;
         let used = self.patterns.iter().any(|p| p.units.iter().any(|u| u.0 == unit));
-        let help = if used {
-            "Place it as it stood to other units where the motion was captured"
-        } else {
-            "No patch of the bundle has such a unit: list it as `obstacles` under [stitch] if it is only in the way"
+        let help = match used {
+            true => "Place it as it stood to other units where the motion was captured",
+            false => {
+                "No patch of the bundle has such a unit: list it as `obstacles` under [stitch] if it is only in the way"
+            }
         };
         let more = if left.len() > 1 { format!(", nor {} more", left.len() - 1) } else { String::new() };
         let why = format!("no block fits {}{more}", self.library.describe(environment, first));
@@ -176,7 +149,7 @@ impl<'a> Placer<'a> {
     fn nothing_fits(&self, environment: &Environment) -> BuildError {
         let (bundle, name, count) = (self.library.bundle, &environment.name, environment.units.len());
         let message = format!("no block of bundle {bundle} fits environment {name}, which has {count} units");
-        BuildError::Stage { stage: STAGE, message, help: "Place units that its patches consist of".into() }
+        stage_error(STAGE, message, "Place units that its patches consist of")
     }
 
     /// True for a unit that is an obstacle only.

@@ -1,6 +1,7 @@
 //! Overlapping units, which make an environment invalid.
 
 use super::near::overlapping_pairs;
+use super::place_patches::Placer;
 use crate::environment::{Environment, UnitObject, UnitShape};
 use crate::stitch::library::{Library, refusal_error, turn_difference};
 use glam::{Quat, Vec3};
@@ -28,10 +29,8 @@ impl OrientedBox {
 
     fn from_shape(shape: &UnitShape) -> Option<Self> {
         let UnitShape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
-        let turn = maths::compose(
-            Quat::from_rotation_y(heading_deg.to_radians()),
-            Quat::from_rotation_x(pitch_deg.to_radians()),
-        );
+        let [heading, pitch] = [heading_deg, pitch_deg].map(|deg| deg.to_radians());
+        let turn = maths::compose(Quat::from_rotation_y(heading), Quat::from_rotation_x(pitch));
         let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| turn * a);
         Some(Self { centre: Vec3::from_array(*at), axes, half: Vec3::from_array(*size) * 0.5 })
     }
@@ -62,61 +61,56 @@ impl OrientedBox {
     }
 }
 
-/// Checks that no unit overlaps another.
-///
-/// # Errors
-/// [`throng_motion::error::BuildError::Stage`] names two that do.
-pub(in crate::stitch) fn check(library: &Library<'_>, environment: &Environment, depth_m: f32) -> Result<()> {
-    let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(OrientedBox::boxes_of_unit).collect();
-    let placed: Vec<(u32, OrientedBox)> = environment
-        .units
-        .iter()
-        .enumerate()
-        .flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i as u32, s.transformed(u.placement))))
-        .collect();
-    let refuse = |a: u32, b: u32, how: String| {
-        let [a, b] = [a, b].map(|unit| library.describe(environment, unit as usize));
-        refusal_error(environment, format!("{a} and {b} {how}"), "Move or remove one of them")
-    };
-    if let Some((a, b)) = same_place(library, environment) {
-        return Err(refuse(a, b, "stand in the same place".into()));
-    }
-    let bounds: Vec<BoundingBox> = placed.iter().map(|(_, s)| s.bounds().expanded(-0.5 * depth_m)).collect();
-    for (i, j) in overlapping_pairs(&bounds, &bounds) {
-        let ((a, one), (b, other)) = (placed[i as usize], placed[j as usize]);
-        if a < b {
-            let depth = one.overlap_depth(&other);
-            if depth > depth_m {
-                return Err(refuse(a, b, format!("stand {depth:.2} m in each other")));
+impl Placer<'_> {
+    /// Checks that no unit overlaps another.
+    ///
+    /// # Errors
+    /// [`throng_motion::error::BuildError::Stage`] names two that do.
+    pub fn check_overlaps(&self, environment: &Environment) -> Result<()> {
+        let (library, depth_m) = (&self.library, self.config.overlap_m);
+        let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(OrientedBox::boxes_of_unit).collect();
+        let units = (0u32..).zip(&environment.units);
+        let boxes = units.flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i, s.transformed(u.placement))));
+        let placed: Vec<(u32, OrientedBox)> = boxes.collect();
+        let refuse = |a: u32, b: u32, how: String| {
+            let [a, b] = [a, b].map(|unit| library.describe(environment, unit as usize));
+            refusal_error(environment, format!("{a} and {b} {how}"), "Move or remove one of them")
+        };
+        if let Some((a, b)) = same_place(library, environment) {
+            return Err(refuse(a, b, "stand in the same place".into()));
+        }
+        let bounds: Vec<BoundingBox> = placed.iter().map(|(_, s)| s.bounds().expanded(-0.5 * depth_m)).collect();
+        for (i, j) in overlapping_pairs(&bounds, &bounds) {
+            let ((a, one), (b, other)) = (placed[i as usize], placed[j as usize]);
+            if a < b {
+                let depth = one.overlap_depth(&other);
+                if depth > depth_m {
+                    return Err(refuse(a, b, format!("stand {depth:.2} m in each other")));
+                }
             }
         }
+        Ok(())
     }
-    Ok(())
-}
 
-/// True if no other unit overlaps a given one, and no copy of it is in the same place.
-///
-/// - `shapes`: bounds of all units (units).
-pub(in crate::stitch) fn is_free(
-    library: &Library<'_>,
-    environment: &Environment,
-    shapes: &[BoundingBox],
-    unit: usize,
-    depth_m: f32,
-) -> bool {
-    let placed = |i: usize| {
-        let u = &environment.units[i];
-        OrientedBox::boxes_of_unit(&library.units.units[u.unit]).into_iter().map(|s| s.transformed(u.placement))
-    };
-    let own: Vec<OrientedBox> = placed(unit).collect();
-    let at = environment.units[unit].placement.translation();
-    let is_apart = |i: usize| {
-        let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
-        (far || environment.units[i].unit != environment.units[unit].unit)
-            && (!shapes[i].overlaps(&shapes[unit])
-                || placed(i).all(|s| own.iter().all(|o| s.overlap_depth(o) <= depth_m)))
-    };
-    (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
+    /// True if no other unit overlaps a given one, and no copy of it is in the same place.
+    ///
+    /// - `shapes`: bounds of all units (units).
+    pub fn is_free(&self, environment: &Environment, shapes: &[BoundingBox], unit: usize) -> bool {
+        let (library, depth_m) = (&self.library, self.config.overlap_m);
+        let placed = |i: usize| {
+            let u = &environment.units[i];
+            OrientedBox::boxes_of_unit(&library.units.units[u.unit]).into_iter().map(|s| s.transformed(u.placement))
+        };
+        let own: Vec<OrientedBox> = placed(unit).collect();
+        let at = environment.units[unit].placement.translation();
+        let is_apart = |i: usize| {
+            let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
+            (far || environment.units[i].unit != environment.units[unit].unit)
+                && (!shapes[i].overlaps(&shapes[unit])
+                    || placed(i).all(|s| own.iter().all(|o| s.overlap_depth(o) <= depth_m)))
+        };
+        (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
+    }
 }
 
 /// The first two copies of a unit that stand in the same place.

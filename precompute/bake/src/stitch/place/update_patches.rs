@@ -1,10 +1,9 @@
 //! Updates placed patches after the change of one unit, looking only at its surroundings.
 
 use super::change::EnvironmentEdit;
-use super::fit::{FittedPatch, UnitIndex, fit_patches, neighbours};
+use super::fit::{FittedPatch, UnitIndex};
 use super::place_patches::{PlacedPatches, Placer};
 use super::relation::RelativePlacement;
-use super::solids;
 use crate::environment::Environment;
 use throng_core::patch::NONE;
 use throng_geometry::BoundingBox;
@@ -75,75 +74,20 @@ impl Placer<'_> {
         back: &EnvironmentEdit,
     ) -> Option<UpdatedPlacement> {
         let changed = ChangedUnit::from_undo(back);
-        let shapes = self.shapes(environment, before, changed)?;
+        let (now, placed, kept) = (vec![NONE; before.fitted.len()], PlacedPatches::default(), KeptInstances::default());
+        let mut update = PatchUpdate { placer: self, environment, before, changed, now, placed, kept };
+        update.renew_shapes()?;
         if let Some(unit) = changed.after
-            && !solids::is_free(&self.library, environment, &shapes, unit as usize, self.config.overlap_m)
+            && !self.is_free(environment, &update.placed.shapes, unit as usize)
         {
             return None;
         }
-        let (fitted, was) = self.refit(environment, &before.fitted, changed);
-        self.check_cover(environment, &fitted).ok()?;
-        // Remaining instances keep their order, and so does all that is sorted by it.
-        let mut now = vec![NONE; before.fitted.len()];
-        (0u32..).zip(&was).filter(|(_, was)| **was != NONE).for_each(|(i, &was)| now[was as usize] = i);
-        let mut placed = PlacedPatches { fitted, shapes, ..PlacedPatches::default() };
-        let mut kept = KeptInstances {
-            is_alike: was.iter().map(|&was| was != NONE).collect(),
-            previous_of: was,
-            ..KeptInstances::default()
-        };
-        let was = &kept.previous_of;
-        let reach = |(f, &was): (&FittedPatch, &u32)| {
-            before.bounds.get(was as usize).copied().unwrap_or_else(|| self.instance_bounds(f))
-        };
-        placed.bounds = placed.fitted.iter().zip(was).map(reach).collect();
-        self.renew_neighbours(environment, before, &now, was, &mut placed);
-        self.renew_pairs(before, &now, &mut placed, &mut kept);
-        self.renew_obstacles(environment, before, changed, &now, &mut placed, &mut kept);
-        Some(UpdatedPlacement { patches: placed, kept })
-    }
-
-    /// Bounds of all units; `None` if the changed one is not one of the bundle's.
-    fn shapes(
-        &self,
-        environment: &Environment,
-        before: &PlacedPatches,
-        changed: ChangedUnit,
-    ) -> Option<Vec<BoundingBox>> {
-        let mut shapes = before.shapes.clone();
-        let new = match changed.after.map(|unit| &environment.units[unit as usize]) {
-            Some(unit) if !self.is_known(unit) => return None,
-            unit => unit.map(|unit| self.pattern_bounds(unit)),
-        };
-        if let Some(unit) = changed.before {
-            shapes.remove(unit as usize);
-        }
-        if let (Some(unit), Some(shape)) = (changed.after, new) {
-            shapes.insert(unit as usize, shape);
-        }
-        Some(shapes)
-    }
-
-    /// Instances, with the previous number of each.
-    fn refit(
-        &self,
-        environment: &Environment,
-        before: &[FittedPatch],
-        changed: ChangedUnit,
-    ) -> (Vec<FittedPatch>, Vec<u32>) {
-        let is_left = |f: &FittedPatch| changed.before.is_none_or(|unit| !f.units.contains(&unit));
-        let numbered = |f: &FittedPatch| {
-            let units = f.units.iter().map(|&u| changed.number_after(u)).collect();
-            FittedPatch { units, ..f.clone() }
-        };
-        let left = (0u32..).zip(before).filter(|(_, f)| is_left(f)).map(|(was, f)| (numbered(f), was));
-        let mut all: Vec<(FittedPatch, u32)> = left.collect();
-        if let Some(unit) = changed.after {
-            let new = self.fit_around(environment, unit);
-            all.extend(new.into_iter().filter(|f| f.units.contains(&unit)).map(|f| (f, NONE)));
-            all.sort_by_key(|(f, _)| f.sort_key());
-        }
-        all.into_iter().unzip()
+        update.refit();
+        self.check_cover(environment, &update.placed.fitted).ok()?;
+        update.renew_neighbours();
+        update.renew_pairs();
+        update.renew_obstacles();
+        Some(UpdatedPlacement { patches: update.placed, kept: update.kept })
     }
 
     /// All patches that fit near a unit, including all that it belongs to.
@@ -155,23 +99,71 @@ impl Placer<'_> {
         let all = || 0..environment.units.len() as u32;
         // Units of one set are at most that far apart, and further ones that fit with them as far again.
         let index = UnitIndex::from_units(environment, all().filter(|&i| apart(i) < 4.0 * widest + 1.0));
-        fit_patches(&self.library, &self.patterns, &index, all().filter(|&i| apart(i) < 2.0 * widest + 0.5))
+        self.fit_patches(&index, all().filter(|&i| apart(i) < 2.0 * widest + 0.5))
+    }
+}
+
+/// An update of placed patches. Remaining instances keep their order, and so does all that is sorted by it.
+struct PatchUpdate<'u> {
+    placer: &'u Placer<'u>,
+    environment: &'u Environment,
+    before: &'u PlacedPatches,
+    changed: ChangedUnit,
+    /// New number of each previous instance; [`NONE`] for removed ones.
+    now: Vec<u32>,
+    placed: PlacedPatches,
+    kept: KeptInstances,
+}
+
+impl PatchUpdate<'_> {
+    /// Bounds of all units; `None` if the changed one is not one of the bundle's.
+    fn renew_shapes(&mut self) -> Option<()> {
+        let mut shapes = self.before.shapes.clone();
+        if let Some(unit) = self.changed.before {
+            shapes.remove(unit as usize);
+        }
+        if let Some(unit) = self.changed.after {
+            let placed = &self.environment.units[unit as usize];
+            shapes.insert(unit as usize, self.placer.is_known(placed).then(|| self.placer.pattern_bounds(placed))?);
+        }
+        self.placed.shapes = shapes;
+        Some(())
     }
 
-    fn renew_neighbours(
-        &self,
-        environment: &Environment,
-        before: &PlacedPatches,
-        now: &[u32],
-        was: &[u32],
-        placed: &mut PlacedPatches,
-    ) {
-        let is_tile = |f: &FittedPatch| self.patterns[f.patch as usize].is_tile;
+    /// Instances with their bounds, and the previous number of each.
+    fn refit(&mut self) {
+        let (before, changed) = (self.before, self.changed);
+        let is_left = |f: &FittedPatch| changed.before.is_none_or(|unit| !f.units.contains(&unit));
+        let numbered = |f: &FittedPatch| {
+            let units = f.units.iter().map(|&u| changed.number_after(u)).collect();
+            FittedPatch { units, ..f.clone() }
+        };
+        let left = (0u32..).zip(&before.fitted).filter(|(_, f)| is_left(f)).map(|(was, f)| (numbered(f), was));
+        let mut all: Vec<(FittedPatch, u32)> = left.collect();
+        if let Some(unit) = changed.after {
+            let new = self.placer.fit_around(self.environment, unit);
+            all.extend(new.into_iter().filter(|f| f.units.contains(&unit)).map(|f| (f, NONE)));
+            all.sort_by_key(|(f, _)| f.sort_key());
+        }
+        let bounds = |(f, was): &(FittedPatch, u32)| {
+            before.bounds.get(*was as usize).copied().unwrap_or_else(|| self.placer.instance_bounds(f))
+        };
+        self.placed.bounds = all.iter().map(bounds).collect();
+        (self.placed.fitted, self.kept.previous_of) = all.into_iter().unzip();
+        self.kept.is_alike = self.kept.previous_of.iter().map(|&was| was != NONE).collect();
+        for (i, &was) in (0u32..).zip(&self.kept.previous_of).filter(|(_, was)| **was != NONE) {
+            self.now[was as usize] = i;
+        }
+    }
+
+    fn renew_neighbours(&mut self) {
+        let Self { placer, before, now, placed, kept, .. } = self;
+        let was = &kept.previous_of;
+        let is_tile = |f: &FittedPatch| placer.patterns[f.patch as usize].is_tile;
         let is_new = placed.fitted.iter().zip(was).any(|(f, was)| *was == NONE && is_tile(f));
-        let is_gone = before.fitted.iter().zip(now).any(|(f, now)| *now == NONE && is_tile(f));
+        let is_gone = before.fitted.iter().zip(&*now).any(|(f, now)| *now == NONE && is_tile(f));
         if is_new || is_gone {
-            let index = UnitIndex::new(environment);
-            let found = neighbours(&self.patches, &self.patterns, &index, &placed.fitted);
+            let found = placer.neighbours(&UnitIndex::new(self.environment), &placed.fitted);
             (placed.neighbours, placed.first_neighbour) = found;
             return;
         }
@@ -179,13 +171,14 @@ impl Placer<'_> {
             placed.first_neighbour.push(placed.neighbours.len() as u32);
             if is_tile(f) {
                 let first = before.first_neighbour[was as usize] as usize;
-                let own = &before.neighbours[first..first + self.patches.edges_of(f.patch as usize).len()];
+                let own = &before.neighbours[first..first + placer.patches.edges_of(f.patch as usize).len()];
                 placed.neighbours.extend(own.iter().map(|&o| if o == NONE { NONE } else { now[o as usize] }));
             }
         }
     }
 
-    fn renew_pairs(&self, before: &PlacedPatches, now: &[u32], placed: &mut PlacedPatches, kept: &mut KeptInstances) {
+    fn renew_pairs(&mut self) {
+        let Self { placer, before, now, placed, kept, .. } = self;
         let mut pairs: Vec<((u32, u32, RelativePlacement), u32)> = Vec::with_capacity(before.pairs.len());
         for (k, &(a, b, relation)) in (0u32..).zip(&before.pairs) {
             match (now[a as usize], now[b as usize]) {
@@ -198,22 +191,15 @@ impl Placer<'_> {
             let near = overlapped(&placed.bounds, &placed.bounds[new as usize]);
             // A pair of new instances is handled from the first of them.
             let others = near.filter(|&o| o != new && (kept.previous_of[o as usize] != NONE || o > new));
-            let pair = |o: u32| self.pair(&placed.fitted, new.min(o), new.max(o));
+            let pair = |o: u32| placer.pair(&placed.fitted, new.min(o), new.max(o));
             pairs.extend(others.filter_map(pair).map(|pair| (pair, NONE)));
         }
         merge(&mut pairs, num_left);
         (placed.pairs, kept.previous_pair_of) = pairs.into_iter().unzip();
     }
 
-    fn renew_obstacles(
-        &self,
-        environment: &Environment,
-        before: &PlacedPatches,
-        changed: ChangedUnit,
-        now: &[u32],
-        placed: &mut PlacedPatches,
-        kept: &mut KeptInstances,
-    ) {
+    fn renew_obstacles(&mut self) {
+        let Self { environment, before, changed, now, placed, kept, .. } = self;
         let mut obstacles = Vec::with_capacity(before.obstacles.len());
         for &(i, unit, relation) in &before.obstacles {
             let i = now[i as usize];
@@ -230,7 +216,8 @@ impl Placer<'_> {
         for (i, &was) in (0u32..).zip(&kept.previous_of) {
             let bounds = &placed.bounds[i as usize];
             let near = |unit: &u32| bounds.min.is_finite() && placed.shapes[*unit as usize].overlaps(bounds);
-            let to = |unit| self.obstacle_to(environment, &placed.fitted, i, unit);
+            let fitted = &placed.fitted[i as usize];
+            let to = |unit: u32| Some((i, unit, fitted.obstacle(unit, &environment.units[unit as usize])?));
             match was {
                 NONE => obstacles.extend((0..placed.shapes.len() as u32).filter(near).filter_map(to)),
                 _ => {

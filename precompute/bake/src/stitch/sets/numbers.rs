@@ -12,7 +12,8 @@ pub(in crate::stitch) struct SharedNumbers<'b, T> {
     /// New number of each previous value; [`NONE`] until used (before.len()).
     now: Vec<u32>,
     known: HashMap<IdentityArc<T>, u32>,
-    all: Vec<Arc<T>>,
+    /// All used values, by number.
+    pub all: Vec<Arc<T>>,
 }
 
 impl<'b, T> SharedNumbers<'b, T> {
@@ -40,11 +41,6 @@ impl<'b, T> SharedNumbers<'b, T> {
             all.len() as u32 - 1
         })
     }
-
-    /// All used values, by number.
-    pub fn into_all(self) -> Vec<Arc<T>> {
-        self.all
-    }
 }
 
 #[cfg(test)]
@@ -61,6 +57,6 @@ mod tests {
             [0, 1, 0, NONE]
         );
         assert_eq!([numbers.number_of(&before[0]), numbers.renumber(0), numbers.renumber(2)], [2, 2, 0]);
-        assert_eq!(numbers.into_all().iter().map(|c| **c).collect::<String>(), "cda");
+        assert_eq!(numbers.all.iter().map(|c| **c).collect::<String>(), "cda");
     }
 }

@@ -6,6 +6,7 @@ use crate::stitch::clearance::link_clearance::SLACK_M;
 use proptest::prelude::*;
 use std::path::Path;
 use std::sync::Arc;
+use throng_core::Skeleton;
 use throng_core::format::ROTATION_BYTES;
 
 /// A small box, one side of it in the x, y plane.
@@ -18,7 +19,9 @@ fn crate_behind() -> DistanceField {
 /// A body in the T-pose, its arms along x.
 fn bodies(contacts: Contacts, depth_m: f32) -> FrameBodies {
     let row = FrameRow { height: 0.95, planar: [0.0; 3], rotations: [0; ROTATION_BYTES] };
-    FrameBodies::new(&[row], &RotationCode::of_rest_pose(), &[contacts], &Skeleton::default(), depth_m)
+    let (units, skeleton) = (UnitSet::default(), Skeleton::default());
+    let library = Library::without_motion(&units, &skeleton);
+    FrameBodies::new(&Library { frames: &[row], contacts: &[contacts], ..library }, depth_m)
 }
 
 /// How far a unit is from what the spheres may be deep in it, below 0 where the body collides (m).
@@ -60,7 +63,7 @@ fn beyond_the_grid_a_body_is_no_clearer_than_its_thickest_sphere() {
     // Its back is to the crate, and all spheres of its trunk are a little farther from it than the grid reaches.
     let root = Placement::new(0.0, 0.0, -DistanceField::MARGIN_M - 0.004, std::f32::consts::PI);
     let exact = exact(&thick, root, &unit);
-    assert!(exact < SLACK_M - 0.02 && thick.least_distance(0, root, &unit) < 0.0, "{exact}");
+    assert!(exact < SLACK_M - 0.02 && thick.reaches[0].least_distance(root, &unit) < 0.0, "{exact}");
     let UnitRoom::Clear(clear) = thick.room(0, root, &unit, SLACK_M) else { panic!("the body does not collide") };
     assert!(clear <= exact && clear > exact - 0.02, "{clear} {exact}");
     // With the default depth, as far as is asked for.

@@ -83,7 +83,7 @@ impl Walks {
             pairs: [].as_slice().into(),
         };
         let paths = LinkRoots::new(&patches, &library, 0);
-        let bodies = FrameBodies::new(&self.frames, &self.rotation_code, &self.contacts, &self.skeleton, DEPTH_M);
+        let bodies = FrameBodies::new(&library, DEPTH_M);
         sample(&paths, &bodies, &geometries.iter().map(DistanceField::new).collect::<Vec<_>>())
     }
 

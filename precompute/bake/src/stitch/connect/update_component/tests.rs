@@ -1,8 +1,8 @@
 //! Random worlds, changed at random, against strongly connected components of a graph that is built.
 
 use super::*;
+use crate::components::SuccessorGraph;
 use crate::stitch::clearance::collision_span::CollisionSpan;
-use crate::stitch::connect::component::SuccessorGraph;
 use crate::stitch::connect::component_cells::{ComponentMembership, find_component};
 use crate::stitch::connect::crossing::CrossingJoints;
 use crate::stitch::connect::joined::{GraphInstance, InstanceOverlap, exits};

@@ -1,7 +1,7 @@
 //! Largest strongly connected component of an implicit graph (Tarjan 1972, as Pearce 2016 stores it).
 
 /// A graph that enumerates the successors of each node.
-pub(in crate::stitch) trait SuccessorGraph {
+pub(crate) trait SuccessorGraph {
     /// Position in the enumeration of a node's successors.
     type Cursor: Copy + Default;
 
@@ -22,7 +22,7 @@ pub(in crate::stitch) trait SuccessorGraph {
 ///
 /// Components are numbered downwards from `num_nodes` in the order of completion: every edge leads to a component of
 /// the same number or a higher one. Memory: one number a node beside the depth of the search.
-pub(in crate::stitch) fn components<G: SuccessorGraph>(graph: &G) -> Vec<u32> {
+pub(crate) fn components<G: SuccessorGraph>(graph: &G) -> Vec<u32> {
     let mut search = ComponentSearch::<G> {
         graph,
         number: vec![0; graph.num_nodes()],
@@ -107,7 +107,7 @@ impl<G: SuccessorGraph> ComponentSearch<'_, G> {
 /// First node of the component with most nodes; on a tie of the one with the first node.
 ///
 /// - returns `None` if no node leads back to itself.
-pub(in crate::stitch) fn largest<G: SuccessorGraph>(graph: &G) -> Option<u32> {
+pub(crate) fn largest<G: SuccessorGraph>(graph: &G) -> Option<u32> {
     let component = components(graph);
     let lowest = *component.iter().min()?;
     let mut sizes = vec![0u32; graph.num_nodes() + 1 - lowest as usize];
