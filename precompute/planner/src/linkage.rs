@@ -2,7 +2,7 @@
 
 use crate::rotation::Rigid;
 use glam::{DQuat, DVec3};
-use throng_core::{Joint, Skeleton};
+use throng_core::{Contacts, Joint, Skeleton};
 
 /// Most joints of a linkage.
 pub const MAX_JOINTS: usize = 4;
@@ -45,6 +45,21 @@ impl Limb {
     /// True for joints that move with the limb: its own, and fingers and toes behind them.
     pub fn moves_joint(self, joint: Joint) -> bool {
         std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
+    }
+
+    /// The name in everyday words.
+    pub(crate) fn words(self) -> String {
+        self.name().replace('_', " ")
+    }
+
+    /// True where the foot of the limb, if it is a leg, is planted on a frame.
+    pub(crate) fn is_planted(self, contacts: &[Contacts], frame: usize) -> bool {
+        let foot = match self {
+            Self::LeftLeg => Contacts::LEFT,
+            Self::RightLeg => Contacts::RIGHT,
+            Self::LeftArm | Self::RightArm => return false,
+        };
+        contacts.get(frame).is_some_and(|c| c.any(foot))
     }
 
     /// The name in snake_case, as tasks write it.

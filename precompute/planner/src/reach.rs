@@ -43,10 +43,8 @@ impl Problem {
     ) -> Result<LimbPose, IkError<String>> {
         let ik = LimbIk::new(&self.chain, &self.limits);
         ik.solve(&self.base_at(time_s), target, present, from, |pose| {
-            checker.deepest_hit(self, &LimbState { pose: *pose, time_s }).map(|hit| {
-                let [_, with] = self.hit_names(&hit);
-                with
-            })
+            let hit = checker.deepest_hit(self, &LimbState { pose: *pose, time_s })?;
+            Some(self.target_name(self.pairs[hit.pair].target))
         })
     }
 }

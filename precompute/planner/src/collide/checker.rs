@@ -123,9 +123,7 @@ impl Checker {
         limit: f64,
     ) -> Option<Segment> {
         let (core, middle) = self.cores[part];
-        let part = &problem.parts[part];
-        let solid = &problem.solids[s];
-        let kept = &mut self.solids[s];
+        let (part, solid, kept) = (&problem.parts[part], &problem.solids[s], &mut self.solids[s]);
         if kept.0 != self.checks {
             *kept = (self.checks, solid.solid.path.place_at(time_s));
         }
@@ -148,16 +146,12 @@ impl Checker {
     pub fn is_free(&mut self, problem: &Problem, state: &LimbState) -> bool {
         self.prepare_if_other(problem);
         let within = |i: usize| problem.limits[i].excess(state.pose.0[i]) <= LIMIT_TOLERANCE;
-        (0..problem.chain.len()).all(within) && self.first_hit(problem, state).is_none()
-    }
-
-    /// The first pair that is too near.
-    fn first_hit(&mut self, problem: &Problem, state: &LimbState) -> Option<usize> {
+        if !(0..problem.chain.len()).all(within) {
+            return false;
+        }
         self.place_parts(problem, &state.pose, state.time_s);
-        (0..problem.pairs.len()).find(|&p| {
-            let pair = &problem.pairs[p];
-            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap, true)
-        })
+        let mut open = problem.pairs.iter().filter(|p| !p.may_touch_at(state.time_s));
+        !open.any(|pair| self.is_nearer(problem, pair, state.time_s, pair.gap, true))
     }
 
     /// The pair whose penetration is deepest.

@@ -78,14 +78,8 @@ impl Checker {
     ) -> bool {
         let most = turns.iter().copied().fold(0.0, f64::max);
         self.intervals.clear();
-        self.intervals.push(EdgeInterval {
-            from: *from,
-            to: *to,
-            first: 0,
-            end: 0,
-            level: 0,
-            joints: [true; MAX_JOINTS],
-        });
+        let joints = [true; MAX_JOINTS];
+        self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end: 0, level: 0, joints });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;

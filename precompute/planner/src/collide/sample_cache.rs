@@ -61,21 +61,15 @@ impl SampleCache {
         if free_m >= limit {
             return false;
         }
-        if mesh.is_triangle_nearer(sample.near, core, limit) {
-            return true;
+        let is_nearer = mesh.is_triangle_nearer(sample.near, core, limit);
+        if is_nearer || !whole {
+            return is_nearer;
         }
-        if !whole {
-            return false;
+        let found = mesh.first_nearer(core, limit);
+        match found {
+            Some(near) => sample.near = near,
+            None => (sample.core, sample.free_m) = (*core, limit),
         }
-        match mesh.first_nearer(core, limit) {
-            Some(near) => {
-                sample.near = near;
-                true
-            }
-            None => {
-                (sample.core, sample.free_m) = (*core, limit);
-                false
-            }
-        }
+        found.is_some()
     }
 }

@@ -109,11 +109,7 @@ impl BodyLimits {
     /// The limits of a linkage's joints, from the trunk outwards; the last one's repeated behind it. `None` where one of
     /// them has none.
     pub fn linkage_limits(&self, linkage: Linkage) -> Option<[JointLimits; MAX_JOINTS]> {
-        let mut out = [None; MAX_JOINTS];
-        for (to, joint) in out.iter_mut().zip(linkage.joints()) {
-            *to = self.joints[joint.index()];
-        }
-        let [a, b, c, d] = out;
+        let [a, b, c, d] = linkage.joints().map(|joint| self.joints[joint.index()]);
         Some([a?, b?, c?, d?])
     }
 }

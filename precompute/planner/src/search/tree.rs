@@ -78,12 +78,10 @@ impl SearchTree {
 
     /// Appends the states from a node to the root.
     pub fn append_path_to_root(&self, mut node: usize, out: &mut Vec<LimbState>) {
-        loop {
+        while node != 0 {
             out.push(self.nodes[node].state);
-            if node == 0 {
-                return;
-            }
             node = self.nodes[node].parent as usize;
         }
+        out.push(self.nodes[0].state);
     }
 }

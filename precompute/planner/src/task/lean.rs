@@ -165,14 +165,9 @@ fn bent_rotations(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQua
 pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f64) -> Result<(), StepFailure> {
     let (who, limb, [from_s, at_s, to_s]) = (step.character, step.limb, step.times_s);
     let held_s = at_s + step.hold_s;
-    let is_busy = |p: &super::stage::PlannedLimb| {
-        p.character == who && p.limb != limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
-    };
-    let before = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
-    let own = |p: &super::stage::PlannedLimb| {
-        p.character == who && p.limb == limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
-    };
-    if before || stage.planned_limbs.iter().any(|p| is_busy(p) || own(p)) {
+    let leans = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
+    let is_during = |[begin, end]: [f64; 2]| begin < to_s - 1e-6 && end > from_s + 1e-6;
+    if leans || stage.planned_limbs.iter().any(|p| p.character == who && is_during(p.window_s)) {
         return Err(StepFailure::new("nobody leans while another task of the same body is done"));
     }
     let actor = &stage.actors[who];
@@ -194,9 +189,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
     let there = pose(frame_of(at_s));
     let shoulder = limb.joints()[0];
     let far_m = place_joints(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
-    let Some((bend, lower_m)) = trunk.least_bend(&there, shoulder, at, far_m) else {
-        return Err(StepFailure::new("out of reach, as far as the trunk bends"));
-    };
+    let found = trunk.least_bend(&there, shoulder, at, far_m);
+    let (bend, lower_m) = found.ok_or_else(|| StepFailure::new("out of reach, as far as the trunk bends"))?;
     let share = |t: f64| ease((t - from_s) / (at_s - from_s)) * ease((to_s - t) / (to_s - held_s));
     let mut clip = actor.clip.clone();
     for f in frames.clone() {
@@ -204,9 +198,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         if share == 0.0 {
             continue;
         }
-        let Some((root, turns)) = trunk.bent_pose(&old, &bend, share, lower_m) else {
-            return Err(StepFailure::new("who leans there does not stand"));
-        };
+        let bent = trunk.bent_pose(&old, &bend, share, lower_m);
+        let (root, turns) = bent.ok_or_else(|| StepFailure::new("who leans there does not stand"))?;
         if trunk.balances {
             clip.root_positions[f] = root.as_vec3();
         }

@@ -3,10 +3,9 @@
 use super::actions::{CONTACT_S, StepFailure};
 use super::grips::{HandTarget, awkwardness};
 use super::held_capsules::capsules_around;
-use super::run::nearest_distance;
+use super::preview::solve_hands;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlacement};
 use super::step::TaskStep;
-use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::IkError;
 use crate::linkage::Limb;
@@ -14,7 +13,7 @@ use crate::manipulate::{ReachError, ReachTask, reach_target};
 use crate::planner::PlanOutcome;
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
-use crate::setup::{AllowedContact, UprightConstraint};
+use crate::setup::{AllowedContact, ProblemSpec, UprightConstraint};
 use glam::DVec3;
 
 /// Distance below which something supports a thing, or is beside it: they may touch when it is taken and laid down (m).
@@ -63,11 +62,7 @@ pub(super) fn visit_first_goal(
     config: &CorrectConfig<'_>,
 ) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
-    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
-    if let Some(pin) = stage.pins.iter().find(busy) {
-        let t = pin.time_s;
-        return Err(StepFailure::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
-    }
+    stage.check_unpinned(who, limb, "the limb", [from_s, to_s])?;
     let there = LimbSurroundings { level: visit.level, ..stage.surroundings_of_limb(who, limb, [from_s, at_s]) };
     let within = reachable_goals(stage, visit, hands, &there)?;
     first_success(stage, within.iter().take(TRIES), None, |stage, goal| {
@@ -107,36 +102,23 @@ pub(super) fn reachable_goals(
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
-        let times = ReachError::Times { times_s: [from_s, at_s, to_s], end_s: actor.end_s() };
-        return Err(StepFailure::new(times.to_string()));
+        return Err(ReachError::Times { times_s: visit.times_s, end_s: actor.end_s() }.into());
     }
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, limb, there, &others);
-    let ends = [from_s, to_s].map(|time_s| LimbState { pose: actor.motion.limb_pose(spec.linkage, time_s), time_s });
-    let [init, goal] = ends;
-    let spec = crate::setup::ProblemSpec { init, goal, ..spec };
-    let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
-    let mut checker = Checker::default();
-    let present = problem.external_pose_at(at_s);
-    let mut out: Vec<(f64, HandTarget)> = Vec::new();
-    let mut nearest: Option<IkError<String>> = None;
-    for goal in hands {
-        match problem.solve_reach(&mut checker, &goal.hand, at_s, &present) {
-            Ok(pose) => {
-                let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
-                out.push((awkwardness(problem.chain(), &placed, &pose), *goal));
-            }
-            Err(why) => {
-                if nearest.as_ref().is_none_or(|n| why.failure_rank() < n.failure_rank()) {
-                    nearest = Some(why);
-                }
-            }
-        }
-    }
+    let problem = Problem::prepare(&ProblemSpec { admit_ends: false, ..spec.between_times([from_s, to_s]) })?;
+    let (poses, nearest) = solve_hands(&problem, hands, at_s);
+    let reached = hands.iter().zip(poses).filter_map(|(goal, pose)| Some((pose?, *goal)));
+    let mut out: Vec<(f64, HandTarget)> = reached
+        .map(|(pose, goal)| {
+            let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
+            (awkwardness(problem.chain(), &placed, &pose), goal)
+        })
+        .collect();
     if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let IkError::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
-        let why = ReachError::Target { time_s: at_s, why }.to_string();
-        return Err(StepFailure { nearest_m, is_beyond: nearest_m.is_some(), ..StepFailure::new(why) });
+        let is_beyond = nearest_m.is_some();
+        return Err(StepFailure { nearest_m, is_beyond, ..ReachError::Target { time_s: at_s, why }.into() });
     }
     out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
     Ok(out.into_iter().map(|(_, goal)| goal).collect())
@@ -161,13 +143,7 @@ fn plan_visit(
     let spec = stage.limb_spec(who, limb, there, &others);
     let back_spec = stage.limb_spec(who, limb, &back, &others);
     let task = ReachTask { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, return_spec: Some(&back_spec) };
-    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
-        let nearest_m = match &e {
-            ReachError::Unsolved { why, .. } => nearest_distance(why),
-            _ => None,
-        };
-        StepFailure { nearest_m, ..StepFailure::new(e.to_string()) }
-    })?;
+    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, config)?;
     stage.actors[who].replace_clip(clip);
     stage.record_planned(who, limb, [from_s, at_s]);
     stage.record_planned(who, limb, [at_s, to_s]);
@@ -187,7 +163,8 @@ pub(super) fn allow_neighbours(
     [at_s, until_s]: [f64; 2],
 ) {
     let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules_around).collect();
-    let mut names = Vec::new();
+    let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
+    let part = &stage.task.things[thing].name;
     for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
         let there = stage.thing_place(i, at_s);
         let is_near = other.shapes.iter().any(|shape| {
@@ -196,16 +173,9 @@ pub(super) fn allow_neighbours(
                 shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
             })
         });
-        if is_near {
-            names.push(other.name.clone());
-        }
-    }
-    let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
-    let part = stage.task.things[thing].name.clone();
-    for with in names {
-        let contact = (who, limb, AllowedContact { part: Some(part.clone()), other: with, window_s });
-        if !stage.contacts.contains(&contact) {
-            stage.contacts.push(contact);
+        let contact = AllowedContact { part: Some(part.clone()), other: other.name.clone(), window_s };
+        if is_near && !stage.contacts.contains(&(who, limb, contact.clone())) {
+            stage.contacts.push((who, limb, contact));
         }
     }
 }

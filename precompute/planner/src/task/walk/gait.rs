@@ -2,7 +2,7 @@
 
 use crate::rotation::wrap_angle;
 use crate::task::entries::PaceEntry;
-use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
+use glam::{DQuat, DVec2, DVec3, Quat, Vec3};
 use throng_base::{Id, Inline, Result, maths};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
@@ -47,18 +47,9 @@ impl WalkRecording {
         let root = Planar::new(at.x as f32, at.y as f32, heading as f32);
         let who = walkers.spawn(WalkerStart { root, ..WalkerStart::default() })?;
         let steps = (STEP_HZ / rate_hz).ceil().max(1.0) as usize;
-        let mut gait = Self {
-            walkers,
-            who,
-            rate_hz,
-            steps,
-            position: at,
-            heading,
-            roots: Vec::new(),
-            rotations: Vec::new(),
-            contacts: Vec::new(),
-            gaze_target: None,
-        };
+        let (position, (roots, rotations, contacts), gaze_target) = (at, Default::default(), None);
+        let mut gait =
+            Self { walkers, who, rate_hz, steps, position, heading, roots, rotations, contacts, gaze_target };
         gait.record_frame();
         Ok(gait)
     }
@@ -204,14 +195,8 @@ impl WalkRecording {
         let look_at = self.gaze_target.map(|p| p.as_vec3());
         for k in 1..=self.steps {
             let (at, velocity, heading) = path(from_s + k as f64 * dt_s);
-            let narrow = |v: DVec2| Vec2::new(v.x as f32, v.y as f32);
-            let control = Control {
-                position: Some(narrow(at)),
-                velocity: narrow(velocity),
-                heading: Some(heading as f32),
-                look_at,
-                ..Control::default()
-            };
+            let (position, velocity, heading) = (Some(at.as_vec2()), velocity.as_vec2(), Some(heading as f32));
+            let control = Control { position, velocity, heading, look_at, ..Control::default() };
             self.walkers.order(self.who, control)?;
             self.walkers.step(dt_s as f32, &Inline)?;
         }
