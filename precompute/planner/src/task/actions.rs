@@ -4,7 +4,7 @@ use super::entries::TaskAction;
 use super::grips::{HandTarget, hand_targets};
 use super::run::{UnresolvedSpan, nearest_distance};
 use super::stage::{SecondHand, TaskStage, ThingPlacement, arm_of_hand, hand_joint};
-use super::step::{Anchor, Receiver, TaskPlace, TaskStep};
+use super::step::{Anchor, OtherHand, TaskPlace, TaskStep};
 use super::visit::{LimbVisit, PlacementChange, allow_neighbours, visit_first_goal};
 use super::{both_hands, gaze, lean};
 use crate::collide::Checker;
@@ -335,7 +335,7 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, confi
 }
 
 /// Allows both hands to touch an object while it is handed over.
-fn allow_handover_contacts(stage: &mut TaskStage<'_>, step: &TaskStep, receiver: &Receiver, object: &str) {
+fn allow_handover_contacts(stage: &mut TaskStage<'_>, step: &TaskStep, receiver: &OtherHand, object: &str) {
     let window_s = Some([step.times_s[1] - CONTACT_S, step.times_s[1] + CONTACT_S]);
     let both = [(step.character, step.limb), (receiver.character, receiver.limb)];
     for ([(who, limb), (other, with)], is_one) in [both, [both[1], both[0]]].map(|b| (b, both[0].0 == both[1].0)) {

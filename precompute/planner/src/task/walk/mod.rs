@@ -139,7 +139,7 @@ impl Task {
         let mut gaits: Vec<Option<WalkRecording>> = Vec::new();
         let mut clips = Vec::new();
         for (source, who) in sources.iter().zip(&self.characters) {
-            let space = match (source, &who.clip.walk) {
+            let (space, walk) = match (source, &who.clip.walk) {
                 (ActorSource::Clip(clip), _) => {
                     clips.push(clip.clone());
                     gaits.push(None);
@@ -148,15 +148,16 @@ impl Task {
                 (ActorSource::Walks(_), None) => return Err(ClipMismatch::NotWalked { name: who.name.clone() }.into()),
                 (ActorSource::Walks(space), Some(walk)) => (*space, walk),
             };
-            let wrong = |source| WalkError::Space { name: who.name.clone(), source };
-            let (space, walk) = space;
-            let mut gait = WalkRecording::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz)
-                .map_err(wrong)?;
-            match walk.pace.is_empty() {
-                true => gait.stand_until(REST_S),
-                false => gait.walk_at_pace(&walk.pace),
-            }
-            .map_err(wrong)?;
+            let begin = || {
+                let heading = walk.heading_deg.to_radians();
+                let mut gait = WalkRecording::new(space, DVec2::from(walk.from), heading, rate_hz)?;
+                match walk.pace.is_empty() {
+                    true => gait.stand_until(REST_S)?,
+                    false => gait.walk_at_pace(&walk.pace)?,
+                }
+                Ok(gait)
+            };
+            let gait = begin().map_err(|source| WalkError::Space { name: who.name.clone(), source })?;
             clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
             gaits.push(Some(gait));
         }
