@@ -87,11 +87,8 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<InspectedClip> 
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());
-        return Err(BuildError::Stage {
-            stage: "inspect",
-            message,
-            help: format!("Name a single {} file", import::FORMATS),
-        });
+        let help = format!("Name a single {} file", import::FORMATS);
+        return Err(BuildError::Stage { stage: "inspect", message, help });
     };
     let imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();

@@ -136,12 +136,9 @@ impl TouchMeter {
                 for (l, leg) in LEGS.into_iter().enumerate() {
                     let bones = lower_leg(leg, &joints[k]);
                     let others = LEGS.into_iter().flat_map(|leg| lower_leg(leg, &joints[k ^ 1]));
-                    let to_legs = others
-                        .flat_map(|other| bones.map(|bone| segment_distance(bone, other)))
-                        .fold(f32::MAX, f32::min);
-                    now.in_legs[l] = to_legs < IN_LEG_M;
-                    now.legs_in_body[l] =
-                        bones.into_iter().any(|bone| spine_distance(bone, &joints[k ^ 1]) < IN_BODY_M);
+                    let to_legs = others.flat_map(|other| bones.map(|bone| segment_distance(bone, other)));
+                    now.in_legs[l] = to_legs.fold(f32::MAX, f32::min) < IN_LEG_M;
+                    now.legs_in_body[l] = bones.iter().any(|b| spine_distance(*b, &joints[k ^ 1]) < IN_BODY_M);
                     if let Some(b) = before.filter(|_| dt_s > 0.0) {
                         self.legs_in_bodies += u64::from(now.legs_in_body[l] && !b.legs_in_body[l]);
                         self.legs_in_legs += u64::from(now.in_legs[l] && !b.in_legs[l]);

@@ -7,13 +7,10 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
-use throng_core::policy::BestActionJob;
-use throng_core::policy::LookAheadGoal;
-use throng_core::policy::LookAheadJob;
-use throng_core::policy::PolicyTable;
-use throng_core::policy::RankedActions;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::Planar;
+use throng_core::characters::{CharacterStart, MotionSet, PolicyOrder};
+use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
+use throng_motion::error::{BuildError, Result};
 
 /// An error of a measurement, with a message.
 pub fn fail(message: impl Into<String>) -> BuildError {
@@ -53,6 +50,22 @@ pub fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3
         Vec3::new(distance * angle.sin(), 0.0, distance * angle.cos())
     };
     (states, (0..count).map(target).collect())
+}
+
+/// Random starts of `n` characters in a square whose sides are `half_m` away (m).
+pub(super) fn random_starts(motions: &MotionSet, n: usize, half_m: f32, rng: &mut Pcg64Mcg) -> Vec<CharacterStart> {
+    let num_states = motions.graph().states.len() as u32;
+    let start = |_| {
+        let [x, z] = [(); 2].map(|()| rng.random_range(-half_m..half_m));
+        let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+        CharacterStart { root, state: rng.random_range(0..num_states) }
+    };
+    (0..n).map(start).collect()
+}
+
+/// An order to go to a random target within 50 m along each axis.
+pub(super) fn random_order(rng: &mut Pcg64Mcg) -> PolicyOrder {
+    PolicyOrder::towards(0, Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)))
 }
 
 /// Queries of many characters at once, split over the threads of the current pool.

@@ -43,10 +43,9 @@ impl Picture {
     /// # Errors
     /// [`BuildError::Stage`] where the encoder refuses.
     pub fn to_png(&self) -> Result<Vec<u8>> {
-        self.pixmap.encode_png().map_err(|e| BuildError::Stage {
-            stage: "picture",
-            message: format!("PNG encoding failed: {e}"),
-            help: "Ask for a smaller picture.".into(),
+        self.pixmap.encode_png().map_err(|e| {
+            let (message, help) = (format!("PNG encoding failed: {e}"), "Ask for a smaller picture.".into());
+            BuildError::Stage { stage: "picture", message, help }
         })
     }
 
@@ -73,14 +72,8 @@ impl Picture {
 
     /// Draws another picture over this one, its upper left corner at `at` (px).
     pub(super) fn draw_picture(&mut self, other: &Self, at: (i32, i32)) {
-        self.pixmap.draw_pixmap(
-            at.0,
-            at.1,
-            other.pixmap.as_ref(),
-            &tiny_skia::PixmapPaint::default(),
-            Transform::identity(),
-            None,
-        );
+        let paint = tiny_skia::PixmapPaint::default();
+        self.pixmap.draw_pixmap(at.0, at.1, other.pixmap.as_ref(), &paint, Transform::identity(), None);
     }
 
     /// Fills a rectangle with rounded corners.

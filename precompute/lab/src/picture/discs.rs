@@ -34,8 +34,7 @@ const MAX_PATHS: usize = 60;
 /// Draws a crowd at a few times.
 pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRecord) -> Picture {
     let (low, high) = extent(record);
-    let views: &[ViewDirection] =
-        if record.in_the_air { &[ViewDirection::Above, ViewDirection::Side] } else { &[ViewDirection::Above] };
+    let views = &[ViewDirection::Above, ViewDirection::Side][..if record.in_the_air { 2 } else { 1 }];
     let sizes: Vec<Vec2> = views.iter().map(|v| v.projected_size(high - low)).collect();
     // Views of wide crowds are placed below each other, others side by side.
     let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
@@ -171,8 +170,8 @@ fn draw_trails(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecor
     for (m, trail) in &record.trails {
         let is_there = moment.agents.get(*m).is_some_and(Option::is_some);
         let upto = if is_there { upto.min(trail.len()) } else { 0 };
-        let points: Vec<Vec2> =
-            trail[upto.saturating_sub(TRAIL_POINTS)..upto].iter().map(|p| camera.project(*p)).collect();
+        let recent = &trail[upto.saturating_sub(TRAIL_POINTS)..upto];
+        let points: Vec<Vec2> = recent.iter().map(|p| camera.project(*p)).collect();
         let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
         panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));
     }
@@ -203,10 +202,9 @@ fn draw_place(panel: &mut Picture, camera: &PictureCamera, place: &RecordedPlace
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
     let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
-    place
-        .slots
-        .iter()
-        .for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
+    for slot in &place.slots {
+        panel.stroke_oval(camera.project(*slot), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6));
+    }
     tags.draw_plate(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
@@ -237,11 +235,8 @@ fn draw_obstacle(panel: &mut Picture, camera: &PictureCamera, obstacle: &Obstacl
             }
         }
         Obstacle::Mover { path, radius } => {
-            panel.fill_disc(
-                camera.project(position_on_timed_path(path, time_s)),
-                radius * scale,
-                OBSTACLE_COLOUR.mix(colour::INK, 0.4),
-            );
+            let at = camera.project(position_on_timed_path(path, time_s));
+            panel.fill_disc(at, radius * scale, OBSTACLE_COLOUR.mix(colour::INK, 0.4));
         }
         _ => {}
     }

@@ -5,6 +5,7 @@ use super::canvas::{Area, Picture};
 use super::colour::{self, Colour};
 use super::text::{Align, TextStyle, draw_text, text_width};
 use glam::{Vec2, Vec3};
+use throng_geometry::BoundingBox;
 
 /// Greatest number of grid lines in one direction.
 const MAX_LINES: i32 = 400;
@@ -58,10 +59,7 @@ pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colo
 pub(super) fn grid(panel: &mut Picture, camera: &PictureCamera, step: f32, unit: f32) {
     let size = Vec2::new(panel.width() as f32, panel.height() as f32);
     let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground_point(c));
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for c in corners.into_iter().flatten() {
-        (min, max) = (min.min(c), max.max(c));
-    }
+    let BoundingBox { min, max } = BoundingBox::around_points(corners.into_iter().flatten());
     if !(min.is_finite() && max.is_finite()) {
         return;
     }

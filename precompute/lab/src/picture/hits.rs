@@ -87,8 +87,8 @@ impl HitPageLayout {
         let span = max - min;
         let room = 1600.0 * unit - 2.0 * edge - 2.0 * gap - 3.0 * label;
         let px_per_m = room / (2.0 * span.x + span.z);
-        let (left, ahead, up) =
-            (PanelAxis::new("left", Vec3::X), PanelAxis::new("ahead", Vec3::Z), PanelAxis::new("height", Vec3::Y));
+        let axes = [("left", Vec3::X), ("ahead", Vec3::Z), ("height", Vec3::Y)];
+        let [left, ahead, up] = axes.map(|(name, direction)| PanelAxis { name, direction });
         let height = px_per_m * span.y.max(span.z);
         let mut x = edge;
         let mut panel = |title, camera: PictureCamera, across: PanelAxis, upwards: PanelAxis| {

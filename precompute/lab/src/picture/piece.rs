@@ -6,8 +6,7 @@ use super::solid::RoundCone;
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{self, UnitGeometry};
 use throng_core::patch::Placement;
-use throng_geometry::SurfaceHit;
-use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
+use throng_geometry::{BoundingBox, RayCrossing, SurfaceHit, ray_crossing};
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
 const EDGE: f32 = 1e-5;
@@ -75,23 +74,20 @@ impl PicturePiece {
                 let hit = solid.intersect(through + camera.forward * start, camera.forward)?;
                 Some(SurfaceHit { distance: hit.distance + start, ..hit })
             }
-            PieceShape::Face(corners) => {
-                let (distance, normal) = intersect_face(corners, through, camera.forward)?;
-                Some(SurfaceHit { distance, normal })
-            }
+            PieceShape::Face(corners) => intersect_face(corners, through, camera.forward),
         }
     }
 }
 
 /// Distance along a line to a triangle, and the normal that faces against the line's direction.
-fn intersect_face(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
-    let RayCrossing { det, u, v, t } = ray_crossing(origin, direction, corners);
+fn intersect_face(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<SurfaceHit> {
+    let RayCrossing { det, u, v, t: distance } = ray_crossing(origin, direction, corners);
     if det.abs() < 1e-12 || u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
         return None;
     }
     let [a, b, c] = *corners;
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    Some((t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
+    Some(SurfaceHit { distance, normal: if normal.dot(direction) > 0.0 { -normal } else { normal } })
 }
 
 /// Adds the pieces of a placed unit.

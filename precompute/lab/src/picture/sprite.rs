@@ -30,8 +30,8 @@ pub(super) fn render(
     if !figure.is_drawable() {
         return None;
     }
-    let pieces: Vec<PicturePiece> =
-        body_solids(figure, colours).into_iter().map(|(s, c)| PicturePiece::round(s, c)).collect();
+    let solids = body_solids(figure, colours).into_iter();
+    let pieces: Vec<PicturePiece> = solids.map(|(s, c)| PicturePiece::round(s, c)).collect();
     let boxes = || pieces.iter().map(|p| p.screen_box(camera));
     let min = boxes().fold(Vec2::INFINITY, |m, b| m.min(b.0)).floor().max(Vec2::ZERO);
     let max = boxes().fold(Vec2::NEG_INFINITY, |m, b| m.max(b.1)).ceil();
@@ -39,8 +39,8 @@ pub(super) fn render(
     if !(extent.min_element() >= 1.0 && extent.max_element() <= MAX_SIDE) {
         return None;
     }
-    let (camera, size) =
-        (PictureCamera { screen: camera.screen - min, ..*camera }, (extent.x as usize, extent.y as usize));
+    let size = (extent.x as usize, extent.y as usize);
+    let camera = PictureCamera { screen: camera.screen - min, ..*camera };
     Some(Sprite { corner: (min.x as i32, min.y as i32), size, pixels: paint_pieces(&pieces, &camera, size, None) })
 }
 

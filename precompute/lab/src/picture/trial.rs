@@ -32,10 +32,8 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         report.character_overlaps,
         1000.0 * report.foot_slip_p95_mps
     );
-    let mut remark = String::from("line: where the root went");
-    if !config.streams {
-        remark = format!("ring: target, within {:.2} m   {remark}", config.reach_m);
-    }
+    let ring = if config.streams { String::new() } else { format!("ring: target, within {:.2} m   ", config.reach_m) };
+    let remark = ring + "line: where the root went";
     let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
     let overview = CrowdView {
         title: &title,

@@ -106,13 +106,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
 fn measure(name: &'static str, value: f64, limits: [f64; 2], sentence: String) -> Measure {
     let [good, fair] = limits;
     let within = |limit: f64| if good > fair { value >= limit } else { value <= limit };
-    let word = WORDS[if within(good) {
-        0
-    } else if within(fair) {
-        1
-    } else {
-        2
-    }];
+    let word = WORDS[limits.iter().take_while(|limit| !within(**limit)).count()];
     Measure { name, value, limits, word, sentence, advice: Vec::new(), is_reported: word != WORDS[0] }
 }
 

@@ -21,15 +21,9 @@ const TAIL: f32 = 0.12;
 /// A direction of the character that a panel shows along one of its edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PanelAxis {
-    name: &'static str,
+    pub name: &'static str,
     /// Unit.
     pub direction: Vec3,
-}
-
-impl PanelAxis {
-    pub fn new(name: &'static str, direction: Vec3) -> Self {
-        Self { name, direction }
-    }
 }
 
 /// One view.
