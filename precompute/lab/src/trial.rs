@@ -221,21 +221,17 @@ fn stage_error(message: String) -> BuildError {
     BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
 }
 
+/// Characters and their targets (m).
+type Scattered = Result<(PolicyCharacters, Vec<Vec3>), Error>;
+
 /// Places characters on a loose grid, each with a target in some direction; targets are apart if there is room. Characters
 /// that avoid each other start in a standing state, if there is one.
-pub(crate) fn scatter_characters(
-    tables: &Bundle,
-    config: &TrialConfig,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+pub(crate) fn scatter_characters(tables: &Bundle, config: &TrialConfig) -> Scattered {
     scatter_from(tables, config, SPACING_M)
 }
 
 /// Like [`scatter_characters`], with an initial distance between neighbours (m), which grows as necessary.
-fn scatter_from(
-    tables: &Bundle,
-    config: &TrialConfig,
-    mut spacing_m: f32,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+fn scatter_from(tables: &Bundle, config: &TrialConfig, mut spacing_m: f32) -> Scattered {
     loop {
         match scatter_apart(tables, config, spacing_m) {
             // Motion that takes long to stop needs more room.
@@ -248,11 +244,7 @@ fn scatter_from(
 }
 
 /// Like [`scatter_characters`], with a fixed distance between neighbours (m).
-fn scatter_apart(
-    tables: &Bundle,
-    config: &TrialConfig,
-    spacing_m: f32,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+fn scatter_apart(tables: &Bundle, config: &TrialConfig, spacing_m: f32) -> Scattered {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let states = start_states(tables, &config.motion);
     let side = (config.characters as f32).sqrt().ceil() as usize;

@@ -49,20 +49,15 @@ pub(super) fn fight_sheet(
     let slip_mmps = 1000.0 * figures.foot_slip_p95_mps.unwrap_or_default();
     let subtitle =
         format!("{:.0} s: {blows}; planted feet slip {slip_mmps:.0} mm/s (95th percentile)", figures.simulated_s);
-    let crowd = overview(group, record, poses, title, &subtitle);
+    let crowd = overview(group, record, poses, [title, &subtitle]);
     if f.thrown == 0 {
         return crowd;
     }
     sheet(&[&crowd, &draw_moments(record, group.target.radius_m as f32)])
 }
 
-fn overview(
-    group: &GroupConfig,
-    record: &FightRecord,
-    poses: &[JointPositions],
-    title: &str,
-    subtitle: &str,
-) -> Picture {
+fn overview(group: &GroupConfig, record: &FightRecord, poses: &[JointPositions], lines: [&str; 2]) -> Picture {
+    let [title, subtitle] = lines;
     let is_pairs = group.motion == GroupMotion::Sparring;
     let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,

@@ -4,7 +4,7 @@ use super::camera::PictureCamera;
 use super::colour::Colour;
 use super::solid::RoundCone;
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{self, UnitGeometry};
+use throng_bake::environment::{UnitGeometry, UnitSolid};
 use throng_core::patch::Placement;
 use throng_geometry::{BoundingBox, RayCrossing, SurfaceHit, ray_crossing};
 
@@ -96,21 +96,16 @@ pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: 
 }
 
 /// Adds the pieces of a solid; `at` transforms its points to the world.
-pub(super) fn add_solid(
-    solid: &environment::UnitSolid,
-    at: impl Fn(Vec3) -> Vec3,
-    colour: Colour,
-    out: &mut Vec<PicturePiece>,
-) {
+pub(super) fn add_solid(solid: &UnitSolid, at: impl Fn(Vec3) -> Vec3, colour: Colour, out: &mut Vec<PicturePiece>) {
     match solid {
-        environment::UnitSolid::Box { centre, rotation, half } => {
+        UnitSolid::Box { centre, rotation, half } => {
             let corners = BoundingBox { min: -*half, max: *half }.corners();
             add_box(&corners.map(|c| at(*centre + *rotation * c)), colour, out);
         }
-        environment::UnitSolid::Bar { from, to, radius } => {
+        UnitSolid::Bar { from, to, radius } => {
             out.push(PicturePiece::round(RoundCone::limb(at(*from), at(*to), *radius, *radius), colour));
         }
-        environment::UnitSolid::Mesh(triangles) => {
+        UnitSolid::Mesh(triangles) => {
             out.extend(triangles.corners().iter().map(|t| PicturePiece::face(t.map(&at), colour)));
         }
     }
@@ -121,8 +116,7 @@ fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<PicturePiece>) {
     const SIDES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
     for s in SIDES {
         let [a, b, c, d] = s.map(|i| corners[i]);
-        out.push(PicturePiece::face([a, b, c], colour));
-        out.push(PicturePiece::face([a, c, d], colour));
+        out.extend([[a, b, c], [a, c, d]].map(|corners| PicturePiece::face(corners, colour)));
     }
 }
 

@@ -26,15 +26,11 @@ const NEVER: CachedSample =
 #[derive(Clone, Debug, Default)]
 pub(super) struct SampleCache {
     /// Number of the problem that the samples belong to.
-    problem_number: u64,
+    pub problem_number: u64,
     samples: Vec<CachedSample>,
 }
 
 impl SampleCache {
-    pub fn belongs_to(&self, problem: &Problem) -> bool {
-        self.problem_number == problem.number
-    }
-
     /// Forgets all samples, and makes room for a problem.
     pub fn prepare(&mut self, problem: &Problem) {
         self.problem_number = problem.number;

@@ -261,14 +261,11 @@ impl<'a> SwivelLimits<'a> {
 ///
 /// - `along`: axis of the twist before the swing, if there is one.
 pub(super) fn widest_swing_square(limits: &JointLimits, along: Option<DVec3>) -> f64 {
-    let bone = if limits.mirrored { mirrored_direction(limits.segment) } else { limits.segment };
+    let side = if limits.mirrored { -1.0 } else { 1.0 };
+    let bone = limits.segment.with_x(side * limits.segment.x);
     let is_aligned = along.is_none_or(|a| bone.distance(a) < 1e-9 && limits.centre == DQuat::IDENTITY);
     let cos = maths::cos(0.5 * (limits.widest_swing() + ROOM).min(PI));
     if is_aligned { cos * cos } else { 0.0 }
-}
-
-fn mirrored_direction(v: DVec3) -> DVec3 {
-    DVec3::new(-v.x, v.y, v.z)
 }
 
 #[cfg(test)]

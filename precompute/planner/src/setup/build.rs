@@ -63,12 +63,15 @@ impl Problem {
             let from = MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(t.from));
             TetherTrack { name, from, distances_m: t.distances_m }
         });
-        parts.extend(spec.upright.map(|level| LimbPart {
-            reach: [1.0; MAX_JOINTS],
-            base_reach: 1.0,
-            ..limb_part(&chain, "what is held".into(), chain.len() - 1, Segment::new(DVec3::ZERO, level.up), 0.0)
+        parts.extend(spec.upright.map(|level| {
+            let up = Segment::new(DVec3::ZERO, level.up);
+            let part = limb_part(&chain, "what is held".into(), chain.len() - 1, up, 0.0);
+            LimbPart { reach: [1.0; MAX_JOINTS], base_reach: 1.0, ..part }
         }));
-        let solids = spec.solids.iter().map(placed_solid).collect();
+        let solids = spec.solids.iter().map(|solid| {
+            let (middle, radius) = solid.shape.ball_around();
+            PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
+        });
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
         for o in spec.others {
             bodies.extend(driven_parts(Some(o.name), o.motion, o.shape, |_| true));
@@ -82,7 +85,7 @@ impl Problem {
             limits: limits_of(spec, &chain)?,
             base: MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(spec.linkage.base())),
             parts,
-            solids,
+            solids: solids.collect(),
             bodies,
             tether,
             upright: spec.upright,
@@ -359,9 +362,4 @@ fn driven_parts(
         BodyPart { character: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
     };
     shape.capsules.iter().filter(|c| keep(c.joint)).map(one).collect()
-}
-
-fn placed_solid(solid: &MovingSolid) -> PlacedSolid {
-    let (middle, radius) = solid.shape.ball_around();
-    PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
 }

@@ -1,9 +1,9 @@
 //! Execution of one step: a correction, or a limb that goes to a target and comes back.
 
 use super::entries::TaskAction;
-use super::grips::{HandTarget, hand_targets};
+use super::grips::HandTarget;
 use super::run::{UnresolvedSpan, nearest_distance};
-use super::stage::{SecondHand, TaskStage, ThingPlacement, arm_of_hand, hand_joint};
+use super::stage::{TaskStage, ThingPlacement, arm_of_hand, hand_joint};
 use super::step::{Anchor, OtherHand, TaskPlace, TaskStep};
 use super::visit::{LimbVisit, PlacementChange, allow_neighbours, visit_first_goal};
 use super::{both_hands, gaze, lean};
@@ -61,28 +61,30 @@ impl From<ReachError> for StepFailure {
     }
 }
 
+/// Plans of a step.
+pub(super) type PlanResult = Result<Vec<PlanOutcome>, StepFailure>;
+/// Plans of a step, and stretches that collided.
 type StepResult = Result<(Vec<PlanOutcome>, Vec<CollisionStretch>), StepFailure>;
 
 /// Runs a step; one that fails may leave a part of it done.
-pub(super) fn run_step(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
-    let mut config = *config;
-    config.plan.search.style = step.style;
+pub(super) fn run_step(stage: &mut TaskStage<'_>, step: &TaskStep) -> StepResult {
+    stage.config.plan.search.style = step.style;
     // All times are on frames.
     let rate = stage.actors[step.character].clip.rate_hz;
     let step = &TaskStep { times_s: step.times_s.map(|t| (t * rate).round() / rate), ..step.clone() };
     if step.action == TaskAction::Correct {
-        return correct_limb(stage, step, &config);
+        return correct_limb(stage, step);
     }
     let leans = stage.task.lean && step.limb.is_arm();
     let before = leans.then(|| stage.clone());
     // Where the target is out of reach, the trunk may help; a little more with each try.
-    run_action(stage, step, &config).or_else(|mut without| {
+    let did = run_action(stage, step).or_else(|mut without| {
         let by_m = without.nearest_m.filter(|by_m| without.is_beyond && *by_m <= lean::MOST_M);
         let Some((before, by_m)) = before.zip(by_m) else { return Err(without) };
         for spare_m in lean::SPARE_M {
             let mut leaning = before.clone();
             let tried = lean::lean_to_target(&mut leaning, step, by_m + spare_m);
-            match tried.and_then(|()| run_action(&mut leaning, step, &config)) {
+            match tried.and_then(|()| run_action(&mut leaning, step)) {
                 Ok(found) => {
                     *stage = leaning;
                     return Ok(found);
@@ -94,26 +96,24 @@ pub(super) fn run_step(stage: &mut TaskStage<'_>, step: &TaskStep, config: &Corr
             }
         }
         Err(without)
-    })
+    });
+    did.map(|plans| (plans, Vec::new()))
 }
 
-/// Turns the head to the target, if heads do, and runs the action.
-fn run_action(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
+/// Turns the head to the target, if heads do, and runs an action that is no correction.
+fn run_action(stage: &mut TaskStage<'_>, step: &TaskStep) -> PlanResult {
     if stage.task.gaze {
         gaze::look_at_target(stage, step);
     }
     let Some(object) = step.object else { return Err(StepFailure::new("there is no object")) };
-    match step.action {
-        TaskAction::Correct => correct_limb(stage, step, config),
-        TaskAction::Reach | TaskAction::Touch | TaskAction::Switch | TaskAction::Grab => {
-            take_object(stage, step, object, config)
-        }
-        TaskAction::Carry | TaskAction::Drop | TaskAction::HandOver => bring_object(stage, step, object, config),
+    match step.action.needs_held_object() {
+        true => bring_object(stage, step, object),
+        false => take_object(stage, step, object),
     }
 }
 
 /// Plans each stretch between the moments at which the limb's place is fixed.
-fn correct_limb(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConfig<'_>) -> StepResult {
+fn correct_limb(stage: &mut TaskStage<'_>, step: &TaskStep) -> StepResult {
     let (who, limb) = (step.character, step.limb);
     let rate = stage.actors[who].clip.rate_hz;
     let end_s = stage.actors[who].end_s();
@@ -130,7 +130,7 @@ fn correct_limb(stage: &mut TaskStage<'_>, step: &TaskStep, config: &CorrectConf
         let around = stage.surroundings_of_limb(who, limb, within);
         let others = stage.other_bodies(who);
         let spec = stage.limb_spec(who, limb, &around, &others);
-        let config = CorrectConfig { search_window_s: Some(within), ..*config };
+        let config = CorrectConfig { search_window_s: Some(within), ..stage.config };
         let (clip, found) = correct_clip(&stage.actors[who].clip, &spec, &config)?;
         stage.actors[who].replace_clip(clip);
         for one in found {
@@ -172,7 +172,7 @@ fn driven_collision_advice(s: &CollisionStretch, limb: Limb) -> String {
 }
 
 /// Moves a limb to an object, and takes it along if that is wanted.
-fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config: &CorrectConfig<'_>) -> StepResult {
+fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize) -> PlanResult {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let name = stage.task.things[object].name.clone();
     let window_s = [step.times_s[0], step.times_s[2]];
@@ -183,19 +183,17 @@ fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config
         check_hand_unshared(stage, who, limb, window_s)?;
     }
     let place = stage.thing_place(object, at_s);
-    let mut hands = hand_targets(&step.grips, &place, &stage.actors[who], limb, at_s);
+    let mut hands = stage.actors[who].hand_targets(limb, &step.grips, &place, at_s);
     rank_by_next_steps(stage, step, limb, object, &mut hands);
     allow_step_contacts(stage, step, &name, step.action != TaskAction::Reach);
     if let Some(second) = &step.second {
-        let mut others = hand_targets(&second.grips, &place, &stage.actors[who], second.limb, at_s);
+        let mut others = stage.actors[who].hand_targets(second.limb, &second.grips, &place, at_s);
         rank_by_next_steps(stage, step, second.limb, object, &mut others);
-        let plans = both_hands::grab_with_both(stage, step, second.limb, object, [&hands, &others], config)?;
-        return Ok((plans, Vec::new()));
+        return both_hands::grab_with_both(stage, step, second.limb, object, [&hands, &others]);
     }
-    let then = move |goal: &HandTarget| placement_in_hand(who, limb, None, goal);
+    let then = move |goal: &HandTarget| goal.placement_in_hand(who, limb, None);
     let change = (step.action == TaskAction::Grab).then_some(PlacementChange { thing: object, placement_after: &then });
-    let (plans, _) = visit_first_goal(stage, LimbVisit::from_step(step), &hands, change, config)?;
-    Ok((plans, Vec::new()))
+    Ok(visit_first_goal(stage, LimbVisit { change, ..LimbVisit::from_step(step) }, &hands)?.0)
 }
 
 /// Lowers the rank of grips with which the object cannot be brought to the places of the limb's next steps with it, until it is
@@ -203,40 +201,25 @@ fn take_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config
 ///
 /// - `limb`: the step's limb, or the second one.
 fn rank_by_next_steps(stage: &TaskStage<'_>, step: &TaskStep, limb: Limb, object: usize, hands: &mut [HandTarget]) {
-    let mut last = step;
-    while let Some(next) = next_with(stage, last, object) {
-        rank_by_step(stage, step, next, limb, object, hands);
-        if next.action != TaskAction::Carry {
-            break;
+    let after = |last: &&TaskStep| next_with(stage, last, object).filter(|_| last.action == TaskAction::Carry);
+    for next in std::iter::successors(next_with(stage, step, object), after) {
+        let (Some(to), who, [from_s, then_s, _]) = (next.to, step.character, next.times_s) else { continue };
+        let name = &stage.task.things[object].name;
+        let mut around = both_hands::exclude_thing(stage.surroundings_of_limb(who, limb, [from_s, then_s]), name);
+        if let Some(second) = &step.second {
+            around = both_hands::exclude_arm(around, if limb == step.limb { second.limb } else { step.limb });
         }
-        last = next;
-    }
-}
-
-fn rank_by_step(
-    stage: &TaskStage<'_>,
-    step: &TaskStep,
-    next: &TaskStep,
-    limb: Limb,
-    object: usize,
-    hands: &mut [HandTarget],
-) {
-    let (Some(to), who, [from_s, then_s, _]) = (next.to, step.character, next.times_s) else { return };
-    let name = &stage.task.things[object].name;
-    let mut around = both_hands::exclude_thing(stage.surroundings_of_limb(who, limb, [from_s, then_s]), name);
-    if let Some(second) = &step.second {
-        around = both_hands::exclude_arm(around, if limb == step.limb { second.limb } else { step.limb });
-    }
-    let others = stage.other_bodies(who);
-    let spec = stage.limb_spec(who, limb, &around, &others);
-    let Ok(problem) = Problem::prepare(&spec) else { return };
-    let mut checker = Checker::default();
-    let present = problem.external_pose_at(then_s);
-    let places = stage.resolve_place(&to, then_s);
-    for goal in hands {
-        let grip = goal.object.to_local(goal.hand);
-        if !places.iter().any(|p| problem.solve_reach(&mut checker, &p.compose(grip), then_s, &present).is_ok()) {
-            goal.rank += LATER;
+        let others = stage.other_bodies(who);
+        let spec = stage.limb_spec(who, limb, &around, &others);
+        let Ok(problem) = Problem::prepare(&spec) else { continue };
+        let mut checker = Checker::default();
+        let present = problem.external_pose_at(then_s);
+        let places = stage.resolve_place(&to, then_s);
+        for goal in &mut *hands {
+            let grip = goal.object.to_local(goal.hand);
+            if !places.iter().any(|p| problem.solve_reach(&mut checker, &p.compose(grip), then_s, &present).is_ok()) {
+                goal.rank += LATER;
+            }
         }
     }
 }
@@ -247,17 +230,6 @@ pub(super) fn next_with<'s>(stage: &TaskStage<'s>, step: &TaskStep, object: usiz
     let is_same = |s: &&TaskStep| (s.object, s.character, s.limb) == (Some(object), who, limb);
     let later = stage.task.steps.iter().filter(|s| s.action.needs_held_object() && s.times_s[1] > at_s);
     later.filter(is_same).min_by(|a, b| a.times_s[1].total_cmp(&b.times_s[1]))
-}
-
-/// Placement of a thing in the hand of a goal, and in the second one if there is one.
-pub(super) fn placement_in_hand(
-    character: usize,
-    limb: Limb,
-    second: Option<SecondHand>,
-    goal: &HandTarget,
-) -> ThingPlacement {
-    let offset = goal.hand.to_local(goal.object);
-    ThingPlacement::OnJoint { character, joint: hand_joint(limb), offset, holder: Some(limb), second }
 }
 
 /// Fails where the limb holds something together with the other one.
@@ -296,7 +268,7 @@ fn check_unused_later(stage: &TaskStage<'_>, object: usize, at_s: f64) -> Result
 }
 
 /// Brings a held object to a place; keeps it, lays it down or gives it away.
-fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, config: &CorrectConfig<'_>) -> StepResult {
+fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize) -> PlanResult {
     let (who, limb, at_s) = (step.character, step.limb, step.times_s[1]);
     let name = stage.task.things[object].name.clone();
     let Some((_, offset)) = stage.held_by(who, limb, at_s).filter(|(held, _)| *held == object) else {
@@ -315,8 +287,8 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, confi
     let change = PlacementChange { thing: object, placement_after: &placement };
     let change = (step.action != TaskAction::Carry).then_some(change);
     let (mut plans, given) = match both {
-        Some((_, _, second)) => both_hands::bring_with_both(stage, step, second, object, &hands, change, config)?,
-        None => visit_first_goal(stage, LimbVisit::with_held_object(step, &hands), &hands, change, config)?,
+        Some((_, _, second)) => both_hands::bring_with_both(stage, step, second, object, &hands, change)?,
+        None => visit_first_goal(stage, LimbVisit { change, ..LimbVisit::with_held_object(step, &hands) }, &hands)?,
     };
     if let (TaskAction::HandOver, Some(receiver)) = (step.action, &step.receiver) {
         // The receiver's grasp replaces its being laid down.
@@ -324,14 +296,14 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize, confi
         let (who, limb) = (receiver.character, receiver.limb);
         check_hand_unshared(stage, who, limb, [step.times_s[1], step.times_s[2]])?;
         let taken = TaskStep { character: who, limb, ..step.clone() };
-        let hands = hand_targets(&receiver.grips, &given.object, &stage.actors[who], limb, at_s);
+        let hands = stage.actors[who].hand_targets(limb, &receiver.grips, &given.object, at_s);
         allow_step_contacts(stage, &taken, &name, true);
         allow_handover_contacts(stage, step, receiver, &name);
-        let then = |goal: &HandTarget| placement_in_hand(who, limb, None, goal);
+        let then = |goal: &HandTarget| goal.placement_in_hand(who, limb, None);
         let change = Some(PlacementChange { thing: object, placement_after: &then });
-        plans.extend(visit_first_goal(stage, LimbVisit::from_step(&taken), &hands, change, config)?.0);
+        plans.extend(visit_first_goal(stage, LimbVisit { change, ..LimbVisit::from_step(&taken) }, &hands)?.0);
     }
-    Ok((plans, Vec::new()))
+    Ok(plans)
 }
 
 /// Allows both hands to touch an object while it is handed over.

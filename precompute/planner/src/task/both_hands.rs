@@ -1,19 +1,18 @@
 //! Both hands at one thing: the first one leads, the second one follows it frame by frame.
 
-use super::actions::{CONTACT_S, StepFailure, allow_step_contacts, next_with, placement_in_hand};
+use super::actions::{CONTACT_S, PlanResult, StepFailure, allow_step_contacts, next_with};
 use super::entries::TaskAction;
-use super::follow::{FollowError, HandPath, check_free_all_along};
+use super::follow::{FollowError, HandPath};
 use super::grips::HandTarget;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, hand_joint};
 use super::step::TaskStep;
-use super::visit::{LimbVisit, PlacementChange, TRIES, allow_neighbours, first_success, reachable_goals};
+use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, allow_neighbours, first_success, reachable_goals};
 use crate::clips::with_motion;
 use crate::collide::Checker;
-use crate::correct::CorrectConfig;
 use crate::ik::LimbIk;
 use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::manipulate::{ReachError, misfit_error, plan_into_clip};
-use crate::planner::{Budget, LimbMotion, LimbPlanner, PlanOutcome};
+use crate::planner::{LimbMotion, LimbPlanner, PlanOutcome};
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec, Tether};
@@ -63,8 +62,7 @@ pub(super) fn grab_with_both(
     follow: Limb,
     object: usize,
     hands: [&[HandTarget]; 2],
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
+) -> PlanResult {
     let (who, lead, [from_s, at_s, _]) = (step.character, step.limb, step.times_s);
     let second = LimbVisit { limb: follow, ..LimbVisit::from_step(step) };
     for limb in [lead, follow] {
@@ -84,7 +82,7 @@ pub(super) fn grab_with_both(
         let (first, other) = (firsts[i], others[k]);
         let second = SecondHand { limb: follow, grip: first.hand.to_local(other.hand) };
         let pair = HandPair { who, lead, second, object };
-        take_with_both(stage, step, pair, [&first, &other], config)
+        take_with_both(stage, step, pair, [&first, &other])
     })
 }
 
@@ -93,21 +91,20 @@ fn take_with_both(
     step: &TaskStep,
     pair: HandPair,
     [first, other]: [&HandTarget; 2],
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
+) -> PlanResult {
     let HandPair { who, lead, second, object } = pair;
     let [from_s, at_s, _] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
     let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, None, config)?];
+    let mut plans = vec![plan_limb_path(stage, path, &there, None)?];
     let there = stage.surroundings_of_limb(who, second.limb, [from_s, at_s]);
     let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
-    plans.push(plan_limb_path(stage, path, &there, None, config).map_err(|e| e.of_limb(second.limb))?);
+    plans.push(plan_limb_path(stage, path, &there, None).map_err(|e| e.of_limb(second.limb))?);
     for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
         stage.pins.push(Pin { character: who, limb, time_s: at_s, target });
     }
     allow_neighbours(stage, who, lead, object, &first.object, [at_s, held_until_s(stage, step, object)]);
-    let placement = placement_in_hand(who, lead, Some(second), first);
+    let placement = first.placement_in_hand(who, lead, Some(second));
     stage.placements[object].push(PlacementSpan { from_s: at_s, placement });
     hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
     Ok(plans)
@@ -121,8 +118,7 @@ pub(super) fn bring_with_both(
     object: usize,
     hands: &[HandTarget],
     change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
+) -> VisitResult {
     let (who, lead) = (step.character, step.limb);
     let pair = HandPair { who, lead, second, object };
     let [from_s, at_s, to_s] = step.times_s;
@@ -156,8 +152,10 @@ pub(super) fn bring_with_both(
     let all = || goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s)));
     let tries = [OFF_M, f64::INFINITY].into_iter().flat_map(|off_m| all().map(move |(g, s)| (g, s, off_m)));
     first_success(stage, tries, wrong, |stage, (goal, seed, off_m)| {
-        let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
-        let plans = bring_to_goal(stage, step, pair, goal, off_m, change, &CorrectConfig { budget, ..*config })?;
+        let first_seed = stage.config.budget.seed;
+        stage.config.budget.seed = first_seed.wrapping_add(seed << 32);
+        let plans = bring_to_goal(stage, step, pair, goal, off_m, change)?;
+        stage.config.budget.seed = first_seed;
         Ok((plans, *goal))
     })
 }
@@ -169,15 +167,14 @@ fn bring_to_goal(
     goal: &HandTarget,
     off_m: f64,
     change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
+) -> PlanResult {
     let HandPair { who, lead, second, object } = pair;
     let [from_s, at_s, to_s] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
     let there = LimbSurroundings { level: LimbVisit::with_held_object(step, &[*goal]).level, ..there };
     let tether = pair_tether(stage, pair);
     let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(goal.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether), config)?];
+    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether))?];
     follow_first_hand(stage, pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
@@ -188,9 +185,9 @@ fn bring_to_goal(
     end_hold_contacts(stage, pair, at_s + CONTACT_S);
     let back = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, to_s]), second.limb);
     let path = LimbPath { window_s: [at_s, to_s], goal: None, ..path };
-    plans.push(plan_limb_path(stage, path, &back, None, config)?);
+    plans.push(plan_limb_path(stage, path, &back, None)?);
     let back = stage.surroundings_of_limb(who, second.limb, [at_s, to_s]);
-    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None, config);
+    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None);
     plans.push(one.map_err(|e| e.of_limb(second.limb))?);
     Ok(plans)
 }
@@ -201,7 +198,6 @@ fn plan_limb_path(
     path: LimbPath,
     around: &LimbSurroundings,
     tether: Option<Tether>,
-    config: &CorrectConfig<'_>,
 ) -> Result<PlanOutcome, StepFailure> {
     let LimbPath { who, limb, window_s, goal } = path;
     let others = stage.other_bodies(who);
@@ -215,7 +211,7 @@ fn plan_limb_path(
     }
     let what = if goal.is_none() { "back" } else { "there" };
     let spec = spec.between([spec.init, end]);
-    let (clip, outcome) = plan_into_clip(&stage.actors[who].clip, &mut LimbPlanner::new(), &spec, config, what)?;
+    let (clip, outcome) = plan_into_clip(&stage.actors[who].clip, &mut LimbPlanner::new(), &spec, &stage.config, what)?;
     stage.actors[who].replace_clip(clip);
     stage.record_planned(who, limb, window_s);
     Ok(outcome)
@@ -259,7 +255,8 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     let spec = stage.limb_spec(who, lead, &around, &others);
     let ends = [at_s, until_s].map(|time_s| LimbState { pose, time_s });
     let problem = Problem::prepare(&spec.between(ends))?;
-    check_free_all_along(&problem, &mut Checker::default(), &kept, at_s, rate_hz).map_err(|(t, with)| {
+    let path = HandPath { problem: &problem, targets: &[], start_s: at_s, rate_hz };
+    path.check_free_all_along(&mut Checker::default(), &kept).map_err(|(t, with)| {
         StepFailure::new(format!("what both hands hold meets {with} at {t:.2} s; bring it elsewhere"))
     })?;
     follow_first_hand(stage, pair, [at_s, until_s], f64::INFINITY)

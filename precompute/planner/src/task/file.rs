@@ -4,17 +4,17 @@ use super::entries::{
     CharacterEntry, PaceEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry,
 };
 use super::mesh;
-use super::step::{TaskStep, steps};
+use super::step::{NameTable, TaskStep};
 use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
+use crate::refuse;
 use crate::rotation::{Rigid, exp, rotation_about};
 use crate::smooth::SmoothConfig;
 use crate::stiff_mesh::StiffMesh;
 use crate::track::RigidPath as Motion;
 use glam::DVec3;
-use std::fmt::Arguments;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_base::Error;
@@ -202,8 +202,8 @@ impl Task {
                 things.push(thing.map_err(|why| source.error_at_key(&key, format!("`{}`: {why}", o.name)))?);
             }
         }
-        let steps = steps(&file.tasks, &characters, &things)
-            .map_err(|(i, why)| source.error_at_key(&format!("tasks[{i}]"), why))?;
+        let steps = NameTable { characters: &characters, things: &things }.steps(&file.tasks);
+        let steps = steps.map_err(|(i, why)| source.error_at_key(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.error_at_key(&format!("planner.{key}"), why))?;
         let PlannerEntry { clearance_m, gaze, lean, balance, .. } = file.planner;
         Ok(Self { characters, things, config, clearance_m, gaze, lean, balance, steps })
@@ -248,11 +248,6 @@ fn resolve_walk(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> Result<Cl
     let (bundle, config) = (folder.join(&walk.bundle), walk.config.as_ref().map(|c| folder.join(c)));
     let walk = WalkEntry { bundle, config, ..walk.clone() };
     Ok(ClipEntry { walk: Some(walk), ..entry.clone() })
-}
-
-/// Refuses an entry, with the reason.
-pub(super) fn refuse(is_wrong: bool, why: Arguments<'_>) -> Result<(), String> {
-    if is_wrong { Err(why.to_string()) } else { Ok(()) }
 }
 
 /// Refuses a list that is too long.

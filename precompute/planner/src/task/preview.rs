@@ -2,7 +2,7 @@
 
 use super::entries::TaskAction;
 use super::file::Task;
-use super::grips::{HandTarget, hand_targets};
+use super::grips::HandTarget;
 use super::lean;
 use super::mesh::open_edges;
 use super::run::ClipMismatch;
@@ -164,21 +164,17 @@ fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) 
         (None, Some(why)) => out.faults.push(format!("not reached at {at_s:.2} s: {why}")),
         (None, None) => {}
     }
-    for [part, with] in deep_at_ends(&problem) {
+    // Part and obstacle of collisions of the clip's poses at both ends.
+    let mut checker = Checker::default();
+    let hits = [problem.init(), problem.goal()].map(|state| checker.deepest_hit(&problem, state));
+    let mut deep: Vec<[String; 2]> = hits.iter().flatten().map(|hit| problem.hit_names(hit)).collect();
+    deep.dedup();
+    for [part, with] in deep {
         out.faults.push(format!(
             "{part} is in {with} where the window begins or ends; begin earlier, end later, or correct first"
         ));
     }
     Ok(())
-}
-
-/// Collisions of the clip's poses at both ends: part and obstacle.
-fn deep_at_ends(problem: &Problem) -> Vec<[String; 2]> {
-    let mut checker = Checker::default();
-    let hits = [problem.init(), problem.goal()].map(|state| checker.deepest_hit(problem, state));
-    let mut found: Vec<[String; 2]> = hits.iter().flatten().map(|hit| problem.hit_names(hit)).collect();
-    found.dedup();
-    found
 }
 
 /// Place of a step's object, or the place to which it is brought.
@@ -236,8 +232,8 @@ pub(super) fn reachable_poses(
     at_s: f64,
 ) -> (Vec<Option<LimbPose>>, Option<IkError<String>>) {
     let target = object_target(stage, step, at_s);
-    let hands = hand_targets(&grips_of(stage.task, step), &target, &stage.actors[step.character], step.limb, at_s);
-    solve_hands(problem, &hands, at_s)
+    let grips = grips_of(stage.task, step);
+    solve_hands(problem, &stage.actors[step.character].hand_targets(step.limb, &grips, &target, at_s), at_s)
 }
 
 /// The pose that reaches each of some hands, `None` where there is none; and the nearest failure.

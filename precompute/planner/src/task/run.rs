@@ -6,7 +6,7 @@ use super::entries::TaskAction;
 use super::file::Task;
 use super::scenery::TaskScenery;
 use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
-use crate::correct::{CollisionStretch, CorrectConfig};
+use crate::correct::CollisionStretch;
 use crate::linkage::Limb;
 use crate::planner::{PlanError, PlanOutcome, Planners};
 use crate::recheck::RecheckReport;
@@ -222,13 +222,12 @@ impl Task {
     /// [`ClipMismatch`].
     pub fn run_watched(&self, clips: &[ActorClip], watch: &RunOptions<'_>) -> Result<TaskOutcome, ClipMismatch> {
         self.check_clips(clips)?;
-        let mut stage = TaskStage::new(self, clips);
-        let before = TaskScenery::from_stage(&stage);
         let trees = TreeLog::default();
-        let mut config =
-            CorrectConfig { trees: watch.keeps_trees.then_some(&trees), planners: watch.planners, ..self.config };
-        config.budget.seed = watch.seed.unwrap_or(config.budget.seed);
-        config.budget.cancel = watch.cancel;
+        let mut stage = TaskStage::new(self, clips);
+        (stage.config.trees, stage.config.planners) = (watch.keeps_trees.then_some(&trees), watch.planners);
+        stage.config.budget.seed = watch.seed.unwrap_or(self.config.budget.seed);
+        stage.config.budget.cancel = watch.cancel;
+        let before = TaskScenery::from_stage(&stage);
         let is_cancelled = || watch.cancel.is_some_and(|c| c.load(Ordering::Relaxed));
         let mut num_tried = 0;
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
@@ -237,7 +236,7 @@ impl Task {
         let (mut failed, mut late) = (Vec::new(), false);
         for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
-                let mut one = attempt_step(&mut stage, i, &config, is_cancelled());
+                let mut one = attempt_step(&mut stage, i, is_cancelled());
                 one.trees = trees.take();
                 num_tried += 1;
                 watch.on_progress.iter().for_each(|tell| tell(num_tried));
@@ -307,12 +306,12 @@ impl Task {
 }
 
 /// Runs a step, or leaves everything as it was.
-fn attempt_step(stage: &mut TaskStage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> StepOutcome {
+fn attempt_step(stage: &mut TaskStage<'_>, i: usize, is_cancelled: bool) -> StepOutcome {
     let step = &stage.task.steps[i];
     let before = stage.clone();
     let did = match is_cancelled {
         true => Err(StepFailure { keep: true, ..StepFailure::new("cancelled before it was begun") }),
-        false => run_step(stage, step, config),
+        false => run_step(stage, step),
     };
     if did.as_ref().is_err_and(|e| !e.keep) {
         *stage = before;

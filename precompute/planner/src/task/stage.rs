@@ -5,7 +5,7 @@ use super::file::{Task, TaskCharacter, ThingStart};
 use super::held_capsules::capsules_around;
 use super::step::{Anchor, TaskPlace};
 use crate::body::BodyCapsules;
-use crate::correct::{CollisionStretch, find_collisions};
+use crate::correct::{CollisionStretch, CorrectConfig, find_collisions};
 use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
@@ -145,6 +145,8 @@ pub(super) struct TaskStage<'a> {
     pub pins: Vec<Pin>,
     pub gazes: Vec<TaskGaze>,
     pub leans: Vec<TrunkLean>,
+    /// Settings of plans.
+    pub config: CorrectConfig<'a>,
 }
 
 /// Surroundings of a limb in a stretch of time.
@@ -259,7 +261,7 @@ impl<'a> TaskStage<'a> {
         };
         let placements = task.things.iter().map(|t| first(&t.start)).collect();
         let (contacts, planned_limbs, pins, gazes, leans) = Default::default();
-        Self { task, actors, placements, contacts, planned_limbs, pins, gazes, leans }
+        Self { task, actors, placements, contacts, planned_limbs, pins, gazes, leans, config: task.config }
     }
 
     /// The end of the last clip (s).
@@ -444,14 +446,8 @@ impl<'a> TaskStage<'a> {
     }
 
     /// Fails where a limb, whose name is given, has to be elsewhere within a window (s).
-    pub fn check_unpinned(
-        &self,
-        who: usize,
-        limb: Limb,
-        name: &str,
-        [from_s, to_s]: [f64; 2],
-    ) -> Result<(), StepFailure> {
-        let is_within = |t: f64| t > from_s + 1e-6 && t < to_s - 1e-6;
+    pub fn check_unpinned(&self, who: usize, limb: Limb, name: &str, window_s: [f64; 2]) -> Result<(), StepFailure> {
+        let is_within = |t: f64| t > window_s[0] + 1e-6 && t < window_s[1] - 1e-6;
         match self.pins.iter().find(|p| p.character == who && p.limb == limb && is_within(p.time_s)) {
             Some(Pin { time_s: t, .. }) => {
                 Err(StepFailure::new(format!("{name} has to be elsewhere at {t:.2} s; begin then, or end before")))

@@ -1,11 +1,10 @@
 //! Steps of a task, checked.
 
 use super::entries::{GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskAction, TaskEntry};
-use super::file::{
-    MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, refuse, rigid_of_entry,
-};
+use super::file::{MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, rigid_of_entry};
 use crate::limits::{AngleInterval, Style};
 use crate::linkage::{Limb, Linkage};
+use crate::refuse;
 use crate::rotation::Rigid;
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -82,22 +81,17 @@ pub(super) struct OtherHand {
     pub grips: Vec<ObjectGrip>,
 }
 
-/// Checks all tasks of a file; an error has the index of the task.
-pub(super) fn steps(
-    tasks: &[TaskEntry],
-    characters: &[TaskCharacter],
-    things: &[TaskThing],
-) -> Result<Vec<TaskStep>, (usize, String)> {
-    let scene = NameTable { characters, things };
-    tasks.iter().enumerate().map(|(i, t)| scene.step(t).map_err(|why| (i, why))).collect()
-}
-
-struct NameTable<'a> {
-    characters: &'a [TaskCharacter],
-    things: &'a [TaskThing],
+/// Characters and things that tasks name.
+pub(super) struct NameTable<'a> {
+    pub characters: &'a [TaskCharacter],
+    pub things: &'a [TaskThing],
 }
 
 impl NameTable<'_> {
+    /// Checks all tasks of a file; an error has the index of the task.
+    pub fn steps(&self, tasks: &[TaskEntry]) -> Result<Vec<TaskStep>, (usize, String)> {
+        tasks.iter().enumerate().map(|(i, t)| self.step(t).map_err(|why| (i, why))).collect()
+    }
     fn step(&self, t: &TaskEntry) -> Result<TaskStep, String> {
         let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
         let needs_object = t.action != TaskAction::Correct;

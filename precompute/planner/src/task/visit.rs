@@ -1,12 +1,11 @@
 //! A limb that leaves the clip, reaches a goal, and comes back.
 
-use super::actions::{CONTACT_S, StepFailure};
+use super::actions::{CONTACT_S, PlanResult, StepFailure};
 use super::grips::{HandTarget, awkwardness};
 use super::held_capsules::capsules_around;
 use super::preview::solve_hands;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlacement};
 use super::step::TaskStep;
-use crate::correct::CorrectConfig;
 use crate::ik::IkError;
 use crate::linkage::Limb;
 use crate::manipulate::{ReachError, ReachTask, reach_target};
@@ -31,18 +30,23 @@ pub(super) struct PlacementChange<'a> {
 
 /// A limb with the times of its path to a goal and back.
 #[derive(Clone, Copy)]
-pub(super) struct LimbVisit {
+pub(super) struct LimbVisit<'a> {
     pub who: usize,
     pub limb: Limb,
     pub times_s: [f64; 3],
     pub hold_s: f64,
     /// Constraint that keeps a held object upright on the way there.
     pub level: Option<UprightConstraint>,
+    pub change: Option<PlacementChange<'a>>,
 }
 
-impl LimbVisit {
+/// Plans, and the goal that they reach.
+pub(super) type VisitResult = Result<(Vec<PlanOutcome>, HandTarget), StepFailure>;
+
+impl LimbVisit<'_> {
     pub fn from_step(step: &TaskStep) -> Self {
-        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s, level: None }
+        let &TaskStep { character: who, limb, times_s, hold_s, .. } = step;
+        Self { who, limb, times_s, hold_s, level: None, change: None }
     }
 
     /// The visit of a step with the object in the hand, as goals have it.
@@ -54,19 +58,13 @@ impl LimbVisit {
 }
 
 /// Moves a limb to the first of some goals for which there is a path there and back.
-pub(super) fn visit_first_goal(
-    stage: &mut TaskStage<'_>,
-    visit: LimbVisit,
-    hands: &[HandTarget],
-    change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
+pub(super) fn visit_first_goal(stage: &mut TaskStage<'_>, visit: LimbVisit<'_>, hands: &[HandTarget]) -> VisitResult {
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     stage.check_unpinned(who, limb, "the limb", [from_s, to_s])?;
     let there = LimbSurroundings { level: visit.level, ..stage.surroundings_of_limb(who, limb, [from_s, at_s]) };
     let within = reachable_goals(stage, visit, hands, &there)?;
     first_success(stage, within.iter().take(TRIES), None, |stage, goal| {
-        Ok((plan_visit(stage, visit, goal, change, &there, config)?, *goal))
+        Ok((plan_visit(stage, visit, goal, &there)?, *goal))
     })
 }
 
@@ -95,7 +93,7 @@ pub(super) fn first_success<'a, C, T>(
 /// Goals that inverse kinematics reaches, the best first.
 pub(super) fn reachable_goals(
     stage: &TaskStage<'_>,
-    visit: LimbVisit,
+    visit: LimbVisit<'_>,
     hands: &[HandTarget],
     there: &LimbSurroundings,
 ) -> Result<Vec<HandTarget>, StepFailure> {
@@ -126,13 +124,11 @@ pub(super) fn reachable_goals(
 
 fn plan_visit(
     stage: &mut TaskStage<'_>,
-    visit: LimbVisit,
+    visit: LimbVisit<'_>,
     goal: &HandTarget,
-    change: Option<PlacementChange<'_>>,
     there: &LimbSurroundings,
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
-    let LimbVisit { who, limb, times_s, hold_s, .. } = visit;
+) -> PlanResult {
+    let LimbVisit { who, limb, times_s, hold_s, change, .. } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
         allow_neighbours(stage, who, limb, change.thing, &goal.object, [at_s; 2]);
@@ -143,7 +139,7 @@ fn plan_visit(
     let spec = stage.limb_spec(who, limb, there, &others);
     let back_spec = stage.limb_spec(who, limb, &back, &others);
     let task = ReachTask { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, return_spec: Some(&back_spec) };
-    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, config)?;
+    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
     stage.actors[who].replace_clip(clip);
     stage.record_planned(who, limb, [from_s, at_s]);
     stage.record_planned(who, limb, [at_s, to_s]);

@@ -217,7 +217,7 @@ fn walk_to_step(
     let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
     for (stand, leans) in upright.chain(leaning) {
         wanted.leans = leans;
-        if !wanted.is_free(stand) || !wanted.is_reached_from(stand) {
+        if !wanted.is_free(stand) || !wanted.is_reached_at(wanted.pose_at(stand), stand.at_s) {
             continue;
         }
         let mut after = gait.clone();

@@ -116,7 +116,7 @@ impl<'a> StandSearch<'a> {
     }
 
     /// Position of the hips and rotations of a character that stands there.
-    fn pose_at(&self, stand: &StandingPlace) -> (DVec3, [DQuat; NUM_JOINTS]) {
+    pub fn pose_at(&self, stand: &StandingPlace) -> (DVec3, [DQuat; NUM_JOINTS]) {
         let (root, mut turns) = self.pose;
         let (from, heading) = self.from;
         let turn = rotation_about(DVec3::Y, stand.heading - heading);
@@ -198,12 +198,7 @@ impl<'a> StandSearch<'a> {
         placed.collect()
     }
 
-    /// True where the limb of a character that stands there reaches its target, within limits and free.
-    pub fn is_reached_from(&mut self, stand: &StandingPlace) -> bool {
-        self.is_reached_at(self.pose_at(stand), stand.at_s)
-    }
-
-    /// True where the target is reached from a pose: hips and rotations. An object to be brought has to be reachable from a
+    /// True where the limb reaches its target from a pose, within limits and free: hips and rotations. An object to be brought has to be reachable from a
     /// little farther away, too, as its place in the hand is not known yet.
     pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
         let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
