@@ -174,14 +174,9 @@ impl fmt::Display for ClipReport {
             writeln!(f, "    {:<16} {joint}", role.name())?;
         }
         let c = &self.contact;
-        writeln!(
-            f,
-            "  contact  left {:.0} %, right {:.0} %, planted feet move at {:.3} m/s on average, {:.3} at the 95th percentile",
-            100.0 * c.left_share,
-            100.0 * c.right_share,
-            c.mean_speed_mps,
-            c.p95_speed_mps
-        )?;
+        let [left, right] = [c.left_share, c.right_share].map(|share| 100.0 * share);
+        let speeds = format!("{:.3} m/s on average, {:.3} at the 95th percentile", c.mean_speed_mps, c.p95_speed_mps);
+        writeln!(f, "  contact  left {left:.0} %, right {right:.0} %, planted feet move at {speeds}")?;
         writeln!(f, "  feet     stand {}", c.stance)?;
         writeln!(f, "  hits     {}", self.hits)?;
         for (reason, start, end) in &self.excluded {

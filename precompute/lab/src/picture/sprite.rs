@@ -14,10 +14,10 @@ const MAX_SIDE: f32 = 4096.0;
 /// A drawn figure, ready to be copied onto a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sprite {
-    corner: (i32, i32),
-    size: (usize, usize),
+    pub corner: (i32, i32),
+    pub size: (usize, usize),
     /// Pixels (width * height).
-    pixels: Vec<PremultipliedColorU8>,
+    pub pixels: Vec<PremultipliedColorU8>,
 }
 
 /// Draws a figure. `None` where it cannot be drawn or lies outside of the picture's `size`.

@@ -53,13 +53,10 @@ fn world_figure(pose: &[Vec3; NUM_JOINTS]) -> WorldFigure {
 fn overview(title: &str, centre: [f32; 2], figures: &SceneFigures, poses: &[JointPositions]) -> Picture {
     let bodies: Vec<WorldFigure> = poses.iter().map(world_figure).collect();
     let f = figures.paths.clone().unwrap_or_default();
-    let subtitle = format!(
-        "{:.0} s at {:.1} m/s on average, {:.1} at most; planted feet slip {:.0} mm/s (95th percentile)",
-        figures.simulated_s,
-        f.speed_mean_mps,
-        f.speed_max_mps,
-        1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
-    );
+    let (mean, most, slip_mmps) =
+        (f.speed_mean_mps, f.speed_max_mps, 1000.0 * figures.foot_slip_p95_mps.unwrap_or_default());
+    let pace = format!("{:.0} s at {mean:.1} m/s on average, {most:.1} at most", figures.simulated_s);
+    let subtitle = format!("{pace}; planted feet slip {slip_mmps:.0} mm/s (95th percentile)");
     let focus = Some((Vec3::new(centre[0], 0.0, centre[1]), OVERVIEW_M));
     let (size, camera) = ((1600, 900), WorldCamera { focus, ..OBLIQUE_VIEW });
     world_sheet(&WorldSheet { title, subtitle: &subtitle, size, figures: &bodies, camera, ..WorldSheet::default() })
@@ -110,14 +107,11 @@ fn draw_moments(record: &PathsRecord) -> Option<Picture> {
     let speeds: Vec<f32> = shown.iter().map(|(_, s, _)| s[who]).collect();
     let [first, last] = [shown.first()?, shown.last()?].map(|s| s.2[who][Joint::Hips.index()]);
     let offset = last - first;
+    let (first, last, most) = (speeds.first()?, speeds.last()?, speeds.iter().copied().fold(0.0, f32::max));
+    let range = format!("from {first:.1} to {last:.1} m/s, {most:.1} at most");
     let strip = WorldStrip {
         title: &format!("Character {who}"),
-        subtitle: &format!(
-            "one moment every tenth of a second; from {:.1} to {:.1} m/s, {:.1} at most",
-            speeds.first()?,
-            speeds.last()?,
-            speeds.iter().copied().fold(0.0, f32::max)
-        ),
+        subtitle: &format!("one moment every tenth of a second; {range}"),
         moments: &moments,
         units: &[],
         columns: COLUMNS,

@@ -17,26 +17,10 @@ use throng_synth::{SynthConfig, SynthSet, make_set};
 /// Motion of every character, loaded once.
 #[derive(Clone, Debug)]
 pub struct TaskSources {
-    motions: Vec<CharacterMotion>,
+    motions: Vec<ActorSource>,
     rate_hz: f64,
     /// Files that the motion was read from.
     pub files: Vec<PathBuf>,
-}
-
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-enum CharacterMotion {
-    Clip(ActorClip),
-    Space(BlendSpace),
-}
-
-impl CharacterMotion {
-    fn source(&self) -> ActorSource<'_> {
-        match self {
-            Self::Clip(clip) => ActorSource::Clip(clip.clone()),
-            Self::Space(space) => ActorSource::Walks(space),
-        }
-    }
 }
 
 impl TaskSources {
@@ -47,13 +31,12 @@ impl TaskSources {
     /// # Errors
     /// [`WalkError`].
     pub fn stage_task(&self, task: Task, seed: Option<u64>) -> Result<(Task, Vec<ActorClip>), WalkError> {
-        let clip = |r: &CharacterMotion| if let CharacterMotion::Clip(clip) = r { Some(clip.clone()) } else { None };
+        let clip = |r: &ActorSource| if let ActorSource::Clip(clip) = r { Some(clip.clone()) } else { None };
         let clips: Vec<ActorClip> = self.motions.iter().filter_map(clip).collect();
         if clips.len() == self.motions.len() {
             return Ok((task, clips));
         }
-        let sources: Vec<ActorSource<'_>> = self.motions.iter().map(CharacterMotion::source).collect();
-        let WalkedTask { task, clips } = task.plan_walks(&sources, self.rate_hz, seed)?;
+        let WalkedTask { task, clips } = task.plan_walks(&self.motions, self.rate_hz, seed)?;
         Ok((task, clips))
     }
 }
@@ -76,14 +59,14 @@ pub fn load_sources(
     for c in &task.characters {
         let named = |e: BuildError| config_error(format!("`{}`: {e}", c.name));
         of_each.push(match (given.take(), &c.clip.walk) {
-            (Some(clip), _) => CharacterMotion::Clip(clip),
+            (Some(clip), _) => ActorSource::Clip(clip),
             (None, Some(walk)) => {
                 files.push(walk.bundle.clone());
-                CharacterMotion::Space(blend_space(walk, with).map_err(named)?)
+                ActorSource::Walks(blend_space(walk, with).map_err(named)?)
             }
             (None, None) => {
                 files.extend(c.clip.file.clone().filter(|f| f.is_file()));
-                CharacterMotion::Clip(task_clip(&c.clip, config, with).map_err(named)?)
+                ActorSource::Clip(task_clip(&c.clip, config, with).map_err(named)?)
             }
         });
     }

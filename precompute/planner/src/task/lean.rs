@@ -47,6 +47,8 @@ pub(super) struct Bend {
     angle: f64,
     /// Share of the angle that the hips take.
     hips: f64,
+    /// Lowering by bent knees (m).
+    lower_m: f64,
 }
 
 /// A character that bends.
@@ -59,8 +61,8 @@ pub(super) struct BendingTrunk<'a> {
 }
 
 impl BendingTrunk<'_> {
-    /// The least bend that brings a shoulder within a distance of a target, and the lowering by bent knees (m).
-    pub fn least_bend(&self, pose: &RootPose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
+    /// The least bend that brings a shoulder within a distance of a target.
+    pub fn least_bend(&self, pose: &RootPose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<Bend> {
         let places = place_joints(self.skeleton, pose.0, &pose.1);
         let (pivot, from) = (places[Joint::Spine.index()].position, places[shoulder.index()].position);
         let across = (from - pivot).cross(target - from).try_normalize()?;
@@ -68,7 +70,7 @@ impl BendingTrunk<'_> {
         let limit = |j: Joint| self.limits.joints[j.index()];
         let mut angle = STEP_RAD;
         while angle <= MOST_RAD {
-            let bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 } };
+            let mut bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 }, lower_m: 0.0 };
             let bent = bent_rotations(&pose.1, &bend, 1.0);
             let is_within = SPINE.into_iter().all(|j| {
                 let [a, b] = [pose.1[j.index()], bent[j.index()]];
@@ -77,16 +79,15 @@ impl BendingTrunk<'_> {
             if !is_within {
                 return None;
             }
-            let mut lower_m = 0.0;
-            while lower_m <= LOWER_M {
-                if let Some((root, turns)) = self.bent_pose(pose, &bend, 1.0, lower_m) {
+            while bend.lower_m <= LOWER_M {
+                if let Some((root, turns)) = self.bent_pose(pose, &bend, 1.0) {
                     let at = place_joints(self.skeleton, root, &turns)[shoulder.index()].position;
                     if at.distance(target) <= far_m {
-                        return Some((bend, lower_m));
+                        return Some(bend);
                     }
                     break;
                 }
-                lower_m += LOWER_STEP_M;
+                bend.lower_m += LOWER_STEP_M;
             }
             angle += STEP_RAD;
         }
@@ -94,14 +95,14 @@ impl BendingTrunk<'_> {
     }
 
     /// A pose with a share of a bend; `None` where legs do not reach the ground then.
-    pub fn bent_pose(&self, pose: &RootPose, bend: &Bend, share: f64, lower_m: f64) -> Option<RootPose> {
+    pub fn bent_pose(&self, pose: &RootPose, bend: &Bend, share: f64) -> Option<RootPose> {
         let turns = bent_rotations(&pose.1, bend, share);
         if !self.balances {
             return Some((pose.0, turns));
         }
         let before = place_joints(self.skeleton, pose.0, &pose.1);
         let weight = centre_of_mass(&before);
-        let mut out = (pose.0 - DVec3::Y * lower_m * share, turns);
+        let mut out = (pose.0 - DVec3::Y * bend.lower_m * share, turns);
         for _ in 0..4 {
             out = self.place_feet(out, &before)?;
             let off = (weight - centre_of_mass(&place_joints(self.skeleton, out.0, &out.1))).with_y(0.0);
@@ -189,8 +190,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
     let there = pose(frame_of(at_s));
     let shoulder = limb.joints()[0];
     let far_m = place_joints(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
-    let found = trunk.least_bend(&there, shoulder, at, far_m);
-    let (bend, lower_m) = found.ok_or_else(|| StepFailure::new("out of reach, as far as the trunk bends"))?;
+    let bend = trunk.least_bend(&there, shoulder, at, far_m);
+    let bend = bend.ok_or_else(|| StepFailure::new("out of reach, as far as the trunk bends"))?;
     let share = |t: f64| ease((t - from_s) / (at_s - from_s)) * ease((to_s - t) / (to_s - held_s));
     let mut clip = actor.clip.clone();
     for f in frames.clone() {
@@ -198,7 +199,7 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         if share == 0.0 {
             continue;
         }
-        let bent = trunk.bent_pose(&old, &bend, share, lower_m);
+        let bent = trunk.bent_pose(&old, &bend, share);
         let (root, turns) = bent.ok_or_else(|| StepFailure::new("who leans there does not stand"))?;
         if trunk.balances {
             clip.root_positions[f] = root.as_vec3();

@@ -33,11 +33,11 @@ const LONGEST_S: f64 = 3600.0;
 /// Motion of a character.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-pub enum ActorSource<'a> {
+pub enum ActorSource {
     /// A clip.
     Clip(ActorClip),
     /// Walking up to its steps, with bodies of a blend space whose first axis is speed.
-    Walks(&'a BlendSpace),
+    Walks(BlendSpace),
 }
 
 /// Clips of characters who walk, and the task with the times at which they are in place.
@@ -97,7 +97,7 @@ impl Task {
     /// Shapiro, Kallmann and Faloutsos 2007, section 6.2, last paragraph. Differs: the place to stand is searched, too.
     pub fn plan_walks(
         &self,
-        sources: &[ActorSource<'_>],
+        sources: &[ActorSource],
         rate_hz: f64,
         seed: Option<u64>,
     ) -> Result<WalkedTask, WalkError> {
@@ -129,7 +129,7 @@ impl Task {
     }
 
     /// - `passed`: number of places of each step that were rejected before.
-    fn walk_all(&self, sources: &[ActorSource<'_>], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
+    fn walk_all(&self, sources: &[ActorSource], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
         let (expected, found) = (self.characters.len(), sources.len());
         if expected != found {
             return Err(ClipMismatch::Number { expected, found }.into());
@@ -146,7 +146,7 @@ impl Task {
                     continue;
                 }
                 (ActorSource::Walks(_), None) => return Err(ClipMismatch::NotWalked { name: who.name.clone() }.into()),
-                (ActorSource::Walks(space), Some(walk)) => (*space, walk),
+                (ActorSource::Walks(space), Some(walk)) => (space, walk),
             };
             let begin = || {
                 let heading = walk.heading_deg.to_radians();

@@ -234,7 +234,7 @@ impl<'a> StandSearch<'a> {
         let shoulder = self.step.limb.joints()[0];
         let far_m = place_joints(&actor.skeleton, pose.0, &pose.1)[shoulder.index()].position.distance(at) - by_m;
         let bend = trunk.least_bend(&pose, shoulder, at, far_m - SPARE_M[0]);
-        let bent = bend.and_then(|(bend, lower_m)| trunk.bent_pose(&pose, &bend, 1.0, lower_m));
+        let bent = bend.and_then(|bend| trunk.bent_pose(&pose, &bend, 1.0));
         self.leans = false;
         let is_reached = bent.is_some_and(|bent| self.is_reached_by(bent, at_s));
         self.leans = true;
