@@ -7,6 +7,7 @@ use glam::Vec3;
 use serde::Serialize;
 use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 use throng_geometry::segment_distance;
+use throng_planner::linkage::Limb;
 use throng_simulation::sparring::{Sparring, StruckPart};
 
 /// Figures of opponents: whether their limbs stop at each other.
@@ -51,10 +52,7 @@ const LANDING_S: f32 = 0.1;
 type ElbowRateHistogram = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
-const ARMS: [[Joint; 3]; 2] = [
-    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-];
+const ARMS: [[Joint; 3]; 2] = [Limb::LeftArm.joints(), Limb::RightArm.joints()];
 
 /// Shin and foot of each leg.
 const LEGS: [[Joint; 3]; 2] =

@@ -2,6 +2,7 @@
 
 use crate::rotation::Rigid;
 use glam::{DQuat, DVec3};
+use throng_base::maths::slerp;
 use throng_core::{Contacts, Joint, Skeleton};
 
 /// Most joints of a linkage.
@@ -129,6 +130,11 @@ pub struct LimbPose(pub [DQuat; MAX_JOINTS]);
 impl LimbPose {
     /// No joint is turned.
     pub const REST: Self = Self([DQuat::IDENTITY; MAX_JOINTS]);
+
+    /// The pose at a share of the shortest arcs of the first `len` joints to another pose.
+    pub(crate) fn slerp(&self, to: &Self, share: f64, len: usize) -> Self {
+        Self(std::array::from_fn(|i| if i < len { slerp(self.0[i], to.0[i], share) } else { self.0[i] }))
+    }
 }
 
 /// A linkage with lengths.

@@ -1,6 +1,8 @@
 //! Cost of a query, a joint and a character, beside copying the same bytes.
 
-use super::timing::{QueryBatch, fail, median_ns, random_order, random_queries, random_starts, run_in_pool};
+use super::timing::{
+    QueryBatch, fail, median_ns, random_order, random_queries, random_starts, run_in_pool, share_of_task,
+};
 use super::{BundleMeasureConfig, EPSILON};
 use crate::trial::{self, TrialConfig};
 use glam::Vec3;
@@ -109,11 +111,6 @@ impl CharacterBench<'_> {
         })
     }
 
-    /// Characters that one task handles; all of them on one thread.
-    fn characters_per_task(&self) -> usize {
-        self.characters.div_ceil(rayon::current_num_threads()).max(1)
-    }
-
     /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
     fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64)> {
         let (states, targets) = random_queries(policy, self.characters);
@@ -125,7 +122,7 @@ impl CharacterBench<'_> {
     /// Time of sampling all characters at random places.
     fn measure_sampling(&self) -> Result<f64> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
-        let (n, share) = (self.characters, self.characters_per_task());
+        let (n, share) = (self.characters, share_of_task(self.characters));
         let segments = &self.motion_set.graph().segments;
         let place = |_| {
             let s = &segments[rng.random_range(0..segments.len())];
@@ -190,7 +187,7 @@ impl CharacterBench<'_> {
 
     /// Time to copy all model matrices.
     fn measure_copy(&self) -> f64 {
-        let (n, share) = (self.characters * NUM_JOINTS, self.characters_per_task() * NUM_JOINTS);
+        let (n, share) = (self.characters * NUM_JOINTS, share_of_task(self.characters) * NUM_JOINTS);
         let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];
         let mut to = vec![Mat3x4::default(); n];
         let ns = median_ns(self.seconds, || {

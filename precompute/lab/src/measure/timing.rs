@@ -68,6 +68,11 @@ pub(super) fn random_order(rng: &mut Pcg64Mcg) -> PolicyOrder {
     PolicyOrder::towards(0, Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)))
 }
 
+/// Number of `n` characters that one task handles; all of them on one thread.
+pub(super) fn share_of_task(n: usize) -> usize {
+    n.div_ceil(rayon::current_num_threads()).max(1)
+}
+
 /// Queries of many characters at once, split over the threads of the current pool.
 pub struct QueryBatch<'a> {
     /// Policy that is asked.
@@ -81,17 +86,12 @@ pub struct QueryBatch<'a> {
 }
 
 impl QueryBatch<'_> {
-    /// Characters that one task handles; all of them on one thread.
-    fn characters_per_task(&self) -> usize {
-        self.states.len().div_ceil(rayon::current_num_threads()).max(1)
-    }
-
     /// Time of single-load queries of the batch (ns).
     ///
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn single_load_ns(&self) -> Result<f64> {
-        let (policy, share) = (self.policy, self.characters_per_task());
+        let (policy, share) = (self.policy, share_of_task(self.states.len()));
         let mut actions = vec![0u8; self.states.len()];
         BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
             .run()
@@ -111,7 +111,7 @@ impl QueryBatch<'_> {
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn look_ahead_ns(&self) -> Result<f64> {
-        let (policy, share) = (self.policy, self.characters_per_task());
+        let (policy, share) = (self.policy, share_of_task(self.states.len()));
         let weights = vec![1.0; self.states.len()];
         let mut ranked = vec![RankedActions::NONE; self.states.len()];
         let goals = [LookAheadGoal { policy, weights: &weights, targets: self.targets }];

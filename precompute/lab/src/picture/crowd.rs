@@ -1,13 +1,10 @@
 //! A crowd from above: positions, trails and targets of characters.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::discs::OBSTACLE_COLOUR;
-use super::figure::{BodyColours, BodyFigure};
 use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
-use super::sprite;
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour, sprite};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -153,9 +150,7 @@ fn focus_camera(focus: Focus, size: Vec2) -> PictureCamera {
 fn draw_ground(panel: &mut Picture, camera: &PictureCamera, unit: f32, view: &CrowdView<'_>) {
     grid(panel, camera, nice_step(panel.width() as f32 / camera.px_per_m / 16.0), unit);
     view.walls.iter().for_each(|wall| draw_wall(panel, camera, unit, wall));
-    for c in view.present() {
-        draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival));
-    }
+    view.present().for_each(|c| draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival)));
     let ring = camera.ground_disc(view.reach_m.clamp(0.0, 100.0));
     for c in view.present() {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
@@ -209,9 +204,8 @@ fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, mut o
         order.iter().filter_map(|c| c.figure.as_ref()).for_each(|f| shadows.add(f, camera));
         shadows.draw(panel, (0.012 * camera.px_per_m) as usize + 1, colour::INK.alpha(0.34));
     }
-    for c in &order {
-        draw_heading(panel, camera, c.root, colour_of(c.arrival), if bodies { 0.5 } else { 1.0 });
-    }
+    let opacity = if bodies { 0.5 } else { 1.0 };
+    order.iter().for_each(|c| draw_heading(panel, camera, c.root, colour_of(c.arrival), opacity));
     let size = (panel.width(), panel.height());
     let sprite = |c: &&CrowdCharacter<'_>| {
         let colours = BodyColours::plain(colour_of(c.arrival));

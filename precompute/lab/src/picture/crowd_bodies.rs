@@ -1,10 +1,8 @@
 //! The picture of a crowd with bodies.
 
-use super::canvas::Picture;
-use super::colour::Colour;
 use super::discs::{OBSTACLE_COLOUR, WIDTH, group_colour};
-use super::figure::{BodyColours, BodyFigure};
-use super::world::{OBLIQUE_VIEW, WorldCamera, WorldFigure, WorldSheet, world_sheet};
+use super::world::OBLIQUE_VIEW;
+use super::{BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldSheet, world_sheet};
 use crate::run::{AgentsRecord, JointPositions};
 use glam::{Quat, Vec2, Vec3};
 use std::f32::consts::TAU;

@@ -1,9 +1,8 @@
 //! The picture of a crowd of discs or balls: from above at a few times, in the air also from the side.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::furniture::{NamePlates, grid, header, legend, nice_step, scale_bar};
+use super::{Colour, Picture, PictureCamera, colour};
 use crate::run::{
     AgentFigures, AgentsRecord, CrowdMoment, RecordedAgent, RecordedPlace, SceneFigures, TRAIL_S,
     position_on_timed_path,
@@ -89,15 +88,11 @@ fn title(scene: &str, f: &SceneFigures) -> String {
 }
 
 fn subtitle(figures: &SceneFigures, r: &AgentFigures) -> String {
-    let mut text = format!(
-        "{:.2} m/s towards the goal of {:.2} wanted; {} there, {} stuck; deepest overlap {:.1} mm; {:.1} events an agent and second",
-        r.progress_mps,
-        r.desired_mps,
-        r.arrived,
-        figures.stuck.unwrap_or(0),
-        1000.0 * r.max_overlap_m,
-        r.events_per_agent_second.unwrap_or_default()
-    );
+    let (arrived, stuck) = (r.arrived, figures.stuck.unwrap_or(0));
+    let (overlap_mm, events) = (1000.0 * r.max_overlap_m, r.events_per_agent_second.unwrap_or_default());
+    let mut text = format!("{:.2} m/s towards the goal of {:.2} wanted; ", r.progress_mps, r.desired_mps);
+    text += &format!("{arrived} there, {stuck} stuck; deepest overlap {overlap_mm:.1} mm; ");
+    text += &format!("{events:.1} events an agent and second");
     if let Some(order) = r.lane_order {
         text += &format!("; order of lanes {order:.2}");
     }
@@ -135,9 +130,8 @@ fn draw(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, mome
     }
     draw_paths(panel, camera, record);
     record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
-    for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
-        draw_door(panel, camera, door, *is_open);
-    }
+    let doors = record.doors.iter().zip(&moment.is_open);
+    doors.for_each(|(door, is_open)| draw_door(panel, camera, door, *is_open));
     let mut tags = NamePlates::default();
     record.places.iter().for_each(|p| draw_place(panel, camera, p, &mut tags));
     draw_trails(panel, camera, record, moment);

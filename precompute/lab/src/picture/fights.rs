@@ -1,15 +1,13 @@
 //! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
-use super::figure::{BodyColours, BodyFigure};
+use super::canvas::Area;
 use super::furniture::header;
 use super::shadow::Shadows;
-use super::sheet::sheet;
-use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
+use super::{
+    ArrivalState, BodyColours, BodyFigure, Colour, CrowdCharacter, CrowdView, Focus, Picture, PictureCamera, colour,
+    crowd_overview, sheet, sprite,
+};
 use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;

@@ -1,9 +1,8 @@
 //! Common parts of pictures: headers, legends, grids and scale bars.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::text::{Align, TextStyle, draw_text, text_width};
+use super::{Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use throng_geometry::BoundingBox;
 
@@ -72,14 +71,9 @@ pub(super) fn grid(panel: &mut Picture, camera: &PictureCamera, step: f32, unit:
         let (width, opacity) = if strong { (1.3, 0.9) } else { (0.9, 0.45) };
         panel.stroke_line(&[camera.project(a), camera.project(b)], width * unit, colour::GRID.alpha(opacity));
     };
-    for i in range(min.x, max.x) {
-        let x = i as f32 * step;
-        line(i, Vec3::new(x, 0.0, min.z), Vec3::new(x, 0.0, max.z));
-    }
-    for i in range(min.z, max.z) {
-        let z = i as f32 * step;
-        line(i, Vec3::new(min.x, 0.0, z), Vec3::new(max.x, 0.0, z));
-    }
+    let at = |i: i32| i as f32 * step;
+    range(min.x, max.x).for_each(|i| line(i, Vec3::new(at(i), 0.0, min.z), Vec3::new(at(i), 0.0, max.z)));
+    range(min.z, max.z).for_each(|i| line(i, Vec3::new(min.x, 0.0, at(i)), Vec3::new(max.x, 0.0, at(i))));
 }
 
 /// Draws a length in metres at the lower left.

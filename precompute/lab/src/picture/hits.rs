@@ -2,11 +2,9 @@
 
 mod panel;
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::figure::BodyFigure;
+use super::canvas::Area;
 use super::furniture::{header, legend};
+use super::{BodyFigure, Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use panel::{HitPanel, PanelAxis};
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -1,12 +1,13 @@
 //! The picture of a world: all characters at the end, and moments of partners, or of a lively character.
 
-use super::canvas::{Area, Picture};
+use super::canvas::Area;
 use super::discs::group_colour;
-use super::figure::{BodyColours, BodyFigure};
 use super::furniture::legend;
-use super::sheet::sheet;
-use super::world::{OBLIQUE_VIEW, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit};
-use super::world::{world_sheet, world_strip, world_units};
+use super::world::OBLIQUE_VIEW;
+use super::{
+    BodyColours, BodyFigure, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit, sheet,
+    world_sheet, world_strip, world_units,
+};
 use crate::run::{JointPositions, PeopleSample, SceneFigures, WorldRecord};
 use glam::Vec3;
 use std::f32::consts::FRAC_PI_2;

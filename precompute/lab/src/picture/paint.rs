@@ -1,11 +1,9 @@
 //! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
-use super::camera::PictureCamera;
-use super::canvas::Picture;
-use super::colour::{self, Colour};
 use super::piece::PicturePiece;
 use super::sprite::Sprite;
 use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
+use super::{Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use throng_geometry::BoundingBox;

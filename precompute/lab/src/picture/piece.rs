@@ -1,8 +1,7 @@
 //! Pieces of a picture of a world: parts of bodies, bars and flat faces.
 
-use super::camera::PictureCamera;
-use super::colour::Colour;
 use super::solid::RoundCone;
+use super::{Colour, PictureCamera};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{UnitGeometry, UnitSolid};
 use throng_core::patch::Placement;

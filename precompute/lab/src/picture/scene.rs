@@ -1,12 +1,11 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
-use super::canvas::Picture;
 use super::crowd_bodies::{PictureThing, bodies_sheet};
 use super::discs::crowd_sheet;
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
-use super::sheet::sheet;
 use super::walkers::walkers_sheet;
+use super::{Picture, sheet};
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, walk_styles, world_geometry};
 use std::ops::Range;
 use throng_motion::error::Result;

@@ -1,12 +1,11 @@
 //! The picture of a group on random paths: all characters at the end, one path in several styles, and moments of a character
 //! that changed speed.
 
-use super::canvas::Picture;
-use super::colour::{self, Colour};
-use super::figure::{BodyColours, BodyFigure};
-use super::sheet::sheet;
-use super::world::{OBLIQUE_VIEW, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip};
-use super::world::{world_sheet, world_strip};
+use super::world::OBLIQUE_VIEW;
+use super::{
+    BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, colour,
+    sheet, world_sheet, world_strip,
+};
 use crate::run::{JointPositions, PathsRecord, SceneFigures, StyleWalk, style_path};
 use glam::Vec3;
 use std::f32::consts::PI;

@@ -1,13 +1,12 @@
 //! Bodies in their surroundings: every pixel shows the nearest surface, with shadows.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::canvas::Area;
+use super::figure::body_solids;
 use super::furniture::{NamePlates, grid, header, nice_step, page_with_panel, scale_bar};
 use super::paint::draw_pieces;
 use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
 use throng_core::Joint;
@@ -212,9 +211,7 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
 
 fn world_pieces(units: &[WorldUnit<'_>], figures: &[WorldFigure]) -> Vec<PicturePiece> {
     let mut out = Vec::new();
-    for u in units {
-        add_unit(u.geometry, u.placement, u.colour, &mut out);
-    }
+    units.iter().for_each(|u| add_unit(u.geometry, u.placement, u.colour, &mut out));
     for f in figures.iter().filter(|f| f.figure.is_drawable()) {
         let solids = body_solids(&f.figure, &f.colours).into_iter();
         out.extend(solids.map(|(solid, tint)| PicturePiece::round(solid, tint)));

@@ -148,15 +148,9 @@ impl JointEntry {
             (_, Some([least, most])) => interval("twist_deg", least, most, 179.0)?,
             (_, None) => return Err(("", "expected `twist_deg`".into())),
         };
-        let limits = JointLimits {
-            centre: self.centre()?,
-            segment: bone,
-            axes,
-            swing: self.swing()?,
-            twist,
-            speed: in_range("speed_dps", self.speed_dps, 1.0, MAX_SPEED_DPS)?.to_radians(),
-            mirrored,
-        };
+        let (centre, swing) = (self.centre()?, self.swing()?);
+        let speed = in_range("speed_dps", self.speed_dps, 1.0, MAX_SPEED_DPS)?.to_radians();
+        let limits = JointLimits { centre, segment: bone, axes, swing, twist, speed, mirrored };
         let (is_wide, most) = (limits.widest_swing() > MAX_SWING, MAX_SWING.to_degrees().floor());
         refuse("", is_wide, format_args!("expected a swing of at most {most} degrees, found more"))?;
         Ok(limits)

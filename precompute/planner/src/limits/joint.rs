@@ -177,10 +177,8 @@ impl JointLimits {
             }
             SwingLimit::Hinge { flexion, play } => {
                 let wide = |angle: f64| angle.clamp(-MAX_SWING, MAX_SWING);
-                SwingLimit::Hinge {
-                    flexion: flexion.extended_to(wide(c.swing[0] - ROOM)).extended_to(wide(c.swing[0] + ROOM)),
-                    play: play.max(c.swing[1].abs() + ROOM).min(1.0),
-                }
+                let flexion = flexion.extended_to(wide(c.swing[0] - ROOM)).extended_to(wide(c.swing[0] + ROOM));
+                SwingLimit::Hinge { flexion, play: play.max(c.swing[1].abs() + ROOM).min(1.0) }
             }
         };
         if self.coordinate_excess(c) <= -ROOM { *self } else { out }

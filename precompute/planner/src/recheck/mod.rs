@@ -192,8 +192,7 @@ impl Recheck<'_> {
     }
 
     fn check_moment(&self, time_s: f64, solids: &[BoundedSolid], report: &mut RecheckReport) {
-        let turns = turns_at(self.after, time_s);
-        let joints = transforms_at(self.after, self.skeleton, time_s, &turns);
+        let (turns, joints) = pose_at(self.after, self.skeleton, time_s);
         for (joint, limits) in self.planned {
             let by = limit_excess(limits, turns[joint.index()]);
             report.outside_limits_rad = report.outside_limits_rad.max(by);
@@ -209,7 +208,7 @@ impl Recheck<'_> {
                 self.record_gap(name, &bounded.solid.name, gap, time_s, report);
             }
             for other in self.others.iter().filter(|o| !self.may_touch(name, o.name, time_s)) {
-                let theirs = transforms_at(other.clip, other.skeleton, time_s, &turns_at(other.clip, time_s));
+                let (_, theirs) = pose_at(other.clip, other.skeleton, time_s);
                 for c in other.capsules {
                     let gap = capsule_distance(core, &place_capsule(c, &theirs));
                     self.record_gap(name, other.name, gap, time_s, report);
@@ -288,33 +287,21 @@ impl Recheck<'_> {
     }
 }
 
-/// Rotations of the joints relative to their parents, interpolated evenly between frames.
-fn turns_at(clip: &Clip, time_s: f64) -> [Quat; NUM_JOINTS] {
-    let (frame, share) = frame_at(clip, time_s);
-    let next = (frame + 1).min(clip.num_frames() - 1);
-    std::array::from_fn(|j| clip.frame_rotations(frame)[j].slerp(clip.frame_rotations(next)[j], share))
-}
-
-fn frame_at(clip: &Clip, time_s: f64) -> (usize, f32) {
-    let at = (time_s * clip.rate_hz).clamp(0.0, (clip.num_frames() - 1) as f64);
-    (at as usize, at.fract() as f32)
+/// Rotations of the joints relative to their parents, interpolated evenly between frames, and their world transforms.
+fn pose_at(clip: &Clip, skeleton: &Skeleton, time_s: f64) -> ([Quat; NUM_JOINTS], [(Vec3, Quat); NUM_JOINTS]) {
+    let last = clip.num_frames() - 1;
+    let at = (time_s * clip.rate_hz).clamp(0.0, last as f64);
+    let (frame, share) = (at as usize, at.fract() as f32);
+    let next = (frame + 1).min(last);
+    let turns: [Quat; NUM_JOINTS] =
+        std::array::from_fn(|j| clip.frame_rotations(frame)[j].slerp(clip.frame_rotations(next)[j], share));
+    let root = clip.root_positions[frame].lerp(clip.root_positions[next], share);
+    (turns, joint_transforms(skeleton, root, |j| turns[j]))
 }
 
 /// World transform of a joint at any time.
 pub(crate) fn place_at(clip: &Clip, skeleton: &Skeleton, joint: Joint, time_s: f64) -> Rigid {
-    transforms_at(clip, skeleton, time_s, &turns_at(clip, time_s))[joint.index()].into()
-}
-
-fn transforms_at(
-    clip: &Clip,
-    skeleton: &Skeleton,
-    time_s: f64,
-    turns: &[Quat; NUM_JOINTS],
-) -> [(Vec3, Quat); NUM_JOINTS] {
-    let (frame, share) = frame_at(clip, time_s);
-    let next = (frame + 1).min(clip.num_frames() - 1);
-    let root = clip.root_positions[frame].lerp(clip.root_positions[next], share);
-    joint_transforms(skeleton, root, |j| turns[j])
+    pose_at(clip, skeleton, time_s).1[joint.index()].into()
 }
 
 fn place_capsule(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> RecheckCapsule {

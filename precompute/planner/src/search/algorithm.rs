@@ -10,7 +10,6 @@ use crate::rotation::{Rigid, rotation_between};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use throng_base::maths::slerp;
 
 /// Settings of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -275,12 +274,8 @@ impl SearchContext<'_> {
         let (from, grid) = (&tree.nodes[near], &self.request.grid);
         let d = from.distance(sample, &self.request.config.weights);
         let share = if d > 0.0 { (self.request.config.epsilon_m / d).min(1.0) } else { 1.0 };
-        let mut pose = sample.state.pose;
-        if share < 1.0 {
-            for i in 0..self.problem.chain.len() {
-                pose.0[i] = slerp(from.state.pose.0[i], sample.state.pose.0[i], share);
-            }
-        }
+        let (own, other) = (&from.state.pose, &sample.state.pose);
+        let pose = if share < 1.0 { own.slerp(other, share, self.problem.chain.len()) } else { *other };
         let even = from.state.time_s + share * (sample.state.time_s - from.state.time_s);
         // The new state is no farther than joints turn in time, and leaves time to get to the other end.
         let least = self.problem.least_time(&from.state.pose, &pose).0;

@@ -73,9 +73,7 @@ impl Problem {
             PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
         });
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
-        for o in spec.others {
-            bodies.extend(driven_parts(Some(o.name), o.motion, o.shape, |_| true));
-        }
+        bodies.extend(spec.others.iter().flat_map(|o| driven_parts(Some(o.name), o.motion, o.shape, |_| true)));
         let (start_s, goal_s) = (spec.init.time_s, spec.goal.time_s);
         let steps = ((goal_s - start_s) / EXTERNAL_STEP_S).ceil() as usize + 1;
         let present = (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, start_s + i as f64 * EXTERNAL_STEP_S));
@@ -101,11 +99,9 @@ impl Problem {
     /// Checks that every allowance names something.
     fn check_names(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         let joints = Joint::ALL.map(Joint::name);
-        let mut parts: Vec<&str> = joints.to_vec();
-        parts.extend(spec.held.iter().map(|h| h.name.as_str()));
-        let mut targets: Vec<&str> = joints.to_vec();
-        targets.extend(spec.solids.iter().map(|s| s.name.as_str()));
-        targets.extend(spec.others.iter().map(|o| o.name));
+        let parts: Vec<&str> = joints.into_iter().chain(spec.held.iter().map(|h| h.name.as_str())).collect();
+        let solids = joints.into_iter().chain(spec.solids.iter().map(|s| s.name.as_str()));
+        let targets: Vec<&str> = solids.chain(spec.others.iter().map(|o| o.name)).collect();
         for a in spec.allowed {
             let known = [(a.part.as_deref(), &parts), (Some(a.other.as_str()), &targets)];
             for (name, known) in known.into_iter().filter_map(|(name, known)| Some((name?, known))) {

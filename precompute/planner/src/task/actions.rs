@@ -5,7 +5,7 @@ use super::grips::HandTarget;
 use super::run::{UnresolvedSpan, nearest_distance};
 use super::stage::{TaskStage, ThingPlacement, arm_of_hand, hand_joint};
 use super::step::{Anchor, OtherHand, TaskPlace, TaskStep};
-use super::visit::{LimbVisit, PlacementChange, allow_neighbours, visit_first_goal};
+use super::visit::{LimbVisit, PlacementChange, visit_first_goal};
 use super::{both_hands, gaze, lean};
 use crate::collide::Checker;
 use crate::correct::{CollisionStretch, CorrectConfig, CorrectionError, correct_clip};
@@ -13,6 +13,7 @@ use crate::linkage::Limb;
 use crate::manipulate::ReachError;
 use crate::planner::PlanOutcome;
 use crate::problem::Problem;
+use crate::refuse;
 use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemError};
 use throng_core::Joint;
@@ -45,6 +46,12 @@ impl StepFailure {
     /// The failure, with the name of its limb.
     pub fn of_limb(self, limb: Limb) -> Self {
         Self { reason: format!("{}: {}", limb.words(), self.reason), ..self }
+    }
+}
+
+impl From<String> for StepFailure {
+    fn from(why: String) -> Self {
+        Self::new(why)
     }
 }
 
@@ -106,10 +113,7 @@ fn run_action(stage: &mut TaskStage<'_>, step: &TaskStep) -> PlanResult {
         gaze::look_at_target(stage, step);
     }
     let Some(object) = step.object else { return Err(StepFailure::new("there is no object")) };
-    match step.action.needs_held_object() {
-        true => bring_object(stage, step, object),
-        false => take_object(stage, step, object),
-    }
+    if step.action.needs_held_object() { bring_object(stage, step, object) } else { take_object(stage, step, object) }
 }
 
 /// Plans each stretch between the moments at which the limb's place is fixed.
@@ -258,13 +262,9 @@ fn check_free_to_take(stage: &TaskStage<'_>, step: &TaskStep, limb: Limb, object
 /// Fails where the object is used later: what was planned for later would no longer hold.
 fn check_unused_later(stage: &TaskStage<'_>, object: usize, at_s: f64) -> Result<(), StepFailure> {
     let last = stage.placements[object].last().map_or(f64::NEG_INFINITY, |s| s.from_s);
-    if last < at_s {
-        return Ok(());
-    }
-    let name = &stage.task.things[object].name;
-    Err(StepFailure::new(format!(
-        "`{name}` changes hands at {last:.2} s: expected tasks of one object in the order of time"
-    )))
+    let (is_late, name) = (last >= at_s, &stage.task.things[object].name);
+    let why = "expected tasks of one object in the order of time";
+    Ok(refuse(is_late, format_args!("`{name}` changes hands at {last:.2} s: {why}"))?)
 }
 
 /// Brings a held object to a place; keeps it, lays it down or gives it away.
@@ -282,7 +282,7 @@ fn bring_object(stage: &mut TaskStage<'_>, step: &TaskStep, object: usize) -> Pl
     allow_step_contacts(stage, step, &name, true);
     let both = stage.held_by_both(who, limb, [at_s - 1e-3, at_s]);
     let until_s = if both.is_some() { both_hands::held_until_s(stage, step, object) } else { at_s };
-    hands.iter().for_each(|goal| allow_neighbours(stage, who, limb, object, &goal.object, [at_s, until_s]));
+    hands.iter().for_each(|goal| stage.allow_neighbours(who, limb, object, &goal.object, [at_s, until_s]));
     let placement = placement_after_release(stage, &to, object, at_s)?;
     let change = PlacementChange { thing: object, placement_after: &placement };
     let change = (step.action != TaskAction::Carry).then_some(change);
@@ -324,13 +324,11 @@ fn placement_after_release(
     object: usize,
     at_s: f64,
 ) -> Result<impl Fn(&HandTarget) -> ThingPlacement + use<>, StepFailure> {
-    if to.on == Anchor::Thing(object) {
-        return Err(StepFailure::new("a thing cannot be laid on itself; choose another `on`"));
-    }
-    if let Anchor::Joint(character, joint) = to.on
-        && arm_of_hand(joint).is_some_and(|l| stage.held_by(character, l, at_s).is_some())
-    {
-        return Err(StepFailure::new("that hand holds something already"));
+    let is_itself = to.on == Anchor::Thing(object);
+    refuse(is_itself, format_args!("a thing cannot be laid on itself; choose another `on`"))?;
+    if let Anchor::Joint(character, joint) = to.on {
+        let is_full = arm_of_hand(joint).is_some_and(|l| stage.held_by(character, l, at_s).is_some());
+        refuse(is_full, format_args!("that hand holds something already"))?;
     }
     let (on, from) = (to.on, stage.base_of(to, at_s));
     Ok(move |goal: &HandTarget| match on {

@@ -6,7 +6,7 @@ use super::follow::{FollowError, HandPath};
 use super::grips::HandTarget;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, hand_joint};
 use super::step::TaskStep;
-use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, allow_neighbours, first_success, reachable_goals};
+use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, first_success, reachable_goals};
 use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::ik::LimbIk;
@@ -14,6 +14,7 @@ use crate::linkage::{Limb, LimbPose, Linkage};
 use crate::manipulate::{ReachError, misfit_error, plan_into_clip};
 use crate::planner::{LimbMotion, LimbPlanner, PlanOutcome};
 use crate::problem::{LimbState, Problem};
+use crate::refuse;
 use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec, Tether};
 use throng_core::Joint;
@@ -65,9 +66,8 @@ pub(super) fn grab_with_both(
 ) -> PlanResult {
     let (who, lead, [from_s, at_s, _]) = (step.character, step.limb, step.times_s);
     let second = LimbVisit { limb: follow, ..LimbVisit::from_step(step) };
-    for limb in [lead, follow] {
-        stage.check_unpinned(who, limb, &limb.words(), [from_s, step.times_s[2]])?;
-    }
+    let check = |limb: Limb| stage.check_unpinned(who, limb, &limb.words(), [from_s, step.times_s[2]]);
+    [lead, follow].into_iter().try_for_each(check)?;
     let name = stage.task.things[object].name.clone();
     allow_step_contacts(stage, &TaskStep { limb: follow, ..step.clone() }, &name, false);
     allow_hold_contacts(stage, who, [lead, follow], &name, at_s - CONTACT_S);
@@ -82,32 +82,8 @@ pub(super) fn grab_with_both(
         let (first, other) = (firsts[i], others[k]);
         let second = SecondHand { limb: follow, grip: first.hand.to_local(other.hand) };
         let pair = HandPair { who, lead, second, object };
-        take_with_both(stage, step, pair, [&first, &other])
+        stage.take_with_both(step, pair, [&first, &other])
     })
-}
-
-fn take_with_both(
-    stage: &mut TaskStage<'_>,
-    step: &TaskStep,
-    pair: HandPair,
-    [first, other]: [&HandTarget; 2],
-) -> PlanResult {
-    let HandPair { who, lead, second, object } = pair;
-    let [from_s, at_s, _] = step.times_s;
-    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
-    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, None)?];
-    let there = stage.surroundings_of_limb(who, second.limb, [from_s, at_s]);
-    let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
-    plans.push(plan_limb_path(stage, path, &there, None).map_err(|e| e.of_limb(second.limb))?);
-    for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
-        stage.pins.push(Pin { character: who, limb, time_s: at_s, target });
-    }
-    allow_neighbours(stage, who, lead, object, &first.object, [at_s, held_until_s(stage, step, object)]);
-    let placement = first.placement_in_hand(who, lead, Some(second));
-    stage.placements[object].push(PlacementSpan { from_s: at_s, placement });
-    hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
-    Ok(plans)
 }
 
 /// Brings a thing with both hands to the first place for which there is a path that the second hand can follow.
@@ -122,15 +98,13 @@ pub(super) fn bring_with_both(
     let (who, lead) = (step.character, step.limb);
     let pair = HandPair { who, lead, second, object };
     let [from_s, at_s, to_s] = step.times_s;
-    for limb in [lead, second.limb] {
-        stage.check_unpinned(who, limb, &limb.words(), [from_s, to_s])?;
-    }
+    let check = |limb: Limb| stage.check_unpinned(who, limb, &limb.words(), [from_s, to_s]);
+    [lead, second.limb].into_iter().try_for_each(check)?;
     let name = stage.task.things[object].name.clone();
     let [held, other] = [lead, second.limb].map(|l| stage.actors[who].joint_place(hand_joint(l), from_s));
-    if held.transform_point(second.grip.position).distance(other.position) > HELD_M {
-        let limb = second.limb.words();
-        return Err(StepFailure::new(format!("{limb} does not hold `{name}` any more at {from_s:.2} s")));
-    }
+    let is_off = held.transform_point(second.grip.position).distance(other.position) > HELD_M;
+    let limb = second.limb.words();
+    refuse(is_off, format_args!("{limb} does not hold `{name}` any more at {from_s:.2} s"))?;
     allow_step_contacts(stage, &TaskStep { limb: second.limb, ..step.clone() }, &name, false);
     let visit = LimbVisit::with_held_object(step, hands);
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
@@ -175,7 +149,7 @@ fn bring_to_goal(
     let tether = pair_tether(stage, pair);
     let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(goal.hand) };
     let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether))?];
-    follow_first_hand(stage, pair, [from_s, at_s], off_m)?;
+    stage.follow_first_hand(pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
         hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
@@ -249,7 +223,7 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     }
     let pose = actor.motion.limb_pose(Linkage::limb(lead), at_s);
     let kept = vec![pose; frames + 1];
-    write_frames(stage, who, lead, [at_s, until_s], &kept)?;
+    stage.write_frames(who, lead, [at_s, until_s], &kept)?;
     let around = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, until_s]), second.limb);
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, lead, &around, &others);
@@ -259,7 +233,7 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     path.check_free_all_along(&mut Checker::default(), &kept).map_err(|(t, with)| {
         StepFailure::new(format!("what both hands hold meets {with} at {t:.2} s; bring it elsewhere"))
     })?;
-    follow_first_hand(stage, pair, [at_s, until_s], f64::INFINITY)
+    stage.follow_first_hand(pair, [at_s, until_s], f64::INFINITY)
 }
 
 /// Time until which both hands keep their object after a step: the next step with it, on a frame (s).
@@ -270,50 +244,6 @@ pub(super) fn held_until_s(stage: &TaskStage<'_>, step: &TaskStep, object: usize
         _ => next_with(stage, step, object).map_or(actor.end_s(), |n| n.times_s[0].max(at_s)),
     };
     (next * actor.clip.rate_hz).round() / actor.clip.rate_hz
-}
-
-/// Lets the second hand follow the first one, frame by frame.
-///
-/// - `most_off_m`: its largest offset between frames, where joints turn evenly.
-fn follow_first_hand(
-    stage: &mut TaskStage<'_>,
-    pair: HandPair,
-    window_s: [f64; 2],
-    most_off_m: f64,
-) -> Result<(), StepFailure> {
-    let HandPair { who, lead, second: SecondHand { limb, grip }, .. } = pair;
-    let problem = stage.limb_problem(who, limb, &stage.surroundings_of_limb(who, limb, window_s), window_s)?;
-    let (actor, start_s) = (&stage.actors[who], window_s[0]);
-    let rate_hz = actor.clip.rate_hz;
-    let target = |time_s: f64| actor.joint_place(hand_joint(lead), time_s).compose(grip);
-    let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
-    let targets: Vec<Rigid> = frames.map(|k| target(start_s + k as f64 / rate_hz)).collect();
-    let cannot = |(t, why): FollowError| {
-        StepFailure::new(format!("{} cannot follow the other hand at {t:.2} s: {why}", limb.words()))
-    };
-    let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
-    let poses = followed.poses(&problem.init().pose).map_err(cannot)?;
-    let (off_m, t) = followed.largest_offset(&poses, target);
-    if off_m > most_off_m {
-        return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
-    }
-    write_frames(stage, who, limb, window_s, &poses)
-}
-
-/// Writes poses into a clip.
-fn write_frames(
-    stage: &mut TaskStage<'_>,
-    who: usize,
-    limb: Limb,
-    window_s: [f64; 2],
-    frames: &[LimbPose],
-) -> Result<(), StepFailure> {
-    let clip = &stage.actors[who].clip;
-    let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
-    let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion).map_err(misfit_error)?;
-    stage.actors[who].replace_clip(clip);
-    stage.record_planned(who, limb, window_s);
-    Ok(())
 }
 
 /// Constraint of the second hand: its shoulder, its grip and its reach.
@@ -359,4 +289,65 @@ pub(super) fn exclude_thing(mut around: LimbSurroundings, name: &str) -> LimbSur
     around.solids.retain(|s| s.name != name);
     around.allowed.retain(|a| a.other != name && a.part.as_deref() != Some(name));
     around
+}
+
+impl TaskStage<'_> {
+    /// Moves both hands to their goals at a thing, which they then hold.
+    fn take_with_both(&mut self, step: &TaskStep, pair: HandPair, [first, other]: [&HandTarget; 2]) -> PlanResult {
+        let HandPair { who, lead, second, object } = pair;
+        let [from_s, at_s, _] = step.times_s;
+        let there = exclude_arm(self.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
+        let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand) };
+        let mut plans = vec![plan_limb_path(self, path, &there, None)?];
+        let there = self.surroundings_of_limb(who, second.limb, [from_s, at_s]);
+        let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
+        plans.push(plan_limb_path(self, path, &there, None).map_err(|e| e.of_limb(second.limb))?);
+        for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
+            self.pins.push(Pin { character: who, limb, time_s: at_s, target });
+        }
+        self.allow_neighbours(who, lead, object, &first.object, [at_s, held_until_s(self, step, object)]);
+        let placement = first.placement_in_hand(who, lead, Some(second));
+        self.placements[object].push(PlacementSpan { from_s: at_s, placement });
+        hold_pose(self, pair, [at_s, held_until_s(self, step, object)])?;
+        Ok(plans)
+    }
+
+    /// Lets the second hand follow the first one, frame by frame.
+    ///
+    /// - `most_off_m`: its largest offset between frames, where joints turn evenly.
+    fn follow_first_hand(&mut self, pair: HandPair, window_s: [f64; 2], most_off_m: f64) -> Result<(), StepFailure> {
+        let HandPair { who, lead, second: SecondHand { limb, grip }, .. } = pair;
+        let problem = self.limb_problem(who, limb, &self.surroundings_of_limb(who, limb, window_s), window_s)?;
+        let (actor, start_s) = (&self.actors[who], window_s[0]);
+        let rate_hz = actor.clip.rate_hz;
+        let target = |time_s: f64| actor.joint_place(hand_joint(lead), time_s).compose(grip);
+        let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
+        let targets: Vec<Rigid> = frames.map(|k| target(start_s + k as f64 / rate_hz)).collect();
+        let cannot = |(t, why): FollowError| {
+            StepFailure::new(format!("{} cannot follow the other hand at {t:.2} s: {why}", limb.words()))
+        };
+        let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
+        let poses = followed.poses(&problem.init().pose).map_err(cannot)?;
+        let (off_m, t) = followed.largest_offset(&poses, target);
+        if off_m > most_off_m {
+            return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
+        }
+        self.write_frames(who, limb, window_s, &poses)
+    }
+
+    /// Writes poses into a clip.
+    fn write_frames(
+        &mut self,
+        who: usize,
+        limb: Limb,
+        window_s: [f64; 2],
+        frames: &[LimbPose],
+    ) -> Result<(), StepFailure> {
+        let clip = &self.actors[who].clip;
+        let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
+        let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion).map_err(misfit_error)?;
+        self.actors[who].replace_clip(clip);
+        self.record_planned(who, limb, window_s);
+        Ok(())
+    }
 }

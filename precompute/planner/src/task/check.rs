@@ -45,9 +45,7 @@ pub(super) fn check_stage(stage: &TaskStage<'_>) -> RecheckReport {
         let spans: Vec<(Joint, [f64; 2])> = limbs.chain(heads).chain(trunks).chain(hips).collect();
         leans().for_each(|l| check_trunk(actor, l, &mut report));
         crate::recheck::check_unchanged(&actor.before, &actor.clip, &spans, &mut report);
-        for piece in pieces(stage, who) {
-            recheck_piece(stage, who, &piece, &mut report);
-        }
+        pieces(stage, who).iter().for_each(|piece| recheck_piece(stage, who, piece, &mut report));
         check_planted_feet(actor, &mut report);
         if stage.task.balance {
             check_balance(actor, &planned, &mut report);

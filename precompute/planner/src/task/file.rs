@@ -36,7 +36,7 @@ pub(super) const MOST_S: f64 = 600.0;
 pub(super) const MOST: usize = 1000;
 
 /// A character of a task.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TaskCharacter {
     /// Name in tasks and messages.
     pub name: String,
@@ -60,12 +60,6 @@ pub struct WornFigure {
 impl std::fmt::Debug for WornFigure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Body").field("path", &self.path).finish_non_exhaustive()
-    }
-}
-
-impl PartialEq for WornFigure {
-    fn eq(&self, other: &Self) -> bool {
-        self.path == other.path
     }
 }
 

@@ -32,15 +32,14 @@ impl HandTarget {
 impl StageActor {
     /// Goals of hands for grips on something at `object`: each grip has its own rank.
     pub fn hand_targets(&self, limb: Limb, grips: &[ObjectGrip], object: &Rigid, time_s: f64) -> Vec<HandTarget> {
-        let mut out = Vec::new();
-        for (rank, grip) in grips.iter().enumerate() {
+        let goals = |(rank, grip): (usize, &ObjectGrip)| {
             let hands = match grip {
                 ObjectGrip::Turned(wrist) => vec![object.compose(*wrist)],
                 ObjectGrip::Any(middle) => turned_hands(object.transform_point(*middle), self, limb, time_s),
             };
-            out.extend(hands.into_iter().map(|hand| HandTarget { rank, hand, object: *object }));
-        }
-        out
+            hands.into_iter().map(move |hand| HandTarget { rank, hand, object: *object })
+        };
+        grips.iter().enumerate().flat_map(goals).collect()
     }
 }
 
@@ -63,12 +62,9 @@ fn turned_hands(middle: DVec3, actor: &StageActor, limb: Limb, time_s: f64) -> V
     let straight = rotation_between(present * palm.normalize_or(DVec3::X), ahead) * present;
     let side = ahead.cross(DVec3::Y).normalize_or(DVec3::X);
     let up = side.cross(ahead);
-    let mut turns: Vec<DQuat> = Vec::new();
-    for tilt in TILTS {
-        for axis in [side, up] {
-            turns.extend(ROLLS.map(|roll| rotation_about(axis, tilt) * rotation_about(ahead, roll) * straight));
-        }
-    }
+    let tilts = TILTS.into_iter().flat_map(|tilt| [side, up].map(|axis| rotation_about(axis, tilt)));
+    let all = tilts.flat_map(|tilt| ROLLS.map(|roll| tilt * rotation_about(ahead, roll) * straight));
+    let mut turns: Vec<DQuat> = all.collect();
     turns.sort_by(|a, b| angle_between(*a, present).total_cmp(&angle_between(*b, present)));
     turns.into_iter().map(|rotation| Rigid { position: middle - rotation * palm, rotation }).collect()
 }

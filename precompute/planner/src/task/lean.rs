@@ -9,6 +9,7 @@ use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose, Linkage};
+use crate::refuse;
 use crate::rotation::{Rigid, angle_between, rotation_about};
 use crate::smooth::smoothstep;
 use glam::{DQuat, DVec3};
@@ -168,9 +169,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
     let held_s = at_s + step.hold_s;
     let leans = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
     let is_during = |[begin, end]: [f64; 2]| begin < to_s - 1e-6 && end > from_s + 1e-6;
-    if leans || stage.planned_limbs.iter().any(|p| p.character == who && is_during(p.window_s)) {
-        return Err(StepFailure::new("nobody leans while another task of the same body is done"));
-    }
+    let is_busy = leans || stage.planned_limbs.iter().any(|p| p.character == who && is_during(p.window_s));
+    refuse(is_busy, format_args!("nobody leans while another task of the same body is done"))?;
     let actor = &stage.actors[who];
     let rate_hz = actor.clip.rate_hz;
     let frame_of = |t: f64| (t * rate_hz).round() as usize;
@@ -215,9 +215,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         for j in SPINE {
             let turn = |f: usize| clip.rotations[f * NUM_JOINTS + j.index()].as_dquat().normalize();
             let speed = angle_between(turn(f - 1), turn(f)) * rate_hz;
-            if actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed) {
-                return Err(StepFailure::new(format!("{} has no time to lean so far; give more time", j.name())));
-            }
+            let is_fast = actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed);
+            refuse(is_fast, format_args!("{} has no time to lean so far; give more time", j.name()))?;
         }
     }
     stage.actors[who].replace_clip(clip);

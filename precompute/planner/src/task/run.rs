@@ -276,9 +276,8 @@ impl Task {
         let stage = TaskStage::new(self, clips);
         let mut out = Vec::new();
         for limb in Limb::ALL {
-            let around = stage.surroundings_of_limb(who, limb, [0.0, stage.actors[who].end_s()]);
-            let others = stage.other_bodies(who);
-            let problem = crate::problem::Problem::prepare(&stage.limb_spec(who, limb, &around, &others))?;
+            let whole_s = [0.0, stage.actors[who].end_s()];
+            let problem = stage.limb_problem(who, limb, &stage.surroundings_of_limb(who, limb, whole_s), whole_s)?;
             out.extend(crate::correct::find_collisions(&problem).into_iter().map(|span| (limb, span)));
         }
         Ok(out)

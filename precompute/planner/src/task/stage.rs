@@ -412,9 +412,8 @@ impl<'a> TaskStage<'a> {
         let others: BTreeSet<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
         let mut names: Vec<&str> = self.task.things.iter().map(|t| t.name.as_str()).collect();
         names.extend(self.others(who).map(|(name, _)| name.as_str()));
-        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves_joint(*j))) {
-            out.allowed.extend(names.iter().map(|name| allow_contact(joint, name)));
-        }
+        let moved = Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves_joint(*j)));
+        out.allowed.extend(moved.flat_map(|joint| names.iter().map(move |name| allow_contact(joint, name))));
     }
 
     fn others(&self, who: usize) -> impl Iterator<Item = (&String, &StageActor)> {

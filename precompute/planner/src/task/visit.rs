@@ -131,7 +131,7 @@ fn plan_visit(
     let LimbVisit { who, limb, times_s, hold_s, change, .. } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
-        allow_neighbours(stage, who, limb, change.thing, &goal.object, [at_s; 2]);
+        stage.allow_neighbours(who, limb, change.thing, &goal.object, [at_s; 2]);
         stage.placements[change.thing].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     }
     let back = stage.surroundings_of_limb(who, limb, [at_s, to_s]);
@@ -147,31 +147,26 @@ fn plan_visit(
     Ok(reached.outcomes.to_vec())
 }
 
-/// Allows a thing to touch its support, and things beside it, while it is taken or laid down.
-///
-/// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
-pub(super) fn allow_neighbours(
-    stage: &mut TaskStage<'_>,
-    who: usize,
-    limb: Limb,
-    thing: usize,
-    place: &Rigid,
-    [at_s, until_s]: [f64; 2],
-) {
-    let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules_around).collect();
-    let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
-    let part = &stage.task.things[thing].name;
-    for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
-        let there = stage.thing_place(i, at_s);
-        let is_near = other.shapes.iter().any(|shape| {
-            own.iter().any(|(core, radius)| {
-                let local = core.map(|p| there.local_point(place.transform_point(p)));
-                shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
-            })
-        });
-        let contact = AllowedContact { part: Some(part.clone()), other: other.name.clone(), window_s };
-        if is_near && !stage.contacts.contains(&(who, limb, contact.clone())) {
-            stage.contacts.push((who, limb, contact));
+impl TaskStage<'_> {
+    /// Allows a thing to touch its support, and things beside it, while it is taken or laid down.
+    ///
+    /// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
+    pub fn allow_neighbours(&mut self, who: usize, limb: Limb, thing: usize, place: &Rigid, [at_s, until_s]: [f64; 2]) {
+        let own: Vec<_> = self.task.things[thing].shapes.iter().flat_map(capsules_around).collect();
+        let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
+        let part = &self.task.things[thing].name;
+        for (i, other) in self.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
+            let there = self.thing_place(i, at_s);
+            let is_near = other.shapes.iter().any(|shape| {
+                own.iter().any(|(core, radius)| {
+                    let local = core.map(|p| there.local_point(place.transform_point(p)));
+                    shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
+                })
+            });
+            let contact = AllowedContact { part: Some(part.clone()), other: other.name.clone(), window_s };
+            if is_near && !self.contacts.contains(&(who, limb, contact.clone())) {
+                self.contacts.push((who, limb, contact));
+            }
         }
     }
 }

@@ -47,12 +47,8 @@ impl Task {
             Handle::Thing(i) => format!("scene.objects[{}]", i - num_obstacles),
             Handle::Place(i) => format!("tasks[{i}].to"),
         };
-        let mut places: Vec<String> = Vec::new();
-        while let Some(next) =
-            Some(format!("{table}.keys[{}].at", places.len())).filter(|k| source.value_span(k).is_some())
-        {
-            places.push(next);
-        }
+        let keys = (0..).map(|i| format!("{table}.keys[{i}].at"));
+        let mut places: Vec<String> = keys.take_while(|k| source.value_span(k).is_some()).collect();
         if places.is_empty() {
             places.push(format!("{table}.at"));
         }

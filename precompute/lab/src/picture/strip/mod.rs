@@ -6,14 +6,11 @@ mod path_map;
 
 pub use onion::onion_skin;
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour;
-use super::figure::{BodyColours, BodyFigure};
+use super::canvas::Area;
 use super::furniture::header;
 use super::shadow::Shadows;
-use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
+use super::{BodyColours, BodyFigure, Picture, PictureCamera, colour, sprite};
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_core::{Contacts, Joint, Planar};
@@ -58,9 +55,7 @@ pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
     let mut page = Picture::new(layout.width as u32, layout.height as u32, colour::PAPER);
     header(&mut page, unit, strip.title, strip.subtitle);
     let poses = layout.poses(strip.frames);
-    for row in 0..layout.rows.len() {
-        layout.draw_row(&mut page, row, strip.frames, &poses);
-    }
+    (0..layout.rows.len()).for_each(|row| layout.draw_row(&mut page, row, strip.frames, &poses));
     draw_labels(&mut page, &layout, strip.frames, &poses);
     gait::draw(&mut page, &layout, strip.frames);
     path_map::draw(&mut page, layout.map, unit, strip.frames, &poses);

@@ -1,11 +1,10 @@
 //! Poses at their true places, older ones paler.
 
-use super::super::camera::PictureCamera;
-use super::super::canvas::{Area, Picture};
-use super::super::colour;
+use super::super::canvas::Area;
 use super::super::furniture::{grid, header, nice_step, scale_bar};
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{PoseStrip, StripFrame, StripLayout, StripPose, draw_poses, steady_heading};
+use crate::picture::{Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 

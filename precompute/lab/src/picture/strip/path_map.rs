@@ -1,11 +1,10 @@
 //! The path of the root from above, oriented as the overview: +X right, +Z down.
 
-use super::super::camera::PictureCamera;
-use super::super::canvas::{Area, Picture};
-use super::super::colour;
+use super::super::canvas::Area;
 use super::super::furniture::{grid, nice_step, scale_bar};
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{StripFrame, StripPose};
+use crate::picture::{Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_geometry::BoundingBox;

@@ -118,10 +118,8 @@ impl Task {
                 best = Some((num_done, walked));
             }
             let failed = outcome.done.iter().zip(&self.steps).position(|(d, s)| d.reason.is_some() && !s.is_timed());
-            match failed {
-                Some(step) => passed[step] += 1,
-                None => break,
-            }
+            let Some(step) = failed else { break };
+            passed[step] += 1;
         }
         // The first round has put one there, or has returned.
         best.map(|(_, walked)| walked)
