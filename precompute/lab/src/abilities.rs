@@ -139,11 +139,8 @@ impl Abilities {
     pub fn missing(&self, mirrored: bool) -> Vec<String> {
         let mut out = Vec::new();
         if self.walking_s < 1.0 {
-            out.push(
-                "no walking: characters cannot go to a target; add walks of at least a minute, with root motion"
-                    .to_owned(),
-            );
-            return out;
+            let why = "no walking: characters cannot go to a target; add walks of at least a minute, with root motion";
+            return vec![why.into()];
         }
         if self.walking_s < LITTLE_WALKING_S {
             let s = self.walking_s;

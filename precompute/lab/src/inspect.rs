@@ -87,11 +87,8 @@ pub fn inspect_clip(path: &Path, config: &BuildConfig) -> Result<InspectedClip> 
     let files = import::expand(&[path.to_path_buf()])?;
     let [file] = files.as_slice() else {
         let message = format!("{}: expected one clip, found {}", path.display(), files.len());
-        return Err(BuildError::Stage {
-            stage: "inspect",
-            message,
-            help: format!("Name a single {} file", import::FORMATS),
-        });
+        let help = format!("Name a single {} file", import::FORMATS);
+        return Err(BuildError::Stage { stage: "inspect", message, help });
     };
     let imported = import::read_clip(file, &config.import)?;
     let mut warnings = Warnings::default();
@@ -116,12 +113,9 @@ fn excluded_in_source(e: &Exclusion, clip: &Clip, source: &RawClip) -> (String, 
 impl ClipReport {
     /// Combines the findings of import with those of the later stages of a build.
     fn from_annotated(imported: &ImportedClip, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
-        let mut report = Self {
-            contact: annotate::contact_sanity(clip, skeleton),
-            hits: HitReport::new(&HitPoint::from_clip(clip)),
-            excluded: clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect(),
-            ..Self::from_imported(imported)
-        };
+        let (contact, hits) = (annotate::contact_sanity(clip, skeleton), HitReport::new(&HitPoint::from_clip(clip)));
+        let excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
+        let mut report = Self { contact, hits, excluded, ..Self::from_imported(imported) };
         // A config that keeps heights as captured implies terrain.
         let advice = report.contact.stance.advice().filter(|_| config.retarget.align_ground);
         report.warnings.extend(advice.map(|advice| format!("{}: {advice}.", report.file)));
@@ -168,31 +162,20 @@ impl fmt::Display for ClipReport {
         writeln!(f, "  motion   {} frames at {} Hz, {:.2} s", self.frames, self.rate_hz, self.duration_s)?;
         writeln!(f, "  body     {:.2} m tall, skeleton profile: {}", self.height_m, self.profile)?;
         writeln!(f, "  found")?;
-        for finding in &self.findings {
-            writeln!(f, "    {finding}")?;
-        }
+        self.findings.iter().try_for_each(|finding| writeln!(f, "    {finding}"))?;
         writeln!(f, "  roles")?;
         for role in throng_core::Joint::ALL {
             let joint = self.roles.get(role.name()).map_or("-", String::as_str);
             writeln!(f, "    {:<16} {joint}", role.name())?;
         }
         let c = &self.contact;
-        writeln!(
-            f,
-            "  contact  left {:.0} %, right {:.0} %, planted feet move at {:.3} m/s on average, {:.3} at the 95th percentile",
-            100.0 * c.left_share,
-            100.0 * c.right_share,
-            c.mean_speed_mps,
-            c.p95_speed_mps
-        )?;
+        let [left, right] = [c.left_share, c.right_share].map(|share| 100.0 * share);
+        let speeds = format!("{:.3} m/s on average, {:.3} at the 95th percentile", c.mean_speed_mps, c.p95_speed_mps);
+        writeln!(f, "  contact  left {left:.0} %, right {right:.0} %, planted feet move at {speeds}")?;
         writeln!(f, "  feet     stand {}", c.stance)?;
         writeln!(f, "  hits     {}", self.hits)?;
-        for (reason, start, end) in &self.excluded {
-            writeln!(f, "  excluded frames {start} to {end}: {reason}")?;
-        }
-        for warning in &self.warnings {
-            writeln!(f, "  warning  {warning}")?;
-        }
-        Ok(())
+        let mut excluded = self.excluded.iter();
+        excluded.try_for_each(|(why, start, end)| writeln!(f, "  excluded frames {start} to {end}: {why}"))?;
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "  warning  {warning}"))
     }
 }

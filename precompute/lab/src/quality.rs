@@ -96,16 +96,14 @@ impl MotionQuality {
         tracks.iter().for_each(|t| meter.add(t));
         let (here, source) = (meter.figures(), of_clips(tables));
         let at_changes = acceleration_at(tables, tracks.iter().flat_map(|t| &t.changes));
+        let of_source = at_changes.map(|a| a / here.acceleration_elsewhere);
         Self {
             toe_speed_low_p95_mps: here.toe_speed_low_p95_mps,
             source_toe_speed_low_p95_mps: source.toe_speed_low_p95_mps,
             knee_rate_max_ratio: here.knee_rate_max_dps / source.knee_rate_max_dps.max(1e-6),
             knee_rate_p999_ratio: here.knee_rate_p999_dps / source.knee_rate_p999_dps.max(1e-6),
             change_acceleration_ratio: here.change_acceleration_ratio,
-            source_change_acceleration_ratio: here
-                .change_acceleration_ratio
-                .and(at_changes)
-                .map(|a| a / here.acceleration_elsewhere),
+            source_change_acceleration_ratio: here.change_acceleration_ratio.and(of_source),
             hips_acceleration_between_frames: here.hips_acceleration_between_frames,
             hand_power_above_6hz: here.hand_power_above_6hz,
             source_hand_power_above_6hz: source.hand_power_above_6hz,
@@ -114,7 +112,7 @@ impl MotionQuality {
 }
 
 /// Measures tracks with so many samples a second, as they look at the rate of the frames.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct QualityMeter {
     /// Samples a frame.
     stride: usize,
@@ -134,16 +132,7 @@ impl QualityMeter {
     /// - `sample_hz`: of the tracks; a whole multiple of `frame_hz`, or nearly.
     pub fn new(sample_hz: f32, frame_hz: f32) -> Self {
         let stride = (sample_hz / frame_hz).round().max(1.0);
-        Self {
-            stride: stride as usize,
-            frame_hz: sample_hz / stride,
-            low_speeds: Vec::new(),
-            knee_rates: Vec::new(),
-            near: (0.0, 0),
-            elsewhere: (0.0, 0),
-            hips: [(0.0, 0); 2],
-            power: [0.0; 2],
-        }
+        Self { stride: stride as usize, frame_hz: sample_hz / stride, ..Self::default() }
     }
 
     /// Adds a track.
@@ -221,12 +210,12 @@ impl QualityMeter {
     pub fn figures(mut self) -> MotionFigures {
         let mean = |(sum, count): (f64, u64)| sum / count.max(1) as f64;
         let [samples, frames] = self.hips.map(mean);
+        let changes = self.near.1 > 0 && self.elsewhere.0 > 0.0;
         MotionFigures {
             toe_speed_low_p95_mps: quantile(&mut self.low_speeds, 0.95),
             knee_rate_max_dps: quantile(&mut self.knee_rates, 1.0).to_degrees(),
             knee_rate_p999_dps: quantile(&mut self.knee_rates, 0.999).to_degrees(),
-            change_acceleration_ratio: (self.near.1 > 0 && self.elsewhere.0 > 0.0)
-                .then(|| mean(self.near) / mean(self.elsewhere)),
+            change_acceleration_ratio: changes.then(|| mean(self.near) / mean(self.elsewhere)),
             acceleration_elsewhere: mean(self.elsewhere),
             hips_acceleration_between_frames: (samples / frames.max(1e-12)).sqrt(),
             hand_power_above_6hz: self.power[0] / self.power[1].max(1e-12),

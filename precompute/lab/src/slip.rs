@@ -1,7 +1,7 @@
 //! Foot slip: how fast planted feet move.
 
 use crate::histogram::Histogram;
-use glam::{Vec2, Vec3};
+use glam::{Vec3, Vec3Swizzles};
 use throng_core::characters::{Characters, DetailLevel};
 use throng_core::{Contacts, Joint};
 use throng_motion::annotate::contacts::FOOT_PARTS;
@@ -49,19 +49,13 @@ impl SlipMeter {
     pub fn observe(&mut self, character: usize, dt_s: f32, contacts: Contacts, feet: Feet) {
         let Some((before, were)) = self.before[character].replace((feet, contacts)) else { return };
         let is_planted = |part: Contacts| dt_s > 0.0 && contacts.any(part) && were.any(part);
-        match (before, feet) {
-            (Feet::Joints(was), Feet::Joints(now)) => {
-                for k in (0..FOOT_PARTS.len()).filter(|&k| is_planted(FOOT_PARTS[k].1)) {
-                    self.speeds.add((now[k] - was[k]).length() / dt_s);
-                }
-            }
-            (Feet::Soles(was), Feet::Soles(now)) => {
-                for k in (0..FOOT_PARTS.len()).filter(|&k| is_planted(FOOT_PARTS[k].1)) {
-                    let by = now[k / 2][k % 2] - was[k / 2][k % 2];
-                    self.speeds.add(Vec2::new(by.x, by.z).length() / dt_s);
-                }
-            }
-            _ => {}
+        for k in (0..FOOT_PARTS.len()).filter(|&k| is_planted(FOOT_PARTS[k].1)) {
+            let moved_m = match (before, feet) {
+                (Feet::Joints(was), Feet::Joints(now)) => (now[k] - was[k]).length(),
+                (Feet::Soles(was), Feet::Soles(now)) => (now[k / 2][k % 2] - was[k / 2][k % 2]).xz().length(),
+                _ => continue,
+            };
+            self.speeds.add(moved_m / dt_s);
         }
     }
 

@@ -7,6 +7,7 @@ use glam::Vec3;
 use serde::Serialize;
 use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 use throng_geometry::segment_distance;
+use throng_planner::linkage::Limb;
 use throng_simulation::sparring::{Sparring, StruckPart};
 
 /// Figures of opponents: whether their limbs stop at each other.
@@ -51,10 +52,7 @@ const LANDING_S: f32 = 0.1;
 type ElbowRateHistogram = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
-const ARMS: [[Joint; 3]; 2] = [
-    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-];
+const ARMS: [[Joint; 3]; 2] = [Limb::LeftArm.joints(), Limb::RightArm.joints()];
 
 /// Shin and foot of each leg.
 const LEGS: [[Joint; 3]; 2] =
@@ -136,12 +134,9 @@ impl TouchMeter {
                 for (l, leg) in LEGS.into_iter().enumerate() {
                     let bones = lower_leg(leg, &joints[k]);
                     let others = LEGS.into_iter().flat_map(|leg| lower_leg(leg, &joints[k ^ 1]));
-                    let to_legs = others
-                        .flat_map(|other| bones.map(|bone| segment_distance(bone, other)))
-                        .fold(f32::MAX, f32::min);
-                    now.in_legs[l] = to_legs < IN_LEG_M;
-                    now.legs_in_body[l] =
-                        bones.into_iter().any(|bone| spine_distance(bone, &joints[k ^ 1]) < IN_BODY_M);
+                    let to_legs = others.flat_map(|other| bones.map(|bone| segment_distance(bone, other)));
+                    now.in_legs[l] = to_legs.fold(f32::MAX, f32::min) < IN_LEG_M;
+                    now.legs_in_body[l] = bones.iter().any(|b| spine_distance(*b, &joints[k ^ 1]) < IN_BODY_M);
                     if let Some(b) = before.filter(|_| dt_s > 0.0) {
                         self.legs_in_bodies += u64::from(now.legs_in_body[l] && !b.legs_in_body[l]);
                         self.legs_in_legs += u64::from(now.in_legs[l] && !b.in_legs[l]);

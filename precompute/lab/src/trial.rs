@@ -10,24 +10,11 @@ use serde::Serialize;
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 use std::time::Instant;
-use throng_core::Bundle;
-use throng_core::CharacterGroup;
-use throng_core::Contacts;
-use throng_core::Error;
-use throng_core::Inline;
-use throng_core::NUM_JOINTS;
-use throng_core::Planar;
-use throng_core::base::limits::CHARACTERS;
-use throng_core::base::limits::SECONDS;
-use throng_core::base::limits::STEP_HZ;
-use throng_core::characters::AvoidConfig;
-use throng_core::characters::CharactersConfig;
-use throng_core::characters::PolicyCharacters;
-use throng_core::characters::PolicyOrder;
-use throng_core::characters::Spawn;
+use throng_core::base::limits::{CHARACTERS, SECONDS, STEP_HZ};
+use throng_core::characters::{AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::stops::REST;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::{Bundle, CharacterGroup, Contacts, Error, Inline, NUM_JOINTS, Planar};
+use throng_motion::error::{BuildError, Result};
 use watch::TrialWatch;
 
 /// Settings of a trial.
@@ -223,34 +210,28 @@ pub(crate) fn check(tables: &Bundle, config: &TrialConfig) -> Result<()> {
     CHARACTERS.check_count("characters", config.characters).map_err(fail)?;
     SECONDS.check("seconds", None, config.seconds).map_err(fail)?;
     STEP_HZ.check("step_hz", None, config.step_hz).map_err(fail)?;
-    if let Some(recorded) = config.recorded.filter(|&c| c >= config.characters) {
-        return Err(stage_error(format!(
-            "expected one of the {} characters to follow, counted from 0, found {}",
-            config.characters, recorded
-        )));
+    let n = config.characters;
+    match config.recorded.filter(|&c| c >= n) {
+        Some(c) => Err(stage_error(format!("expected one of the {n} characters to follow, counted from 0, found {c}"))),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 fn stage_error(message: String) -> BuildError {
     BuildError::Stage { stage: "trial", message, help: "`throng run --help` lists what may be given".into() }
 }
 
+/// Characters and their targets (m).
+type Scattered = Result<(PolicyCharacters, Vec<Vec3>), Error>;
+
 /// Places characters on a loose grid, each with a target in some direction; targets are apart if there is room. Characters
 /// that avoid each other start in a standing state, if there is one.
-pub(crate) fn scatter_characters(
-    tables: &Bundle,
-    config: &TrialConfig,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+pub(crate) fn scatter_characters(tables: &Bundle, config: &TrialConfig) -> Scattered {
     scatter_from(tables, config, SPACING_M)
 }
 
 /// Like [`scatter_characters`], with an initial distance between neighbours (m), which grows as necessary.
-fn scatter_from(
-    tables: &Bundle,
-    config: &TrialConfig,
-    mut spacing_m: f32,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+fn scatter_from(tables: &Bundle, config: &TrialConfig, mut spacing_m: f32) -> Scattered {
     loop {
         match scatter_apart(tables, config, spacing_m) {
             // Motion that takes long to stop needs more room.
@@ -263,11 +244,7 @@ fn scatter_from(
 }
 
 /// Like [`scatter_characters`], with a fixed distance between neighbours (m).
-fn scatter_apart(
-    tables: &Bundle,
-    config: &TrialConfig,
-    spacing_m: f32,
-) -> Result<(PolicyCharacters, Vec<Vec3>), Error> {
+fn scatter_apart(tables: &Bundle, config: &TrialConfig, spacing_m: f32) -> Scattered {
     let mut rng = Pcg64Mcg::seed_from_u64(config.seed);
     let states = start_states(tables, &config.motion);
     let side = (config.characters as f32).sqrt().ceil() as usize;

@@ -1,6 +1,7 @@
 //! Bodies that an external motion drives: transforms of all joints over time (c^M(t) in the paper).
 
 use crate::linkage::{LimbPose, Linkage};
+use crate::problem::LimbState;
 use crate::rotation::Rigid;
 use crate::track::SampleTimes;
 use glam::{DQuat, DVec3};
@@ -98,6 +99,11 @@ impl DrivenMotion {
     /// World transforms of one joint, sample by sample.
     pub fn joint_places(&self, joint: Joint) -> Vec<Rigid> {
         self.places.iter().map(|p| p[joint.index()]).collect()
+    }
+
+    /// State that the motion gives a linkage at a time.
+    pub fn limb_state(&self, linkage: Linkage, time_s: f64) -> LimbState {
+        LimbState { pose: self.limb_pose(linkage, time_s), time_s }
     }
 
     /// Pose that the motion gives a linkage at a time (m^P(t) in the paper).

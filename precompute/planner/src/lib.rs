@@ -31,3 +31,8 @@ pub mod task;
 #[path = "../tests/common/problems.rs"]
 mod testing;
 pub mod track;
+
+/// Refuses something that is written wrong, with the reason.
+pub(crate) fn refuse(is_wrong: bool, why: std::fmt::Arguments<'_>) -> Result<(), String> {
+    if is_wrong { Err(why.to_string()) } else { Ok(()) }
+}

@@ -2,7 +2,8 @@
 
 use crate::rotation::Rigid;
 use glam::{DQuat, DVec3};
-use throng_core::{Joint, Skeleton};
+use throng_base::maths::slerp;
+use throng_core::{Contacts, Joint, Skeleton};
 
 /// Most joints of a linkage.
 pub const MAX_JOINTS: usize = 4;
@@ -45,6 +46,21 @@ impl Limb {
     /// True for joints that move with the limb: its own, and fingers and toes behind them.
     pub fn moves_joint(self, joint: Joint) -> bool {
         std::iter::successors(Some(joint), |j| j.parent()).any(|j| self.joints().contains(&j))
+    }
+
+    /// The name in everyday words.
+    pub(crate) fn words(self) -> String {
+        self.name().replace('_', " ")
+    }
+
+    /// True where the foot of the limb, if it is a leg, is planted on a frame.
+    pub(crate) fn is_planted(self, contacts: &[Contacts], frame: usize) -> bool {
+        let foot = match self {
+            Self::LeftLeg => Contacts::LEFT,
+            Self::RightLeg => Contacts::RIGHT,
+            Self::LeftArm | Self::RightArm => return false,
+        };
+        contacts.get(frame).is_some_and(|c| c.any(foot))
     }
 
     /// The name in snake_case, as tasks write it.
@@ -114,6 +130,11 @@ pub struct LimbPose(pub [DQuat; MAX_JOINTS]);
 impl LimbPose {
     /// No joint is turned.
     pub const REST: Self = Self([DQuat::IDENTITY; MAX_JOINTS]);
+
+    /// The pose at a share of the shortest arcs of the first `len` joints to another pose.
+    pub(crate) fn slerp(&self, to: &Self, share: f64, len: usize) -> Self {
+        Self(std::array::from_fn(|i| if i < len { slerp(self.0[i], to.0[i], share) } else { self.0[i] }))
+    }
 }
 
 /// A linkage with lengths.

@@ -208,14 +208,11 @@ impl Problem {
 
     /// Pose of the linkage in the external motion.
     pub fn external_pose_at(&self, time_s: f64) -> LimbPose {
-        let at = ((time_s - self.init.time_s) / EXTERNAL_STEP_S).clamp(0.0, (self.external_poses.len() - 1) as f64);
-        let i = (at as usize).min(self.external_poses.len().saturating_sub(2));
-        let (a, b) = (&self.external_poses[i], &self.external_poses[(i + 1).min(self.external_poses.len() - 1)]);
-        let mut pose = *a;
-        for (q, to) in pose.0[..self.chain.len()].iter_mut().zip(b.0) {
-            *q = throng_base::maths::slerp(*q, to, at - i as f64);
-        }
-        pose
+        let last = self.external_poses.len() - 1;
+        let at = ((time_s - self.init.time_s) / EXTERNAL_STEP_S).clamp(0.0, last as f64);
+        let i = (at as usize).min(last.saturating_sub(1));
+        let (a, b) = (&self.external_poses[i], &self.external_poses[(i + 1).min(last)]);
+        a.slerp(b, at - i as f64, self.chain.len())
     }
 
     /// Names of the two things that are too near each other.

@@ -25,10 +25,8 @@ impl Problem {
     ) -> Result<LimbPose, IkError<String>> {
         let base = self.base_at(time_s);
         let clavicle = if self.chain.len() > 3 { base.rotation * present.0[0] } else { base.rotation };
-        let from = match self.chain.linkage.limb.is_arm() {
-            true => Swivel::Low { down: clavicle.inverse() * DVec3::NEG_Y },
-            false => Swivel::Present,
-        };
+        let low = Swivel::Low { down: clavicle.inverse() * DVec3::NEG_Y };
+        let from = if self.chain.linkage.limb.is_arm() { low } else { Swivel::Present };
         self.solve_reach_from(checker, target, time_s, present, from)
     }
 
@@ -43,10 +41,8 @@ impl Problem {
     ) -> Result<LimbPose, IkError<String>> {
         let ik = LimbIk::new(&self.chain, &self.limits);
         ik.solve(&self.base_at(time_s), target, present, from, |pose| {
-            checker.deepest_hit(self, &LimbState { pose: *pose, time_s }).map(|hit| {
-                let [_, with] = self.hit_names(&hit);
-                with
-            })
+            let hit = checker.deepest_hit(self, &LimbState { pose: *pose, time_s })?;
+            Some(self.target_name(self.pairs[hit.pair].target))
         })
     }
 }

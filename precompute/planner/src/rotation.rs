@@ -1,6 +1,6 @@
 //! Rotations in doubles, with the same bits on every machine: axis and angle, logarithm, slerp, swing and twist.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Quat, Vec3};
 use std::f64::consts::{PI, TAU};
 use throng_base::maths;
 
@@ -97,6 +97,12 @@ pub struct Rigid {
     pub position: DVec3,
     /// Rotation (unit).
     pub rotation: DQuat,
+}
+
+impl From<(Vec3, Quat)> for Rigid {
+    fn from((at, turn): (Vec3, Quat)) -> Self {
+        Self { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
+    }
 }
 
 impl Rigid {

@@ -116,12 +116,10 @@ fn file_lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<F
 fn oddity(imported: &ImportedClip, usable_s: f64, report: &ClipReport) -> Option<String> {
     let contact = &report.contact;
     if usable_s < 0.5 {
-        let parts: Vec<String> =
-            report.excluded.iter().map(|(why, from, to)| format!("{why} {from} to {to}")).collect();
-        return Some(format!(
-            "hardly a usable frame: {}",
-            if parts.is_empty() { "it is short".into() } else { parts.join(", ") }
-        ));
+        let parts = report.excluded.iter().map(|(why, from, to)| format!("{why} {from} to {to}"));
+        let parts =
+            if report.excluded.is_empty() { "it is short".into() } else { parts.collect::<Vec<_>>().join(", ") };
+        return Some(format!("hardly a usable frame: {parts}"));
     }
     if contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT {
         return Some("feet hardly touch the ground".into());
@@ -148,18 +146,12 @@ impl fmt::Display for FolderReport {
                 writeln!(f, "{:width$}  {}{why}", line.file, line.verdict)?;
                 continue;
             };
+            let ClipReport { duration_s, rate_hz, metres_per_unit, up, height_m, joints, profile, .. } = c;
             writeln!(
                 f,
-                "{:width$}  {:6.1} s  {:5.1} Hz  {:.4} m/unit  {} up  {:.2} m, {} joints, {}  {}{why}",
-                line.file,
-                c.duration_s,
-                c.rate_hz,
-                c.metres_per_unit,
-                c.up,
-                c.height_m,
-                c.joints,
-                c.profile,
-                line.verdict
+                "{:width$}  {duration_s:6.1} s  {rate_hz:5.1} Hz  {metres_per_unit:.4} m/unit  {up} up  {height_m:.2} m, \
+                 {joints} joints, {profile}  {}{why}",
+                line.file, line.verdict
             )?;
         }
         let count = |verdict: &str| self.files.iter().filter(|l| l.verdict == verdict).count();
@@ -168,13 +160,8 @@ impl fmt::Display for FolderReport {
         for p in &self.performers {
             let some: Vec<&str> = p.clips.iter().take(3).map(String::as_str).collect();
             let more = if p.clips.len() > some.len() { ", ..." } else { "" };
-            writeln!(
-                f,
-                "performer   {:.2} m tall, in {} file(s): {}{more}",
-                p.height_m,
-                p.clips.len(),
-                some.join(", ")
-            )?;
+            let (some, num) = (some.join(", "), p.clips.len());
+            writeln!(f, "performer   {:.2} m tall, in {num} file(s): {some}{more}", p.height_m)?;
         }
         let m = &self.motion;
         writeln!(

@@ -30,10 +30,8 @@ pub fn bundle_hit_picture(tables: &Bundle, title: &str) -> Picture {
     let strongest = tables.hits().iter().max_by(|a, b| a.force.total_cmp(&b.force));
     let body = strongest.map(|h| {
         let (row, code) = (&tables.frames()[h.frame as usize], tables.rotation_code());
-        BodyFigure::from_transforms(
-            skeleton,
-            &joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j)),
-        )
+        let transforms = joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j));
+        BodyFigure::from_transforms(skeleton, &transforms)
     });
     draw_hits(&points, body.unwrap_or_else(|| rest_figure(skeleton)), title)
 }

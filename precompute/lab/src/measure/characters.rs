@@ -1,6 +1,8 @@
 //! Cost of a query, a joint and a character, beside copying the same bytes.
 
-use super::timing::{QueryBatch, fail, median_ns, random_queries, run_in_pool};
+use super::timing::{
+    QueryBatch, fail, median_ns, random_order, random_queries, random_starts, run_in_pool, share_of_task,
+};
 use super::{BundleMeasureConfig, EPSILON};
 use crate::trial::{self, TrialConfig};
 use glam::Vec3;
@@ -8,15 +10,14 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::f32::consts::TAU;
 use std::hint::black_box;
 use throng_bake::policy::made_up::SyntheticProblem;
-use throng_core::base::limits::{CHARACTERS, MEASURING_S, THREADS};
+use throng_core::base::limits::THREADS;
 use throng_core::characters::{
-    AvoidConfig, CharacterStart, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
+    ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
 };
 use throng_core::policy::PolicyTable;
-use throng_core::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Planar, Rayon};
+use throng_core::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Rayon};
 use throng_motion::error::Result;
 
 /// Medians over many rounds; nanoseconds of wall time.
@@ -56,13 +57,8 @@ pub struct CharactersFigures {
 /// [`throng_motion::error::BuildError::Stage`] where the bundle has no behaviour, a number is out of range, or a
 /// thread pool cannot be had.
 pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<CharactersFigures>> {
-    if tables.policies().is_empty() {
-        return Err(fail("the bundle has no behaviour"));
-    }
-    let wrong = |e: Error| fail(e.to_string());
-    config.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n)).map_err(wrong)?;
-    config.threads.iter().try_for_each(|&n| THREADS.check_count("threads", n)).map_err(wrong)?;
-    MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
+    config.check(tables)?;
+    config.threads.iter().try_for_each(|&n| THREADS.check_count("threads", n)).map_err(|e| fail(e.to_string()))?;
     let motion_set = MotionSet::new(tables);
     let made_up = SyntheticProblem::default();
     let model = made_up.model();
@@ -70,10 +66,10 @@ pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<C
     let best = vec![0; solution.values.len()];
     let large = solution.table(&model, &best)?;
     let mut results = Vec::new();
+    let (motion_set, large, seconds) = (&motion_set, &large, config.seconds);
     for &threads in &config.threads {
         for &characters in &config.characters {
-            let bench =
-                CharacterBench { tables, motion_set: &motion_set, large: &large, characters, seconds: config.seconds };
+            let bench = CharacterBench { tables, motion_set, large, characters, seconds };
             results.push(run_in_pool(threads, || bench.run(threads))??);
         }
     }
@@ -95,10 +91,7 @@ impl CharacterBench<'_> {
         let Some(policy) = self.motion_set.policy(0) else { return Err(fail("the bundle has no behaviour")) };
         let (control, lookahead, lookahead_actions) = self.measure_queries(policy)?;
         let (_, lookahead_62, _) = self.measure_queries(self.large)?;
-        let single = CharactersConfig {
-            choice: throng_core::characters::ActionChoice::BestAction,
-            ..CharactersConfig::default()
-        };
+        let single = CharactersConfig { choice: ActionChoice::BestAction, ..CharactersConfig::default() };
         let step = self.measure_step(CharactersConfig::default())?;
         let avoiding = self.measure_avoiding_step(Some(AvoidConfig::default()))?;
         Ok(CharactersFigures {
@@ -118,11 +111,6 @@ impl CharacterBench<'_> {
         })
     }
 
-    /// Characters that one task handles; all of them on one thread.
-    fn characters_per_task(&self) -> usize {
-        self.characters.div_ceil(rayon::current_num_threads()).max(1)
-    }
-
     /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
     fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64)> {
         let (states, targets) = random_queries(policy, self.characters);
@@ -134,18 +122,13 @@ impl CharacterBench<'_> {
     /// Time of sampling all characters at random places.
     fn measure_sampling(&self) -> Result<f64> {
         let mut rng = Pcg64Mcg::seed_from_u64(3);
-        let (n, share) = (self.characters, self.characters_per_task());
+        let (n, share) = (self.characters, share_of_task(self.characters));
         let segments = &self.motion_set.graph().segments;
-        let mut frames = vec![0u32; n];
-        let mut ratios = vec![0.0f32; n];
-        let mut places = || {
-            for (f, r) in frames.iter_mut().zip(&mut ratios) {
-                let s = &segments[rng.random_range(0..segments.len())];
-                *f = s.start + rng.random_range(0..s.num_frames);
-                *r = rng.random_range(0.0..1.0);
-            }
+        let place = |_| {
+            let s = &segments[rng.random_range(0..segments.len())];
+            (s.start + rng.random_range(0..s.num_frames), rng.random_range(0.0..1.0f32))
         };
-        places();
+        let (frames, ratios): (Vec<u32>, Vec<f32>) = (0..n).map(place).unzip();
         let motion_set = self.motion_set;
         let mut matrices = vec![Mat3x4::default(); n * NUM_JOINTS];
         let ns = median_ns(self.seconds, || {
@@ -162,39 +145,21 @@ impl CharacterBench<'_> {
     fn measure_step(&self, config: CharactersConfig) -> Result<f64> {
         const STEPS: usize = 60;
         let mut rng = Pcg64Mcg::seed_from_u64(4);
-        let num_states = self.motion_set.graph().states.len() as u32;
-        let starts: Vec<CharacterStart> = (0..self.characters)
-            .map(|_| CharacterStart {
-                root: Planar::new(
-                    rng.random_range(-50.0..50.0),
-                    rng.random_range(-50.0..50.0),
-                    rng.random_range(0.0..TAU),
-                ),
-                state: rng.random_range(0..num_states),
-            })
-            .collect();
+        let starts = random_starts(self.motion_set, self.characters, 50.0, &mut rng);
         let mut characters = Characters::new(self.motion_set, config, &starts).map_err(|e| fail(e.to_string()))?;
         let mut orders = vec![PolicyOrder::IDLE; self.characters];
         let run: &dyn Executor = if rayon::current_num_threads() == 1 { &Inline } else { &Rayon };
         let mut failed = None;
         let ns = median_ns(self.seconds.max(0.5), || {
             // Targets move every second, so that no character comes to rest.
-            for order in &mut orders {
-                *order = PolicyOrder::towards(
-                    0,
-                    Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)),
-                );
-            }
+            orders.fill_with(|| random_order(&mut rng));
             for _ in 0..STEPS {
                 let done = characters.step_on(self.motion_set, 1.0 / STEPS as f32, &orders, run);
                 failed = failed.take().or(done.err());
             }
         });
         black_box(characters.model_matrices());
-        match failed {
-            Some(e) => Err(fail(e.to_string())),
-            None => Ok(ns / STEPS as f64),
-        }
+        failed.map_or(Ok(ns / STEPS as f64), |e| Err(fail(e.to_string())))
     }
 
     /// Time of a full step of people two metres apart who walk to places up to six metres away, and on to the next ones.
@@ -222,7 +187,7 @@ impl CharacterBench<'_> {
 
     /// Time to copy all model matrices.
     fn measure_copy(&self) -> f64 {
-        let (n, share) = (self.characters * NUM_JOINTS, self.characters_per_task() * NUM_JOINTS);
+        let (n, share) = (self.characters * NUM_JOINTS, share_of_task(self.characters) * NUM_JOINTS);
         let from = vec![Mat3x4 { rows: [[1.0; 4]; 3] }; n];
         let mut to = vec![Mat3x4::default(); n];
         let ns = median_ns(self.seconds, || {

@@ -1,24 +1,13 @@
 //! Cost of a character at each level of detail.
 
 use super::BundleMeasureConfig;
-use super::timing::{fail, run_in_pool};
-use glam::Vec3;
-use rand::{RngExt, SeedableRng};
+use super::timing::{fail, random_order, random_starts, run_in_pool};
+use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
-use std::f32::consts::TAU;
 use std::time::Instant;
-use throng_core::Bundle;
-use throng_core::Error;
-use throng_core::Planar;
-use throng_core::base::limits::CHARACTERS;
-use throng_core::base::limits::MEASURING_S;
-use throng_core::characters::CharacterStart;
-use throng_core::characters::Characters;
-use throng_core::characters::CharactersConfig;
-use throng_core::characters::Detail;
-use throng_core::characters::MotionSet;
-use throng_core::characters::PolicyOrder;
+use throng_core::characters::{Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
+use throng_core::{Bundle, Error};
 use throng_motion::error::Result;
 use throng_motion::memory::resident_bytes;
 
@@ -48,12 +37,7 @@ pub struct LevelFigures {
 /// # Errors
 /// [`throng_motion::error::BuildError::Stage`] where the bundle has no behaviour or a number is out of range.
 pub fn levels(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<LevelFigures>> {
-    let wrong = |e: Error| fail(e.to_string());
-    if tables.policies().is_empty() {
-        return Err(fail("the bundle has no behaviour"));
-    }
-    config.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n)).map_err(wrong)?;
-    MEASURING_S.check("seconds", None, config.seconds).map_err(wrong)?;
+    config.check(tables)?;
     let motion_set = MotionSet::new(tables);
     let one = |&n: &usize| run_in_pool(1, || LevelTestCrowd::new(&motion_set, n)?.measure(config.seconds)).flatten();
     config.characters.iter().map(one).collect()
@@ -71,14 +55,8 @@ struct LevelTestCrowd<'a> {
 impl<'a> LevelTestCrowd<'a> {
     fn new(motion_set: &'a MotionSet, n: usize) -> Result<Self> {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
-        let num_states = motion_set.graph().states.len() as u32;
         let side = 2.0 * (n as f32).sqrt();
-        let start = |_| {
-            let [x, z] = [(); 2].map(|()| rng.random_range(-side / 2.0..side / 2.0));
-            let root = Planar::new(x, z, rng.random_range(0.0..TAU));
-            CharacterStart { root, state: rng.random_range(0..num_states) }
-        };
-        let starts: Vec<CharacterStart> = (0..n).map(start).collect();
+        let starts = random_starts(motion_set, n, side / 2.0, &mut rng);
         let orders = vec![PolicyOrder::IDLE; n];
         let config = CharactersConfig { instances: true, ..CharactersConfig::default() };
         let before = resident_bytes();
@@ -94,10 +72,7 @@ impl<'a> LevelTestCrowd<'a> {
     /// Time of a round (ns a character and step).
     fn time_round(&mut self, detail: Option<Detail>) -> Result<f64> {
         let wrong = |e: Error| fail(e.to_string());
-        for order in &mut self.orders {
-            let target = Vec3::new(self.rng.random_range(-50.0..50.0), 0.0, self.rng.random_range(-50.0..50.0));
-            *order = PolicyOrder::towards(0, target);
-        }
+        self.orders.fill_with(|| random_order(&mut self.rng));
         self.characters.set_detail(detail).map_err(wrong)?;
         // Bodies that wake are not counted.
         self.characters.step(self.motion_set, 0.0, &self.orders).map_err(wrong)?;

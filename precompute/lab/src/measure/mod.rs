@@ -10,8 +10,9 @@ pub use levels::{LevelFigures, levels};
 use serde::Serialize;
 use throng_bake::policy::made_up::{self, SyntheticProblem};
 use throng_core::Bundle;
+use throng_core::base::limits::{CHARACTERS, MEASURING_S};
 use throng_motion::error::Result;
-use timing::run_in_pool;
+use timing::{fail, run_in_pool};
 
 /// Precision of the made-up problem's values.
 const EPSILON: f64 = 1e-4;
@@ -25,6 +26,18 @@ pub struct BundleMeasureConfig {
     pub threads: Vec<usize>,
     /// Time given to each figure (s, > 0, <= 3600).
     pub seconds: f64,
+}
+
+impl BundleMeasureConfig {
+    /// Checks numbers of characters and times, and that a bundle has a behaviour.
+    fn check(&self, tables: &Bundle) -> Result<()> {
+        if tables.policies().is_empty() {
+            return Err(fail("the bundle has no behaviour"));
+        }
+        let numbers = self.characters.iter().try_for_each(|&n| CHARACTERS.check_count("characters", n));
+        let times = || MEASURING_S.check("seconds", None, self.seconds);
+        numbers.and_then(|()| times()).map_err(|e| fail(e.to_string()))
+    }
 }
 
 /// All figures.

@@ -7,13 +7,10 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
-use throng_core::policy::BestActionJob;
-use throng_core::policy::LookAheadGoal;
-use throng_core::policy::LookAheadJob;
-use throng_core::policy::PolicyTable;
-use throng_core::policy::RankedActions;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::Planar;
+use throng_core::characters::{CharacterStart, MotionSet, PolicyOrder};
+use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
+use throng_motion::error::{BuildError, Result};
 
 /// An error of a measurement, with a message.
 pub fn fail(message: impl Into<String>) -> BuildError {
@@ -55,6 +52,27 @@ pub fn random_queries(policy: &PolicyTable, count: usize) -> (Vec<u32>, Vec<Vec3
     (states, (0..count).map(target).collect())
 }
 
+/// Random starts of `n` characters in a square whose sides are `half_m` away (m).
+pub(super) fn random_starts(motions: &MotionSet, n: usize, half_m: f32, rng: &mut Pcg64Mcg) -> Vec<CharacterStart> {
+    let num_states = motions.graph().states.len() as u32;
+    let start = |_| {
+        let [x, z] = [(); 2].map(|()| rng.random_range(-half_m..half_m));
+        let root = Planar::new(x, z, rng.random_range(0.0..TAU));
+        CharacterStart { root, state: rng.random_range(0..num_states) }
+    };
+    (0..n).map(start).collect()
+}
+
+/// An order to go to a random target within 50 m along each axis.
+pub(super) fn random_order(rng: &mut Pcg64Mcg) -> PolicyOrder {
+    PolicyOrder::towards(0, Vec3::new(rng.random_range(-50.0..50.0), 0.0, rng.random_range(-50.0..50.0)))
+}
+
+/// Number of `n` characters that one task handles; all of them on one thread.
+pub(super) fn share_of_task(n: usize) -> usize {
+    n.div_ceil(rayon::current_num_threads()).max(1)
+}
+
 /// Queries of many characters at once, split over the threads of the current pool.
 pub struct QueryBatch<'a> {
     /// Policy that is asked.
@@ -68,17 +86,12 @@ pub struct QueryBatch<'a> {
 }
 
 impl QueryBatch<'_> {
-    /// Characters that one task handles; all of them on one thread.
-    fn characters_per_task(&self) -> usize {
-        self.states.len().div_ceil(rayon::current_num_threads()).max(1)
-    }
-
     /// Time of single-load queries of the batch (ns).
     ///
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn single_load_ns(&self) -> Result<f64> {
-        let (policy, share) = (self.policy, self.characters_per_task());
+        let (policy, share) = (self.policy, share_of_task(self.states.len()));
         let mut actions = vec![0u8; self.states.len()];
         BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
             .run()
@@ -98,7 +111,7 @@ impl QueryBatch<'_> {
     /// # Errors
     /// [`BuildError::Stage`] where states or targets do not fit the policy.
     pub fn look_ahead_ns(&self) -> Result<f64> {
-        let (policy, share) = (self.policy, self.characters_per_task());
+        let (policy, share) = (self.policy, share_of_task(self.states.len()));
         let weights = vec![1.0; self.states.len()];
         let mut ranked = vec![RankedActions::NONE; self.states.len()];
         let goals = [LookAheadGoal { policy, weights: &weights, targets: self.targets }];

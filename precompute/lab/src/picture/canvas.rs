@@ -43,10 +43,9 @@ impl Picture {
     /// # Errors
     /// [`BuildError::Stage`] where the encoder refuses.
     pub fn to_png(&self) -> Result<Vec<u8>> {
-        self.pixmap.encode_png().map_err(|e| BuildError::Stage {
-            stage: "picture",
-            message: format!("PNG encoding failed: {e}"),
-            help: "Ask for a smaller picture.".into(),
+        self.pixmap.encode_png().map_err(|e| {
+            let (message, help) = (format!("PNG encoding failed: {e}"), "Ask for a smaller picture.".into());
+            BuildError::Stage { stage: "picture", message, help }
         })
     }
 
@@ -73,60 +72,48 @@ impl Picture {
 
     /// Draws another picture over this one, its upper left corner at `at` (px).
     pub(super) fn draw_picture(&mut self, other: &Self, at: (i32, i32)) {
-        self.pixmap.draw_pixmap(
-            at.0,
-            at.1,
-            other.pixmap.as_ref(),
-            &tiny_skia::PixmapPaint::default(),
-            Transform::identity(),
-            None,
-        );
+        let paint = tiny_skia::PixmapPaint::default();
+        self.pixmap.draw_pixmap(at.0, at.1, other.pixmap.as_ref(), &paint, Transform::identity(), None);
     }
 
     /// Fills a rectangle with rounded corners.
     pub(super) fn fill_rect(&mut self, area: Area, radius: f32, colour: Colour) {
-        if let Some(path) = rounded_path(area, radius) {
-            self.fill(&path, colour);
-        }
+        self.fill(rounded_path(area, radius), colour);
     }
 
     /// Fills a disc.
     pub(super) fn fill_disc(&mut self, centre: Vec2, radius: f32, colour: Colour) {
-        if let Some(path) = PathBuilder::from_circle(centre.x, centre.y, radius) {
-            self.fill(&path, colour);
-        }
+        self.fill(PathBuilder::from_circle(centre.x, centre.y, radius), colour);
     }
 
     /// Strokes an ellipse whose axes are the picture's.
     pub(super) fn stroke_oval(&mut self, centre: Vec2, radii: Vec2, width: f32, colour: Colour) {
         let corner = centre - radii;
-        let oval = Rect::from_xywh(corner.x, corner.y, 2.0 * radii.x, 2.0 * radii.y).and_then(PathBuilder::from_oval);
-        if let Some(path) = oval {
-            self.stroke(&path, width, colour);
-        }
+        let around = Rect::from_xywh(corner.x, corner.y, 2.0 * radii.x, 2.0 * radii.y);
+        self.stroke(around.and_then(PathBuilder::from_oval), width, colour);
     }
 
     /// Fills a polygon.
     pub(super) fn fill_polygon(&mut self, points: &[Vec2], colour: Colour) {
-        if let Some(path) = polyline_path(points, true) {
-            self.fill(&path, colour);
-        }
+        self.fill(polyline_path(points, true), colour);
     }
 
     /// Strokes a line through all points, round at its ends and corners.
     pub(super) fn stroke_line(&mut self, points: &[Vec2], width: f32, colour: Colour) {
-        if let Some(path) = polyline_path(points, false) {
-            self.stroke(&path, width, colour);
+        self.stroke(polyline_path(points, false), width, colour);
+    }
+
+    fn fill(&mut self, path: Option<tiny_skia::Path>, colour: Colour) {
+        if let Some(path) = path {
+            self.pixmap.fill_path(&path, &paint(colour), FillRule::Winding, Transform::identity(), None);
         }
     }
 
-    fn fill(&mut self, path: &tiny_skia::Path, colour: Colour) {
-        self.pixmap.fill_path(path, &paint(colour), FillRule::Winding, Transform::identity(), None);
-    }
-
-    fn stroke(&mut self, path: &tiny_skia::Path, width: f32, colour: Colour) {
+    fn stroke(&mut self, path: Option<tiny_skia::Path>, width: f32, colour: Colour) {
         let stroke = Stroke { width, line_cap: LineCap::Round, line_join: LineJoin::Round, ..Stroke::default() };
-        self.pixmap.stroke_path(path, &paint(colour), &stroke, Transform::identity(), None);
+        if let Some(path) = path {
+            self.pixmap.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
+        }
     }
 }
 
@@ -166,10 +153,8 @@ pub(super) fn source_over(top: PremultipliedColorU8, bottom: PremultipliedColorU
 }
 
 fn paint(colour: Colour) -> Paint<'static> {
-    let mut paint = Paint::default();
-    paint.set_color(colour.to_skia());
-    paint.anti_alias = true;
-    paint
+    let shader = tiny_skia::Shader::SolidColor(colour.to_skia());
+    Paint { shader, anti_alias: true, ..Paint::default() }
 }
 
 fn polyline_path(points: &[Vec2], close: bool) -> Option<tiny_skia::Path> {

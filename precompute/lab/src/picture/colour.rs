@@ -18,12 +18,8 @@ pub struct Colour {
 impl Colour {
     /// An opaque colour from 0xRRGGBB.
     pub const fn hex(rgb: u32) -> Self {
-        Self {
-            r: ((rgb >> 16) & 255) as f32 / 255.0,
-            g: ((rgb >> 8) & 255) as f32 / 255.0,
-            b: (rgb & 255) as f32 / 255.0,
-            a: 1.0,
-        }
+        let [_, r, g, b] = rgb.to_be_bytes();
+        Self { r: r as f32 / 255.0, g: g as f32 / 255.0, b: b as f32 / 255.0, a: 1.0 }
     }
 
     /// Copy of this colour with the given opacity.

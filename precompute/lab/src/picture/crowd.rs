@@ -1,13 +1,10 @@
 //! A crowd from above: positions, trails and targets of characters.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::discs::OBSTACLE_COLOUR;
-use super::figure::{BodyColours, BodyFigure};
 use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
-use super::sprite;
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour, sprite};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -82,14 +79,13 @@ pub struct Focus {
 pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     let (mut page, mut panel, at) = page_with_panel(view.size, view.title, view.subtitle);
     let unit = page.width() as f32 / 1600.0;
-    let present: Vec<&CrowdCharacter<'_>> = view.characters.iter().filter(|c| is_finite(c.root)).collect();
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
     let camera = match view.focus.filter(|f| f.centre.is_finite()) {
         Some(focus) => focus_camera(focus, extent),
-        None => fit_camera(&present, extent, unit),
+        None => fit_camera(&view.present().collect::<Vec<_>>(), extent, unit),
     };
-    draw_ground(&mut panel, &camera, unit, &present, view);
-    draw_characters(&mut panel, &camera, unit, &present);
+    draw_ground(&mut panel, &camera, unit, view);
+    draw_characters(&mut panel, &camera, unit, view.present().collect());
     if let Some((character, name)) = view.marked.and_then(|(i, name)| Some((view.characters.get(i)?, name))) {
         draw_mark(&mut panel, &camera, unit, character, name);
     }
@@ -97,6 +93,13 @@ pub fn crowd_overview(view: &CrowdView<'_>) -> Picture {
     page.draw_picture(&panel, at);
     draw_legend(&mut page, unit, view);
     page
+}
+
+impl CrowdView<'_> {
+    /// Characters that can be drawn.
+    fn present(&self) -> impl Iterator<Item = &CrowdCharacter<'_>> {
+        self.characters.iter().filter(|c| is_finite(c.root))
+    }
 }
 
 fn is_finite(p: Planar) -> bool {
@@ -118,14 +121,10 @@ fn colour_of(arrival: ArrivalState) -> Colour {
 
 /// Camera that shows everything, tilted so that the crowd fills the panel as well as possible.
 fn fit_camera(characters: &[&CrowdCharacter<'_>], size: Vec2, unit: f32) -> PictureCamera {
-    let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for c in characters {
-        for p in c.trail.iter().copied().chain(c.target).chain([Vec2::new(c.root.x, c.root.z)]) {
-            if p.is_finite() && p.abs().max_element() < 1e5 {
-                (min, max) = (min.min(p), max.max(p));
-            }
-        }
-    }
+    let all =
+        characters.iter().flat_map(|c| c.trail.iter().copied().chain(c.target).chain([Vec2::new(c.root.x, c.root.z)]));
+    let all = all.filter(|p| p.is_finite() && p.abs().max_element() < 1e5);
+    let (mut min, mut max) = all.fold((Vec2::INFINITY, Vec2::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
     if !min.is_finite() {
         (min, max) = (Vec2::splat(-3.0), Vec2::splat(3.0));
     }
@@ -148,20 +147,12 @@ fn focus_camera(focus: Focus, size: Vec2) -> PictureCamera {
 }
 
 /// Draws grid, walls, trails, targets and the lines to them.
-fn draw_ground(
-    panel: &mut Picture,
-    camera: &PictureCamera,
-    unit: f32,
-    characters: &[&CrowdCharacter<'_>],
-    view: &CrowdView<'_>,
-) {
+fn draw_ground(panel: &mut Picture, camera: &PictureCamera, unit: f32, view: &CrowdView<'_>) {
     grid(panel, camera, nice_step(panel.width() as f32 / camera.px_per_m / 16.0), unit);
     view.walls.iter().for_each(|wall| draw_wall(panel, camera, unit, wall));
-    for c in characters {
-        draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival));
-    }
+    view.present().for_each(|c| draw_trail(panel, camera, unit, c.trail, colour_of(c.arrival)));
     let ring = camera.ground_disc(view.reach_m.clamp(0.0, 100.0));
-    for c in characters {
+    for c in view.present() {
         let Some(target) = c.target.filter(|t| t.is_finite()) else { continue };
         let (at, tint) = (camera.project(ground_point(target)), colour_of(c.arrival));
         let waits = c.arrival != ArrivalState::Reached;
@@ -205,8 +196,7 @@ fn draw_trail(panel: &mut Picture, camera: &PictureCamera, unit: f32, trail: &[V
 }
 
 /// Draws marks, shadows and bodies, far ones first.
-fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, characters: &[&CrowdCharacter<'_>]) {
-    let mut order: Vec<&CrowdCharacter<'_>> = characters.to_vec();
+fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, mut order: Vec<&CrowdCharacter<'_>>) {
     order.sort_by(|a, b| camera.depth(b.root.translation()).total_cmp(&camera.depth(a.root.translation())));
     let body_px = 1.75 * camera.px_per_m;
     let bodies = body_px > 10.0;
@@ -214,17 +204,14 @@ fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, chara
         order.iter().filter_map(|c| c.figure.as_ref()).for_each(|f| shadows.add(f, camera));
         shadows.draw(panel, (0.012 * camera.px_per_m) as usize + 1, colour::INK.alpha(0.34));
     }
-    for c in &order {
-        draw_heading(panel, camera, c.root, colour_of(c.arrival), if bodies { 0.5 } else { 1.0 });
-    }
+    let opacity = if bodies { 0.5 } else { 1.0 };
+    order.iter().for_each(|c| draw_heading(panel, camera, c.root, colour_of(c.arrival), opacity));
     let size = (panel.width(), panel.height());
-    let sprites: Vec<_> = order
-        .par_iter()
-        .map(|c| {
-            let colours = BodyColours::plain(colour_of(c.arrival));
-            c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size))
-        })
-        .collect();
+    let sprite = |c: &&CrowdCharacter<'_>| {
+        let colours = BodyColours::plain(colour_of(c.arrival));
+        c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size))
+    };
+    let sprites: Vec<_> = order.par_iter().map(sprite).collect();
     for (sprite, c) in sprites.iter().zip(&order) {
         match sprite {
             Some(s) => s.draw(panel),

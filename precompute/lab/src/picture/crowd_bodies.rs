@@ -1,13 +1,11 @@
 //! The picture of a crowd with bodies.
 
-use super::canvas::Picture;
-use super::colour::Colour;
 use super::discs::{OBSTACLE_COLOUR, WIDTH, group_colour};
-use super::figure::{BodyColours, BodyFigure};
-use super::world::{WorldCamera, WorldFigure, WorldSheet, world_sheet};
+use super::world::OBLIQUE_VIEW;
+use super::{BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldSheet, world_sheet};
 use crate::run::{AgentsRecord, JointPositions};
 use glam::{Quat, Vec2, Vec3};
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 use throng_bake::environment::UnitSolid;
 use throng_core::Joint;
 use throng_crowd::Obstacle;
@@ -33,11 +31,8 @@ pub(super) fn bodies_sheet(
         Some(WorldFigure { figure: BodyFigure::from_positions(p.as_ref()?), colours: BodyColours::plain(tint) })
     };
     let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
-    let standing = record
-        .obstacles
-        .iter()
-        .zip(heights)
-        .filter_map(|(o, height)| Some((obstacle_solid(o, height)?, OBSTACLE_COLOUR)));
+    let obstacles = record.obstacles.iter().zip(heights);
+    let standing = obstacles.filter_map(|(o, height)| Some((obstacle_solid(o, height)?, OBSTACLE_COLOUR)));
     let solids: Vec<(UnitSolid, Colour)> = standing.chain(things.iter().map(|t| (t.solid(), THING_COLOUR))).collect();
     let places: Vec<Vec3> = figures.iter().map(|f| f.figure.joint(Joint::Hips)).collect();
     let focus = densest_place(&places).map(|at| (at, PICTURE_WIDTH_M));
@@ -46,11 +41,9 @@ pub(super) fn bodies_sheet(
         subtitle: "blended from example motions, where the agents are at the end",
         size: (WIDTH as u32, 900),
         figures: &figures,
-        units: &[],
         solids: &solids,
-        trails: &[],
-        names: &[],
-        camera: WorldCamera { heading: 0.8 * PI, elevation: 0.6, focus },
+        camera: WorldCamera { focus, ..OBLIQUE_VIEW },
+        ..WorldSheet::default()
     })
 }
 
@@ -86,11 +79,8 @@ fn obstacle_solid(obstacle: &Obstacle, height: f32) -> Option<UnitSolid> {
         Obstacle::Wall { from, to, radius } => {
             let offset = *to - *from;
             let half = Vec3::new(*radius, 0.5 * height, 0.5 * offset.length() + radius);
-            UnitSolid::Box {
-                centre: 0.5 * (*from + *to) + up,
-                rotation: Quat::from_rotation_y(offset.x.atan2(offset.z)),
-                half,
-            }
+            let rotation = Quat::from_rotation_y(offset.x.atan2(offset.z));
+            UnitSolid::Box { centre: 0.5 * (*from + *to) + up, rotation, half }
         }
         Obstacle::Box { min: low, max: high } => {
             let half = (0.5 * (*high - *low)).with_y(0.5 * height);

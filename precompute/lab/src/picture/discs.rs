@@ -1,9 +1,8 @@
 //! The picture of a crowd of discs or balls: from above at a few times, in the air also from the side.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::furniture::{NamePlates, grid, header, legend, nice_step, scale_bar};
+use super::{Colour, Picture, PictureCamera, colour};
 use crate::run::{
     AgentFigures, AgentsRecord, CrowdMoment, RecordedAgent, RecordedPlace, SceneFigures, TRAIL_S,
     position_on_timed_path,
@@ -34,8 +33,7 @@ const MAX_PATHS: usize = 60;
 /// Draws a crowd at a few times.
 pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRecord) -> Picture {
     let (low, high) = extent(record);
-    let views: &[ViewDirection] =
-        if record.in_the_air { &[ViewDirection::Above, ViewDirection::Side] } else { &[ViewDirection::Above] };
+    let views = &[ViewDirection::Above, ViewDirection::Side][..if record.in_the_air { 2 } else { 1 }];
     let sizes: Vec<Vec2> = views.iter().map(|v| v.projected_size(high - low)).collect();
     // Views of wide crowds are placed below each other, others side by side.
     let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
@@ -90,15 +88,11 @@ fn title(scene: &str, f: &SceneFigures) -> String {
 }
 
 fn subtitle(figures: &SceneFigures, r: &AgentFigures) -> String {
-    let mut text = format!(
-        "{:.2} m/s towards the goal of {:.2} wanted; {} there, {} stuck; deepest overlap {:.1} mm; {:.1} events an agent and second",
-        r.progress_mps,
-        r.desired_mps,
-        r.arrived,
-        figures.stuck.unwrap_or(0),
-        1000.0 * r.max_overlap_m,
-        r.events_per_agent_second.unwrap_or_default()
-    );
+    let (arrived, stuck) = (r.arrived, figures.stuck.unwrap_or(0));
+    let (overlap_mm, events) = (1000.0 * r.max_overlap_m, r.events_per_agent_second.unwrap_or_default());
+    let mut text = format!("{:.2} m/s towards the goal of {:.2} wanted; ", r.progress_mps, r.desired_mps);
+    text += &format!("{arrived} there, {stuck} stuck; deepest overlap {overlap_mm:.1} mm; ");
+    text += &format!("{events:.1} events an agent and second");
     if let Some(order) = r.lane_order {
         text += &format!("; order of lanes {order:.2}");
     }
@@ -136,9 +130,8 @@ fn draw(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, mome
     }
     draw_paths(panel, camera, record);
     record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
-    for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
-        draw_door(panel, camera, door, *is_open);
-    }
+    let doors = record.doors.iter().zip(&moment.is_open);
+    doors.for_each(|(door, is_open)| draw_door(panel, camera, door, *is_open));
     let mut tags = NamePlates::default();
     record.places.iter().for_each(|p| draw_place(panel, camera, p, &mut tags));
     draw_trails(panel, camera, record, moment);
@@ -171,8 +164,8 @@ fn draw_trails(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecor
     for (m, trail) in &record.trails {
         let is_there = moment.agents.get(*m).is_some_and(Option::is_some);
         let upto = if is_there { upto.min(trail.len()) } else { 0 };
-        let points: Vec<Vec2> =
-            trail[upto.saturating_sub(TRAIL_POINTS)..upto].iter().map(|p| camera.project(*p)).collect();
+        let recent = &trail[upto.saturating_sub(TRAIL_POINTS)..upto];
+        let points: Vec<Vec2> = recent.iter().map(|p| camera.project(*p)).collect();
         let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
         panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));
     }
@@ -203,10 +196,9 @@ fn draw_place(panel: &mut Picture, camera: &PictureCamera, place: &RecordedPlace
     let at = camera.project(place.at);
     panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
     let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
-    place
-        .slots
-        .iter()
-        .for_each(|s| panel.stroke_oval(camera.project(*s), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6)));
+    for slot in &place.slots {
+        panel.stroke_oval(camera.project(*slot), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6));
+    }
     tags.draw_plate(panel, at, 0.8, &place.name, colour::REACHED);
 }
 
@@ -237,11 +229,8 @@ fn draw_obstacle(panel: &mut Picture, camera: &PictureCamera, obstacle: &Obstacl
             }
         }
         Obstacle::Mover { path, radius } => {
-            panel.fill_disc(
-                camera.project(position_on_timed_path(path, time_s)),
-                radius * scale,
-                OBSTACLE_COLOUR.mix(colour::INK, 0.4),
-            );
+            let at = camera.project(position_on_timed_path(path, time_s));
+            panel.fill_disc(at, radius * scale, OBSTACLE_COLOUR.mix(colour::INK, 0.4));
         }
         _ => {}
     }

@@ -1,15 +1,13 @@
 //! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
-use super::figure::{BodyColours, BodyFigure};
+use super::canvas::Area;
 use super::furniture::header;
 use super::shadow::Shadows;
-use super::sheet::sheet;
-use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
+use super::{
+    ArrivalState, BodyColours, BodyFigure, Colour, CrowdCharacter, CrowdView, Focus, Picture, PictureCamera, colour,
+    crowd_overview, sheet, sprite,
+};
 use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
@@ -38,32 +36,26 @@ pub(super) fn fight_sheet(
     poses: &[JointPositions],
 ) -> Picture {
     let f = figures.blows.clone().unwrap_or_default();
+    let [landed, blocked] = [f.landed_fraction, f.blocked_fraction].map(|share| 100.0 * share);
+    let hits = f.hits_per_minute;
     let blows = match f.thrown {
         0 => String::from("no blow was thrown"),
         thrown => format!(
-            "{thrown} blows thrown, {:.0} % landed, {:.0} % blocked; {:.1} landed a minute and character",
-            100.0 * f.landed_fraction,
-            100.0 * f.blocked_fraction,
-            f.hits_per_minute
+            "{thrown} blows thrown, {landed:.0} % landed, {blocked:.0} % blocked; {hits:.1} landed a minute and character"
         ),
     };
     let slip_mmps = 1000.0 * figures.foot_slip_p95_mps.unwrap_or_default();
     let subtitle =
         format!("{:.0} s: {blows}; planted feet slip {slip_mmps:.0} mm/s (95th percentile)", figures.simulated_s);
-    let crowd = overview(group, record, poses, title, &subtitle);
+    let crowd = overview(group, record, poses, [title, &subtitle]);
     if f.thrown == 0 {
         return crowd;
     }
     sheet(&[&crowd, &draw_moments(record, group.target.radius_m as f32)])
 }
 
-fn overview(
-    group: &GroupConfig,
-    record: &FightRecord,
-    poses: &[JointPositions],
-    title: &str,
-    subtitle: &str,
-) -> Picture {
+fn overview(group: &GroupConfig, record: &FightRecord, poses: &[JointPositions], lines: [&str; 2]) -> Picture {
+    let [title, subtitle] = lines;
     let is_pairs = group.motion == GroupMotion::Sparring;
     let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
         root,
@@ -94,12 +86,10 @@ fn overview(
 ///
 /// - `radius_m`: radius of the target, if there is one (m).
 fn draw_moments(record: &FightRecord, radius_m: f32) -> Picture {
-    let blows: Vec<LandedBlow> = record.events.iter().filter_map(LandedBlow::from_event).collect();
-    let rows = choose_blows(&blows);
+    let rows = choose_blows(&record.events.iter().filter_map(LandedBlow::from_event).collect::<Vec<_>>());
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 30.0);
     let cell = (width - 2.0 * edge) / COLUMNS as f32;
-    let px_per_m = cell / WIDTH_M;
-    let height = 2.15 * px_per_m;
+    let height = 2.15 * (cell / WIDTH_M);
     let num_rows = rows.len().max(1) as f32;
     let mut page = Picture::new(width as u32, (top + num_rows * (height + label + edge)) as u32, colour::PAPER);
     let subtitle = if rows.is_empty() {
@@ -114,7 +104,7 @@ fn draw_moments(record: &FightRecord, radius_m: f32) -> Picture {
             let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
             let Some(frame) = nearest_frame(&record.frames, time_s) else { continue };
             let area = Area::new(edge + column as f32 * cell, y, cell, height);
-            let panel = draw_moment(frame, event, record, &blows, radius_m, area.size, px_per_m);
+            let panel = draw_moment(frame, event, record, radius_m, area.size);
             page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
             let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
             let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
@@ -165,15 +155,8 @@ fn nearest_frame(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
 }
 
 /// Draws one moment, seen from beside the line of the blow.
-fn draw_moment(
-    frame: &FightFrame,
-    event: &LandedBlow,
-    record: &FightRecord,
-    blows: &[LandedBlow],
-    radius_m: f32,
-    size: Vec2,
-    px_per_m: f32,
-) -> Picture {
+fn draw_moment(frame: &FightFrame, event: &LandedBlow, record: &FightRecord, radius_m: f32, size: Vec2) -> Picture {
+    let px_per_m = size.x / WIDTH_M;
     let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
     let ground_y = size.y - 0.16 * px_per_m;
     panel.stroke_line(&[Vec2::new(0.0, ground_y), Vec2::new(size.x, ground_y)], 1.2, colour::GRID);
@@ -184,9 +167,8 @@ fn draw_moment(
     let camera = PictureCamera::looking_along(line.x.atan2(line.z) + FRAC_PI_2, 0.08);
     let middle = 0.5 * (striker + other) * Vec3::new(1.0, 0.0, 1.0);
     let camera = camera.framed(middle, Vec2::new(0.5 * size.x, ground_y), px_per_m);
-    let mut figures: Vec<(usize, BodyFigure)> =
-        frame.poses.iter().map(BodyFigure::from_positions).enumerate().collect();
-    figures.retain(|(_, f)| f.is_drawable());
+    let all = frame.poses.iter().map(BodyFigure::from_positions).enumerate();
+    let mut figures: Vec<(usize, BodyFigure)> = all.filter(|(_, f)| f.is_drawable()).collect();
     figures.sort_by(|a, b| camera.depth(b.1.joint(Joint::Hips)).total_cmp(&camera.depth(a.1.joint(Joint::Hips))));
     if let Some(mut shadows) = Shadows::new(&panel) {
         figures.iter().for_each(|(_, f)| shadows.add(f, &camera));
@@ -199,7 +181,8 @@ fn draw_moment(
         let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND_COLOUR) };
         sprite::draw(&mut panel, figure, &colours, &camera);
     }
-    for e in blows.iter().filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
+    let blows = record.events.iter().filter_map(LandedBlow::from_event);
+    for e in blows.filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
         let tint = if e.part == Some(StruckPart::Arm) { colour::MARK } else { BLOW_COLOUR };
         panel.stroke_oval(camera.project(e.point), Vec2::splat(0.09 * px_per_m), 3.0, tint);
     }

@@ -17,11 +17,8 @@ pub struct BodyFigure {
 impl BodyFigure {
     /// Figure from the world position and rotation of every joint; the tips are those of `skeleton`.
     pub fn from_transforms(skeleton: &Skeleton, transforms: &[(Vec3, Quat); NUM_JOINTS]) -> Self {
-        let mut tips = [Vec3::ZERO; 3];
-        for (i, joint) in [Joint::Head, Joint::LeftToe, Joint::RightToe].into_iter().enumerate() {
-            let (p, r) = transforms[joint.index()];
-            tips[i] = p + r * skeleton.tips[i];
-        }
+        let ends = [Joint::Head, Joint::LeftToe, Joint::RightToe].map(|joint| transforms[joint.index()]);
+        let tips = std::array::from_fn(|i| ends[i].0 + ends[i].1 * skeleton.tips[i]);
         Self { joints: transforms.map(|t| t.0), tips }
     }
 
@@ -83,12 +80,8 @@ impl BodyColours {
 
     /// Shades of one colour: the sides differ a little in lightness.
     pub fn plain(base: Colour) -> Self {
-        Self {
-            trunk: base,
-            skin: base.mix(Colour::hex(0xffffff), 0.45),
-            left: base.mix(Colour::hex(0xffffff), 0.14),
-            right: base.mix(Colour::hex(0x000000), 0.14),
-        }
+        let [white, black] = [0xffffff, 0x000000].map(Colour::hex);
+        Self { trunk: base, skin: base.mix(white, 0.45), left: base.mix(white, 0.14), right: base.mix(black, 0.14) }
     }
 }
 
@@ -119,11 +112,8 @@ impl TrunkFrame {
         let spine = (f.joint(Joint::Neck) - f.joint(Joint::Hips)).normalize_or(Vec3::Y);
         let across = |left: Joint, right: Joint| (f.joint(left) - f.joint(right)).normalize_or(Vec3::X);
         let chest_left = across(Joint::LeftUpperArm, Joint::RightUpperArm);
-        Self {
-            chest_left,
-            chest_front: chest_left.cross(spine).normalize_or(Vec3::Z),
-            pelvis_left: across(Joint::LeftThigh, Joint::RightThigh),
-        }
+        let chest_front = chest_left.cross(spine).normalize_or(Vec3::Z);
+        Self { chest_left, chest_front, pelvis_left: across(Joint::LeftThigh, Joint::RightThigh) }
     }
 }
 
@@ -162,14 +152,8 @@ fn head(f: &BodyFigure, frame: &TrunkFrame, colours: &BodyColours, out: &mut Vec
     out.push((visor, colours.trunk.mix(colour::INK, 0.75)));
 }
 
-fn arm(
-    f: &BodyFigure,
-    [upper, fore, hand]: [Joint; 3],
-    colour: Colour,
-    skin: Colour,
-    out: &mut Vec<(RoundCone, Colour)>,
-) {
-    let (shoulder, elbow, wrist) = (f.joint(upper), f.joint(fore), f.joint(hand));
+fn arm(f: &BodyFigure, joints: [Joint; 3], colour: Colour, skin: Colour, out: &mut Vec<(RoundCone, Colour)>) {
+    let [shoulder, elbow, wrist] = joints.map(|j| f.joint(j));
     out.push((RoundCone::limb(shoulder, elbow, 0.057, 0.041), colour));
     out.push((RoundCone::limb(elbow, wrist, 0.042, 0.029), colour));
     let along = (wrist - elbow).normalize_or(-Vec3::Y);
@@ -177,23 +161,15 @@ fn arm(
 }
 
 /// Adds thigh, shin with calf, and a wedge-shaped foot: high at the ankle, flat at the tip.
-fn leg(
-    f: &BodyFigure,
-    [thigh, shin, foot, toe]: [Joint; 4],
-    tip: Vec3,
-    colour: Colour,
-    out: &mut Vec<(RoundCone, Colour)>,
-) {
-    let (hip, knee, ankle, ball) = (f.joint(thigh), f.joint(shin), f.joint(foot), f.joint(toe));
+fn leg(f: &BodyFigure, joints: [Joint; 4], tip: Vec3, colour: Colour, out: &mut Vec<(RoundCone, Colour)>) {
+    let [hip, knee, ankle, ball] = joints.map(|j| f.joint(j));
     out.push((RoundCone::limb(hip, knee, 0.088, 0.057), colour));
     out.push((RoundCone::limb(knee, ankle, 0.057, 0.037), colour));
     let down = (ankle - knee).normalize_or(-Vec3::Y);
     let sole = (ball - ankle).normalize_or(Vec3::Z);
     let back = (sole - down * sole.dot(down)).normalize_or(Vec3::Z);
-    out.push((
-        RoundCone::limb(knee + down * 0.1 - back * 0.016, knee + down * 0.2 - back * 0.012, 0.054, 0.047),
-        colour,
-    ));
+    let [high, low] = [knee + down * 0.1 - back * 0.016, knee + down * 0.2 - back * 0.012];
+    out.push((RoundCone::limb(high, low, 0.054, 0.047), colour));
     let shoe = colour.mix(colour::INK, 0.42);
     let up = (back - sole * back.dot(sole)).normalize_or(Vec3::Y);
     let heel = ankle - sole * 0.035 - up * 0.012;

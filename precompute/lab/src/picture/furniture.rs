@@ -1,10 +1,10 @@
 //! Common parts of pictures: headers, legends, grids and scale bars.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
+use super::canvas::Area;
 use super::text::{Align, TextStyle, draw_text, text_width};
+use super::{Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
+use throng_geometry::BoundingBox;
 
 /// Greatest number of grid lines in one direction.
 const MAX_LINES: i32 = 400;
@@ -58,10 +58,7 @@ pub(super) fn legend(page: &mut Picture, area: Area, unit: f32, entries: &[(Colo
 pub(super) fn grid(panel: &mut Picture, camera: &PictureCamera, step: f32, unit: f32) {
     let size = Vec2::new(panel.width() as f32, panel.height() as f32);
     let corners = [Vec2::ZERO, size.with_y(0.0), size, size.with_x(0.0)].map(|c| camera.ground_point(c));
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for c in corners.into_iter().flatten() {
-        (min, max) = (min.min(c), max.max(c));
-    }
+    let BoundingBox { min, max } = BoundingBox::around_points(corners.into_iter().flatten());
     if !(min.is_finite() && max.is_finite()) {
         return;
     }
@@ -74,14 +71,9 @@ pub(super) fn grid(panel: &mut Picture, camera: &PictureCamera, step: f32, unit:
         let (width, opacity) = if strong { (1.3, 0.9) } else { (0.9, 0.45) };
         panel.stroke_line(&[camera.project(a), camera.project(b)], width * unit, colour::GRID.alpha(opacity));
     };
-    for i in range(min.x, max.x) {
-        let x = i as f32 * step;
-        line(i, Vec3::new(x, 0.0, min.z), Vec3::new(x, 0.0, max.z));
-    }
-    for i in range(min.z, max.z) {
-        let z = i as f32 * step;
-        line(i, Vec3::new(min.x, 0.0, z), Vec3::new(max.x, 0.0, z));
-    }
+    let at = |i: i32| i as f32 * step;
+    range(min.x, max.x).for_each(|i| line(i, Vec3::new(at(i), 0.0, min.z), Vec3::new(at(i), 0.0, max.z)));
+    range(min.z, max.z).for_each(|i| line(i, Vec3::new(min.x, 0.0, at(i)), Vec3::new(max.x, 0.0, at(i))));
 }
 
 /// Draws a length in metres at the lower left.

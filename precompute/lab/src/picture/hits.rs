@@ -2,11 +2,9 @@
 
 mod panel;
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::figure::BodyFigure;
+use super::canvas::Area;
 use super::furniture::{header, legend};
+use super::{BodyFigure, Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use panel::{HitPanel, PanelAxis};
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -32,14 +30,12 @@ pub struct HitView<'a> {
 /// kinds named by tags have a colour of their own.
 pub fn hit_views(view: &HitView<'_>) -> Picture {
     let unit = view.width.clamp(200, 8000) as f32 / 1600.0;
-    let layout = HitPageLayout::new(view, unit);
-    let mut page = Picture::new(layout.size.x as u32, layout.size.y as u32, colour::PAPER);
+    let (size, panels) = page_layout(view, unit);
+    let mut page = Picture::new(size.x as u32, size.y as u32, colour::PAPER);
     header(&mut page, unit, view.title, &HitReport::new(view.points).to_string());
-    let area = Area::new(0.0, 0.0, layout.size.x - 20.0 * unit, layout.size.y);
+    let area = Area::new(0.0, 0.0, size.x - 20.0 * unit, size.y);
     legend(&mut page, area, unit, &legend_entries(view.points), "larger: more forceful; tails: where blows come from");
-    for panel in &layout.panels {
-        panel.draw(&mut page, view.points, view.body, unit);
-    }
+    panels.iter().for_each(|panel| panel.draw(&mut page, view.points, view.body, unit));
     page
 }
 
@@ -74,37 +70,30 @@ fn legend_entries(points: &[HitPoint]) -> Vec<(Colour, String)> {
     out.into_iter().map(|(tint, name, n)| (tint, format!("{name} {n}"))).collect()
 }
 
-/// Layout of the panels (px).
-struct HitPageLayout {
-    size: Vec2,
-    panels: [HitPanel; 3],
-}
-
-impl HitPageLayout {
-    fn new(view: &HitView<'_>, unit: f32) -> Self {
-        let (edge, gap, top, label) = (20.0 * unit, 24.0 * unit, 112.0 * unit, 56.0 * unit);
-        let (min, max) = bounds(view);
-        let span = max - min;
-        let room = 1600.0 * unit - 2.0 * edge - 2.0 * gap - 3.0 * label;
-        let px_per_m = room / (2.0 * span.x + span.z);
-        let (left, ahead, up) =
-            (PanelAxis::new("left", Vec3::X), PanelAxis::new("ahead", Vec3::Z), PanelAxis::new("height", Vec3::Y));
-        let height = px_per_m * span.y.max(span.z);
-        let mut x = edge;
-        let mut panel = |title, camera: PictureCamera, across: PanelAxis, upwards: PanelAxis| {
-            let size = px_per_m * Vec2::new(span.dot(across.direction), span.dot(upwards.direction));
-            let area = Area::new(x + label, top + 0.5 * (height - size.y), size.x, size.y);
-            x += label + size.x + gap;
-            let camera = camera.framed(0.5 * (min + max), 0.5 * area.size, px_per_m);
-            HitPanel { title, area, camera, across, upwards, min, max }
-        };
-        let panels = [
-            panel("front", PictureCamera::looking_along(PI, 0.0), left, up),
-            panel("top", PictureCamera::looking_along(0.0, FRAC_PI_2), left, ahead),
-            panel("side", PictureCamera::looking_along(FRAC_PI_2, 0.0), ahead, up),
-        ];
-        Self { size: Vec2::new(1600.0 * unit, top + height + 62.0 * unit), panels }
-    }
+/// Size of the page, and its panels (px).
+fn page_layout(view: &HitView<'_>, unit: f32) -> (Vec2, [HitPanel; 3]) {
+    let (edge, gap, top, label) = (20.0 * unit, 24.0 * unit, 112.0 * unit, 56.0 * unit);
+    let (min, max) = bounds(view);
+    let span = max - min;
+    let room = 1600.0 * unit - 2.0 * edge - 2.0 * gap - 3.0 * label;
+    let px_per_m = room / (2.0 * span.x + span.z);
+    let axes = [("left", Vec3::X), ("ahead", Vec3::Z), ("height", Vec3::Y)];
+    let [left, ahead, up] = axes.map(|(name, direction)| PanelAxis { name, direction });
+    let height = px_per_m * span.y.max(span.z);
+    let mut x = edge;
+    let mut panel = |title, camera: PictureCamera, across: PanelAxis, upwards: PanelAxis| {
+        let size = px_per_m * Vec2::new(span.dot(across.direction), span.dot(upwards.direction));
+        let area = Area::new(x + label, top + 0.5 * (height - size.y), size.x, size.y);
+        x += label + size.x + gap;
+        let camera = camera.framed(0.5 * (min + max), 0.5 * area.size, px_per_m);
+        HitPanel { title, area, camera, across, upwards, min, max }
+    };
+    let panels = [
+        panel("front", PictureCamera::looking_along(PI, 0.0), left, up),
+        panel("top", PictureCamera::looking_along(0.0, FRAC_PI_2), left, ahead),
+        panel("side", PictureCamera::looking_along(FRAC_PI_2, 0.0), ahead, up),
+    ];
+    (Vec2::new(1600.0 * unit, top + height + 62.0 * unit), panels)
 }
 
 /// Corners of the shown space: all points and the body, extended equally to the left and right (m).
@@ -154,12 +143,12 @@ mod tests {
     fn a_point_is_where_it_belongs_in_every_view() {
         let points = [point("punch", Joint::LeftHand, Vec3::new(0.4, 1.4, 0.8))];
         let view = view(&points, None);
-        let (picture, layout) = (hit_views(&view), HitPageLayout::new(&view, 0.5));
-        let seen = layout.panels.each_ref().map(|p| p.area.min + p.camera.project(points[0].position));
-        for (at, panel) in seen.iter().zip(&layout.panels) {
+        let (picture, (_, panels)) = (hit_views(&view), page_layout(&view, 0.5));
+        let seen = panels.each_ref().map(|p| p.area.min + p.camera.project(points[0].position));
+        for (at, panel) in seen.iter().zip(&panels) {
             assert!(has(&picture, *at, colour::LEFT), "{}", panel.title);
         }
-        let middle = layout.panels.each_ref().map(|p| p.area.min + p.camera.project(Vec3::Y * 0.9));
+        let middle = panels.each_ref().map(|p| p.area.min + p.camera.project(Vec3::Y * 0.9));
         assert!(seen[0].x > middle[0].x, "from the front the left is on the right");
         assert!(seen[1].x < middle[1].x && seen[1].y < middle[1].y, "from above the left is on the left, ahead is up");
         assert!(seen[2].x > middle[2].x, "from the right, ahead is on the right");

@@ -1,15 +1,16 @@
 //! The picture of a world: all characters at the end, and moments of partners, or of a lively character.
 
-use super::canvas::{Area, Picture};
+use super::canvas::Area;
 use super::discs::group_colour;
-use super::figure::{BodyColours, BodyFigure};
 use super::furniture::legend;
-use super::sheet::sheet;
-use super::world::{WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit};
-use super::world::{world_sheet, world_strip, world_units};
+use super::world::OBLIQUE_VIEW;
+use super::{
+    BodyColours, BodyFigure, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit, sheet,
+    world_sheet, world_strip, world_units,
+};
 use crate::run::{JointPositions, PeopleSample, SceneFigures, WorldRecord};
 use glam::Vec3;
-use std::f32::consts::{FRAC_PI_2, PI};
+use std::f32::consts::FRAC_PI_2;
 use throng_bake::environment::PlacedGeometry;
 use throng_core::Joint;
 use throng_simulation::scene::PictureConfig;
@@ -25,8 +26,6 @@ const WIDTH_M: f32 = 2.6;
 const PAIRS: usize = 5;
 /// Number of samples shown before a pair begins to act.
 const SAMPLES_BEFORE: usize = 10;
-/// View direction of worlds: heading and elevation (rad).
-const VIEW_ANGLES: (f32, f32) = (0.8 * PI, 0.6);
 
 /// Draws a world: all its characters at the end, and moments of partners that acted together, or of a followed character.
 ///
@@ -58,32 +57,18 @@ pub(super) fn inhabited_sheet(
         f.travelled_m_per_minute,
         1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
     );
-    let middle = Vec3::from_array(picture.focus.unwrap_or_default());
-    let sample = WorldCamera {
-        heading: VIEW_ANGLES.0,
-        elevation: VIEW_ANGLES.1,
-        focus: picture.width_m.map(|width| (middle, width)),
-    };
-    let overview = WorldSheet {
-        title,
-        subtitle: &subtitle,
-        size: (1600, 1100),
-        figures: &bodies,
-        units: &units,
-        solids: &[],
-        trails: &[],
-        names: &[],
-        camera: sample,
-    };
-    let mut overview = world_sheet(&overview);
+    let focus = picture.width_m.map(|width| (Vec3::from_array(picture.focus.unwrap_or_default()), width));
+    let (size, subtitle, camera) = ((1600, 1100), &subtitle, WorldCamera { focus, ..OBLIQUE_VIEW });
+    let (figures, units) = (&bodies[..], &units[..]);
+    let mut overview = world_sheet(&WorldSheet { title, subtitle, size, figures, units, camera, ..Default::default() });
     if groups.len() > 1 {
         let entries: Vec<_> = groups.iter().enumerate().map(|(g, (name, _))| (group_colour(g), name.clone())).collect();
         legend(&mut overview, Area::new(0.0, 0.0, 1584.0, 84.0), 1.0, &entries, "");
     }
     let mut strips = vec![overview];
-    strips.extend(partner_pairs(record).into_iter().map(|pair| pair_strip(record, &pair, &units)));
+    strips.extend(partner_pairs(record).into_iter().map(|pair| pair_strip(record, &pair, units)));
     if strips.len() == 1 {
-        strips.extend(liveliest_character(record).map(|(who, from)| lively_strip(record, who, from, &units)));
+        strips.extend(liveliest_character(record).map(|(who, from)| lively_strip(record, who, from, units)));
     }
     sheet(&strips.iter().collect::<Vec<_>>())
 }
@@ -91,8 +76,7 @@ pub(super) fn inhabited_sheet(
 /// Draws moments of one character.
 fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUnit<'_>]) -> Picture {
     let samples = record.samples[from..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS * ROWS);
-    let one =
-        |sample: &PeopleSample| WorldMoment::of_one(sample.time_s, BodyFigure::from_positions(&sample.poses[who]));
+    let one = |s: &PeopleSample| WorldMoment::of_one(s.time_s, BodyFigure::from_positions(&s.poses[who]));
     world_strip(&WorldStrip {
         title: &format!("Character {}", record.followed[who]),
         subtitle: "one moment every half a second; what stands before the person is left out",
@@ -100,7 +84,7 @@ fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUni
         units,
         columns: COLUMNS,
         width_m: WIDTH_M,
-        view_angles: (VIEW_ANGLES.0, 0.25),
+        view_angles: (OBLIQUE_VIEW.heading, 0.25),
     })
 }
 
@@ -146,8 +130,8 @@ fn pair_strip(record: &WorldRecord, pair: &PartnerPair, units: &[WorldUnit<'_>])
     };
     let began = &record.samples[pair.from];
     let offset = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);
-    let samples =
-        record.samples[pair.from.saturating_sub(SAMPLES_BEFORE)..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS);
+    let first = pair.from.saturating_sub(SAMPLES_BEFORE);
+    let samples = record.samples[first..].iter().step_by(SAMPLE_STRIDE).take(COLUMNS);
     world_strip(&WorldStrip {
         title: &format!("Characters {} and {}", record.followed[pair.who], pair.with),
         subtitle: &format!(

@@ -1,10 +1,9 @@
 //! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
-use super::camera::PictureCamera;
-use super::canvas::{Picture, source_over};
-use super::colour::{self, Colour};
 use super::piece::PicturePiece;
+use super::sprite::Sprite;
 use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
+use super::{Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use throng_geometry::BoundingBox;
@@ -36,11 +35,7 @@ pub(super) fn draw_pieces(panel: &mut Picture, camera: &PictureCamera, pieces: &
     let pieces: Vec<PicturePiece> = pieces.iter().filter(near).copied().collect();
     let size = (panel.width() as usize, panel.height() as usize);
     let pixels = paint_pieces(&pieces, camera, size, ShadowMap::new(&pieces, light_direction(camera)));
-    for (pixel, top) in panel.pixels_mut().iter_mut().zip(pixels) {
-        if top.alpha() > 0 {
-            *pixel = source_over(top, *pixel);
-        }
-    }
+    Sprite { corner: (0, 0), size, pixels }.draw(panel);
 }
 
 /// Paints pieces into pixels, transparent where there is neither a piece nor a shadow.

@@ -1,13 +1,11 @@
 //! Pieces of a picture of a world: parts of bodies, bars and flat faces.
 
-use super::camera::PictureCamera;
-use super::colour::Colour;
 use super::solid::RoundCone;
+use super::{Colour, PictureCamera};
 use glam::{Vec2, Vec3};
-use throng_bake::environment::{self, UnitGeometry};
+use throng_bake::environment::{UnitGeometry, UnitSolid};
 use throng_core::patch::Placement;
-use throng_geometry::SurfaceHit;
-use throng_geometry::{BoundingBox, RayCrossing, ray_crossing};
+use throng_geometry::{BoundingBox, RayCrossing, SurfaceHit, ray_crossing};
 
 /// Tolerance at the edges of faces, so that neighbours leave no gap.
 const EDGE: f32 = 1e-5;
@@ -75,23 +73,20 @@ impl PicturePiece {
                 let hit = solid.intersect(through + camera.forward * start, camera.forward)?;
                 Some(SurfaceHit { distance: hit.distance + start, ..hit })
             }
-            PieceShape::Face(corners) => {
-                let (distance, normal) = intersect_face(corners, through, camera.forward)?;
-                Some(SurfaceHit { distance, normal })
-            }
+            PieceShape::Face(corners) => intersect_face(corners, through, camera.forward),
         }
     }
 }
 
 /// Distance along a line to a triangle, and the normal that faces against the line's direction.
-fn intersect_face(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<(f32, Vec3)> {
-    let RayCrossing { det, u, v, t } = ray_crossing(origin, direction, corners);
+fn intersect_face(corners: &[Vec3; 3], origin: Vec3, direction: Vec3) -> Option<SurfaceHit> {
+    let RayCrossing { det, u, v, t: distance } = ray_crossing(origin, direction, corners);
     if det.abs() < 1e-12 || u < -EDGE || v < -EDGE || u + v > 1.0 + EDGE {
         return None;
     }
     let [a, b, c] = *corners;
     let normal = (b - a).cross(c - a).normalize_or_zero();
-    Some((t, if normal.dot(direction) > 0.0 { -normal } else { normal }))
+    Some(SurfaceHit { distance, normal: if normal.dot(direction) > 0.0 { -normal } else { normal } })
 }
 
 /// Adds the pieces of a placed unit.
@@ -100,21 +95,16 @@ pub(super) fn add_unit(unit: &UnitGeometry, at: Placement, colour: Colour, out: 
 }
 
 /// Adds the pieces of a solid; `at` transforms its points to the world.
-pub(super) fn add_solid(
-    solid: &environment::UnitSolid,
-    at: impl Fn(Vec3) -> Vec3,
-    colour: Colour,
-    out: &mut Vec<PicturePiece>,
-) {
+pub(super) fn add_solid(solid: &UnitSolid, at: impl Fn(Vec3) -> Vec3, colour: Colour, out: &mut Vec<PicturePiece>) {
     match solid {
-        environment::UnitSolid::Box { centre, rotation, half } => {
+        UnitSolid::Box { centre, rotation, half } => {
             let corners = BoundingBox { min: -*half, max: *half }.corners();
             add_box(&corners.map(|c| at(*centre + *rotation * c)), colour, out);
         }
-        environment::UnitSolid::Bar { from, to, radius } => {
+        UnitSolid::Bar { from, to, radius } => {
             out.push(PicturePiece::round(RoundCone::limb(at(*from), at(*to), *radius, *radius), colour));
         }
-        environment::UnitSolid::Mesh(triangles) => {
+        UnitSolid::Mesh(triangles) => {
             out.extend(triangles.corners().iter().map(|t| PicturePiece::face(t.map(&at), colour)));
         }
     }
@@ -125,8 +115,7 @@ fn add_box(corners: &[Vec3; 8], colour: Colour, out: &mut Vec<PicturePiece>) {
     const SIDES: [[usize; 4]; 6] = [[0, 2, 6, 4], [1, 3, 7, 5], [0, 1, 5, 4], [2, 3, 7, 6], [0, 1, 3, 2], [4, 5, 7, 6]];
     for s in SIDES {
         let [a, b, c, d] = s.map(|i| corners[i]);
-        out.push(PicturePiece::face([a, b, c], colour));
-        out.push(PicturePiece::face([a, c, d], colour));
+        out.extend([[a, b, c], [a, c, d]].map(|corners| PicturePiece::face(corners, colour)));
     }
 }
 

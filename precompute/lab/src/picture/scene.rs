@@ -1,17 +1,15 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
-use super::canvas::Picture;
 use super::crowd_bodies::{PictureThing, bodies_sheet};
 use super::discs::crowd_sheet;
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
-use super::sheet::sheet;
 use super::walkers::walkers_sheet;
-use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, WorldRecord, walk_styles, world_geometry};
+use super::{Picture, sheet};
+use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, walk_styles, world_geometry};
+use std::ops::Range;
 use throng_motion::error::Result;
-use throng_simulation::CompiledScene;
-use throng_simulation::SceneGroup;
-use throng_simulation::Simulation;
+use throng_simulation::{CompiledScene, SceneGroup, Simulation};
 
 /// Length of the path of style figures, and distance between figures on it (m).
 const PATH_M: f32 = 16.0;
@@ -28,8 +26,7 @@ pub fn scene_sheet(
     record: &SceneRecord,
 ) -> Result<Picture> {
     let scene = compiled.scene();
-    let poses =
-        |who: std::ops::Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<JointPositions>>();
+    let poses = |who: Range<usize>| record.poses[who].iter().flatten().copied().collect::<Vec<JointPositions>>();
     let title = |g: &GroupReport, num: usize| {
         let name =
             if report.groups.len() == 1 { report.scene.clone() } else { format!("{}, {}", report.scene, g.group) };
@@ -42,23 +39,19 @@ pub fn scene_sheet(
         let title = title(g, all.len());
         sheets.push(fight_sheet(&title, &g.figures, &scene.groups[group.number], fight, &poses(all)));
     }
-    let groups_of =
-        |world: &WorldRecord| sim.groups().iter().filter(|g| g.character_group == world.character_group).count();
     for world in &record.worlds {
-        let mut groups = sim.groups().iter().enumerate().filter(|(_, g)| g.character_group == world.character_group);
-        let Some((number, first)) = groups.next() else { continue };
-        let end = groups.next_back().map_or(first.characters.end, |(_, last)| last.characters.end);
-        let all = first.characters.start..end;
+        let is_here = |(_, g): &(usize, &SceneGroup)| g.character_group == world.character_group;
+        let groups: Vec<(usize, &SceneGroup)> = sim.groups().iter().enumerate().filter(is_here).collect();
+        let (Some((number, first)), Some((_, last))) = (groups.first(), groups.last()) else { continue };
         let stands = world_geometry(compiled, world.group)?;
-        let (g, num) = (&report.groups[number], all.len());
+        let (g, num) = (&report.groups[*number], last.characters.end - first.characters.start);
         // If several groups are drawn, the title has the figures of all of them, as they are printed first.
-        let (title, figures) = match groups_of(world) {
+        let (title, figures) = match groups.len() {
             1 => (title(g, num), &g.figures),
             _ => (format!("{}: {num} characters", report.scene), &report.total),
         };
-        let of = |g: &SceneGroup| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
-        let groups: Vec<_> =
-            sim.groups().iter().filter(|g| g.character_group == world.character_group).map(of).collect();
+        let of = |(_, g): &(usize, &SceneGroup)| (scene.groups[g.number].name.clone(), poses(g.characters.clone()));
+        let groups: Vec<_> = groups.iter().map(of).collect();
         sheets.push(inhabited_sheet(&title, figures, &scene.picture, world, &groups, &stands));
     }
     for paths in &record.paths {

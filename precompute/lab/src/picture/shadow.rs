@@ -1,10 +1,9 @@
 //! Soft shadows of figures on the ground.
 
-use super::camera::PictureCamera;
-use super::canvas::{Picture, source_over};
-use super::colour::Colour;
-use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::canvas::source_over;
+use super::figure::body_solids;
 use super::paint::light_direction;
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera};
 use glam::Vec3;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 

@@ -1,7 +1,6 @@
 //! Several pictures on one page.
 
-use super::canvas::Picture;
-use super::colour;
+use super::{Picture, colour};
 
 /// Stacks pictures from top to bottom, each in the middle of the page's width: an overview and its strips.
 pub fn sheet(pictures: &[&Picture]) -> Picture {

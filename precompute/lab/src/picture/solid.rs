@@ -27,11 +27,8 @@ impl RoundCone {
     /// A limb that is `factor` times as thick along the unit vector `axis` as across it (> 0).
     pub fn flattened(self, axis: Vec3, factor: f32) -> Self {
         let outer = Mat3::from_cols(axis * axis.x, axis * axis.y, axis * axis.z);
-        Self {
-            to_round: Mat3::IDENTITY + outer * (1.0 / factor - 1.0),
-            reach: self.radius_a.max(self.radius_b) * factor.max(1.0),
-            ..self
-        }
+        let reach = self.radius_a.max(self.radius_b) * factor.max(1.0);
+        Self { to_round: Mat3::IDENTITY + outer * (1.0 / factor - 1.0), reach, ..self }
     }
 
     /// The ends, and the greatest distance of the surface from the line between them (m).

@@ -14,10 +14,10 @@ const MAX_SIDE: f32 = 4096.0;
 /// A drawn figure, ready to be copied onto a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sprite {
-    corner: (i32, i32),
-    size: (usize, usize),
+    pub corner: (i32, i32),
+    pub size: (usize, usize),
     /// Pixels (width * height).
-    pixels: Vec<PremultipliedColorU8>,
+    pub pixels: Vec<PremultipliedColorU8>,
 }
 
 /// Draws a figure. `None` where it cannot be drawn or lies outside of the picture's `size`.
@@ -30,8 +30,8 @@ pub(super) fn render(
     if !figure.is_drawable() {
         return None;
     }
-    let pieces: Vec<PicturePiece> =
-        body_solids(figure, colours).into_iter().map(|(s, c)| PicturePiece::round(s, c)).collect();
+    let solids = body_solids(figure, colours).into_iter();
+    let pieces: Vec<PicturePiece> = solids.map(|(s, c)| PicturePiece::round(s, c)).collect();
     let boxes = || pieces.iter().map(|p| p.screen_box(camera));
     let min = boxes().fold(Vec2::INFINITY, |m, b| m.min(b.0)).floor().max(Vec2::ZERO);
     let max = boxes().fold(Vec2::NEG_INFINITY, |m, b| m.max(b.1)).ceil();
@@ -39,8 +39,8 @@ pub(super) fn render(
     if !(extent.min_element() >= 1.0 && extent.max_element() <= MAX_SIDE) {
         return None;
     }
-    let (camera, size) =
-        (PictureCamera { screen: camera.screen - min, ..*camera }, (extent.x as usize, extent.y as usize));
+    let size = (extent.x as usize, extent.y as usize);
+    let camera = PictureCamera { screen: camera.screen - min, ..*camera };
     Some(Sprite { corner: (min.x as i32, min.y as i32), size, pixels: paint_pieces(&pieces, &camera, size, None) })
 }
 

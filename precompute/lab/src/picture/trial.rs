@@ -1,11 +1,10 @@
 //! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's path.
 
-use super::canvas::Picture;
-use super::crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
-use super::figure::BodyFigure;
-use super::sheet::sheet;
-use super::strip::{PoseStrip, StripFrame, onion_skin, pose_strip};
-use crate::trial::{TrialConfig, TrialRecord, TrialReport};
+use super::{
+    ArrivalState, BodyFigure, CrowdCharacter, CrowdView, Focus, Picture, PoseStrip, StripFrame, crowd_overview,
+    onion_skin, pose_strip, sheet,
+};
+use crate::trial::{TrialConfig, TrialFrame, TrialRecord, TrialReport};
 use glam::Vec2;
 use throng_core::{Bundle, Planar};
 
@@ -23,19 +22,16 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
     let what = if config.streams { "in two streams that pass each other" } else { "each with a target of its own" };
     let title =
         format!("{}: {} characters, {what}, after {:.1} s", tables.meta().name, report.characters, record.snapshot_s);
+    let (reached, reach_m) = (100.0 * report.reached_fraction, config.reach_m);
+    let after = report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average"));
+    let (overlaps, slip_mmps) = (report.character_overlaps, 1000.0 * report.foot_slip_p95_mps);
     let subtitle = format!(
-        "{:.1} % came within {} m of their targets in {:.0} s{}; {} pair(s) were in each other; planted feet slip {:.0} mm/s (95th percentile)",
-        100.0 * report.reached_fraction,
-        config.reach_m,
-        report.simulated_s,
-        report.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
-        report.character_overlaps,
-        1000.0 * report.foot_slip_p95_mps
+        "{reached:.1} % came within {reach_m} m of their targets in {:.0} s{after}; {overlaps} pair(s) were in each other; \
+         planted feet slip {slip_mmps:.0} mm/s (95th percentile)",
+        report.simulated_s
     );
-    let mut remark = String::from("line: where the root went");
-    if !config.streams {
-        remark = format!("ring: target, within {:.2} m   {remark}", config.reach_m);
-    }
+    let ring = if config.streams { String::new() } else { format!("ring: target, within {:.2} m   ", config.reach_m) };
+    let remark = ring + "line: where the root went";
     let marked = config.recorded.filter(|&c| c < record.roots.len()).map(|c| (c, "A"));
     let overview = CrowdView {
         title: &title,
@@ -49,14 +45,9 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         marked,
         focus: None,
     };
-    let near = CrowdView {
-        title: "The same from near",
-        subtitle: "arrows: headings",
-        size: (1600, 720),
-        marked: None,
-        focus: Some(Focus { centre: mean_position(record), width_m: NEAR_M }),
-        ..overview
-    };
+    let (title, subtitle, size) = ("The same from near", "arrows: headings", (1600, 720));
+    let focus = Some(Focus { centre: mean_position(record), width_m: NEAR_M });
+    let near = CrowdView { title, subtitle, size, marked: None, focus, ..overview };
     let frames = strip_frames(record);
     let strip = PoseStrip {
         title: "Character A",
@@ -66,13 +57,8 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         front_row: true,
         width: 1600,
     };
-    let way = PoseStrip {
-        title: "Character A on its way",
-        subtitle: "poses where they were, older ones paler",
-        frames: longest_stretch(&frames, ONION_S),
-        columns: 13,
-        ..strip
-    };
+    let (title, subtitle) = ("Character A on its way", "poses where they were, older ones paler");
+    let way = PoseStrip { title, subtitle, frames: longest_stretch(&frames, ONION_S), columns: 13, ..strip };
     let pictures = [crowd_overview(&overview), crowd_overview(&near), pose_strip(&strip), onion_skin(&way)];
     let drawn = if frames.is_empty() { 2 } else { 4 };
     sheet(&pictures[..drawn].iter().collect::<Vec<_>>())
@@ -100,11 +86,11 @@ fn mean_position(record: &TrialRecord) -> Vec2 {
 }
 
 fn strip_frames(record: &TrialRecord) -> Vec<StripFrame> {
-    let one = |f: &crate::trial::TrialFrame| StripFrame {
-        time_s: f.time_s,
-        root: f.root,
-        figure: BodyFigure::from_positions(&f.positions),
-        contacts: f.contacts,
+    let one = |&TrialFrame { time_s, root, ref positions, contacts, .. }: &TrialFrame| StripFrame {
+        time_s,
+        root,
+        figure: BodyFigure::from_positions(positions),
+        contacts,
     };
     record.frames.iter().map(one).collect()
 }

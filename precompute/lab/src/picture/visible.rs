@@ -84,9 +84,7 @@ pub(super) fn rasterize_bands<T: Send>(
         let n = size.0 * rays * rows.len();
         let (depth, piece) = (vec![f32::INFINITY; n], vec![NO_PIECE; n]);
         let mut band = SampleBand { width: size.0 * rays, rows, depth, piece };
-        for &i in numbers {
-            band.draw(i, &pieces[i as usize], camera, boxes[i as usize], rays);
-        }
+        numbers.iter().for_each(|&i| band.draw(i, &pieces[i as usize], camera, boxes[i as usize], rays));
         make(&band, pixels)
     };
     of_band.par_iter().enumerate().map(band).collect()

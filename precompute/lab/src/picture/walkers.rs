@@ -1,11 +1,11 @@
 //! The picture of a group on random paths: all characters at the end, one path in several styles, and moments of a character
 //! that changed speed.
 
-use super::canvas::Picture;
-use super::colour::{self, Colour};
-use super::figure::{BodyColours, BodyFigure};
-use super::sheet::sheet;
-use super::world::{WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, world_sheet, world_strip};
+use super::world::OBLIQUE_VIEW;
+use super::{
+    BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, colour,
+    sheet, world_sheet, world_strip,
+};
 use crate::run::{JointPositions, PathsRecord, SceneFigures, StyleWalk, style_path};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -18,8 +18,8 @@ const ROWS: usize = 3;
 const WIDTH_M: f32 = 2.2;
 /// Distance between styles side by side (m).
 const APART_M: f32 = 3.2;
-/// Heading and elevation of the overview's camera (rad).
-const VIEW_ANGLES: (f32, f32) = (0.8 * PI, 0.6);
+/// Colour of the path under figures.
+const TRAIL_COLOUR: Colour = Colour::hex(0x8a8578);
 /// Width of the overview (m).
 const OVERVIEW_M: f32 = 34.0;
 
@@ -52,28 +52,13 @@ fn world_figure(pose: &[Vec3; NUM_JOINTS]) -> WorldFigure {
 fn overview(title: &str, centre: [f32; 2], figures: &SceneFigures, poses: &[JointPositions]) -> Picture {
     let bodies: Vec<WorldFigure> = poses.iter().map(world_figure).collect();
     let f = figures.paths.clone().unwrap_or_default();
-    let subtitle = format!(
-        "{:.0} s at {:.1} m/s on average, {:.1} at most; planted feet slip {:.0} mm/s (95th percentile)",
-        figures.simulated_s,
-        f.speed_mean_mps,
-        f.speed_max_mps,
-        1000.0 * figures.foot_slip_p95_mps.unwrap_or_default()
-    );
-    world_sheet(&WorldSheet {
-        title,
-        subtitle: &subtitle,
-        size: (1600, 900),
-        figures: &bodies,
-        units: &[],
-        solids: &[],
-        trails: &[],
-        names: &[],
-        camera: WorldCamera {
-            heading: VIEW_ANGLES.0,
-            elevation: VIEW_ANGLES.1,
-            focus: Some((Vec3::new(centre[0], 0.0, centre[1]), OVERVIEW_M)),
-        },
-    })
+    let (mean, most, slip_mmps) =
+        (f.speed_mean_mps, f.speed_max_mps, 1000.0 * figures.foot_slip_p95_mps.unwrap_or_default());
+    let pace = format!("{:.0} s at {mean:.1} m/s on average, {most:.1} at most", figures.simulated_s);
+    let subtitle = format!("{pace}; planted feet slip {slip_mmps:.0} mm/s (95th percentile)");
+    let focus = Some((Vec3::new(centre[0], 0.0, centre[1]), OVERVIEW_M));
+    let (size, camera) = ((1600, 900), WorldCamera { focus, ..OBLIQUE_VIEW });
+    world_sheet(&WorldSheet { title, subtitle: &subtitle, size, figures: &bodies, camera, ..WorldSheet::default() })
 }
 
 /// Draws a path in several styles, side by side, seen from beside.
@@ -87,7 +72,7 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
             let (at, _) = style_path(length_m * k as f32 / 100.0);
             Vec3::new(at.x, 0.005, at.y) + beside(i)
         };
-        trails.push(((0..=100).map(point).collect(), trail_colour()));
+        trails.push(((0..=100).map(point).collect(), TRAIL_COLOUR));
         names.push((point(0) - Vec3::Z * 0.9, style.name.clone(), colour::INK));
     }
     let centre = Vec3::new(0.4 - 0.5 * APART_M * (styles.len() - 1) as f32, 0.6, 0.45 * length_m);
@@ -96,16 +81,11 @@ fn styles_sheet(styles: &[StyleWalk], length_m: f32) -> Picture {
         subtitle: "figures are equally far apart along the path, not in time",
         size: (1600, 1000),
         figures: &figures,
-        units: &[],
-        solids: &[],
         trails: &trails,
         names: &names,
         camera: WorldCamera { heading: 0.5 * PI, elevation: 0.7, focus: Some((centre, 1.25 * length_m)) },
+        ..WorldSheet::default()
     })
-}
-
-fn trail_colour() -> Colour {
-    Colour::hex(0x8a8578)
 }
 
 /// Draws moments of the recorded character whose speed changed most.
@@ -120,23 +100,17 @@ fn draw_moments(record: &PathsRecord) -> Option<Picture> {
     let starts = 0..record.samples.len().saturating_sub(span).max(1);
     let all = (0..num).flat_map(|w| starts.clone().map(move |s| (w, s)));
     let (who, from) = all.max_by(|a, b| range(a.0, a.1).total_cmp(&range(b.0, b.1)))?;
-    let looks = record.samples[from..].iter().take(span);
-    let moment = |(t, _, p): &(f32, Vec<f32>, Vec<[glam::Vec3; 22]>)| {
-        WorldMoment::of_one(*t, BodyFigure::from_positions(&p[who]))
-    };
-    let moments: Vec<WorldMoment> = looks.clone().map(moment).collect();
-    let speeds: Vec<f32> = looks.map(|(_, s, _)| s[who]).collect();
-    let (first, last) =
-        (record.samples[from].2[who], record.samples[(from + span).min(record.samples.len()) - 1].2[who]);
-    let offset = last[Joint::Hips.index()] - first[Joint::Hips.index()];
+    let shown = &record.samples[from..(from + span).min(record.samples.len())];
+    let one = |time_s: f32, pose| WorldMoment::of_one(time_s, BodyFigure::from_positions(pose));
+    let moments: Vec<WorldMoment> = shown.iter().map(|(t, _, p)| one(*t, &p[who])).collect();
+    let speeds: Vec<f32> = shown.iter().map(|(_, s, _)| s[who]).collect();
+    let [first, last] = [shown.first()?, shown.last()?].map(|s| s.2[who][Joint::Hips.index()]);
+    let offset = last - first;
+    let (first, last, most) = (speeds.first()?, speeds.last()?, speeds.iter().copied().fold(0.0, f32::max));
+    let range = format!("from {first:.1} to {last:.1} m/s, {most:.1} at most");
     let strip = WorldStrip {
         title: &format!("Character {who}"),
-        subtitle: &format!(
-            "one moment every tenth of a second; from {:.1} to {:.1} m/s, {:.1} at most",
-            speeds.first()?,
-            speeds.last()?,
-            speeds.iter().copied().fold(0.0, f32::max)
-        ),
+        subtitle: &format!("one moment every tenth of a second; {range}"),
         moments: &moments,
         units: &[],
         columns: COLUMNS,

@@ -1,13 +1,12 @@
 //! Bodies in their surroundings: every pixel shows the nearest surface, with shadows.
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour::{self, Colour};
-use super::figure::{BodyColours, BodyFigure, body_solids};
+use super::canvas::Area;
+use super::figure::body_solids;
 use super::furniture::{NamePlates, grid, header, nice_step, page_with_panel, scale_bar};
 use super::paint::draw_pieces;
 use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use throng_bake::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
 use throng_core::Joint;
@@ -60,7 +59,7 @@ pub fn world_units(environment: &PlacedGeometry) -> Vec<WorldUnit<'_>> {
 }
 
 /// View of a world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldCamera {
     /// Direction the camera looks in: 0 is +Z, a quarter turn +X (rad).
     pub heading: f32,
@@ -70,8 +69,12 @@ pub struct WorldCamera {
     pub focus: Option<(Vec3, f32)>,
 }
 
+/// The usual view of a whole world, obliquely from above.
+pub(super) const OBLIQUE_VIEW: WorldCamera =
+    WorldCamera { heading: 0.8 * std::f32::consts::PI, elevation: 0.6, focus: None };
+
 /// Input of [`world_sheet`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct WorldSheet<'a> {
     /// First line.
     pub title: &'a str,
@@ -172,7 +175,7 @@ pub struct WorldStrip<'a> {
 /// them that reach above the knees are left out.
 pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
-    let columns = strip.columns.clamp(1, 40);
+    let (columns, (heading, elevation)) = (strip.columns.clamp(1, 40), strip.view_angles);
     let cell = (width - 2.0 * edge) / columns as f32;
     let height = 1.25 * cell;
     let rows = strip.moments.len().div_ceil(columns).max(1);
@@ -185,17 +188,16 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
         let num = moment.hips().count();
         let focus = (num > 0).then(|| (moment.hips().sum::<Vec3>() / num as f32, strip.width_m));
-        let camera = WorldCamera { heading: strip.view_angles.0, elevation: strip.view_angles.1, focus };
+        let camera = WorldCamera { heading, elevation, focus };
         let around = world_camera(&camera, area.size, &[]);
         let hides = |p: &&PicturePiece| {
             let bounds = p.bounds();
             let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
-            moment
-                .hips()
-                .any(|hips| bounds.max.y > hips.y - CUT_BELOW_HIPS_M && far < around.depth(hips) - CUT_BEFORE_HIPS_M)
+            let is_before = |hips: Vec3| far < around.depth(hips) - CUT_BEFORE_HIPS_M;
+            moment.hips().any(|hips| bounds.max.y > hips.y - CUT_BELOW_HIPS_M && is_before(hips))
         };
         let mut pieces: Vec<PicturePiece> = units.iter().filter(|p| !hides(p)).copied().collect();
-        pieces.extend(super::world::world_pieces(&[], &moment.figures));
+        pieces.extend(world_pieces(&[], &moment.figures));
         moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
         let camera = world_camera(&camera, area.size, &pieces);
         grid(&mut panel, &camera, 1.0, 0.7);
@@ -209,13 +211,10 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
 
 fn world_pieces(units: &[WorldUnit<'_>], figures: &[WorldFigure]) -> Vec<PicturePiece> {
     let mut out = Vec::new();
-    for u in units {
-        add_unit(u.geometry, u.placement, u.colour, &mut out);
-    }
+    units.iter().for_each(|u| add_unit(u.geometry, u.placement, u.colour, &mut out));
     for f in figures.iter().filter(|f| f.figure.is_drawable()) {
-        out.extend(
-            body_solids(&f.figure, &f.colours).into_iter().map(|(solid, tint)| PicturePiece::round(solid, tint)),
-        );
+        let solids = body_solids(&f.figure, &f.colours).into_iter();
+        out.extend(solids.map(|(solid, tint)| PicturePiece::round(solid, tint)));
     }
     out
 }

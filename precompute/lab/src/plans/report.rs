@@ -107,13 +107,9 @@ pub fn plan_report(task: &Task, found: &[(u64, TaskOutcome)]) -> Option<PlanRepo
     let finite = |x: f64| x.is_finite().then_some(x);
     let times_s = task.times_s();
     let held_by_two = outcome.attachments.iter().any(|a| a.second.is_some());
-    let one = |(d, at_s): (&StepOutcome, Option<f64>)| TaskReport {
-        name: d.name.clone(),
-        solved: d.reason.is_none(),
-        why: d.reason.clone(),
-        nearest_m: d.nearest_m.and_then(finite),
-        at_s,
-        collisions: collisions(d),
+    let one = |(d, at_s): (&StepOutcome, Option<f64>)| {
+        let (name, why, nearest_m) = (d.name.clone(), d.reason.clone(), d.nearest_m.and_then(finite));
+        TaskReport { name, solved: why.is_none(), why, nearest_m, at_s, collisions: collisions(d) }
     };
     Some(PlanReport {
         solved: outcome.is_solved(),

@@ -68,10 +68,10 @@ pub fn find_scene(name: &str) -> SceneResult<Option<PlanScene>> {
 impl PlanScene {
     /// A standing character whose hand moves from the middle space between the boards of the shelf to the upper one.
     fn between_boards(solids: Vec<MovingSolid>) -> SceneResult<Self> {
-        let who = SceneActor::standing(STATIC_S);
-        let (low, high) =
-            (who.pose_reaching([0.36, 1.24, 0.4], &solids)?, who.pose_reaching([0.36, 1.5, 0.42], &solids)?);
-        Ok(Self { actor: who, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
+        let actor = SceneActor::standing(STATIC_S);
+        let low = actor.pose_reaching([0.36, 1.24, 0.4], &solids)?;
+        let high = actor.pose_reaching([0.36, 1.5, 0.42], &solids)?;
+        Ok(Self { actor, solids, allowed: Vec::new(), ends: states([(low, 0.0), (high, STATIC_S)]) })
     }
 
     /// The planning problem of the scene.
@@ -136,15 +136,11 @@ fn states(ends: [(LimbPose, f64); 2]) -> [LimbState; 2] {
 
 /// An arm moves from below a table to above it.
 fn table() -> PlanScene {
-    let who = SceneActor::standing(1.5);
+    let actor = SceneActor::standing(1.5);
     let plate = SolidShape::cuboid(DVec3::new(0.9, 0.03, 0.6));
-    let ends = states([(who.pose(0.0, -1.2, 0.2), 0.0), (who.pose(0.0, 0.1, 0.3), 1.5)]);
-    PlanScene {
-        actor: who,
-        solids: vec![solid("table", plate, DVec3::new(0.65, 1.2, 0.55))],
-        allowed: Vec::new(),
-        ends,
-    }
+    let ends = states([(actor.pose(0.0, -1.2, 0.2), 0.0), (actor.pose(0.0, 0.1, 0.3), 1.5)]);
+    let solids = vec![solid("table", plate, DVec3::new(0.65, 1.2, 0.55))];
+    PlanScene { actor, solids, allowed: Vec::new(), ends }
 }
 
 /// Triangles of a ball: `rings` rings, each of twice as many segments (m).
@@ -154,12 +150,13 @@ fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
         (DVec3::new(a.sin() * b.cos(), a.cos(), a.sin() * b.sin()) * radius).as_vec3()
     };
     let squares = (0..rings).flat_map(|i| (0..2 * rings).map(move |j| (i, j)));
-    squares
-        .flat_map(|(i, j)| {
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
+    squares.flat_map(|(i, j)| halves_of_square(&at, i, j)).collect()
+}
+
+/// The two triangles of a square of a grid of points.
+fn halves_of_square(at: impl Fn(usize, usize) -> Vec3, i: usize, j: usize) -> [[Vec3; 3]; 2] {
+    let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+    [[a, b, c], [a, c, d]]
 }
 
 /// Heights of the boards of the shelf (m).
@@ -208,11 +205,7 @@ fn ring() -> SceneResult<PlanScene> {
         let out = 0.2 + 0.02 * b.cos();
         DVec3::new(out * a.cos(), out * a.sin(), 0.02 * b.sin()).as_vec3()
     };
-    let squares = (0..n * n).map(|k| (k % n, k / n));
-    let triangles = squares.flat_map(|(i, j)| {
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        [[a, b, c], [a, c, d]]
-    });
+    let triangles = (0..n * n).flat_map(|k| halves_of_square(at, k % n, k / n));
     let mesh = Arc::new(TriangleMesh::new(triangles.collect())?);
     let ends = states([(who.pose(0.3, -0.9, 1.8), 0.0), (who.pose(-0.1, 0.0, 0.2), 1.5)]);
     let placed = Problem::prepare(&who.spec(ends, &[], &[]))?.place_chain(&ends[1]);

@@ -5,14 +5,10 @@ use crate::run::{BuildContext, News, ensure_bundle};
 use std::path::{Path, PathBuf};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
-use throng_core::Bundle;
-use throng_core::FormatError;
-use throng_core::NUM_JOINTS;
 use throng_core::base::text::did_you_mean;
-use throng_core::blend::BlendSpace;
-use throng_core::blend::axis;
-use throng_motion::error::BuildError;
-use throng_motion::error::Result;
+use throng_core::blend::{BlendSpace, axis};
+use throng_core::{Bundle, FormatError, NUM_JOINTS};
+use throng_motion::error::{BuildError, Result};
 use throng_motion::import::{self, ImportedClip};
 use throng_motion::{Clip, ClipSet, Warnings};
 use throng_planner::task::{ActorClip, ActorSource, ClipEntry, Task, WalkEntry, WalkError, WalkedTask};
@@ -21,26 +17,10 @@ use throng_synth::{SynthConfig, SynthSet, make_set};
 /// Motion of every character, loaded once.
 #[derive(Clone, Debug)]
 pub struct TaskSources {
-    motions: Vec<CharacterMotion>,
+    motions: Vec<ActorSource>,
     rate_hz: f64,
     /// Files that the motion was read from.
     pub files: Vec<PathBuf>,
-}
-
-#[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-enum CharacterMotion {
-    Clip(ActorClip),
-    Space(BlendSpace),
-}
-
-impl CharacterMotion {
-    fn source(&self) -> ActorSource<'_> {
-        match self {
-            Self::Clip(clip) => ActorSource::Clip(clip.clone()),
-            Self::Space(space) => ActorSource::Walks(space),
-        }
-    }
 }
 
 impl TaskSources {
@@ -51,13 +31,12 @@ impl TaskSources {
     /// # Errors
     /// [`WalkError`].
     pub fn stage_task(&self, task: Task, seed: Option<u64>) -> Result<(Task, Vec<ActorClip>), WalkError> {
-        let clip = |r: &CharacterMotion| if let CharacterMotion::Clip(clip) = r { Some(clip.clone()) } else { None };
+        let clip = |r: &ActorSource| if let ActorSource::Clip(clip) = r { Some(clip.clone()) } else { None };
         let clips: Vec<ActorClip> = self.motions.iter().filter_map(clip).collect();
         if clips.len() == self.motions.len() {
             return Ok((task, clips));
         }
-        let sources: Vec<ActorSource<'_>> = self.motions.iter().map(CharacterMotion::source).collect();
-        let WalkedTask { task, clips } = task.plan_walks(&sources, self.rate_hz, seed)?;
+        let WalkedTask { task, clips } = task.plan_walks(&self.motions, self.rate_hz, seed)?;
         Ok((task, clips))
     }
 }
@@ -80,14 +59,14 @@ pub fn load_sources(
     for c in &task.characters {
         let named = |e: BuildError| config_error(format!("`{}`: {e}", c.name));
         of_each.push(match (given.take(), &c.clip.walk) {
-            (Some(clip), _) => CharacterMotion::Clip(clip),
+            (Some(clip), _) => ActorSource::Clip(clip),
             (None, Some(walk)) => {
                 files.push(walk.bundle.clone());
-                CharacterMotion::Space(blend_space(walk, with).map_err(named)?)
+                ActorSource::Walks(blend_space(walk, with).map_err(named)?)
             }
             (None, None) => {
                 files.extend(c.clip.file.clone().filter(|f| f.is_file()));
-                CharacterMotion::Clip(task_clip(&c.clip, config, with).map_err(named)?)
+                ActorSource::Clip(task_clip(&c.clip, config, with).map_err(named)?)
             }
         });
     }
@@ -145,9 +124,8 @@ fn synthetic_clip(set: &str, name: Option<&str>, rate_hz: f64) -> Result<ActorCl
     let names = || made.clips.iter().map(|c| c.name.as_str());
     let found = name.map_or(Some(0), |n| names().position(|c| c == n));
     let Some(i) = found else {
-        let (name, meant) = (name.unwrap_or_default(), did_you_mean(name.unwrap_or_default(), names()));
-        let some: Vec<&str> = names().take(4).collect();
-        let (set, some) = (set.name(), some.join(", "));
+        let (set, name) = (set.name(), name.unwrap_or_default());
+        let (some, meant) = (names().take(4).collect::<Vec<_>>().join(", "), did_you_mean(name, names()));
         return Err(config_error(format!("the set `{set}` has no clip `{name}`, but such as {some}.{meant}")));
     };
     Ok(ActorClip { clip: made.clips[i].clone(), skeleton: made.skeleton })
@@ -167,12 +145,8 @@ fn cut_clip(whole: ActorClip, from_s: f64, to_s: Option<f64>) -> Result<ActorCli
         return Ok(ActorClip { clip, skeleton });
     }
     let roots = clip.root_positions[first..=last].to_vec();
-    let mut part = Clip::new(
-        &clip.name,
-        clip.rate_hz,
-        roots,
-        clip.rotations[first * NUM_JOINTS..(last + 1) * NUM_JOINTS].to_vec(),
-    );
+    let rotations = clip.rotations[first * NUM_JOINTS..(last + 1) * NUM_JOINTS].to_vec();
+    let mut part = Clip::new(&clip.name, clip.rate_hz, roots, rotations);
     part.contacts = clip.contacts.get(first..=last).map_or_else(Vec::new, <[_]>::to_vec);
     part.source.clone_from(&clip.source);
     Ok(ActorClip { clip: part, skeleton })

@@ -80,12 +80,8 @@ pub(super) struct TrialWatch<'a> {
 impl<'a> TrialWatch<'a> {
     pub(super) fn new(config: &TrialConfig, tables: &'a Bundle, starts: Vec<Planar>, targets: Vec<Vec3>) -> Self {
         let n = config.characters;
-        let record = TrialRecord {
-            trails: vec![Vec::new(); n],
-            arrivals_s: vec![f32::INFINITY; n],
-            targets,
-            ..TrialRecord::default()
-        };
+        let (trails, arrivals_s) = (vec![Vec::new(); n], vec![f32::INFINITY; n]);
+        let record = TrialRecord { trails, arrivals_s, targets, ..TrialRecord::default() };
         let choices = vec![(0, 0.0); n];
         Self {
             tables,
@@ -144,13 +140,8 @@ impl<'a> TrialWatch<'a> {
         self.slip.observe_characters(characters, dt);
         self.extend_tracks(characters);
         let Some(c) = config.recorded.filter(|_| self.record.frames.len() < MOST_POSES) else { return };
-        self.record.frames.push(TrialFrame {
-            time_s,
-            root: characters.root(c),
-            positions: characters.joint_positions(c),
-            contacts: characters.contacts(c),
-            segment: characters.segment(c).0,
-        });
+        let (root, positions, contacts) = (characters.root(c), characters.joint_positions(c), characters.contacts(c));
+        self.record.frames.push(TrialFrame { time_s, root, positions, contacts, segment: characters.segment(c).0 });
     }
 
     /// Adds a sample to each track of a character that is still on its way.

@@ -106,13 +106,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
 fn measure(name: &'static str, value: f64, limits: [f64; 2], sentence: String) -> Measure {
     let [good, fair] = limits;
     let within = |limit: f64| if good > fair { value >= limit } else { value <= limit };
-    let word = WORDS[if within(good) {
-        0
-    } else if within(fair) {
-        1
-    } else {
-        2
-    }];
+    let word = WORDS[limits.iter().take_while(|limit| !within(**limit)).count()];
     Measure { name, value, limits, word, sentence, advice: Vec::new(), is_reported: word != WORDS[0] }
 }
 
@@ -338,11 +332,9 @@ fn widest_seam(blends: &[BlendReport]) -> Option<Measure> {
     let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
     let (b, e) = all.max_by(|x, y| x.1.seam().total_cmp(&y.1.seam()))?;
     let ExampleReport { name, closing_m, closing_rad, .. } = e;
+    let (space, cm, deg) = (&b.name, 100.0 * closing_m, closing_rad.to_degrees());
     let sentence = format!(
-        "the cycle of `{name}` in blend space `{}` is {:.0} cm and {:.0} deg a joint apart at its seam",
-        b.name,
-        100.0 * closing_m,
-        closing_rad.to_degrees()
+        "the cycle of `{name}` in blend space `{space}` is {cm:.0} cm and {deg:.0} deg a joint apart at its seam"
     );
     let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], sentence);
     let (widest_m, widest_deg) = WIDEST_SEAM;

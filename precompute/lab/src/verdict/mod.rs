@@ -61,15 +61,9 @@ pub fn try_out(tables: &Bundle, blends: &[BlendReport]) -> Result<Option<(TrialR
         return Ok(None);
     }
     // Without avoidance, the trial only measures the motion.
-    let motion = CharactersConfig::default();
-    let config = TrialConfig {
-        characters: CHARACTERS,
-        seconds: 15.0,
-        step_hz: 30.0,
-        recorded: None,
-        motion,
-        ..TrialConfig::default()
-    };
+    let (motion, recorded) = (CharactersConfig::default(), None);
+    let config =
+        TrialConfig { characters: CHARACTERS, seconds: 15.0, step_hz: 30.0, recorded, motion, ..Default::default() };
     let (report, _) = trial::run(tables, &config)?;
     let verdict = Verdict::new(tables, &report, blends);
     Ok(Some((report, verdict)))
@@ -84,17 +78,10 @@ impl Verdict {
         let (motion, all) = (Abilities::of_played_frames(tables), Abilities::of_bundle(tables));
         let unused_s = all.walking_s - motion.walking_s;
         let policies = tables.meta().behaviours.iter().zip(tables.policies().iter());
-        let facts = VerdictInputs {
-            trial,
-            motion: &motion,
-            mirrored,
-            source: source_feet(tables),
-            longest: LongestAction::of_bundle(tables),
-            promises: policies
-                .map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table)))
-                .collect(),
-            blends,
-        };
+        let promises =
+            policies.map(|(name, table)| (name.as_str(), promise(table, name), policy::help(table))).collect();
+        let (source, longest, motion) = (source_feet(tables), LongestAction::of_bundle(tables), &motion);
+        let facts = VerdictInputs { trial, motion, mirrored, source, longest, promises, blends };
         let mut verdict = Self { walking_unused_s: unused_s, ..Self::from_inputs(&facts) };
         if unused_s > verdict.motion.walking_s.max(1.0) {
             let mut unused = advice_on_unused(unused_s, &unused_clips(tables), &all, mirrored);
@@ -130,16 +117,9 @@ impl Verdict {
                 advice.push(a.clone());
             }
         }
-        Self {
-            word,
-            worst: if word == "good" { "" } else { name },
-            sentences,
-            advice,
-            motion: facts.motion.clone(),
-            walking_unused_s: 0.0,
-            source_slip_mean_mps: facts.source.mean_mps,
-            measures,
-        }
+        let (motion, source_slip_mean_mps) = (facts.motion.clone(), facts.source.mean_mps);
+        let worst = if word == "good" { "" } else { name };
+        Self { word, worst, sentences, advice, motion, walking_unused_s: 0.0, source_slip_mean_mps, measures }
     }
 }
 

@@ -56,38 +56,36 @@ impl Checker {
     pub(super) fn pair_gap(&mut self, problem: &Problem, pair: &CollisionPair, time_s: f64, limit: f64) -> f64 {
         let part = &problem.parts[pair.part];
         let (core, middle) = self.cores[pair.part];
-        match pair.target {
+        let gap = match pair.target {
             CollisionTarget::Body(b) => {
-                let body = &problem.bodies[b];
+                let (body, kept) = (&problem.bodies[b], &mut self.bodies[b]);
+                if kept.0 != self.checks {
+                    let core = body.track.sample_at(time_s);
+                    *kept = (self.checks, core, core.middle());
+                }
+                let (_, other, other_middle) = *kept;
                 let radii = part.radius + body.radius;
-                let (other, other_middle) = self.driven_core(problem, b, time_s);
                 // The bounding balls are mostly farther apart than that.
                 let apart = middle.distance_squared(other_middle);
                 let far = limit + radii + part.half_length + body.half_length;
-                if far <= 0.0 || apart >= far * far {
-                    return f64::INFINITY;
-                }
-                let gap = core.distance(&other) - radii;
-                if gap < limit { gap } else { f64::INFINITY }
+                if far <= 0.0 || apart >= far * far { f64::INFINITY } else { core.distance(&other) - radii }
             }
             CollisionTarget::Tether => problem.tether.as_ref().map_or(f64::INFINITY, |tether| {
                 let [nearest, farthest] = tether.distances_m;
                 let apart = middle.distance(tether.from.sample_at(time_s).position);
-                let gap = (farthest - apart).min(apart - nearest);
-                if gap < limit { gap } else { f64::INFINITY }
+                (farthest - apart).min(apart - nearest)
             }),
             CollisionTarget::Upright => problem.upright.map_or(f64::INFINITY, |level| {
                 let up = core.b - core.a;
-                let gap = level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y);
-                if gap < limit { gap } else { f64::INFINITY }
+                level.within_rad - maths::atan2(maths::hypot(up.x, up.z), up.y)
             }),
             CollisionTarget::Solid(s) => {
-                let Some(local) = self.core_within_reach(problem, s, pair.part, time_s, limit) else {
-                    return f64::INFINITY;
-                };
-                problem.solids[s].solid.shape.distance(&local, limit + part.radius) - part.radius
+                let local = self.core_within_reach(problem, s, pair.part, time_s, limit);
+                let distance = |core| problem.solids[s].solid.shape.distance(&core, limit + part.radius) - part.radius;
+                return local.map_or(f64::INFINITY, distance);
             }
-        }
+        };
+        if gap < limit { gap } else { f64::INFINITY }
     }
 
     /// True where the surfaces of a pair are nearer than `limit`; needs [`Checker::place_parts`] first (m).
@@ -123,9 +121,7 @@ impl Checker {
         limit: f64,
     ) -> Option<Segment> {
         let (core, middle) = self.cores[part];
-        let part = &problem.parts[part];
-        let solid = &problem.solids[s];
-        let kept = &mut self.solids[s];
+        let (part, solid, kept) = (&problem.parts[part], &problem.solids[s], &mut self.solids[s]);
         if kept.0 != self.checks {
             *kept = (self.checks, solid.solid.path.place_at(time_s));
         }
@@ -135,29 +131,16 @@ impl Checker {
         (far > 0.0 && apart < far * far).then(|| core.map(|p| place.local_point(p)))
     }
 
-    fn driven_core(&mut self, problem: &Problem, b: usize, time_s: f64) -> (Segment, DVec3) {
-        let kept = &mut self.bodies[b];
-        if kept.0 != self.checks {
-            let core = problem.bodies[b].track.sample_at(time_s);
-            *kept = (self.checks, core, core.middle());
-        }
-        (kept.1, kept.2)
-    }
-
     /// True where nothing is too near at a state, and limits hold.
     pub fn is_free(&mut self, problem: &Problem, state: &LimbState) -> bool {
         self.prepare_if_other(problem);
         let within = |i: usize| problem.limits[i].excess(state.pose.0[i]) <= LIMIT_TOLERANCE;
-        (0..problem.chain.len()).all(within) && self.first_hit(problem, state).is_none()
-    }
-
-    /// The first pair that is too near.
-    fn first_hit(&mut self, problem: &Problem, state: &LimbState) -> Option<usize> {
+        if !(0..problem.chain.len()).all(within) {
+            return false;
+        }
         self.place_parts(problem, &state.pose, state.time_s);
-        (0..problem.pairs.len()).find(|&p| {
-            let pair = &problem.pairs[p];
-            !pair.may_touch_at(state.time_s) && self.is_nearer(problem, pair, state.time_s, pair.gap, true)
-        })
+        let mut open = problem.pairs.iter().filter(|p| !p.may_touch_at(state.time_s));
+        !open.any(|pair| self.is_nearer(problem, pair, state.time_s, pair.gap, true))
     }
 
     /// The pair whose penetration is deepest.
@@ -189,7 +172,7 @@ impl Checker {
 
     /// Prepares anew where the problem is another one than before.
     pub(super) fn prepare_if_other(&mut self, problem: &Problem) {
-        if !self.sample_cache.belongs_to(problem) {
+        if self.sample_cache.problem_number != problem.number {
             self.prepare(problem);
         }
     }

@@ -63,29 +63,18 @@ impl Checker {
             }
         }
         match check {
-            EdgeCheck::Bisection { resolution_rad } => self.bisect_edge(problem, from, to, &turns, resolution_rad),
+            EdgeCheck::Bisection { resolution_rad } => {
+                self.bisect_edge(problem, from, to, turns.into_iter().fold(0.0, f64::max), resolution_rad)
+            }
             EdgeCheck::Conservative => self.prove_edge(problem, from, to, &turns),
         }
     }
 
-    fn bisect_edge(
-        &mut self,
-        problem: &Problem,
-        from: &LimbState,
-        to: &LimbState,
-        turns: &[f64; MAX_JOINTS],
-        resolution: f64,
-    ) -> bool {
-        let most = turns.iter().copied().fold(0.0, f64::max);
+    /// - `most`: largest turn of a joint (rad).
+    fn bisect_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, most: f64, resolution: f64) -> bool {
         self.intervals.clear();
-        self.intervals.push(EdgeInterval {
-            from: *from,
-            to: *to,
-            first: 0,
-            end: 0,
-            level: 0,
-            joints: [true; MAX_JOINTS],
-        });
+        let joints = [true; MAX_JOINTS];
+        self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end: 0, level: 0, joints });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;

@@ -26,15 +26,11 @@ const NEVER: CachedSample =
 #[derive(Clone, Debug, Default)]
 pub(super) struct SampleCache {
     /// Number of the problem that the samples belong to.
-    problem_number: u64,
+    pub problem_number: u64,
     samples: Vec<CachedSample>,
 }
 
 impl SampleCache {
-    pub fn belongs_to(&self, problem: &Problem) -> bool {
-        self.problem_number == problem.number
-    }
-
     /// Forgets all samples, and makes room for a problem.
     pub fn prepare(&mut self, problem: &Problem) {
         self.problem_number = problem.number;
@@ -61,21 +57,15 @@ impl SampleCache {
         if free_m >= limit {
             return false;
         }
-        if mesh.is_triangle_nearer(sample.near, core, limit) {
-            return true;
+        let is_nearer = mesh.is_triangle_nearer(sample.near, core, limit);
+        if is_nearer || !whole {
+            return is_nearer;
         }
-        if !whole {
-            return false;
+        let found = mesh.first_nearer(core, limit);
+        match found {
+            Some(near) => sample.near = near,
+            None => (sample.core, sample.free_m) = (*core, limit),
         }
-        match mesh.first_nearer(core, limit) {
-            Some(near) => {
-                sample.near = near;
-                true
-            }
-            None => {
-                (sample.core, sample.free_m) = (*core, limit);
-                false
-            }
-        }
+        found.is_some()
     }
 }

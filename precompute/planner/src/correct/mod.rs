@@ -8,13 +8,11 @@ pub use spans::{CollisionStretch, find_collisions};
 
 use crate::clips::with_motion;
 use crate::collide::Checker;
-use crate::driven::DrivenMotion;
-use crate::linkage::{Limb, Linkage};
-use crate::planner::{Budget, LimbPlanner, PlanConfig, PlanOutcome, Planners};
+use crate::linkage::Linkage;
+use crate::planner::{Budget, LimbMotion, LimbPlanner, PlanConfig, PlanError, PlanOutcome, Planners};
 use crate::problem::{LimbState, Problem};
 use crate::search::TreeLog;
 use crate::setup::{ProblemError, ProblemSpec};
-use throng_core::Contacts;
 use throng_motion::Clip;
 
 /// How clips are corrected.
@@ -39,16 +37,9 @@ pub struct CorrectConfig<'a> {
 
 impl Default for CorrectConfig<'_> {
     fn default() -> Self {
-        let budget = Budget { draws: 3000, ..Budget::default() };
-        Self {
-            plan: PlanConfig::default(),
-            budget,
-            margin_s: 0.4,
-            margin_most_s: 2.0,
-            search_window_s: None,
-            trees: None,
-            planners: None,
-        }
+        let (plan, budget) = (PlanConfig::default(), Budget { draws: 3000, ..Budget::default() });
+        let (search_window_s, trees, planners) = (None, None, None);
+        Self { plan, budget, margin_s: 0.4, margin_most_s: 2.0, search_window_s, trees, planners }
     }
 }
 
@@ -81,7 +72,7 @@ pub enum CorrectionError {
         /// (s)
         to_s: f64,
         /// Reason of the failure.
-        why: crate::planner::PlanError,
+        why: PlanError,
     },
     /// The clip begins or ends in the collision.
     #[error("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")]
@@ -143,7 +134,7 @@ pub fn correct_clip(
     let mut out = clip.clone();
     let last_s = (clip.num_frames().saturating_sub(1)) as f64 / clip.rate_hz;
     let [from_s, to_s] = config.search_window_s.unwrap_or([0.0, last_s]).map(|t| t.clamp(0.0, last_s));
-    let whole = Problem::prepare(&spec_between_poses(spec, spec.motion, [from_s, to_s]))?;
+    let whole = Problem::prepare(&spec.between_times([from_s, to_s]))?;
     let mut planner = LimbPlanner::new();
     let mut report = Vec::new();
     let mut free_from_s = from_s;
@@ -153,10 +144,10 @@ pub fn correct_clip(
             continue;
         }
         let last = (to_s * clip.rate_hz + 1e-6) as usize;
-        let mut window =
-            CorrectionWindow { clip, problem: &whole, linkage: spec.linkage, checker: Checker::default(), last };
+        let (linkage, checker) = (spec.linkage, Checker::default());
+        let mut window = CorrectionWindow { clip, problem: &whole, linkage, checker, last };
         let mut margin_s = config.margin_s;
-        let corrected = loop {
+        report.push(loop {
             let found = window.window_around(&span, margin_s, free_from_s).and_then(|window_s| {
                 let (motion, outcome, driven) = plan_window(&mut planner, spec, window_s, config, clip.rate_hz)?;
                 out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit_error(&e))?;
@@ -173,8 +164,7 @@ pub fn correct_clip(
                     break CorrectedSpan { window_s, span: span.clone(), outcome: Err(e), driven: Vec::new() };
                 }
             }
-        };
-        report.push(corrected);
+        });
     }
     Ok((out, report))
 }
@@ -189,22 +179,16 @@ fn plan_window<'p>(
     window_s: [f64; 2],
     config: &CorrectConfig<'_>,
     rate_hz: f64,
-) -> Result<(crate::planner::LimbMotion<'p>, PlanOutcome, Vec<CollisionStretch>), CorrectionError> {
-    let spec = ProblemSpec { admit_driven: true, ..spec_between_poses(spec, spec.motion, window_s) };
+) -> Result<(LimbMotion<'p>, PlanOutcome, Vec<CollisionStretch>), CorrectionError> {
+    let spec = ProblemSpec { admit_driven: true, ..spec.between_times(window_s) };
     let problem = Problem::new(&spec)?;
     let outcome = config.run(planner, &problem, rate_hz);
     let unsolved = |why| CorrectionError::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
     match (outcome.why, planner.motion()) {
         (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),
         (Some(why), _) => Err(unsolved(why)),
-        (None, None) => Err(unsolved(crate::planner::PlanError::Rate)),
+        (None, None) => Err(unsolved(PlanError::Rate)),
     }
-}
-
-/// The specification from and to the poses of the motion itself.
-fn spec_between_poses<'a>(spec: &ProblemSpec<'a>, motion: &DrivenMotion, window_s: [f64; 2]) -> ProblemSpec<'a> {
-    let [init, goal] = window_s.map(|time_s| LimbState { pose: motion.limb_pose(spec.linkage, time_s), time_s });
-    ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
 /// Finds the window in which a limb may give way.
@@ -228,17 +212,17 @@ impl CorrectionWindow<'_> {
         let rate = self.clip.rate_hz;
         let last = self.last;
         let least = (free_from_s * rate - 1e-6).ceil() as usize;
-        let [first_hit, last_hit] =
-            [(span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last)];
+        let (first_hit, last_hit) =
+            ((span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last));
+        let (part, with) = (span.part.clone(), span.with.clone());
         if let Some(frame) = (first_hit..=last_hit).find(|f| self.is_planted(*f)) {
-            let (part, with) = (span.part.clone(), span.with.clone());
             return Err(CorrectionError::Planted { part, with, time_s: frame as f64 / rate });
         }
         let margin = (margin_s * rate).ceil() as usize;
-        let end = |end| CorrectionError::NoFreeEnd { part: span.part.clone(), with: span.with.clone(), end };
-        let from =
-            self.free_frame(first_hit, first_hit.saturating_sub(margin).max(least), least).ok_or(end("start"))?;
-        let to = self.free_frame(last_hit, (last_hit + margin).min(last), last).ok_or(end("end"))?;
+        let end = |end| CorrectionError::NoFreeEnd { part: part.clone(), with: with.clone(), end };
+        let wanted = first_hit.saturating_sub(margin).max(least);
+        let from = self.free_frame(first_hit, wanted, least).ok_or_else(|| end("start"))?;
+        let to = self.free_frame(last_hit, (last_hit + margin).min(last), last).ok_or_else(|| end("end"))?;
         Ok([from, to].map(|f| f as f64 / rate))
     }
 
@@ -249,17 +233,12 @@ impl CorrectionWindow<'_> {
             if to >= from { (from..=to).collect() } else { (to..=from).rev().collect() }
         };
         // Up to and including the frame at which a foot is planted: there the pose stays as it was.
-        let mut reach = Vec::new();
-        for frame in outwards(hit, most) {
-            reach.push(frame);
-            if self.is_planted(frame) {
-                break;
-            }
+        let mut reach = outwards(hit, most);
+        if let Some(planted) = reach.iter().position(|f| self.is_planted(*f)) {
+            reach.truncate(planted + 1);
         }
-        let goes_to = |f: usize| reach.contains(&f);
-        let beyond = outwards(wanted, most);
-        let inside = outwards(wanted, hit);
-        beyond.into_iter().chain(inside).find(|f| goes_to(*f) && *f != hit && self.is_free(*f))
+        let mut all = outwards(wanted, most).into_iter().chain(outwards(wanted, hit));
+        all.find(|f| reach.contains(f) && *f != hit && self.is_free(*f))
     }
 
     fn is_free(&mut self, frame: usize) -> bool {
@@ -270,11 +249,6 @@ impl CorrectionWindow<'_> {
 
     /// True where the limb is a leg whose foot is planted.
     fn is_planted(&self, frame: usize) -> bool {
-        let foot = match self.linkage.limb {
-            Limb::LeftLeg => Contacts::LEFT,
-            Limb::RightLeg => Contacts::RIGHT,
-            Limb::LeftArm | Limb::RightArm => return false,
-        };
-        self.clip.contacts.get(frame).is_some_and(|c| c.any(foot))
+        self.linkage.limb.is_planted(&self.clip.contacts, frame)
     }
 }

@@ -34,23 +34,16 @@ pub fn find_collisions(problem: &Problem) -> Vec<CollisionStretch> {
         let time_s = (from + step as f64 * EXTERNAL_STEP_S).min(to);
         let state = LimbState { pose: problem.external_pose_at(time_s), time_s };
         let hit = checker.deepest_hit(problem, &state).filter(|h| h.depth_m > NEGLIGIBLE_M);
-        match (&hit, inside) {
-            (Some(hit), true) => {
-                if let Some(span) = spans.last_mut() {
-                    span.to_s = time_s;
-                    if hit.depth_m > span.depth_m {
-                        let [part, with] = problem.hit_names(hit);
-                        (span.part, span.with, span.depth_m) = (part, with, hit.depth_m);
-                    }
-                }
+        let goes_on = std::mem::replace(&mut inside, hit.is_some());
+        let Some(hit) = hit else { continue };
+        let ([part, with], depth_m) = (problem.hit_names(&hit), hit.depth_m);
+        match spans.last_mut().filter(|_| goes_on) {
+            Some(span) if depth_m > span.depth_m => {
+                (span.to_s, span.part, span.with, span.depth_m) = (time_s, part, with, depth_m);
             }
-            (Some(hit), false) => {
-                let [part, with] = problem.hit_names(hit);
-                spans.push(CollisionStretch { from_s: time_s, to_s: time_s, part, with, depth_m: hit.depth_m });
-            }
-            (None, _) => {}
+            Some(span) => span.to_s = time_s,
+            None => spans.push(CollisionStretch { from_s: time_s, to_s: time_s, part, with, depth_m }),
         }
-        inside = hit.is_some();
     }
     spans
 }

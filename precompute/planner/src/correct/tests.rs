@@ -1,4 +1,5 @@
 use super::*;
+use crate::driven::DrivenMotion;
 use crate::linkage::Limb;
 use crate::problem::MovingSolid;
 use crate::recheck::Recheck;
@@ -103,7 +104,7 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
         let done = &report[0];
         assert!(done.outcome.is_ok() && done.span.with == "post" && done.span.depth_m > 0.01, "{done:?}");
         assert!((done.span.from_s..done.span.to_s).contains(&5.0) && done.window_s[1] - done.window_s[0] < 3.0);
-        let ends = spec_between_poses(&spec, &walk.motion, done.window_s);
+        let ends = spec.between_times(done.window_s);
         let problem = Problem::new(&ends).expect("a problem");
         let planned: Vec<_> = limb.joints().into_iter().zip(*problem.limits()).collect();
         let recheck = Recheck {

@@ -1,17 +1,18 @@
 //! Reasons why a goal is not reached.
 
-use std::fmt::{self, Display, Formatter};
 use throng_core::Joint;
 
 /// Reason why inverse kinematics found no pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IkError<B> {
     /// The goal is too far away, or too near for the elbow.
+    #[error("out of reach by {by_m:.2} m")]
     OutOfReach {
         /// Distance out of reach (m, > 0).
         by_m: f64,
     },
     /// No swivel is within limits.
+    #[error("out of limits of the {} by {:.1} degrees", common_joint_name(*joint), by_rad.to_degrees())]
     OutOfLimits {
         /// The joint with the largest excess at the best swivel.
         joint: Joint,
@@ -19,6 +20,7 @@ pub enum IkError<B> {
         by_rad: f64,
     },
     /// Every swivel within limits collides.
+    #[error("blocked by {by}")]
     Blocked {
         /// Obstacle of the first of these swivels.
         by: B,
@@ -32,6 +34,13 @@ impl<B> IkError<B> {
             Self::OutOfReach { by_m } => 100.0 + by_m,
             Self::OutOfLimits { by_rad, .. } => 10.0 + by_rad,
             Self::Blocked { .. } => 0.0,
+        }
+    }
+
+    /// Keeps the lower-ranked of two failures, the first one of equals.
+    pub(crate) fn keep_nearest(nearest: &mut Option<Self>, why: Self) {
+        if nearest.as_ref().is_none_or(|n| why.failure_rank() < n.failure_rank()) {
+            *nearest = Some(why);
         }
     }
 }
@@ -48,17 +57,3 @@ pub fn common_joint_name(joint: Joint) -> &'static str {
         other => other.name(),
     }
 }
-
-impl<B: Display> Display for IkError<B> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::OutOfReach { by_m } => write!(f, "out of reach by {by_m:.2} m"),
-            Self::OutOfLimits { joint, by_rad } => {
-                write!(f, "out of limits of the {} by {:.1} degrees", common_joint_name(*joint), by_rad.to_degrees())
-            }
-            Self::Blocked { by } => write!(f, "blocked by {by}"),
-        }
-    }
-}
-
-impl<B: fmt::Debug + Display> std::error::Error for IkError<B> {}

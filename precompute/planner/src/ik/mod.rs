@@ -221,11 +221,8 @@ impl LimbIk {
 
     fn reach_geometry(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<ReachGeometry, f64> {
         let first = self.chain.len() - 3;
-        let base = if first > 0 {
-            base.compose(Rigid { position: self.chain.offsets[0], rotation: present.0[0] })
-        } else {
-            *base
-        };
+        let clavicle = Rigid { position: self.chain.offsets[0], rotation: present.0[0] };
+        let base = if first > 0 { base.compose(clavicle) } else { *base };
         self.local_reach_geometry(&base.to_local(*goal), first)
     }
 

@@ -54,23 +54,19 @@ pub fn search_finely<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) ->
     }
     let at = |k: usize| {
         // Neighbours on the circle: 0, 1, 2 ... to one side are tries 0, 1, 3, 5 ..., to the other 2, 4, 6 ...
-        let k = k % FINE;
-        if k == 0 {
-            0
-        } else if k <= FINE / 2 {
-            2 * k - 1
-        } else {
-            2 * (FINE - k)
+        match k % FINE {
+            0 => 0,
+            k if k <= FINE / 2 => 2 * k - 1,
+            k => 2 * (FINE - k),
         }
     };
     for k in 0..FINE {
         let [before, here, after] = [outside[at(k + FINE - 1)], outside[at(k)], outside[at(k + 1)]];
         if here > 0.0 && here <= before && here <= after {
-            let middle = k as f64 * STEP;
-            if let Some(pose) =
-                golden_section_search(middle - STEP, middle + STEP, &mut |offset| try_at(half_angle(offset)))
-            {
-                return Some(pose);
+            let (middle, mut try_offset) = (k as f64 * STEP, |offset| try_at(half_angle(offset)));
+            let found = golden_section_search(middle - STEP, middle + STEP, &mut try_offset);
+            if found.is_some() {
+                return found;
             }
         }
     }

@@ -3,7 +3,7 @@
 
 use super::swivel::{half_angle, offsets};
 use super::{LimbIk, ReachGeometry};
-use crate::limits::{JointLimits, SwingLimit};
+use crate::limits::JointLimits;
 use crate::rotation::mirror_rotation_x;
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -28,12 +28,10 @@ pub(super) enum LimitFit {
 impl LimitFit {
     /// - `excess`: distance outside the limits, negative inside (rad).
     fn from_excess(excess: f64) -> Self {
-        if excess > ROOM {
-            Self::Outside
-        } else if excess < -ROOM {
-            Self::Inside
-        } else {
-            Self::OnEdge
+        match excess {
+            outside if outside > ROOM => Self::Outside,
+            inside if inside < -ROOM => Self::Inside,
+            _ => Self::OnEdge,
         }
     }
 
@@ -128,14 +126,7 @@ fn swing_excess(limits: &JointLimits, v: DVec3, along: f64, w: f64) -> Option<f6
     // The swing's rotation vector: the component across the axis, turned back by half the twist.
     let scale = if sin < 1e-9 { 2.0 } else { 2.0 * quick_angle(sin, cos) / sin };
     let swing = (across * w - across.cross(limits.segment) * along) * (scale / cos);
-    let [x, y] = limits.axes.map(|a| swing.dot(a));
-    Some(match limits.swing {
-        SwingLimit::Ellipse(radii) => {
-            let [x, y] = [x / radii[0], y / radii[1]];
-            ((x * x + y * y).sqrt() - 1.0) * radii[0].min(radii[1])
-        }
-        SwingLimit::Hinge { flexion, play } => flexion.excess(x).max(y.abs() - play),
-    })
+    Some(limits.swing.excess(limits.axes.map(|a| swing.dot(a))))
 }
 
 /// A twist, in [-pi, pi] (rad).
@@ -238,9 +229,7 @@ impl<'a> SwivelLimits<'a> {
             if fit == LimitFit::Inside { [self.shoulder.rotation_at(half), self.bent * twisted, hand] } else { none };
         (fit, pose)
     }
-}
 
-impl SwivelLimits<'_> {
     /// Approximate excess of a swivel over limits; where it is more than `enough`, a lower bound of it (rad).
     ///
     /// - `half_angle`: cosine and sine of half of the swivel.
@@ -272,14 +261,11 @@ impl SwivelLimits<'_> {
 ///
 /// - `along`: axis of the twist before the swing, if there is one.
 pub(super) fn widest_swing_square(limits: &JointLimits, along: Option<DVec3>) -> f64 {
-    let bone = if limits.mirrored { mirrored_direction(limits.segment) } else { limits.segment };
+    let side = if limits.mirrored { -1.0 } else { 1.0 };
+    let bone = limits.segment.with_x(side * limits.segment.x);
     let is_aligned = along.is_none_or(|a| bone.distance(a) < 1e-9 && limits.centre == DQuat::IDENTITY);
     let cos = maths::cos(0.5 * (limits.widest_swing() + ROOM).min(PI));
     if is_aligned { cos * cos } else { 0.0 }
-}
-
-fn mirrored_direction(v: DVec3) -> DVec3 {
-    DVec3::new(-v.x, v.y, v.z)
 }
 
 #[cfg(test)]

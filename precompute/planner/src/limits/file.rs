@@ -109,11 +109,7 @@ impl BodyLimits {
     /// The limits of a linkage's joints, from the trunk outwards; the last one's repeated behind it. `None` where one of
     /// them has none.
     pub fn linkage_limits(&self, linkage: Linkage) -> Option<[JointLimits; MAX_JOINTS]> {
-        let mut out = [None; MAX_JOINTS];
-        for (to, joint) in out.iter_mut().zip(linkage.joints()) {
-            *to = self.joints[joint.index()];
-        }
-        let [a, b, c, d] = out;
+        let [a, b, c, d] = linkage.joints().map(|joint| self.joints[joint.index()]);
         Some([a?, b?, c?, d?])
     }
 }
@@ -136,7 +132,7 @@ impl JointEntry {
         let kind = ("kind", "the skeleton has no segment to turn there".to_owned());
         let mirrored = joint.name().starts_with("right");
         let bone = segment_direction(joint, self.kind, skeleton).ok_or(kind)?;
-        let bone = if mirrored { DVec3::new(-bone.x, bone.y, bone.z) } else { bone };
+        let bone = if mirrored { bone.with_x(-bone.x) } else { bone };
         let axes = match self.kind {
             JointLimitKind::FlexionTwist => {
                 let axis = DVec3::from(self.axis.ok_or(("", "a hinge needs `axis`".into()))?);
@@ -152,41 +148,30 @@ impl JointEntry {
             (_, Some([least, most])) => interval("twist_deg", least, most, 179.0)?,
             (_, None) => return Err(("", "expected `twist_deg`".into())),
         };
-        let limits = JointLimits {
-            centre: self.centre()?,
-            segment: bone,
-            axes,
-            swing: self.swing()?,
-            twist,
-            speed: in_range("speed_dps", self.speed_dps, 1.0, MAX_SPEED_DPS)?.to_radians(),
-            mirrored,
-        };
-        if limits.widest_swing() > MAX_SWING {
-            let most = MAX_SWING.to_degrees().floor();
-            return Err(("", format!("expected a swing of at most {most} degrees, found more")));
-        }
+        let (centre, swing) = (self.centre()?, self.swing()?);
+        let speed = in_range("speed_dps", self.speed_dps, 1.0, MAX_SPEED_DPS)?.to_radians();
+        let limits = JointLimits { centre, segment: bone, axes, swing, twist, speed, mirrored };
+        let (is_wide, most) = (limits.widest_swing() > MAX_SWING, MAX_SWING.to_degrees().floor());
+        refuse("", is_wide, format_args!("expected a swing of at most {most} degrees, found more"))?;
         Ok(limits)
     }
 
     fn centre(&self) -> Result<DQuat, Fault> {
         let v = DVec3::from(self.centre_deg.unwrap_or_default());
-        if !v.is_finite() || v.length() > 180.0 {
-            return Err(("centre_deg", "expected a rotation vector of at most 180 degrees".into()));
-        }
+        let is_wrong = !v.is_finite() || v.length() > 180.0;
+        refuse("centre_deg", is_wrong, format_args!("expected a rotation vector of at most 180 degrees"))?;
         Ok(exp(v * (std::f64::consts::PI / 180.0)))
     }
 
     fn swing(&self) -> Result<SwingLimit, Fault> {
         if self.kind == JointLimitKind::FlexionTwist {
-            if self.swing_deg.is_some() || self.centre_deg.is_some() {
-                return Err(("", "a hinge has `flexion_deg`, neither `swing_deg` nor `centre_deg`".into()));
-            }
+            let swings = self.swing_deg.is_some() || self.centre_deg.is_some();
+            refuse("", swings, format_args!("a hinge has `flexion_deg`, neither `swing_deg` nor `centre_deg`"))?;
             let [least, most] = self.flexion_deg.ok_or(("", "expected `flexion_deg`".into()))?;
             return Ok(SwingLimit::Hinge { flexion: interval("flexion_deg", least, most, 160.0)?, play: self.play()? });
         }
-        if self.axis.is_some() || self.flexion_deg.is_some() {
-            return Err(("", "only `flexion_twist` has `axis` and `flexion_deg`".into()));
-        }
+        let flexes = self.axis.is_some() || self.flexion_deg.is_some();
+        refuse("", flexes, format_args!("only `flexion_twist` has `axis` and `flexion_deg`"))?;
         let radii = self.swing_deg.ok_or(("", "expected `swing_deg`, the two radii".into()))?;
         let [first, second] = radii.map(|r| in_range("swing_deg", r, 0.1, 160.0));
         Ok(SwingLimit::Ellipse([first?.to_radians(), second?.to_radians()]))
@@ -207,16 +192,18 @@ fn perpendicular_axes(bone: DVec3) -> [DVec3; 2] {
     [first, if second.dot(positive) < 0.0 { -second } else { second }]
 }
 
+fn refuse(key: &'static str, is_wrong: bool, why: std::fmt::Arguments<'_>) -> Result<(), Fault> {
+    crate::refuse(is_wrong, why).map_err(|why| (key, why))
+}
+
 fn in_range(key: &'static str, value: f64, least: f64, most: f64) -> Result<f64, Fault> {
-    let inside = (least..=most).contains(&value);
-    inside.then_some(value).ok_or_else(|| (key, format!("expected {least} to {most}, found {value}")))
+    let is_outside = !(least..=most).contains(&value);
+    refuse(key, is_outside, format_args!("expected {least} to {most}, found {value}")).map(|()| value)
 }
 
 fn interval(key: &'static str, least: f64, most: f64, widest: f64) -> Result<AngleInterval, Fault> {
     let (a, b) = (in_range(key, least, -widest, widest)?, in_range(key, most, -widest, widest)?);
-    if a > b {
-        return Err((key, format!("expected the least angle first, found {least} before {most}")));
-    }
+    refuse(key, a > b, format_args!("expected the least angle first, found {least} before {most}"))?;
     Ok(AngleInterval::new(a.to_radians(), b.to_radians()))
 }
 

@@ -64,6 +64,22 @@ pub enum SwingLimit {
     },
 }
 
+impl SwingLimit {
+    /// Excess of a swing over the limit; negative inside (rad).
+    pub(crate) fn excess(self, [x, y]: [f64; 2]) -> f64 {
+        match self {
+            Self::Ellipse(radii) => (ellipse_distance([x, y], radii) - 1.0) * radii[0].min(radii[1]),
+            Self::Hinge { flexion, play } => flexion.excess(x).max(y.abs() - play),
+        }
+    }
+}
+
+/// Distance from the middle of an ellipse, 1 on its rim.
+pub(super) fn ellipse_distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
+    let [x, y] = [point[0] / radii[0], point[1] / radii[1]];
+    (x * x + y * y).sqrt()
+}
+
 /// A rotation within a joint: swing about the two axes at right angles to the segment, and twist about it (rad).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates {
@@ -119,14 +135,7 @@ impl JointLimits {
 
     /// Excess of coordinates over the limits; where negative, they are inside by at least that (rad).
     pub fn coordinate_excess(&self, c: Coordinates) -> f64 {
-        let swing = match self.swing {
-            SwingLimit::Ellipse(radii) => {
-                let [x, y] = [c.swing[0] / radii[0], c.swing[1] / radii[1]];
-                ((x * x + y * y).sqrt() - 1.0) * radii[0].min(radii[1])
-            }
-            SwingLimit::Hinge { flexion, play } => flexion.excess(c.swing[0]).max(c.swing[1].abs() - play),
-        };
-        swing.max(self.twist.excess(c.twist))
+        self.swing.excess(c.swing).max(self.twist.excess(c.twist))
     }
 
     /// Excess of a rotation over the limits; where negative, it is inside by at least that (rad).
@@ -163,16 +172,13 @@ impl JointLimits {
         }
         out.swing = match self.swing {
             SwingLimit::Ellipse(radii) => {
-                let [x, y] = [c.swing[0] / radii[0], c.swing[1] / radii[1]];
-                let grow = ((x * x + y * y).sqrt() + ROOM / radii[0].min(radii[1])).max(1.0);
+                let grow = (ellipse_distance(c.swing, radii) + ROOM / radii[0].min(radii[1])).max(1.0);
                 SwingLimit::Ellipse(radii.map(|r| (r * grow).min(MAX_SWING)))
             }
             SwingLimit::Hinge { flexion, play } => {
                 let wide = |angle: f64| angle.clamp(-MAX_SWING, MAX_SWING);
-                SwingLimit::Hinge {
-                    flexion: flexion.extended_to(wide(c.swing[0] - ROOM)).extended_to(wide(c.swing[0] + ROOM)),
-                    play: play.max(c.swing[1].abs() + ROOM).min(1.0),
-                }
+                let flexion = flexion.extended_to(wide(c.swing[0] - ROOM)).extended_to(wide(c.swing[0] + ROOM));
+                SwingLimit::Hinge { flexion, play: play.max(c.swing[1].abs() + ROOM).min(1.0) }
             }
         };
         if self.coordinate_excess(c) <= -ROOM { *self } else { out }

@@ -1,6 +1,6 @@
 //! Random poses within limits: bent elbows first, all of the range as the search goes on.
 
-use super::joint::{AngleInterval, Coordinates, JointLimits, SwingLimit};
+use super::joint::{AngleInterval, Coordinates, JointLimits, SwingLimit, ellipse_distance};
 use crate::linkage::{LimbPose, Linkage, MAX_JOINTS};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -126,12 +126,6 @@ fn in_ellipse(rng: &mut Pcg64Mcg, radii: [f64; 2], within: [AngleInterval; 2]) -
     }
     let far = ellipse_distance(point, radii);
     point.map(|x| x / far)
-}
-
-/// Distance from the middle of an ellipse, 1 on its rim.
-fn ellipse_distance(point: [f64; 2], radii: [f64; 2]) -> f64 {
-    let [x, y] = [point[0] / radii[0], point[1] / radii[1]];
-    (x * x + y * y).sqrt()
 }
 
 fn draw_angle(rng: &mut Pcg64Mcg, interval: AngleInterval) -> f64 {

@@ -106,27 +106,20 @@ pub fn reach_target(
     if !(held_s >= reach_s && held_s < back_s) {
         return Err(ReachError::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
     }
-    let present = |time_s: f64| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s };
-    let whole = Problem::prepare(&spec_between_states(spec, present(there_s), present(back_s)))?;
+    let present = |time_s: f64| spec.motion.limb_state(spec.linkage, time_s);
+    let whole = Problem::prepare(&spec.between_times([there_s, back_s]))?;
     let (target, pose) = first_reached_target(&whole, task, reach_s)?;
     let at_target = LimbState { pose, time_s: reach_s };
     let mut planner = LimbPlanner::new();
-    let there = spec_between_states(spec, present(there_s), at_target);
+    let there = spec.between([present(there_s), at_target]);
     let (out, first) = plan_into_clip(clip, &mut planner, &there, config, "there")?;
     let kept = vec![pose; ((held_s - reach_s) * clip.rate_hz).round() as usize + 1];
     let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
     let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit_error)?;
-    let back = spec_between_states(
-        task.return_spec.unwrap_or(spec),
-        LimbState { time_s: held_s, ..at_target },
-        present(back_s),
-    );
+    let ends = [LimbState { time_s: held_s, ..at_target }, present(back_s)];
+    let back = task.return_spec.unwrap_or(spec).between(ends);
     let (out, second) = plan_into_clip(&out, &mut planner, &back, config, "back")?;
     Ok((out, ReachOutcome { target, times_s, outcomes: [first, second] }))
-}
-
-pub(crate) fn spec_between_states<'a>(spec: &ProblemSpec<'a>, init: LimbState, goal: LimbState) -> ProblemSpec<'a> {
-    ProblemSpec { init, goal, admit_ends: true, ..spec.clone() }
 }
 
 fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], ReachError> {

@@ -133,7 +133,7 @@ impl LimbPlanner {
         let checks = self.checker.checks;
         self.grid = None;
         self.frames.clear();
-        let mut outcome = PlanOutcome { ..PlanOutcome::default() };
+        let mut outcome = PlanOutcome::default();
         if !(1.0..=1000.0).contains(&budget.rate_hz) {
             return PlanOutcome { why: Some(PlanError::Rate), ..outcome };
         }
@@ -187,10 +187,8 @@ impl LimbPlanner {
             if !keep_on() {
                 break;
             }
-            outcome.eased = 0.0;
-            if is_eased {
-                outcome.eased = smoother.ease_ends(path, frames);
-            } else {
+            outcome.eased = if is_eased { smoother.ease_ends(path, frames) } else { 0.0 };
+            if !is_eased {
                 smoother.fill_frames(path, frames);
             }
             smoother.round_corners(frames, frames_in(smooth.round_s), spare, &mut self.windows);

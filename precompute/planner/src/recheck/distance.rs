@@ -84,12 +84,8 @@ impl<'a> BoundedSolid<'a> {
 /// Distance from surface to surface; negative where they penetrate (m).
 ///
 /// - `far`: distances beyond it may be returned as infinity (m).
-pub(super) fn solid_distance(
-    c: &RecheckCapsule,
-    BoundedSolid { solid, balls }: &BoundedSolid,
-    time_s: f64,
-    far: f64,
-) -> f64 {
+pub(super) fn solid_distance(c: &RecheckCapsule, bounded: &BoundedSolid, time_s: f64, far: f64) -> f64 {
+    let BoundedSolid { solid, balls } = bounded;
     let place = solid.path.place_at(time_s);
     let inverse = place.rotation.inverse();
     let [a, b] = [c.a, c.b].map(|p| inverse * (p - place.position));

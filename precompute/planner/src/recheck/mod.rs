@@ -101,6 +101,13 @@ pub struct RecheckReport {
     pub samples: usize,
 }
 
+impl RecheckReport {
+    /// Adds a fault.
+    pub(crate) fn add_violation(&mut self, time_s: f64, what: String) {
+        self.violations.push(RecheckViolation { time_s, what });
+    }
+}
+
 impl Default for RecheckReport {
     /// A report before any sample.
     fn default() -> Self {
@@ -123,23 +130,20 @@ impl Default for RecheckReport {
 /// - `spans`: joints, and the times from and to which they may differ (s).
 pub fn check_unchanged(before: &Clip, after: &Clip, spans: &[(Joint, [f64; 2])], report: &mut RecheckReport) {
     let (a, b) = (before, after);
-    let mut wrong = |frame: usize, what: String| {
-        report.violations.push(RecheckViolation { time_s: frame as f64 / a.rate_hz, what });
-    };
+    let mut wrong = |frame: usize, what: String| report.add_violation(frame as f64 / a.rate_hz, what);
     if a.num_frames() != b.num_frames() || a.rate_hz != b.rate_hz {
         return wrong(0, "frames or rate differ".into());
     }
     for frame in 0..a.num_frames() {
         let time_s = frame as f64 / a.rate_hz;
         let inside = |[from, to]: [f64; 2]| from - 1e-4 < time_s && time_s < to + 1e-4;
-        if a.root_positions[frame] != b.root_positions[frame]
-            && !spans.iter().any(|(j, span)| *j == Joint::Hips && inside(*span))
-        {
+        let may_differ = |joint: Joint| spans.iter().any(|(j, span)| *j == joint && inside(*span));
+        if a.root_positions[frame] != b.root_positions[frame] && !may_differ(Joint::Hips) {
             wrong(frame, "places of the hips differ".into());
         }
         for joint in Joint::ALL {
             let [p, q] = [a, b].map(|c| c.frame_rotations(frame)[joint.index()]);
-            if p != q && p != -q && !spans.iter().any(|(j, span)| *j == joint && inside(*span)) {
+            if p != q && p != -q && !may_differ(joint) {
                 wrong(frame, format!("{} changed outside of the plan", joint.name()));
             }
         }
@@ -168,10 +172,6 @@ impl Recheck<'_> {
         report.samples += samples + 1;
     }
 
-    fn is_planned(&self, joint: Joint) -> bool {
-        self.planned.iter().any(|(j, _)| *j == joint)
-    }
-
     fn check_speeds(&self, report: &mut RecheckReport) {
         let clip = self.after;
         for frame in 1..clip.num_frames() {
@@ -185,21 +185,20 @@ impl Recheck<'_> {
                 report.speed_share = report.speed_share.max(speed / limits.speed);
                 if speed > limits.speed * (1.0 + SPEED_TOLERANCE) {
                     let what = format!("{} turns at {speed:.2} rad/s, at most {:.2}", joint.name(), limits.speed);
-                    report.violations.push(RecheckViolation { time_s, what });
+                    report.add_violation(time_s, what);
                 }
             }
         }
     }
 
     fn check_moment(&self, time_s: f64, solids: &[BoundedSolid], report: &mut RecheckReport) {
-        let turns = turns_at(self.after, time_s);
-        let joints = transforms_at(self.after, self.skeleton, time_s, &turns);
+        let (turns, joints) = pose_at(self.after, self.skeleton, time_s);
         for (joint, limits) in self.planned {
             let by = limit_excess(limits, turns[joint.index()]);
             report.outside_limits_rad = report.outside_limits_rad.max(by);
             if by > LIMIT_TOLERANCE {
                 let what = format!("{} is out of limits by {by:.4} rad", joint.name());
-                report.violations.push(RecheckViolation { time_s, what });
+                report.add_violation(time_s, what);
             }
         }
         let parts = self.planned_capsules(&joints);
@@ -209,7 +208,7 @@ impl Recheck<'_> {
                 self.record_gap(name, &bounded.solid.name, gap, time_s, report);
             }
             for other in self.others.iter().filter(|o| !self.may_touch(name, o.name, time_s)) {
-                let theirs = transforms_at(other.clip, other.skeleton, time_s, &turns_at(other.clip, time_s));
+                let (_, theirs) = pose_at(other.clip, other.skeleton, time_s);
                 for c in other.capsules {
                     let gap = capsule_distance(core, &place_capsule(c, &theirs));
                     self.record_gap(name, other.name, gap, time_s, report);
@@ -223,9 +222,7 @@ impl Recheck<'_> {
         report.clearance_min_m = report.clearance_min_m.min(gap);
         report.penetration_max_m = report.penetration_max_m.max(-gap);
         if gap < -self.penetration_m {
-            report
-                .violations
-                .push(RecheckViolation { time_s, what: format!("{part} is {:.4} m deep in {with}", -gap) });
+            report.add_violation(time_s, format!("{part} is {:.4} m deep in {with}", -gap));
         }
     }
 
@@ -244,14 +241,8 @@ impl Recheck<'_> {
     }
 
     fn is_carried(&self, joint: Joint) -> bool {
-        let mut at = Some(joint);
-        while let Some(j) = at {
-            if self.is_planned(j) {
-                return true;
-            }
-            at = j.parent();
-        }
-        false
+        let is_planned = |joint: Joint| self.planned.iter().any(|(j, _)| *j == joint);
+        std::iter::successors(Some(joint), |j| j.parent()).any(is_planned)
     }
 
     /// Checks parts of the limb against the rest of the body, but for neighbours and parts that overlap in the rest pose.
@@ -276,7 +267,7 @@ impl Recheck<'_> {
                 let too_deep = gap < -self.self_press_m - self.penetration_m;
                 if too_deep && !near(name, c.joint) && !fused() && !self.may_touch(name, c.joint.name(), time_s) {
                     let what = format!("{name} is {:.4} m deep in {}", -gap, c.joint.name());
-                    report.violations.push(RecheckViolation { time_s, what });
+                    report.add_violation(time_s, what);
                 }
             }
         }
@@ -284,11 +275,8 @@ impl Recheck<'_> {
 
     /// The next joint towards the hips that has a capsule.
     fn next_inwards(&self, joint: Joint) -> Option<Joint> {
-        let mut at = joint.parent()?;
-        while !self.capsules.iter().any(|c| c.joint == at) {
-            at = at.parent()?;
-        }
-        Some(at)
+        let has_capsule = |at: &Joint| self.capsules.iter().any(|c| c.joint == *at);
+        std::iter::successors(joint.parent(), |j| j.parent()).find(has_capsule)
     }
 
     fn may_touch(&self, part: &str, with: &str, time_s: f64) -> bool {
@@ -299,38 +287,25 @@ impl Recheck<'_> {
     }
 }
 
-/// Rotations of the joints relative to their parents, interpolated evenly between frames.
-fn turns_at(clip: &Clip, time_s: f64) -> [Quat; NUM_JOINTS] {
-    let (frame, share) = frame_at(clip, time_s);
-    let next = (frame + 1).min(clip.num_frames() - 1);
-    std::array::from_fn(|j| clip.frame_rotations(frame)[j].slerp(clip.frame_rotations(next)[j], share))
-}
-
-fn frame_at(clip: &Clip, time_s: f64) -> (usize, f32) {
-    let at = (time_s * clip.rate_hz).clamp(0.0, (clip.num_frames() - 1) as f64);
-    (at as usize, at.fract() as f32)
+/// Rotations of the joints relative to their parents, interpolated evenly between frames, and their world transforms.
+fn pose_at(clip: &Clip, skeleton: &Skeleton, time_s: f64) -> ([Quat; NUM_JOINTS], [(Vec3, Quat); NUM_JOINTS]) {
+    let last = clip.num_frames() - 1;
+    let at = (time_s * clip.rate_hz).clamp(0.0, last as f64);
+    let (frame, share) = (at as usize, at.fract() as f32);
+    let next = (frame + 1).min(last);
+    let turns: [Quat; NUM_JOINTS] =
+        std::array::from_fn(|j| clip.frame_rotations(frame)[j].slerp(clip.frame_rotations(next)[j], share));
+    let root = clip.root_positions[frame].lerp(clip.root_positions[next], share);
+    (turns, joint_transforms(skeleton, root, |j| turns[j]))
 }
 
 /// World transform of a joint at any time.
 pub(crate) fn place_at(clip: &Clip, skeleton: &Skeleton, joint: Joint, time_s: f64) -> Rigid {
-    let (at, turn) = transforms_at(clip, skeleton, time_s, &turns_at(clip, time_s))[joint.index()];
-    Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
-}
-
-fn transforms_at(
-    clip: &Clip,
-    skeleton: &Skeleton,
-    time_s: f64,
-    turns: &[Quat; NUM_JOINTS],
-) -> [(Vec3, Quat); NUM_JOINTS] {
-    let (frame, share) = frame_at(clip, time_s);
-    let next = (frame + 1).min(clip.num_frames() - 1);
-    let root = clip.root_positions[frame].lerp(clip.root_positions[next], share);
-    joint_transforms(skeleton, root, |j| turns[j])
+    pose_at(clip, skeleton, time_s).1[joint.index()].into()
 }
 
 fn place_capsule(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> RecheckCapsule {
-    let (at, turn) = joints[c.joint.index()];
-    let end = |p: glam::DVec3| at.as_dvec3() + turn.as_dquat().normalize() * p;
-    RecheckCapsule { a: end(c.core.a), b: end(c.core.b), radius: c.radius }
+    let place = Rigid::from(joints[c.joint.index()]);
+    let [a, b] = [c.core.a, c.core.b].map(|p| place.transform_point(p));
+    RecheckCapsule { a, b, radius: c.radius }
 }

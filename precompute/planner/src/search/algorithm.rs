@@ -10,7 +10,6 @@ use crate::rotation::{Rigid, rotation_between};
 use glam::DVec3;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
-use throng_base::maths::slerp;
 
 /// Settings of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,13 +28,8 @@ pub struct SearchConfig {
 
 impl Default for SearchConfig {
     fn default() -> Self {
-        Self {
-            epsilon_m: 0.25,
-            weights: MetricWeights { time: 0.3, place: 1.0 },
-            edge: EdgeCheck::Conservative,
-            widen_over: 200,
-            style: Style::default(),
-        }
+        let (weights, edge) = (MetricWeights { time: 0.3, place: 1.0 }, EdgeCheck::Conservative);
+        Self { epsilon_m: 0.25, weights, edge, widen_over: 200, style: Style::default() }
     }
 }
 
@@ -133,9 +127,7 @@ impl TreeSearch {
         let met = self.met.take().filter(|_| quest.warm);
         if quest.warm {
             let met = self.reuse_trees(&step, [init, goal], met, checker);
-            if let Some([a, b]) = met
-                && self.connect(&step, a, b, checker)
-            {
+            if met.is_some_and(|[a, b]| self.connect(&step, a, b, checker)) {
                 return SearchOutcome::Path;
             }
         } else {
@@ -259,18 +251,17 @@ impl SearchContext<'_> {
     /// A free state at random: a pose within limits, at a time at which it can be reached and left (4.2 of the paper).
     fn sample_node(&self, draws: &mut u32, checker: &mut Checker, rng: &mut Pcg64Mcg) -> Option<SearchNode> {
         let (init, goal) = (&self.problem.init, &self.problem.goal);
+        let grid = &self.request.grid;
         while *draws < self.request.draws {
             let pose = self.sampler.draw_pose(rng, *draws);
             let share: f64 = rng.random_range(0.0..1.0);
             *draws += 1;
-            let first = self.request.grid.first_frame_from(init.time_s + self.problem.least_time(&init.pose, &pose).0);
-            let last = self.request.grid.last_frame_until(goal.time_s - self.problem.least_time(&pose, &goal.pose).0);
+            let first = grid.first_frame_from(init.time_s + self.problem.least_time(&init.pose, &pose).0);
+            let last = grid.last_frame_until(goal.time_s - self.problem.least_time(&pose, &goal.pose).0);
             let Some(last) = last.filter(|last| *last >= first) else { continue };
             let frame = first + (share * (last - first + 1) as f64) as usize;
-            let Some(state) = self.make_upright(LimbState { pose, time_s: self.request.grid.time_at(frame.min(last)) })
-            else {
-                continue;
-            };
+            let sample = LimbState { pose, time_s: grid.time_at(frame.min(last)) };
+            let Some(state) = self.make_upright(sample) else { continue };
             if checker.is_free(self.problem, &state) {
                 return Some(self.node(state, 0));
             }
@@ -280,40 +271,29 @@ impl SearchContext<'_> {
 
     /// A new node on the edge from a node of a tree towards a sample, if that edge is free.
     fn expand(&self, tree: &SearchTree, near: usize, sample: &SearchNode, checker: &mut Checker) -> Option<SearchNode> {
-        let from = &tree.nodes[near];
+        let (from, grid) = (&tree.nodes[near], &self.request.grid);
         let d = from.distance(sample, &self.request.config.weights);
         let share = if d > 0.0 { (self.request.config.epsilon_m / d).min(1.0) } else { 1.0 };
-        let mut pose = sample.state.pose;
-        if share < 1.0 {
-            for i in 0..self.problem.chain.len() {
-                pose.0[i] = slerp(from.state.pose.0[i], sample.state.pose.0[i], share);
-            }
-        }
+        let (own, other) = (&from.state.pose, &sample.state.pose);
+        let pose = if share < 1.0 { own.slerp(other, share, self.problem.chain.len()) } else { *other };
         let even = from.state.time_s + share * (sample.state.time_s - from.state.time_s);
         // The new state is no farther than joints turn in time, and leaves time to get to the other end.
         let least = self.problem.least_time(&from.state.pose, &pose).0;
         let (init, goal) = (&self.problem.init, &self.problem.goal);
         let frame = if tree.from_goal {
-            let latest = self.request.grid.last_frame_until(from.state.time_s - least)?;
-            let frame = self.request.grid.nearest_frame(even).min(latest);
+            let latest = grid.last_frame_until(from.state.time_s - least)?;
+            let frame = grid.nearest_frame(even).min(latest);
             let needed = self.problem.least_time(&init.pose, &pose).0;
-            (self.request.grid.time_at(frame) - init.time_s + 1e-9 >= needed).then_some(frame)?
+            (grid.time_at(frame) - init.time_s + 1e-9 >= needed).then_some(frame)?
         } else {
-            let frame = self
-                .request
-                .grid
-                .nearest_frame(even)
-                .max(self.request.grid.first_frame_from(from.state.time_s + least));
+            let frame = grid.nearest_frame(even).max(grid.first_frame_from(from.state.time_s + least));
             let needed = self.problem.least_time(&pose, &goal.pose).0;
-            (frame <= self.request.grid.steps && goal.time_s - self.request.grid.time_at(frame) + 1e-9 >= needed)
-                .then_some(frame)?
+            (frame <= grid.steps && goal.time_s - grid.time_at(frame) + 1e-9 >= needed).then_some(frame)?
         };
-        let state = self.make_upright(LimbState { pose, time_s: self.request.grid.time_at(frame) })?;
+        let state = self.make_upright(LimbState { pose, time_s: grid.time_at(frame) })?;
         let (a, b) = if tree.from_goal { (&state, &from.state) } else { (&from.state, &state) };
-        if !checker.is_free(self.problem, &state) || !checker.is_edge_free(self.problem, a, b, self.request.config.edge)
-        {
-            return None;
-        }
-        Some(self.node(state, near as u32))
+        let is_free =
+            checker.is_free(self.problem, &state) && checker.is_edge_free(self.problem, a, b, self.request.config.edge);
+        is_free.then(|| self.node(state, near as u32))
     }
 }

@@ -56,17 +56,15 @@ impl SearchTree {
         self.nodes.len() - 1
     }
 
-    /// True where `at` lies on the side of a node in time to which the tree grows.
-    pub fn may_grow(&self, node: &SearchNode, at: &SearchNode) -> bool {
-        if self.from_goal { at.state.time_s <= node.state.time_s } else { at.state.time_s >= node.state.time_s }
-    }
-
     /// The nearest node to `at` among those from which it can be reached in time; the root is always one.
     pub fn nearest_node(&self, at: &SearchNode, weights: &MetricWeights) -> usize {
         let mut best = (f64::INFINITY, 0);
-        for (i, node) in self.nodes.iter().enumerate().filter(|(_, n)| self.may_grow(n, at)) {
+        let time_s = at.state.time_s;
+        let may_grow =
+            |n: &SearchNode| if self.from_goal { time_s <= n.state.time_s } else { time_s >= n.state.time_s };
+        for (i, node) in self.nodes.iter().enumerate().filter(|(_, n)| may_grow(n)) {
             // Time alone often shows that a node is farther.
-            if weights.time * (node.state.time_s - at.state.time_s).abs() < best.0 {
+            if weights.time * (node.state.time_s - time_s).abs() < best.0 {
                 let d = node.distance(at, weights);
                 if d < best.0 {
                     best = (d, i);
@@ -78,12 +76,10 @@ impl SearchTree {
 
     /// Appends the states from a node to the root.
     pub fn append_path_to_root(&self, mut node: usize, out: &mut Vec<LimbState>) {
-        loop {
+        while node != 0 {
             out.push(self.nodes[node].state);
-            if node == 0 {
-                return;
-            }
             node = self.nodes[node].parent as usize;
         }
+        out.push(self.nodes[0].state);
     }
 }

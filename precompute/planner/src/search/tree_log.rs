@@ -1,5 +1,6 @@
 //! Records of search trees, for inspection.
 
+use super::tree::SearchNode;
 use crate::planner::LimbPlanner;
 use crate::problem::Problem;
 use glam::DVec3;
@@ -35,14 +36,8 @@ impl TreeLog {
     /// Keeps the trees of the last plan.
     pub(crate) fn keep(&self, problem: &Problem, planner: &LimbPlanner) {
         let last = problem.chain.len() - 1;
-        let trees = planner.search().nodes().map(|nodes| {
-            let node = |n: &super::tree::SearchNode| LoggedNode {
-                tip: n.ends[last],
-                time_s: n.state.time_s,
-                parent: n.parent as usize,
-            };
-            nodes.iter().map(node).collect()
-        });
+        let node = |n: &SearchNode| LoggedNode { tip: n.ends[last], time_s: n.state.time_s, parent: n.parent as usize };
+        let trees = planner.search().nodes().map(|nodes| nodes.iter().map(node).collect());
         let window_s = [problem.init.time_s, problem.goal.time_s];
         let grown = LoggedTrees { window_s, trees, is_solved: planner.motion().is_some() };
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push(grown);

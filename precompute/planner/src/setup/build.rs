@@ -10,9 +10,11 @@ use crate::linkage::{Chain, Limb, MAX_JOINTS};
 use crate::problem::{
     BodyPart, CollisionPair, CollisionTarget, EXTERNAL_STEP_S, LimbPart, MovingSolid, PlacedSolid, Problem, TetherTrack,
 };
+use crate::rotation::Rigid;
 use crate::track::MotionTrack;
 use glam::DVec3;
 use std::f64::consts::PI;
+use std::fmt::Arguments;
 use std::sync::atomic::{AtomicU64, Ordering};
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
@@ -55,37 +57,33 @@ impl Problem {
         let mut parts = limb_parts(spec, &chain);
         parts.extend(spec.held.iter().map(|h| limb_part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
         let tether = spec.tether.map(|t| {
-            parts.push(limb_part(
-                &chain,
-                "the other hand".into(),
-                chain.len() - 1,
-                Segment::new(t.wrist, t.wrist),
-                0.0,
-            ));
+            let wrist = Segment::new(t.wrist, t.wrist);
+            parts.push(limb_part(&chain, "the other hand".into(), chain.len() - 1, wrist, 0.0));
             let name = format!("the reach from {}", t.from.name());
             let from = MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(t.from));
             TetherTrack { name, from, distances_m: t.distances_m }
         });
-        parts.extend(spec.upright.map(|level| LimbPart {
-            reach: [1.0; MAX_JOINTS],
-            base_reach: 1.0,
-            ..limb_part(&chain, "what is held".into(), chain.len() - 1, Segment::new(DVec3::ZERO, level.up), 0.0)
+        parts.extend(spec.upright.map(|level| {
+            let up = Segment::new(DVec3::ZERO, level.up);
+            let part = limb_part(&chain, "what is held".into(), chain.len() - 1, up, 0.0);
+            LimbPart { reach: [1.0; MAX_JOINTS], base_reach: 1.0, ..part }
         }));
-        let solids = spec.solids.iter().map(placed_solid).collect();
+        let solids = spec.solids.iter().map(|solid| {
+            let (middle, radius) = solid.shape.ball_around();
+            PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
+        });
         let mut bodies = driven_parts(None, spec.motion, spec.shape, |j| chain_link(&chain, j).is_none());
-        for o in spec.others {
-            bodies.extend(driven_parts(Some(o.name), o.motion, o.shape, |_| true));
-        }
-        let steps = ((spec.goal.time_s - spec.init.time_s) / EXTERNAL_STEP_S).ceil() as usize + 1;
-        let present =
-            (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, spec.init.time_s + i as f64 * EXTERNAL_STEP_S));
+        bodies.extend(spec.others.iter().flat_map(|o| driven_parts(Some(o.name), o.motion, o.shape, |_| true)));
+        let (start_s, goal_s) = (spec.init.time_s, spec.goal.time_s);
+        let steps = ((goal_s - start_s) / EXTERNAL_STEP_S).ceil() as usize + 1;
+        let present = (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, start_s + i as f64 * EXTERNAL_STEP_S));
         let mut problem = Self {
             number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             chain,
             limits: limits_of(spec, &chain)?,
             base: MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(spec.linkage.base())),
             parts,
-            solids,
+            solids: solids.collect(),
             bodies,
             tether,
             upright: spec.upright,
@@ -101,11 +99,9 @@ impl Problem {
     /// Checks that every allowance names something.
     fn check_names(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
         let joints = Joint::ALL.map(Joint::name);
-        let mut parts: Vec<&str> = joints.to_vec();
-        parts.extend(spec.held.iter().map(|h| h.name.as_str()));
-        let mut targets: Vec<&str> = joints.to_vec();
-        targets.extend(spec.solids.iter().map(|s| s.name.as_str()));
-        targets.extend(spec.others.iter().map(|o| o.name));
+        let parts: Vec<&str> = joints.into_iter().chain(spec.held.iter().map(|h| h.name.as_str())).collect();
+        let solids = joints.into_iter().chain(spec.solids.iter().map(|s| s.name.as_str()));
+        let targets: Vec<&str> = solids.chain(spec.others.iter().map(|o| o.name)).collect();
         for a in spec.allowed {
             let known = [(a.part.as_deref(), &parts), (Some(a.other.as_str()), &targets)];
             for (name, known) in known.into_iter().filter_map(|(name, known)| Some((name?, known))) {
@@ -124,13 +120,11 @@ impl Problem {
         let own_bend = spec.motion.bend_m(|j| Limb::ALL.iter().all(|l| !l.moves_joint(j)));
         let mut pairs = Vec::new();
         // Collisions of the other hand are checked for itself; here only its reach counts. An upright constraint has no body.
-        let asked =
-            [self.tether.as_ref().map(|_| CollisionTarget::Tether), self.upright.map(|_| CollisionTarget::Upright)];
-        let asked: Vec<CollisionTarget> = asked.into_iter().flatten().collect();
+        let tether = self.tether.iter().map(|_| CollisionTarget::Tether);
+        let asked: Vec<_> = tether.chain(self.upright.map(|_| CollisionTarget::Upright)).collect();
         let bodies = self.parts.len() - asked.len();
-        let targets =
-            (0..self.solids.len()).map(CollisionTarget::Solid).chain((0..self.bodies.len()).map(CollisionTarget::Body));
-        for target in targets {
+        let solids = (0..self.solids.len()).map(CollisionTarget::Solid);
+        for target in solids.chain((0..self.bodies.len()).map(CollisionTarget::Body)) {
             for (i, part) in self.parts[..bodies].iter().enumerate() {
                 let (with, gap) = match target {
                     CollisionTarget::Tether | CollisionTarget::Upright => continue,
@@ -172,11 +166,8 @@ impl Problem {
         let rest = spec.skeleton.rest_positions();
         let at = |j: Joint| rest[j.index()].as_dvec3();
         let own = part.core.map(|p| p + at(joint));
-        spec.shape
-            .capsules
-            .iter()
-            .filter(|c| c.joint == body.joint)
-            .any(|c| own.distance(&c.core.map(|p| p + at(c.joint))) < part.radius + c.radius)
+        let overlaps = |c: &BodyCapsule| own.distance(&c.core.map(|p| p + at(c.joint))) < part.radius + c.radius;
+        spec.shape.capsules.iter().any(|c| c.joint == body.joint && overlaps(c))
     }
 
     /// Checks that the joints that an external motion drives stay clear of solids and of other characters.
@@ -184,7 +175,7 @@ impl Problem {
         let mut worst: Option<(f64, ProblemError)> = None;
         self.each_driven(spec, |joint, with, time_s, depth_m| {
             if depth_m > 0.0 && worst.as_ref().is_none_or(|(w, _)| depth_m > *w) {
-                let (part, with) = (joint.name().into(), with.name());
+                let (part, with) = (joint.name().into(), with());
                 worst = Some((depth_m, ProblemError::DrivenCollides { part, with, time_s, depth_m }));
             }
         });
@@ -199,21 +190,11 @@ impl Problem {
             if depth_m <= 0.0 {
                 return;
             }
-            let with = with.name();
-            let goes_on = |s: &&mut CollisionStretch| {
-                s.part == joint.name() && s.with == with && time_s - s.to_s < 1.5 * DRIVEN_STEP_S
-            };
-            match spans.iter_mut().rev().find(goes_on) {
+            let (part, with) = (joint.name().to_owned(), with());
+            let is_same = |s: &CollisionStretch| s.part == part && s.with == with;
+            match spans.iter_mut().rev().find(|s| is_same(s) && time_s - s.to_s < 1.5 * DRIVEN_STEP_S) {
                 Some(span) => (span.to_s, span.depth_m) = (time_s, span.depth_m.max(depth_m)),
-                None => {
-                    spans.push(CollisionStretch {
-                        from_s: time_s,
-                        to_s: time_s,
-                        part: joint.name().into(),
-                        with,
-                        depth_m,
-                    });
-                }
+                None => spans.push(CollisionStretch { from_s: time_s, to_s: time_s, part, with, depth_m }),
             }
         });
         spans
@@ -221,7 +202,9 @@ impl Problem {
 
     /// Reports how deep each driven part is in each solid and each other character, time by time; where it is in none, or only
     /// by rounding, there is no call, or one with a depth of at most 0.
-    fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, DrivenObstacle<'_>, f64, f64)) {
+    ///
+    /// - `tell`: receives the part, the obstacle's name, the time (s) and the depth (m).
+    fn each_driven(&self, spec: &ProblemSpec<'_>, mut tell: impl FnMut(Joint, &dyn Fn() -> String, f64, f64)) {
         let [from, to] = [spec.init.time_s, spec.goal.time_s];
         let steps = ((to - from) / DRIVEN_STEP_S).ceil() as usize;
         for step in 0..=steps {
@@ -233,13 +216,13 @@ impl Problem {
                         let place = solid.solid.path.place_at(time_s);
                         let local = core.map(|p| place.local_point(p));
                         let gap = solid.solid.shape.distance(&local, body.radius) - body.radius;
-                        tell(body.joint, DrivenObstacle::Solid(solid), time_s, -gap);
+                        tell(body.joint, &|| solid.solid.name.clone(), time_s, -gap);
                     }
                 }
                 for other in self.bodies.iter().filter(|b| b.character.is_some()) {
                     if !may_touch(spec, body.joint, other.character.as_deref().unwrap_or_default(), time_s) {
                         let gap = core.distance(&other.track.sample_at(time_s)) - body.radius - other.radius;
-                        tell(body.joint, DrivenObstacle::Body(other), time_s, -gap);
+                        tell(body.joint, &|| other.name(), time_s, -gap);
                     }
                 }
             }
@@ -270,22 +253,6 @@ impl Problem {
     }
 }
 
-/// Thing that a driven part collides with.
-#[derive(Clone, Copy)]
-enum DrivenObstacle<'a> {
-    Solid(&'a PlacedSolid),
-    Body(&'a BodyPart),
-}
-
-impl DrivenObstacle<'_> {
-    fn name(self) -> String {
-        match self {
-            Self::Solid(s) => s.solid.name.clone(),
-            Self::Body(b) => b.name(),
-        }
-    }
-}
-
 fn may_touch(spec: &ProblemSpec<'_>, joint: Joint, with: &str, time_s: f64) -> bool {
     let open = |a: &AllowedContact| a.window_s.is_none_or(|[from, to]| (from..=to).contains(&time_s));
     spec.allowed.iter().any(|a| allows_contact(a, joint.name(), with) && open(a))
@@ -296,67 +263,54 @@ fn allows_contact(allowed: &AllowedContact, part: &str, with: &str) -> bool {
 }
 
 fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
-    let wrong = |what: String, expected| Err(ProblemError::value(what, expected));
+    let check = |holds: bool, what: Arguments<'_>, expected| match holds {
+        true => Ok(()),
+        false => Err(ProblemError::Value { what: what.to_string(), expected }),
+    };
     let [from, to] = [spec.init.time_s, spec.goal.time_s];
-    if !(from.is_finite() && to.is_finite() && from < to && to - from <= MAX_SECONDS) {
-        return wrong(format!("times {from} s to {to} s"), "the start before the goal, at most an hour");
-    }
+    let ascends = from.is_finite() && to.is_finite() && from < to && to - from <= MAX_SECONDS;
+    check(ascends, format_args!("times {from} s to {to} s"), "the start before the goal, at most an hour")?;
     for (end, state) in [("start", &spec.init), ("goal", &spec.goal)] {
         let unit = |q: &glam::DQuat| q.is_finite() && (q.length() - 1.0).abs() < 1e-6;
-        if !state.pose.0.iter().all(unit) {
-            return wrong(format!("pose of the {end}"), "unit quaternions");
-        }
+        check(state.pose.0.iter().all(unit), format_args!("pose of the {end}"), "unit quaternions")?;
     }
-    if !(0.0..1.0).contains(&spec.clearance_m) {
-        return wrong(format!("clearance {} m", spec.clearance_m), "0 to 1 m");
+    let (clearance_m, press_m) = (spec.clearance_m, spec.self_press_m);
+    check((0.0..1.0).contains(&clearance_m), format_args!("clearance {clearance_m} m"), "0 to 1 m")?;
+    check((0.0..0.2).contains(&press_m), format_args!("self_press {press_m} m"), "0 to 0.2 m")?;
+    for MovingSolid { name, shape, path } in spec.solids {
+        check(shape.is_valid(), format_args!("shape of `{name}`"), "finite numbers and positive sizes")?;
+        let expected = "ascending times, finite places, unit rotations";
+        check(path.is_valid(from, to), format_args!("path of `{name}`"), expected)?;
     }
-    if !(0.0..0.2).contains(&spec.self_press_m) {
-        return wrong(format!("self_press {} m", spec.self_press_m), "0 to 0.2 m");
-    }
-    for s in spec.solids {
-        if !s.shape.is_valid() {
-            return wrong(format!("shape of `{}`", s.name), "finite numbers and positive sizes");
-        }
-        if !s.path.is_valid(from, to) {
-            return wrong(format!("path of `{}`", s.name), "ascending times, finite places, unit rotations");
-        }
-    }
-    let capsule =
+    let is_capsule =
         |core: &Segment, radius: f64| core.a.is_finite() && core.b.is_finite() && radius > 0.0 && radius < 10.0;
+    let expected = "finite ends and a positive radius";
     for h in spec.held {
-        if !capsule(&h.core, h.radius) {
-            return wrong(format!("what is held: `{}`", h.name), "finite ends and a positive radius");
-        }
+        check(is_capsule(&h.core, h.radius), format_args!("what is held: `{}`", h.name), expected)?;
     }
-    if let Some(Tether { wrist: at, distances_m: [nearest, farthest], .. }) = spec.tether
-        && !(at.is_finite() && 0.0 <= nearest && nearest < farthest)
-    {
-        return wrong("where the other hand is".into(), "a finite place and ascending distances");
+    if let Some(Tether { wrist: at, distances_m: [nearest, farthest], .. }) = spec.tether {
+        let is_valid = at.is_finite() && 0.0 <= nearest && nearest < farthest;
+        check(is_valid, format_args!("where the other hand is"), "a finite place and ascending distances")?;
     }
-    if let Some(level) = spec.upright
-        && !((level.up.length() - 1.0).abs() < 1e-6 && level.within_rad > 0.0 && level.within_rad < PI)
-    {
-        return wrong("what stays upright".into(), "a unit direction, and an angle of 0 to half a turn");
+    if let Some(level) = spec.upright {
+        let is_valid = (level.up.length() - 1.0).abs() < 1e-6 && level.within_rad > 0.0 && level.within_rad < PI;
+        let expected = "a unit direction, and an angle of 0 to half a turn";
+        check(is_valid, format_args!("what stays upright"), expected)?;
     }
     let shapes = spec.others.iter().map(|o| o.shape).chain([spec.shape]);
     for c in shapes.flat_map(|s| &s.capsules) {
-        if !capsule(&c.core, c.radius) {
-            return wrong(format!("capsule of {}", c.joint.name()), "finite ends and a positive radius");
-        }
+        check(is_capsule(&c.core, c.radius), format_args!("capsule of {}", c.joint.name()), expected)?;
     }
-    if spec.motion.places().iter().flatten().any(|p| !p.is_valid()) {
-        return wrong("the motion".into(), "finite places and unit rotations");
-    }
-    Ok(())
+    let is_valid = spec.motion.places().iter().flatten().all(Rigid::is_valid);
+    check(is_valid, format_args!("the motion"), "finite places and unit rotations")
 }
 
 fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_JOINTS], ProblemError> {
     let joints = chain.linkage.joints();
-    let missing = || joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
-    let mut limits = spec
-        .limits
-        .linkage_limits(chain.linkage)
-        .ok_or_else(|| ProblemError::no_limits(missing().unwrap_or(joints[0])))?;
+    let Some(mut limits) = spec.limits.linkage_limits(chain.linkage) else {
+        let missing = joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
+        return Err(ProblemError::NoLimits { joint: missing.unwrap_or(joints[0]).name().into() });
+    };
     if spec.admit_ends {
         for i in 0..chain.len() {
             limits[i] = limits[i].widened_to_admit(spec.init.pose.0[i]).widened_to_admit(spec.goal.pose.0[i]);
@@ -367,14 +321,7 @@ fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_
 
 /// Index of the joint of the chain that carries a joint of the body: its own, or the last one for ends of hands and feet.
 fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
-    let mut at = Some(joint);
-    while let Some(j) = at {
-        if let Some(link) = chain.linkage.index_of(j) {
-            return Some(link);
-        }
-        at = j.parent();
-    }
-    None
+    std::iter::successors(Some(joint), |j| j.parent()).find_map(|j| chain.linkage.index_of(j))
 }
 
 /// Capsules of the body that move with the linkage.
@@ -411,9 +358,4 @@ fn driven_parts(
         BodyPart { character: of.map(Into::into), joint: c.joint, track, half_length, radius: c.radius }
     };
     shape.capsules.iter().filter(|c| keep(c.joint)).map(one).collect()
-}
-
-fn placed_solid(solid: &MovingSolid) -> PlacedSolid {
-    let (middle, radius) = solid.shape.ball_around();
-    PlacedSolid { solid: solid.clone(), middle, radius, reach: middle.length() + radius }
 }

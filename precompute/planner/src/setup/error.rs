@@ -1,7 +1,5 @@
 //! Faults that make a problem impossible before any search.
 
-use throng_core::Joint;
-
 /// Reason why a problem cannot be solved, or is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -74,14 +72,4 @@ pub enum ProblemError {
         /// (s)
         given_s: f64,
     },
-}
-
-impl ProblemError {
-    pub(super) fn value(what: impl Into<String>, expected: &'static str) -> Self {
-        Self::Value { what: what.into(), expected }
-    }
-
-    pub(super) fn no_limits(joint: Joint) -> Self {
-        Self::NoLimits { joint: joint.name().into() }
-    }
 }

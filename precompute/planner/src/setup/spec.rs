@@ -127,4 +127,14 @@ impl<'a> ProblemSpec<'a> {
             admit_driven: false,
         }
     }
+
+    /// The specification between other ends, which limits admit.
+    pub(crate) fn between(&self, [init, goal]: [LimbState; 2]) -> Self {
+        Self { init, goal, admit_ends: true, ..self.clone() }
+    }
+
+    /// The specification between the poses of the motion itself at two times (s), which limits admit.
+    pub(crate) fn between_times(&self, window_s: [f64; 2]) -> Self {
+        self.between(window_s.map(|time_s| self.motion.limb_state(self.linkage, time_s)))
+    }
 }

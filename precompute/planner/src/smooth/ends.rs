@@ -3,7 +3,6 @@
 use super::Smoother;
 use super::ease::smoothstep;
 use crate::linkage::LimbPose;
-use throng_base::maths::slerp;
 
 impl Smoother<'_> {
     /// Blends the first and the last frames with the external motion's poses, where the plan begins or ends in its pose, or
@@ -48,9 +47,7 @@ impl Smoother<'_> {
             let f = if at_goal { last - k } else { k };
             let there = if follows { problem.external_pose_at(self.grid.time_at(f)) } else { end.pose };
             let share = smoothstep(k as f64 / length as f64);
-            for i in 0..problem.chain.len() {
-                spare[f].0[i] = slerp(there.0[i], frames[f].0[i], share);
-            }
+            spare[f] = there.slerp(&frames[f], share, problem.chain.len());
         }
         let first = if at_goal { last - length } else { 0 };
         let free = (first..first + length).all(|f| self.is_edge_free(spare, f));

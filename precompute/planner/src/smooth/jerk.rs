@@ -29,9 +29,8 @@ pub fn roughness(frames: &[LimbPose], num_joints: usize, step_s: f64) -> Roughne
             out.length_rad += turn;
             out.speed_max = out.speed_max.max(turn / step_s);
         }
-        for f in 0..frames.len().saturating_sub(2) {
-            out.acceleration_max = out.acceleration_max.max(acceleration(f).length());
-        }
+        let accelerations = (0..frames.len().saturating_sub(2)).map(|f| acceleration(f).length());
+        out.acceleration_max = accelerations.fold(out.acceleration_max, f64::max);
         for f in 0..frames.len().saturating_sub(3) {
             let jerk: DVec3 = (acceleration(f + 1) - acceleration(f)) / step_s;
             sum += jerk.length_squared();

@@ -16,7 +16,6 @@ use crate::collide::{Checker, EdgeCheck};
 use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
 use crate::search::TimeGrid;
-use throng_base::maths::slerp;
 
 /// Settings of smoothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,11 +50,7 @@ impl Smoother<'_> {
             return LimbState { pose: path[next.saturating_sub(1)].pose, time_s };
         };
         let share = (time_s - from.time_s) / (to.time_s - from.time_s);
-        let mut pose = from.pose;
-        for i in 0..self.problem.chain.len() {
-            pose.0[i] = slerp(from.pose.0[i], to.pose.0[i], share);
-        }
-        LimbState { pose, time_s }
+        LimbState { pose: from.pose.slerp(&to.pose, share, self.problem.chain.len()), time_s }
     }
 
     /// Poses of all frames of a path.

@@ -95,9 +95,7 @@ impl Smoother<'_> {
                 sums[i] += near * weight;
             }
         }
-        for i in 0..self.problem.chain.len() {
-            pose.0[i] = sums[i].normalize();
-        }
+        (0..self.problem.chain.len()).for_each(|i| pose.0[i] = sums[i].normalize());
         pose
     }
 }

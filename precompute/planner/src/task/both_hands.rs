@@ -1,21 +1,20 @@
 //! Both hands at one thing: the first one leads, the second one follows it frame by frame.
 
-use super::actions::{CONTACT_S, StepFailure, allow_step_contacts, next_with};
+use super::actions::{CONTACT_S, PlanResult, StepFailure, allow_step_contacts, next_with};
 use super::entries::TaskAction;
-use super::follow::{FollowError, HandPath, check_free_all_along};
+use super::follow::{FollowError, HandPath};
 use super::grips::HandTarget;
-use super::run::nearest_distance;
-use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, ThingPlacement, hand_joint};
+use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, hand_joint};
 use super::step::TaskStep;
-use super::visit::{LimbVisit, PlacementChange, TRIES, allow_neighbours, first_success, reachable_goals};
+use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, first_success, reachable_goals};
 use crate::clips::with_motion;
 use crate::collide::Checker;
-use crate::correct::CorrectConfig;
 use crate::ik::LimbIk;
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::manipulate::{ReachError, misfit_error, plan_into_clip, spec_between_states};
-use crate::planner::{Budget, LimbMotion, LimbPlanner, PlanOutcome};
+use crate::manipulate::{ReachError, misfit_error, plan_into_clip};
+use crate::planner::{LimbMotion, LimbPlanner, PlanOutcome};
 use crate::problem::{LimbState, Problem};
+use crate::refuse;
 use crate::rotation::Rigid;
 use crate::setup::{AllowedContact, ProblemSpec, Tether};
 use throng_core::Joint;
@@ -42,14 +41,6 @@ struct HandPair {
     object: usize,
 }
 
-/// End of a limb's path.
-#[derive(Clone, Copy)]
-enum LimbGoal {
-    Hand(Rigid),
-    /// Back into the clip.
-    Clip,
-}
-
 /// Path of a limb that is to be planned.
 #[derive(Clone, Copy)]
 struct LimbPath {
@@ -58,7 +49,8 @@ struct LimbPath {
     limb: Limb,
     /// Times of its beginning and end (s).
     window_s: [f64; 2],
-    goal: LimbGoal,
+    /// Transform of the hand at the end; `None` for the path back into the clip.
+    goal: Option<Rigid>,
 }
 
 /// Moves both hands to a thing, which they take at one moment; they keep it in the trunk's frame until something is done with
@@ -71,20 +63,18 @@ pub(super) fn grab_with_both(
     follow: Limb,
     object: usize,
     hands: [&[HandTarget]; 2],
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
+) -> PlanResult {
     let (who, lead, [from_s, at_s, _]) = (step.character, step.limb, step.times_s);
     let second = LimbVisit { limb: follow, ..LimbVisit::from_step(step) };
-    for limb in [lead, follow] {
-        check_free(stage, who, limb, [from_s, step.times_s[2]])?;
-    }
+    let check = |limb: Limb| stage.check_unpinned(who, limb, &limb.words(), [from_s, step.times_s[2]]);
+    [lead, follow].into_iter().try_for_each(check)?;
     let name = stage.task.things[object].name.clone();
     allow_step_contacts(stage, &TaskStep { limb: follow, ..step.clone() }, &name, false);
     allow_hold_contacts(stage, who, [lead, follow], &name, at_s - CONTACT_S);
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), follow);
     let firsts = reachable_goals(stage, LimbVisit::from_step(step), hands[0], &there)?;
     let there = exclude_arm(stage.surroundings_of_limb(who, follow, [from_s, at_s]), lead);
-    let others = reachable_goals(stage, second, hands[1], &there).map_err(|p| name_limb_in_failure(p, follow))?;
+    let others = reachable_goals(stage, second, hands[1], &there).map_err(|e| e.of_limb(follow))?;
     let mut pairs: Vec<[usize; 2]> =
         (0..firsts.len().min(TRIES)).flat_map(|i| (0..others.len().min(TRIES)).map(move |k| [i, k])).collect();
     pairs.sort_by_key(|[i, k]| (firsts[*i].rank + others[*k].rank, i + k));
@@ -92,41 +82,8 @@ pub(super) fn grab_with_both(
         let (first, other) = (firsts[i], others[k]);
         let second = SecondHand { limb: follow, grip: first.hand.to_local(other.hand) };
         let pair = HandPair { who, lead, second, object };
-        take_with_both(stage, step, pair, [&first, &other], config)
+        stage.take_with_both(step, pair, [&first, &other])
     })
-}
-
-fn take_with_both(
-    stage: &mut TaskStage<'_>,
-    step: &TaskStep,
-    pair: HandPair,
-    [first, other]: [&HandTarget; 2],
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
-    let HandPair { who, lead, second, object } = pair;
-    let [from_s, at_s, _] = step.times_s;
-    let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
-    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: LimbGoal::Hand(first.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, None, config)?];
-    let there = stage.surroundings_of_limb(who, second.limb, [from_s, at_s]);
-    let path = LimbPath { limb: second.limb, goal: LimbGoal::Hand(other.hand), ..path };
-    let one = plan_limb_path(stage, path, &there, None, config);
-    plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
-    for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
-        stage.pins.push(Pin { character: who, limb, time_s: at_s, target });
-    }
-    allow_neighbours(stage, who, lead, object, &first.object, [at_s, held_until_s(stage, step, object)]);
-    let offset = first.hand.to_local(first.object);
-    let at = ThingPlacement::OnJoint {
-        character: who,
-        joint: hand_joint(lead),
-        offset,
-        holder: Some(lead),
-        second: Some(second),
-    };
-    stage.placements[object].push(PlacementSpan { from_s: at_s, placement: at });
-    hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
-    Ok(plans)
 }
 
 /// Brings a thing with both hands to the first place for which there is a path that the second hand can follow.
@@ -137,20 +94,17 @@ pub(super) fn bring_with_both(
     object: usize,
     hands: &[HandTarget],
     change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
+) -> VisitResult {
     let (who, lead) = (step.character, step.limb);
     let pair = HandPair { who, lead, second, object };
     let [from_s, at_s, to_s] = step.times_s;
-    for limb in [lead, second.limb] {
-        check_free(stage, who, limb, [from_s, to_s])?;
-    }
+    let check = |limb: Limb| stage.check_unpinned(who, limb, &limb.words(), [from_s, to_s]);
+    [lead, second.limb].into_iter().try_for_each(check)?;
     let name = stage.task.things[object].name.clone();
     let [held, other] = [lead, second.limb].map(|l| stage.actors[who].joint_place(hand_joint(l), from_s));
-    if held.transform_point(second.grip.position).distance(other.position) > HELD_M {
-        let limb = second.limb.name().replace('_', " ");
-        return Err(StepFailure::new(format!("{limb} does not hold `{name}` any more at {from_s:.2} s")));
-    }
+    let is_off = held.transform_point(second.grip.position).distance(other.position) > HELD_M;
+    let limb = second.limb.words();
+    refuse(is_off, format_args!("{limb} does not hold `{name}` any more at {from_s:.2} s"))?;
     allow_step_contacts(stage, &TaskStep { limb: second.limb, ..step.clone() }, &name, false);
     let visit = LimbVisit::with_held_object(step, hands);
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
@@ -166,14 +120,16 @@ pub(super) fn bring_with_both(
         let other = HandTarget { hand: goal.hand.compose(second.grip), ..goal };
         match reachable_goals(stage, visit, &[other], &there) {
             Ok(_) => goals.push(goal),
-            Err(e) => _ = wrong.get_or_insert(name_limb_in_failure(e, second.limb)),
+            Err(e) => _ = wrong.get_or_insert(e.of_limb(second.limb)),
         }
     }
     let all = || goals.iter().take(TRIES).flat_map(|g| (0..SEEDS).map(move |s| (g, s)));
     let tries = [OFF_M, f64::INFINITY].into_iter().flat_map(|off_m| all().map(move |(g, s)| (g, s, off_m)));
     first_success(stage, tries, wrong, |stage, (goal, seed, off_m)| {
-        let budget = Budget { seed: config.budget.seed.wrapping_add(seed << 32), ..config.budget };
-        let plans = bring_to_goal(stage, step, pair, goal, off_m, change, &CorrectConfig { budget, ..*config })?;
+        let first_seed = stage.config.budget.seed;
+        stage.config.budget.seed = first_seed.wrapping_add(seed << 32);
+        let plans = bring_to_goal(stage, step, pair, goal, off_m, change)?;
+        stage.config.budget.seed = first_seed;
         Ok((plans, *goal))
     })
 }
@@ -185,16 +141,15 @@ fn bring_to_goal(
     goal: &HandTarget,
     off_m: f64,
     change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
+) -> PlanResult {
     let HandPair { who, lead, second, object } = pair;
     let [from_s, at_s, to_s] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
     let there = LimbSurroundings { level: LimbVisit::with_held_object(step, &[*goal]).level, ..there };
     let tether = pair_tether(stage, pair);
-    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: LimbGoal::Hand(goal.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether), config)?];
-    follow_first_hand(stage, pair, [from_s, at_s], off_m)?;
+    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(goal.hand) };
+    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether))?];
+    stage.follow_first_hand(pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
         hold_pose(stage, pair, [at_s, held_until_s(stage, step, object)])?;
@@ -203,11 +158,11 @@ fn bring_to_goal(
     stage.placements[object].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     end_hold_contacts(stage, pair, at_s + CONTACT_S);
     let back = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, to_s]), second.limb);
-    let path = LimbPath { window_s: [at_s, to_s], goal: LimbGoal::Clip, ..path };
-    plans.push(plan_limb_path(stage, path, &back, None, config)?);
+    let path = LimbPath { window_s: [at_s, to_s], goal: None, ..path };
+    plans.push(plan_limb_path(stage, path, &back, None)?);
     let back = stage.surroundings_of_limb(who, second.limb, [at_s, to_s]);
-    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None, config);
-    plans.push(one.map_err(|p| name_limb_in_failure(p, second.limb))?);
+    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None);
+    plans.push(one.map_err(|e| e.of_limb(second.limb))?);
     Ok(plans)
 }
 
@@ -217,31 +172,20 @@ fn plan_limb_path(
     path: LimbPath,
     around: &LimbSurroundings,
     tether: Option<Tether>,
-    config: &CorrectConfig<'_>,
 ) -> Result<PlanOutcome, StepFailure> {
-    let LimbPath { who, limb, window_s, goal: end } = path;
+    let LimbPath { who, limb, window_s, goal } = path;
     let others = stage.other_bodies(who);
-    let spec = ProblemSpec { tether, ..stage.limb_spec(who, limb, around, &others) };
-    let present = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
-    let spec = spec_between_states(&spec, present[0], present[1]);
-    let goal = match end {
-        LimbGoal::Clip => present[1],
-        LimbGoal::Hand(target) => {
-            let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
-            let time_s = window_s[1];
-            let reached =
-                problem.solve_reach(&mut Checker::default(), &target, time_s, &problem.external_pose_at(time_s));
-            let pose = reached.map_err(|why| StepFailure::new(ReachError::Target { time_s, why }.to_string()))?;
-            LimbState { pose, time_s }
-        }
-    };
-    let what = if matches!(end, LimbGoal::Clip) { "back" } else { "there" };
-    let spec = spec_between_states(&spec, present[0], goal);
-    let done = plan_into_clip(&stage.actors[who].clip, &mut LimbPlanner::new(), &spec, config, what);
-    let (clip, outcome) = done.map_err(|e| {
-        let nearest_m = if let ReachError::Unsolved { why, .. } = &e { nearest_distance(why) } else { None };
-        StepFailure { nearest_m, ..StepFailure::new(e.to_string()) }
-    })?;
+    let spec = ProblemSpec { tether, ..stage.limb_spec(who, limb, around, &others) }.between_times(window_s);
+    let mut end = spec.goal;
+    if let Some(target) = goal {
+        let (problem, time_s) = (Problem::prepare(&spec)?, end.time_s);
+        let present = problem.external_pose_at(time_s);
+        let reached = problem.solve_reach(&mut Checker::default(), &target, time_s, &present);
+        end.pose = reached.map_err(|why| ReachError::Target { time_s, why })?;
+    }
+    let what = if goal.is_none() { "back" } else { "there" };
+    let spec = spec.between([spec.init, end]);
+    let (clip, outcome) = plan_into_clip(&stage.actors[who].clip, &mut LimbPlanner::new(), &spec, &stage.config, what)?;
     stage.actors[who].replace_clip(clip);
     stage.record_planned(who, limb, window_s);
     Ok(outcome)
@@ -279,79 +223,27 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     }
     let pose = actor.motion.limb_pose(Linkage::limb(lead), at_s);
     let kept = vec![pose; frames + 1];
-    write_frames(stage, who, lead, [at_s, until_s], &kept)?;
+    stage.write_frames(who, lead, [at_s, until_s], &kept)?;
     let around = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, until_s]), second.limb);
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, lead, &around, &others);
     let ends = [at_s, until_s].map(|time_s| LimbState { pose, time_s });
-    let problem =
-        Problem::prepare(&spec_between_states(&spec, ends[0], ends[1])).map_err(|e| StepFailure::new(e.to_string()))?;
-    check_free_all_along(&problem, &mut Checker::default(), &kept, at_s, rate_hz).map_err(|(t, with)| {
+    let problem = Problem::prepare(&spec.between(ends))?;
+    let path = HandPath { problem: &problem, targets: &[], start_s: at_s, rate_hz };
+    path.check_free_all_along(&mut Checker::default(), &kept).map_err(|(t, with)| {
         StepFailure::new(format!("what both hands hold meets {with} at {t:.2} s; bring it elsewhere"))
     })?;
-    follow_first_hand(stage, pair, [at_s, until_s], f64::INFINITY)
+    stage.follow_first_hand(pair, [at_s, until_s], f64::INFINITY)
 }
 
 /// Time until which both hands keep their object after a step: the next step with it, on a frame (s).
 pub(super) fn held_until_s(stage: &TaskStage<'_>, step: &TaskStep, object: usize) -> f64 {
     let (actor, at_s) = (&stage.actors[step.character], step.times_s[1]);
-    let next = if step.action == TaskAction::Drop || step.action == TaskAction::HandOver {
-        at_s
-    } else {
-        next_with(stage, step, object).map_or(actor.end_s(), |n| n.times_s[0].max(at_s))
+    let next = match step.action {
+        TaskAction::Drop | TaskAction::HandOver => at_s,
+        _ => next_with(stage, step, object).map_or(actor.end_s(), |n| n.times_s[0].max(at_s)),
     };
     (next * actor.clip.rate_hz).round() / actor.clip.rate_hz
-}
-
-/// Lets the second hand follow the first one, frame by frame.
-///
-/// - `most_off_m`: its largest offset between frames, where joints turn evenly.
-fn follow_first_hand(
-    stage: &mut TaskStage<'_>,
-    pair: HandPair,
-    window_s: [f64; 2],
-    most_off_m: f64,
-) -> Result<(), StepFailure> {
-    let HandPair { who, lead, second: SecondHand { limb, grip }, .. } = pair;
-    let around = stage.surroundings_of_limb(who, limb, window_s);
-    let others = stage.other_bodies(who);
-    let spec = stage.limb_spec(who, limb, &around, &others);
-    let ends = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
-    let spec = spec_between_states(&spec, ends[0], ends[1]);
-    let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
-    let (actor, start_s) = (&stage.actors[who], window_s[0]);
-    let rate_hz = actor.clip.rate_hz;
-    let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
-    let target = |k: usize| actor.joint_place(hand_joint(lead), start_s + k as f64 / rate_hz).compose(grip);
-    let targets: Vec<Rigid> = frames.map(target).collect();
-    let cannot = |(t, why): FollowError| {
-        let limb = limb.name().replace('_', " ");
-        StepFailure::new(format!("{limb} cannot follow the other hand at {t:.2} s: {why}"))
-    };
-    let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
-    let poses = followed.poses(&ends[0].pose).map_err(cannot)?;
-    let (off_m, t) = followed.largest_offset(&poses, |t| actor.joint_place(hand_joint(lead), t).compose(grip));
-    if off_m > most_off_m {
-        return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
-    }
-    write_frames(stage, who, limb, window_s, &poses)
-}
-
-/// Writes poses into a clip.
-fn write_frames(
-    stage: &mut TaskStage<'_>,
-    who: usize,
-    limb: Limb,
-    window_s: [f64; 2],
-    frames: &[LimbPose],
-) -> Result<(), StepFailure> {
-    let clip = &stage.actors[who].clip;
-    let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
-    let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion);
-    let clip = clip.map_err(|e| StepFailure::new(misfit_error(e).to_string()))?;
-    stage.actors[who].replace_clip(clip);
-    stage.record_planned(who, limb, window_s);
-    Ok(())
 }
 
 /// Constraint of the second hand: its shoulder, its grip and its reach.
@@ -379,10 +271,10 @@ fn allow_hold_contacts(stage: &mut TaskStage<'_>, who: usize, [lead, follow]: [L
 
 /// Ends the contacts of both hands and of what they hold.
 fn end_hold_contacts(stage: &mut TaskStage<'_>, pair: HandPair, to_s: f64) {
-    let of_pair =
-        |c: &&mut (usize, Limb, AllowedContact)| c.0 == pair.who && [pair.lead, pair.second.limb].contains(&c.1);
-    let open = stage.contacts.iter_mut().filter(of_pair).filter_map(|c| c.2.window_s.as_mut());
-    open.filter(|w| w[1] == f64::INFINITY).for_each(|w| w[1] = to_s);
+    let hands = [pair.lead, pair.second.limb];
+    let of_pair = stage.contacts.iter_mut().filter(|c| c.0 == pair.who && hands.contains(&c.1));
+    let open = of_pair.filter_map(|c| c.2.window_s.as_mut()).filter(|w| w[1] == f64::INFINITY);
+    open.for_each(|w| w[1] = to_s);
 }
 
 /// Surroundings without the other arm, which is planned after this one and avoids it.
@@ -399,19 +291,63 @@ pub(super) fn exclude_thing(mut around: LimbSurroundings, name: &str) -> LimbSur
     around
 }
 
-fn check_free(stage: &TaskStage<'_>, who: usize, limb: Limb, [from_s, to_s]: [f64; 2]) -> Result<(), StepFailure> {
-    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
-    match stage.pins.iter().find(busy) {
-        Some(pin) => {
-            let (limb, t) = (limb.name().replace('_', " "), pin.time_s);
-            Err(StepFailure::new(format!("{limb} has to be elsewhere at {t:.2} s; begin then, or end before")))
+impl TaskStage<'_> {
+    /// Moves both hands to their goals at a thing, which they then hold.
+    fn take_with_both(&mut self, step: &TaskStep, pair: HandPair, [first, other]: [&HandTarget; 2]) -> PlanResult {
+        let HandPair { who, lead, second, object } = pair;
+        let [from_s, at_s, _] = step.times_s;
+        let there = exclude_arm(self.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
+        let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand) };
+        let mut plans = vec![plan_limb_path(self, path, &there, None)?];
+        let there = self.surroundings_of_limb(who, second.limb, [from_s, at_s]);
+        let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
+        plans.push(plan_limb_path(self, path, &there, None).map_err(|e| e.of_limb(second.limb))?);
+        for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
+            self.pins.push(Pin { character: who, limb, time_s: at_s, target });
         }
-        None => Ok(()),
+        self.allow_neighbours(who, lead, object, &first.object, [at_s, held_until_s(self, step, object)]);
+        let placement = first.placement_in_hand(who, lead, Some(second));
+        self.placements[object].push(PlacementSpan { from_s: at_s, placement });
+        hold_pose(self, pair, [at_s, held_until_s(self, step, object)])?;
+        Ok(plans)
     }
-}
 
-/// The failure, with the name of the limb.
-fn name_limb_in_failure(problems: StepFailure, limb: Limb) -> StepFailure {
-    let why = format!("{}: {}", limb.name().replace('_', " "), problems.reason);
-    StepFailure { reason: why, ..problems }
+    /// Lets the second hand follow the first one, frame by frame.
+    ///
+    /// - `most_off_m`: its largest offset between frames, where joints turn evenly.
+    fn follow_first_hand(&mut self, pair: HandPair, window_s: [f64; 2], most_off_m: f64) -> Result<(), StepFailure> {
+        let HandPair { who, lead, second: SecondHand { limb, grip }, .. } = pair;
+        let problem = self.limb_problem(who, limb, &self.surroundings_of_limb(who, limb, window_s), window_s)?;
+        let (actor, start_s) = (&self.actors[who], window_s[0]);
+        let rate_hz = actor.clip.rate_hz;
+        let target = |time_s: f64| actor.joint_place(hand_joint(lead), time_s).compose(grip);
+        let frames = 0..=((window_s[1] - start_s) * rate_hz).round() as usize;
+        let targets: Vec<Rigid> = frames.map(|k| target(start_s + k as f64 / rate_hz)).collect();
+        let cannot = |(t, why): FollowError| {
+            StepFailure::new(format!("{} cannot follow the other hand at {t:.2} s: {why}", limb.words()))
+        };
+        let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
+        let poses = followed.poses(&problem.init().pose).map_err(cannot)?;
+        let (off_m, t) = followed.largest_offset(&poses, target);
+        if off_m > most_off_m {
+            return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
+        }
+        self.write_frames(who, limb, window_s, &poses)
+    }
+
+    /// Writes poses into a clip.
+    fn write_frames(
+        &mut self,
+        who: usize,
+        limb: Limb,
+        window_s: [f64; 2],
+        frames: &[LimbPose],
+    ) -> Result<(), StepFailure> {
+        let clip = &self.actors[who].clip;
+        let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
+        let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion).map_err(misfit_error)?;
+        self.actors[who].replace_clip(clip);
+        self.record_planned(who, limb, window_s);
+        Ok(())
+    }
 }

@@ -1,12 +1,11 @@
 //! Check of everything that a task did, by the means of [`crate::recheck`].
 
-use super::gaze;
-use super::lean;
 use super::stage::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, TrunkLean, hand_joint};
+use super::{gaze, lean};
 use crate::balance::distance_off_feet;
 use crate::limits::JointLimits;
 use crate::linkage::Linkage;
-use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, RecheckViolation, limit_excess, place_at};
+use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, limit_excess, place_at};
 use crate::rotation::{Rigid, angle_between};
 use crate::setup::{AllowedContact, SELF_PRESS_M};
 use glam::{DVec3, Vec3};
@@ -37,19 +36,16 @@ pub(super) fn check_stage(stage: &TaskStage<'_>) -> RecheckReport {
     let mut report = RecheckReport::default();
     for (who, actor) in stage.actors.iter().enumerate() {
         let planned: Vec<&PlannedLimb> = stage.planned_limbs.iter().filter(|p| p.character == who).collect();
-        let spans: Vec<(Joint, [f64; 2])> =
-            planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s))).collect();
-        let num_samples = stage.gazes.iter().filter(|l| l.character == who);
-        let heads = num_samples.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
+        let limbs = planned.iter().flat_map(|p| p.limb.joints().map(|j| (j, p.window_s)));
+        let gazes = stage.gazes.iter().filter(|l| l.character == who);
+        let heads = gazes.flat_map(|l| gaze::JOINTS.map(|j| (j, [l.times_s[0], l.times_s[2]])));
         let leans = || stage.leans.iter().filter(|l| l.character == who);
         let trunks = leans().flat_map(|l| lean::leaned_joints(l).map(|j| (j, l.window_s)));
         let hips = leans().filter(|l| l.moves_hips).map(|l| (Joint::Hips, l.window_s));
-        let spans: Vec<(Joint, [f64; 2])> = spans.into_iter().chain(heads).chain(trunks).chain(hips).collect();
+        let spans: Vec<(Joint, [f64; 2])> = limbs.chain(heads).chain(trunks).chain(hips).collect();
         leans().for_each(|l| check_trunk(actor, l, &mut report));
         crate::recheck::check_unchanged(&actor.before, &actor.clip, &spans, &mut report);
-        for piece in pieces(stage, who) {
-            recheck_piece(stage, who, actor, &piece, &mut report);
-        }
+        pieces(stage, who).iter().for_each(|piece| recheck_piece(stage, who, piece, &mut report));
         check_planted_feet(actor, &mut report);
         if stage.task.balance {
             check_balance(actor, &planned, &mut report);
@@ -80,14 +76,8 @@ fn pieces(stage: &TaskStage<'_>, who: usize) -> Vec<PlannedLimb> {
     out
 }
 
-fn recheck_piece(
-    stage: &TaskStage<'_>,
-    who: usize,
-    actor: &StageActor,
-    piece: &PlannedLimb,
-    report: &mut RecheckReport,
-) {
-    let linkage = Linkage::limb(piece.limb);
+fn recheck_piece<'s>(stage: &'s TaskStage<'_>, who: usize, piece: &PlannedLimb, report: &mut RecheckReport) {
+    let (actor, linkage) = (&stage.actors[who], Linkage::limb(piece.limb));
     let Some(limits) = actor.limits.linkage_limits(linkage) else { return };
     // Poses of the clip at the ends of any plan of the limb are admitted.
     let ends = stage.planned_limbs.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
@@ -98,20 +88,16 @@ fn recheck_piece(
     // Contacts that another character is allowed with this one hold both ways.
     let name = |i: usize| stage.task.characters[i].name.as_str();
     let touched = stage.contacts.iter().filter(|(by, _, a)| *by != who && a.other == name(who));
-    around.allowed.extend(touched.map(|(by, _, a)| AllowedContact {
-        part: None,
-        other: name(*by).into(),
-        ..a.clone()
-    }));
-    let others: Vec<OtherClip<'_>> = (0..stage.actors.len())
-        .filter(|i| *i != who && stage.actors[*i].worn.is_none())
-        .map(|i| OtherClip {
-            name: &stage.task.characters[i].name,
-            clip: &stage.actors[i].clip,
-            skeleton: &stage.actors[i].skeleton,
-            capsules: &stage.actors[i].shape.capsules,
-        })
-        .collect();
+    let both_ways = |by: usize, a: &AllowedContact| AllowedContact { part: None, other: name(by).into(), ..a.clone() };
+    around.allowed.extend(touched.map(|(by, _, a)| both_ways(*by, a)));
+    let others = stage.actors.iter().enumerate().filter(|(i, a)| *i != who && a.worn.is_none());
+    let other = |(i, StageActor { clip, skeleton, shape, .. }): (usize, &'s StageActor)| OtherClip {
+        name: name(i),
+        clip,
+        skeleton,
+        capsules: &shape.capsules,
+    };
+    let others: Vec<OtherClip<'_>> = others.map(other).collect();
     let recheck = Recheck {
         skeleton: &actor.skeleton,
         before: &actor.before,
@@ -143,7 +129,7 @@ fn check_trunk(actor: &StageActor, leaned: &TrunkLean, report: &mut RecheckRepor
                 _ => angle_between(of(c, f - 1).as_dquat().normalize(), of(c, f).as_dquat().normalize()) * rate_hz,
             };
             let [was_at, is_at] = [&actor.before, &actor.clip].map(speed);
-            let mut wrong = |what| report.violations.push(RecheckViolation { time_s: f as f64 / rate_hz, what });
+            let mut wrong = |what| report.add_violation(f as f64 / rate_hz, what);
             if is > was.max(0.0) + LEAN_RAD {
                 wrong(format!("{} bends {is:.3} rad past its limits", joint.name()));
             }
@@ -157,9 +143,7 @@ fn check_trunk(actor: &StageActor, leaned: &TrunkLean, report: &mut RecheckRepor
 /// Measures how much farther the weight is off the feet than in the clip, while something was planned.
 fn check_balance(actor: &StageActor, planned: &[&PlannedLimb], report: &mut RecheckReport) {
     let off = |clip: &Clip, f: usize| {
-        let rigid =
-            |(at, turn): (Vec3, glam::Quat)| Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() };
-        let places = clip.joint_transforms(&actor.skeleton, f).map(rigid);
+        let places = clip.joint_transforms(&actor.skeleton, f).map(Rigid::from);
         distance_off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
     };
     for f in 0..actor.clip.num_frames() {
@@ -177,14 +161,11 @@ fn check_planted_feet(actor: &StageActor, report: &mut RecheckReport) {
     let feet = [(Joint::LeftFoot, Contacts::LEFT), (Joint::RightFoot, Contacts::RIGHT)];
     for (frame, contacts) in actor.before.contacts.iter().enumerate() {
         for (foot, _) in feet.into_iter().filter(|(_, mask)| contacts.any(*mask)) {
-            let [a, b] = [&actor.before, &actor.clip].map(|c| {
-                let all = c.joint_transforms(&actor.skeleton, frame);
-                all[foot.index()]
-            });
+            let [a, b] = [&actor.before, &actor.clip].map(|c| c.joint_transforms(&actor.skeleton, frame)[foot.index()]);
             let moved = f64::from(a.0.distance(b.0));
             if moved > PLANTED_M {
                 let what = format!("{} stands and moved by {moved:.4} m", foot.name());
-                report.violations.push(RecheckViolation { time_s: frame as f64 / actor.before.rate_hz, what });
+                report.add_violation(frame as f64 / actor.before.rate_hz, what);
             }
         }
     }
@@ -205,9 +186,7 @@ fn check_gazes(stage: &TaskStage<'_>, report: &mut RecheckReport) {
             });
             maths::compose(a.inverse(), b).normalize().as_dquat()
         };
-        let mut violation = |frame: usize, what: String| {
-            report.violations.push(RecheckViolation { time_s: frame as f64 / rate_hz, what });
-        };
+        let mut violation = |frame: usize, what: String| report.add_violation(frame as f64 / rate_hz, what);
         for frame in frames[0] + 1..=frames[2].min(actor.clip.num_frames() - 1) {
             let [before, after] = [frame - 1, frame].map(turned);
             let speed = angle_between(before.normalize(), after.normalize()) * rate_hz;
@@ -226,10 +205,10 @@ fn check_gazes(stage: &TaskStage<'_>, report: &mut RecheckReport) {
         let aside = (wanted - chest + PI).rem_euclid(2.0 * PI) - PI;
         let past = [aside.abs() - gaze::FARTHEST[0], up.abs() - gaze::FARTHEST[1]].map(|x| x.max(0.0));
         let beyond = past[0].hypot(past[1]);
-        report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
         if off > beyond + GAZE_RAD {
             violation(frames[1], format!("head looks {off:.2} rad past what is reached for"));
         }
+        report.gaze_off_rad = report.gaze_off_rad.max(off - beyond);
     }
 }
 
@@ -257,23 +236,23 @@ fn check_tilts(stage: &TaskStage<'_>, report: &mut RecheckReport) {
         if most > level_rad + TILT_RAD {
             let name = &stage.task.things[thing].name;
             let what = format!("`{name}` tilts by {most:.3} rad, {level_rad:.3} rad at most");
-            report.violations.push(RecheckViolation { time_s, what });
+            report.add_violation(time_s, what);
         }
     }
 }
 
 /// Checks that hands are at their targets, and things where they are taken, let go and passed on.
 fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
-    let mut compare = |time_s: f64, what: String, a: &Rigid, b: &Rigid| {
+    let compare = |report: &mut RecheckReport, time_s: f64, what: String, a: &Rigid, b: &Rigid| {
         let (apart, turned) = (a.position.distance(b.position), angle_between(a.rotation, b.rotation));
         if apart > GRIP_M || turned > GRIP_RAD {
             let what = format!("{what} is off by {apart:.5} m and {turned:.4} rad");
-            report.violations.push(RecheckViolation { time_s, what });
+            report.add_violation(time_s, what);
         }
     };
     for pin in &stage.pins {
         let at = joint_in_clip(&stage.actors[pin.character], hand_joint(pin.limb), pin.time_s);
-        compare(pin.time_s, format!("{} at its target", hand_joint(pin.limb).name()), &at, &pin.target);
+        compare(report, pin.time_s, format!("{} at its target", hand_joint(pin.limb).name()), &at, &pin.target);
     }
     for (thing, life) in stage.task.things.iter().zip(&stage.placements) {
         for pair in life.windows(2) {
@@ -284,7 +263,7 @@ fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
                 }
                 at => stage.resolve_placement(at, time_s, 0),
             });
-            compare(time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
+            compare(report, time_s, format!("`{}` as it changes hands", thing.name), &a, &b);
         }
         for (k, stretch) in life.iter().enumerate() {
             let ThingPlacement::OnJoint { character, joint, second: Some(second), .. } = &stretch.placement else {
@@ -297,15 +276,15 @@ fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
                 let time_s = frame as f64 / rate_hz;
                 let [first, other] = [*joint, hand_joint(second.limb)].map(|j| joint_in_clip(actor, j, time_s));
                 let what = format!("{} at `{}`", hand_joint(second.limb).name(), thing.name);
-                compare(time_s, what, &first.compose(second.grip), &other);
+                compare(report, time_s, what, &first.compose(second.grip), &other);
             }
             let num_samples = ((end_s - stretch.from_s) * RATE_HZ) as usize;
             for sample in 0..=num_samples {
                 let time_s = stretch.from_s + sample as f64 / RATE_HZ;
                 let [first, other] =
                     [*joint, hand_joint(second.limb)].map(|j| place_at(&actor.clip, &actor.skeleton, j, time_s));
-                report.second_hand_off_m =
-                    report.second_hand_off_m.max(first.transform_point(second.grip.position).distance(other.position));
+                let off_m = first.transform_point(second.grip.position).distance(other.position);
+                report.second_hand_off_m = report.second_hand_off_m.max(off_m);
             }
         }
     }
@@ -314,6 +293,5 @@ fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
 /// Transform of a joint by the clip's own kinematics, at the nearest frame.
 fn joint_in_clip(actor: &StageActor, joint: Joint, time_s: f64) -> Rigid {
     let frame = ((time_s * actor.clip.rate_hz).round().max(0.0) as usize).min(actor.clip.num_frames() - 1);
-    let (at, turn) = actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()];
-    Rigid { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
+    actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()].into()
 }

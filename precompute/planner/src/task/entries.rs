@@ -12,6 +12,8 @@ use std::path::PathBuf;
 #[serde(deny_unknown_fields)]
 pub(super) struct TaskFile {
     /// The motion to change: a file, or a table.
+    #[serde(deserialize_with = "file_or_table")]
+    #[schemars(with = "ClipForms")]
     pub clip: ClipEntry,
     /// Name in messages and in `to` of the character that moves as `clip` says.
     #[serde(default = "main")]
@@ -39,8 +41,9 @@ throng_base::key_defaults! {
 }
 
 /// A motion file or a synthetic clip, or a part of one.
-#[derive(Clone, Debug, Default, PartialEq, JsonSchema)]
-#[schemars(with = "ClipForms")]
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "ClipTable", description = "")]
 pub struct ClipEntry {
     /// Motion file, from the task's folder; FILE/CLIP for one of several in it.
     pub file: Option<PathBuf>,
@@ -51,6 +54,7 @@ pub struct ClipEntry {
     /// Walking in place of a clip: the character walks up to its tasks.
     pub walk: Option<WalkEntry>,
     /// Begin of the part of the clip that is used, which is time 0 of everything (s).
+    #[serde(default)]
     pub from_s: f64,
     /// End of that part; the clip's end where absent (s).
     pub to_s: Option<f64>,
@@ -90,52 +94,33 @@ pub struct PaceEntry {
     pub speed_mps: f64,
 }
 
+/// A motion file or a synthetic clip, or a part of one.
 #[derive(Deserialize, JsonSchema)]
 #[serde(untagged)]
+#[schemars(rename = "ClipEntry")]
 #[expect(dead_code, reason = "for the schema")]
 enum ClipForms {
     /// Motion file, from the task's folder; FILE/CLIP for one of several in it.
     File(PathBuf),
-    Table(ClipTable),
+    Table(ClipEntry),
 }
 
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-struct ClipTable {
-    /// Motion file, from the task's folder; FILE/CLIP for one of several in it.
-    file: Option<PathBuf>,
-    /// Synthetic set, see `throng synth`.
-    synth: Option<String>,
-    /// Clip of the set; the first one where absent.
-    clip: Option<String>,
-    /// Walking in place of a clip: the character walks up to its tasks.
-    walk: Option<WalkEntry>,
-    /// Begin of the part of the clip that is used, which is time 0 of everything (s).
-    #[serde(default)]
-    from_s: f64,
-    /// End of that part; the clip's end where absent (s).
-    to_s: Option<f64>,
-}
-
-impl<'de> Deserialize<'de> for ClipEntry {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct ClipEntryVisitor;
-        impl<'de> Visitor<'de> for ClipEntryVisitor {
-            type Value = ClipEntry;
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a motion file, or a table with `file` or `synth`")
-            }
-            fn visit_str<E>(self, file: &str) -> Result<ClipEntry, E> {
-                Ok(ClipEntry { file: Some(file.into()), ..ClipEntry::default() })
-            }
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ClipEntry, A::Error> {
-                let ClipTable { file, synth, clip, walk, from_s, to_s } =
-                    ClipTable::deserialize(MapAccessDeserializer::new(map))?;
-                Ok(ClipEntry { file, synth, clip, walk, from_s, to_s })
-            }
+/// Reads a clip from a file name or a table.
+fn file_or_table<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ClipEntry, D::Error> {
+    struct ClipEntryVisitor;
+    impl<'de> Visitor<'de> for ClipEntryVisitor {
+        type Value = ClipEntry;
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a motion file, or a table with `file` or `synth`")
         }
-        deserializer.deserialize_any(ClipEntryVisitor)
+        fn visit_str<E>(self, file: &str) -> Result<ClipEntry, E> {
+            Ok(ClipEntry { file: Some(file.into()), ..ClipEntry::default() })
+        }
+        fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<ClipEntry, A::Error> {
+            ClipEntry::deserialize(MapAccessDeserializer::new(map))
+        }
     }
+    deserializer.deserialize_any(ClipEntryVisitor)
 }
 
 /// Another character.
@@ -145,6 +130,8 @@ pub(super) struct CharacterEntry {
     /// Name in tasks and messages.
     pub name: String,
     /// Motion.
+    #[serde(deserialize_with = "file_or_table")]
+    #[schemars(with = "ClipForms")]
     pub clip: ClipEntry,
     /// File of the character's figure, with a skin (GLB or glTF), from the task's folder; its triangles are obstacles of the
     /// others.

@@ -1,19 +1,23 @@
 //! Checked contents of `TASK.toml`.
 
-use super::entries::{CharacterEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry};
+use super::entries::{
+    CharacterEntry, PaceEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry,
+};
 use super::mesh;
-use super::step::{TaskStep, steps};
+use super::step::{NameTable, TaskStep};
 use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
+use crate::refuse;
 use crate::rotation::{Rigid, exp, rotation_about};
+use crate::smooth::SmoothConfig;
 use crate::stiff_mesh::StiffMesh;
 use crate::track::RigidPath as Motion;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_base::Result;
+use throng_base::Error;
 use throng_base::text::TomlSource;
 use throng_core::{Joint, Skeleton};
 use throng_geometry::{Segment, SolidShape};
@@ -32,7 +36,7 @@ pub(super) const MOST_S: f64 = 600.0;
 pub(super) const MOST: usize = 1000;
 
 /// A character of a task.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct TaskCharacter {
     /// Name in tasks and messages.
     pub name: String,
@@ -59,14 +63,8 @@ impl std::fmt::Debug for WornFigure {
     }
 }
 
-impl PartialEq for WornFigure {
-    fn eq(&self, other: &Self) -> bool {
-        self.path == other.path
-    }
-}
-
 impl WornFigure {
-    fn read(path: &Path) -> std::result::Result<Self, String> {
+    fn read(path: &Path) -> Result<Self, String> {
         let figure = SkinnedFigure::open(path, &ImportConfig::default()).map_err(|e| e.to_string())?;
         StiffMesh::from_figure(&figure, &Skeleton::default()).map_err(|e| format!("{}: {e}", path.display()))?;
         Ok(Self { path: path.to_path_buf(), figure: Arc::new(figure) })
@@ -127,7 +125,7 @@ impl Task {
     ///
     /// # Errors
     /// Errors with file and line: faults of TOML, unknown names, numbers that are not finite, invalid meshes.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         Self::from_source(&TomlSource::read(path, "a task")?)
     }
 
@@ -135,7 +133,7 @@ impl Task {
     ///
     /// # Errors
     /// As [`Task::read`].
-    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+    pub fn parse(text: &str, path: &Path) -> Result<Self, Error> {
         Self::from_source(&TomlSource::new(text, path))
     }
 
@@ -166,7 +164,7 @@ impl Task {
         timed.map(|s| (s.character, s.limb, [s.times_s[0], s.times_s[1]]))
     }
 
-    fn from_source(source: &TomlSource) -> Result<Self> {
+    fn from_source(source: &TomlSource) -> Result<Self, Error> {
         let file: TaskFile = source.parse(HELP)?;
         let folder = source.path().parent().unwrap_or(Path::new(""));
         let numbers = [
@@ -185,8 +183,8 @@ impl Task {
         let mut characters = vec![TaskCharacter { name: file.name.clone(), clip, placed: Rigid::IDENTITY, body }];
         for (i, c) in file.characters.iter().enumerate() {
             let key = format!("characters[{i}]");
-            new_name(&mut names, &c.name).map_err(|why| source.error_at_key(&key, why))?;
-            characters.push(c.character(folder).map_err(|why| source.error_at_key(&key, why))?);
+            let character = new_name(&mut names, &c.name).and_then(|()| c.character(folder));
+            characters.push(character.map_err(|why| source.error_at_key(&key, why))?);
         }
         let mut things: Vec<TaskThing> = Vec::new();
         let lists = [("obstacles", &file.scene.obstacles, false), ("objects", &file.scene.objects, true)];
@@ -198,72 +196,57 @@ impl Task {
                 things.push(thing.map_err(|why| source.error_at_key(&key, format!("`{}`: {why}", o.name)))?);
             }
         }
-        let steps = steps(&file.tasks, &characters, &things)
-            .map_err(|(i, why)| source.error_at_key(&format!("tasks[{i}]"), why))?;
+        let steps = NameTable { characters: &characters, things: &things }.steps(&file.tasks);
+        let steps = steps.map_err(|(i, why)| source.error_at_key(&format!("tasks[{i}]"), why))?;
         let config = file.planner.config().map_err(|(key, why)| source.error_at_key(&format!("planner.{key}"), why))?;
         let PlannerEntry { clearance_m, gaze, lean, balance, .. } = file.planner;
         Ok(Self { characters, things, config, clearance_m, gaze, lean, balance, steps })
     }
 }
 
-fn new_name(names: &mut Vec<String>, name: &str) -> std::result::Result<(), String> {
-    if name.is_empty() || name.contains(['.', '/', '\\']) || Joint::from_name(name).is_some() {
-        return Err(format!("expected a name without `.` and `/` that no joint has, found `{name}`"));
-    }
-    if names.iter().any(|n| n == name) {
-        return Err(format!("there are two of `{name}`; rename one of them"));
-    }
+fn new_name(names: &mut Vec<String>, name: &str) -> Result<(), String> {
+    let is_other = name.is_empty() || name.contains(['.', '/', '\\']) || Joint::from_name(name).is_some();
+    refuse(is_other, format_args!("expected a name without `.` and `/` that no joint has, found `{name}`"))?;
+    refuse(names.iter().any(|n| n == name), format_args!("there are two of `{name}`; rename one of them"))?;
     names.push(name.into());
     Ok(())
 }
 
-fn resolve_clip(entry: &ClipEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
+fn resolve_clip(entry: &ClipEntry, folder: &Path) -> Result<ClipEntry, String> {
     let kinds = [entry.file.is_some(), entry.synth.is_some(), entry.walk.is_some()];
-    if kinds.iter().filter(|k| **k).count() != 1 || (entry.clip.is_some() && entry.synth.is_none()) {
-        return Err("expected `file`, or `synth` with or without `clip`, or `walk`".into());
-    }
+    let is_none = kinds.iter().filter(|k| **k).count() != 1 || (entry.clip.is_some() && entry.synth.is_none());
+    refuse(is_none, format_args!("expected `file`, or `synth` with or without `clip`, or `walk`"))?;
     if let Some(walk) = &entry.walk {
         return resolve_walk(entry, walk, folder);
     }
-    let to_s = entry.to_s.unwrap_or(f64::INFINITY);
-    if !(entry.from_s >= 0.0 && entry.from_s < to_s) {
-        return Err(format!("expected 0 <= from_s < to_s, found {} and {to_s}", entry.from_s));
-    }
+    let (from_s, to_s) = (entry.from_s, entry.to_s.unwrap_or(f64::INFINITY));
+    let is_part = from_s >= 0.0 && from_s < to_s;
+    refuse(!is_part, format_args!("expected 0 <= from_s < to_s, found {from_s} and {to_s}"))?;
     let file: Option<PathBuf> = entry.file.as_ref().map(|f| folder.join(f));
     Ok(ClipEntry { file, ..entry.clone() })
 }
 
-fn resolve_walk(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> std::result::Result<ClipEntry, String> {
-    if entry.from_s != 0.0 || entry.to_s.is_some() {
-        return Err("`walk` goes on until everything is done: expected no `from_s` and no `to_s`".into());
-    }
-    if !(walk.from.iter().all(|c| c.abs() < MOST_M) && walk.heading_deg.abs() < 1e6) {
-        return Err(format!("walk: expected `from` within {MOST_M} m and a finite `heading_deg`"));
-    }
-    if !(0.3..=4.0).contains(&walk.speed_mps) {
-        return Err(format!("walk: speed_mps: expected 0.3 to 4, found {}", walk.speed_mps));
-    }
+fn resolve_walk(entry: &ClipEntry, walk: &WalkEntry, folder: &Path) -> Result<ClipEntry, String> {
+    let is_part = entry.from_s != 0.0 || entry.to_s.is_some();
+    refuse(is_part, format_args!("`walk` goes on until everything is done: expected no `from_s` and no `to_s`"))?;
+    let is_place = walk.from.iter().all(|c| c.abs() < MOST_M) && walk.heading_deg.abs() < 1e6;
+    refuse(!is_place, format_args!("walk: expected `from` within {MOST_M} m and a finite `heading_deg`"))?;
+    let speed = walk.speed_mps;
+    refuse(!(0.3..=4.0).contains(&speed), format_args!("walk: speed_mps: expected 0.3 to 4, found {speed}"))?;
     not_many("walk: pace", walk.pace.len())?;
-    let (times, speeds) = (walk.pace.iter().map(|p| p.t_s), walk.pace.iter().map(|p| p.speed_mps));
-    let times: Vec<f64> = times.collect();
-    let ascend = times.first().is_none_or(|t| *t == 0.0) && times.windows(2).all(|w| w[0] < w[1]);
-    if !(ascend
-        && times.len() != 1
-        && times.iter().all(|t| *t <= MOST_S)
-        && speeds.into_iter().all(|v| (0.0..=8.0).contains(&v)))
-    {
-        return Err(format!(
-            "walk: pace: expected two times at least, ascending from 0 to {MOST_S} s at most, and speeds of 0 to 8 m/s"
-        ));
-    }
+    let ascend = walk.pace.first().is_none_or(|p| p.t_s == 0.0) && walk.pace.windows(2).all(|w| w[0].t_s < w[1].t_s);
+    let is_possible = |p: &PaceEntry| p.t_s <= MOST_S && (0.0..=8.0).contains(&p.speed_mps);
+    let is_pace = ascend && walk.pace.len() != 1 && walk.pace.iter().all(is_possible);
+    let expected = "two times at least, ascending from 0";
+    refuse(!is_pace, format_args!("walk: pace: expected {expected} to {MOST_S} s at most, and speeds of 0 to 8 m/s"))?;
     let (bundle, config) = (folder.join(&walk.bundle), walk.config.as_ref().map(|c| folder.join(c)));
     let walk = WalkEntry { bundle, config, ..walk.clone() };
     Ok(ClipEntry { walk: Some(walk), ..entry.clone() })
 }
 
 /// Refuses a list that is too long.
-pub(super) fn not_many(list: &str, len: usize) -> std::result::Result<(), String> {
-    if len > MOST { Err(format!("{list}: expected {MOST} at most, found {len}")) } else { Ok(()) }
+pub(super) fn not_many(list: &str, len: usize) -> Result<(), String> {
+    refuse(len > MOST, format_args!("{list}: expected {MOST} at most, found {len}"))
 }
 
 /// True for a position that is finite and within [`MOST_M`].
@@ -276,26 +259,22 @@ pub(super) fn rigid_of_entry(at: [f64; 3], turn_deg: [f64; 3]) -> Rigid {
 }
 
 impl CharacterEntry {
-    fn character(&self, folder: &Path) -> std::result::Result<TaskCharacter, String> {
-        let placed =
-            Rigid { position: DVec3::from(self.at), rotation: rotation_about(DVec3::Y, self.heading_deg.to_radians()) };
-        if !is_within_scene(&placed) {
-            return Err(format!("expected a finite `heading_deg`, and `at` within {MOST_M} m"));
-        }
+    fn character(&self, folder: &Path) -> Result<TaskCharacter, String> {
+        let rotation = rotation_about(DVec3::Y, self.heading_deg.to_radians());
+        let placed = Rigid { position: DVec3::from(self.at), rotation };
+        let is_far = !is_within_scene(&placed);
+        refuse(is_far, format_args!("expected a finite `heading_deg`, and `at` within {MOST_M} m"))?;
         let body = self.body.as_ref().map(|b| WornFigure::read(&folder.join(b))).transpose()?;
         Ok(TaskCharacter { name: self.name.clone(), clip: resolve_clip(&self.clip, folder)?, placed, body })
     }
 }
 
 /// Character and joint of `CHARACTER.JOINT`.
-pub(super) fn joint_of(name: &str, characters: &[TaskCharacter]) -> std::result::Result<(usize, Joint), String> {
+pub(super) fn joint_of(name: &str, characters: &[TaskCharacter]) -> Result<(usize, Joint), String> {
     let wrong = || {
         let known: Vec<&str> = characters.iter().map(|c| c.name.as_str()).collect();
-        format!(
-            "expected CHARACTER.JOINT, such as `{}.right_hand`, found `{name}`; characters are {}",
-            known[0],
-            known.join(", ")
-        )
+        let (first, all) = (known[0], known.join(", "));
+        format!("expected CHARACTER.JOINT, such as `{first}.right_hand`, found `{name}`; characters are {all}")
     };
     let (who, joint) = name.rsplit_once('.').ok_or_else(wrong)?;
     let who = characters.iter().position(|c| c.name == who).ok_or_else(wrong)?;
@@ -303,20 +282,12 @@ pub(super) fn joint_of(name: &str, characters: &[TaskCharacter]) -> std::result:
 }
 
 impl ThingEntry {
-    fn thing(
-        &self,
-        folder: &Path,
-        characters: &[TaskCharacter],
-        is_object: bool,
-    ) -> std::result::Result<TaskThing, String> {
+    fn thing(&self, folder: &Path, characters: &[TaskCharacter], is_object: bool) -> Result<TaskThing, String> {
         let entries: Vec<&ShapeEntry> = self.shape.iter().chain(&self.shapes).collect();
-        if entries.is_empty() || entries.len() > MOST {
-            return Err(format!("expected `shape`, or 1 to {MOST} `shapes`"));
-        }
-        let shapes: Vec<SolidShape> = entries.iter().map(|s| s.shape(folder)).collect::<std::result::Result<_, _>>()?;
-        if !shapes.iter().all(SolidShape::is_valid) {
-            return Err("expected finite numbers and positive sizes".into());
-        }
+        refuse(!(1..=MOST).contains(&entries.len()), format_args!("expected `shape`, or 1 to {MOST} `shapes`"))?;
+        let shapes: Vec<SolidShape> = entries.iter().map(|s| s.shape(folder)).collect::<Result<_, _>>()?;
+        let is_invalid = !shapes.iter().all(SolidShape::is_valid);
+        refuse(is_invalid, format_args!("expected finite numbers and positive sizes"))?;
         let here = rigid_of_entry(self.at, self.turn_deg);
         let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, rigid_of_entry(k.at, k.turn_deg))).collect();
         let start = match (&self.attached_to, keys.is_empty()) {
@@ -330,15 +301,14 @@ impl ThingEntry {
             (None, true) => ThingStart::Path(Motion::Still(here)),
         };
         let ascends = if let ThingStart::Path(path) = &start { path.is_valid(0.0, 0.0) } else { true };
-        if !(ascends && is_within_scene(&here) && keys.iter().all(|(_, at)| is_within_scene(at))) {
-            return Err(format!("expected finite places within {MOST_M} m, and keys whose times ascend"));
-        }
+        let is_valid = ascends && is_within_scene(&here) && keys.iter().all(|(_, at)| is_within_scene(at));
+        refuse(!is_valid, format_args!("expected finite places within {MOST_M} m, and keys whose times ascend"))?;
         Ok(TaskThing { name: self.name.clone(), shapes, start, is_object })
     }
 }
 
 impl ShapeEntry {
-    fn shape(&self, folder: &Path) -> std::result::Result<SolidShape, String> {
+    fn shape(&self, folder: &Path) -> Result<SolidShape, String> {
         Ok(match self {
             Self::Ball { radius, at } => {
                 SolidShape::Round { core: Segment::new(DVec3::from(*at), DVec3::from(*at)), radius: *radius }
@@ -374,7 +344,7 @@ impl Default for PlannerEntry {
 }
 
 impl PlannerEntry {
-    fn config(&self) -> std::result::Result<CorrectConfig<'static>, (&'static str, String)> {
+    fn config(&self) -> Result<CorrectConfig<'static>, (&'static str, String)> {
         let ranges = [
             ("draws", f64::from(self.draws), 0.0, 1e6),
             ("budget_s", self.budget_s.unwrap_or(1.0), 0.0, 3600.0),
@@ -397,9 +367,7 @@ impl PlannerEntry {
         if let Some(resolution_rad) = self.resolution_rad {
             config.plan.search.edge = EdgeCheck::Bisection { resolution_rad };
         }
-        config.plan.smooth.straighten = self.straighten;
-        config.plan.smooth.round_s = self.round_s;
-        config.plan.smooth.blend_s = self.blend_s;
+        config.plan.smooth = SmoothConfig { straighten: self.straighten, round_s: self.round_s, blend_s: self.blend_s };
         config.margin_s = self.margin_s;
         config.margin_most_s = config.margin_most_s.max(self.margin_s);
         Ok(config)

@@ -16,7 +16,7 @@ const LEAP_RAD: f64 = 0.1;
 /// Frames to either side over which the swivel is made smooth.
 const SMOOTH: usize = 6;
 
-/// Targets of the second hand, frame by frame.
+/// Frames of a hand's path, and targets of the second hand where it follows the first one.
 pub(super) struct HandPath<'a> {
     pub problem: &'a Problem,
     /// One for each frame, the first one included.
@@ -135,30 +135,24 @@ impl HandPath<'_> {
 
     /// Passes on poses whose motion is free in between, too.
     fn keep_if_free(&self, poses: Vec<LimbPose>, checker: &mut Checker) -> Result<Vec<LimbPose>, FollowError> {
-        let way = check_free_all_along(self.problem, checker, &poses, self.start_s, self.rate_hz);
+        let way = self.check_free_all_along(checker, &poses);
         way.map(|()| poses).map_err(|(t, with)| (t, format!("{with} is in the way")))
     }
-}
 
-/// Checks that a motion is free; else returns when it collides, or a joint is too fast, and the obstacle or joint.
-pub(super) fn check_free_all_along(
-    problem: &Problem,
-    checker: &mut Checker,
-    poses: &[LimbPose],
-    start_s: f64,
-    rate_hz: f64,
-) -> Result<(), FollowError> {
-    let state = |k: usize| LimbState { pose: poses[k], time_s: start_s + k as f64 / rate_hz };
-    for k in 0..poses.len() {
-        if let Some(hit) = checker.deepest_hit(problem, &state(k)) {
-            return Err((state(k).time_s, problem.hit_names(&hit)[1].clone()));
+    /// Checks that a motion is free; else returns when it collides, or a joint is too fast, and the obstacle or joint.
+    pub fn check_free_all_along(&self, checker: &mut Checker, poses: &[LimbPose]) -> Result<(), FollowError> {
+        let (problem, state) = (self.problem, |k: usize| self.state(k, poses[k]));
+        for k in 0..poses.len() {
+            if let Some(hit) = checker.deepest_hit(problem, &state(k)) {
+                return Err((state(k).time_s, problem.hit_names(&hit)[1].clone()));
+            }
+            if k > 0 && !checker.is_edge_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
+                let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
+                let is_fast = least_s > 1.0 / self.rate_hz + 1e-9;
+                let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };
+                return Err((state(k).time_s, what));
+            }
         }
-        if k > 0 && !checker.is_edge_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
-            let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
-            let is_fast = least_s > 1.0 / rate_hz + 1e-9;
-            let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };
-            return Err((state(k).time_s, what));
-        }
+        Ok(())
     }
-    Ok(())
 }

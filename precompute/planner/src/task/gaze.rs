@@ -117,12 +117,9 @@ pub(super) fn look_at_target(stage: &mut TaskStage<'_>, step: &TaskStep) {
         }
     }
     stage.actors[who].replace_clip(clip);
-    let at = object_target(stage, step, at_s).position;
-    stage.gazes.push(TaskGaze {
-        character: who,
-        times_s: [time_of(*frames.start()), at_s, time_of(*frames.end())],
-        target: at,
-    });
+    let target = object_target(stage, step, at_s).position;
+    let times_s = [time_of(*frames.start()), at_s, time_of(*frames.end())];
+    stage.gazes.push(TaskGaze { character: who, times_s, target });
 }
 
 /// True for an object on the character's own head, or brought there: it turns along and is out of sight.

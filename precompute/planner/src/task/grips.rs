@@ -1,6 +1,6 @@
 //! Places of hands for grips.
 
-use super::stage::{StageActor, hand_joint, palm};
+use super::stage::{SecondHand, StageActor, ThingPlacement, hand_joint, palm};
 use super::step::ObjectGrip;
 use crate::linkage::{Chain, Limb, LimbPose, MAX_JOINTS};
 use crate::rotation::{Rigid, angle_between, rotation_about, rotation_between};
@@ -21,23 +21,26 @@ pub(super) struct HandTarget {
     pub object: Rigid,
 }
 
-/// Goals of hands for grips on something at `object`: each grip has its own rank.
-pub(super) fn hand_targets(
-    grips: &[ObjectGrip],
-    object: &Rigid,
-    actor: &StageActor,
-    limb: Limb,
-    time_s: f64,
-) -> Vec<HandTarget> {
-    let mut out = Vec::new();
-    for (rank, grip) in grips.iter().enumerate() {
-        let hands = match grip {
-            ObjectGrip::Turned(wrist) => vec![object.compose(*wrist)],
-            ObjectGrip::Any(middle) => turned_hands(object.transform_point(*middle), actor, limb, time_s),
-        };
-        out.extend(hands.into_iter().map(|hand| HandTarget { rank, hand, object: *object }));
+impl HandTarget {
+    /// Placement of the object in the hand of a limb, and in the second one if there is one.
+    pub fn placement_in_hand(&self, character: usize, limb: Limb, second: Option<SecondHand>) -> ThingPlacement {
+        let offset = self.hand.to_local(self.object);
+        ThingPlacement::OnJoint { character, joint: hand_joint(limb), offset, holder: Some(limb), second }
     }
-    out
+}
+
+impl StageActor {
+    /// Goals of hands for grips on something at `object`: each grip has its own rank.
+    pub fn hand_targets(&self, limb: Limb, grips: &[ObjectGrip], object: &Rigid, time_s: f64) -> Vec<HandTarget> {
+        let goals = |(rank, grip): (usize, &ObjectGrip)| {
+            let hands = match grip {
+                ObjectGrip::Turned(wrist) => vec![object.compose(*wrist)],
+                ObjectGrip::Any(middle) => turned_hands(object.transform_point(*middle), self, limb, time_s),
+            };
+            hands.into_iter().map(move |hand| HandTarget { rank, hand, object: *object })
+        };
+        grips.iter().enumerate().flat_map(goals).collect()
+    }
 }
 
 /// Measure of how unnatural a pose of an arm is: the bend of the wrist (rad), and the height of the elbow above the middle
@@ -59,12 +62,9 @@ fn turned_hands(middle: DVec3, actor: &StageActor, limb: Limb, time_s: f64) -> V
     let straight = rotation_between(present * palm.normalize_or(DVec3::X), ahead) * present;
     let side = ahead.cross(DVec3::Y).normalize_or(DVec3::X);
     let up = side.cross(ahead);
-    let mut turns: Vec<DQuat> = Vec::new();
-    for tilt in TILTS {
-        for axis in [side, up] {
-            turns.extend(ROLLS.map(|roll| rotation_about(axis, tilt) * rotation_about(ahead, roll) * straight));
-        }
-    }
+    let tilts = TILTS.into_iter().flat_map(|tilt| [side, up].map(|axis| rotation_about(axis, tilt)));
+    let all = tilts.flat_map(|tilt| ROLLS.map(|roll| tilt * rotation_about(ahead, roll) * straight));
+    let mut turns: Vec<DQuat> = all.collect();
     turns.sort_by(|a, b| angle_between(*a, present).total_cmp(&angle_between(*b, present)));
     turns.into_iter().map(|rotation| Rigid { position: middle - rotation * palm, rotation }).collect()
 }
@@ -84,7 +84,7 @@ mod tests {
         let stage = super::super::stage::TaskStage::new(&task, &clips);
         let object = Rigid::from_position(DVec3::new(0.3, 1.3, 0.4));
         let grip = ObjectGrip::Any(DVec3::Y * 0.1);
-        let found = hand_targets(&[grip], &object, &stage.actors[0], Limb::LeftArm, 0.5);
+        let found = stage.actors[0].hand_targets(Limb::LeftArm, &[grip], &object, 0.5);
         let palm = palm(&s.skeleton, Limb::LeftArm);
         assert_eq!(found.len(), 70);
         assert!(found.iter().all(|g| g.hand.is_valid()

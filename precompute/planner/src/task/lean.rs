@@ -9,6 +9,7 @@ use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
 use crate::linkage::{Chain, Limb, LimbPose, Linkage};
+use crate::refuse;
 use crate::rotation::{Rigid, angle_between, rotation_about};
 use crate::smooth::smoothstep;
 use glam::{DQuat, DVec3};
@@ -47,6 +48,8 @@ pub(super) struct Bend {
     angle: f64,
     /// Share of the angle that the hips take.
     hips: f64,
+    /// Lowering by bent knees (m).
+    lower_m: f64,
 }
 
 /// A character that bends.
@@ -59,8 +62,8 @@ pub(super) struct BendingTrunk<'a> {
 }
 
 impl BendingTrunk<'_> {
-    /// The least bend that brings a shoulder within a distance of a target, and the lowering by bent knees (m).
-    pub fn least_bend(&self, pose: &RootPose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<(Bend, f64)> {
+    /// The least bend that brings a shoulder within a distance of a target.
+    pub fn least_bend(&self, pose: &RootPose, shoulder: Joint, target: DVec3, far_m: f64) -> Option<Bend> {
         let places = place_joints(self.skeleton, pose.0, &pose.1);
         let (pivot, from) = (places[Joint::Spine.index()].position, places[shoulder.index()].position);
         let across = (from - pivot).cross(target - from).try_normalize()?;
@@ -68,7 +71,7 @@ impl BendingTrunk<'_> {
         let limit = |j: Joint| self.limits.joints[j.index()];
         let mut angle = STEP_RAD;
         while angle <= MOST_RAD {
-            let bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 } };
+            let mut bend = Bend { axis, angle, hips: if self.balances { HIPS } else { 0.0 }, lower_m: 0.0 };
             let bent = bent_rotations(&pose.1, &bend, 1.0);
             let is_within = SPINE.into_iter().all(|j| {
                 let [a, b] = [pose.1[j.index()], bent[j.index()]];
@@ -77,16 +80,15 @@ impl BendingTrunk<'_> {
             if !is_within {
                 return None;
             }
-            let mut lower_m = 0.0;
-            while lower_m <= LOWER_M {
-                if let Some((root, turns)) = self.bent_pose(pose, &bend, 1.0, lower_m) {
+            while bend.lower_m <= LOWER_M {
+                if let Some((root, turns)) = self.bent_pose(pose, &bend, 1.0) {
                     let at = place_joints(self.skeleton, root, &turns)[shoulder.index()].position;
                     if at.distance(target) <= far_m {
-                        return Some((bend, lower_m));
+                        return Some(bend);
                     }
                     break;
                 }
-                lower_m += LOWER_STEP_M;
+                bend.lower_m += LOWER_STEP_M;
             }
             angle += STEP_RAD;
         }
@@ -94,14 +96,14 @@ impl BendingTrunk<'_> {
     }
 
     /// A pose with a share of a bend; `None` where legs do not reach the ground then.
-    pub fn bent_pose(&self, pose: &RootPose, bend: &Bend, share: f64, lower_m: f64) -> Option<RootPose> {
+    pub fn bent_pose(&self, pose: &RootPose, bend: &Bend, share: f64) -> Option<RootPose> {
         let turns = bent_rotations(&pose.1, bend, share);
         if !self.balances {
             return Some((pose.0, turns));
         }
         let before = place_joints(self.skeleton, pose.0, &pose.1);
         let weight = centre_of_mass(&before);
-        let mut out = (pose.0 - DVec3::Y * lower_m * share, turns);
+        let mut out = (pose.0 - DVec3::Y * bend.lower_m * share, turns);
         for _ in 0..4 {
             out = self.place_feet(out, &before)?;
             let off = (weight - centre_of_mass(&place_joints(self.skeleton, out.0, &out.1))).with_y(0.0);
@@ -165,16 +167,10 @@ fn bent_rotations(turns: &[DQuat; NUM_JOINTS], bend: &Bend, share: f64) -> [DQua
 pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f64) -> Result<(), StepFailure> {
     let (who, limb, [from_s, at_s, to_s]) = (step.character, step.limb, step.times_s);
     let held_s = at_s + step.hold_s;
-    let is_busy = |p: &super::stage::PlannedLimb| {
-        p.character == who && p.limb != limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
-    };
-    let before = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
-    let own = |p: &super::stage::PlannedLimb| {
-        p.character == who && p.limb == limb && p.window_s[0] < to_s - 1e-6 && p.window_s[1] > from_s + 1e-6
-    };
-    if before || stage.planned_limbs.iter().any(|p| is_busy(p) || own(p)) {
-        return Err(StepFailure::new("nobody leans while another task of the same body is done"));
-    }
+    let leans = stage.leans.iter().any(|l| l.character == who && l.window_s[0] < to_s && l.window_s[1] > from_s);
+    let is_during = |[begin, end]: [f64; 2]| begin < to_s - 1e-6 && end > from_s + 1e-6;
+    let is_busy = leans || stage.planned_limbs.iter().any(|p| p.character == who && is_during(p.window_s));
+    refuse(is_busy, format_args!("nobody leans while another task of the same body is done"))?;
     let actor = &stage.actors[who];
     let rate_hz = actor.clip.rate_hz;
     let frame_of = |t: f64| (t * rate_hz).round() as usize;
@@ -194,9 +190,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
     let there = pose(frame_of(at_s));
     let shoulder = limb.joints()[0];
     let far_m = place_joints(&actor.skeleton, there.0, &there.1)[shoulder.index()].position.distance(at) - by_m;
-    let Some((bend, lower_m)) = trunk.least_bend(&there, shoulder, at, far_m) else {
-        return Err(StepFailure::new("out of reach, as far as the trunk bends"));
-    };
+    let bend = trunk.least_bend(&there, shoulder, at, far_m);
+    let bend = bend.ok_or_else(|| StepFailure::new("out of reach, as far as the trunk bends"))?;
     let share = |t: f64| ease((t - from_s) / (at_s - from_s)) * ease((to_s - t) / (to_s - held_s));
     let mut clip = actor.clip.clone();
     for f in frames.clone() {
@@ -204,9 +199,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         if share == 0.0 {
             continue;
         }
-        let Some((root, turns)) = trunk.bent_pose(&old, &bend, share, lower_m) else {
-            return Err(StepFailure::new("who leans there does not stand"));
-        };
+        let bent = trunk.bent_pose(&old, &bend, share);
+        let (root, turns) = bent.ok_or_else(|| StepFailure::new("who leans there does not stand"))?;
         if trunk.balances {
             clip.root_positions[f] = root.as_vec3();
         }
@@ -221,9 +215,8 @@ pub(super) fn lean_to_target(stage: &mut TaskStage<'_>, step: &TaskStep, by_m: f
         for j in SPINE {
             let turn = |f: usize| clip.rotations[f * NUM_JOINTS + j.index()].as_dquat().normalize();
             let speed = angle_between(turn(f - 1), turn(f)) * rate_hz;
-            if actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed) {
-                return Err(StepFailure::new(format!("{} has no time to lean so far; give more time", j.name())));
-            }
+            let is_fast = actor.limits.joints[j.index()].is_some_and(|l| speed > l.speed);
+            refuse(is_fast, format_args!("{} has no time to lean so far; give more time", j.name()))?;
         }
     }
     stage.actors[who].replace_clip(clip);

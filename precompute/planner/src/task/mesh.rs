@@ -30,9 +30,7 @@ pub(super) fn read_mesh(path: &Path, unit_m: f64, open: bool) -> Result<SolidSha
     if !(1e-6..=1e6).contains(&unit_m) {
         return Err(format!("{}: expected a positive `unit_m`, 0.000001 to 1000000, found {unit_m}", path.display()));
     }
-    for corner in triangles.iter_mut().flatten() {
-        *corner *= unit_m as f32;
-    }
+    triangles.iter_mut().flatten().for_each(|corner| *corner *= unit_m as f32);
     remove_duplicates(&mut triangles);
     let holes = if open { 0 } else { open_edges(&triangles) };
     if holes > 0 {

@@ -2,7 +2,7 @@
 
 use super::entries::TaskAction;
 use super::file::Task;
-use super::grips::hand_targets;
+use super::grips::HandTarget;
 use super::lean;
 use super::mesh::open_edges;
 use super::run::ClipMismatch;
@@ -12,17 +12,17 @@ use crate::collide::Checker;
 use crate::correct::{CollisionStretch, find_collisions};
 use crate::ik::IkError;
 use crate::linkage::LimbPose;
-use crate::problem::{LimbState, Problem};
+use crate::problem::Problem;
 use crate::rotation::Rigid;
-use crate::setup::{AllowedContact, ProblemSpec};
+use crate::setup::{AllowedContact, ProblemError};
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
-use throng_core::{Contacts, Joint};
+use throng_core::Joint;
 use throng_geometry::SolidShape;
 
 /// Facts about one step before any search. The names of the fields are keys of JSON reports.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct StepPreview {
     /// Its name, or its action.
     pub name: String,
@@ -72,63 +72,50 @@ impl Task {
 
     /// Facts about all meshes.
     pub fn preview_meshes(&self) -> Vec<MeshPreview> {
-        let of = |thing: &super::file::TaskThing, shape: &SolidShape| match shape {
-            SolidShape::Mesh(mesh) => Some(MeshPreview {
-                thing: thing.name.clone(),
-                triangles: mesh.corners().len(),
-                open_edges: open_edges(mesh.corners()),
-            }),
-            _ => None,
+        let all = self.things.iter().flat_map(|t| t.shapes.iter().map(move |shape| (t.name.clone(), shape)));
+        let one = |(thing, shape): (String, &SolidShape)| {
+            let SolidShape::Mesh(mesh) = shape else { return None };
+            let (triangles, open_edges) = (mesh.corners().len(), open_edges(mesh.corners()));
+            Some(MeshPreview { thing, triangles, open_edges })
         };
-        self.things.iter().flat_map(|t| t.shapes.iter().filter_map(move |s| of(t, s))).collect()
+        all.filter_map(one).collect()
     }
 }
 
 fn preview_step(stage: &TaskStage<'_>, step: &TaskStep) -> StepPreview {
-    let name = step.name.clone();
-    let (at_s, none) = ((step.action != TaskAction::Correct).then_some(step.times_s[1]), None);
-    let mut out = StepPreview {
-        name,
-        faults: Vec::new(),
-        at_s,
-        least_s: none,
-        given_s: none,
-        reached: None,
-        collisions: Vec::new(),
-    };
+    let at_s = (step.action != TaskAction::Correct).then_some(step.times_s[1]);
+    let mut out = StepPreview { name: step.name.clone(), at_s, ..StepPreview::default() };
     let end_s = stage.actors[step.character].end_s();
     let [from_s, _, to_s] = step.times_s;
-    if step.action == TaskAction::Correct {
-        preview_correction(stage, step, &mut out);
+    let done = if step.action == TaskAction::Correct {
+        preview_correction(stage, step, &mut out)
     } else if !(from_s >= 0.0 && to_s <= end_s + 1e-6) {
         let why = format!("expected a window within the clip's 0 to {end_s:.2} s, found {from_s:.2} to {to_s:.2} s");
         out.faults.push(why);
+        return out;
     } else {
-        preview_visit(stage, step, &mut out);
-        if let Some(second) = &step.second {
-            let own = TaskStep { limb: second.limb, grips: second.grips.clone(), second: None, ..step.clone() };
-            let limb = second.limb.name().replace('_', " ");
-            out.faults.extend(preview_step(stage, &own).faults.into_iter().map(|why| format!("{limb}: {why}")));
-        }
+        preview_visit(stage, step, &mut out)
+    };
+    out.faults.extend(done.err().map(|e| e.to_string()));
+    if let Some(second) = &step.second {
+        let own = TaskStep { limb: second.limb, grips: second.grips.clone(), second: None, ..step.clone() };
+        let limb = second.limb.words();
+        out.faults.extend(preview_step(stage, &own).faults.into_iter().map(|why| format!("{limb}: {why}")));
     }
     out
 }
 
-fn preview_correction(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) {
+fn preview_correction(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) -> Result<(), ProblemError> {
     let actor = &stage.actors[step.character];
     let window_s = [step.times_s[0].max(0.0), step.times_s[2].min(actor.end_s())];
     let around = stage.surroundings_of_limb(step.character, step.limb, window_s);
     let others = stage.other_bodies(step.character);
-    let spec = spec_between_clip_poses(stage.limb_spec(step.character, step.limb, &around, &others), window_s);
-    let problem = match Problem::prepare(&spec) {
-        Ok(problem) => problem,
-        Err(e) => return out.faults.push(e.to_string()),
-    };
+    let spec = stage.limb_spec(step.character, step.limb, &around, &others).between_times(window_s);
+    let problem = Problem::prepare(&spec)?;
     out.collisions = find_collisions(&problem);
     for s in problem.driven_collisions(&spec) {
         let CollisionStretch { from_s, to_s, part, with, depth_m } = s;
-        let during = out.collisions.iter().any(|c| c.from_s < to_s && c.to_s > from_s);
-        if during {
+        if out.collisions.iter().any(|c| c.from_s < to_s && c.to_s > from_s) {
             out.faults.push(format!(
                 "{part} itself is {depth_m:.3} m too near {with} from {from_s:.2} s to {to_s:.2} s, as {} is: no motion of the \
                  limb helps it",
@@ -136,38 +123,29 @@ fn preview_correction(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPrev
             ));
         }
     }
-    let foot = match step.limb {
-        crate::linkage::Limb::LeftLeg => Contacts::LEFT,
-        crate::linkage::Limb::RightLeg => Contacts::RIGHT,
-        _ => return,
-    };
-    for s in &out.collisions {
-        let frames = [s.from_s, s.to_s].map(|t| (t * actor.clip.rate_hz).round() as usize);
-        let stands = |f: usize| actor.clip.contacts.get(f).is_some_and(|c| c.any(foot));
-        if let Some(frame) = (frames[0]..=frames[1]).find(|f| stands(*f)) {
+    for CollisionStretch { from_s, to_s, part, with, .. } in &out.collisions {
+        let [from, to] = [from_s, to_s].map(|t| (t * actor.clip.rate_hz).round() as usize);
+        if let Some(frame) = (from..=to).find(|f| step.limb.is_planted(&actor.clip.contacts, *f)) {
             let t = frame as f64 / actor.clip.rate_hz;
-            out.faults
-                .push(format!("{} stands on the ground at {t:.2} s, in {}: planted feet never move", s.part, s.with));
+            let why = format!("{part} stands on the ground at {t:.2} s, in {with}: planted feet never move");
+            out.faults.push(why);
         }
     }
+    Ok(())
 }
 
-fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) {
+fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) -> Result<(), ProblemError> {
     let (who, [from_s, at_s, to_s]) = (step.character, step.times_s);
     let around = surroundings_at_target(stage, step, at_s);
-    let others = stage.other_bodies(who);
-    let spec = spec_between_clip_poses(stage.limb_spec(who, step.limb, &around, &others), [from_s, to_s]);
-    let problem = match Problem::prepare(&spec) {
-        Ok(problem) => problem,
-        Err(e) => return out.faults.push(e.to_string()),
-    };
+    let problem = stage.limb_problem(who, step.limb, &around, [from_s, to_s])?;
     let (all, nearest) = reachable_poses(stage, step, &problem, at_s);
     let hands = all.len();
     let poses: Vec<LimbPose> = all.into_iter().flatten().collect();
     out.reached = Some([poses.len(), hands]);
     out.given_s = Some([at_s - from_s, to_s - at_s - step.hold_s]);
-    let ends = [spec.init.pose, spec.goal.pose];
+    let ends = [problem.init().pose, problem.goal().pose];
     let needs = poses.iter().map(|p| ends.map(|end| problem.least_time(&end, p)));
+    let leans = stage.task.lean && step.limb.is_arm();
     let soonest = needs.min_by(|a, b| (a[0].0 + a[1].0).total_cmp(&(b[0].0 + b[1].0)));
     match (soonest, nearest) {
         (Some(least), _) => {
@@ -182,37 +160,21 @@ fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) 
             }
         }
         // Up to this distance, a bend of the trunk may help.
-        (None, Some(IkError::OutOfReach { by_m })) if stage.task.lean && step.limb.is_arm() && by_m <= lean::MOST_M => {
-        }
+        (None, Some(IkError::OutOfReach { by_m })) if leans && by_m <= lean::MOST_M => {}
         (None, Some(why)) => out.faults.push(format!("not reached at {at_s:.2} s: {why}")),
         (None, None) => {}
     }
-    for (part, with) in deep_at_ends(&problem) {
+    // Part and obstacle of collisions of the clip's poses at both ends.
+    let mut checker = Checker::default();
+    let hits = [problem.init(), problem.goal()].map(|state| checker.deepest_hit(&problem, state));
+    let mut deep: Vec<[String; 2]> = hits.iter().flatten().map(|hit| problem.hit_names(hit)).collect();
+    deep.dedup();
+    for [part, with] in deep {
         out.faults.push(format!(
             "{part} is in {with} where the window begins or ends; begin earlier, end later, or correct first"
         ));
     }
-}
-
-/// Collisions of the clip's poses at both ends: part and obstacle.
-fn deep_at_ends(problem: &Problem) -> Vec<(String, String)> {
-    let mut checker = Checker::default();
-    let mut found: Vec<(String, String)> = Vec::new();
-    for state in [problem.init(), problem.goal()] {
-        if let Some(hit) = checker.deepest_hit(problem, state) {
-            let [part, with] = problem.hit_names(&hit);
-            if !found.contains(&(part.clone(), with.clone())) {
-                found.push((part, with));
-            }
-        }
-    }
-    found
-}
-
-/// The specification from and to the clip's own poses.
-fn spec_between_clip_poses<'a>(spec: ProblemSpec<'a>, window_s: [f64; 2]) -> ProblemSpec<'a> {
-    let [init, goal] = window_s.map(|time_s| LimbState { pose: spec.motion.limb_pose(spec.linkage, time_s), time_s });
-    ProblemSpec { init, goal, admit_ends: true, ..spec }
+    Ok(())
 }
 
 /// Place of a step's object, or the place to which it is brought.
@@ -269,20 +231,22 @@ pub(super) fn reachable_poses(
     problem: &Problem,
     at_s: f64,
 ) -> (Vec<Option<LimbPose>>, Option<IkError<String>>) {
-    let mut checker = Checker::default();
-    let present = problem.external_pose_at(at_s);
     let target = object_target(stage, step, at_s);
-    let mut nearest: Option<IkError<String>> = None;
-    let hands = hand_targets(&grips_of(stage.task, step), &target, &stage.actors[step.character], step.limb, at_s);
-    let poses = hands.into_iter().map(|goal| match problem.solve_reach(&mut checker, &goal.hand, at_s, &present) {
-        Ok(pose) => Some(pose),
-        Err(why) => {
-            if nearest.as_ref().is_none_or(|n| why.failure_rank() < n.failure_rank()) {
-                nearest = Some(why);
-            }
-            None
-        }
+    let grips = grips_of(stage.task, step);
+    solve_hands(problem, &stage.actors[step.character].hand_targets(step.limb, &grips, &target, at_s), at_s)
+}
+
+/// The pose that reaches each of some hands, `None` where there is none; and the nearest failure.
+pub(super) fn solve_hands(
+    problem: &Problem,
+    hands: &[HandTarget],
+    at_s: f64,
+) -> (Vec<Option<LimbPose>>, Option<IkError<String>>) {
+    let (mut checker, present) = (Checker::default(), problem.external_pose_at(at_s));
+    let mut nearest = None;
+    let poses = hands.iter().map(|goal| {
+        let found = problem.solve_reach(&mut checker, &goal.hand, at_s, &present);
+        found.map_err(|why| IkError::keep_nearest(&mut nearest, why)).ok()
     });
-    let poses = poses.collect();
-    (poses, nearest)
+    (poses.collect(), nearest)
 }

@@ -6,7 +6,7 @@ use super::entries::TaskAction;
 use super::file::Task;
 use super::scenery::TaskScenery;
 use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
-use crate::correct::{CollisionStretch, CorrectConfig};
+use crate::correct::CollisionStretch;
 use crate::linkage::Limb;
 use crate::planner::{PlanError, PlanOutcome, Planners};
 use crate::recheck::RecheckReport;
@@ -68,35 +68,28 @@ pub struct UnresolvedSpan {
 impl StepOutcome {
     /// Adds the results of the first try of a correction that was tried again.
     fn merge_first_try(&mut self, first: Self) {
-        let mut plans = first.plans;
-        plans.append(&mut self.plans);
-        self.plans = plans;
-        let mut spans: Vec<CollisionStretch> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
-        spans.append(&mut self.spans);
-        self.spans = spans;
-        let mut trees = first.trees;
-        trees.append(&mut self.trees);
-        self.trees = trees;
-        let mut left: Vec<UnresolvedSpan> =
-            first.unresolved.into_iter().filter(|l| l.is_driven && !self.unresolved.contains(l)).collect();
-        left.append(&mut self.unresolved);
-        if !left.is_empty() {
-            self.reason = Some(UnresolvedSpan::describe_all(&left));
+        self.plans.splice(..0, first.plans);
+        self.trees.splice(..0, first.trees);
+        let spans: Vec<_> = first.spans.into_iter().filter(|s| !self.spans.contains(s)).collect();
+        self.spans.splice(..0, spans);
+        let left = first.unresolved.into_iter().filter(|l| l.is_driven && !self.unresolved.contains(l));
+        let left: Vec<_> = left.collect();
+        self.unresolved.splice(..0, left);
+        if !self.unresolved.is_empty() {
+            self.reason = Some(UnresolvedSpan::describe_all(&self.unresolved));
         }
-        self.unresolved = left;
     }
 }
 
 impl UnresolvedSpan {
     /// Reasons of all stretches in one line.
     pub(super) fn describe_all(all: &[Self]) -> String {
-        let each: Vec<&str> = all.iter().map(|l| l.why.as_str()).collect();
-        each.join("; ")
+        all.iter().map(|l| l.why.as_str()).collect::<Vec<_>>().join("; ")
     }
 }
 
 /// Placement of a thing for a time: with a joint of a character, on another thing, or by itself.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Attachment {
     /// The thing.
     pub object: String,
@@ -229,13 +222,12 @@ impl Task {
     /// [`ClipMismatch`].
     pub fn run_watched(&self, clips: &[ActorClip], watch: &RunOptions<'_>) -> Result<TaskOutcome, ClipMismatch> {
         self.check_clips(clips)?;
-        let mut stage = TaskStage::new(self, clips);
-        let before = TaskScenery::from_stage(&stage);
         let trees = TreeLog::default();
-        let mut config =
-            CorrectConfig { trees: watch.keeps_trees.then_some(&trees), planners: watch.planners, ..self.config };
-        config.budget.seed = watch.seed.unwrap_or(config.budget.seed);
-        config.budget.cancel = watch.cancel;
+        let mut stage = TaskStage::new(self, clips);
+        (stage.config.trees, stage.config.planners) = (watch.keeps_trees.then_some(&trees), watch.planners);
+        stage.config.budget.seed = watch.seed.unwrap_or(self.config.budget.seed);
+        stage.config.budget.cancel = watch.cancel;
+        let before = TaskScenery::from_stage(&stage);
         let is_cancelled = || watch.cancel.is_some_and(|c| c.load(Ordering::Relaxed));
         let mut num_tried = 0;
         let mut order: Vec<usize> = (0..self.steps.len()).collect();
@@ -244,7 +236,7 @@ impl Task {
         let (mut failed, mut late) = (Vec::new(), false);
         for round in 0..3 {
             for i in std::mem::take(if round == 0 { &mut order } else { &mut failed }) {
-                let mut one = attempt_step(&mut stage, i, &config, is_cancelled());
+                let mut one = attempt_step(&mut stage, i, is_cancelled());
                 one.trees = trees.take();
                 num_tried += 1;
                 watch.on_progress.iter().for_each(|tell| tell(num_tried));
@@ -284,9 +276,8 @@ impl Task {
         let stage = TaskStage::new(self, clips);
         let mut out = Vec::new();
         for limb in Limb::ALL {
-            let around = stage.surroundings_of_limb(who, limb, [0.0, stage.actors[who].end_s()]);
-            let others = stage.other_bodies(who);
-            let problem = crate::problem::Problem::prepare(&stage.limb_spec(who, limb, &around, &others))?;
+            let whole_s = [0.0, stage.actors[who].end_s()];
+            let problem = stage.limb_problem(who, limb, &stage.surroundings_of_limb(who, limb, whole_s), whole_s)?;
             out.extend(crate::correct::find_collisions(&problem).into_iter().map(|span| (limb, span)));
         }
         Ok(out)
@@ -314,35 +305,23 @@ impl Task {
 }
 
 /// Runs a step, or leaves everything as it was.
-fn attempt_step(stage: &mut TaskStage<'_>, i: usize, config: &CorrectConfig<'_>, is_cancelled: bool) -> StepOutcome {
+fn attempt_step(stage: &mut TaskStage<'_>, i: usize, is_cancelled: bool) -> StepOutcome {
     let step = &stage.task.steps[i];
-    let mut done = StepOutcome {
-        name: step.name.clone(),
-        character: step.character,
-        limb: step.limb,
-        plans: Vec::new(),
-        spans: Vec::new(),
-        unresolved: Vec::new(),
-        reason: None,
-        nearest_m: None,
-        trees: Vec::new(),
-    };
-    if is_cancelled {
-        return StepOutcome { reason: Some("cancelled before it was begun".into()), ..done };
-    }
     let before = stage.clone();
-    match run_step(stage, step, config) {
-        Ok((plans, spans)) => (done.plans, done.spans) = (plans, spans),
-        Err(StepFailure { reason: why, nearest_m, plans, spans, unresolved: left, keep, .. }) => {
-            if !keep {
-                *stage = before;
-                both_hands::hold_until_end(stage, step);
-            }
-            (done.reason, done.nearest_m, done.plans) = (Some(why), nearest_m, plans);
-            (done.spans, done.unresolved) = (spans, left);
-        }
+    let did = match is_cancelled {
+        true => Err(StepFailure { keep: true, ..StepFailure::new("cancelled before it was begun") }),
+        false => run_step(stage, step),
+    };
+    if did.as_ref().is_err_and(|e| !e.keep) {
+        *stage = before;
+        both_hands::hold_until_end(stage, step);
     }
-    done
+    let (reason, StepFailure { nearest_m, plans, spans, unresolved, .. }) = match did {
+        Ok((plans, spans)) => (None, StepFailure { plans, spans, ..StepFailure::default() }),
+        Err(failure) => (Some(failure.reason.clone()), failure),
+    };
+    let (name, character, limb, trees) = (step.name.clone(), step.character, step.limb, Vec::new());
+    StepOutcome { name, character, limb, plans, spans, unresolved, reason, nearest_m, trees }
 }
 
 /// Nearest distance of a search to a solution (m).
@@ -363,31 +342,23 @@ fn attachments(stage: &TaskStage<'_>) -> Vec<Attachment> {
         }
         for (i, s) in life.iter().enumerate() {
             let to_s = life.get(i + 1).map_or(stage.end_s(), |next| next.from_s);
-            let (on, place) = match &s.placement {
-                ThingPlacement::Path(path) => ([None, None, None, None], path.place_at(s.from_s.max(0.0))),
+            let from_s = s.from_s.max(0.0);
+            let (place, carrier) = match &s.placement {
+                ThingPlacement::Path(path) => (path.place_at(from_s), Attachment::default()),
                 ThingPlacement::OnJoint { character, joint, offset, second, .. } => {
-                    let who = stage.task.characters[*character].name.clone();
-                    let [joint, second] =
-                        [Some(*joint), second.map(|s| hand_joint(s.limb))].map(|j| Some(j?.name().into()));
-                    ([Some(who), joint, second, None], *offset)
+                    let character = Some(stage.task.characters[*character].name.clone());
+                    let joints = [Some(*joint), second.map(|s| hand_joint(s.limb))];
+                    let [joint, second] = joints.map(|j| Some(j?.name().into()));
+                    (*offset, Attachment { character, joint, second, ..Attachment::default() })
                 }
                 ThingPlacement::OnThing { thing, offset } => {
-                    ([None, None, None, Some(stage.task.things[*thing].name.clone())], *offset)
+                    let on = Some(stage.task.things[*thing].name.clone());
+                    (*offset, Attachment { on, ..Attachment::default() })
                 }
             };
-            let [character, joint, second, on] = on;
-            let turn_deg = crate::rotation::log(place.rotation) * (180.0 / std::f64::consts::PI);
-            out.push(Attachment {
-                object: thing.name.clone(),
-                character,
-                joint,
-                second,
-                on,
-                from_s: s.from_s.max(0.0),
-                to_s,
-                at: place.position.to_array(),
-                turn_deg: turn_deg.to_array(),
-            });
+            let turn_deg = (crate::rotation::log(place.rotation) * (180.0 / std::f64::consts::PI)).to_array();
+            let (object, at) = (thing.name.clone(), place.position.to_array());
+            out.push(Attachment { object, from_s, to_s, at, turn_deg, ..carrier });
         }
     }
     out
@@ -397,12 +368,8 @@ fn events(task: &Task, done: &[StepOutcome]) -> Vec<TaskEvent> {
     let all = task.steps.iter().zip(done).filter(|(_, d)| d.reason.is_none());
     let touches = all.filter(|(s, _)| matches!(s.action, TaskAction::Touch | TaskAction::Switch));
     let event = |(s, _): (&super::step::TaskStep, &StepOutcome)| {
-        Some(TaskEvent {
-            object: task.things[s.object?].name.clone(),
-            what: s.action.name().into(),
-            character: task.characters[s.character].name.clone(),
-            at_s: s.times_s[1],
-        })
+        let (object, character) = (task.things[s.object?].name.clone(), task.characters[s.character].name.clone());
+        Some(TaskEvent { object, what: s.action.name().into(), character, at_s: s.times_s[1] })
     };
     touches.filter_map(event).collect()
 }

@@ -3,7 +3,7 @@
 use super::file::{Task, ThingStart};
 use super::run::ClipMismatch;
 use super::stage::{ActorClip, TaskStage};
-use super::step::Anchor;
+use super::step::{Anchor, TaskStep};
 use crate::rotation::Rigid;
 use crate::track::RigidPath;
 use glam::DVec3;
@@ -35,22 +35,15 @@ impl TaskScenery {
             return;
         }
         self.paths.iter_mut().skip(thing).take(1).for_each(|path| *path = path.moved_by(by));
-        for (base, step) in self.bases.iter_mut().zip(&task.steps) {
-            if step.to.is_some_and(|to| to.on == Anchor::Thing(thing)) {
-                base.iter_mut().for_each(|base| base.position += by);
-            }
-        }
+        let is_on_it = |step: &TaskStep| step.to.is_some_and(|to| to.on == Anchor::Thing(thing));
+        let moved = self.bases.iter_mut().zip(&task.steps).filter(|(_, step)| is_on_it(step));
+        moved.filter_map(|(base, _)| base.as_mut()).for_each(|base| base.position += by);
     }
 
     pub(super) fn from_stage(stage: &TaskStage<'_>) -> Self {
-        let base = |step: &super::step::TaskStep| {
-            let to = step.to.filter(|_| step.is_timed())?;
-            Some(stage.base_of(&to, step.times_s[1]))
-        };
-        Self {
-            paths: (0..stage.task.things.len()).map(|i| stage.thing_path(i)).collect(),
-            bases: stage.task.steps.iter().map(base).collect(),
-        }
+        let base = |step: &TaskStep| Some(stage.base_of(&step.to.filter(|_| step.is_timed())?, step.times_s[1]));
+        let paths = (0..stage.task.things.len()).map(|i| stage.thing_path(i)).collect();
+        Self { paths, bases: stage.task.steps.iter().map(base).collect() }
     }
 }
 

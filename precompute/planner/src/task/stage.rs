@@ -1,19 +1,21 @@
 //! State of a task while it is worked on: clips as they are by now, and the place of every thing at every time.
 
+use super::actions::StepFailure;
 use super::file::{Task, TaskCharacter, ThingStart};
 use super::held_capsules::capsules_around;
 use super::step::{Anchor, TaskPlace};
 use crate::body::BodyCapsules;
-use crate::correct::{CollisionStretch, find_collisions};
+use crate::correct::{CollisionStretch, CorrectConfig, find_collisions};
 use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
 use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::problem::{EXTERNAL_STEP_S, LimbState, MovingSolid, Problem};
+use crate::problem::{EXTERNAL_STEP_S, MovingSolid, Problem};
 use crate::rotation::{Rigid, rotation_about};
-use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemSpec, UprightConstraint};
+use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemError, ProblemSpec, UprightConstraint};
 use crate::stiff_mesh::StiffMesh;
 use crate::track::{MotionTrack, RigidPath as Motion, SampleTimes};
 use glam::{DVec3, Quat};
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 use throng_base::maths;
@@ -143,6 +145,8 @@ pub(super) struct TaskStage<'a> {
     pub pins: Vec<Pin>,
     pub gazes: Vec<TaskGaze>,
     pub leans: Vec<TrunkLean>,
+    /// Settings of plans.
+    pub config: CorrectConfig<'a>,
 }
 
 /// Surroundings of a limb in a stretch of time.
@@ -197,9 +201,8 @@ impl StageActor {
                 let window = (part != first).then_some([from_s - PRESS_S, to_s + PRESS_S]);
                 let part = Some(part);
                 match allowed.iter_mut().find(|a| a.part == part && a.other == with) {
-                    Some(known) => {
-                        let both = known.window_s.zip(window);
-                        known.window_s = both.map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
+                    Some(AllowedContact { window_s, .. }) => {
+                        *window_s = window_s.zip(window).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]);
                     }
                     None => allowed.push(AllowedContact { part, other: with, window_s: window }),
                 }
@@ -214,7 +217,7 @@ impl StageActor {
     /// Specification of a limb over the whole clip, in an empty world.
     fn limb_spec(&self, limb: Limb) -> ProblemSpec<'_> {
         let linkage = Linkage::limb(limb);
-        let ends = [0.0, self.end_s()].map(|time_s| LimbState { pose: self.motion.limb_pose(linkage, time_s), time_s });
+        let ends = [0.0, self.end_s()].map(|time_s| self.motion.limb_state(linkage, time_s));
         ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
     }
 
@@ -230,12 +233,11 @@ impl StageActor {
 
     /// Transform of a joint at a time.
     pub fn joint_place(&self, joint: Joint, time_s: f64) -> Rigid {
-        let places = self.motion.places();
-        let [from, to] = self.motion.window_s();
-        let at =
-            ((time_s - from) / (to - from).max(1e-9) * (places.len() - 1) as f64).clamp(0.0, (places.len() - 1) as f64);
+        let (places, [from, to]) = (self.motion.places(), self.motion.window_s());
+        let last = places.len() - 1;
+        let at = ((time_s - from) / (to - from).max(1e-9) * last as f64).clamp(0.0, last as f64);
         let i = (at + 1e-6) as usize;
-        let next = (i + 1).min(places.len() - 1);
+        let next = (i + 1).min(last);
         places[i][joint.index()].lerp(&places[next][joint.index()], (at - i as f64).max(0.0))
     }
 }
@@ -248,34 +250,18 @@ impl<'a> TaskStage<'a> {
     /// The state of a task before anything was planned.
     pub fn new(task: &'a Task, clips: &[ActorClip]) -> Self {
         let actors = clips.iter().zip(&task.characters).map(|(c, who)| StageActor::new(c, who)).collect();
-        let life = |start: &ThingStart| {
-            let at = match start {
-                ThingStart::Path(path) => ThingPlacement::Path(path.clone()),
+        let first = |start: &ThingStart| {
+            let placement = match *start {
+                ThingStart::Path(ref path) => ThingPlacement::Path(path.clone()),
                 ThingStart::OnJoint { character, joint, offset } => {
-                    let holder = [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand_joint(*l) == *joint);
-                    ThingPlacement::OnJoint {
-                        character: *character,
-                        joint: *joint,
-                        offset: *offset,
-                        holder,
-                        second: None,
-                    }
+                    ThingPlacement::OnJoint { character, joint, offset, holder: arm_of_hand(joint), second: None }
                 }
             };
-            vec![PlacementSpan { from_s: f64::NEG_INFINITY, placement: at }]
+            vec![PlacementSpan { from_s: f64::NEG_INFINITY, placement }]
         };
-        let lives = task.things.iter().map(|t| life(&t.start)).collect();
-        let (contacts, planned, pins) = (Vec::new(), Vec::new(), Vec::new());
-        Self {
-            task,
-            actors,
-            placements: lives,
-            contacts,
-            planned_limbs: planned,
-            pins,
-            gazes: Vec::new(),
-            leans: Vec::new(),
-        }
+        let placements = task.things.iter().map(|t| first(&t.start)).collect();
+        let (contacts, planned_limbs, pins, gazes, leans) = Default::default();
+        Self { task, actors, placements, contacts, planned_limbs, pins, gazes, leans, config: task.config }
     }
 
     /// The end of the last clip (s).
@@ -379,20 +365,15 @@ impl<'a> TaskStage<'a> {
                     if *character == who && *holder == Some(limb) =>
                 {
                     let all = thing.shapes.iter().flat_map(capsules_around);
-                    out.held.extend(all.map(|(core, radius)| HeldCapsule {
-                        name: thing.name.clone(),
-                        core: core.map(|p| offset.transform_point(p)),
-                        radius,
+                    out.held.extend(all.map(|(core, radius)| {
+                        let core = core.map(|p| offset.transform_point(p));
+                        HeldCapsule { name: thing.name.clone(), core, radius }
                     }));
                 }
                 at => {
-                    let path = self.thing_path(i);
-                    let solid = |s: &throng_geometry::SolidShape| MovingSolid {
-                        name: thing.name.clone(),
-                        shape: s.clone(),
-                        path: path.clone(),
-                    };
-                    out.solids.extend(thing.shapes.iter().map(solid));
+                    let (name, path) = (&thing.name, self.thing_path(i));
+                    let solid = |shape| MovingSolid { name: name.clone(), shape, path: path.clone() };
+                    out.solids.extend(thing.shapes.iter().cloned().map(solid));
                     if matches!(at, ThingPlacement::OnJoint { character, .. } if *character == who) {
                         let driven = Joint::ALL.into_iter().filter(|j| !limb.moves_joint(*j));
                         out.allowed.extend(driven.map(|j| allow_contact(j, &thing.name)));
@@ -401,21 +382,17 @@ impl<'a> TaskStage<'a> {
             }
         }
         for (name, other) in self.others(who) {
-            let pieces = other.worn.iter().flat_map(|w| &w.pieces);
-            out.solids.extend(pieces.map(|(joint, mesh)| MovingSolid {
-                name: name.clone(),
-                shape: SolidShape::Mesh(Arc::clone(mesh)),
-                path: Motion::Track(Arc::new(MotionTrack::rigid(
-                    other.motion.clock(),
-                    other.motion.joint_places(*joint),
-                ))),
-            }));
+            for (joint, mesh) in other.worn.iter().flat_map(|w| &w.pieces) {
+                let track = MotionTrack::rigid(other.motion.clock(), other.motion.joint_places(*joint));
+                let (shape, path) = (SolidShape::Mesh(Arc::clone(mesh)), Motion::Track(Arc::new(track)));
+                out.solids.push(MovingSolid { name: name.clone(), shape, path });
+            }
         }
         out.allowed.extend(self.actors[who].pressed.iter().filter(|(l, _)| *l == limb).map(|(_, a)| a.clone()));
         self.leave_to_others(who, limb, &mut out);
         let known = |a: &AllowedContact| {
-            let part =
-                a.part.as_ref().is_none_or(|p| Joint::from_name(p).is_some() || out.held.iter().any(|h| h.name == *p));
+            let is_held = |p: &String| out.held.iter().any(|h| h.name == *p);
+            let part = a.part.as_ref().is_none_or(|p| Joint::from_name(p).is_some() || is_held(p));
             let with = Joint::from_name(&a.other).is_some()
                 || out.solids.iter().any(|s| s.name == a.other)
                 || self.others(who).any(|(name, _)| *name == a.other);
@@ -423,8 +400,7 @@ impl<'a> TaskStage<'a> {
         };
         let overlaps = |a: &AllowedContact| a.window_s.is_none_or(|[a, b]| a < to_s && b > from_s);
         let own = self.contacts.iter().filter(|(w, l, a)| *w == who && *l == limb && overlaps(a)).map(|c| c.2.clone());
-        let allowed: Vec<AllowedContact> = own.chain(out.allowed.iter().cloned()).filter(known).collect();
-        out.allowed = allowed;
+        out.allowed = own.chain(out.allowed.iter().cloned()).filter(known).collect();
         out
     }
 
@@ -433,14 +409,11 @@ impl<'a> TaskStage<'a> {
         let receivers = self.task.steps.iter().filter_map(|s| s.receiver.as_ref()).map(|r| (r.character, r.limb));
         let seconds = self.task.steps.iter().filter_map(|s| Some((s.character, s.second.as_ref()?.limb)));
         let limbs = self.task.steps.iter().map(|s| (s.character, s.limb)).chain(receivers).chain(seconds);
-        let mut others: Vec<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
-        others.sort();
-        others.dedup();
+        let others: BTreeSet<Limb> = limbs.filter(|(w, l)| *w == who && *l != limb).map(|(_, l)| l).collect();
         let mut names: Vec<&str> = self.task.things.iter().map(|t| t.name.as_str()).collect();
         names.extend(self.others(who).map(|(name, _)| name.as_str()));
-        for joint in Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves_joint(*j))) {
-            out.allowed.extend(names.iter().map(|name| allow_contact(joint, name)));
-        }
+        let moved = Joint::ALL.into_iter().filter(|j| others.iter().any(|l| l.moves_joint(*j)));
+        out.allowed.extend(moved.flat_map(|joint| names.iter().map(move |name| allow_contact(joint, name))));
     }
 
     fn others(&self, who: usize) -> impl Iterator<Item = (&String, &StageActor)> {
@@ -450,13 +423,36 @@ impl<'a> TaskStage<'a> {
 
     /// All other characters whose meshes are not part of the [surroundings](TaskStage::around).
     pub fn other_bodies(&self, who: usize) -> Vec<OtherCharacter<'_>> {
-        let all = self.others(who).filter(|(_, a)| a.worn.is_none());
+        self.other_capsules(who, |a| a.worn.is_none())
+    }
+
+    /// The other characters that count, as capsules.
+    pub fn other_capsules(&self, who: usize, counts: impl Fn(&StageActor) -> bool) -> Vec<OtherCharacter<'_>> {
+        let all = self.others(who).filter(|(_, a)| counts(a));
         all.map(|(name, a)| OtherCharacter { name, motion: &a.motion, shape: &a.shape }).collect()
     }
 
-    /// All other characters, as capsules.
-    pub fn other_capsules(&self, who: usize) -> Vec<OtherCharacter<'_>> {
-        self.others(who).map(|(name, a)| OtherCharacter { name, motion: &a.motion, shape: &a.shape }).collect()
+    /// The problem of a limb between the poses of its clip at two times (s), which limits admit.
+    pub fn limb_problem(
+        &self,
+        who: usize,
+        limb: Limb,
+        around: &LimbSurroundings,
+        window_s: [f64; 2],
+    ) -> Result<Problem, ProblemError> {
+        let others = self.other_bodies(who);
+        Problem::prepare(&self.limb_spec(who, limb, around, &others).between_times(window_s))
+    }
+
+    /// Fails where a limb, whose name is given, has to be elsewhere within a window (s).
+    pub fn check_unpinned(&self, who: usize, limb: Limb, name: &str, window_s: [f64; 2]) -> Result<(), StepFailure> {
+        let is_within = |t: f64| t > window_s[0] + 1e-6 && t < window_s[1] - 1e-6;
+        match self.pins.iter().find(|p| p.character == who && p.limb == limb && is_within(p.time_s)) {
+            Some(Pin { time_s: t, .. }) => {
+                Err(StepFailure::new(format!("{name} has to be elsewhere at {t:.2} s; begin then, or end before")))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Specification of a limb's problem, without ends.
@@ -489,8 +485,12 @@ pub(super) fn hand_joint(limb: Limb) -> Joint {
     limb.joints()[2]
 }
 
+/// The arm that ends in a hand.
+pub(super) fn arm_of_hand(joint: Joint) -> Option<Limb> {
+    [Limb::LeftArm, Limb::RightArm].into_iter().find(|l| hand_joint(*l) == joint)
+}
+
 /// Middle of the hand in the hand's frame: where a fist closes (m).
 pub(super) fn palm(skeleton: &Skeleton, limb: Limb) -> DVec3 {
-    let fore = skeleton.offsets[hand_joint(limb).index()].as_dvec3();
-    0.3 * fore
+    0.3 * skeleton.offsets[hand_joint(limb).index()].as_dvec3()
 }

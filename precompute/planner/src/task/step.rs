@@ -4,9 +4,11 @@ use super::entries::{GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskAction,
 use super::file::{MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, rigid_of_entry};
 use crate::limits::{AngleInterval, Style};
 use crate::linkage::{Limb, Linkage};
+use crate::refuse;
 use crate::rotation::Rigid;
 use glam::DVec3;
 use std::collections::BTreeMap;
+use std::fmt::Arguments;
 use throng_base::text::did_you_mean;
 use throng_core::Joint;
 
@@ -24,11 +26,12 @@ pub(super) struct TaskStep {
     pub times_s: [f64; 3],
     pub hold_s: f64,
     pub grips: Vec<ObjectGrip>,
-    pub second: Option<SecondGrip>,
+    /// The other hand, which takes the object, too.
+    pub second: Option<OtherHand>,
     pub to: Option<TaskPlace>,
     /// Largest tilt of the held object on the way there (rad).
     pub level_rad: Option<f64>,
-    pub receiver: Option<Receiver>,
+    pub receiver: Option<OtherHand>,
     pub contacts: Vec<String>,
     pub priority: i32,
     pub style: Style,
@@ -70,91 +73,71 @@ pub(super) enum Anchor {
     Joint(usize, Joint),
 }
 
-/// The other hand, which takes the object, too.
+/// Another hand that takes the object: a second one, or that of a receiver.
 #[derive(Clone, Debug)]
-pub(super) struct SecondGrip {
-    pub limb: Limb,
-    pub grips: Vec<ObjectGrip>,
-}
-
-/// Receiver of an object.
-#[derive(Clone, Debug)]
-pub(super) struct Receiver {
+pub(super) struct OtherHand {
     pub character: usize,
     pub limb: Limb,
     pub grips: Vec<ObjectGrip>,
 }
 
-/// Checks all tasks of a file; an error has the index of the task.
-pub(super) fn steps(
-    tasks: &[TaskEntry],
-    characters: &[TaskCharacter],
-    things: &[TaskThing],
-) -> Result<Vec<TaskStep>, (usize, String)> {
-    let scene = NameTable { characters, things };
-    tasks.iter().enumerate().map(|(i, t)| scene.step(t).map_err(|why| (i, why))).collect()
-}
-
-struct NameTable<'a> {
-    characters: &'a [TaskCharacter],
-    things: &'a [TaskThing],
+/// Characters and things that tasks name.
+pub(super) struct NameTable<'a> {
+    pub characters: &'a [TaskCharacter],
+    pub things: &'a [TaskThing],
 }
 
 impl NameTable<'_> {
+    /// Checks all tasks of a file; an error has the index of the task.
+    pub fn steps(&self, tasks: &[TaskEntry]) -> Result<Vec<TaskStep>, (usize, String)> {
+        tasks.iter().enumerate().map(|(i, t)| self.step(t).map_err(|why| (i, why))).collect()
+    }
     fn step(&self, t: &TaskEntry) -> Result<TaskStep, String> {
         let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
         let needs_object = t.action != TaskAction::Correct;
         let (is_grab, is_brought) = (t.action == TaskAction::Grab, t.action.needs_held_object());
         let is_object = object.is_some_and(|o| self.things[o].is_object);
-        if needs_object != object.is_some() {
-            let expected = if needs_object { "expected `object`" } else { "`correct` needs no `object`" };
-            return Err(format!("{expected}; `{}` has `limb` and {expected}", t.action.name()));
-        }
-        if (is_grab || is_brought) && !is_object {
-            let name = t.object.as_deref().unwrap_or_default();
-            return Err(format!("`{name}` is an obstacle, which stays; list it in `scene.objects`"));
-        }
-        if (is_grab || is_brought) && !t.limb.is_arm() {
-            return Err("feet hold nothing; expected `left_arm` or `right_arm`".into());
-        }
-        if is_brought != t.to.is_some() {
-            let need = if is_brought { "expected `to`, where the object is brought" } else { "needs no `to`" };
-            return Err(format!("`{}`: {need}", t.action.name()));
-        }
-        if (t.action == TaskAction::HandOver) != t.receiver.is_some() {
-            return Err("`hand_over`, and nothing else, has a `receiver`".into());
-        }
-        if is_brought || t.action == TaskAction::Correct {
-            if !t.grips.is_empty() {
-                return Err(format!("`{}` needs no `grips`: the limb keeps the one it has", t.action.name()));
-            }
-        } else if t.grips.is_empty() {
-            return Err("expected `grips`, where the hand is as seen from the object".into());
-        }
-        if !(0.0..=MOST_S).contains(&t.hold_s) {
-            return Err(format!("hold_s: expected 0 to {MOST_S}, found {}", t.hold_s));
-        }
+        let (action, is_held) = (t.action.name(), is_grab || is_brought);
+        let expected = if needs_object { "expected `object`" } else { "`correct` needs no `object`" };
+        let is_wrong = needs_object != object.is_some();
+        refuse(is_wrong, format_args!("{expected}; `{action}` has `limb` and {expected}"))?;
+        let name = t.object.as_deref().unwrap_or_default();
+        let is_fixed = is_held && !is_object;
+        refuse(is_fixed, format_args!("`{name}` is an obstacle, which stays; list it in `scene.objects`"))?;
+        let is_foot = is_held && !t.limb.is_arm();
+        refuse(is_foot, format_args!("feet hold nothing; expected `left_arm` or `right_arm`"))?;
+        let need = if is_brought { "expected `to`, where the object is brought" } else { "needs no `to`" };
+        refuse(is_brought != t.to.is_some(), format_args!("`{action}`: {need}"))?;
+        let is_wrong = (t.action == TaskAction::HandOver) != t.receiver.is_some();
+        refuse(is_wrong, format_args!("`hand_over`, and nothing else, has a `receiver`"))?;
+        let (has_grips, needs_none) = (!t.grips.is_empty(), is_brought || !needs_object);
+        let is_wrong = needs_none && has_grips;
+        refuse(is_wrong, format_args!("`{action}` needs no `grips`: the limb keeps the one it has"))?;
+        let is_wrong = !needs_none && !has_grips;
+        refuse(is_wrong, format_args!("expected `grips`, where the hand is as seen from the object"))?;
+        let hold_s = t.hold_s;
+        refuse(!(0.0..=MOST_S).contains(&hold_s), format_args!("hold_s: expected 0 to {MOST_S}, found {hold_s}"))?;
         not_many("contacts", t.contacts.len())?;
-        let walks = self.walks_up(t.character.as_deref())?;
+        let character = self.character(t.character.as_deref())?;
+        // A character that walks up to its tasks.
+        let walks = self.characters[character].clip.walk.as_ref().is_some_and(|w| w.pace.is_empty());
         let contacts = t.contacts.iter().map(|c| self.contact(c)).collect::<Result<_, _>>()?;
         let receiver = t.receiver.as_ref().map(|r| {
             let who = r.character.as_deref().or(t.character.as_deref());
-            let receiver = Receiver { character: self.character(who)?, limb: r.limb, grips: grips(&r.grips)? };
-            if !r.limb.is_arm() || receiver.grips.is_empty() {
-                return Err("receiver: expected an arm and `grips`".to_owned());
-            }
-            Ok(receiver)
+            let receiver = OtherHand { character: self.character(who)?, limb: r.limb, grips: grips(&r.grips)? };
+            let is_wrong = !r.limb.is_arm() || receiver.grips.is_empty();
+            refuse(is_wrong, format_args!("receiver: expected an arm and `grips`")).map(|()| receiver)
         });
         Ok(TaskStep {
             name: t.name.clone().unwrap_or_else(|| name_of(t)),
-            character: self.character(t.character.as_deref())?,
+            character,
             limb: t.limb,
             action: t.action,
             object,
             times_s: times(t, walks)?,
             hold_s: t.hold_s,
             grips: grips(&t.grips)?,
-            second: t.second.as_ref().map(|s| second(t, s, walks)).transpose()?,
+            second: t.second.as_ref().map(|s| second(t, s, character, walks)).transpose()?,
             to: t.to.as_ref().map(|p| self.place(p)).transpose()?,
             level_rad: level(t)?,
             receiver: receiver.transpose()?,
@@ -165,41 +148,25 @@ impl NameTable<'_> {
     }
 
     fn thing(&self, name: &str) -> Result<usize, String> {
-        self.things.iter().position(|t| t.name == name).ok_or_else(|| {
-            let meant = did_you_mean(name, self.things.iter().map(|t| t.name.as_str()));
-            format!("there is no object `{name}` in the scene.{meant}")
-        })
+        let names = self.things.iter().map(|t| t.name.as_str());
+        find_name(name, names, format_args!("there is no object `{name}` in the scene"))
     }
 
     fn character(&self, name: Option<&str>) -> Result<usize, String> {
         let Some(name) = name else { return Ok(0) };
-        self.characters.iter().position(|c| c.name == name).ok_or_else(|| {
-            let meant = did_you_mean(name, self.characters.iter().map(|c| c.name.as_str()));
-            format!("there is no character `{name}`.{meant}")
-        })
-    }
-
-    /// True for a character that walks up to its tasks.
-    fn walks_up(&self, name: Option<&str>) -> Result<bool, String> {
-        let walk = self.characters[self.character(name)?].clip.walk.as_ref();
-        Ok(walk.is_some_and(|w| w.pace.is_empty()))
+        let names = self.characters.iter().map(|c| c.name.as_str());
+        find_name(name, names, format_args!("there is no character `{name}`"))
     }
 
     fn contact(&self, name: &String) -> Result<String, String> {
         let others = self.characters.iter().map(|c| c.name.as_str());
-        let all: Vec<&str> =
-            self.things.iter().map(|t| t.name.as_str()).chain(others).chain(Joint::ALL.map(Joint::name)).collect();
-        if all.contains(&name.as_str()) {
-            return Ok(name.clone());
-        }
-        Err(format!("contacts: there is no `{name}`.{}", did_you_mean(name, all)))
+        let all = self.things.iter().map(|t| t.name.as_str()).chain(others).chain(Joint::ALL.map(Joint::name));
+        find_name(name, all, format_args!("contacts: there is no `{name}`")).map(|_| name.clone())
     }
 
     fn place(&self, p: &PlaceEntry) -> Result<TaskPlace, String> {
         let offset = rigid_of_entry(p.at, p.turn_deg.unwrap_or_default());
-        if !is_within_scene(&offset) {
-            return Err(format!("to: expected a finite place within {MOST_M} m"));
-        }
+        refuse(!is_within_scene(&offset), format_args!("to: expected a finite place within {MOST_M} m"))?;
         let on = match &p.on {
             None => Anchor::World,
             Some(name) if name.contains('.') => {
@@ -210,6 +177,15 @@ impl NameTable<'_> {
         };
         Ok(TaskPlace { on, offset, any_turn: p.turn_deg.is_none() })
     }
+}
+
+/// Index of a name among known ones; an error begins with `missing`.
+fn find_name<'a>(
+    name: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+    missing: Arguments<'_>,
+) -> Result<usize, String> {
+    known.clone().position(|k| k == name).ok_or_else(|| format!("{missing}.{}", did_you_mean(name, known)))
 }
 
 fn name_of(t: &TaskEntry) -> String {
@@ -255,20 +231,14 @@ fn grips(entries: &[GripEntry]) -> Result<Vec<ObjectGrip>, String> {
     if all.iter().all(is_valid) { Ok(all) } else { Err("grips: expected finite numbers".into()) }
 }
 
-fn second(t: &TaskEntry, second: &SecondEntry, walks: bool) -> Result<SecondGrip, String> {
-    if t.action != TaskAction::Grab {
-        return Err(format!(
-            "`{}`: expected `second` in `grab` alone: it goes along with what it holds",
-            t.action.name()
-        ));
-    }
-    if !second.limb.is_arm() || second.limb == t.limb || second.grips.is_empty() {
-        return Err("second: expected the other arm and `grips`".into());
-    }
-    if walks {
-        return Err("second: who walks up to something takes it with one hand; give it a clip".into());
-    }
-    Ok(SecondGrip { limb: second.limb, grips: grips(&second.grips)? })
+fn second(t: &TaskEntry, second: &SecondEntry, character: usize, walks: bool) -> Result<OtherHand, String> {
+    let (action, limb) = (t.action.name(), second.limb);
+    let is_other = t.action != TaskAction::Grab;
+    refuse(is_other, format_args!("`{action}`: expected `second` in `grab` alone: it goes along with what it holds"))?;
+    let is_wrong = !limb.is_arm() || limb == t.limb || second.grips.is_empty();
+    refuse(is_wrong, format_args!("second: expected the other arm and `grips`"))?;
+    refuse(walks, format_args!("second: who walks up to something takes it with one hand; give it a clip"))?;
+    Ok(OtherHand { character, limb, grips: grips(&second.grips)? })
 }
 
 fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, String> {

@@ -1,20 +1,18 @@
 //! A limb that leaves the clip, reaches a goal, and comes back.
 
-use super::actions::{CONTACT_S, StepFailure};
+use super::actions::{CONTACT_S, PlanResult, StepFailure};
 use super::grips::{HandTarget, awkwardness};
 use super::held_capsules::capsules_around;
-use super::run::nearest_distance;
+use super::preview::solve_hands;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlacement};
 use super::step::TaskStep;
-use crate::collide::Checker;
-use crate::correct::CorrectConfig;
 use crate::ik::IkError;
 use crate::linkage::Limb;
 use crate::manipulate::{ReachError, ReachTask, reach_target};
 use crate::planner::PlanOutcome;
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
-use crate::setup::{AllowedContact, UprightConstraint};
+use crate::setup::{AllowedContact, ProblemSpec, UprightConstraint};
 use glam::DVec3;
 
 /// Distance below which something supports a thing, or is beside it: they may touch when it is taken and laid down (m).
@@ -32,18 +30,23 @@ pub(super) struct PlacementChange<'a> {
 
 /// A limb with the times of its path to a goal and back.
 #[derive(Clone, Copy)]
-pub(super) struct LimbVisit {
+pub(super) struct LimbVisit<'a> {
     pub who: usize,
     pub limb: Limb,
     pub times_s: [f64; 3],
     pub hold_s: f64,
     /// Constraint that keeps a held object upright on the way there.
     pub level: Option<UprightConstraint>,
+    pub change: Option<PlacementChange<'a>>,
 }
 
-impl LimbVisit {
+/// Plans, and the goal that they reach.
+pub(super) type VisitResult = Result<(Vec<PlanOutcome>, HandTarget), StepFailure>;
+
+impl LimbVisit<'_> {
     pub fn from_step(step: &TaskStep) -> Self {
-        Self { who: step.character, limb: step.limb, times_s: step.times_s, hold_s: step.hold_s, level: None }
+        let &TaskStep { character: who, limb, times_s, hold_s, .. } = step;
+        Self { who, limb, times_s, hold_s, level: None, change: None }
     }
 
     /// The visit of a step with the object in the hand, as goals have it.
@@ -55,23 +58,13 @@ impl LimbVisit {
 }
 
 /// Moves a limb to the first of some goals for which there is a path there and back.
-pub(super) fn visit_first_goal(
-    stage: &mut TaskStage<'_>,
-    visit: LimbVisit,
-    hands: &[HandTarget],
-    change: Option<PlacementChange<'_>>,
-    config: &CorrectConfig<'_>,
-) -> Result<(Vec<PlanOutcome>, HandTarget), StepFailure> {
+pub(super) fn visit_first_goal(stage: &mut TaskStage<'_>, visit: LimbVisit<'_>, hands: &[HandTarget]) -> VisitResult {
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
-    let busy = |p: &&Pin| p.character == who && p.limb == limb && p.time_s > from_s + 1e-6 && p.time_s < to_s - 1e-6;
-    if let Some(pin) = stage.pins.iter().find(busy) {
-        let t = pin.time_s;
-        return Err(StepFailure::new(format!("the limb has to be elsewhere at {t:.2} s; begin then, or end before")));
-    }
+    stage.check_unpinned(who, limb, "the limb", [from_s, to_s])?;
     let there = LimbSurroundings { level: visit.level, ..stage.surroundings_of_limb(who, limb, [from_s, at_s]) };
     let within = reachable_goals(stage, visit, hands, &there)?;
     first_success(stage, within.iter().take(TRIES), None, |stage, goal| {
-        Ok((plan_visit(stage, visit, goal, change, &there, config)?, *goal))
+        Ok((plan_visit(stage, visit, goal, &there)?, *goal))
     })
 }
 
@@ -100,43 +93,30 @@ pub(super) fn first_success<'a, C, T>(
 /// Goals that inverse kinematics reaches, the best first.
 pub(super) fn reachable_goals(
     stage: &TaskStage<'_>,
-    visit: LimbVisit,
+    visit: LimbVisit<'_>,
     hands: &[HandTarget],
     there: &LimbSurroundings,
 ) -> Result<Vec<HandTarget>, StepFailure> {
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
-        let times = ReachError::Times { times_s: [from_s, at_s, to_s], end_s: actor.end_s() };
-        return Err(StepFailure::new(times.to_string()));
+        return Err(ReachError::Times { times_s: visit.times_s, end_s: actor.end_s() }.into());
     }
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, limb, there, &others);
-    let ends = [from_s, to_s].map(|time_s| LimbState { pose: actor.motion.limb_pose(spec.linkage, time_s), time_s });
-    let [init, goal] = ends;
-    let spec = crate::setup::ProblemSpec { init, goal, ..spec };
-    let problem = Problem::prepare(&spec).map_err(|e| StepFailure::new(e.to_string()))?;
-    let mut checker = Checker::default();
-    let present = problem.external_pose_at(at_s);
-    let mut out: Vec<(f64, HandTarget)> = Vec::new();
-    let mut nearest: Option<IkError<String>> = None;
-    for goal in hands {
-        match problem.solve_reach(&mut checker, &goal.hand, at_s, &present) {
-            Ok(pose) => {
-                let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
-                out.push((awkwardness(problem.chain(), &placed, &pose), *goal));
-            }
-            Err(why) => {
-                if nearest.as_ref().is_none_or(|n| why.failure_rank() < n.failure_rank()) {
-                    nearest = Some(why);
-                }
-            }
-        }
-    }
+    let problem = Problem::prepare(&ProblemSpec { admit_ends: false, ..spec.between_times([from_s, to_s]) })?;
+    let (poses, nearest) = solve_hands(&problem, hands, at_s);
+    let reached = hands.iter().zip(poses).filter_map(|(goal, pose)| Some((pose?, *goal)));
+    let mut out: Vec<(f64, HandTarget)> = reached
+        .map(|(pose, goal)| {
+            let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
+            (awkwardness(problem.chain(), &placed, &pose), goal)
+        })
+        .collect();
     if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let IkError::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
-        let why = ReachError::Target { time_s: at_s, why }.to_string();
-        return Err(StepFailure { nearest_m, is_beyond: nearest_m.is_some(), ..StepFailure::new(why) });
+        let is_beyond = nearest_m.is_some();
+        return Err(StepFailure { nearest_m, is_beyond, ..ReachError::Target { time_s: at_s, why }.into() });
     }
     out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
     Ok(out.into_iter().map(|(_, goal)| goal).collect())
@@ -144,16 +124,14 @@ pub(super) fn reachable_goals(
 
 fn plan_visit(
     stage: &mut TaskStage<'_>,
-    visit: LimbVisit,
+    visit: LimbVisit<'_>,
     goal: &HandTarget,
-    change: Option<PlacementChange<'_>>,
     there: &LimbSurroundings,
-    config: &CorrectConfig<'_>,
-) -> Result<Vec<PlanOutcome>, StepFailure> {
-    let LimbVisit { who, limb, times_s, hold_s, .. } = visit;
+) -> PlanResult {
+    let LimbVisit { who, limb, times_s, hold_s, change, .. } = visit;
     let [from_s, at_s, to_s] = times_s;
     if let Some(change) = change {
-        allow_neighbours(stage, who, limb, change.thing, &goal.object, [at_s; 2]);
+        stage.allow_neighbours(who, limb, change.thing, &goal.object, [at_s; 2]);
         stage.placements[change.thing].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     }
     let back = stage.surroundings_of_limb(who, limb, [at_s, to_s]);
@@ -161,13 +139,7 @@ fn plan_visit(
     let spec = stage.limb_spec(who, limb, there, &others);
     let back_spec = stage.limb_spec(who, limb, &back, &others);
     let task = ReachTask { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, return_spec: Some(&back_spec) };
-    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, config).map_err(|e| {
-        let nearest_m = match &e {
-            ReachError::Unsolved { why, .. } => nearest_distance(why),
-            _ => None,
-        };
-        StepFailure { nearest_m, ..StepFailure::new(e.to_string()) }
-    })?;
+    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
     stage.actors[who].replace_clip(clip);
     stage.record_planned(who, limb, [from_s, at_s]);
     stage.record_planned(who, limb, [at_s, to_s]);
@@ -175,37 +147,26 @@ fn plan_visit(
     Ok(reached.outcomes.to_vec())
 }
 
-/// Allows a thing to touch its support, and things beside it, while it is taken or laid down.
-///
-/// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
-pub(super) fn allow_neighbours(
-    stage: &mut TaskStage<'_>,
-    who: usize,
-    limb: Limb,
-    thing: usize,
-    place: &Rigid,
-    [at_s, until_s]: [f64; 2],
-) {
-    let own: Vec<_> = stage.task.things[thing].shapes.iter().flat_map(capsules_around).collect();
-    let mut names = Vec::new();
-    for (i, other) in stage.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
-        let there = stage.thing_place(i, at_s);
-        let is_near = other.shapes.iter().any(|shape| {
-            own.iter().any(|(core, radius)| {
-                let local = core.map(|p| there.local_point(place.transform_point(p)));
-                shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
-            })
-        });
-        if is_near {
-            names.push(other.name.clone());
-        }
-    }
-    let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
-    let part = stage.task.things[thing].name.clone();
-    for with in names {
-        let contact = (who, limb, AllowedContact { part: Some(part.clone()), other: with, window_s });
-        if !stage.contacts.contains(&contact) {
-            stage.contacts.push(contact);
+impl TaskStage<'_> {
+    /// Allows a thing to touch its support, and things beside it, while it is taken or laid down.
+    ///
+    /// - `at_s`, `until_s`: time at which it is there, and time from which it may be moved away.
+    pub fn allow_neighbours(&mut self, who: usize, limb: Limb, thing: usize, place: &Rigid, [at_s, until_s]: [f64; 2]) {
+        let own: Vec<_> = self.task.things[thing].shapes.iter().flat_map(capsules_around).collect();
+        let window_s = Some([at_s - CONTACT_S, until_s + CONTACT_S]);
+        let part = &self.task.things[thing].name;
+        for (i, other) in self.task.things.iter().enumerate().filter(|(i, _)| *i != thing) {
+            let there = self.thing_place(i, at_s);
+            let is_near = other.shapes.iter().any(|shape| {
+                own.iter().any(|(core, radius)| {
+                    let local = core.map(|p| there.local_point(place.transform_point(p)));
+                    shape.distance(&local, radius + BESIDE_M) < radius + BESIDE_M
+                })
+            });
+            let contact = AllowedContact { part: Some(part.clone()), other: other.name.clone(), window_s };
+            if is_near && !self.contacts.contains(&(who, limb, contact.clone())) {
+                self.contacts.push((who, limb, contact));
+            }
         }
     }
 }

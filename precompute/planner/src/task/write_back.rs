@@ -12,6 +12,9 @@ const SAME_M: f64 = 5e-5;
 /// Fineness of written numbers (1/m).
 const DIGITS: f64 = 1e4;
 
+/// A part of a text, and what replaces it.
+type Edit = (Range<usize>, String);
+
 impl Task {
     /// The text of a task's file with things and places where they are now; comments, spaces and all other numbers stay.
     ///
@@ -37,25 +40,15 @@ impl Task {
         Ok(text)
     }
 
-    fn edits(
-        &self,
-        source: &TomlSource,
-        handle: Handle,
-        by: DVec3,
-        out: &mut Vec<(Range<usize>, String)>,
-    ) -> Result<()> {
+    fn edits(&self, source: &TomlSource, handle: Handle, by: DVec3, out: &mut Vec<Edit>) -> Result<()> {
         let num_obstacles = self.things.iter().filter(|t| !t.is_object).count();
         let table = match handle {
             Handle::Thing(i) if i < num_obstacles => format!("scene.obstacles[{i}]"),
             Handle::Thing(i) => format!("scene.objects[{}]", i - num_obstacles),
             Handle::Place(i) => format!("tasks[{i}].to"),
         };
-        let mut places: Vec<String> = Vec::new();
-        while let Some(next) =
-            Some(format!("{table}.keys[{}].at", places.len())).filter(|k| source.value_span(k).is_some())
-        {
-            places.push(next);
-        }
+        let keys = (0..).map(|i| format!("{table}.keys[{i}].at"));
+        let mut places: Vec<String> = keys.take_while(|k| source.value_span(k).is_some()).collect();
         if places.is_empty() {
             places.push(format!("{table}.at"));
         }
@@ -78,7 +71,7 @@ impl Task {
 }
 
 /// `at` before the first key of a table that has none.
-fn insert_at_table(source: &TomlSource, table: &str, at: DVec3) -> Result<(Range<usize>, String)> {
+fn insert_at_table(source: &TomlSource, table: &str, at: DVec3) -> Result<Edit> {
     let keys = ["name", "shape", "shapes", "on", "turn_deg"].map(|k| source.key_span(&format!("{table}.{k}")));
     let first = keys.into_iter().flatten().min_by_key(|span| span.start).ok_or_else(|| unknown(source, table))?;
     let [x, y, z] = at.to_array().map(number);

@@ -1,12 +1,9 @@
 //! One view of the hitting points: grid, body, points, axes in metres.
 
-use super::super::camera::PictureCamera;
-use super::super::canvas::{Area, Picture};
-use super::super::colour;
-use super::super::figure::{BodyColours, BodyFigure};
-use super::super::sprite;
+use super::super::canvas::Area;
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{HitPoint, hit_colour, is_ring};
+use crate::picture::{BodyColours, BodyFigure, Picture, PictureCamera, colour, sprite};
 use glam::{Vec2, Vec3};
 
 /// Distance between grid lines (m).
@@ -21,15 +18,9 @@ const TAIL: f32 = 0.12;
 /// A direction of the character that a panel shows along one of its edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PanelAxis {
-    name: &'static str,
+    pub name: &'static str,
     /// Unit.
     pub direction: Vec3,
-}
-
-impl PanelAxis {
-    pub fn new(name: &'static str, direction: Vec3) -> Self {
-        Self { name, direction }
-    }
 }
 
 /// One view.

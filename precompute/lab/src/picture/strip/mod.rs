@@ -6,14 +6,11 @@ mod path_map;
 
 pub use onion::onion_skin;
 
-use super::camera::PictureCamera;
-use super::canvas::{Area, Picture};
-use super::colour;
-use super::figure::{BodyColours, BodyFigure};
+use super::canvas::Area;
 use super::furniture::header;
 use super::shadow::Shadows;
-use super::sprite;
 use super::text::{Align, TextStyle, draw_text};
+use super::{BodyColours, BodyFigure, Picture, PictureCamera, colour, sprite};
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_core::{Contacts, Joint, Planar};
@@ -58,9 +55,7 @@ pub fn pose_strip(strip: &PoseStrip<'_>) -> Picture {
     let mut page = Picture::new(layout.width as u32, layout.height as u32, colour::PAPER);
     header(&mut page, unit, strip.title, strip.subtitle);
     let poses = layout.poses(strip.frames);
-    for (row, &area) in layout.rows.iter().enumerate() {
-        draw_row(&mut page, &layout, row, area, strip.frames, &poses);
-    }
+    (0..layout.rows.len()).for_each(|row| layout.draw_row(&mut page, row, strip.frames, &poses));
     draw_labels(&mut page, &layout, strip.frames, &poses);
     gait::draw(&mut page, &layout, strip.frames);
     path_map::draw(&mut page, layout.map, unit, strip.frames, &poses);
@@ -96,9 +91,8 @@ impl StripLayout {
         let px_per_m = (row_width / columns as f32 / 0.92).clamp(20.0 * unit, 150.0 * unit);
         let row_height = 2.12 * px_per_m;
         let num_rows = if strip.front_row { 2 } else { 1 };
-        let rows = (0..num_rows)
-            .map(|r| Area::new(edge, top + r as f32 * (row_height + 0.5 * edge), row_width, row_height))
-            .collect::<Vec<_>>();
+        let row = |r| Area::new(edge, top + r as f32 * (row_height + 0.5 * edge), row_width, row_height);
+        let rows: Vec<Area> = (0..num_rows).map(row).collect();
         let below = rows[num_rows - 1].max().y;
         let labels = Area::new(edge, below, row_width, 54.0 * unit);
         let gait = Area::new(edge, labels.max().y, row_width, 62.0 * unit);
@@ -108,18 +102,32 @@ impl StripLayout {
 
     /// Evenly chosen frames, the first and last among them; broken figures are left out.
     fn poses<'a>(&self, frames: &'a [StripFrame]) -> Vec<Option<StripPose<'a>>> {
-        (0..self.columns)
-            .map(|c| {
-                let i = c * frames.len().saturating_sub(1) / (self.columns - 1);
-                frames.get(i).filter(|f| f.figure.is_drawable()).map(|f| (i, f))
-            })
-            .collect()
+        let chosen = (0..self.columns).map(|c| c * frames.len().saturating_sub(1) / (self.columns - 1));
+        chosen.map(|i| frames.get(i).filter(|f| f.figure.is_drawable()).map(|f| (i, f))).collect()
     }
 
     /// Horizontal centre of a column; fractions lie between columns (px).
     fn column_x(&self, column: f32) -> f32 {
         let area = self.rows[0];
         area.min.x + (column + 0.5) * area.size.x / self.columns as f32
+    }
+
+    fn draw_row(&self, page: &mut Picture, row: usize, frames: &[StripFrame], poses: &[Option<StripPose<'_>>]) {
+        let (unit, area) = (self.unit, self.rows[row]);
+        let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
+        let ground_y = area.size.y - 0.2 * self.px_per_m;
+        let ends = [Vec2::new(0.0, ground_y), Vec2::new(area.size.x, ground_y)];
+        panel.stroke_line(&ends, 1.2 * unit, colour::GRID);
+        let views = poses.iter().enumerate().filter_map(|(column, pose)| {
+            let (i, frame) = (*pose)?;
+            let towards = steady_heading(frames, i) + if row == 0 { FRAC_PI_2 } else { PI };
+            let screen = Vec2::new(self.column_x(column as f32) - area.min.x, ground_y);
+            let camera = PictureCamera::looking_along(towards, 0.1);
+            Some((camera.framed(frame.root.translation(), screen, self.px_per_m), frame))
+        });
+        let views: Vec<(PictureCamera, &StripFrame)> = views.collect();
+        draw_poses(&mut panel, &views, unit, |_| 0.0);
+        page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
     }
 }
 
@@ -129,34 +137,6 @@ fn steady_heading(frames: &[StripFrame], frame: usize) -> f32 {
     let near = frames.iter().filter(|f| (f.time_s - time).abs() <= 0.25);
     let sum = near.fold(Vec2::ZERO, |s, f| s + Vec2::from_angle(f.root.heading));
     sum.to_angle()
-}
-
-fn draw_row(
-    page: &mut Picture,
-    layout: &StripLayout,
-    row: usize,
-    area: Area,
-    frames: &[StripFrame],
-    poses: &[Option<StripPose<'_>>],
-) {
-    let unit = layout.unit;
-    let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
-    let ground_y = area.size.y - 0.2 * layout.px_per_m;
-    let ends = [Vec2::new(0.0, ground_y), Vec2::new(area.size.x, ground_y)];
-    panel.stroke_line(&ends, 1.2 * unit, colour::GRID);
-    let views: Vec<(PictureCamera, &StripFrame)> = poses
-        .iter()
-        .enumerate()
-        .filter_map(|(column, pose)| {
-            let (i, frame) = (*pose)?;
-            let towards = steady_heading(frames, i) + if row == 0 { FRAC_PI_2 } else { PI };
-            let screen = Vec2::new(layout.column_x(column as f32) - area.min.x, ground_y);
-            let camera = PictureCamera::looking_along(towards, 0.1);
-            Some((camera.framed(frame.root.translation(), screen, layout.px_per_m), frame))
-        })
-        .collect();
-    draw_poses(&mut panel, &views, unit, |_| 0.0);
-    page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
 }
 
 /// Draws figures with their shadows and contacts, in the given order; `faded` is how pale each is (0 to 1).

@@ -1,11 +1,10 @@
 //! Poses at their true places, older ones paler.
 
-use super::super::camera::PictureCamera;
-use super::super::canvas::{Area, Picture};
-use super::super::colour;
+use super::super::canvas::Area;
 use super::super::furniture::{grid, header, nice_step, scale_bar};
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{PoseStrip, StripFrame, StripLayout, StripPose, draw_poses, steady_heading};
+use crate::picture::{Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -56,10 +55,8 @@ fn draw_times(panel: &mut Picture, camera: &PictureCamera, unit: f32, poses: &[S
 fn fit_camera(poses: &[StripPose<'_>], frames: &[StripFrame], width: f32, unit: f32) -> (PictureCamera, f32) {
     let tilt: f32 = 0.3;
     let (Some(first), Some(last)) = (poses.first(), poses.last()) else {
-        return (
-            PictureCamera::looking_along(0.0, tilt).framed(Vec3::ZERO, 0.5 * Vec2::splat(width), 100.0 * unit),
-            200.0 * unit,
-        );
+        let camera = PictureCamera::looking_along(0.0, tilt);
+        return (camera.framed(Vec3::ZERO, 0.5 * Vec2::splat(width), 100.0 * unit), 200.0 * unit);
     };
     let way = last.1.root.translation() - first.1.root.translation();
     let heading = if way.length() > 0.5 { way.x.atan2(way.z) } else { steady_heading(frames, first.0) };

@@ -1,25 +1,20 @@
 //! The path of the root from above, oriented as the overview: +X right, +Z down.
 
-use super::super::camera::PictureCamera;
-use super::super::canvas::{Area, Picture};
-use super::super::colour;
+use super::super::canvas::Area;
 use super::super::furniture::{grid, nice_step, scale_bar};
 use super::super::text::{Align, TextStyle, draw_text};
 use super::{StripFrame, StripPose};
+use crate::picture::{Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_geometry::BoundingBox;
 
 /// Draws the root's path with an arrow at every pose.
 pub(super) fn draw(page: &mut Picture, area: Area, unit: f32, frames: &[StripFrame], poses: &[Option<StripPose<'_>>]) {
     let mut map = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
     let points: Vec<Vec3> = frames.iter().map(|f| f.root.translation()).filter(|p| p.is_finite()).collect();
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for p in &points {
-        (min, max) = (min.min(*p), max.max(*p));
-    }
-    if points.is_empty() {
-        (min, max) = (Vec3::ZERO, Vec3::ZERO);
-    }
+    let bounds = BoundingBox::around_points(points.iter().copied());
+    let (min, max) = if points.is_empty() { (Vec3::ZERO, Vec3::ZERO) } else { (bounds.min, bounds.max) };
     let size = Vec2::new(map.width() as f32, map.height() as f32);
     let room = size - Vec2::new(90.0, 160.0) * unit;
     let extent = (max - min).max(Vec3::splat(0.6));

@@ -39,7 +39,7 @@ fn what_somebody_wears_is_in_the_way() {
     let stage = crate::task::stage::TaskStage::new(&task, &clips);
     let around = stage.surroundings_of_limb(0, crate::linkage::Limb::LeftArm, [0.4, 1.4]);
     let pieces: Vec<_> = around.solids.iter().filter(|solid| solid.name == "Bo").collect();
-    assert!(pieces.len() > 15 && stage.other_bodies(0).is_empty() && stage.other_capsules(0).len() == 1);
+    assert!(pieces.len() > 15 && stage.other_bodies(0).is_empty() && stage.other_capsules(0, |_| true).len() == 1);
     let head = stage.actors[1].joint_place(Joint::Head, 1.0).position;
     let nearest = |at: glam::DVec3| {
         let far = |solid: &&crate::problem::MovingSolid| {

@@ -2,11 +2,11 @@
 
 use crate::rotation::wrap_angle;
 use crate::task::entries::PaceEntry;
-use glam::{DQuat, DVec2, DVec3, Quat, Vec2, Vec3};
+use glam::{DQuat, DVec2, DVec3};
 use throng_base::{Id, Inline, Result, maths};
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
-use throng_core::{CharacterGroup, Contacts, NUM_JOINTS, Planar};
+use throng_core::{CharacterGroup, NUM_JOINTS, Planar};
 use throng_motion::Clip;
 use throng_motion::export::ActorPose;
 
@@ -28,14 +28,12 @@ const ON_THE_WAY: f64 = 0.5;
 pub(super) struct WalkRecording {
     walkers: Walkers,
     who: Id,
-    rate_hz: f64,
     steps: usize,
     /// Position and heading of the walker while it stands.
     position: DVec2,
     heading: f64,
-    roots: Vec<Vec3>,
-    rotations: Vec<Quat>,
-    contacts: Vec<Contacts>,
+    /// All frames so far.
+    clip: Clip,
     /// Gaze target (m).
     pub gaze_target: Option<DVec3>,
 }
@@ -47,25 +45,15 @@ impl WalkRecording {
         let root = Planar::new(at.x as f32, at.y as f32, heading as f32);
         let who = walkers.spawn(WalkerStart { root, ..WalkerStart::default() })?;
         let steps = (STEP_HZ / rate_hz).ceil().max(1.0) as usize;
-        let mut gait = Self {
-            walkers,
-            who,
-            rate_hz,
-            steps,
-            position: at,
-            heading,
-            roots: Vec::new(),
-            rotations: Vec::new(),
-            contacts: Vec::new(),
-            gaze_target: None,
-        };
+        let clip = Clip::new("", rate_hz, Vec::new(), Vec::new());
+        let mut gait = Self { walkers, who, steps, position: at, heading, clip, gaze_target: None };
         gait.record_frame();
         Ok(gait)
     }
 
     /// Time of the last frame (s).
     pub fn time_s(&self) -> f64 {
-        (self.roots.len() - 1) as f64 / self.rate_hz
+        (self.clip.num_frames() - 1) as f64 / self.clip.rate_hz
     }
 
     /// Position (x and z, m) and heading (rad) of the walker while it stands.
@@ -75,31 +63,28 @@ impl WalkRecording {
 
     /// Position of the hips and rotations of the last frame.
     pub fn pose(&self) -> (DVec3, [DQuat; NUM_JOINTS]) {
-        self.frame_pose(self.roots.len() - 1)
+        self.frame_pose(self.clip.num_frames() - 1)
     }
 
     fn frame_pose(&self, frame: usize) -> (DVec3, [DQuat; NUM_JOINTS]) {
-        let row = frame * NUM_JOINTS;
-        let turns = std::array::from_fn(|j| self.rotations[row + j].as_dquat().normalize());
-        (self.roots[frame].as_dvec3(), turns)
+        let turns = std::array::from_fn(|j| self.clip.frame_rotations(frame)[j].as_dquat().normalize());
+        (self.clip.root_positions[frame].as_dvec3(), turns)
     }
 
     /// Frames after a time: time, position of the hips and rotations.
     pub fn frames_after(&self, time_s: f64) -> Vec<(f64, (DVec3, [DQuat; NUM_JOINTS]))> {
-        let first = (time_s * self.rate_hz).round() as usize + 1;
-        (first..self.roots.len()).map(|f| (f as f64 / self.rate_hz, self.frame_pose(f))).collect()
+        let first = (time_s * self.clip.rate_hz).round() as usize + 1;
+        (first..self.clip.num_frames()).map(|f| (f as f64 / self.clip.rate_hz, self.frame_pose(f))).collect()
     }
 
     /// The clip so far.
     pub fn clip(&self, name: &str) -> Clip {
-        let mut clip = Clip::new(name, self.rate_hz, self.roots.clone(), self.rotations.clone());
-        clip.contacts.clone_from(&self.contacts);
-        clip
+        Clip { name: name.into(), ..self.clip.clone() }
     }
 
     /// Stands until a time (s).
     pub fn stand_until(&mut self, until_s: f64) -> Result<()> {
-        while self.time_s() + 0.5 / self.rate_hz < until_s {
+        while self.time_s() + 0.5 / self.clip.rate_hz < until_s {
             let (at, heading) = self.place();
             self.step_frame(|_| (at, DVec2::ZERO, heading))?;
         }
@@ -124,7 +109,7 @@ impl WalkRecording {
             }
             (walked_m, pace[pace.len() - 1].speed_mps)
         };
-        while self.time_s() - start_s + 0.5 / self.rate_hz < end_s {
+        while self.time_s() - start_s + 0.5 / self.clip.rate_hz < end_s {
             self.step_frame(|t| {
                 let (walked_m, speed) = along(t - start_s);
                 (from + ahead * walked_m, ahead * speed, heading)
@@ -200,18 +185,12 @@ impl WalkRecording {
     /// Adds a frame: position (x and z, m), velocity (m/s) and heading (rad) are a function of time.
     fn step_frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
         let from_s = self.time_s();
-        let dt_s = 1.0 / (self.rate_hz * self.steps as f64);
+        let dt_s = 1.0 / (self.clip.rate_hz * self.steps as f64);
         let look_at = self.gaze_target.map(|p| p.as_vec3());
         for k in 1..=self.steps {
             let (at, velocity, heading) = path(from_s + k as f64 * dt_s);
-            let narrow = |v: DVec2| Vec2::new(v.x as f32, v.y as f32);
-            let control = Control {
-                position: Some(narrow(at)),
-                velocity: narrow(velocity),
-                heading: Some(heading as f32),
-                look_at,
-                ..Control::default()
-            };
+            let (position, velocity, heading) = (Some(at.as_vec2()), velocity.as_vec2(), Some(heading as f32));
+            let control = Control { position, velocity, heading, look_at, ..Control::default() };
             self.walkers.order(self.who, control)?;
             self.walkers.step(dt_s as f32, &Inline)?;
         }
@@ -221,14 +200,14 @@ impl WalkRecording {
 
     fn record_frame(&mut self) {
         let pose = ActorPose::from_model(self.walkers.root(0), self.walkers.pose(0));
-        self.roots.push(pose.translations[0]);
-        let before = self.rotations.len().checked_sub(NUM_JOINTS);
+        self.clip.root_positions.push(pose.translations[0]);
+        let before = self.clip.rotations.len().checked_sub(NUM_JOINTS);
         for (j, q) in pose.rotations.into_iter().enumerate() {
             // Neighbouring frames keep a positive dot product.
-            let turned = before.is_some_and(|row| q.dot(self.rotations[row + j]) < 0.0);
-            self.rotations.push(if turned { -q } else { q });
+            let turned = before.is_some_and(|row| q.dot(self.clip.rotations[row + j]) < 0.0);
+            self.clip.rotations.push(if turned { -q } else { q });
         }
-        self.contacts.push(self.walkers.contacts(0));
+        self.clip.contacts.push(self.walkers.contacts(0));
     }
 }
 

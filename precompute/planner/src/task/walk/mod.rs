@@ -33,11 +33,11 @@ const LONGEST_S: f64 = 3600.0;
 /// Motion of a character.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "there are as many as characters, once")]
-pub enum ActorSource<'a> {
+pub enum ActorSource {
     /// A clip.
     Clip(ActorClip),
     /// Walking up to its steps, with bodies of a blend space whose first axis is speed.
-    Walks(&'a BlendSpace),
+    Walks(BlendSpace),
 }
 
 /// Clips of characters who walk, and the task with the times at which they are in place.
@@ -97,7 +97,7 @@ impl Task {
     /// Shapiro, Kallmann and Faloutsos 2007, section 6.2, last paragraph. Differs: the place to stand is searched, too.
     pub fn plan_walks(
         &self,
-        sources: &[ActorSource<'_>],
+        sources: &[ActorSource],
         rate_hz: f64,
         seed: Option<u64>,
     ) -> Result<WalkedTask, WalkError> {
@@ -118,10 +118,8 @@ impl Task {
                 best = Some((num_done, walked));
             }
             let failed = outcome.done.iter().zip(&self.steps).position(|(d, s)| d.reason.is_some() && !s.is_timed());
-            match failed {
-                Some(step) => passed[step] += 1,
-                None => break,
-            }
+            let Some(step) = failed else { break };
+            passed[step] += 1;
         }
         // The first round has put one there, or has returned.
         best.map(|(_, walked)| walked)
@@ -129,7 +127,7 @@ impl Task {
     }
 
     /// - `passed`: number of places of each step that were rejected before.
-    fn walk_all(&self, sources: &[ActorSource<'_>], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
+    fn walk_all(&self, sources: &[ActorSource], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
         let (expected, found) = (self.characters.len(), sources.len());
         if expected != found {
             return Err(ClipMismatch::Number { expected, found }.into());
@@ -139,24 +137,25 @@ impl Task {
         let mut gaits: Vec<Option<WalkRecording>> = Vec::new();
         let mut clips = Vec::new();
         for (source, who) in sources.iter().zip(&self.characters) {
-            let space = match (source, &who.clip.walk) {
+            let (space, walk) = match (source, &who.clip.walk) {
                 (ActorSource::Clip(clip), _) => {
                     clips.push(clip.clone());
                     gaits.push(None);
                     continue;
                 }
                 (ActorSource::Walks(_), None) => return Err(ClipMismatch::NotWalked { name: who.name.clone() }.into()),
-                (ActorSource::Walks(space), Some(walk)) => (*space, walk),
+                (ActorSource::Walks(space), Some(walk)) => (space, walk),
             };
-            let wrong = |source| WalkError::Space { name: who.name.clone(), source };
-            let (space, walk) = space;
-            let mut gait = WalkRecording::new(space, DVec2::from(walk.from), walk.heading_deg.to_radians(), rate_hz)
-                .map_err(wrong)?;
-            match walk.pace.is_empty() {
-                true => gait.stand_until(REST_S),
-                false => gait.walk_at_pace(&walk.pace),
-            }
-            .map_err(wrong)?;
+            let begin = || {
+                let heading = walk.heading_deg.to_radians();
+                let mut gait = WalkRecording::new(space, DVec2::from(walk.from), heading, rate_hz)?;
+                match walk.pace.is_empty() {
+                    true => gait.stand_until(REST_S)?,
+                    false => gait.walk_at_pace(&walk.pace)?,
+                }
+                Ok(gait)
+            };
+            let gait = begin().map_err(|source| WalkError::Space { name: who.name.clone(), source })?;
             clips.push(ActorClip { clip: gait.clip(&who.name), skeleton: space.skeleton().clone() });
             gaits.push(Some(gait));
         }
@@ -216,7 +215,7 @@ fn walk_to_step(
     let leaning = stands.iter().map(|stand| (stand, true)).filter(|_| task.lean && step.limb.is_arm());
     for (stand, leans) in upright.chain(leaning) {
         wanted.leans = leans;
-        if !wanted.is_free(stand) || !wanted.is_reached_from(stand) {
+        if !wanted.is_free(stand) || !wanted.is_reached_at(wanted.pose_at(stand), stand.at_s) {
             continue;
         }
         let mut after = gait.clone();

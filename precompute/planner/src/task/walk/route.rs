@@ -46,14 +46,10 @@ impl RouteObstacles {
         Some(smooth.unwrap_or(corners))
     }
 
-    /// Half of the width that a path needs at a place (m).
-    fn room_at(p: DVec2, ends: [DVec2; 2], spare_m: f64) -> f64 {
-        let near = ends.into_iter().map(|e| e.distance(p)).fold(f64::INFINITY, f64::min);
-        NARROW_M + (ROOM_M + spare_m - NARROW_M) * (near / NEAR_M).min(1.0)
-    }
-
     fn is_free(&self, p: DVec2, ends: [DVec2; 2], spare_m: f64) -> bool {
-        let room = Self::room_at(p, ends, spare_m);
+        let near = ends.into_iter().map(|e| e.distance(p)).fold(f64::INFINITY, f64::min);
+        // Half of the width that a path needs there (m).
+        let room = NARROW_M + (ROOM_M + spare_m - NARROW_M) * (near / NEAR_M).min(1.0);
         let [low, high] = HEIGHTS_M.map(|y| DVec3::new(p.x, y, p.y));
         self.discs.iter().all(|(at, radius)| at.distance(p) >= radius + room)
             && self.things.iter().all(|(shape, place)| {

@@ -71,16 +71,8 @@ pub(super) struct StandSearch<'a> {
 impl<'a> StandSearch<'a> {
     /// - `stage`: with the clip so far of the walking character.
     pub fn new(stage: TaskStage<'a>, step: &'a TaskStep, gait: &WalkRecording) -> Self {
-        Self {
-            stage,
-            step,
-            from: gait.place(),
-            now_s: gait.time_s(),
-            pose: gait.pose(),
-            nearest: None,
-            leans: false,
-            met: None,
-        }
+        let (from, now_s, pose) = (gait.place(), gait.time_s(), gait.pose());
+        Self { stage, step, from, now_s, pose, nearest: None, leans: false, met: None }
     }
 
     /// Place of the object, or the place to which it is brought.
@@ -124,7 +116,7 @@ impl<'a> StandSearch<'a> {
     }
 
     /// Position of the hips and rotations of a character that stands there.
-    fn pose_at(&self, stand: &StandingPlace) -> (DVec3, [DQuat; NUM_JOINTS]) {
+    pub fn pose_at(&self, stand: &StandingPlace) -> (DVec3, [DQuat; NUM_JOINTS]) {
         let (root, mut turns) = self.pose;
         let (from, heading) = self.from;
         let turn = rotation_about(DVec3::Y, stand.heading - heading);
@@ -143,10 +135,7 @@ impl<'a> StandSearch<'a> {
             let core = c.core.map(|p| places[c.joint.index()].transform_point(p));
             let is_limb = Limb::ALL.iter().any(|l| l.is_arm() && l.moves_joint(c.joint));
             let room = if is_limb { ARM_M } else { CLEAR_M };
-            solids.iter().all(|(_, shape, at)| {
-                let local = core.map(|p| at.local_point(p));
-                !shape.is_nearer(&local, c.radius + room)
-            })
+            solids.iter().all(|(_, shape, at)| !shape.is_nearer(&core.map(|p| at.local_point(p)), c.radius + room))
         })
     }
 
@@ -188,7 +177,7 @@ impl<'a> StandSearch<'a> {
                 if let Some((with, ..)) = self.solids_at(time_s).iter().find(meets) {
                     let limb = Limb::ALL.iter().find(|l| l.is_arm() && l.moves_joint(c.joint));
                     let out =
-                        limb.map_or_else(String::new, |l| format!(" (a task `correct` of {} mends that)", l.name()));
+                        limb.map(|l| format!(" (a task `correct` of {} mends that)", l.name())).unwrap_or_default();
                     self.met = Some(format!("{} meets {with} on the way{out}", c.joint.name()));
                     return false;
                 }
@@ -209,12 +198,7 @@ impl<'a> StandSearch<'a> {
         placed.collect()
     }
 
-    /// True where the limb of a character that stands there reaches its target, within limits and free.
-    pub fn is_reached_from(&mut self, stand: &StandingPlace) -> bool {
-        self.is_reached_at(self.pose_at(stand), stand.at_s)
-    }
-
-    /// True where the target is reached from a pose: hips and rotations. An object to be brought has to be reachable from a
+    /// True where the limb reaches its target from a pose, within limits and free: hips and rotations. An object to be brought has to be reachable from a
     /// little farther away, too, as its place in the hand is not known yet.
     pub fn is_reached_at(&mut self, (root, turns): (DVec3, [DQuat; NUM_JOINTS]), at_s: f64) -> bool {
         let away = (root - self.target(at_s).position).with_y(0.0).normalize_or_zero();
@@ -227,7 +211,7 @@ impl<'a> StandSearch<'a> {
         let actor = &mut self.stage.actors[who];
         actor.motion = DrivenMotion::from_pose(&actor.skeleton, root, turns);
         let around = surroundings_at_target(&self.stage, self.step, at_s);
-        let others = self.stage.other_capsules(who);
+        let others = self.stage.other_capsules(who, |_| true);
         let spec = self.stage.limb_spec(who, self.step.limb, &around, &others);
         let Ok(problem) = Problem::prepare(&spec) else { return false };
         let (poses, nearest) = reachable_poses(&self.stage, self.step, &problem, at_s);
@@ -236,10 +220,8 @@ impl<'a> StandSearch<'a> {
         if let (true, Some(by_m), false) = (self.leans, by_m, is_reached) {
             return self.is_reached_leaning((root, turns), at_s, by_m);
         }
-        if let Some(why) = nearest
-            && self.nearest.as_ref().is_none_or(|n| why.failure_rank() < n.failure_rank())
-        {
-            self.nearest = Some(why);
+        if let Some(why) = nearest {
+            IkError::keep_nearest(&mut self.nearest, why);
         }
         is_reached
     }
@@ -252,19 +234,16 @@ impl<'a> StandSearch<'a> {
         let shoulder = self.step.limb.joints()[0];
         let far_m = place_joints(&actor.skeleton, pose.0, &pose.1)[shoulder.index()].position.distance(at) - by_m;
         let bend = trunk.least_bend(&pose, shoulder, at, far_m - SPARE_M[0]);
-        let Some(bent) = bend.and_then(|(bend, lower_m)| trunk.bent_pose(&pose, &bend, 1.0, lower_m)) else {
-            return false;
-        };
+        let bent = bend.and_then(|bend| trunk.bent_pose(&pose, &bend, 1.0));
         self.leans = false;
-        let is_reached = self.is_reached_by(bent, at_s);
+        let is_reached = bent.is_some_and(|bent| self.is_reached_by(bent, at_s));
         self.leans = true;
         is_reached
     }
 
     /// Reason why there is no place.
     pub fn failure_reason(&self) -> String {
-        let nearest =
-            self.nearest.as_ref().map_or_else(|| "everywhere something is in the way".into(), |u| u.to_string());
+        let nearest = self.nearest.as_ref().map_or("everywhere something is in the way".into(), ToString::to_string);
         match &self.met {
             Some(met) => {
                 format!("no way leads to a place to stand from which it is reached: {met}; give more room, or move it")
