@@ -84,15 +84,11 @@ pub fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
     }
     let sum = va + vb + vc;
     if sum <= 0.0 {
-        return nearest_on_edges(p, a, b, c);
+        // So thin that rounding decides: the nearest point of the three edges.
+        let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(p, edge));
+        return edges.into_iter().min_by(|q, r| q.distance(p).total_cmp(&r.distance(p))).unwrap_or(a);
     }
     a + ab * (vb / sum) + ac * (vc / sum)
-}
-
-/// Nearest point of the three edges, for triangles so thin that rounding decides.
-fn nearest_on_edges(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
-    let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(p, edge));
-    edges.into_iter().min_by(|q, r| q.distance(p).total_cmp(&r.distance(p))).unwrap_or(a)
 }
 
 /// Crossing of a ray and the plane of a triangle.

@@ -97,31 +97,26 @@ impl TriangleMesh {
 
     /// Triangle that is nearest to a point, and its distance; `None` at `limit` or farther (m).
     fn find_below(&self, p: Vec3, limit: f32) -> Option<(u32, f32)> {
-        let mut best = (u32::MAX, limit);
+        let mut best = (0, limit);
         let point = Segment::new(p.as_dvec3(), p.as_dvec3());
         self.tree.visit_near_triangles(&point, f64::from(limit), |i| {
             let d = nearest_on_triangle(p, &self.corners[i as usize]).distance(p);
-            let tied = d == best.1 && best.0 != u32::MAX && i < best.0;
-            if d < best.1 || tied {
+            if d < best.1 || d == best.1 && i < best.0 {
                 best = (i, d);
             }
             Some(f64::from(best.1))
         });
-        (best.0 != u32::MAX).then_some(best)
+        (best.1 < limit).then_some(best)
     }
 
     /// Distance to a segment, where it is below `limit`, else infinite (m).
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
-        let mut best = f64::INFINITY;
         let mut nearest = limit;
         self.visit_near_triangles(s, limit, |_, d2| {
-            let d = d2.sqrt();
-            if d < nearest {
-                (best, nearest) = (d, d);
-            }
+            nearest = nearest.min(d2.sqrt());
             Some(nearest)
         });
-        best
+        if nearest < limit { nearest } else { f64::INFINITY }
     }
 
     /// True where a segment is nearer than `limit`; stops at the first such triangle (m).

@@ -1,5 +1,6 @@
 //! A tree of boxes over triangles; a node has four boxes, which are tested together.
 
+use crate::bounds::BoundingBox;
 use crate::segment::Segment;
 use glam::{Vec3, Vec4};
 
@@ -47,13 +48,11 @@ impl BoxTree {
         let ((a, b), (c, d)) = (halves(triangles, first), halves(triangles, second));
         for (k, part) in [a, b, c, d].into_iter().enumerate().filter(|(_, p)| !p.is_empty()) {
             let inner = if let [one] = part { TRIANGLE | *one } else { self.grow(triangles, part) };
-            let corners = || part.iter().flat_map(|i| triangles[*i as usize]);
-            let (low, high) =
-                (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
+            let bounds = BoundingBox::around_points(part.iter().flat_map(|i| triangles[*i as usize]));
             let node = &mut self.nodes[at];
             for axis in 0..3 {
-                node.low[axis][k] = low[axis];
-                node.high[axis][k] = high[axis];
+                node.low[axis][k] = bounds.min[axis];
+                node.high[axis][k] = bounds.max[axis];
             }
             node.inner[k] = inner;
         }
@@ -107,9 +106,8 @@ fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], 
     let half = order.len() / 2;
     if order.len() > 2 {
         let middle = |i: u32| triangles[i as usize].iter().sum::<Vec3>();
-        let middles = || order.iter().map(|i| middle(*i));
-        let spread = middles().fold(Vec3::NEG_INFINITY, Vec3::max) - middles().fold(Vec3::INFINITY, Vec3::min);
-        let axis = spread.max_position();
+        let middles = BoundingBox::around_points(order.iter().map(|i| middle(*i)));
+        let axis = (middles.max - middles.min).max_position();
         order.select_nth_unstable_by(half, |a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]));
     }
     order.split_at_mut(half)
