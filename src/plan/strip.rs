@@ -3,8 +3,7 @@
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_core::Joint;
-use throng_geometry::SolidShape;
-use throng_geometry::TriangleSurface;
+use throng_geometry::{SolidShape, TriangleMesh};
 use throng_planner::rotation::Rigid;
 use throng_planner::task::{ActorClip, Task, TaskGaze, TaskOutcome};
 use throng_precompute::environment::UnitSolid;
@@ -100,7 +99,7 @@ fn world_moment(
     let paths = &outcome.scenery[when].paths;
     let solids = task.things.iter().zip(paths).enumerate().flat_map(|(i, (thing, path))| {
         let at = path.place_at(time_s);
-        thing.shapes.iter().map(move |s| (solid(s, &at), Colour::hex(TINTS[i % TINTS.len()])))
+        thing.shapes.iter().filter_map(move |s| Some((solid(s, &at)?, Colour::hex(TINTS[i % TINTS.len()]))))
     });
     let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, outcome, i, time_s));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
@@ -120,10 +119,11 @@ fn gaze_solids(clips: &[ActorClip], outcome: &TaskOutcome, who: usize, time_s: f
     vec![UnitSolid::Bar { from: eyes, to, radius: 0.004 }, UnitSolid::Bar { from: at, to: at, radius: 0.015 }]
 }
 
-fn solid(shape: &SolidShape, at: &Rigid) -> UnitSolid {
+/// Solid of a shape, in the world; `None` for a mesh that is too far away to be drawn.
+fn solid(shape: &SolidShape, at: &Rigid) -> Option<UnitSolid> {
     let turn: Quat = at.rotation.as_quat();
     let point = |p: glam::DVec3| -> Vec3 { at.transform_point(p).as_vec3() };
-    match shape {
+    Some(match shape {
         SolidShape::Round { core, radius } => {
             UnitSolid::Bar { from: point(core.a), to: point(core.b), radius: *radius as f32 }
         }
@@ -132,7 +132,7 @@ fn solid(shape: &SolidShape, at: &Rigid) -> UnitSolid {
         }
         SolidShape::Mesh(mesh) => {
             let placed = mesh.corners().iter().map(|t| t.map(|c| point(c.as_dvec3())));
-            UnitSolid::Mesh(TriangleSurface::new(placed.collect()))
+            UnitSolid::Mesh(TriangleMesh::new(placed.collect()).ok()?)
         }
-    }
+    })
 }

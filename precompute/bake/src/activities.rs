@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use throng_base::thresholds::ACTIVITY_STANDING_MPS;
+use throng_base::thresholds::WALKING_MPS;
 use throng_core::Contacts;
 use throng_core::format::ActivityMeta;
 use throng_motion::clip::{Clip, ClipSet, FrameRange};
@@ -124,7 +124,7 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     for (place, frame) in [("beginning", range.start), ("end", range.end - 2)] {
         let step = clip.root_positions[frame + 1] - clip.root_positions[frame];
         let mps = step.length() * clip.rate_hz as f32;
-        if mps > ACTIVITY_STANDING_MPS {
+        if mps > WALKING_MPS {
             return Err(format!("expected a person who stands at the {place}, found hips at {mps:.1} m/s. {HELP}"));
         }
         let down = |foot| clip.contacts[frame].any(foot);

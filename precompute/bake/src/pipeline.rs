@@ -19,7 +19,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use throng_base::thresholds::ANY_WALKING_MPS;
+use throng_base::thresholds::WALKING_MPS;
 use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::clip::{ClipSet, FrameRange};
@@ -196,7 +196,7 @@ fn shows_walking(clips: &ClipSet) -> bool {
         let second = clip.rate_hz.round().max(1.0) as usize;
         let goes = |w: &[Vec3]| {
             let seconds = (w.len() - 1) as f32 / clip.rate_hz as f32;
-            seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > ANY_WALKING_MPS * seconds
+            seconds > SHORTEST_S && (w[w.len() - 1] - w[0]).with_y(0.0).length() > WALKING_MPS * seconds
         };
         // A shorter clip is taken as a whole.
         let window = |r: &FrameRange| r.len().min(second + 1).max(1);

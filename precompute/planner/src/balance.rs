@@ -2,7 +2,7 @@
 
 use crate::rotation::Rigid;
 use glam::{DVec2, DVec3};
-use throng_base::thresholds::BALANCE_HEEL_PER_BALL_F64;
+use throng_base::thresholds::HEEL_PER_BALL;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
 /// Segment from one joint to another: its share of the body's mass, and where along it the mass is.
@@ -51,9 +51,8 @@ pub fn distance_off_feet(skeleton: &Skeleton, places: &[Rigid; NUM_JOINTS], cont
         let (ankle, ball) = (flat(places[ankle.index()].position), flat(places[toe.index()].position));
         let end = flat(places[toe.index()].transform_point(tip.as_dvec3()));
         let aside = (end - ankle).perp().normalize_or_zero() * HALF_WIDTH_M;
-        corners.extend(
-            [ankle - BALANCE_HEEL_PER_BALL_F64 * (ball - ankle), end].into_iter().flat_map(|p| [p + aside, p - aside]),
-        );
+        let heel = ankle - f64::from(HEEL_PER_BALL) * (ball - ankle);
+        corners.extend([heel, end].into_iter().flat_map(|p| [p + aside, p - aside]));
     }
     let com = centre_of_mass(places);
     (!corners.is_empty()).then(|| distance_outside(&hull(corners), DVec2::new(com.x, com.z)))

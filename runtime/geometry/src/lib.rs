@@ -1,8 +1,8 @@
 //! Segments, capsules, boxes and triangles, the distances between them, and trees and grids that find them.
 //!
-//! All lengths are metres. Distances in `f64` ([`Segment`], [`SolidShape`], [`TriangleMesh`]) serve planning; those in `f32`
-//! serve steps of characters ([`nearest_points`], [`Capsule`]), environments ([`BoundingBox`], [`TriangleSurface`]) and the
-//! ground ([`Capsule2d`], [`BoxGrid`]).
+//! All lengths are metres. Distances in `f64` ([`Segment`], [`SolidShape`]) serve planning; those in `f32` serve steps of
+//! characters ([`nearest_points`], [`Capsule`]), environments ([`BoundingBox`], [`nearest_on_box`]) and the ground
+//! ([`Capsule2d`], [`BoxGrid`]). A [`TriangleMesh`] answers both.
 
 mod bounds;
 mod box_grid;
@@ -16,7 +16,6 @@ mod solid_shape;
 mod surface;
 mod triangle;
 mod triangle_mesh;
-mod triangle_surface;
 mod triangle_tree;
 mod two_bones;
 
@@ -31,5 +30,4 @@ pub use solid_shape::SolidShape;
 pub use surface::{SurfacePoint, nearest_on_bar, nearest_on_box};
 pub use triangle::{RayCrossing, ray_crossing};
 pub use triangle_mesh::{MeshError, TriangleMesh};
-pub use triangle_surface::TriangleSurface;
 pub use two_bones::two_bone_offsets;

@@ -1,5 +1,6 @@
-//! Triangles: their distance from segments, and where rays cross their planes.
+//! Triangles: their distances from segments and points, and where rays cross their planes.
 
+use crate::nearest::nearest_on_segment;
 use crate::segment::Segment;
 use glam::{DVec3, Vec3};
 
@@ -46,6 +47,48 @@ pub fn is_farther(s: &Segment, over: f64, &[a, b, c]: &[DVec3; 3], square_limit:
     // No point of the segment is farther along the line than the one nearest to the middle.
     let rest = (a - near).dot(line).min((b - near).dot(line)).min((c - near).dot(line));
     rest > 0.0 && rest * rest >= square_limit * line.length_squared()
+}
+
+/// Nearest point of a triangle to `p`.
+///
+/// # Source
+/// Christer Ericson, *Real-Time Collision Detection*, 2005, section 5.1.5.
+pub fn nearest_on_triangle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (e1, e2) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && e1 >= 0.0 && e2 >= 0.0 {
+        return b + (c - b) * (e1 / (e1 + e2));
+    }
+    let sum = va + vb + vc;
+    if sum <= 0.0 {
+        // So thin that rounding decides: the nearest point of the three edges.
+        let edges = [[a, b], [b, c], [c, a]].map(|edge| nearest_on_segment(p, edge));
+        return edges.into_iter().min_by(|q, r| q.distance(p).total_cmp(&r.distance(p))).unwrap_or(a);
+    }
+    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 /// Crossing of a ray and the plane of a triangle.
@@ -97,6 +140,14 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_triangle_without_an_area_is_a_line() {
+        let t = [Vec3::ZERO, Vec3::X, Vec3::X * 0.5];
+        assert!((nearest_on_triangle(Vec3::new(0.3, 1.0, 0.0), &t) - Vec3::X * 0.3).length() < 1e-6);
+        assert_eq!(nearest_on_triangle(Vec3::ONE, &[Vec3::ZERO; 3]), Vec3::ZERO);
+    }
+
     #[test]
     fn a_ray_crosses_where_it_was_aimed() {
         let corners = [Vec3::new(1.0, 0.0, 2.0), Vec3::new(3.0, 0.0, 2.0), Vec3::new(1.0, 4.0, 2.0)];

@@ -1,7 +1,9 @@
 //! Surfaces of triangles with a tree of boxes over them.
 
+use crate::bounds::BoundingBox;
 use crate::segment::Segment;
-use crate::triangle::{is_farther, square_distance};
+use crate::surface::{SurfacePoint, distance_outside};
+use crate::triangle::{is_farther, nearest_on_triangle, square_distance};
 use crate::triangle_tree::BoxTree;
 use glam::{DVec3, Vec3};
 
@@ -25,10 +27,13 @@ pub enum MeshError {
 }
 
 /// A surface of triangles, which need not be closed: there is no inside, and nothing passes through its surface.
-#[derive(Clone)]
+///
+/// Segments are measured in `f64`, points in `f32`.
+#[derive(Clone, PartialEq)]
 pub struct TriangleMesh {
     corners: Vec<[Vec3; 3]>,
     tree: BoxTree,
+    bounds: BoundingBox,
     ball: (DVec3, f64),
 }
 
@@ -57,13 +62,10 @@ impl TriangleMesh {
                 return Err(MeshError::Corner { triangle, corner, limit: MAX_POSITION });
             }
         }
-        let tree = BoxTree::new(&corners);
-        let all = || corners.iter().flatten();
-        let (low, high) =
-            (all().fold(Vec3::INFINITY, |a, c| a.min(*c)), all().fold(Vec3::NEG_INFINITY, |a, c| a.max(*c)));
-        let middle = 0.5 * (low.as_dvec3() + high.as_dvec3());
-        let radius = all().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
-        Ok(Self { corners, tree, ball: (middle, radius) })
+        let bounds = BoundingBox::around_points(corners.iter().flatten().copied());
+        let middle = 0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3());
+        let radius = corners.iter().flatten().map(|c| c.as_dvec3().distance(middle)).fold(0.0, f64::max);
+        Ok(Self { tree: BoxTree::new(&corners), corners, bounds, ball: (middle, radius) })
     }
 
     /// Corners of every triangle (m).
@@ -71,23 +73,50 @@ impl TriangleMesh {
         &self.corners
     }
 
+    /// Box around all triangles (m).
+    pub fn bounds(&self) -> BoundingBox {
+        self.bounds
+    }
+
     /// Middle and radius of a ball that holds it (m).
     pub fn ball_around(&self) -> (DVec3, f64) {
         self.ball
     }
 
+    /// Surface point that is nearest to a point; `None` at `limit` or farther. Of triangles at the same distance, the first
+    /// (m).
+    pub fn nearest(&self, p: Vec3, limit: f32) -> Option<SurfacePoint> {
+        let t = &self.corners[self.find_below(p, limit)?.0 as usize];
+        Some(distance_outside(p, nearest_on_triangle(p, t), (t[1] - t[0]).cross(t[2] - t[0])))
+    }
+
+    /// Distance of a point, where it is below `limit`, else infinite (m).
+    pub fn point_distance(&self, p: Vec3, limit: f32) -> f32 {
+        self.find_below(p, limit).map_or(f32::INFINITY, |(_, distance)| distance)
+    }
+
+    /// Triangle that is nearest to a point, and its distance; `None` at `limit` or farther (m).
+    fn find_below(&self, p: Vec3, limit: f32) -> Option<(u32, f32)> {
+        let mut best = (0, limit);
+        let point = Segment::new(p.as_dvec3(), p.as_dvec3());
+        self.tree.visit_near_triangles(&point, f64::from(limit), |i| {
+            let d = nearest_on_triangle(p, &self.corners[i as usize]).distance(p);
+            if d < best.1 || d == best.1 && i < best.0 {
+                best = (i, d);
+            }
+            Some(f64::from(best.1))
+        });
+        (best.1 < limit).then_some(best)
+    }
+
     /// Distance to a segment, where it is below `limit`, else infinite (m).
     pub fn distance(&self, s: &Segment, limit: f64) -> f64 {
-        let mut best = f64::INFINITY;
         let mut nearest = limit;
         self.visit_near_triangles(s, limit, |_, d2| {
-            let d = d2.sqrt();
-            if d < nearest {
-                (best, nearest) = (d, d);
-            }
+            nearest = nearest.min(d2.sqrt());
             Some(nearest)
         });
-        best
+        if nearest < limit { nearest } else { f64::INFINITY }
     }
 
     /// True where a segment is nearer than `limit`; stops at the first such triangle (m).
@@ -114,9 +143,6 @@ impl TriangleMesh {
     /// Calls `look` with the squared distances of triangles that may be within a limit; it returns the new limit, or `None` to
     /// stop.
     fn visit_near_triangles(&self, s: &Segment, limit: f64, mut visit: impl FnMut(u32, f64) -> Option<f64>) {
-        if limit.is_nan() || limit <= 0.0 {
-            return;
-        }
         let length = (s.b - s.a).length_squared();
         let over = if length > 1e-18 { 1.0 / length } else { 0.0 };
         let mut limit = limit;
@@ -136,6 +162,20 @@ mod tests {
     use crate::segment::tests::points;
     use proptest::prelude::*;
 
+    fn corners() -> impl Strategy<Value = Vec<[Vec3; 3]>> {
+        let corner = || prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from);
+        let triangle = (prop::array::uniform3(corner()), 0..8).prop_map(|([a, b, c], kind)| match kind {
+            0 => [a; 3],
+            1 => [a, b, a + (b - a) * 0.3],
+            2 => [a, a + 1e-4 * b, c],
+            _ => [a, b, c],
+        });
+        let size = prop::sample::select(vec![0.1f32, 1.0, 30.0, 4000.0]);
+        // Each is there twice, so that each distance is.
+        (prop::collection::vec(triangle, 1..40), size)
+            .prop_map(|(all, size)| all.iter().chain(&all).map(|t| t.map(|c| size * c)).collect())
+    }
+
     /// A hilly sheet, `n` by `n` squares of two triangles, 2 m wide.
     fn hills(n: usize) -> TriangleMesh {
         let at = |i: usize, j: usize| {
@@ -152,6 +192,44 @@ mod tests {
 
     proptest! {
         #[test]
+        fn the_nearest_of_all_triangles_is_found_from_points(
+            corners in corners(), p in points(), out in prop::sample::select(vec![0.0f32, 1e-3, 0.3, 3.0]), share in 0.1f32..3.0
+        ) {
+            let mesh = TriangleMesh::new(corners).expect("a mesh");
+            let p = mesh.bounds().centre() + out * mesh.bounds().max.abs() * p.as_vec3();
+            let all = mesh.corners().iter().map(|t| nearest_on_triangle(p, t).distance(p)).enumerate();
+            let first = all.min_by(|a, b| a.1.total_cmp(&b.1)).expect("a triangle");
+            for limit in [f32::INFINITY, share * first.1, first.1.next_up(), first.1, -1.0, f32::NAN] {
+                let expected = Some((first.0 as u32, first.1)).filter(|f| f.1 < limit);
+                prop_assert_eq!(mesh.find_below(p, limit), expected);
+                prop_assert_eq!(mesh.point_distance(p, limit), expected.map_or(f32::INFINITY, |e| e.1));
+                prop_assert_eq!(mesh.nearest(p, limit).map(|s| s.distance), expected.map(|e| e.1));
+            }
+            let found = mesh.nearest(p, f32::INFINITY).expect("a triangle");
+            let rounding = 1e-5 * (1.0 + mesh.bounds().max.abs().max_element() + p.abs().max_element());
+            prop_assert!(mesh.bounds().expanded(rounding).contains(found.point));
+            prop_assert!((found.point + found.normal * found.distance - p).length() <= rounding);
+        }
+
+        #[test]
+        fn the_nearest_of_all_triangles_is_found_from_segments(
+            corners in corners(), a in points(), b in points(), share in 0.1f64..3.0
+        ) {
+            let mesh = TriangleMesh::new(corners).expect("a mesh");
+            let s = Segment::new(a, a + 0.3 * b);
+            let distance = |t: &[Vec3; 3]| square_distance(&s, &t.map(|c| c.as_dvec3()));
+            let square = mesh.corners().iter().map(distance).fold(f64::INFINITY, f64::min);
+            let nearest = square.sqrt();
+            prop_assert_eq!(mesh.distance(&s, f64::INFINITY), nearest);
+            for limit in [1e-3, 0.1, share * nearest, nearest * (1.0 + 1e-9)] {
+                let found = mesh.first_nearer(&s, limit);
+                prop_assert_eq!(found.is_some(), square < limit * limit);
+                prop_assert!(found.is_none_or(|i| distance(&mesh.corners()[i as usize]) < limit * limit));
+                prop_assert_eq!(mesh.distance(&s, limit), if nearest < limit { nearest } else { f64::INFINITY });
+            }
+        }
+
+        #[test]
         fn the_tree_finds_what_all_triangles_say(a in points(), b in points(), limit in 0.01f64..1.0) {
             let mesh = hills(12);
             let s = Segment::new(a, a + 0.3 * b);
@@ -160,6 +238,23 @@ mod tests {
             let found = mesh.distance(&s, limit);
             prop_assert_eq!(found, if nearest < limit { nearest } else { f64::INFINITY });
             prop_assert_eq!(mesh.is_nearer(&s, limit), nearest < limit);
+        }
+    }
+
+    #[test]
+    fn an_infinite_limit_finds_a_triangle_around_the_middle_of_its_box() {
+        let mesh = TriangleMesh::new(vec![[Vec3::NEG_ONE, Vec3::ONE, Vec3::X]]).expect("a mesh");
+        assert_eq!(mesh.point_distance(Vec3::ZERO, f32::INFINITY), 0.0);
+        assert_eq!(mesh.distance(&Segment::new(DVec3::ZERO, DVec3::ZERO), f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn large_triangles_are_found_nearby() {
+        for (size, k) in [30.0f32, 700.0, 20_000.0].into_iter().flat_map(|size| (1..200).map(move |k| (size, k))) {
+            let near_m = 0.37 * 0.01 * k as f32;
+            let far = |side: f32| Vec3::new(side * size, side * size, 2.3 * size);
+            let mesh = TriangleMesh::new(vec![[near_m * Vec3::Z, far(-1.0), far(1.0)]]).expect("a mesh");
+            assert_eq!(mesh.point_distance(Vec3::ZERO, near_m.next_up()), near_m);
         }
     }
 

@@ -1,5 +1,6 @@
 //! A tree of boxes over triangles; a node has four boxes, which are tested together.
 
+use crate::bounds::BoundingBox;
 use crate::segment::Segment;
 use glam::{Vec3, Vec4};
 
@@ -7,7 +8,7 @@ use glam::{Vec3, Vec4};
 const TRIANGLE: u32 = 1 << 31;
 
 /// A node: four boxes, and the content of each; the last ones may be empty.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct BoxNode {
     /// By axis (m).
     low: [Vec4; 3],
@@ -18,9 +19,11 @@ struct BoxNode {
 
 /// Tree that halves triangles along the longest side, over and over: its depth is at most the logarithm of their number to base
 /// 4.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(super) struct BoxTree {
     nodes: Vec<BoxNode>,
+    /// Largest coordinate (m).
+    largest: f32,
 }
 
 /// Most nodes that wait: three of each of 16 levels, and one.
@@ -30,7 +33,8 @@ impl BoxTree {
     /// - `triangles`: at least one, fewer than 2^31 (m).
     pub fn new(triangles: &[[Vec3; 3]]) -> Self {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
-        let mut out = Self { nodes: Vec::with_capacity(triangles.len() / 2) };
+        let largest = triangles.iter().flatten().fold(0.0, |most, c| c.abs().max_element().max(most));
+        let mut out = Self { nodes: Vec::with_capacity(triangles.len() / 2), largest };
         out.grow(triangles, &mut order);
         out
     }
@@ -44,13 +48,11 @@ impl BoxTree {
         let ((a, b), (c, d)) = (halves(triangles, first), halves(triangles, second));
         for (k, part) in [a, b, c, d].into_iter().enumerate().filter(|(_, p)| !p.is_empty()) {
             let inner = if let [one] = part { TRIANGLE | *one } else { self.grow(triangles, part) };
-            let corners = || part.iter().flat_map(|i| triangles[*i as usize]);
-            let (low, high) =
-                (corners().fold(Vec3::INFINITY, Vec3::min), corners().fold(Vec3::NEG_INFINITY, Vec3::max));
+            let bounds = BoundingBox::around_points(part.iter().flat_map(|i| triangles[*i as usize]));
             let node = &mut self.nodes[at];
             for axis in 0..3 {
-                node.low[axis][k] = low[axis];
-                node.high[axis][k] = high[axis];
+                node.low[axis][k] = bounds.min[axis];
+                node.high[axis][k] = bounds.max[axis];
             }
             node.inner[k] = inner;
         }
@@ -59,21 +61,36 @@ impl BoxTree {
 
     /// Calls `look` with triangles whose boxes may be within a limit; it returns the new limit, or `None` to stop (m).
     pub fn visit_near_triangles(&self, s: &Segment, limit: f64, mut visit: impl FnMut(u32) -> Option<f64>) {
-        let core = WideSegment::new(s);
+        if limit.is_nan() || limit <= 0.0 {
+            return;
+        }
+        let core = WideSegment::new(s, self.largest);
         let mut square = core.square(limit);
-        let mut waiting = [0; MAX_WAITING];
+        let mut waiting = [(0, 0.0); MAX_WAITING];
         let mut len = 1;
         while len > 0 {
             len -= 1;
-            let node = &self.nodes[waiting[len] as usize];
-            let mut near = core.near_boxes(node, square);
+            let (node, apart) = waiting[len];
+            if apart > square {
+                continue;
+            }
+            let node = &self.nodes[node as usize];
+            let (mut near, apart) = core.near_boxes(node, square);
+            let first = len;
             while near != 0 {
-                let inner = node.inner[near.trailing_zeros() as usize];
+                let k = near.trailing_zeros() as usize;
                 near &= near - 1;
+                let inner = node.inner[k];
                 if inner & TRIANGLE == 0 {
-                    waiting[len] = inner;
+                    // The nearest of a node's boxes waits last, and is visited first.
+                    let mut at = len;
+                    while at > first && waiting[at - 1].1 < apart[k] {
+                        waiting[at] = waiting[at - 1];
+                        at -= 1;
+                    }
+                    waiting[at] = (inner, apart[k]);
                     len += 1;
-                } else {
+                } else if apart[k] <= square {
                     match visit(inner & !TRIANGLE) {
                         Some(limit) => square = core.square(limit),
                         None => return,
@@ -89,9 +106,8 @@ fn halves<'a>(triangles: &[[Vec3; 3]], order: &'a mut [u32]) -> (&'a mut [u32], 
     let half = order.len() / 2;
     if order.len() > 2 {
         let middle = |i: u32| triangles[i as usize].iter().sum::<Vec3>();
-        let middles = || order.iter().map(|i| middle(*i));
-        let spread = middles().fold(Vec3::NEG_INFINITY, Vec3::max) - middles().fold(Vec3::INFINITY, Vec3::min);
-        let axis = spread.max_position();
+        let middles = BoundingBox::around_points(order.iter().map(|i| middle(*i)));
+        let axis = (middles.max - middles.min).max_position();
         order.select_nth_unstable_by(half, |a, b| middle(*a)[axis].total_cmp(&middle(*b)[axis]));
     }
     order.split_at_mut(half)
@@ -109,31 +125,33 @@ struct WideSegment {
 }
 
 impl WideSegment {
-    fn new(s: &Segment) -> Self {
+    /// - `largest`: largest coordinate of boxes (m).
+    fn new(s: &Segment, largest: f32) -> Self {
         let (a, b) = (s.a.as_vec3(), s.b.as_vec3());
         let four = |v: Vec3| v.to_array().map(Vec4::splat);
         let square = (b - a).length_squared();
         let over = if square > 1e-12 { 1.0 / square } else { 0.0 };
         // A few units in the last place of the largest number involved.
-        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element());
+        let slack = 1e-5 + 4e-6 * a.abs().max_element().max(b.abs().max_element()).max(largest);
         Self { a: four(a), d: four(b - a), low: four(a.min(b)), high: four(a.max(b)), over, slack }
     }
 
-    /// Square of a limit, widened by the slack (m^2).
+    /// Square of a limit, widened by the slack (m^2); that of an infinite one is finite, so that its product with 0 is 0.
     fn square(&self, limit: f64) -> f32 {
-        let limit = limit as f32 + self.slack;
+        let limit = (limit as f32).min(1e18) + self.slack;
         limit * limit
     }
 
-    /// Bits of the boxes that may be within a limit: by the box around the segment, and along the line from the segment to the
-    /// box's middle.
-    fn near_boxes(&self, node: &BoxNode, square: f32) -> u32 {
+    /// Bits of the boxes that may be within a limit, by the box around the segment, and along the line from the segment to the
+    /// box's middle; and squared distances from the box around the segment (m^2).
+    fn near_boxes(&self, node: &BoxNode, square: f32) -> (u32, Vec4) {
         let square = Vec4::splat(square);
         let sum = |v: [Vec4; 3]| v[0] + v[1] + v[2];
         let out = by_axis(|k| (node.low[k] - self.high[k]).max(self.low[k] - node.high[k]).max(Vec4::ZERO));
-        let near = sum(out.map(|v| v * v)).cmple(square);
+        let boxes = sum(out.map(|v| v * v));
+        let near = boxes.cmple(square);
         if !near.any() {
-            return 0;
+            return (0, boxes);
         }
         let from = by_axis(|k| 0.5 * (node.low[k] + node.high[k]) - self.a[k]);
         let share = (sum(by_axis(|k| from[k] * self.d[k])) * self.over).clamp(Vec4::ZERO, Vec4::ONE);
@@ -143,7 +161,7 @@ impl WideSegment {
         // root.
         let apart = sum(line.map(|v| v * v));
         let rest = (apart - 0.5 * sum(by_axis(|k| line[k].abs() * (node.high[k] - node.low[k])))).max(Vec4::ZERO);
-        (near & (rest * rest).cmple(square * apart)).bitmask()
+        ((near & (rest * rest).cmple(square * apart)).bitmask(), boxes)
     }
 }
 

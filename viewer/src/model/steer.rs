@@ -10,7 +10,7 @@ use glam::Vec3;
 pub use lag::Lags;
 use lag::Twin;
 use std::f32::consts::PI;
-use throng_base::thresholds::WALK_SPEED_MPS;
+use throng_base::thresholds::{RUN_SPEED_MPS, WALK_SPEED_MPS};
 use throng_core::blend::axis;
 use throng_core::planar::wrap_angle;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar};
@@ -26,7 +26,7 @@ const PATCH_EVERY: u32 = 30;
 /// Threshold below which a target is not moved (m).
 const SAME_M: f32 = 0.02;
 /// Speeds for walking and running, limited by the blend space (m/s), and turning rate (rad/s).
-const BLEND_MPS: [f32; 2] = [WALK_SPEED_MPS, 3.5];
+const BLEND_MPS: [f32; 2] = [WALK_SPEED_MPS, RUN_SPEED_MPS];
 const BLEND_TURN: f32 = 1.2;
 /// Camera behind the steered character: half-life of its approach (s), its distance (m), the height that it looks at (m),
 /// and its pitch (rad).

@@ -8,10 +8,9 @@ use crate::run::{CrowdRun, PolicyChooser, TargetMode};
 use crate::settings::Colouring;
 use glam::Vec3;
 use std::sync::Arc;
+use throng_base::thresholds::RUN_SPEED_MPS;
 use throng_core::characters::DetailLevel;
 
-/// Speed at which the colour of speed is that of a fast character (m/s).
-const FAST_MPS: f32 = 2.5;
 /// Most characters whose cues are drawn.
 const MAX_CUES: usize = 2000;
 /// Length of trails (s).
@@ -85,7 +84,7 @@ pub(super) fn colour_of_segment(chooser: &PolicyChooser<'_>, colouring: Colourin
     }
     let metres = s.displacement[0].hypot(s.displacement[1]);
     let speed = metres / s.num_frames as f32 * chooser.bundle.rate_hz();
-    palette.slow.mix(palette.fast, (speed / FAST_MPS).min(1.0))
+    palette.slow.mix(palette.fast, (speed / RUN_SPEED_MPS).min(1.0))
 }
 
 fn trail(out: &mut StageLayout, run: &CrowdRun, c: usize, is_selected: bool, palette: &StagePalette) {

@@ -8,7 +8,7 @@ use crate::render::{CharacterInstance, OrbitCamera, Ray, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
-use throng_base::thresholds::AGENT_RADIUS_M;
+use throng_base::thresholds::{AGENT_RADIUS_M, RUN_SPEED_MPS};
 use throng_core::patch::Placement;
 use throng_simulation::agents::Disc;
 use throng_simulation::scenario::AgentBrains;
@@ -18,8 +18,6 @@ use throng_simulation::{AnyCharacterGroup, Simulation};
 const MAX_CUES: usize = 1500;
 /// Length of trails (s).
 const TRAIL_S: f32 = 6.0;
-/// Speed at which the colour of speed is that of a fast character (m/s).
-const FAST_MPS: f32 = 3.0;
 /// Opacity of a disc below a body.
 const BELOW_BODIES: f32 = 0.35;
 /// Height of lines above the ground (m).
@@ -111,7 +109,7 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
     let by_desired = |desired: f32| by_speed(speed() / desired.max(1e-3));
     match (colouring, simulation.locate(who)) {
         (Colouring::Plain, _) => palette.plain,
-        (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / FAST_MPS),
+        (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / RUN_SPEED_MPS),
         (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed | Colouring::Clip, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_), _)) => {

@@ -3,8 +3,8 @@
 use super::{UnitShape, mesh};
 use glam::{Quat, Vec3};
 use throng_base::maths;
-use throng_geometry::{BoundingBox, SurfacePoint, TriangleSurface, nearest_on_bar, nearest_on_box, nearest_on_segment};
-use throng_motion::error::Result;
+use throng_geometry::{BoundingBox, SurfacePoint, TriangleMesh, nearest_on_bar, nearest_on_box, nearest_on_segment};
+use throng_motion::error::{BuildError, Result};
 
 /// A piece of geometry in its unit's frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub enum UnitSolid {
         radius: f32,
     },
     /// A surface of triangles.
-    Mesh(TriangleSurface),
+    Mesh(TriangleMesh),
 }
 
 impl UnitSolid {
@@ -49,7 +49,10 @@ impl UnitSolid {
             UnitShape::Bar { from, to, radius } => {
                 Self::Bar { from: Vec3::from(*from), to: Vec3::from(*to), radius: *radius }
             }
-            UnitShape::Mesh { file } => Self::Mesh(TriangleSurface::new(mesh::read(file)?)),
+            UnitShape::Mesh { file } => {
+                let fail = |e| BuildError::Config { message: format!("{}: {e}", file.display()) };
+                Self::Mesh(TriangleMesh::new(mesh::read(file)?).map_err(fail)?)
+            }
         })
     }
 
@@ -61,7 +64,7 @@ impl UnitSolid {
                 BoundingBox::around_points(corners.map(|c| *centre + *rotation * c))
             }
             Self::Bar { from, to, radius } => BoundingBox::around_points([*from, *to]).expanded(*radius),
-            Self::Mesh(triangles) => triangles.bounds(),
+            Self::Mesh(mesh) => mesh.bounds(),
         }
     }
 
@@ -74,7 +77,7 @@ impl UnitSolid {
                 if over > 0.0 { (local - local.clamp(-*half, *half)).length() } else { over }
             }
             Self::Bar { from, to, radius } => (p - nearest_on_segment(p, [*from, *to])).length() - radius,
-            Self::Mesh(triangles) => triangles.distance(p, limit),
+            Self::Mesh(mesh) => mesh.point_distance(p, limit),
         };
         if distance < limit { distance } else { f32::INFINITY }
     }
@@ -90,7 +93,7 @@ impl UnitSolid {
                 SurfacePoint { distance: s.distance, point, normal }
             }
             Self::Bar { from, to, radius } => nearest_on_bar(p, *from, *to, *radius),
-            Self::Mesh(triangles) => triangles.nearest(p, limit)?,
+            Self::Mesh(mesh) => mesh.nearest(p, limit)?,
         };
         (found.distance < limit).then_some(found)
     }

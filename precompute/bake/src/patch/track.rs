@@ -3,7 +3,7 @@
 use crate::cluster::PoseGroups;
 use crate::stages::stage_error;
 use std::collections::BTreeMap;
-use throng_base::thresholds::PATCH_STANDING_MPS;
+use throng_base::thresholds::STANDING_MPS;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
@@ -136,7 +136,7 @@ pub(super) fn is_slow(clip: &Clip, places: &[Planar], frame: usize) -> bool {
     let speed = (b.x - a.x).hypot(b.z - a.z) * rate;
     let (before, after) = (clip.frame_rotations(g - 1), clip.frame_rotations(g));
     let turning = |j: usize| before[j].angle_between(after[j]) * rate;
-    speed < PATCH_STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
+    speed < STANDING_MPS && (0..NUM_JOINTS).all(|j| turning(j) < STANDING_RADPS)
 }
 
 /// Number of frames before each frame that lie in one of the ranges (len + 1).

@@ -266,7 +266,7 @@ mod tests {
     use crate::environment::UnitSolid;
     use glam::Vec3;
     use throng_core::Skeleton;
-    use throng_geometry::TriangleSurface;
+    use throng_geometry::TriangleMesh;
 
     fn load(text: &str) -> Result<WorldSource, String> {
         let folder = tempfile::tempdir().unwrap();
@@ -313,7 +313,7 @@ mod tests {
         let mesh = |x| {
             let corners = vec![[Vec3::ZERO, Vec3::X * x, Vec3::Y]];
             let mut geometry = UnitGeometry::new(&units.units[0]).unwrap();
-            geometry.solids = vec![UnitSolid::Mesh(TriangleSurface::new(corners))];
+            geometry.solids = vec![UnitSolid::Mesh(TriangleMesh::new(corners).unwrap())];
             vec![Arc::new(geometry)]
         };
         let (one, other) = (mesh(1.0), mesh(2.0));

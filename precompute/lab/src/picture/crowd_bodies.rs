@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 use throng_bake::environment::UnitSolid;
 use throng_core::Joint;
 use throng_crowd::Obstacle;
-use throng_geometry::TriangleSurface;
+use throng_geometry::TriangleMesh;
 
 /// Width of the picture of bodies (m).
 const PICTURE_WIDTH_M: f32 = 24.0;
@@ -99,7 +99,7 @@ fn prism(corners: &[Vec3], height: f32) -> Option<UnitSolid> {
     let next = corners.iter().skip(1).chain([&first]);
     let sides = corners.iter().zip(next).flat_map(|(&a, &b)| [[a, b, b + up], [a, b + up, a + up]]);
     let top = corners.windows(2).map(|w| [first + up, w[0] + up, w[1] + up]);
-    Some(UnitSolid::Mesh(TriangleSurface::new(sides.chain(top).collect())))
+    TriangleMesh::new(sides.chain(top).collect()).ok().map(UnitSolid::Mesh)
 }
 
 /// Points of a circle on the ground.

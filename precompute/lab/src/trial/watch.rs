@@ -5,13 +5,11 @@ use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
 use glam::{Vec2, Vec3};
-use throng_base::thresholds::TRIAL_STANDING_MPS;
+use throng_base::thresholds::STANDING_MPS;
 use throng_core::characters::{Characters, PolicyCharacters};
 use throng_core::{BodyVolume, Bundle, CharacterGroup, Planar, PosedBody};
 
-/// Largest movement over [`STILL_S`] that counts as standing still (m).
-const STILL_M: f32 = 0.15;
-/// See [`STILL_M`] (s).
+/// Time over which a character that has come to stand is slower than [`STANDING_MPS`] (s).
 const STILL_S: f32 = 1.0;
 /// Number of characters whose motion is compared with the clips.
 const TRACKED: usize = 50;
@@ -126,7 +124,7 @@ impl<'a> TrialWatch<'a> {
             }
             let root = characters.root(c);
             if self.record.arrivals_s[c].is_infinite() {
-                let stands = ground_position(root).distance(ground_position(self.before[c])) < TRIAL_STANDING_MPS * dt;
+                let stands = ground_position(root).distance(ground_position(self.before[c])) < STANDING_MPS * dt;
                 self.on_the_way[0] += 1;
                 self.on_the_way[1] += u64::from(stands && step > 0);
             }
@@ -195,7 +193,9 @@ impl<'a> TrialWatch<'a> {
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
         let near: Vec<usize> = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).collect();
         let is_still = |c: &&usize| {
-            self.late.get(**c).is_some_and(|p| p.distance(ground_position(characters.root(**c))) < STILL_M)
+            self.late
+                .get(**c)
+                .is_some_and(|p| p.distance(ground_position(characters.root(**c))) < STANDING_MPS * STILL_S)
         };
         let standing = near.iter().filter(is_still).count();
         let reached = |c: usize| self.record.arrivals_s[c].is_finite();

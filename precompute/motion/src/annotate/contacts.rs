@@ -45,7 +45,7 @@ impl Default for ContactConfig {
             height_off: FOOT_CONTACT_M[1],
             speed_on: FOOT_PLANTED_MPS,
             speed_off: FOOT_FREE_MPS,
-            vertical_speed_off: 0.15,
+            vertical_speed_off: FOOT_PLANTED_MPS,
             speed_share: 0.1,
             min_duration: 0.09,
             max_gap: 0.07,

@@ -22,7 +22,7 @@ use plan::{GymVisitor, VisitLeg};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use route::WalkRoute;
-use throng_base::thresholds::PLAYGROUND_STANDING_MPS_F64;
+use throng_base::thresholds::STANDING_MPS_F64;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, ClipTag, runs_where};
 
@@ -162,7 +162,7 @@ fn standing_tags(clip: &Clip) -> Vec<ClipTag> {
     let feet = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
     let still = |f: usize| {
         let (a, b) = (clip.root_positions[f.saturating_sub(1)], clip.root_positions[f]);
-        clip.contacts[f] == feet && f64::from(a.distance(b)) * clip.rate_hz < PLAYGROUND_STANDING_MPS_F64
+        clip.contacts[f] == feet && f64::from(a.distance(b)) * clip.rate_hz < STANDING_MPS_F64
     };
     let least = (STAND * clip.rate_hz) as usize;
     let long = runs_where(0..clip.num_frames(), still).into_iter().filter(|r| r.len() >= least);

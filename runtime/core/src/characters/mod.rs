@@ -55,6 +55,10 @@ use throng_base::limits::{CAPACITY, STEP_S};
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Id, Inline, Result, maths, run_each};
 
+/// Frames between which a character last travelled, and where a point of its body is in them: frames last longer than most steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TravelPoints([(Option<u32>, Vec3); 2]);
+
 /// Most behaviours weighed against each other in one step.
 pub const MAX_GOALS: usize = control::MAX_GOALS;
 
@@ -363,6 +367,7 @@ impl Characters {
     /// without further bending of the path (m, in the world, character < num_characters).
     ///
     /// - `offset`: of the point, in the joint's own frame (m).
+    /// - `known`: of earlier calls for the same point and motion set; the result is the same without it.
     pub fn travel_of_point(
         &self,
         motion_set: &MotionSet,
@@ -370,15 +375,20 @@ impl Characters {
         joint: Joint,
         offset: Vec3,
         ahead_s: f32,
+        known: &mut TravelPoints,
     ) -> Vec3 {
         let (block, lane) = (&self.blocks[character / LANES], character % LANES);
         let (first, length) = (block.first[lane], block.length[lane]);
         let place = block.clip_to_world(lane);
-        let at = |time: f32| {
+        let mut at = |k: usize, time: f32| {
             let frame = first + (time.round().max(0.0) as u32).min(length);
-            maths::rotate(place.rotation(), motion_set.joint_point(frame, joint, offset))
+            let (seen, point) = &mut known.0[k];
+            if *seen != Some(frame) {
+                (*seen, *point) = (Some(frame), motion_set.joint_point(frame, joint, offset));
+            }
+            maths::rotate(place.rotation(), *point)
         };
-        at(block.time[lane] + ahead_s * motion_set.rate_hz) - at(block.time[lane])
+        at(1, block.time[lane] + ahead_s * motion_set.rate_hz) - at(0, block.time[lane])
     }
 
     /// Displaces a part of a character's body, which then comes back; see [`ReactionConfig`].

@@ -10,7 +10,7 @@ use crate::body::DampedSpring;
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
-use throng_base::thresholds::{STANDING_MPS, STRIDING_MPS};
+use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 
 /// Time in which half of a change from the blend to an activity, or back, is made (s).
 const HALF_LIFE_S: f32 = 0.09;
@@ -296,5 +296,5 @@ impl Performance {
 }
 
 fn walks(control: &Control) -> bool {
-    control.velocity.length_squared() > STRIDING_MPS * STRIDING_MPS
+    control.velocity.length_squared() > WALKING_MPS * WALKING_MPS
 }

@@ -10,7 +10,7 @@ use crate::planar::wrap_angle;
 use glam::Vec2;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_base::maths;
-use throng_base::thresholds::{MOVING_DIRECTION_MPS, STRIDING_MPS};
+use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 
 /// Fastest change of a parameter that is followed without delay, in widths of the box per second.
 const STEADY_PER_S: f32 = 0.8;
@@ -89,10 +89,10 @@ impl<'a> WalkerSteering<'a> {
     fn aim_heading(&self, block: &WalkerBlock, lane: usize, control: &Control, speed: f32) -> f32 {
         let travel = maths::atan2(control.velocity.x, control.velocity.y);
         match control.heading {
-            Some(heading) if self.sideways || speed < MOVING_DIRECTION_MPS => heading,
+            Some(heading) if self.sideways || speed < STANDING_MPS => heading,
             // Without side steps, the body has to face along or against the movement.
             Some(heading) if self.backward && wrap_angle(travel - heading).abs() > FRAC_PI_2 => travel + PI,
-            None if speed < MOVING_DIRECTION_MPS => block.aim[lane],
+            None if speed < STANDING_MPS => block.aim[lane],
             // The forward direction of the blend is aligned with the trajectory's tangent (Kim, Kim and Shin 2003a,
             // section 4.2.3).
             _ => travel - lean(block.travel, lane),
@@ -153,7 +153,7 @@ impl<'a> WalkerSteering<'a> {
 /// Angle between heading and movement of a blend; 0 if it stands or does not move ahead (rad).
 fn lean([left, ahead]: [[f32; 8]; 2], lane: usize) -> f32 {
     let v = Vec2::new(left[lane], ahead[lane]);
-    if v.y > STRIDING_MPS { maths::atan2(v.x, v.y) } else { 0.0 }
+    if v.y > WALKING_MPS { maths::atan2(v.x, v.y) } else { 0.0 }
 }
 
 /// Share of a difference that is left after a time; 0 for a half-life of 0.

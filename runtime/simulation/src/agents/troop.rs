@@ -4,7 +4,7 @@ use crate::motion_kind::{PART, refused_snapshot};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
-use throng_base::thresholds::{EYES_M, STRIDING_MPS};
+use throng_base::thresholds::{EYES_M, WALKING_MPS};
 use throng_base::{Bytes, Error, Executor, Result, run_each};
 use throng_core::blend::ActivityId;
 use throng_core::body::HandReach;
@@ -66,7 +66,7 @@ impl Troop {
         let now = crowd.time_s();
         let motion = crowd.position(agent, now).zip(crowd.velocity(agent, now));
         let (at, velocity) = motion.map(|(at, v)| (at.xz(), v.xz())).ok_or(Error::Gone(agent))?;
-        let ahead = if velocity.length() > STRIDING_MPS { velocity } else { ahead };
+        let ahead = if velocity.length() > WALKING_MPS { velocity } else { ahead };
         let heading = maths::atan2(ahead.x, ahead.y);
         let phase = (agent.index as f32 * 0.381_966).fract();
         let body = agent.index() % num_bodies;
@@ -229,7 +229,7 @@ fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
         return;
     };
     (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
-    if control.velocity.length() > STRIDING_MPS {
+    if control.velocity.length() > WALKING_MPS {
         control.heading = Some(maths::atan2(control.velocity.x, control.velocity.y));
     }
 }

@@ -13,7 +13,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::{Error, Executor, Id, Inline, Result, SnapshotKind, maths, run_each};
 use throng_core::characters::{
-    Blow, Characters, MAX_BLOWS, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn,
+    Blow, Characters, MAX_BLOWS, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn, TravelPoints,
 };
 use throng_core::{AdoptReport, Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, OrderStatus, Planar, PosedBodies};
 
@@ -43,6 +43,8 @@ pub struct Sparring {
     boxers: PolicyCharacters,
     state: SparringState,
     events: Vec<(Id, BlowLanding)>,
+    /// Heads of the last step, for each character; they save work and change no result.
+    travels: Vec<TravelPoints>,
     /// Time from a choice to its first blow (s).
     pub(super) lead_s: f32,
     limbs: [LimbShape; NUM_LIMBS],
@@ -103,7 +105,8 @@ impl Sparring {
         let body = SparringBody::new(bundle.skeleton(), &config.body);
         let limbs = limb_shapes(bundle.skeleton(), &body);
         let steps_away = StepsAway::new(boxers.motion_set())?;
-        Ok(Self { body, config, boxers, state, events, lead_s, limbs, steps_away })
+        let travels = Vec::with_capacity(n);
+        Ok(Self { body, config, boxers, state, events, travels, lead_s, limbs, steps_away })
     }
 
     /// Boxers, row by row as in [`CharacterGroup::bodies`].
@@ -366,13 +369,16 @@ impl CharacterGroup for Sparring {
         self.displace_limbs(Some(dt_s), run);
         let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
         let lead_s = self.lead_s;
+        self.travels.resize(s.heads.len(), TravelPoints::default());
         let places = s.heads.chunks_mut(2 * PART).zip(s.aims.chunks_mut(2 * PART));
-        let parts = s.pairs.chunks_mut(PART).zip(places).zip(s.threats.chunks_mut(2 * PART));
-        run_each(run, parts.enumerate(), |(part, ((pairs, (heads, aims)), threats))| {
+        let ahead = s.threats.chunks_mut(2 * PART).zip(self.travels.chunks_mut(2 * PART));
+        let parts = s.pairs.chunks_mut(PART).zip(places).zip(ahead);
+        run_each(run, parts.enumerate(), |(part, ((pairs, (heads, aims)), (threats, travels)))| {
             let places = heads.chunks_exact_mut(2).zip(aims.chunks_exact_mut(2));
-            let of_pair = pairs.iter_mut().zip(places).zip(threats.chunks_exact_mut(2));
-            for (i, ((pair, (heads, aims)), threats)) in of_pair.enumerate() {
-                let to = PairObservation { index: part * PART + i, pair, heads, aims, threats };
+            let ahead = threats.chunks_exact_mut(2).zip(travels.chunks_exact_mut(2));
+            let of_pair = pairs.iter_mut().zip(places).zip(ahead);
+            for (i, ((pair, (heads, aims)), (threats, travels))) in of_pair.enumerate() {
+                let to = PairObservation { index: part * PART + i, pair, heads, aims, threats, travels };
                 observe_pair(to, boxers, body, config, [dt_s, lead_s]);
             }
         });
@@ -406,6 +412,7 @@ impl CharacterGroup for Sparring {
 
     fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
         let adopted = self.boxers.adopt(new)?;
+        self.travels.clear();
         self.body = SparringBody::new(new.skeleton(), &self.config.body);
         self.limbs = limb_shapes(new.skeleton(), &self.body);
         self.state.touches.fill(LimbTouch::default());
@@ -442,6 +449,8 @@ struct PairObservation<'a> {
     aims: &'a mut [Vec3],
     /// (2)
     threats: &'a mut [Vec3],
+    /// (2)
+    travels: &'a mut [TravelPoints],
 }
 
 /// Observes heads, coming blows and overlap of a pair in the poses of a step.
@@ -457,7 +466,8 @@ fn observe_pair(
     let poses = pair.map(|c| WorldPose::new(characters.pose(c), characters.root(c)));
     for (k, opponent) in [1, 0].into_iter().enumerate() {
         to.heads[k] = body.head_position(&poses[opponent]);
-        let travel = characters.travel_of_point(motion_set, pair[opponent], Joint::Head, body.head_centre(), lead_s);
+        let (character, centre, known) = (pair[opponent], body.head_centre(), &mut to.travels[k]);
+        let travel = characters.travel_of_point(motion_set, character, Joint::Head, centre, lead_s, known);
         to.aims[k] = to.heads[k] + travel;
         to.threats[k] = match characters.next_blow(motion_set, pair[opponent]) {
             Some((blow, due_s)) => Vec3::new(blow.point.x, due_s, blow.point.z),

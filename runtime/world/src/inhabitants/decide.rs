@@ -10,7 +10,7 @@ use super::{InhabitantEvent, InhabitantMemory, Inhabitants, schedule};
 use crate::plan::{PlanTarget, SearchResult};
 use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
-use throng_base::thresholds::STROLL_MPS;
+use throng_base::thresholds::WALK_SPEED_MPS;
 use throng_core::characters::uniform_random;
 use throng_core::patch::LinkRecord;
 
@@ -373,7 +373,7 @@ impl Inhabitants {
     fn roam_step(&mut self, graph: &WorldGraph, c: usize) -> Option<WorldStep> {
         self.update_purpose(graph, c);
         let (at, purpose) = (self.states[c].at, self.states[c].purpose);
-        let (rests, place, brisk) = (graph.is_rest(at), graph.place(at), self.rate_hz / STROLL_MPS);
+        let (rests, place, brisk) = (graph.is_rest(at), graph.place(at), self.rate_hz / WALK_SPEED_MPS);
         for attempt in 0..TRIES {
             // A character that has rested tries to leave first, not to rest elsewhere.
             let leave = rests && attempt < TRIES / 2;

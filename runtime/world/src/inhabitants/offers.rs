@@ -2,7 +2,7 @@
 
 use super::{InhabitantActivity, InhabitantGoal, Inhabitants};
 use crate::{WorldGraph, WorldNode};
-use throng_base::thresholds::STROLL_MPS;
+use throng_base::thresholds::WALK_SPEED_MPS;
 use throng_core::patch::LinkRecord;
 
 /// Instances that offer each tag, by `tag - 1`.
@@ -34,7 +34,8 @@ impl Inhabitants {
     pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
-        let far = |i: u32| (graph.centre(i) - here).length() + STROLL_MPS * self.others_held_for_s(graph, character, i);
+        let far =
+            |i: u32| (graph.centre(i) - here).length() + WALK_SPEED_MPS * self.others_held_for_s(graph, character, i);
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 

@@ -40,7 +40,7 @@ impl Purpose {
 
     /// Weight of a step from a point in a random choice.
     ///
-    /// - `brisk`: time for a metre at [`throng_base::thresholds::STROLL_MPS`] (frames). Slower steps are taken more seldom, as
+    /// - `brisk`: time for a metre at [`throng_base::thresholds::WALK_SPEED_MPS`] (frames). Slower steps are taken more seldom, as
     ///   the square of their speed.
     pub fn step_weight(&self, graph: &WorldGraph, from: [f32; 2], step: &WorldStep, brisk: f32) -> f32 {
         let Some(lead) = self.alignment(graph, from, step) else { return NOWHERE };

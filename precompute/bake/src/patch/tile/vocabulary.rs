@@ -7,7 +7,7 @@ use crate::cluster::PoseGroups;
 use crate::patch::TileConfig;
 use glam::Vec2;
 use std::collections::{BTreeMap, BTreeSet};
-use throng_base::thresholds::TILE_WALKING_MPS;
+use throng_base::thresholds::WALKING_MPS;
 
 /// Largest difference of equal support heights at an edge (m).
 pub(super) const LEVEL_M: f32 = 0.05;
@@ -43,7 +43,7 @@ impl TileVocabulary {
             for f in 1..track.places.len() {
                 let speed = (track.travelled[f] - track.travelled[f - 1]) * source.rate_hz;
                 let group = track.groups[f];
-                if speed > TILE_WALKING_MPS && group != before && group != PoseGroups::NO_GROUP {
+                if speed > WALKING_MPS && group != before && group != PoseGroups::NO_GROUP {
                     *walking.entry(group).or_default() += 1;
                 }
                 before = group;

@@ -23,7 +23,7 @@ use std::collections::BinaryHeap;
 use throng_base::Result;
 use throng_base::error::check_value;
 use throng_base::simd::LANES;
-use throng_base::thresholds::SEGMENT_WALKING_MPS;
+use throng_base::thresholds::WALKING_MPS;
 use throng_geometry::Capsule2d;
 
 pub(crate) use choose::{ChoiceInputs, choose_avoiding};
@@ -145,8 +145,7 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
         let d = s.displacement();
         throng_base::maths::hypot(d.x, d.z) * motion_set.rate_hz / s.num_frames as f32
     };
-    let mut speeds: Vec<f32> =
-        motion_set.graph.segments.iter().map(speed).filter(|v| *v > SEGMENT_WALKING_MPS).collect();
+    let mut speeds: Vec<f32> = motion_set.graph.segments.iter().map(speed).filter(|v| *v > WALKING_MPS).collect();
     speeds.sort_unstable_by(f32::total_cmp);
     speeds.get(speeds.len() / 2).copied().unwrap_or(1.0)
 }
