@@ -1,6 +1,7 @@
 //! A glTF document that is put together, and what its one buffer holds.
 
 use super::super::scratch::TrackScratch;
+use bytemuck::Pod;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -92,9 +93,9 @@ impl GlbParts {
     /// Adds numbers that do not change over time; returns their accessor.
     ///
     /// - `target`: purpose of the numbers, where they are vertices or indices.
-    pub fn add_static(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
-        let length = bytes.len();
-        let at = self.add(length as u64, BufferPiece::Bytes(bytes));
+    pub fn add_static<T: Pod>(&mut self, numbers: &[T], kind: u32, shape: &str, target: Option<u32>) -> usize {
+        let (length, count) = (size_of_val(numbers), numbers.len());
+        let at = self.add(length as u64, BufferPiece::Bytes(bytemuck::cast_slice(numbers).to_vec()));
         let mut view = json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
         if let Some(target) = target {
             view["target"] = target.into();
