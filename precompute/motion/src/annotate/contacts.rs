@@ -153,28 +153,25 @@ fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<JointHeights> {
             track.push(p[j.index()]);
         }
     }
-    positions
-        .iter()
-        .map(|p| {
-            let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
-            JointHeights {
-                heights: p.iter().map(|p| p.y).collect(),
-                speeds: speeds(p, clip.rate_hz),
-                vertical_speeds: speeds(&upright, clip.rate_hz),
-            }
-        })
-        .collect()
+    let track = |p: &Vec<Vec3>| {
+        let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
+        JointHeights {
+            heights: p.iter().map(|p| p.y).collect(),
+            speeds: speeds(p, clip.rate_hz),
+            vertical_speeds: speeds(&upright, clip.rate_hz),
+        }
+    };
+    positions.iter().map(track).collect()
 }
 
 /// Speed at each frame by central differences, one-sided at the ends (m/s).
 pub fn speeds(positions: &[Vec3], rate_hz: f64) -> Vec<f32> {
     let last = positions.len().saturating_sub(1);
-    (0..positions.len())
-        .map(|f| {
-            let (a, b) = (f.saturating_sub(1), (f + 1).min(last));
-            (positions[b] - positions[a]).length() * rate_hz as f32 / (b - a).max(1) as f32
-        })
-        .collect()
+    let speed = |f: usize| {
+        let (a, b) = (f.saturating_sub(1), (f + 1).min(last));
+        (positions[b] - positions[a]).length() * rate_hz as f32 / (b - a).max(1) as f32
+    };
+    (0..positions.len()).map(speed).collect()
 }
 
 /// Sorted heights of the frames in which the joint is slow.

@@ -35,10 +35,10 @@ pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()>
         if instances {
             writeln!(out, "    class SkelRoot \"Model_{i}\" (\n        {SKINNED}\n    )\n    {{")?;
             write_skeleton(skeleton, None, 8, out)?;
-            write_body(skeleton, "Body", Some(&format!("/{ROOT}/Model_{i}/Skeleton")), 8, out)?;
+            write_body(skeleton, "Body", Some(&format!("/{ROOT}/Model_{i}/Skeleton")), out)?;
             writeln!(out, "    }}\n")?;
         } else {
-            write_body(skeleton, &format!("Body_{i}"), None, 4, out)?;
+            write_body(skeleton, &format!("Body_{i}"), None, out)?;
         }
     }
     if instances {
@@ -164,15 +164,9 @@ fn write_animation(take: &Take, a: usize, name: &str, depth: usize, out: &mut dy
 }
 
 /// The plain body, carried by the skeleton that is bound to it or around it.
-fn write_body(
-    skeleton: &Skeleton,
-    name: &str,
-    bound: Option<&str>,
-    depth: usize,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn write_body(skeleton: &Skeleton, name: &str, bound: Option<&str>, out: &mut dyn Write) -> io::Result<()> {
     // A body without a binding is written for others to refer to.
-    let how = if bound.is_some() { "def" } else { "class" };
+    let (how, depth) = if bound.is_some() { ("def", 8) } else { ("class", 4) };
     let (tab, body) = (" ".repeat(depth), PlainBody::fine(skeleton));
     let vector = |v: &Vec3| format!("({}, {}, {})", v.x, v.y, v.z);
     let low = body.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);

@@ -178,17 +178,15 @@ pub fn read_by(
     let files = files::find_motion_files(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
     progress.begin("import", files.len() as u64, "files");
-    let results: Vec<_> = files
-        .par_iter()
-        .map(|file| {
-            progress.check()?;
-            let result = reader(file, &|| read_with(&file.path, config, &profiles));
-            progress.advance(1);
-            let mut clips = result?;
-            clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
-            Ok::<_, ImportError>(clips)
-        })
-        .collect();
+    let read = |file: &MotionFile| {
+        progress.check()?;
+        let result = reader(file, &|| read_with(&file.path, config, &profiles));
+        progress.advance(1);
+        let mut clips = result?;
+        clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
+        Ok(clips)
+    };
+    let results: Vec<ClipsResult> = files.par_iter().map(read).collect();
     progress.end();
     let mut set = ImportedSet { clips: Vec::new(), skipped: Vec::new() };
     for result in results {

@@ -85,7 +85,7 @@ impl SkeletonGroup {
         skeleton: &Skeleton,
     ) -> (RetargetedMotion, Vec<FootPoint>) {
         let source = RetargetSource { turn, ..*source };
-        let motion = transfer_motion(source, &self.body, &self.alignment, &self.own, skeleton);
+        let motion = transfer_motion(source, self, skeleton);
         let standing = ground::standing_points(&motion, skeleton, source.clip.rate_hz);
         (motion, standing)
     }

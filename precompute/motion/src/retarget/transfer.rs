@@ -3,6 +3,7 @@
 use super::align::{Alignment, main_child};
 use super::body::{RetargetSource, RolePose, SourceBody, anchor, role_pose};
 use super::legs::LegTransfer;
+use super::plan::SkeletonGroup;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
@@ -22,19 +23,14 @@ pub struct RetargetedMotion {
     pub rotations: Vec<Quat>,
 }
 
-/// Moves `source` onto `target`; `own` is the target with the source's own proportions.
+/// Moves `source`, of a group, onto `target`.
 ///
 /// Every joint turns as its source does, but clavicles, which move the shoulder as far as the source's do, and legs, which put
 /// the feet at the places of the source's: feet that stand there stand here, whatever the proportions. Positions are multiplied
 /// by the quotient of the leg lengths. The middle between the thighs is where the source has it, because skeletons disagree
 /// about where the hips joint lies above it.
-pub fn transfer_motion(
-    source: RetargetSource,
-    body: &SourceBody,
-    a: &Alignment,
-    own: &Skeleton,
-    target: &Skeleton,
-) -> RetargetedMotion {
+pub fn transfer_motion(source: RetargetSource, group: &SkeletonGroup, target: &Skeleton) -> RetargetedMotion {
+    let SkeletonGroup { body, alignment, own, .. } = group;
     let scale = target.leg_length() / own.leg_length();
     let mut scratch = Vec::new();
     let mut root_positions = Vec::with_capacity(source.clip.num_frames);
@@ -42,7 +38,7 @@ pub fn transfer_motion(
     let legs = LegTransfer::new(own, target, scale, [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)));
     for frame in 0..source.clip.num_frames {
         let pose = role_pose(source, frame, &mut scratch);
-        let mut model = model_rotations(&pose, body, a);
+        let mut model = model_rotations(&pose, body, alignment);
         move_shoulders(&mut model, own, target, scale);
         let root = legs.hips(model[0], &pose);
         root_positions.push(root);

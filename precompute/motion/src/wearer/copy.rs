@@ -30,10 +30,24 @@ pub fn copied_parts(wearer: &Wearer, take: &Take) -> GlbParts {
     }
     let mut parts = GlbParts::new(json, wearer.buffer.clone());
     let copy = |parts: &mut GlbParts, a| copy_character(parts, wearer, take, a);
-    let move_copied = |parts: &mut GlbParts, animation: &mut Value, a, copied: &CopiedCharacter| {
-        move_copy(parts, animation, wearer, take, a, copied);
+    let move_copy = |parts: &mut GlbParts, animation: &mut Value, a: usize, copied: &CopiedCharacter| {
+        let frames = take.num_frames(a);
+        let times = parts.add_times(frames, take.rate_hz());
+        for (track, moved) in wearer.moved.iter().enumerate() {
+            let node = copied.nodes[&wearer.rig.joints[moved.joint]];
+            let values = parts.add_track(a, track, 4, frames);
+            parts.add_channel(animation, [times, values], node, "rotation");
+            if moved.joint == wearer.centre {
+                let values = parts.add_track(a, wearer.moved.len(), 3, frames);
+                parts.add_channel(animation, [times, values], node, "translation");
+            }
+        }
+        if take.actors()[a].is_ever_away {
+            let values = parts.add_presence(a, PRESENCE_TRACK, wearer.scale(take, a) as f32, frames);
+            parts.add_channel(animation, [times, values], copied.holder, "scale");
+        }
     };
-    animate_actors(&mut parts, take, copy, move_copied);
+    animate_actors(&mut parts, take, copy, move_copy);
     parts
 }
 
@@ -106,30 +120,4 @@ fn skin(skin: &Value, nodes: &BTreeMap<usize, usize>) -> Value {
         _ => {}
     }
     out
-}
-
-/// Adds the tracks of an actor to an animation.
-fn move_copy(
-    parts: &mut GlbParts,
-    animation: &mut Value,
-    wearer: &Wearer,
-    take: &Take,
-    a: usize,
-    copied: &CopiedCharacter,
-) {
-    let frames = take.num_frames(a);
-    let times = parts.add_times(frames, take.rate_hz());
-    for (track, moved) in wearer.moved.iter().enumerate() {
-        let node = copied.nodes[&wearer.rig.joints[moved.joint]];
-        let values = parts.add_track(a, track, 4, frames);
-        parts.add_channel(animation, [times, values], node, "rotation");
-        if moved.joint == wearer.centre {
-            let values = parts.add_track(a, wearer.moved.len(), 3, frames);
-            parts.add_channel(animation, [times, values], node, "translation");
-        }
-    }
-    if take.actors()[a].is_ever_away {
-        let values = parts.add_presence(a, PRESENCE_TRACK, wearer.scale(take, a) as f32, frames);
-        parts.add_channel(animation, [times, values], copied.holder, "scale");
-    }
 }

@@ -102,7 +102,7 @@ impl SkinnedFigure {
     /// - `out`: (num_frames); entries beyond stay as they are.
     pub fn pose_matrices(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
         let sized = ScaledWearer::new(&self.wearer, own);
-        let numbers = sized.numbers(&self.wearer, own, pose, None);
+        let numbers = sized.numbers(pose, None);
         self.place_frames(sized.scale as f32, Some(&numbers), out);
     }
 

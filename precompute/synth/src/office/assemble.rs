@@ -3,10 +3,10 @@
 use super::super::SynthConfig;
 use super::super::attitude::{Attitude, Trunk};
 use super::super::foot::FootShape;
-use super::super::frame::{self, BodyPose, Samples};
+use super::super::frame::{self, Samples};
 use super::super::side::{LateralSide, forward, leftward, over_ground};
 use super::super::walk::assemble::ClipSignals;
-use super::super::walk::footsteps::{self, Footsteps};
+use super::super::walk::footsteps;
 use super::super::walk::pelvis::{Pelvis, PelvisInput};
 use super::desk::SEAT;
 use super::hands::{self, HandFrame};
@@ -61,10 +61,22 @@ pub fn clip(
     let shape = FootShape::from_skeleton(skeleton);
     let steps = footsteps::place_footsteps(shape, script.start, &script.steps, script.last_stand(), |_| 0.0, rng);
     let samples = Samples::for_clip(steps.duration, cfg.rate_hz);
-    let poses = poses(script, &steps, &samples, skeleton, cfg.variation, rng);
+    let keyed = KeyedSamples::sample_script(script, &samples);
+    let move_pelvis = |pelvis: &mut Pelvis, input: &PelvisInput| move_hips(pelvis, input, &keyed);
+    let bend_all = |trunk: &mut [Trunk]| {
+        for (i, pose) in trunk.iter_mut().enumerate() {
+            bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
+        }
+    };
+    let signals = ClipSignals::new(&steps, skeleton, &samples, cfg.variation, rng, move_pelvis, bend_all);
     let mut clip = frame::empty_clip(name, set, cfg);
     for i in samples.frames() {
-        frame::push_pose(&mut clip, &poses[i], skeleton);
+        let mut pose = signals.pose(i);
+        let held = HandFrame::chest_over_hips(pose.root, pose.hips, pose.trunk, signals.trunk[i][2], skeleton);
+        for (k, side) in LateralSide::BOTH.into_iter().enumerate() {
+            pose.arms[k] = hands::arm(side, &held, &pose.arms[k], &keyed.hands[k][i], skeleton);
+        }
+        frame::push_pose(&mut clip, &pose, skeleton);
         let frame = clip.contacts.len() - 1;
         clip.contacts[frame].insert(contacts(script, samples.times[i]));
     }
@@ -85,33 +97,6 @@ fn contacts(script: &MotionScript, t: f64) -> Contacts {
         }
     }
     out
-}
-
-fn poses(
-    script: &MotionScript,
-    steps: &Footsteps,
-    samples: &Samples,
-    skeleton: &Skeleton,
-    variation: f64,
-    rng: &mut impl Rng,
-) -> Vec<BodyPose> {
-    let keyed = KeyedSamples::sample_script(script, samples);
-    let bend_all = |trunk: &mut [Trunk]| {
-        for (i, pose) in trunk.iter_mut().enumerate() {
-            bend(pose, &keyed.body[i], keyed.head[i], keyed.seated[i].lean);
-        }
-    };
-    let move_pelvis = |pelvis: &mut Pelvis, input: &PelvisInput| move_hips(pelvis, input, &keyed);
-    let s = ClipSignals::new(steps, skeleton, samples, variation, rng, move_pelvis, bend_all);
-    let pose = |i: usize| {
-        let mut pose = s.pose(i);
-        let held = HandFrame::chest_over_hips(pose.root, pose.hips, pose.trunk, s.trunk[i][2], skeleton);
-        for (k, side) in LateralSide::BOTH.into_iter().enumerate() {
-            pose.arms[k] = hands::arm(side, &held, &pose.arms[k], &keyed.hands[k][i], skeleton);
-        }
-        pose
-    };
-    (0..samples.times.len()).map(pose).collect()
 }
 
 /// Turns and moves the hips as keyed, over the feet, and then towards the seat.

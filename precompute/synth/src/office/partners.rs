@@ -1,12 +1,11 @@
 //! Activities of two people: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
 
-use super::super::attitude::Attitude;
 use super::super::side::{LateralSide, leftward};
 use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, TalkStyle, hand_before_body};
 use super::posture::{KeyedHandPose, KeyedPosture};
 use super::script::{MotionScript, ScriptStep};
-use super::stand::lean_on;
+use super::stand::{face_partner, lean_on};
 use super::visit::mirrored_for_side;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -99,17 +98,8 @@ fn meeting_hand(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> KeyedHandPose
 /// One person speaks while the other one listens and nods, in turns; in a dispute the turns overlap.
 fn talk(two: &mut [MotionScript; 2], heat: f64, rng: &mut impl Rng) {
     let from = two[0].now;
-    let facing = [0, 1].map(|k: usize| {
-        let lean = lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng);
-        let share = 1.0 - 0.6 * heat;
-        let hips = Attitude { list: share * lean.hips.list, ..Attitude::default() };
-        KeyedPosture {
-            hips,
-            chest: Attitude { pitch: 0.1 * heat, ..Attitude::default() },
-            shift: [share * lean.shift[0], 0.03 * heat],
-            dip: 0.01 * heat,
-        }
-    });
+    let facing = [0, 1]
+        .map(|k: usize| face_partner(lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng), 0.0, heat));
     for (s, facing) in two.iter_mut().zip(facing) {
         s.pose(from + 0.9, 0.85, facing);
     }

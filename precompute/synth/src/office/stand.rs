@@ -116,12 +116,7 @@ impl Stander {
         let partner = self.partners.deal(rng);
         let side = LateralSide::BOTH[rng.random_range(0..2)];
         let lean = lean_on(side, script, rng);
-        let facing = KeyedPosture {
-            hips: Attitude { yaw: 0.25 * partner, list: (1.0 - 0.6 * heat) * lean.hips.list, ..Attitude::default() },
-            chest: Attitude { yaw: 0.7 * partner, pitch: 0.1 * heat, list: 0.0 },
-            shift: [(1.0 - 0.6 * heat) * lean.shift[0], 0.03 * heat],
-            dip: 0.01 * heat,
-        };
+        let facing = face_partner(lean, partner, heat);
         script.pose(from + 0.9, 0.85, facing);
         script.turn_head(from + 0.6, 0.55, 1.3 * partner, 0.02, 0.0);
         let talk = TalkStyle { from: from + 0.2, to: to - 0.1, facing, gaze: 1.3 * partner, seated: false, heat };
@@ -142,6 +137,17 @@ pub fn lean_on(side: LateralSide, script: &MotionScript, rng: &mut impl Rng) -> 
         chest: Attitude { yaw: script.random_offset(0.06, rng), pitch: 0.0, list: -0.3 * out * s },
         shift: [out * s, script.random_offset(0.01, rng)],
         dip: 0.0,
+    }
+}
+
+/// Posture of a talker who leans and turns to a partner at a heading: the hotter, the less it leans aside.
+pub fn face_partner(lean: KeyedPosture, partner: f64, heat: f64) -> KeyedPosture {
+    let share = 1.0 - 0.6 * heat;
+    KeyedPosture {
+        hips: Attitude { yaw: 0.25 * partner, list: share * lean.hips.list, ..Attitude::default() },
+        chest: Attitude { yaw: 0.7 * partner, pitch: 0.1 * heat, list: 0.0 },
+        shift: [share * lean.shift[0], 0.03 * heat],
+        dip: 0.01 * heat,
     }
 }
 

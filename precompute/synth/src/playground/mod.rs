@@ -53,9 +53,6 @@ pub fn playground(cfg: &SynthConfig) -> ClipSet {
     ClipSet { skeleton, clips }
 }
 
-/// Name, begin and end of a stretch of a clip (s).
-type NamedStretch = (&'static str, f64, f64);
-
 /// Makes a clip of the legs of a visit.
 fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let grid = Samples::for_clip(1.0, cfg.rate_hz);
@@ -75,7 +72,16 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
         };
         crossfade(&mut moments, next, overlap);
     }
-    clip(name, &moments, grid.per_frame, &marks, skeleton, cfg)
+    let mut clip = frame::empty_clip(name, "playground", cfg);
+    let mut support = 0.0;
+    for moment in moments.iter().step_by(grid.per_frame) {
+        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
+        support = moment.support().unwrap_or(support);
+        clip.support.push(support as f32);
+    }
+    clip.tags = standing_tags(&clip);
+    frame::add_tags(&mut clip, marks);
+    clip
 }
 
 /// Moments of a walk, and the times on stairs.
@@ -130,27 +136,6 @@ fn act_moments(
     };
     mark("climb", OVERLAP, moments.len() as f64 * dt - OVERLAP);
     moments
-}
-
-/// Clip of every `per_frame`-th moment, with contacts, support and tags.
-fn clip(
-    name: String,
-    moments: &[BodyMoment],
-    per_frame: usize,
-    marks: &[NamedStretch],
-    skeleton: &Skeleton,
-    cfg: &SynthConfig,
-) -> Clip {
-    let mut clip = frame::empty_clip(name, "playground", cfg);
-    let mut support = 0.0;
-    for moment in moments.iter().step_by(per_frame) {
-        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
-        support = moment.support().unwrap_or(support);
-        clip.support.push(support as f32);
-    }
-    clip.tags = standing_tags(&clip);
-    frame::add_tags(&mut clip, marks.iter().copied());
-    clip
 }
 
 /// Tags of stretches at rest on both feet.

@@ -21,10 +21,7 @@ pub fn plain_body_parts(take: &Take) -> GlbParts {
     parts.push("materials", json!({ "name": "body", "pbrMetallicRoughness": colour }));
     let mut shared: Vec<SharedSkin> = Vec::new();
     let add = |parts: &mut GlbParts, a: usize| add_figure(parts, &mut shared, &take.actors()[a], take.is_library());
-    let move_figure = |parts: &mut GlbParts, animation: &mut Value, a, nodes: &(usize, usize)| {
-        add_motion(parts, animation, take, a, *nodes);
-    };
-    animate_actors(&mut parts, take, add, move_figure);
+    animate_actors(&mut parts, take, add, |parts, animation, a, nodes| add_motion(parts, animation, take, a, *nodes));
     parts
 }
 

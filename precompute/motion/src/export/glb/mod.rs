@@ -68,6 +68,6 @@ impl<'a> Glb<'a> {
         out.write_all(document.as_bytes())?;
         out.write_all(&word(self.parts.num_bytes()))?;
         out.write_all(b"BIN\0")?;
-        self.parts.write(self.take.rate_hz(), self.scratch, self.take.scratch(), out)
+        self.parts.write(self.take, self.scratch, out)
     }
 }

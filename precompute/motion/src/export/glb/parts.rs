@@ -1,6 +1,7 @@
 //! A glTF document that is put together, and what its one buffer holds.
 
 use super::super::scratch::TrackScratch;
+use super::super::take::Take;
 use bytemuck::Pod;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -175,24 +176,18 @@ impl GlbParts {
 
     /// Writes the buffer.
     ///
-    /// - `scratch`: file that holds tracks; `take`: file that holds the presence of actors.
-    pub fn write(
-        &self,
-        rate_hz: f64,
-        scratch: &TrackScratch,
-        take: &TrackScratch,
-        out: &mut dyn Write,
-    ) -> io::Result<()> {
+    /// - `scratch`: file that holds tracks; `take`: holds the presence of actors.
+    pub fn write(&self, take: &Take, scratch: &TrackScratch, out: &mut dyn Write) -> io::Result<()> {
         for piece in &self.pieces {
             match piece {
                 BufferPiece::Bytes(bytes) => out.write_all(bytes)?,
                 BufferPiece::Times(frames) => {
-                    (0..*frames).try_for_each(|f| out.write_all(&time_s(f, rate_hz).to_le_bytes()))?;
+                    (0..*frames).try_for_each(|f| out.write_all(&time_s(f, take.rate_hz()).to_le_bytes()))?;
                 }
                 BufferPiece::Track(actor, track) => {
                     scratch.track(*actor, *track, |n| out.write_all(bytemuck::cast_slice(n)))?;
                 }
-                BufferPiece::Presence(actor, track, scale) => take.track(*actor, *track, |n| {
+                BufferPiece::Presence(actor, track, scale) => take.scratch().track(*actor, *track, |n| {
                     n.iter().try_for_each(|v| out.write_all(bytemuck::cast_slice(&[v * scale; 3])))
                 })?,
             }

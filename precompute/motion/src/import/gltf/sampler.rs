@@ -39,17 +39,25 @@ impl<'a> Samplers<'a> {
     /// The keys of a sampler of rotations or of vectors.
     pub fn keys(&mut self, sampler: &GltfSampler, rotation: bool) -> Result<Keys, String> {
         let (kind, width) = if rotation { ("VEC4", 4) } else { ("VEC3", 3) };
-        if !self.times.contains_key(&sampler.input) {
-            self.take_numbers(sampler.input, 1)?;
-            let times = seconds(&self.reader.floats(sampler.input, "SCALAR")?);
-            let times = times.map_err(|e| format!("accessors[{}]: {e}", sampler.input))?;
-            self.times.insert(sampler.input, times.into());
-        }
-        if !self.values.contains_key(&sampler.output) {
-            self.take_numbers(sampler.output, width)?;
-            self.values.insert(sampler.output, self.reader.floats(sampler.output, kind)?.into());
-        }
-        let (times, values) = (self.times[&sampler.input].clone(), self.values[&sampler.output].clone());
+        let times = match self.times.get(&sampler.input) {
+            Some(times) => times.clone(),
+            None => {
+                self.take_numbers(sampler.input, 1)?;
+                let times = seconds(&self.reader.floats(sampler.input, "SCALAR")?);
+                let times: Rc<[f64]> = times.map_err(|e| format!("accessors[{}]: {e}", sampler.input))?.into();
+                self.times.insert(sampler.input, times.clone());
+                times
+            }
+        };
+        let values = match self.values.get(&sampler.output) {
+            Some(values) => values.clone(),
+            None => {
+                self.take_numbers(sampler.output, width)?;
+                let values: Rc<[f32]> = self.reader.floats(sampler.output, kind)?.into();
+                self.values.insert(sampler.output, values.clone());
+                values
+            }
+        };
         let each = if sampler.interpolation == Interpolation::CubicSpline { 3 } else { 1 };
         if values.len() != times.len() * each * width {
             let expected = times.len() * each;

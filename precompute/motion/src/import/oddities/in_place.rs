@@ -34,7 +34,7 @@ pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<Stri
         let (world, flat) = (clip.world(f), |v: Vec3| Vec2::new(v.x, v.z));
         (flat(world[hips].0), feet.map(|foot| foot.map(|j| j.map(|j| world[j].0))))
     };
-    let (roots, parts): (Vec<Vec2>, Vec<[[Option<Vec3>; 2]; 2]>) = (0..n).map(places).unzip();
+    let (roots, parts): (Vec<Vec2>, Vec<_>) = (0..n).map(places).unzip();
     let velocity = |at: &dyn Fn(usize) -> Option<Vec2>, f: usize, s: f64| {
         let half = frames(0.5 * s);
         let (a, b) = (f.saturating_sub(half), (f + half).min(n - 1));
