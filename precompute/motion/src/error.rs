@@ -187,8 +187,9 @@ impl BuildError {
 ///
 /// # Errors
 /// [`BuildError::Key`] for the first one that is out of its range, or no number.
-pub fn check_ranges<'a>(ranges: impl IntoIterator<Item = (&'a str, f64, f64, f64)>) -> Result<()> {
-    let bad = ranges.into_iter().find(|&(_, value, low, high)| !(low..=high).contains(&value));
+pub fn check_ranges<'a, N: Into<f64>>(ranges: impl IntoIterator<Item = (&'a str, N, f64, f64)>) -> Result<()> {
+    let numbers = ranges.into_iter().map(|(key, value, low, high)| (key, value.into(), low, high));
+    let bad = numbers.into_iter().find(|(_, value, low, high)| !(low..=high).contains(&value));
     let Some((key, value, low, high)) = bad else { return Ok(()) };
     // Numbers of single precision are shown as they are written.
     let single = value as f32;

@@ -14,12 +14,11 @@ pub const SUFFIX: &str = "~mirror";
 pub fn mirror_clip(clip: &Clip) -> Clip {
     let original = clip.name.strip_suffix(SUFFIX).filter(|_| clip.mirrored);
     let name = original.map_or_else(|| format!("{}{SUFFIX}", clip.name), str::to_string);
-    let rotations = (0..clip.num_frames())
-        .flat_map(|f| {
-            let local = clip.frame_rotations(f);
-            Joint::ALL.map(|j| mirror_rotation(local[j.mirrored().index()]))
-        })
-        .collect::<Vec<_>>();
+    let mirrored = |f: usize| {
+        let local = clip.frame_rotations(f);
+        Joint::ALL.map(|j| mirror_rotation(local[j.mirrored().index()]))
+    };
+    let rotations: Vec<Quat> = (0..clip.num_frames()).flat_map(mirrored).collect();
     debug_assert_eq!(rotations.len(), clip.num_frames() * NUM_JOINTS);
     Clip {
         name,

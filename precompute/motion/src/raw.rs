@@ -22,6 +22,13 @@ pub struct RawJoint {
     pub is_end: bool,
 }
 
+impl RawJoint {
+    /// A joint whose rest rotation is the identity.
+    pub fn new(name: String, parent: Option<usize>, offset: Vec3, is_end: bool) -> Self {
+        Self { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end }
+    }
+}
+
 /// The formats read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SourceFormat {

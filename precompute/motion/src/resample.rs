@@ -76,20 +76,13 @@ pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) ->
 pub fn resample(clips: &ClipSet, cfg: &ResampleConfig) -> Result<ClipSet> {
     cfg.check().map_err(|e| e.within_key("resample"))?;
     check_length(clips.clips.iter().map(|c| c.num_frames() as f64 / c.rate_hz), cfg)?;
-    let per_clip: Vec<Vec<Clip>> = clips
-        .clips
-        .par_iter()
-        .map(|c| {
-            let resampled = to_rate(c, cfg.rate_hz);
-            if cfg.mirror {
-                let copy = mirror_clip(&resampled);
-                vec![resampled, copy]
-            } else {
-                vec![resampled]
-            }
-        })
-        .collect();
-    Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: per_clip.into_iter().flatten().collect() })
+    let with_copy = |clip: &Clip| {
+        let resampled = to_rate(clip, cfg.rate_hz);
+        let copy = cfg.mirror.then(|| mirror_clip(&resampled));
+        std::iter::once(resampled).chain(copy)
+    };
+    let resampled = clips.clips.par_iter().flat_map_iter(with_copy).collect();
+    Ok(ClipSet { skeleton: clips.skeleton.clone(), clips: resampled })
 }
 
 /// One clip at another rate.
@@ -116,17 +109,14 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
         }
     }
     let range = |r: &FrameRange| rescale(r, step, num_frames);
+    let hit = |h: &ClipHit| ClipHit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() };
     Clip {
         source: clip.source.clone(),
         mirrored: clip.mirrored,
         contacts,
         excluded: clip.excluded.iter().map(|e| Exclusion { range: range(&e.range), reason: e.reason }).collect(),
         tags: clip.tags.iter().map(|t| ClipTag { name: t.name.clone(), range: range(&t.range) }).collect(),
-        hits: clip
-            .hits
-            .iter()
-            .map(|h| ClipHit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() })
-            .collect(),
+        hits: clip.hits.iter().map(hit).collect(),
         ..Clip::new(clip.name.clone(), rate_hz, root_positions, rotations)
     }
 }

@@ -106,12 +106,9 @@ impl StanceReport {
 
 impl fmt::Display for StanceReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let grade = ["good", "fair", "poor"][self.grade as usize];
-        write!(
-            f,
-            "{:.1} cm from the ground at the 95th percentile, {:.1} cm at worst: {grade}",
-            self.p95_cm, self.worst_cm
-        )
+        let Self { p95_cm, worst_cm, grade } = *self;
+        let grade = ["good", "fair", "poor"][grade as usize];
+        write!(f, "{p95_cm:.1} cm from the ground at the 95th percentile, {worst_cm:.1} cm at worst: {grade}")
     }
 }
 

@@ -1,9 +1,11 @@
 //! Orientation of a segment of the trunk.
 
+use bytemuck::{Pod, Zeroable};
 use glam::DQuat;
 
 /// Heading, forward tilt and list of a segment of the trunk (rad).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Attitude {
     /// Heading.
     pub yaw: f64,
@@ -11,6 +13,14 @@ pub struct Attitude {
     pub pitch: f64,
     /// Left side up.
     pub list: f64,
+}
+
+/// Attitudes of spine, chest, upper chest, neck and head.
+pub type Trunk = [Attitude; 5];
+
+/// Trunk whose lower segments lie between the hips and the chest, and whose neck lies between the chest and the head.
+pub fn trunk_between(hips: Attitude, chest: Attitude, head: Attitude) -> Trunk {
+    [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, chest.mix(head, 0.45), head]
 }
 
 impl Attitude {

@@ -1,6 +1,6 @@
 //! Dimensions and poses of a foot.
 
-use super::side::{LateralSide, forward};
+use super::side::{LateralSide, forward, ground_position};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Contacts, Joint, Skeleton};
 
@@ -41,10 +41,17 @@ impl FootShape {
         FootPose { ankle, ball, yaw, heading, pitch, toe_pitch, ground: 0.0, heel_down: false, toe_down: false }
     }
 
+    /// Pose of the foot with a given ankle, otherwise as [`Self::contact_pose`].
+    pub fn pose_at_ankle(&self, ankle: DVec3, yaw: f64, heading: f64, pitch: f64, toe_pitch: f64) -> FootPose {
+        let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
+        let ball = ankle - rotation * DVec3::new(0.0, self.ankle_height - self.ball_height, -self.ball);
+        self.contact_pose(ball, yaw, heading, pitch, toe_pitch)
+    }
+
     /// Height of the lowest point of the sole over the ground beneath it (m).
     pub fn sole(&self, p: &FootPose, ground: impl Fn(DVec2) -> f64) -> f64 {
         let over = |pitch: f64, y: f64, z: f64| {
-            let at = DVec2::new(p.ball.x, p.ball.z) + forward(p.yaw) * (pitch.sin() * y + pitch.cos() * z);
+            let at = ground_position(p.ball) + forward(p.yaw) * (pitch.sin() * y + pitch.cos() * z);
             p.ball.y + (pitch.cos() * y - pitch.sin() * z) - ground(at)
         };
         let heel = over(p.pitch, -self.ball_height, -self.ball - self.heel);
@@ -88,13 +95,7 @@ impl FootPose {
             LateralSide::Left => (Contacts::LEFT_HEEL, Contacts::LEFT_TOE),
             LateralSide::Right => (Contacts::RIGHT_HEEL, Contacts::RIGHT_TOE),
         };
-        let mut out = Contacts::NONE;
-        if self.heel_down {
-            out.insert(heel);
-        }
-        if self.toe_down {
-            out.insert(toe);
-        }
-        out
+        let bits = |down: bool, part: Contacts| if down { part.0 } else { 0 };
+        Contacts(bits(self.heel_down, heel) | bits(self.toe_down, toe))
     }
 }

@@ -3,7 +3,7 @@
 use super::SynthConfig;
 use super::foot::FootPose;
 use super::leg::LegShape;
-use super::side::{LateralSide, forward};
+use super::side::{LateralSide, forward, over_ground};
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::{Clip, ClipTag};
@@ -29,6 +29,12 @@ impl Samples {
         let num_frames = (duration * rate_hz).floor() as usize + 1;
         let times = (0..(num_frames - 1) * per_frame + 1).map(|i| i as f64 * dt).collect();
         Self { times, dt, per_frame }
+    }
+
+    /// Samples `dt` apart, from 0 until a duration has passed (s).
+    pub fn spaced(dt: f64, duration: f64) -> Self {
+        let num = (duration / dt).ceil() as usize;
+        Self { times: (0..=num).map(|i| i as f64 * dt).collect(), dt, per_frame: 1 }
     }
 
     /// Number of whole samples in a time.
@@ -72,6 +78,12 @@ pub struct BodyPose {
     pub knees: [f64; 2],
 }
 
+/// Position of the upper chest joint of a body (m).
+pub fn upper_chest(root: DVec3, hips: DQuat, trunk: &[DQuat; 5], skeleton: &Skeleton) -> DVec3 {
+    let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
+    root + hips * offset(Joint::Spine) + trunk[0] * offset(Joint::Chest) + trunk[1] * offset(Joint::UpperChest)
+}
+
 /// A clip without frames.
 pub fn empty_clip(name: String, set: &str, cfg: &SynthConfig) -> Clip {
     Clip {
@@ -92,10 +104,7 @@ pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f
 
 /// Adds a pose standing on both feet to a clip.
 pub fn push_pose(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
-    let knees = pose.knees.map(|heading| {
-        let f = forward(heading);
-        DVec3::new(f.x, 0.0, f.y)
-    });
+    let knees = pose.knees.map(|heading| over_ground(forward(heading), 0.0));
     push_pose_with_hands(clip, pose, knees, Contacts::NONE, skeleton);
 }
 

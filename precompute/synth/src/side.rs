@@ -1,6 +1,6 @@
 //! Left and right, and the directions of a heading on the ground.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use throng_core::Joint;
 
 /// A side of the body.
@@ -74,4 +74,14 @@ pub fn forward(heading: f64) -> DVec2 {
 /// The ground direction (x, z) to the left of a heading.
 pub fn leftward(heading: f64) -> DVec2 {
     DVec2::new(heading.cos(), -heading.sin())
+}
+
+/// A point or direction on the ground (x, z), at a height.
+pub fn over_ground(p: DVec2, height: f64) -> DVec3 {
+    DVec3::new(p.x, height, p.y)
+}
+
+/// Ground position (x, z) of a point.
+pub fn ground_position(p: DVec3) -> DVec2 {
+    DVec2::new(p.x, p.z)
 }

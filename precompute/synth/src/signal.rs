@@ -119,13 +119,12 @@ pub fn smooth_below(limit: &[f64], acceleration: f64, radius: usize, dt: f64) ->
     let range =
         limit.iter().copied().fold(f64::NEG_INFINITY, f64::max) - limit.iter().copied().fold(f64::INFINITY, f64::min);
     let reach = if limit.is_empty() { 0 } else { (range / per_sample).sqrt().ceil() as usize };
-    let envelope: Vec<f64> = (0..limit.len())
-        .map(|i| {
-            let first = i.saturating_sub(reach);
-            let window = limit[first..(i + reach + 1).min(limit.len())].iter().enumerate();
-            window.map(|(k, y)| y + per_sample * ((first + k) as f64 - i as f64).powi(2)).fold(f64::INFINITY, f64::min)
-        })
-        .collect();
+    let lowest = |i: usize| {
+        let first = i.saturating_sub(reach);
+        let window = limit[first..(i + reach + 1).min(limit.len())].iter().enumerate();
+        window.map(|(k, y)| y + per_sample * ((first + k) as f64 - i as f64).powi(2)).fold(f64::INFINITY, f64::min)
+    };
+    let envelope: Vec<f64> = (0..limit.len()).map(lowest).collect();
     // A running mean over 2r + 1 samples has the variance r(r + 1)/3; three passes add up.
     let raised = per_sample * (radius * (radius + 1)) as f64;
     smooth(&envelope, radius).iter().map(|y| y - raised).collect()

@@ -1,24 +1,26 @@
 //! Keys of several channels over time, and the smooth signals through them.
 
+use super::frame::Samples;
 use super::signal::smooth;
+use bytemuck::Pod;
 
 /// Time between keys below which they count as one intention: the later one wins (s).
 const APART: f64 = 0.045;
 
-/// Keys of `N` channels, ascending in time.
+/// Keys of a value, ascending in time. Each `f64` of the value is a channel.
 #[derive(Clone, Debug)]
-pub struct KeyTrack<const N: usize> {
-    keys: Vec<(f64, [f64; N])>,
+pub struct KeyTrack<T> {
+    keys: Vec<(f64, T)>,
 }
 
-impl<const N: usize> KeyTrack<N> {
+impl<T: Pod> KeyTrack<T> {
     /// A track that begins with `value`.
-    pub fn new(value: [f64; N]) -> Self {
+    pub fn new(value: T) -> Self {
         Self { keys: vec![(0.0, value)] }
     }
 
     /// Adds a key, replacing keys at that time and later.
-    pub fn push(&mut self, t: f64, value: [f64; N]) {
+    pub fn push(&mut self, t: f64, value: T) {
         while self.keys.len() > 1 && self.keys.last().is_some_and(|k| k.0 > t - APART) {
             self.keys.pop();
         }
@@ -34,23 +36,25 @@ impl<const N: usize> KeyTrack<N> {
     }
 
     /// The last key.
-    pub fn last(&self) -> (f64, [f64; N]) {
-        self.keys.last().copied().unwrap_or((0.0, [0.0; N]))
+    pub fn last(&self) -> (f64, T) {
+        self.keys.last().copied().unwrap_or((0.0, T::zeroed()))
     }
 
-    /// Samples the signals at `times`, spaced `dt` apart: a monotone cubic through the keys, which neither overshoots
-    /// them nor stops at intermediate keys, smoothed over `radius` seconds.
+    /// Samples the signals: a monotone cubic through the keys, which neither overshoots them nor stops at intermediate
+    /// keys, smoothed over `radius` seconds.
     ///
-    /// - `ahead`: time by which each channel precedes its keys (s).
-    pub fn sample(&self, times: &[f64], ahead: &[f64; N], radius: f64, dt: f64) -> Vec<[f64; N]> {
-        let mut out = vec![[0.0; N]; times.len()];
-        for (c, ahead) in ahead.iter().enumerate() {
-            let knots: Vec<(f64, f64)> = self.keys.iter().map(|k| (k.0 - ahead, k.1[c])).collect();
+    /// - `ahead`: time by which each channel precedes its keys; 0 for channels without one (s).
+    pub fn sample(&self, samples: &Samples, ahead: &[f64], radius: f64) -> Vec<T> {
+        let mut out = vec![T::zeroed(); samples.times.len()];
+        let num_channels = size_of::<T>() / size_of::<f64>();
+        for c in 0..num_channels {
+            let ahead = ahead.get(c).copied().unwrap_or(0.0);
+            let channel = |value: T| bytemuck::cast_slice::<T, f64>(&[value])[c];
+            let knots: Vec<(f64, f64)> = self.keys.iter().map(|k| (k.0 - ahead, channel(k.1))).collect();
             let slopes = slopes(&knots);
-            let raw: Vec<f64> = times.iter().map(|&t| hermite(&knots, &slopes, t)).collect();
-            for (o, v) in out.iter_mut().zip(smooth(&raw, (radius / dt).round() as usize)) {
-                o[c] = v;
-            }
+            let raw: Vec<f64> = samples.times.iter().map(|&t| hermite(&knots, &slopes, t)).collect();
+            let values = bytemuck::cast_slice_mut(&mut out).iter_mut().skip(c).step_by(num_channels);
+            values.zip(smooth(&raw, samples.count_within(radius))).for_each(|(value, v)| *value = v);
         }
         out
     }
@@ -97,8 +101,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn at(track: &KeyTrack<1>, t: f64) -> f64 {
-        track.sample(&[t], &[0.0], 0.0, 1.0)[0][0]
+    fn sample_at<T: Pod>(track: &KeyTrack<T>, ahead: &[f64], t: f64) -> T {
+        track.sample(&Samples { times: vec![t], dt: 1.0, per_frame: 1 }, ahead, 0.0)[0]
+    }
+
+    fn at(track: &KeyTrack<[f64; 1]>, t: f64) -> f64 {
+        sample_at(track, &[0.0], t)[0]
     }
 
     #[test]
@@ -118,7 +126,7 @@ mod tests {
         let mut track = KeyTrack::new([0.0, 0.0]);
         track.push(1.0, [1.0, 1.0]);
         track.push(2.0, [0.0, 0.0]);
-        assert_eq!(track.sample(&[0.9], &[0.1, 0.0], 0.0, 1.0)[0][0], 1.0);
+        assert_eq!(sample_at(&track, &[0.1, 0.0], 0.9)[0], 1.0);
     }
 
     proptest! {

@@ -60,16 +60,16 @@ impl ContactConfig {
     /// # Errors
     /// [`crate::error::BuildError::Key`] names the first one out of it.
     pub fn check(&self) -> Result<()> {
-        let lengths = [("height_on", self.height_on, 0.0, self.height_off), ("height_off", self.height_off, 0.0, 10.0)];
-        let speeds = [
-            ("speed_on", self.speed_on, 0.0, self.speed_off),
+        check_ranges([
+            ("height_on", self.height_on, 0.0, self.height_off.into()),
+            ("height_off", self.height_off, 0.0, 10.0),
+            ("speed_on", self.speed_on, 0.0, self.speed_off.into()),
             ("speed_off", self.speed_off, 0.0, 100.0),
             ("vertical_speed_off", self.vertical_speed_off, 0.0, 100.0),
             ("speed_share", self.speed_share, 0.0, 10.0),
-        ];
-        let times = [("min_duration", self.min_duration, 0.0, 60.0), ("max_gap", self.max_gap, 0.0, 60.0)];
-        let single = |(key, number, low, high)| (key, f64::from(number), low, f64::from(high));
-        check_ranges(lengths.into_iter().chain(speeds).chain(times).map(single))
+            ("min_duration", self.min_duration, 0.0, 60.0),
+            ("max_gap", self.max_gap, 0.0, 60.0),
+        ])
     }
 }
 
@@ -153,28 +153,25 @@ fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<JointHeights> {
             track.push(p[j.index()]);
         }
     }
-    positions
-        .iter()
-        .map(|p| {
-            let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
-            JointHeights {
-                heights: p.iter().map(|p| p.y).collect(),
-                speeds: speeds(p, clip.rate_hz),
-                vertical_speeds: speeds(&upright, clip.rate_hz),
-            }
-        })
-        .collect()
+    let track = |p: &Vec<Vec3>| {
+        let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
+        JointHeights {
+            heights: p.iter().map(|p| p.y).collect(),
+            speeds: speeds(p, clip.rate_hz),
+            vertical_speeds: speeds(&upright, clip.rate_hz),
+        }
+    };
+    positions.iter().map(track).collect()
 }
 
 /// Speed at each frame by central differences, one-sided at the ends (m/s).
 pub fn speeds(positions: &[Vec3], rate_hz: f64) -> Vec<f32> {
     let last = positions.len().saturating_sub(1);
-    (0..positions.len())
-        .map(|f| {
-            let (a, b) = (f.saturating_sub(1), (f + 1).min(last));
-            (positions[b] - positions[a]).length() * rate_hz as f32 / (b - a).max(1) as f32
-        })
-        .collect()
+    let speed = |f: usize| {
+        let (a, b) = (f.saturating_sub(1), (f + 1).min(last));
+        (positions[b] - positions[a]).length() * rate_hz as f32 / (b - a).max(1) as f32
+    };
+    (0..positions.len()).map(speed).collect()
 }
 
 /// Sorted heights of the frames in which the joint is slow.
@@ -198,23 +195,17 @@ fn flat_floor(track: &JointHeights, slow: f32, rest: f32, limit: f32) -> f32 {
 /// The joint's lowest height within `window` frames on either side.
 fn local_floor(track: &JointHeights, window: usize) -> Vec<f32> {
     let n = track.heights.len();
-    (0..n)
-        .map(|f| {
-            let around = &track.heights[f.saturating_sub(window)..(f + window + 1).min(n)];
-            around.iter().copied().fold(f32::INFINITY, f32::min)
-        })
-        .collect()
+    let around = |f: usize| &track.heights[f.saturating_sub(window)..(f + window + 1).min(n)];
+    (0..n).map(|f| around(f).iter().copied().fold(f32::INFINITY, f32::min)).collect()
 }
 
 /// Spread of the heights at which toes stand: from the 10th to the 90th percentile, the larger foot's.
 fn height_spread(tracks: &[JointHeights], slow: f32) -> f32 {
-    [1, 3]
-        .map(|i: usize| {
-            let h = slow_heights(&tracks[i], slow);
-            if h.is_empty() { 0.0 } else { h[h.len() * 9 / 10] - h[h.len() / 10] }
-        })
-        .into_iter()
-        .fold(0.0, f32::max)
+    let [left, right] = [1, 3].map(|toe: usize| {
+        let h = slow_heights(&tracks[toe], slow);
+        if h.is_empty() { 0.0 } else { h[h.len() * 9 / 10] - h[h.len() / 10] }
+    });
+    left.max(right)
 }
 
 /// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.

@@ -38,15 +38,12 @@ impl EndsConfig {
     /// # Errors
     /// [`crate::error::BuildError::Key`] names the first one out of it.
     pub fn check(&self) -> Result<()> {
-        check_ranges(
-            [
-                ("t_pose_within", self.t_pose_within, 0.0, 1e4),
-                ("still_duration", self.still_duration, 0.0, 1e4),
-                ("still_speed", self.still_speed, 0.0, 100.0),
-                ("still_keep", self.still_keep, 0.0, 1e4),
-            ]
-            .map(|(key, number, low, high)| (key, f64::from(number), low, high)),
-        )
+        check_ranges([
+            ("t_pose_within", self.t_pose_within, 0.0, 1e4),
+            ("still_duration", self.still_duration, 0.0, 1e4),
+            ("still_speed", self.still_speed, 0.0, 100.0),
+            ("still_keep", self.still_keep, 0.0, 1e4),
+        ])
     }
 }
 

@@ -55,13 +55,11 @@ impl AnnotateConfig {
 pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> Result<ClipSet> {
     cfg.check().map_err(|e| e.within_key("annotate"))?;
     sidecars.check_names(clips.clips.iter().map(sidecar::original_name))?;
-    let annotated: Vec<Clip> = clips
-        .clips
-        .par_iter()
-        .map(|c| if c.mirrored { Ok(c.clone()) } else { annotate_clip(c, &clips.skeleton, cfg, sidecars) })
-        .collect::<Result<_, _>>()?;
-    let mut out: Vec<Clip> = Vec::with_capacity(annotated.len());
-    for clip in annotated {
+    let annotated = |c: &Clip| annotate_clip(c, &clips.skeleton, cfg, sidecars);
+    let original = |c: &Clip| if c.mirrored { Ok(c.clone()) } else { annotated(c) };
+    let originals: Vec<Clip> = clips.clips.par_iter().map(original).collect::<Result<_, _>>()?;
+    let mut out: Vec<Clip> = Vec::with_capacity(originals.len());
+    for clip in originals {
         let original = out.last().filter(|o| clip.mirrored && clip.name == format!("{}{}", o.name, mirror::SUFFIX));
         let clip = match original {
             Some(o) => Clip {
@@ -71,7 +69,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
                 hits: o.hits.iter().map(mirror::mirror_hit).collect(),
                 ..clip
             },
-            None if clip.mirrored => annotate_clip(&clip, &clips.skeleton, cfg, sidecars)?,
+            None if clip.mirrored => annotated(&clip)?,
             None => clip,
         };
         out.push(clip);

@@ -183,26 +183,16 @@ impl Sidecar {
         }
         for (i, [start, end]) in self.exclude.iter().enumerate() {
             if !sound(*start, *end) {
-                return fault(
-                    "exclude",
-                    i,
-                    format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them."),
-                );
+                let what = format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them.");
+                return fault("exclude", i, what);
             }
         }
-        for (i, t) in self.tags.iter().enumerate() {
-            if t.name.trim().is_empty() {
+        for (i, SidecarTag { name, start, end }) in self.tags.iter().enumerate() {
+            if name.trim().is_empty() {
                 return fault("tags", i, "expected a name, found an empty one. Name the range.".into());
             }
-            if !sound(t.start, t.end) {
-                return fault(
-                    "tags",
-                    i,
-                    format!(
-                        "`{}`: expected 0 <= start < end, found start = {}, end = {}. Exchange or correct them.",
-                        t.name, t.start, t.end
-                    ),
-                );
+            if !sound(*start, *end) {
+                return fault("tags", i, wrong_range(name, *start, *end));
             }
         }
         for (i, h) in self.hits.iter().enumerate() {
@@ -234,8 +224,8 @@ impl Sidecars {
             Some(file) => e.in_file(file),
             None => e.within_key(&format!("clips.{clip_name}")),
         })?;
-        self.entries
-            .insert(clip_name.into(), SidecarEntry { sidecar, source_rate_hz, file: file.map(Path::to_path_buf) });
+        let file = file.map(Path::to_path_buf);
+        self.entries.insert(clip_name.into(), SidecarEntry { sidecar, source_rate_hz, file });
         Ok(())
     }
 
@@ -245,10 +235,15 @@ impl Sidecars {
     /// [`BuildError::Io`] for a file that cannot be read, [`BuildError::Config`] for one that is wrong.
     pub fn insert_beside(&mut self, clip_name: &str, file: &Path, source_rate_hz: f64) -> Result<bool> {
         let path = file.with_extension("toml");
-        if archive::split(&path).is_some() {
-            return self.insert_packed(clip_name, &path, source_rate_hz);
-        }
-        let source = match TomlSource::read(&path, "a sidecar") {
+        let read = if archive::split(&path).is_none() {
+            TomlSource::read(&path, "a sidecar")
+        } else if archive::is_file(&path) {
+            let bytes = archive::read_file(&path, "a sidecar", MAX_TEXT_BYTES)?;
+            Ok(TomlSource::new(&String::from_utf8_lossy(&bytes), &path))
+        } else {
+            return Ok(false);
+        };
+        let source = match read {
             Err(throng_base::Error::Io { source, .. })
                 if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::InvalidFilename) =>
             {
@@ -257,17 +252,6 @@ impl Sidecars {
             source => source?,
         };
         self.insert(clip_name, Sidecar::from_source(&source)?, source_rate_hz, Some(&path))?;
-        Ok(true)
-    }
-
-    /// Adds a sidecar in an archive, as [`Sidecars::insert_beside`] does a file.
-    fn insert_packed(&mut self, clip_name: &str, path: &Path, source_rate_hz: f64) -> Result<bool> {
-        if !archive::is_file(path) {
-            return Ok(false);
-        }
-        let bytes = archive::read_file(path, "a sidecar", MAX_TEXT_BYTES)?;
-        let text = String::from_utf8_lossy(&bytes);
-        self.insert(clip_name, Sidecar::from_source(&TomlSource::new(&text, path))?, source_rate_hz, Some(path))?;
         Ok(true)
     }
 
@@ -362,6 +346,11 @@ impl Sidecars {
         }
         Ok(out)
     }
+}
+
+/// The fault of a named range that ends before it starts.
+fn wrong_range(name: &str, start: f64, end: f64) -> String {
+    format!("`{name}`: expected 0 <= start < end, found start = {start}, end = {end}. Exchange or correct them.")
 }
 
 /// Refuses a sidecar beside a file of several clips.

@@ -43,6 +43,7 @@ pub fn take_csv(take: &Take, out: &mut (impl Write + ?Sized)) -> io::Result<()> 
     Ok(())
 }
 
-fn quoted(name: &str) -> String {
+/// A name as a field of CSV.
+pub fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }

@@ -12,6 +12,7 @@ mod usd;
 
 use crate::clip::Clip;
 use crate::raw::{RawClip, RawJoint, SourceFormat};
+pub(crate) use csv::quoted;
 pub use csv::{positions_csv, take_csv};
 pub use each::write_each_actor;
 use glam::{Quat, Vec3};
@@ -19,28 +20,19 @@ pub use glb::Glb;
 pub use instances::{CrowdInstance, InstanceRecording};
 pub use npz::{write_amass, write_npz};
 pub use take::{ActorPose, Take, TakeActor, TakeWriter};
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{Joint, Skeleton};
 pub use usd::usda;
 
 /// Joints with the names of their roles, and the ends of head and toes `NAME_end`; rest rotations are the identity.
 fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
     let tips = [Joint::Head, Joint::LeftToe, Joint::RightToe];
-    let joint = |name: String, parent: Option<usize>, offset: Vec3, is_end: bool| RawJoint {
-        name,
-        parent,
-        offset,
-        rest_rotation: Quat::IDENTITY,
-        is_end,
+    let joint = |j: Joint| {
+        let offset = skeleton.offsets[j.index()];
+        RawJoint::new(j.name().into(), j.parent().map(Joint::index), offset, false)
     };
-    let mut joints: Vec<RawJoint> = Joint::ALL
-        .into_iter()
-        .map(|j| joint(j.name().into(), j.parent().map(Joint::index), skeleton.offsets[j.index()], false))
-        .collect();
-    for (tip, offset) in tips.into_iter().zip(skeleton.tips) {
-        joints.push(joint(format!("{}_end", tip.name()), Some(tip.index()), offset, true));
-    }
-    debug_assert_eq!(joints.len(), NUM_JOINTS + tips.len());
-    joints
+    let tip =
+        |(tip, offset): (Joint, Vec3)| RawJoint::new(format!("{}_end", tip.name()), Some(tip.index()), offset, true);
+    Joint::ALL.into_iter().map(joint).chain(tips.into_iter().zip(skeleton.tips).map(tip)).collect()
 }
 
 /// A clip as a raw clip: joints have the names of their roles, the ends of head and toes `NAME_end`.

@@ -30,9 +30,6 @@ impl<W: Write> NpzWriter<W> {
     pub fn begin(&mut self, name: &str, kind: &str, shape: &[usize]) -> io::Result<()> {
         let list: String = shape.iter().map(|n| format!("{n}, ")).collect();
         let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({list}), }}");
-        if shape.is_empty() {
-            header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (), }}");
-        }
         while !(10 + header.len() + 1).is_multiple_of(usize::from(ALIGNED)) {
             header.push(' ');
         }

@@ -156,8 +156,7 @@ impl TakeWriter {
     /// # Errors
     /// Errors of a folder that takes no file.
     pub fn new(folder: &Path, actors: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
-        let together = actors.len();
-        Self::with_layout(folder, actors, rate_hz, together, false)
+        Self::with_layout(folder, actors, rate_hz, false)
     }
 
     /// A take of clips of one figure, which are recorded one after the other and ended by [`TakeWriter::finish`].
@@ -165,16 +164,16 @@ impl TakeWriter {
     /// # Errors
     /// Errors of [`TakeWriter::new`].
     pub fn library(folder: &Path, clips: Vec<(usize, String, Skeleton)>, rate_hz: f64) -> io::Result<Self> {
-        Self::with_layout(folder, clips, rate_hz, 1, true)
+        Self::with_layout(folder, clips, rate_hz, true)
     }
 
     fn with_layout(
         folder: &Path,
         actors: Vec<(usize, String, Skeleton)>,
         rate_hz: f64,
-        together: usize,
         is_library: bool,
     ) -> io::Result<Self> {
+        let together = if is_library { 1 } else { actors.len() };
         let scratch = TrackScratch::new(folder, actors.len(), &WIDTHS, together)?;
         let actor = |(number, name, skeleton)| {
             let mut moves = [false; NUM_JOINTS];

@@ -11,6 +11,8 @@ use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
 
 /// Name of the only root prim.
 const ROOT: &str = "Crowd";
+/// Mark of prims that take part in skinning.
+const SKINNED: &str = "prepend apiSchemas = [\"SkelBindingAPI\"]";
 
 /// Writes a take. Clips of a library are animations of one figure, which plays the first.
 ///
@@ -19,21 +21,24 @@ const ROOT: &str = "Crowd";
 /// # Errors
 /// Errors of `out`.
 pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()> {
-    let bodies = TakeSkeletons::from_take(take);
+    let mut skeletons: Vec<&Skeleton> = Vec::new();
+    for actor in take.actors() {
+        if !skeletons.contains(&&actor.skeleton) {
+            skeletons.push(&actor.skeleton);
+        }
+    }
+    let number = |actor: &TakeActor| skeletons.iter().position(|s| **s == actor.skeleton).unwrap_or(0);
     let instances = instances && !take.is_library();
     write_head(take, out)?;
     writeln!(out, "def Xform \"{ROOT}\"\n{{")?;
-    for (i, skeleton) in bodies.skeletons.iter().enumerate() {
+    for (i, skeleton) in skeletons.iter().enumerate() {
         if instances {
-            writeln!(
-                out,
-                "    class SkelRoot \"Model_{i}\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {{"
-            )?;
+            writeln!(out, "    class SkelRoot \"Model_{i}\" (\n        {SKINNED}\n    )\n    {{")?;
             write_skeleton(skeleton, None, 8, out)?;
-            write_body(skeleton, "Body", Some(&format!("/{ROOT}/Model_{i}/Skeleton")), 8, out)?;
+            write_body(skeleton, "Body", Some(&format!("/{ROOT}/Model_{i}/Skeleton")), out)?;
             writeln!(out, "    }}\n")?;
         } else {
-            write_body(skeleton, &format!("Body_{i}"), None, 4, out)?;
+            write_body(skeleton, &format!("Body_{i}"), None, out)?;
         }
     }
     if instances {
@@ -45,33 +50,12 @@ pub fn usda(take: &Take, instances: bool, out: &mut dyn Write) -> io::Result<()>
     }
     for (a, actor) in take.actors().iter().enumerate() {
         if instances {
-            write_instance(take, a, bodies.number(actor), out)?;
+            write_instance(take, a, number(actor), out)?;
         } else if a == 0 || !take.is_library() {
-            write_character(take, a, bodies.number(actor), out)?;
+            write_character(take, a, number(actor), out)?;
         }
     }
     writeln!(out, "}}")
-}
-
-/// The distinct skeletons of a take.
-struct TakeSkeletons<'a> {
-    skeletons: Vec<&'a Skeleton>,
-}
-
-impl<'a> TakeSkeletons<'a> {
-    fn from_take(take: &'a Take) -> Self {
-        let mut skeletons: Vec<&Skeleton> = Vec::new();
-        for actor in take.actors() {
-            if !skeletons.contains(&&actor.skeleton) {
-                skeletons.push(&actor.skeleton);
-            }
-        }
-        Self { skeletons }
-    }
-
-    fn number(&self, actor: &TakeActor) -> usize {
-        self.skeletons.iter().position(|s| **s == actor.skeleton).unwrap_or(0)
-    }
 }
 
 /// Name of an actor as a prim.
@@ -89,7 +73,7 @@ fn write_head(take: &Take, out: &mut dyn Write) -> io::Result<()> {
 /// A character with a skeleton and an animation of its own.
 fn write_character(take: &Take, a: usize, body: usize, out: &mut dyn Write) -> io::Result<()> {
     let (name, actor) = (ident(take, a), &take.actors()[a]);
-    writeln!(out, "    def SkelRoot \"{name}\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]")?;
+    writeln!(out, "    def SkelRoot \"{name}\" (\n        {SKINNED}")?;
     writeln!(out, "        displayName = {}\n    )\n    {{", quoted(&actor.name))?;
     write_visibility(take, a, out)?;
     let animation = if take.is_library() { ident(take, 0) } else { "Animation".into() };
@@ -102,7 +86,7 @@ fn write_character(take: &Take, a: usize, body: usize, out: &mut dyn Write) -> i
         write_animation(take, a, "Animation", 8, out)?;
     }
     let references = format!("prepend references = </{ROOT}/Body_{body}>");
-    writeln!(out, "        def Mesh \"Body\" (\n            prepend apiSchemas = [\"SkelBindingAPI\"]")?;
+    writeln!(out, "        def Mesh \"Body\" (\n            {SKINNED}")?;
     writeln!(out, "            {references}\n        )\n        {{")?;
     writeln!(out, "            rel skel:skeleton = </{ROOT}/{name}/Skeleton>\n        }}\n    }}\n")
 }
@@ -110,7 +94,7 @@ fn write_character(take: &Take, a: usize, body: usize, out: &mut dyn Write) -> i
 /// A character that is an instance of a model, bound to its animation.
 fn write_instance(take: &Take, a: usize, model: usize, out: &mut dyn Write) -> io::Result<()> {
     let name = ident(take, a);
-    writeln!(out, "    def SkelRoot \"{name}\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]")?;
+    writeln!(out, "    def SkelRoot \"{name}\" (\n        {SKINNED}")?;
     writeln!(out, "        displayName = {}", quoted(&take.actors()[a].name))?;
     writeln!(out, "        instanceable = true\n        prepend references = </{ROOT}/Model_{model}>\n    )\n    {{")?;
     write_visibility(take, a, out)?;
@@ -140,10 +124,7 @@ fn write_visibility(take: &Take, a: usize, out: &mut dyn Write) -> io::Result<()
 /// The skeleton in its rest pose.
 fn write_skeleton(skeleton: &Skeleton, animation: Option<&str>, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     let tab = " ".repeat(depth);
-    writeln!(
-        out,
-        "{tab}def Skeleton \"Skeleton\" (\n{tab}    prepend apiSchemas = [\"SkelBindingAPI\"]\n{tab})\n{tab}{{"
-    )?;
+    writeln!(out, "{tab}def Skeleton \"Skeleton\" (\n{tab}    {SKINNED}\n{tab})\n{tab}{{")?;
     let matrix = |p: Vec3| format!("( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({}, {}, {}, 1) )", p.x, p.y, p.z);
     let bind = list(skeleton.rest_positions().iter().map(|p| matrix(*p)));
     let rest = list(skeleton.offsets.iter().map(|p| matrix(*p)));
@@ -183,28 +164,19 @@ fn write_animation(take: &Take, a: usize, name: &str, depth: usize, out: &mut dy
 }
 
 /// The plain body, carried by the skeleton that is bound to it or around it.
-fn write_body(
-    skeleton: &Skeleton,
-    name: &str,
-    bound: Option<&str>,
-    depth: usize,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn write_body(skeleton: &Skeleton, name: &str, bound: Option<&str>, out: &mut dyn Write) -> io::Result<()> {
     // A body without a binding is written for others to refer to.
-    let how = if bound.is_some() { "def" } else { "class" };
+    let (how, depth) = if bound.is_some() { ("def", 8) } else { ("class", 4) };
     let (tab, body) = (" ".repeat(depth), PlainBody::fine(skeleton));
     let vector = |v: &Vec3| format!("({}, {}, {})", v.x, v.y, v.z);
     let low = body.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = body.positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
-    writeln!(out, "{tab}{how} Mesh \"{name}\" (\n{tab}    prepend apiSchemas = [\"SkelBindingAPI\"]\n{tab})\n{tab}{{")?;
+    writeln!(out, "{tab}{how} Mesh \"{name}\" (\n{tab}    {SKINNED}\n{tab})\n{tab}{{")?;
     writeln!(out, "{tab}    float3[] extent = [{}, {}]", vector(&low), vector(&high))?;
     writeln!(out, "{tab}    int[] faceVertexCounts = {}", list(body.triangles.iter().map(|_| 3)))?;
     writeln!(out, "{tab}    int[] faceVertexIndices = {}", list(body.triangles.iter().flatten()))?;
-    writeln!(
-        out,
-        "{tab}    normal3f[] normals = {} (\n{tab}        interpolation = \"vertex\"\n{tab}    )",
-        list(body.normals.iter().map(vector))
-    )?;
+    let normals = list(body.normals.iter().map(vector));
+    writeln!(out, "{tab}    normal3f[] normals = {normals} (\n{tab}        interpolation = \"vertex\"\n{tab}    )")?;
     writeln!(out, "{tab}    point3f[] points = {}", list(body.positions.iter().map(vector)))?;
     writeln!(out, "{tab}    color3f[] primvars:displayColor = [(0.55, 0.6, 0.68)]")?;
     let unit = "( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) )";

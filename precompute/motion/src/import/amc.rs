@@ -65,8 +65,7 @@ fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<AmcHeader, ImportError> 
         let word = scan.word().unwrap_or_default();
         let is = |keyword: &str| word.eq_ignore_ascii_case(keyword.as_bytes());
         if is(":SAMPLES-PER-SECOND") {
-            scan.at_line_end();
-            let mark = scan.position();
+            let mark = scan.next_position();
             let rate = scan.number("the frames a second", HELP)?;
             if !(0.1..=100_000.0).contains(&rate) {
                 return Err(scan.error(mark, "a rate between 0.1 and 100000 Hz", HELP));

@@ -8,7 +8,7 @@ use super::scan::{Scanner, TextPosition, text};
 use super::source::{CoordinateAxis, MAX_JOINTS, MAX_NAME};
 use crate::ImportError;
 use crate::raw::RawJoint;
-use glam::{DQuat, DVec3, Quat};
+use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub(super) enum Dof {
 }
 
 /// Entry of an ASF file for one joint, beyond its place in the skeleton.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct AsfJoint {
     /// The numbers of its AMC line, in order. Rotations apply in this order, the first one innermost.
     pub dofs: Vec<Dof>,
@@ -57,6 +57,12 @@ struct AsfSegment {
     children: Vec<usize>,
 }
 
+impl AsfSegment {
+    fn new(name: String, mark: TextPosition, vector: DVec3, joint: AsfJoint) -> Self {
+        Self { name, mark, vector, joint, parent: None, children: Vec::new() }
+    }
+}
+
 /// Everything that is read before the skeleton is put together; segment 0 is the root.
 struct AsfReader<'a> {
     scan: Scanner<'a>,
@@ -72,14 +78,7 @@ struct AsfReader<'a> {
 /// [`ImportError::Syntax`] with line and column.
 pub fn parse(bytes: &[u8], path: &Path) -> Result<Asf, ImportError> {
     let scan = Scanner::new(bytes, path)?;
-    let root = AsfSegment {
-        name: "root".into(),
-        mark: scan.position(),
-        vector: DVec3::ZERO,
-        joint: AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY },
-        parent: None,
-        children: Vec::new(),
-    };
+    let root = AsfSegment::new("root".into(), scan.position(), DVec3::ZERO, AsfJoint::default());
     let by_name = HashMap::from([(&b"root"[..], 0)]);
     let mut reader = AsfReader { scan, length: 1.0, degrees: true, segments: vec![root], by_name };
     let position = reader.read_sections()?;
@@ -149,15 +148,13 @@ impl<'a> AsfReader<'a> {
         while self.next_entry() {
             let word = self.scan.word().unwrap_or_default();
             if word.eq_ignore_ascii_case(b"length") {
-                self.scan.at_line_end();
-                let mark = self.scan.position();
+                let mark = self.scan.next_position();
                 self.length = self.scan.number("the length of a unit", HELP)?;
                 if self.length <= 1e-9 {
                     return Err(self.scan.error(mark, "a length above 0", HELP));
                 }
             } else if word.eq_ignore_ascii_case(b"angle") {
-                self.scan.at_line_end();
-                let mark = self.scan.position();
+                let mark = self.scan.next_position();
                 self.degrees = match self.scan.word().unwrap_or_default().to_ascii_lowercase().as_slice() {
                     b"deg" | b"degrees" => true,
                     b"rad" | b"radians" => false,
@@ -205,15 +202,14 @@ impl<'a> AsfReader<'a> {
     fn read_segment(&mut self) -> Result<(), ImportError> {
         let mut name: Option<(&[u8], TextPosition)> = None;
         let (mut direction, mut length) = (None, None);
-        let mut joint = AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY };
+        let mut joint = AsfJoint::default();
         let end = loop {
             if !self.next_entry() {
                 return Err(self.scan.error(self.scan.position(), "`end` of the segment", HELP));
             }
             let entry = self.scan.position();
             let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
-            self.scan.at_line_end();
-            let mark = self.scan.position();
+            let mark = self.scan.next_position();
             match word.as_slice() {
                 b"end" => break entry,
                 b"name" => name = self.scan.word().map(|n| (n, mark)),
@@ -242,9 +238,7 @@ impl<'a> AsfReader<'a> {
         if self.by_name.insert(name, self.segments.len()).is_some() {
             return Err(self.scan.error(name_mark, "a name that no other segment has", HELP));
         }
-        let segment =
-            AsfSegment { name: text(name), mark: name_mark, vector, joint, parent: None, children: Vec::new() };
-        self.segments.push(segment);
+        self.segments.push(AsfSegment::new(text(name), name_mark, vector, joint));
         Ok(())
     }
 
@@ -257,8 +251,7 @@ impl<'a> AsfReader<'a> {
     }
 
     fn read_axis_order(&mut self) -> Result<[CoordinateAxis; 3], ImportError> {
-        self.scan.at_line_end();
-        let mark = self.scan.position();
+        let mark = self.scan.next_position();
         let word = self.scan.word().unwrap_or_default();
         let axes: Vec<_> = word.iter().take(4).map_while(|&b| CoordinateAxis::from_letter(b)).collect();
         match <[CoordinateAxis; 3]>::try_from(axes) {
@@ -316,8 +309,7 @@ impl<'a> AsfReader<'a> {
     }
 
     fn read_reference(&mut self) -> Result<usize, ImportError> {
-        self.scan.at_line_end();
-        let mark = self.scan.position();
+        let mark = self.scan.next_position();
         let known = self.scan.word().and_then(|w| self.by_name.get(w).copied());
         known.ok_or_else(|| self.scan.error(mark, "the name of a segment in `:bonedata`, or `root`", HELP))
     }
@@ -356,10 +348,8 @@ impl<'a> AsfReader<'a> {
 
 impl Asf {
     fn push(&mut self, name: String, parent: Option<usize>, offset: DVec3, joint: Option<AsfJoint>) -> usize {
-        let is_end = joint.is_none();
-        let offset = offset.as_vec3();
-        self.joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end });
-        self.details.push(joint.unwrap_or(AsfJoint { dofs: Vec::new(), axis: DQuat::IDENTITY }));
+        self.joints.push(RawJoint::new(name, parent, offset.as_vec3(), joint.is_none()));
+        self.details.push(joint.unwrap_or_default());
         self.joints.len() - 1
     }
 }

@@ -8,7 +8,7 @@ use super::scan::{Scanner, text};
 use super::source::{CoordinateAxis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::ImportError;
 use crate::raw::{RawJoint, SourceFormat};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 use std::path::Path;
 
 const HELP_HIERARCHY: &str = "The file is cut short or damaged: export the clip again.";
@@ -81,8 +81,7 @@ fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {
 }
 
 fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> {
-    scan.at_line_end();
-    let mark = scan.position();
+    let mark = scan.next_position();
     let name = scan.name();
     if name.is_empty() {
         return Err(scan.error(mark, "the name of a joint", HELP_HIERARCHY));
@@ -92,12 +91,8 @@ fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> 
     }
     scan.expect("{", HELP_HIERARCHY)?;
     let parent = h.open.replace(h.joints.len());
-    h.joints.push(new_joint(text(name), parent, Vec3::ZERO, false));
+    h.joints.push(RawJoint::new(text(name), parent, Vec3::ZERO, false));
     Ok(())
-}
-
-fn new_joint(name: String, parent: Option<usize>, offset: Vec3, is_end: bool) -> RawJoint {
-    RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end }
 }
 
 fn read_offset(scan: &mut Scanner) -> Result<Vec3, ImportError> {
@@ -109,8 +104,7 @@ fn read_offset(scan: &mut Scanner) -> Result<Vec3, ImportError> {
 }
 
 fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<BvhChannel>) -> Result<(), ImportError> {
-    scan.at_line_end();
-    let mark = scan.position();
+    let mark = scan.next_position();
     let first = channels.len();
     let count = scan.count("a number of channels", HELP_HIERARCHY)?;
     if count > 6 {
@@ -148,15 +142,14 @@ fn read_end_site(scan: &mut Scanner, parent: usize, joints: &mut Vec<RawJoint>) 
     let siblings = joints.iter().filter(|j| j.is_end && j.parent == Some(parent)).count();
     let number = if siblings == 0 { String::new() } else { (siblings + 1).to_string() };
     let name = format!("{}_end{number}", joints[parent].name);
-    joints.push(new_joint(name, Some(parent), offset, true));
+    joints.push(RawJoint::new(name, Some(parent), offset, true));
     Ok(())
 }
 
 fn read_frame_count(scan: &mut Scanner) -> Result<u64, ImportError> {
     scan.expect("Frames", HELP_HIERARCHY)?;
     scan.expect(":", HELP_HIERARCHY)?;
-    scan.at_line_end();
-    let mark = scan.position();
+    let mark = scan.next_position();
     match scan.count("the number of frames", HELP_HIERARCHY)? {
         0 => Err(scan.error(mark, "at least one frame", "A clip without motion cannot be used.")),
         n => Ok(n),
@@ -167,15 +160,11 @@ fn read_frame_time(scan: &mut Scanner) -> Result<(f64, String), ImportError> {
     scan.expect("Frame", HELP_HIERARCHY)?;
     scan.expect("Time", HELP_HIERARCHY)?;
     scan.expect(":", HELP_HIERARCHY)?;
-    scan.at_line_end();
-    let mark = scan.position();
+    let mark = scan.next_position();
     let seconds = scan.number("the seconds of a frame", HELP_HIERARCHY)?;
     if !(1e-5..=10.0).contains(&seconds) {
-        return Err(scan.error(
-            mark,
-            "seconds between 0.00001 and 10",
-            "Frame Time is in seconds: 0.0333333 at 30 Hz.",
-        ));
+        let help = "Frame Time is in seconds: 0.0333333 at 30 Hz.";
+        return Err(scan.error(mark, "seconds between 0.00001 and 10", help));
     }
     scan.rewind(mark);
     let written = text(scan.word().unwrap_or_default());
@@ -208,11 +197,8 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
         }
         sink.begin_frame();
         for (k, channel) in h.channels.iter().enumerate() {
-            let value = match scan.number("", "") {
-                Ok(value) => value,
-                Err(e) => return Err(with_expectation(e, expected(&format!("number {} of {num_channels}", k + 1)))),
-            };
-            channel.apply(value, &mut sink);
+            let of_channel = |e| with_expectation(e, expected(&format!("number {} of {num_channels}", k + 1)));
+            channel.apply(scan.number("", "").map_err(of_channel)?, &mut sink);
         }
         scan.expect_line_end(&format!("{num_channels} numbers, one per channel"), HELP_MOTION)?;
         if !sink.end_frame() {

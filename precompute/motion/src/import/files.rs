@@ -244,10 +244,9 @@ fn folder_entries(folder: &Path) -> Result<Vec<PathBuf>, ImportError> {
     }
     let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let failed = |source| ImportError::Io { path: shown.to_owned(), source };
-    let mut found = Vec::new();
-    for entry in std::fs::read_dir(shown).map_err(failed)? {
-        found.push(folder.join(entry.map_err(failed)?.file_name()));
-    }
+    let entries = std::fs::read_dir(shown).map_err(failed)?;
+    let names = entries.map(|entry| entry.map(|e| folder.join(e.file_name())));
+    let mut found = names.collect::<Result<Vec<_>, _>>().map_err(failed)?;
     found.sort();
     Ok(found)
 }
@@ -297,19 +296,15 @@ pub fn find_asf(amc: &Path) -> Result<PathBuf, ImportError> {
     match (by_stem, found.as_slice()) {
         (Some(path), _) => Ok(path.clone()),
         (None, [only]) => Ok(only.clone()),
-        (None, []) => Err(content_error(
-            amc,
-            "there is no ASF file beside it",
-            "Put its skeleton there, or name it with `asf` in the config",
-        )),
+        (None, []) => {
+            let help = "Put its skeleton there, or name it with `asf` in the config";
+            Err(content_error(amc, "there is no ASF file beside it", help))
+        }
         (None, several) => {
             let names: Vec<_> = several.iter().map(|p| p.display().to_string()).collect();
             let message = format!("several ASF files may be its skeleton: {}", names.join(", "));
-            Err(content_error(
-                amc,
-                message,
-                "Begin its name with that of its skeleton, or put the two in a folder of their own",
-            ))
+            let help = "Begin its name with that of its skeleton, or put the two in a folder of their own";
+            Err(content_error(amc, message, help))
         }
     }
 }

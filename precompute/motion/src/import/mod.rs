@@ -39,7 +39,7 @@ pub use files::{
 pub use glitches::{Glitch, GlitchKind, GlitchTreatment, Glitches};
 use profile::Profile;
 use rayon::prelude::*;
-pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS};
+pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS, nearest_axis};
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
 pub use source::SourceClip;
@@ -178,17 +178,15 @@ pub fn read_by(
     let files = files::find_motion_files(paths)?;
     let profiles = profile::load_profiles(&config.profiles)?;
     progress.begin("import", files.len() as u64, "files");
-    let results: Vec<_> = files
-        .par_iter()
-        .map(|file| {
-            progress.check()?;
-            let result = reader(file, &|| read_with(&file.path, config, &profiles));
-            progress.advance(1);
-            let mut clips = result?;
-            clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
-            Ok::<_, ImportError>(clips)
-        })
-        .collect();
+    let read = |file: &MotionFile| {
+        progress.check()?;
+        let result = reader(file, &|| read_with(&file.path, config, &profiles));
+        progress.advance(1);
+        let mut clips = result?;
+        clips.iter_mut().for_each(|c| c.clip.name = file.clip_name(&c.clip.path));
+        Ok(clips)
+    };
+    let results: Vec<ClipsResult> = files.par_iter().map(read).collect();
     progress.end();
     let mut set = ImportedSet { clips: Vec::new(), skipped: Vec::new() };
     for result in results {
@@ -307,12 +305,10 @@ fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportE
             Err(content_error(path, "this program was built without FBX", help))
         }
         "asf" => Err(content_error(path, "an ASF file is a skeleton without motion", "Name its AMC file")),
-        archive::EXTENSION => match archive::members(path) {
-            Err(e) => Err(e),
-            Ok(_) => {
-                Err(content_error(path, "it is an archive, not a clip", "Name a file in it: ARCHIVE.zip/CLIP.bvh"))
-            }
-        },
+        archive::EXTENSION => {
+            archive::members(path)?;
+            Err(content_error(path, "it is an archive, not a clip", "Name a file in it: ARCHIVE.zip/CLIP.bvh"))
+        }
         _ => {
             let message = format!("its extension is not {FORMATS}");
             Err(content_error(path, message, "Convert it, or correct its name"))
@@ -360,9 +356,7 @@ pub fn interpret(
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);
-    for warning in &roles.warnings {
-        warnings.push(format!("{}: {warning}", clip.path.display()));
-    }
+    roles.warnings.iter().for_each(|warning| warnings.push(format!("{}: {warning}", clip.path.display())));
     let forward = config.forward;
     Ok(ImportedClip {
         clip,

@@ -11,7 +11,7 @@ use crate::error::{ImportError, Warnings};
 use crate::raw::{RawJoint, SourceFormat};
 use crate::smpl::{JOINTS, UPRIGHT};
 use array::{NpyArray, NpzArrays};
-use glam::{DQuat, DVec3, Quat, Vec3};
+use glam::{DQuat, DVec3, Vec3};
 use std::path::Path;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
@@ -106,12 +106,9 @@ fn rate(arrays: &mut NpzArrays<'_>) -> Result<(f64, &'static str), String> {
 fn joints() -> Vec<RawJoint> {
     let skeleton = Skeleton::default();
     let index = |j: Joint| JOINTS.iter().position(|(_, role)| *role == j);
-    let joint = |(name, role): &(&str, Joint)| RawJoint {
-        name: (*name).into(),
-        parent: role.parent().and_then(index),
-        offset: if role.parent().is_some() { skeleton.offsets[role.index()] } else { Vec3::ZERO },
-        rest_rotation: Quat::IDENTITY,
-        is_end: false,
+    let joint = |(name, role): &(&str, Joint)| {
+        let offset = if role.parent().is_some() { skeleton.offsets[role.index()] } else { Vec3::ZERO };
+        RawJoint::new((*name).into(), role.parent().and_then(index), offset, false)
     };
     JOINTS.iter().map(joint).collect()
 }

@@ -18,11 +18,8 @@ pub(super) fn split_performers(source: SourceClip) -> Vec<SourceClip> {
     let above = roots.first().and_then(|&root| clip.joints[root].parent);
     let above: Vec<(Vec3, Quat)> =
         above.map_or_else(Vec::new, |j| (0..clip.num_frames).map(|f| clip.world_of(j, f)).collect());
-    let bodies: Vec<RawClip> = roots
-        .into_iter()
-        .map(|root| branch(clip, root, &above))
-        .filter(|clip| roles::assign(clip, &[], None).is_ok())
-        .collect();
+    let parts = roots.into_iter().map(|root| branch(clip, root, &above));
+    let bodies: Vec<RawClip> = parts.filter(|clip| roles::assign(clip, &[], None).is_ok()).collect();
     if bodies.len() < 2 {
         return vec![source];
     }

@@ -130,11 +130,8 @@ pub(super) fn check_place(
     let far = frames.into_iter().map(away).find(|f| f.1 > FARTHEST_M);
     let Some((frame, away)) = far else { return Ok(()) };
     let message = format!("in frame {frame} the hips are {away:.0} m from the origin, expected at most {FARTHEST_M} m");
-    Err(content_error(
-        &clip.path,
-        message,
-        "Move the motion to the origin in the program that wrote it, and export it again",
-    ))
+    let help = "Move the motion to the origin in the program that wrote it, and export it again";
+    Err(content_error(&clip.path, message, help))
 }
 
 /// Three significant digits.

@@ -127,7 +127,7 @@ fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<RestStance, String>
 }
 
 /// The axis, or its opposite, that points most along a vector.
-pub(super) fn nearest_axis(v: Vec3) -> Vec3 {
+pub(crate) fn nearest_axis(v: Vec3) -> Vec3 {
     let axes = [Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
     axes.into_iter().max_by(|a, b| a.dot(v).total_cmp(&b.dot(v))).unwrap_or(Vec3::Y)
 }

@@ -83,15 +83,8 @@ fn wanted_profile(joints: &[RawJoint], all: &[Profile], name: &str, path: &Path)
 }
 
 fn best_profile(joints: &[RawJoint], profiles: &[Profile]) -> Option<RoleMap> {
-    let mut best: Option<(&Profile, [Option<usize>; NUM_JOINTS])> = None;
-    for profile in profiles {
-        if best.is_some_and(|(b, _)| b.num_roles() >= profile.num_roles()) {
-            continue;
-        }
-        if let Some(map) = profile.match_joints(joints) {
-            best = Some((profile, map));
-        }
-    }
+    let fitting = profiles.iter().filter_map(|p| Some((p, p.match_joints(joints)?)));
+    let best = fitting.reduce(|best, next| if next.0.num_roles() > best.0.num_roles() { next } else { best });
     best.map(|(p, map)| RoleMap { joints: map, profile: p.name.clone(), warnings: Vec::new() })
 }
 

@@ -59,6 +59,12 @@ impl<'a> Scanner<'a> {
         self.at
     }
 
+    /// Position of the next word of this line, or of the line's end, where the cursor then is.
+    pub fn next_position(&mut self) -> TextPosition {
+        self.at_line_end();
+        self.at
+    }
+
     /// Another cursor, at an earlier position.
     pub fn cursor_at(&self, mark: TextPosition) -> Self {
         Self { bytes: self.bytes, path: self.path, at: mark }
@@ -157,8 +163,7 @@ impl<'a> Scanner<'a> {
 
     /// A finite number on this line.
     pub fn number(&mut self, expected: &str, help: &str) -> Result<f64, ImportError> {
-        self.at_line_end();
-        let mark = self.at;
+        let mark = self.next_position();
         let word = self.word();
         let value = word.and_then(parse_number).filter(|v| v.abs() <= MAX_NUMBER);
         let has_comma = word.is_some_and(|w| w.contains(&b',') && w.iter().all(|c| b"+-.,eE0123456789".contains(c)));
@@ -168,8 +173,7 @@ impl<'a> Scanner<'a> {
 
     /// A whole number that counts something.
     pub fn count(&mut self, expected: &str, help: &str) -> Result<u64, ImportError> {
-        self.at_line_end();
-        let mark = self.at;
+        let mark = self.next_position();
         let value = self.word().and_then(parse_count);
         value.ok_or_else(|| self.error(mark, expected, help))
     }

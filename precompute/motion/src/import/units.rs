@@ -118,16 +118,14 @@ pub(super) fn find_up(source: &mut SourceClip, roles: &RoleMap, config: &ImportC
     let sum: Vec3 = frames.iter().map(|&f| feet_to_head(&clip.world(f), roles)).sum();
     let mean = sum / frames.len().max(1) as f32;
     if let Some(up) = clear_axis(mean) {
-        let share = 100.0 * mean.dot(axis_vector(up));
-        source
-            .findings
-            .push(format!("{} is up: from the feet to the head the motion points {share:.0} % along it.", up.letter()));
+        let (letter, share) = (up.letter(), 100.0 * mean.dot(axis_vector(up)));
+        let finding = format!("{letter} is up: from the feet to the head the motion points {share:.0} % along it.");
+        source.findings.push(finding);
         return up;
     }
     if let Some(up) = clear_axis(feet_to_head(&rest_world(clip), roles)) {
-        source
-            .findings
-            .push(format!("{} is up: the rest pose stands along it; the motion does not tell.", up.letter()));
+        let finding = format!("{} is up: the rest pose stands along it; the motion does not tell.", up.letter());
+        source.findings.push(finding);
         return up;
     }
     let path = clip.path.display().to_string();

@@ -68,14 +68,8 @@ pub struct SourceBody {
 
 /// The nearest ancestor of `j` whose role is present; the hips where there is none.
 pub fn anchor(roles: &Roles, j: Joint) -> Joint {
-    let mut p = j.parent();
-    while let Some(q) = p {
-        if roles[q.index()].is_some() {
-            return q;
-        }
-        p = q.parent();
-    }
-    Joint::Hips
+    let mut above = std::iter::successors(j.parent(), |p| p.parent());
+    above.find(|p| roles[p.index()].is_some()).unwrap_or(Joint::Hips)
 }
 
 /// The joint that plays role `j`, or the one its nearest present ancestor plays.

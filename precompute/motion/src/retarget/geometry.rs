@@ -7,6 +7,7 @@
 
 use super::align::{Alignment, MIN_SAMPLES, limb_direction, main_child, mean_rotation};
 use super::body::{PoseSample, SourceBody, anchor};
+use crate::import::nearest_axis;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS};
@@ -49,12 +50,10 @@ pub fn from_geometry(body: &SourceBody) -> Alignment {
 /// The trunk's frame: up leads to its next joint, left follows hips or shoulders.
 fn trunk(body: &SourceBody, j: Joint) -> Quat {
     use Joint::*;
-    let next = Joint::ALL[..=Head.index()]
-        .iter()
-        .copied()
-        .find(|&n| n > j && body.has(n) && distance(body, j, n) > MIN_SEGMENT);
-    let up =
-        next.and_then(|n| body.mean_local(j, |s| Some(s.pose[n.index()].0 - s.pose[j.index()].0))).unwrap_or(Vec3::Y);
+    let is_next = |n: &&Joint| **n > j && body.has(**n) && distance(body, j, **n) > MIN_SEGMENT;
+    let next = Joint::ALL[..=Head.index()].iter().find(is_next);
+    let up = next.and_then(|n| body.mean_local(j, |s| Some(s.pose[n.index()].0 - s.pose[j.index()].0)));
+    let up = up.unwrap_or(Vec3::Y);
     let side = |s: &PoseSample, l: Joint, r: Joint| s.pose[l.index()].0 - s.pose[r.index()].0;
     let left = match j {
         Hips => body.mean_local(j, |s| Some(side(s, LeftThigh, RightThigh))),
@@ -64,8 +63,7 @@ fn trunk(body: &SourceBody, j: Joint) -> Quat {
             Some(hips + side(s, LeftUpperArm, RightUpperArm).normalize_or_zero())
         }),
     };
-    let left = left.unwrap_or(Vec3::X);
-    frame_xy(left, up).unwrap_or(Quat::IDENTITY)
+    frame_xy(left.unwrap_or(Vec3::X), up).unwrap_or(Quat::IDENTITY)
 }
 
 /// Mean distance between two roles (m).
@@ -99,9 +97,7 @@ fn limb(body: &SourceBody, j: Joint, out: &Alignment) -> Quat {
     let t_hinge = t_pose_hinge(t_pose);
     let shown = hinge_owner(j).and_then(|upper| hinge(body, j, upper));
     let hinge = shown.unwrap_or(near * t_hinge);
-    let from = frame_xy(t_pose, t_hinge);
-    let to = frame_xy(along, hinge);
-    match (from, to) {
+    match (frame_xy(t_pose, t_hinge), frame_xy(along, hinge)) {
         (Some(f), Some(t)) => maths::compose(t, f.inverse()).normalize(),
         _ => near,
     }
@@ -169,18 +165,7 @@ fn level_hips(body: &SourceBody, a: Quat) -> Quat {
 /// The nearest rotation that maps axes to axes, where it is near enough.
 fn snap(q: Quat) -> Quat {
     let m = Mat3::from_quat(q);
-    let nearest = |v: Vec3| {
-        let a = v.abs();
-        let axis = if a.x >= a.y && a.x >= a.z {
-            Vec3::X
-        } else if a.y >= a.z {
-            Vec3::Y
-        } else {
-            Vec3::Z
-        };
-        axis * v.dot(axis).signum()
-    };
-    let (x, y) = (nearest(m.x_axis), nearest(m.y_axis));
+    let (x, y) = (nearest_axis(m.x_axis), nearest_axis(m.y_axis));
     if x.dot(y) != 0.0 {
         return q;
     }

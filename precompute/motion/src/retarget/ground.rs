@@ -132,11 +132,8 @@ fn fit(clips: &[&[FootPoint]], slope: Vec3, (near, reach): (f32, f32), drifts: b
     let counts = if drifts { Vec3::ONE } else { Vec3::new(1.0, 1.0, 0.0) };
     for points in clips.iter().filter(|p| !p.is_empty()) {
         let level = level_of(points, slope);
-        let near: Vec<(f32, Vec3)> = points
-            .iter()
-            .filter(|p| (above(p, slope) - level).abs() < near)
-            .map(|p| (p.height, p.place * counts))
-            .collect();
+        let near = points.iter().filter(|p| (above(p, slope) - level).abs() < near);
+        let near: Vec<(f32, Vec3)> = near.map(|p| (p.height, p.place * counts)).collect();
         let (height, place) = near.iter().fold((0.0, Vec3::ZERO), |(h, p), n| (h + n.0, p + n.1));
         let (height, place) = (height / near.len().max(1) as f32, place / near.len().max(1) as f32);
         for (h, p) in &near {

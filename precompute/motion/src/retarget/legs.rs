@@ -43,9 +43,13 @@ impl<'a> LegTransfer<'a> {
         Self { target, scale, has_toes, ankle: higher(2), toe: higher(3) }
     }
 
-    /// Rise of the whole body (m).
-    pub fn rise(&self) -> Vec3 {
-        Vec3::Y * self.ankle
+    /// Position of the hips: the middle between the thighs is where the source has it, but for the height of the ankles (m).
+    ///
+    /// - `turned`: world rotation of the hips.
+    pub fn hips(&self, turned: Quat, pose: &RolePose) -> Vec3 {
+        let [left, right] = LEGS.map(|leg| leg[0].index());
+        let between = (pose[left].0 + pose[right].0) * 0.5 * self.scale + Vec3::Y * self.ankle;
+        between - turned * ((self.target.offsets[left] + self.target.offsets[right]) * 0.5)
     }
 
     /// Turns thighs and shins so that the feet are at the places of the source's.

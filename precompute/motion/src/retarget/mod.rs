@@ -104,10 +104,8 @@ impl ExplicitProportions {
                 BuildError::key(key(), format!("expected the name of a joint ({all}), found `{name}`."))
             })?;
             if !offset.iter().all(|v| v.abs() <= MAX_OFFSET) {
-                return Err(BuildError::key(
-                    key(),
-                    format!("expected up to {MAX_OFFSET} m each way, found {offset:?}"),
-                ));
+                let why = format!("expected up to {MAX_OFFSET} m each way, found {offset:?}");
+                return Err(BuildError::key(key(), why));
             }
             out.offsets[joint.index()] = Vec3::from_array(*offset);
         }
@@ -155,11 +153,7 @@ pub fn skeleton_of(clip: &ImportedClip) -> Result<Skeleton> {
 }
 
 fn own_skeleton(source: RetargetSource) -> Result<Skeleton> {
-    check_roles(&source)?;
-    let body = SourceBody::measure(&[source]);
-    check_legs(&source, &body)?;
-    let a = align::align(&body);
-    Ok(proportions::source_skeleton(&body, &a))
+    Ok(SkeletonGroup::measure_one(source)?.own)
 }
 
 /// Clips by performer: clips of one source skeleton, with the same joints and lengths, together; in input order.
@@ -202,11 +196,8 @@ fn same_rig(a: &RetargetSource, b: &RetargetSource) -> bool {
 /// Checks the roles without which nothing can be retargeted.
 fn check_roles(source: &RetargetSource) -> Result<()> {
     use Joint::*;
-    let fail =
-        |message: String, help: &str| Err(BuildError::Stage { stage: "retarget", message, help: help.to_string() });
-    let path = source.clip.path.display();
     if source.clip.num_frames == 0 {
-        return fail(format!("{path}: the clip has no frames"), "Remove the file from the input.");
+        return Err(fault(source, "the clip has no frames".into(), "Remove the file from the input."));
     }
     let needed = [Hips, LeftThigh, LeftShin, LeftFoot, RightThigh, RightShin, RightFoot];
     let missing: Vec<&str> =
@@ -214,28 +205,23 @@ fn check_roles(source: &RetargetSource) -> Result<()> {
     if missing.is_empty() {
         return Ok(());
     }
-    fail(
-        format!(
-            "{path}: expected a joint for each of hips, thighs, shins and feet, found none for {}",
-            missing.join(", ")
-        ),
-        "Name the joints in a skeleton profile.",
-    )
+    let what =
+        format!("expected a joint for each of hips, thighs, shins and feet, found none for {}", missing.join(", "));
+    Err(fault(source, what, "Name the joints in a skeleton profile."))
 }
 
 fn check_legs(source: &RetargetSource, body: &SourceBody) -> Result<()> {
     if body.leg_length() > 0.05 {
         return Ok(());
     }
-    Err(BuildError::Stage {
-        stage: "retarget",
-        message: format!(
-            "{}: expected legs longer than 0.05 m, found {} m",
-            source.clip.path.display(),
-            body.leg_length()
-        ),
-        help: "Check the unit and which joints are named as thighs, shins and feet.".into(),
-    })
+    let what = format!("expected legs longer than 0.05 m, found {} m", body.leg_length());
+    Err(fault(source, what, "Check the unit and which joints are named as thighs, shins and feet."))
+}
+
+/// An error about a clip.
+fn fault(source: &RetargetSource, what: String, help: &str) -> BuildError {
+    let message = format!("{}: {what}", source.clip.path.display());
+    BuildError::Stage { stage: "retarget", message, help: help.into() }
 }
 
 #[cfg(test)]

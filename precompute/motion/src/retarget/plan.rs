@@ -48,9 +48,10 @@ pub struct SkeletonGroup {
     pub measured_clips: Vec<usize>,
     /// The floor: level until [`RetargetPlan::set_floor`] sets it.
     pub floor: Floor,
-    body: SourceBody,
-    alignment: Alignment,
-    own: Skeleton,
+    pub(super) body: SourceBody,
+    pub(super) alignment: Alignment,
+    /// The database topology with its own proportions.
+    pub(super) own: Skeleton,
 }
 
 impl SkeletonGroup {
@@ -61,6 +62,13 @@ impl SkeletonGroup {
         let alignment = align::align(&body);
         let own = proportions::source_skeleton(&body, &alignment);
         Self { measured_clips, floor: Floor::default(), body, alignment, own }
+    }
+
+    /// The skeleton of one clip.
+    pub(super) fn measure_one(source: RetargetSource) -> Result<Self> {
+        check_roles(&source)?;
+        let group = Self::new(Vec::new(), &[source]);
+        check_legs(&source, &group.body).map(|()| group)
     }
 
     /// The group measured again, upright: a foot is level where it stands.
@@ -77,7 +85,7 @@ impl SkeletonGroup {
         skeleton: &Skeleton,
     ) -> (RetargetedMotion, Vec<FootPoint>) {
         let source = RetargetSource { turn, ..*source };
-        let motion = transfer_motion(source, &self.body, &self.alignment, &self.own, skeleton);
+        let motion = transfer_motion(source, self, skeleton);
         let standing = ground::standing_points(&motion, skeleton, source.clip.rate_hz);
         (motion, standing)
     }

@@ -41,26 +41,15 @@ fn next_present(body: &SourceBody, j: Joint) -> Option<Joint> {
     Joint::ALL.into_iter().find(|&d| d > j && body.has(d) && descends(d, j))
 }
 
-fn descends(mut d: Joint, from: Joint) -> bool {
-    while let Some(p) = d.parent() {
-        if p == from {
-            return true;
-        }
-        d = p;
-    }
-    false
+fn descends(d: Joint, from: Joint) -> bool {
+    std::iter::successors(d.parent(), |p| p.parent()).any(|p| p == from)
 }
 
 /// Position of `j` along the way from `start` to `end` in the default skeleton (0 to 1).
 fn share_along(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
-    let way = |mut to: Joint| {
-        let mut length = 0.0;
-        while to != start {
-            length += default.offsets[to.index()].length();
-            let Some(p) = to.parent() else { break };
-            to = p;
-        }
-        length
+    let way = |to: Joint| {
+        let up = std::iter::successors(Some(to), |j| j.parent()).take_while(|j| *j != start);
+        up.fold(0.0, |length, j| length + default.offsets[j.index()].length())
     };
     way(j) / way(end)
 }

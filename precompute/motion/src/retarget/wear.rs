@@ -1,11 +1,9 @@
 //! Motion of the database skeleton on a body of another make: the inverse of retargeting, one pose at a time.
 
-use super::align::{self, Alignment};
-use super::body::{RetargetSource, SourceBody};
+use super::align::Alignment;
 use super::legs::LegTransfer;
-use super::proportions;
-use super::transfer::{SHOULDERS, clavicle_rotation};
-use super::{check_legs, check_roles};
+use super::plan::SkeletonGroup;
+use super::transfer::move_shoulders;
 use crate::error::Result;
 use crate::import::ImportedClip;
 use glam::{Quat, Vec3};
@@ -36,13 +34,9 @@ impl BodyFit {
     /// # Errors
     /// [`crate::error::BuildError::Stage`] for a body without hips, thighs, shins or feet, or without legs to measure.
     pub fn new(body: &ImportedClip) -> Result<Self> {
-        let source: RetargetSource = body.into();
-        check_roles(&source)?;
-        let body = SourceBody::measure(&[source]);
-        check_legs(&source, &body)?;
-        let alignment = align::align(&body);
-        let skeleton = proportions::source_skeleton(&body, &alignment);
-        Ok(Self { alignment, skeleton, has_toes: [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j)) })
+        let SkeletonGroup { body, alignment, own, .. } = SkeletonGroup::measure_one(body.into())?;
+        let has_toes = [Joint::LeftToe, Joint::RightToe].map(|j| body.has(j));
+        Ok(Self { alignment, skeleton: own, has_toes })
     }
 
     /// A body like the database skeleton, with proportions of its own.
@@ -69,18 +63,9 @@ impl BodyFit {
     pub fn wear_pose(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS]) -> WornPose {
         let target = &self.skeleton;
         let mut model = pose.map(|(_, r)| r);
-        for (clavicle, arm) in SHOULDERS {
-            let (i, chest) = (clavicle.index(), model[Joint::UpperChest.index()]);
-            let local = maths::compose(chest.inverse(), model[i]);
-            model[i] = maths::compose(
-                chest,
-                clavicle_rotation(local, own.offsets[arm.index()], target.offsets[arm.index()], 1.0),
-            );
-        }
-        let thighs = [Joint::LeftThigh.index(), Joint::RightThigh.index()];
-        let middle = (target.offsets[thighs[0]] + target.offsets[thighs[1]]) * 0.5;
+        move_shoulders(&mut model, own, target, 1.0);
         let legs = LegTransfer::new(own, target, 1.0, self.has_toes);
-        let hips = (pose[thighs[0]].0 + pose[thighs[1]].0) * 0.5 + legs.rise() - model[0] * middle;
+        let hips = legs.hips(model[0], pose);
         legs.reach_feet(&mut model, hips, pose);
         let joints = std::array::from_fn(|j| maths::compose(model[j], self.alignment[j].inverse()).normalize());
         WornPose { hips, joints, model }

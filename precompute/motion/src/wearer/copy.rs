@@ -2,7 +2,7 @@
 
 use super::Wearer;
 use crate::export::Take;
-use crate::export::glb::empty_animation;
+use crate::export::glb::animate_actors;
 use crate::export::glb::parts::GlbParts;
 use crate::export::take::PRESENCE_TRACK;
 use crate::import::gltf;
@@ -29,27 +29,25 @@ pub fn copied_parts(wearer: &Wearer, take: &Take) -> GlbParts {
         document.insert("scenes".into(), json!([{ "nodes": [] }]));
     }
     let mut parts = GlbParts::new(json, wearer.buffer.clone());
-    let mut together = empty_animation("take");
-    let mut figure = None;
-    for (a, actor) in take.actors().iter().enumerate() {
-        let copied = match figure.take() {
-            Some(known) if take.is_library() => known,
-            _ => copy_character(&mut parts, wearer, take, a),
-        };
+    let copy = |parts: &mut GlbParts, a| copy_character(parts, wearer, take, a);
+    let move_copy = |parts: &mut GlbParts, animation: &mut Value, a: usize, copied: &CopiedCharacter| {
         let frames = take.num_frames(a);
-        if frames > 0 {
-            let mut own = empty_animation(&actor.name);
-            let animation = if take.is_library() { &mut own } else { &mut together };
-            move_copy(&mut parts, animation, wearer, take, a, &copied);
-            if take.is_library() {
-                parts.push("animations", own);
+        let times = parts.add_times(frames, take.rate_hz());
+        for (track, moved) in wearer.moved.iter().enumerate() {
+            let node = copied.nodes[&wearer.rig.joints[moved.joint]];
+            let values = parts.add_track(a, track, 4, frames);
+            parts.add_channel(animation, [times, values], node, "rotation");
+            if moved.joint == wearer.centre {
+                let values = parts.add_track(a, wearer.moved.len(), 3, frames);
+                parts.add_channel(animation, [times, values], node, "translation");
             }
         }
-        figure = Some(copied);
-    }
-    if together["channels"].as_array().is_some_and(|c| !c.is_empty()) {
-        parts.push("animations", together);
-    }
+        if take.actors()[a].is_ever_away {
+            let values = parts.add_presence(a, PRESENCE_TRACK, wearer.scale(take, a) as f32, frames);
+            parts.add_channel(animation, [times, values], copied.holder, "scale");
+        }
+    };
+    animate_actors(&mut parts, take, copy, move_copy);
     parts
 }
 
@@ -70,15 +68,11 @@ fn copy_character(parts: &mut GlbParts, wearer: &Wearer, take: &Take, a: usize) 
         parts.push("nodes", node(wearer, n, &nodes));
     }
     parts.add_scene_root(holder);
-    let skins: BTreeMap<usize, usize> = document
-        .skins
-        .iter()
-        .enumerate()
-        .filter(|(_, s)| s.joints.iter().all(|j| nodes.contains_key(j)))
-        .map(|(i, _)| (i, parts.push("skins", skin(&wearer.json["skins"][i], &nodes))))
-        .collect();
-    let skinned = wearer.json["nodes"].as_array().into_iter().flatten();
-    for node in skinned {
+    let is_own = |i: &usize| document.skins[*i].joints.iter().all(|j| nodes.contains_key(j));
+    let own = (0..document.skins.len()).filter(is_own);
+    let skins: BTreeMap<usize, usize> =
+        own.map(|i| (i, parts.push("skins", skin(&wearer.json["skins"][i], &nodes)))).collect();
+    for node in wearer.json["nodes"].as_array().into_iter().flatten() {
         let Some(skin) = node["skin"].as_u64().and_then(|s| skins.get(&(s as usize))) else { continue };
         if node["mesh"].is_null() {
             continue;
@@ -126,30 +120,4 @@ fn skin(skin: &Value, nodes: &BTreeMap<usize, usize>) -> Value {
         _ => {}
     }
     out
-}
-
-/// Adds the tracks of an actor to an animation.
-fn move_copy(
-    parts: &mut GlbParts,
-    animation: &mut Value,
-    wearer: &Wearer,
-    take: &Take,
-    a: usize,
-    copied: &CopiedCharacter,
-) {
-    let frames = take.num_frames(a);
-    let times = parts.add_times(frames, take.rate_hz());
-    for (track, moved) in wearer.moved.iter().enumerate() {
-        let node = copied.nodes[&wearer.rig.joints[moved.joint]];
-        let values = parts.add_track(a, track, 4, frames);
-        parts.add_channel(animation, [times, values], node, "rotation");
-        if moved.joint == wearer.centre {
-            let values = parts.add_track(a, wearer.moved.len(), 3, frames);
-            parts.add_channel(animation, [times, values], node, "translation");
-        }
-    }
-    if take.actors()[a].is_ever_away {
-        let values = parts.add_presence(a, PRESENCE_TRACK, wearer.scale(take, a) as f32, frames);
-        parts.add_channel(animation, [times, values], copied.holder, "scale");
-    }
 }

@@ -44,20 +44,18 @@ impl SkinnedFigure {
         let mut places = vec![None; wearer.document.nodes.len()];
         all.iter().enumerate().for_each(|(at, &n)| places[n] = Some(at));
         let surface = FigureSurface::read(&wearer, &places).map_err(|what| content_error(path, what, HELP))?;
-        let mut nodes: Vec<FigureNode> = all
-            .iter()
-            .map(|&n| {
-                let local = gltf::local_transform(&wearer.document.nodes[n]);
-                FigureNode {
-                    parent: None,
-                    scale: local.scale.as_vec3(),
-                    rotation: local.rotation.as_quat().normalize(),
-                    translation: local.translation.as_vec3(),
-                    moved: None,
-                    is_centre: wearer.rig.joints[wearer.centre] == n,
-                }
-            })
-            .collect();
+        let node = |&n: &usize| {
+            let local = gltf::local_transform(&wearer.document.nodes[n]);
+            FigureNode {
+                parent: None,
+                scale: local.scale.as_vec3(),
+                rotation: local.rotation.as_quat().normalize(),
+                translation: local.translation.as_vec3(),
+                moved: None,
+                is_centre: wearer.rig.joints[wearer.centre] == n,
+            }
+        };
+        let mut nodes: Vec<FigureNode> = all.iter().map(node).collect();
         for (at, &n) in all.iter().enumerate() {
             for child in wearer.document.nodes[n].children.iter().filter_map(|&c| places[c]) {
                 nodes[child].parent = Some(at);
@@ -104,7 +102,7 @@ impl SkinnedFigure {
     /// - `out`: (num_frames); entries beyond stay as they are.
     pub fn pose_matrices(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
         let sized = ScaledWearer::new(&self.wearer, own);
-        let numbers = sized.numbers(&self.wearer, own, pose, None);
+        let numbers = sized.numbers(pose, None);
         self.place_frames(sized.scale as f32, Some(&numbers), out);
     }
 

@@ -156,9 +156,8 @@ impl Wearer {
     fn above_centre(&self) -> (DAffine3, DQuat) {
         let mut nodes = self.rig.above.clone();
         let joints = &self.rig.clip.clip.joints;
-        let mut chain: Vec<usize> = std::iter::successors(joints[self.centre].parent, |&j| joints[j].parent)
-            .map(|j| self.rig.joints[j])
-            .collect();
+        let up = std::iter::successors(joints[self.centre].parent, |&j| joints[j].parent);
+        let mut chain: Vec<usize> = up.map(|j| self.rig.joints[j]).collect();
         chain.reverse();
         nodes.extend(chain);
         let mut frame = (DAffine3::IDENTITY, DQuat::IDENTITY);

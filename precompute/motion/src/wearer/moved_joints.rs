@@ -127,7 +127,10 @@ impl TwistShare {
 }
 
 /// The character in the size that a skeleton asks for.
-pub struct ScaledWearer {
+pub struct ScaledWearer<'a> {
+    wearer: &'a Wearer,
+    /// Skeleton of the motion.
+    own: &'a Skeleton,
     fit: BodyFit,
     /// Scale of the character relative to its file.
     pub scale: f64,
@@ -139,14 +142,16 @@ pub struct ScaledWearer {
     below: Vec<usize>,
 }
 
-impl ScaledWearer {
+impl<'a> ScaledWearer<'a> {
     /// - `own`: skeleton of the motion.
-    pub fn new(wearer: &Wearer, own: &Skeleton) -> Self {
+    pub fn new(wearer: &'a Wearer, own: &'a Skeleton) -> Self {
         let growth = f64::from(own.leg_length() / wearer.fit.leg_length());
         let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
         let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
         let up = std::iter::successors(Some(hips), |&j| clip.joints[j].parent);
         Self {
+            wearer,
+            own,
             fit: wearer.fit.scaled(growth as f32),
             scale: growth * wearer.metres_per_unit,
             back: frame.inverse(),
@@ -160,15 +165,9 @@ impl ScaledWearer {
     ///
     /// - `pose`: world transforms of the skeleton's joints; `before`: numbers of the frame before, whose signs of rotations are
     ///   kept.
-    pub fn numbers(
-        &self,
-        wearer: &Wearer,
-        own: &Skeleton,
-        pose: &[(Vec3, Quat); NUM_JOINTS],
-        before: Option<&[f32]>,
-    ) -> Vec<f32> {
-        let clip = &wearer.rig.clip.clip;
-        let worn = self.fit.wear_pose(own, pose);
+    pub fn numbers(&self, pose: &[(Vec3, Quat); NUM_JOINTS], before: Option<&[f32]>) -> Vec<f32> {
+        let (wearer, clip) = (self.wearer, &self.wearer.rig.clip.clip);
+        let worn = self.fit.wear_pose(self.own, pose);
         let world = joint_turns(wearer, clip, &worn);
         let mut numbers = Vec::with_capacity(4 * wearer.moved.len() + 3);
         for m in &wearer.moved {
@@ -190,11 +189,10 @@ impl ScaledWearer {
 
 /// Records the motion of all joints of a character in a take: rotations of those that move, and the position of the hips.
 pub fn record_worn_motion(wearer: &Wearer, take: &Take, actor: usize, scratch: &mut TrackScratch) -> io::Result<()> {
-    let own = &take.actors()[actor].skeleton;
-    let sized = ScaledWearer::new(wearer, own);
+    let sized = ScaledWearer::new(wearer, &take.actors()[actor].skeleton);
     let mut before: Option<Vec<f32>> = None;
     take.poses(actor, |_, pose, _| {
-        let numbers = sized.numbers(wearer, own, &pose.world_transforms(), before.as_deref());
+        let numbers = sized.numbers(&pose.world_transforms(), before.as_deref());
         scratch.push(actor, &numbers)?;
         before = Some(numbers);
         Ok(())

@@ -159,14 +159,12 @@ impl FigureSurface {
         {
             return Err(format!("a character may have {MAX_TRIANGLES} triangles at most; export a simpler mesh"));
         }
-        let list = |accessor: Option<usize>, kind: &str, width: usize| match accessor {
-            None => Ok(Vec::new()),
-            Some(a) => match reader.count(a)? == n {
-                true => Ok(reader.floats(a, kind)?),
-                false => {
-                    Err(format!("accessors[{a}]: expected as many items as positions, {n} (each {width} numbers)"))
-                }
-            },
+        let list = |accessor: Option<usize>, kind: &str, width: usize| {
+            let Some(a) = accessor else { return Ok(Vec::new()) };
+            if reader.count(a)? == n {
+                return reader.floats(a, kind);
+            }
+            Err(format!("accessors[{a}]: expected as many items as positions, {n} (each {width} numbers)"))
         };
         let positions = list(has.position, "VEC3", 3)?;
         let (normals, places) = (list(has.normal, "VEC3", 3)?, list(has.texture, "VEC2", 2)?);

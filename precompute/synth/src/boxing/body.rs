@@ -2,9 +2,10 @@
 
 use super::super::attitude::Attitude;
 use super::super::foot::FootPose;
+use super::super::frame::{Samples, upper_chest};
 use super::super::leg::LegShape;
 use super::super::pendulum::pendulum;
-use super::super::side::{LateralSide, forward, leftward};
+use super::super::side::{LateralSide, forward, ground_position, leftward, over_ground};
 use super::super::signal::{smooth, smooth_below};
 use super::foot::DesiredFoot;
 use super::posture::BoxingPosture;
@@ -46,30 +47,19 @@ pub struct BoxerBody {
 /// Moves the body through a script.
 ///
 /// - `rhythm`: strength of the bouncing at every sample, 1 on average.
-pub fn follow_script(
-    script: &BoxingScript,
-    skeleton: &Skeleton,
-    times: &[f64],
-    dt: f64,
-    rhythm: &[f64],
-) -> Vec<BoxerBody> {
-    let mut postures: Vec<BoxingPosture> = script
-        .body
-        .sample(times, &BoxingPosture::AHEAD, 0.022, dt)
-        .into_iter()
-        .map(BoxingPosture::from_channels)
-        .collect();
-    let facing: Vec<f64> = script.facing.sample(times, &[0.0], 0.06, dt).iter().map(|f| f[0]).collect();
-    for ((p, t), r) in postures.iter_mut().zip(times).zip(rhythm) {
+pub fn follow_script(script: &BoxingScript, skeleton: &Skeleton, samples: &Samples, rhythm: &[f64]) -> Vec<BoxerBody> {
+    let mut postures = script.body.sample(samples, &BoxingPosture::AHEAD, 0.022);
+    let facing = script.facing.sample(samples, &[], 0.06);
+    for ((p, t), r) in postures.iter_mut().zip(&samples.times).zip(rhythm) {
         let beat = (t * std::f64::consts::TAU * BOUNCE.1).sin();
         p.flexion += BOUNCE.0 * r * (1.0 - beat);
         p.heels[1] += 0.04 * r * beat;
     }
-    let feet = feet(script, &postures, times, dt);
-    let mass = pendulum(&centre_of_pressure(script, &postures, &feet, times, dt), dt);
-    let mut bodies: Vec<BoxerBody> =
-        (0..times.len()).map(|i| body_over_mass(&postures[i], facing[i], mass[i], feet[i], skeleton)).collect();
-    let height = hips_heights(&bodies, &postures, skeleton, dt);
+    let feet = feet(script, &postures, samples);
+    let mass = pendulum(&centre_of_pressure(script, &postures, &feet, samples), samples.dt);
+    let body = |(i, p): (usize, &BoxingPosture)| body_over_mass(p, facing[i], mass[i], feet[i], skeleton);
+    let mut bodies: Vec<BoxerBody> = postures.iter().enumerate().map(body).collect();
+    let height = hips_heights(&bodies, &postures, skeleton, samples);
     for (body, height) in bodies.iter_mut().zip(height) {
         for point in [&mut body.root, &mut body.chest, &mut body.neck] {
             point.y += height;
@@ -78,19 +68,15 @@ pub fn follow_script(
     bodies
 }
 
-fn feet(script: &BoxingScript, postures: &[BoxingPosture], times: &[f64], dt: f64) -> Vec<[FootPose; 2]> {
-    let yaws = [0, 1].map(|i: usize| script.feet[i].yaws(times, dt));
-    let mut feet: Vec<[FootPose; 2]> = (0..times.len())
-        .map(|k| {
-            [0, 1].map(|i: usize| {
-                let p = &postures[k];
-                let stance = DesiredFoot { yaw: yaws[i][k] + p.pivots[i], heel: p.heels[i].max(0.0) };
-                script.feet[i].pose(times[k], stance)
-            })
-        })
-        .collect();
+fn feet(script: &BoxingScript, postures: &[BoxingPosture], samples: &Samples) -> Vec<[FootPose; 2]> {
+    let yaws = script.feet.each_ref().map(|foot| foot.yaws(samples));
+    let foot = |k: usize, i: usize| {
+        let stance = DesiredFoot { yaw: yaws[i][k] + postures[k].pivots[i], heel: postures[k].heels[i].max(0.0) };
+        script.feet[i].pose(samples.times[k], stance)
+    };
+    let mut feet: Vec<[FootPose; 2]> = (0..postures.len()).map(|k| [0, 1].map(|i| foot(k, i))).collect();
     for i in 0..2 {
-        lift_turning_heels(&mut feet, i, dt);
+        lift_turning_heels(&mut feet, i, samples.dt);
     }
     feet
 }
@@ -111,23 +97,16 @@ fn centre_of_pressure(
     script: &BoxingScript,
     postures: &[BoxingPosture],
     feet: &[[FootPose; 2]],
-    times: &[f64],
-    dt: f64,
+    samples: &Samples,
 ) -> Vec<DVec2> {
-    let share: Vec<f64> = times
-        .iter()
-        .zip(postures)
-        .map(|(&t, p)| match [0, 1].map(|i: usize| script.feet[i].flight(t).is_some()) {
-            [true, _] => 0.0,
-            [_, true] => 1.0,
-            _ => p.weight,
-        })
-        .collect();
-    let share = smooth(&share, (0.02 / dt).round() as usize);
-    let under = |f: &FootPose| {
-        let p = f.ankle.lerp(f.ball, 0.6);
-        DVec2::new(p.x, p.z)
+    let share = |(&t, p): (&f64, &BoxingPosture)| match script.feet.each_ref().map(|foot| foot.flight(t).is_some()) {
+        [true, _] => 0.0,
+        [_, true] => 1.0,
+        _ => p.weight,
     };
+    let share: Vec<f64> = samples.times.iter().zip(postures).map(share).collect();
+    let share = smooth(&share, samples.count_within(0.02));
+    let under = |f: &FootPose| ground_position(f.ankle.lerp(f.ball, 0.6));
     feet.iter().zip(share).map(|(f, s)| under(&f[0]) * s + under(&f[1]) * (1.0 - s)).collect()
 }
 
@@ -135,8 +114,7 @@ fn centre_of_pressure(
 fn body_over_mass(p: &BoxingPosture, facing: f64, mass: DVec2, feet: [FootPose; 2], skeleton: &Skeleton) -> BoxerBody {
     let ahead = 0.02 - 0.3 * p.pitch.sin() + p.shift[1];
     let aside = 0.14 * p.list.sin() + p.shift[0];
-    let ground = mass + forward(facing) * ahead + leftward(facing) * aside;
-    let root = DVec3::new(ground.x, 0.0, ground.y);
+    let root = over_ground(mass + forward(facing) * ahead + leftward(facing) * aside, 0.0);
     let world = DQuat::from_rotation_y(facing);
     let turned = |a: Attitude| {
         world * DQuat::from_rotation_x(a.pitch) * DQuat::from_rotation_z(a.list) * DQuat::from_rotation_y(a.yaw)
@@ -146,32 +124,26 @@ fn body_over_mass(p: &BoxingPosture, facing: f64, mass: DVec2, feet: [FootPose; 
     let head = Attitude { yaw: 0.12 * p.chest, pitch: p.chin + 0.35 * p.pitch, list: 0.35 * p.list };
     let neck = chest.mix(head, 0.5);
     let trunk = [hips.mix(chest, 0.33), hips.mix(chest, 0.7), chest, neck, head].map(turned);
-    let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-    let hips_world = turned(hips);
-    let spine = root + hips_world * offset(Joint::Spine);
-    let lower = spine + trunk[0] * offset(Joint::Chest);
-    let chest_at = lower + trunk[1] * offset(Joint::UpperChest);
-    let neck_at = chest_at + trunk[2] * offset(Joint::Neck);
+    let hips = turned(hips);
+    let chest = upper_chest(root, hips, &trunk, skeleton);
+    let neck = chest + trunk[2] * skeleton.offsets[Joint::Neck.index()].as_dvec3();
     let guard = turned(Attitude { yaw: 0.55 * p.chest, pitch: 0.7 * p.pitch, list: 0.7 * p.list });
-    BoxerBody { facing, root, hips: hips_world, trunk, chest: chest_at, neck: neck_at, guard, feet }
+    BoxerBody { facing, root, hips, trunk, chest, neck, guard, feet }
 }
 
 /// Height of the hips joint: given by the straighter knee, with no leg overstretched and no knee bent too far (m).
-fn hips_heights(bodies: &[BoxerBody], postures: &[BoxingPosture], skeleton: &Skeleton, dt: f64) -> Vec<f64> {
+fn hips_heights(bodies: &[BoxerBody], postures: &[BoxingPosture], skeleton: &Skeleton, samples: &Samples) -> Vec<f64> {
     let leg = LegShape::from_skeleton(skeleton);
-    let limit: Vec<f64> = bodies
-        .iter()
-        .zip(postures)
-        .map(|(body, p)| {
-            let under = |side: LateralSide, flexion: f64| {
-                let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
-                let to = body.feet[side.index()].ankle - hip;
-                let reach = leg.reach(flexion);
-                to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()
-            };
-            let [left, right] = LateralSide::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
-            left.0.min(right.0).max(left.1.max(right.1))
-        })
-        .collect();
-    smooth_below(&limit, SPRING, (0.025 / dt).round() as usize, dt)
+    let limit = |(body, p): (&BoxerBody, &BoxingPosture)| {
+        let under = |side: LateralSide, flexion: f64| {
+            let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
+            let to = body.feet[side.index()].ankle - hip;
+            let reach = leg.reach(flexion);
+            to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()
+        };
+        let [left, right] = LateralSide::BOTH.map(|side| (under(side, p.flexion), under(side, DEEPEST)));
+        left.0.min(right.0).max(left.1.max(right.1))
+    };
+    let limit: Vec<f64> = bodies.iter().zip(postures).map(limit).collect();
+    smooth_below(&limit, SPRING, samples.count_within(0.025), samples.dt)
 }

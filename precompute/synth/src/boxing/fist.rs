@@ -4,43 +4,16 @@
 //! straight one leaves straight and a bent one swings around, while the guard moves on underneath.
 
 use super::super::arm::ArmShape;
-use super::super::side::{LateralSide, forward};
+use super::super::frame::Samples;
+use super::super::side::{LateralSide, forward, over_ground};
 use super::super::signal::{PieceEnd, quintic};
 use super::body::BoxerBody;
 use super::moves::Punch;
 use super::posture::BoxingHandPose;
-use super::script::ScriptedBlow;
+use super::script::{BoxingScript, ScriptedBlow};
 use super::technique::{self, Technique};
 use glam::{DQuat, DVec3};
-use throng_core::{Joint, Skeleton};
-
-/// Inputs of an arm's motion.
-pub struct ArmTrack<'a> {
-    /// Side of the arm.
-    pub side: LateralSide,
-    /// Pose of the hand without blows, at every sample.
-    pub hands: &'a [BoxingHandPose],
-    /// The body at every sample.
-    pub bodies: &'a [BoxerBody],
-    /// Time between samples (s).
-    pub dt: f64,
-}
-
-/// Lengths and origin of an arm.
-struct ArmBuild {
-    shape: ArmShape,
-    clavicle: DVec3,
-    shoulder: DVec3,
-}
-
-impl ArmBuild {
-    fn from_skeleton(skeleton: &Skeleton, side: LateralSide) -> Self {
-        let [clavicle, upper, fore, hand] = side.arm();
-        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-        let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
-        Self { shape, clavicle: offset(clavicle), shoulder: offset(upper) }
-    }
-}
+use throng_core::Skeleton;
 
 /// An arm at one sample: the clavicle's rotation against the upper chest, shoulder, wrist and pole in the world.
 #[derive(Clone, Copy, Debug)]
@@ -57,18 +30,26 @@ pub struct ArmGoal {
     pub twist: f64,
 }
 
-/// The arm at every sample.
-pub fn follow_track(track: &ArmTrack, strikes: &[ScriptedBlow], skeleton: &Skeleton) -> Vec<ArmGoal> {
-    let build = ArmBuild::from_skeleton(skeleton, track.side);
-    let mut goals: Vec<ArmGoal> =
-        track.bodies.iter().zip(track.hands).map(|(b, h)| on_guard(track.side, b, h, &build)).collect();
+/// The arm of a side at every sample of a script.
+pub fn follow_script(
+    side: LateralSide,
+    script: &BoxingScript,
+    bodies: &[BoxerBody],
+    samples: &Samples,
+    skeleton: &Skeleton,
+) -> Vec<ArmGoal> {
+    let dt = samples.dt;
+    let [clavicle, upper, fore, hand] = side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
+    let arm = ArmShape { upper_arm: fore.length(), forearm: hand.length() };
+    let hands = script.hands[side.index()].sample(samples, &BoxingHandPose::AHEAD, 0.02);
+    let on_guard = |(body, hand): (&BoxerBody, &BoxingHandPose)| on_guard(side, body, hand, [clavicle, upper]);
+    let mut goals: Vec<ArmGoal> = bodies.iter().zip(&hands).map(on_guard).collect();
     let guard: Vec<DVec3> = goals.iter().map(|g| g.wrist).collect();
-    for strike in strikes.iter().filter(|s| s.blow.side() == track.side) {
-        let path = BlowPath::from_strike(strike, &goals, &guard, track, &build.shape);
-        let (first, last) = (sample(strike.start, track.dt), sample(strike.back, track.dt) + 1);
-        let last = last.min(goals.len());
+    for strike in script.strikes.iter().filter(|s| s.blow.side() == side) {
+        let path = BlowPath::from_strike(strike, &goals, &guard, bodies, &arm, dt);
+        let (first, last) = (sample(strike.start, dt), sample(strike.back, dt) + 1);
         for (i, goal) in goals.iter_mut().enumerate().take(last).skip(first) {
-            goal.wrist = guard[i] + path.displacement_at(i as f64 * track.dt);
+            goal.wrist = guard[i] + path.displacement_at(i as f64 * dt);
         }
     }
     goals
@@ -78,13 +59,13 @@ fn sample(t: f64, dt: f64) -> usize {
     (t / dt).round().max(0.0) as usize
 }
 
-fn on_guard(side: LateralSide, body: &BoxerBody, hand: &BoxingHandPose, build: &ArmBuild) -> ArmGoal {
+/// Arm without blows; `offsets` are those of clavicle and shoulder.
+fn on_guard(side: LateralSide, body: &BoxerBody, hand: &BoxingHandPose, offsets: [DVec3; 2]) -> ArmGoal {
     let s = side.sign();
     let clavicle = DQuat::from_rotation_y(-s * hand.reach) * DQuat::from_rotation_z(s * hand.shrug);
-    let chest = body.trunk[2];
     ArmGoal {
         clavicle,
-        shoulder: body.chest + chest * (build.clavicle + clavicle * build.shoulder),
+        shoulder: body.chest + body.trunk[2] * (offsets[0] + clavicle * offsets[1]),
         wrist: body.neck + body.guard * hand.guard,
         pole: DQuat::from_rotation_y(body.facing) * hand.pole,
         twist: hand.twist,
@@ -104,22 +85,19 @@ impl BlowPath {
         strike: &ScriptedBlow,
         goals: &[ArmGoal],
         guard: &[DVec3],
-        track: &ArmTrack,
+        bodies: &[BoxerBody],
         arm: &ArmShape,
+        dt: f64,
     ) -> Self {
         let technique = technique::technique_of(strike.blow);
         let last = goals.len() - 1;
-        let (hit, longest) = (sample(strike.hit, track.dt).min(last), sample(strike.longest, track.dt).min(last));
-        let aim = BlowAim::from_strike(strike, &technique, goals[hit].shoulder, track.bodies[hit].facing, arm);
-        let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * track.dt);
+        let [hit, longest] = [strike.hit, strike.longest].map(|t| sample(t, dt).min(last));
+        let aim = BlowAim::from_strike(strike, &technique, goals[hit].shoulder, bodies[hit].facing, arm);
+        let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * dt);
         let target = goals[hit].shoulder + aim.to_target;
         let end = goals[longest].shoulder + aim.wrist_at_end(strike.blow.punch, technique.follow, arm);
-        Self {
-            strike: *strike,
-            hit: target - guard[hit],
-            velocity: aim.velocity - guard_velocity,
-            longest: end - guard[longest],
-        }
+        let velocity = aim.velocity - guard_velocity;
+        Self { strike: *strike, hit: target - guard[hit], velocity, longest: end - guard[longest] }
     }
 
     /// Displacement from the guard at `t` seconds (m).
@@ -132,13 +110,13 @@ impl BlowPath {
             };
             DVec3::new(axis(0), axis(1), axis(2))
         };
-        let rest = [DVec3::ZERO; 2];
+        let (rest, hit, longest) = ([DVec3::ZERO; 2], [self.hit, self.velocity], [self.longest, DVec3::ZERO]);
         if t < s.hit {
-            piece(rest, [self.hit, self.velocity], s.start, s.hit)
+            piece(rest, hit, s.start, s.hit)
         } else if t < s.longest {
-            piece([self.hit, self.velocity], [self.longest, DVec3::ZERO], s.hit, s.longest)
+            piece(hit, longest, s.hit, s.longest)
         } else {
-            piece([self.longest, DVec3::ZERO], rest, s.longest, s.back)
+            piece(longest, rest, s.longest, s.back)
         }
     }
 }
@@ -156,8 +134,7 @@ impl BlowAim {
     fn from_strike(strike: &ScriptedBlow, technique: &Technique, shoulder: DVec3, facing: f64, arm: &ArmShape) -> Self {
         let length = strike.stretch * arm.length();
         let rise = ((strike.height - shoulder.y) / length).clamp(-STEEPEST, STEEPEST);
-        let ahead = forward(facing + strike.azimuth);
-        let ahead = DVec3::new(ahead.x, 0.0, ahead.y);
+        let ahead = over_ground(forward(facing + strike.azimuth), 0.0);
         let inward = DVec3::Y.cross(ahead) * -strike.blow.side().sign();
         let away = ahead * (1.0 - rise * rise).sqrt() + DVec3::Y * rise;
         // Straights go out along the arm; bent blows keep their own directions at any height.

@@ -1,10 +1,11 @@
 //! A boxer's foot: stands on its ball, lifts its heel, turns on the spot, and glides low to the next place.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::side::forward;
+use super::super::frame::Samples;
+use super::super::side::{forward, over_ground};
 use super::super::signal::{bump, cruise};
 use super::super::track::KeyTrack;
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 /// Contact of the ball of a foot with the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub struct BallContact {
 pub struct BoxerFoot {
     shape: FootShape,
     stays: Vec<BallContact>,
-    yaw: KeyTrack<1>,
+    yaw: KeyTrack<f64>,
 }
 
 /// Heading and heel of a foot at an instant, as given by the body.
@@ -44,11 +45,8 @@ impl BoxerFoot {
     /// A foot standing with its ankle at `ankle` and heading `yaw`.
     pub fn new(shape: FootShape, ankle: DVec2, yaw: f64) -> Self {
         let ball = ankle + forward(yaw) * shape.ball;
-        Self {
-            shape,
-            stays: vec![BallContact { land: f64::NEG_INFINITY, lift: f64::INFINITY, ball }],
-            yaw: KeyTrack::new([yaw]),
-        }
+        let stays = vec![BallContact { land: f64::NEG_INFINITY, lift: f64::INFINITY, ball }];
+        Self { shape, stays, yaw: KeyTrack::new(yaw) }
     }
 
     /// Steps to an ankle and a heading. Steps come in order and do not overlap.
@@ -56,8 +54,7 @@ impl BoxerFoot {
         if let Some(last) = self.stays.last_mut() {
             last.lift = lift;
         }
-        self.yaw.hold(lift);
-        self.yaw.push(land, [yaw]);
+        self.turn(lift, land, yaw);
         let ball = ankle + forward(yaw) * self.shape.ball;
         self.stays.push(BallContact { land, lift: f64::INFINITY, ball });
     }
@@ -65,18 +62,18 @@ impl BoxerFoot {
     /// Turns on the ball to a heading.
     pub fn turn(&mut self, from: f64, to: f64, yaw: f64) {
         self.yaw.hold(from);
-        self.yaw.push(to, [yaw]);
+        self.yaw.push(to, yaw);
     }
 
     /// Ankle of the flat foot and heading, after the last step.
     pub fn last(&self) -> (DVec2, f64) {
-        let yaw = self.yaw.last().1[0];
+        let yaw = self.yaw.last().1;
         (self.stays.last().map_or(DVec2::ZERO, |s| s.ball) - forward(yaw) * self.shape.ball, yaw)
     }
 
-    /// Headings at `times`, spaced `dt` apart (rad).
-    pub fn yaws(&self, times: &[f64], dt: f64) -> Vec<f64> {
-        self.yaw.sample(times, &[0.0], 0.012, dt).iter().map(|y| y[0]).collect()
+    /// Headings at the samples (rad).
+    pub fn yaws(&self, samples: &Samples) -> Vec<f64> {
+        self.yaw.sample(samples, &[], 0.012)
     }
 
     /// Ratio of the current flight at `t`; `None` while the foot stands.
@@ -103,7 +100,7 @@ impl BoxerFoot {
             }
         }
         let planted = next.is_none_or(|_| t <= a.lift);
-        let posed = self.shape.contact_pose(DVec3::new(ball.x, up, ball.y), stance.yaw, stance.yaw, pitch, toe_pitch);
+        let posed = self.shape.contact_pose(over_ground(ball, up), stance.yaw, stance.yaw, pitch, toe_pitch);
         FootPose { toe_down: planted, heel_down: planted && pitch < HEEL_DOWN, ..posed }
     }
 

@@ -21,18 +21,15 @@ use super::frame::{self, ArmPose, BodyPose, Samples};
 use super::side::LateralSide;
 use super::signal::{interpolate, smooth};
 use body::BoxerBody;
-use fist::{ArmGoal, ArmTrack};
+use fist::ArmGoal;
 use glam::DQuat;
 use plan::BoxingDealer;
-use posture::BoxingHandPose;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use script::BoxingScript;
-use throng_core::{Joint, Skeleton, planar::wrap_angle};
+use throng_core::planar::{twist_about_y, wrap_angle};
+use throng_core::{Joint, Skeleton};
 use throng_motion::clip::{Clip, ClipSet};
-
-/// Time by which each channel of a hand precedes its keys: the elbow and the shoulder lead the fist (s).
-const HANDS_AHEAD: [f64; posture::HAND] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0, 0.02, 0.03];
 
 /// Makes the `boxing` set: shadow-boxing with footwork in all directions, straights, hooks and uppercuts of both hands
 /// in combinations of two to four, slips, ducks, rolls, blocks and parries, on the default skeleton, with the true
@@ -64,17 +61,8 @@ fn perform_script(
 ) -> Clip {
     let samples = Samples::for_clip(script.duration, cfg.rate_hz);
     let rhythm = bounce_rhythm(script.duration, &samples, cfg.variation, rng);
-    let bodies = body::follow_script(script, skeleton, &samples.times, samples.dt, &rhythm);
-    let arms = LateralSide::BOTH.map(|side| {
-        let keys = &script.hands[side.index()];
-        let sampled = keys.sample(&samples.times, &HANDS_AHEAD, 0.02, samples.dt);
-        let hands: Vec<BoxingHandPose> = sampled.into_iter().map(BoxingHandPose::from_channels).collect();
-        fist::follow_track(
-            &ArmTrack { side, hands: &hands, bodies: &bodies, dt: samples.dt },
-            &script.strikes,
-            skeleton,
-        )
-    });
+    let bodies = body::follow_script(script, skeleton, &samples, &rhythm);
+    let arms = LateralSide::BOTH.map(|side| fist::follow_script(side, script, &bodies, &samples, skeleton));
     let mut clip = frame::empty_clip(name, "boxing", cfg);
     for i in samples.frames() {
         frame::push_pose(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
@@ -96,10 +84,8 @@ fn bounce_rhythm(duration: f64, samples: &Samples, variation: f64, rng: &mut imp
 
 fn pose(body: &BoxerBody, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose {
     let knees = body.feet.map(|foot| {
-        let hips = body.facing
-            + f64::from(throng_core::planar::twist_about_y(
-                (DQuat::from_rotation_y(-body.facing) * body.hips).as_quat(),
-            ));
+        let turned = DQuat::from_rotation_y(-body.facing) * body.hips;
+        let hips = body.facing + f64::from(twist_about_y(turned.as_quat()));
         hips + 0.7 * f64::from(wrap_angle((foot.yaw - hips) as f32))
     });
     BodyPose {

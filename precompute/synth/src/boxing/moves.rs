@@ -101,18 +101,10 @@ pub enum Defence {
 
 impl Defence {
     /// All defences.
-    pub const ALL: [Self; 10] = [
-        Self::SlipLeft,
-        Self::SlipRight,
-        Self::Duck,
-        Self::RollLeft,
-        Self::RollRight,
-        Self::PullBack,
-        Self::Block,
-        Self::CoverLeft,
-        Self::CoverRight,
-        Self::Parry,
-    ];
+    pub const ALL: [Self; 10] = {
+        use Defence::*;
+        [SlipLeft, SlipRight, Duck, RollLeft, RollRight, PullBack, Block, CoverLeft, CoverRight, Parry]
+    };
 
     /// The tag of the defence in a clip.
     pub fn tag(self) -> &'static str {
@@ -148,10 +140,6 @@ const fn shuffle(forward: f64, aside: f64, turn: f64, tag: &'static str) -> Shuf
     Shuffle { forward, aside, turn, tag: Some(tag) }
 }
 
-const fn settling_shuffle(forward: f64, aside: f64, turn: f64) -> Shuffle {
-    Shuffle { forward, aside, turn, tag: None }
-}
-
 /// Footwork in all directions; as far back as forward, as far left as right.
 pub const FOOTWORK: [Shuffle; 16] = [
     shuffle(0.3, 0.0, 0.0, "advance"),
@@ -168,8 +156,8 @@ pub const FOOTWORK: [Shuffle; 16] = [
     shuffle(-0.05, -0.34, 0.0, "side_step_right"),
     shuffle(0.0, 0.0, -0.7, "pivot_right"),
     shuffle(0.0, 0.0, 0.6, "pivot_left"),
-    settling_shuffle(0.07, 0.03, 0.08),
-    settling_shuffle(-0.07, -0.03, -0.08),
+    Shuffle { forward: 0.07, aside: 0.03, turn: 0.08, tag: None },
+    Shuffle { forward: -0.07, aside: -0.03, turn: -0.08, tag: None },
 ];
 
 #[cfg(test)]

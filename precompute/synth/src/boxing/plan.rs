@@ -6,7 +6,7 @@ use super::moves::{COMBINATIONS, Defence, FOOTWORK, HandPunch, Shuffle};
 use super::posture::{BoxingHandPose, BoxingPosture};
 use super::script::{BoxingScript, ScriptedBlow};
 use super::technique;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;
 
@@ -67,7 +67,7 @@ impl BoxingDealer {
                 _ => now,
             };
         }
-        script.duration = now.max(script.feet_free()) + STAND;
+        script.duration = now.max(script.feet_free) + STAND;
         script
     }
 
@@ -93,15 +93,14 @@ impl BoxingDealer {
         shuffle.forward *= scale;
         shuffle.aside *= scale;
         shuffle.turn *= self.random_factor(0.2, rng);
-        let start = now.max(script.feet_free());
+        let start = now.max(script.feet_free);
         let end = self.step(script, now, &shuffle, rng);
         if shuffle.turn.abs() > 0.5 {
             // The lead foot turns on its ball with its heel lifted.
-            let (_, body) = script.body.last();
-            let mut up = BoxingPosture::from_channels(body);
+            let (_, mut up) = script.body.last();
             up.heels[0] = 0.14;
             script.body.hold(start - 0.03);
-            script.body.push(start + 0.1, up.channels());
+            script.body.push(start + 0.1, up);
             self.recover(script, end + 0.1, rng);
         } else if rng.random_bool(0.6) {
             script.body.hold(start);
@@ -133,10 +132,10 @@ impl BoxingDealer {
             heels: [0.0, guard.heels[1] + by(0.07)],
             ..guard
         };
-        script.body.push(t, body.channels());
+        script.body.push(t, body);
         for (track, mut hand) in script.hands.iter_mut().zip(BoxingHandPose::GUARD) {
-            hand.guard += glam::DVec3::new(by(0.012), by(0.015), by(0.016));
-            track.push(t, hand.channels());
+            hand.guard += DVec3::new(by(0.012), by(0.015), by(0.016));
+            track.push(t, hand);
         }
     }
 
@@ -146,12 +145,11 @@ impl BoxingDealer {
         script.body.hold(now);
         script.hands.iter_mut().for_each(|h| h.hold(now));
         let mut end = now;
-        let moments = technique::defend(defence);
-        for moment in &moments {
+        for moment in technique::defend(defence) {
             end = now + pace * moment.time;
-            script.body.push(end, moment.body.channels());
+            script.body.push(end, moment.body);
             for (track, hand) in script.hands.iter_mut().zip(moment.hands) {
-                track.push(end, hand.channels());
+                track.push(end, hand);
             }
         }
         let held = end + rng.random_range(0.03..0.14);
@@ -173,13 +171,12 @@ impl BoxingDealer {
         };
         let mut hit = self.step_in(script, now, combination[0], &attack, rng);
         script.body.hold(now);
-        let mut earlier: Option<HandPunch> = None;
-        for &blow in combination {
-            if let Some(earlier) = earlier {
-                hit += attack.tempo * self.random_factor(0.06, rng) * attack::seconds_between_hits(earlier, blow);
+        for (i, &blow) in combination.iter().enumerate() {
+            if i > 0 {
+                let usual = attack::seconds_between_hits(combination[i - 1], blow);
+                hit += attack.tempo * self.random_factor(0.06, rng) * usual;
             }
-            self.strike(script, blow, hit, earlier.is_none(), &attack, rng);
-            earlier = Some(blow);
+            self.strike(script, blow, hit, i == 0, &attack, rng);
         }
         let end = hit + RECOVER;
         self.recover(script, end, rng);
@@ -205,7 +202,7 @@ impl BoxingDealer {
         }
         let forward = 0.1 + 0.16 * attack.reach;
         let step = Shuffle { forward, aside: 0.0, turn: 0.0, tag: Some("step_in") };
-        let start = now.max(script.feet_free());
+        let start = now.max(script.feet_free);
         self.step(script, start, &step, rng);
         (now + ready).max(start + 0.25)
     }
@@ -230,13 +227,13 @@ impl BoxingDealer {
         let aimed = |p: BoxingPosture, share: f64| attack.aim_posture(&technique, p, height, azimuth, share);
         if let Some((before, load)) = technique.load {
             let before = if first { before } else { before.min(IN_BETWEEN) };
-            script.body.push(hit - before, aimed(load, 0.5).channels());
+            script.body.push(hit - before, aimed(load, 0.5));
         }
-        script.body.push(hit + THROUGH, aimed(technique.strike, 1.0).channels());
+        script.body.push(hit + THROUGH, aimed(technique.strike, 1.0));
         let hand = &mut script.hands[side];
         hand.hold(start);
-        hand.push(hit, technique.arm.channels());
-        hand.push(longest + 0.55 * technique.retract, BoxingHandPose::GUARD[side].channels());
+        hand.push(hit, technique.arm);
+        hand.push(longest + 0.55 * technique.retract, BoxingHandPose::GUARD[side]);
         if let Some(last) = script.strikes.iter_mut().rev().find(|s| s.blow.side() == blow.side()) {
             last.back = last.back.min(start);
         }

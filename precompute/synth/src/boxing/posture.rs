@@ -3,15 +3,12 @@
 //! The boxer is orthodox: the left foot and hand lead. Angles and directions are in the *facing* frame, which stands on
 //! the ground and faces the opponent: X left, Z towards the opponent.
 
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-/// Number of channels of a [`BoxingPosture`].
-pub const BODY: usize = 13;
-/// Number of channels of a [`BoxingHandPose`].
-pub const HAND: usize = 9;
-
 /// Posture of the body over the feet.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct BoxingPosture {
     /// Heading of the hips (rad).
     pub hips: f64,
@@ -51,26 +48,12 @@ impl BoxingPosture {
     };
 
     /// Time by which each channel precedes the hands: a blow begins at the ground (s).
-    pub const AHEAD: [f64; BODY] = [0.055, 0.02, 0.03, 0.03, 0.05, 0.1, 0.04, 0.04, 0.0, 0.065, 0.065, 0.065, 0.065];
-
-    /// Values of the channels.
-    pub fn channels(self) -> [f64; BODY] {
-        let Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels, pivots } = self;
-        let [aside, forward] = shift;
-        let ([lh, rh], [lp, rp]) = (heels, pivots);
-        [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp]
-    }
-
-    /// Posture with given channels.
-    pub fn from_channels(c: [f64; BODY]) -> Self {
-        let [hips, chest, pitch, list, flexion, weight, aside, forward, chin, lh, rh, lp, rp] = c;
-        let shift = [aside, forward];
-        Self { hips, chest, pitch, list, flexion, weight, shift, chin, heels: [lh, rh], pivots: [lp, rp] }
-    }
+    pub const AHEAD: [f64; 13] = [0.055, 0.02, 0.03, 0.03, 0.05, 0.1, 0.04, 0.04, 0.0, 0.065, 0.065, 0.065, 0.065];
 }
 
 /// Pose of a hand that does not strike, and of its arm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct BoxingHandPose {
     /// Wrist relative to the neck, in a frame that turns with the head and chest (m).
     pub guard: DVec3,
@@ -103,17 +86,8 @@ impl BoxingHandPose {
         },
     ];
 
-    /// Values of the channels.
-    pub fn channels(self) -> [f64; HAND] {
-        let (g, p) = (self.guard, self.pole);
-        [g.x, g.y, g.z, p.x, p.y, p.z, self.twist, self.reach, self.shrug]
-    }
-
-    /// Pose with given channels.
-    pub fn from_channels(c: [f64; HAND]) -> Self {
-        let [x, y, z, px, py, pz, twist, reach, shrug] = c;
-        Self { guard: DVec3::new(x, y, z), pole: DVec3::new(px, py, pz), twist, reach, shrug }
-    }
+    /// Time by which each channel precedes its keys: the elbow and the shoulder lead the fist (s).
+    pub const AHEAD: [f64; 9] = [0.0, 0.0, 0.0, 0.03, 0.03, 0.03, 0.0, 0.02, 0.03];
 }
 
 #[cfg(test)]
@@ -122,9 +96,9 @@ mod tests {
 
     #[test]
     fn channels_and_back() {
-        let body: [f64; BODY] = std::array::from_fn(|i| i as f64);
-        assert_eq!(BoxingPosture::from_channels(body).channels(), body);
-        let hand: [f64; HAND] = std::array::from_fn(|i| i as f64);
-        assert_eq!(BoxingHandPose::from_channels(hand).channels(), hand);
+        let body: BoxingPosture = bytemuck::cast(std::array::from_fn::<f64, 13, _>(|i| i as f64));
+        assert_eq!((body.hips, body.shift, body.chin, body.pivots), (0.0, [6.0, 7.0], 8.0, [11.0, 12.0]));
+        let hand: BoxingHandPose = bytemuck::cast(std::array::from_fn::<f64, 9, _>(|i| i as f64));
+        assert_eq!((hand.guard.x, hand.pole.x, hand.twist, hand.shrug), (0.0, 3.0, 6.0, 8.0));
     }
 }

@@ -5,7 +5,7 @@ use super::super::side::{LateralSide, forward, leftward};
 use super::super::track::KeyTrack;
 use super::foot::BoxerFoot;
 use super::moves::{HandPunch, Shuffle};
-use super::posture::{BODY, BoxingHandPose, BoxingPosture, HAND};
+use super::posture::{BoxingHandPose, BoxingPosture};
 use glam::DVec2;
 use throng_core::Skeleton;
 
@@ -42,11 +42,11 @@ pub struct ScriptedBlow {
 /// Timeline of a clip, as planned.
 pub struct BoxingScript {
     /// Keys of the body.
-    pub body: KeyTrack<BODY>,
+    pub body: KeyTrack<BoxingPosture>,
     /// Keys of the left and right hand, without blows.
-    pub hands: [KeyTrack<HAND>; 2],
+    pub hands: [KeyTrack<BoxingHandPose>; 2],
     /// Heading towards the opponent (rad).
-    pub facing: KeyTrack<1>,
+    pub facing: KeyTrack<f64>,
     /// Left and right foot.
     pub feet: [BoxerFoot; 2],
     /// Blows in the order of their hits.
@@ -55,8 +55,9 @@ pub struct BoxingScript {
     pub tags: Vec<(&'static str, f64, f64)>,
     /// Length (s).
     pub duration: f64,
+    /// Time at which both feet have landed (s).
+    pub feet_free: f64,
     centre: DVec2,
-    feet_free: f64,
 }
 
 impl BoxingScript {
@@ -64,21 +65,16 @@ impl BoxingScript {
     pub fn new(skeleton: &Skeleton) -> Self {
         let shape = FootShape::from_skeleton(skeleton);
         Self {
-            body: KeyTrack::new(BoxingPosture::GUARD.channels()),
-            hands: BoxingHandPose::GUARD.map(|h| KeyTrack::new(h.channels())),
-            facing: KeyTrack::new([0.0]),
+            body: KeyTrack::new(BoxingPosture::GUARD),
+            hands: BoxingHandPose::GUARD.map(KeyTrack::new),
+            facing: KeyTrack::new(0.0),
             feet: [0, 1].map(|i: usize| BoxerFoot::new(shape, place_in_stance(DVec2::ZERO, 0.0, ANKLES[i]), YAWS[i])),
             strikes: Vec::new(),
             tags: Vec::new(),
             duration: 0.0,
-            centre: DVec2::ZERO,
             feet_free: 0.0,
+            centre: DVec2::ZERO,
         }
-    }
-
-    /// Time at which both feet have landed (s).
-    pub fn feet_free(&self) -> f64 {
-        self.feet_free
     }
 
     /// Moves both feet one after the other, the one on the side of the move first, so that they never cross.
@@ -89,7 +85,7 @@ impl BoxingScript {
     pub fn shuffle(&mut self, at: f64, shuffle: &Shuffle, quickness: f64, error: [DVec2; 2]) -> f64 {
         let at = at.max(self.feet_free);
         let travel = shuffle.forward.hypot(shuffle.aside);
-        let heading = self.facing.last().1[0];
+        let heading = self.facing.last().1;
         let turned = heading + shuffle.turn;
         let middle = heading + 0.5 * shuffle.turn;
         let flight = quickness * (0.17 + 0.24 * travel + 0.07 * shuffle.turn.abs());
@@ -103,7 +99,7 @@ impl BoxingScript {
             let second = first.other();
             self.step(second, then, then + flight, turned, error[second.index()])
         };
-        self.facing.push(end, [turned]);
+        self.facing.push(end, turned);
         if let Some(tag) = shuffle.tag {
             self.tags.push((tag, at, end));
         }
@@ -149,9 +145,9 @@ mod tests {
         let mut script = BoxingScript::new(&Skeleton::default());
         let mut t = 0.5;
         for shuffle in FOOTWORK.iter().chain(FOOTWORK.iter().rev()) {
-            let heading = script.facing.last().1[0];
+            let heading = script.facing.last().1;
             t = script.shuffle(t, shuffle, 1.0, [DVec2::ZERO; 2]) + 0.1;
-            let turned = script.facing.last().1[0];
+            let turned = script.facing.last().1;
             let [left, right] = [0, 1].map(|i| script.feet[i].last().0);
             let apart = left - right;
             assert!(

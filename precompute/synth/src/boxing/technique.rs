@@ -5,6 +5,10 @@ use super::posture::{BoxingHandPose, BoxingPosture};
 use glam::DVec3;
 
 const GUARD: BoxingPosture = BoxingPosture::GUARD;
+/// Posture in which the body gathers for an uppercut.
+const CROUCHED: BoxingPosture = BoxingPosture { pitch: 0.27, flexion: 0.86, ..GUARD };
+const LEAD_HAND: BoxingHandPose = BoxingHandPose::GUARD[0];
+const REAR_HAND: BoxingHandPose = BoxingHandPose::GUARD[1];
 
 /// Technique of a blow.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,164 +44,126 @@ impl Technique {
 /// The technique of a blow.
 pub fn technique_of(blow: HandPunch) -> Technique {
     match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => jab(),
-        (Punch::Straight, false) => cross(),
-        (Punch::Hook, _) => hook(blow.lead),
-        (Punch::Uppercut, _) => uppercut(blow.lead),
+        (Punch::Straight, true) => JAB,
+        (Punch::Straight, false) => CROSS,
+        (Punch::Hook, true) => LEAD_HOOK,
+        (Punch::Hook, false) => REAR_HOOK,
+        (Punch::Uppercut, true) => LEAD_UPPERCUT,
+        (Punch::Uppercut, false) => REAR_UPPERCUT,
     }
 }
 
-fn jab() -> Technique {
-    Technique {
-        load: None,
-        strike: BoxingPosture {
-            hips: -0.64,
-            chest: -0.86,
-            pitch: 0.22,
-            weight: 0.57,
-            flexion: 0.52,
-            heels: [0.0, 0.34],
-            ..GUARD
-        },
-        arm: BoxingHandPose {
-            pole: DVec3::new(0.65, -1.0, 0.1),
-            twist: 1.15,
-            reach: 0.5,
-            shrug: 0.22,
-            ..BoxingHandPose::GUARD[0]
-        },
-        extend: 0.17,
-        retract: 0.27,
-        stretch: 0.72,
-        along: DVec3::Z,
-        speed: 5.8,
-        follow: 0.21,
-    }
-}
-
-fn cross() -> Technique {
-    Technique {
-        load: None,
-        strike: BoxingPosture {
-            hips: 0.2,
-            chest: 0.5,
-            pitch: 0.25,
-            list: -0.07,
-            weight: 0.68,
-            flexion: 0.52,
-            heels: [0.0, 0.72],
-            pivots: [0.0, 0.72],
-            ..GUARD
-        },
-        arm: BoxingHandPose {
-            pole: DVec3::new(-0.7, -1.0, 0.1),
-            twist: 1.1,
-            reach: 0.5,
-            shrug: 0.22,
-            ..BoxingHandPose::GUARD[1]
-        },
-        extend: 0.18,
-        retract: 0.31,
-        stretch: 0.71,
-        along: DVec3::Z,
-        speed: 6.6,
-        follow: 0.24,
-    }
-}
-
-fn hook(lead: bool) -> Technique {
-    let (gather, strike, pole) = if lead {
-        (
-            BoxingPosture { hips: -0.36, chest: -0.12, list: -0.07, weight: 0.6, flexion: 0.66, ..GUARD },
-            BoxingPosture {
-                hips: -0.95,
-                chest: -1.0,
-                list: 0.05,
-                weight: 0.43,
-                flexion: 0.54,
-                heels: [0.42, 0.12],
-                pivots: [-0.6, 0.0],
-                ..GUARD
-            },
-            DVec3::new(1.0, 0.12, -0.35),
-        )
-    } else {
-        (
-            BoxingPosture { hips: -0.6, chest: -0.66, list: 0.06, weight: 0.42, flexion: 0.62, ..GUARD },
-            BoxingPosture {
-                hips: 0.28,
-                chest: 0.66,
-                list: -0.05,
-                pitch: 0.22,
-                weight: 0.66,
-                flexion: 0.54,
-                heels: [0.0, 0.7],
-                pivots: [0.0, 0.75],
-                ..GUARD
-            },
-            DVec3::new(-1.0, 0.12, -0.35),
-        )
-    };
-    let side = usize::from(!lead);
-    Technique {
-        load: Some((0.2, gather)),
-        strike,
-        arm: BoxingHandPose { pole, twist: 0.1, reach: 0.42, shrug: 0.3, ..BoxingHandPose::GUARD[side] },
-        extend: 0.22,
-        retract: 0.34,
-        stretch: 0.72,
-        along: DVec3::new(0.82, 0.04, 0.55),
-        speed: 6.7,
-        follow: 0.19,
-    }
-}
-
-fn uppercut(lead: bool) -> Technique {
-    let (gather, strike, pole) = if lead {
-        (
-            BoxingPosture { hips: -0.36, chest: -0.2, pitch: 0.27, list: -0.16, weight: 0.58, flexion: 0.86, ..GUARD },
-            BoxingPosture {
-                hips: -0.78,
-                chest: -0.74,
-                pitch: 0.1,
-                flexion: 0.4,
-                weight: 0.5,
-                heels: [0.3, 0.3],
-                pivots: [-0.35, 0.0],
-                ..GUARD
-            },
-            DVec3::new(0.25, -1.0, -0.35),
-        )
-    } else {
-        (
-            BoxingPosture { hips: -0.6, chest: -0.64, pitch: 0.27, list: 0.17, weight: 0.44, flexion: 0.86, ..GUARD },
-            BoxingPosture {
-                hips: 0.14,
-                chest: 0.42,
-                pitch: 0.12,
-                list: -0.03,
-                flexion: 0.4,
-                weight: 0.66,
-                heels: [0.0, 0.68],
-                pivots: [0.0, 0.6],
-                ..GUARD
-            },
-            DVec3::new(-0.3, -1.0, -0.35),
-        )
-    };
-    let side = usize::from(!lead);
-    Technique {
-        load: Some((0.2, gather)),
-        strike,
-        arm: BoxingHandPose { pole, twist: -1.1, reach: 0.42, shrug: 0.12, ..BoxingHandPose::GUARD[side] },
-        extend: 0.25,
-        retract: 0.34,
-        stretch: 0.56,
-        along: DVec3::new(0.05, 0.86, 0.5),
-        speed: 6.0,
-        follow: 0.12,
-    }
-}
+const JAB: Technique = Technique {
+    load: None,
+    strike: BoxingPosture {
+        hips: -0.64,
+        chest: -0.86,
+        pitch: 0.22,
+        weight: 0.57,
+        flexion: 0.52,
+        heels: [0.0, 0.34],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(0.65, -1.0, 0.1), twist: 1.15, reach: 0.5, shrug: 0.22, ..LEAD_HAND },
+    extend: 0.17,
+    retract: 0.27,
+    stretch: 0.72,
+    along: DVec3::Z,
+    speed: 5.8,
+    follow: 0.21,
+};
+const CROSS: Technique = Technique {
+    strike: BoxingPosture {
+        hips: 0.2,
+        chest: 0.5,
+        pitch: 0.25,
+        list: -0.07,
+        weight: 0.68,
+        flexion: 0.52,
+        heels: [0.0, 0.72],
+        pivots: [0.0, 0.72],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(-0.7, -1.0, 0.1), twist: 1.1, reach: 0.5, shrug: 0.22, ..REAR_HAND },
+    extend: 0.18,
+    retract: 0.31,
+    stretch: 0.71,
+    speed: 6.6,
+    follow: 0.24,
+    ..JAB
+};
+const LEAD_HOOK: Technique = Technique {
+    load: Some((0.2, BoxingPosture { hips: -0.36, chest: -0.12, list: -0.07, weight: 0.6, flexion: 0.66, ..GUARD })),
+    strike: BoxingPosture {
+        hips: -0.95,
+        chest: -1.0,
+        list: 0.05,
+        weight: 0.43,
+        flexion: 0.54,
+        heels: [0.42, 0.12],
+        pivots: [-0.6, 0.0],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(1.0, 0.12, -0.35), twist: 0.1, reach: 0.42, shrug: 0.3, ..LEAD_HAND },
+    extend: 0.22,
+    retract: 0.34,
+    stretch: 0.72,
+    along: DVec3::new(0.82, 0.04, 0.55),
+    speed: 6.7,
+    follow: 0.19,
+};
+const REAR_HOOK: Technique = Technique {
+    load: Some((0.2, BoxingPosture { hips: -0.6, chest: -0.66, list: 0.06, weight: 0.42, flexion: 0.62, ..GUARD })),
+    strike: BoxingPosture {
+        hips: 0.28,
+        chest: 0.66,
+        list: -0.05,
+        pitch: 0.22,
+        weight: 0.66,
+        flexion: 0.54,
+        heels: [0.0, 0.7],
+        pivots: [0.0, 0.75],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(-1.0, 0.12, -0.35), guard: REAR_HAND.guard, ..LEAD_HOOK.arm },
+    ..LEAD_HOOK
+};
+const LEAD_UPPERCUT: Technique = Technique {
+    load: Some((0.2, BoxingPosture { hips: -0.36, chest: -0.2, list: -0.16, weight: 0.58, ..CROUCHED })),
+    strike: BoxingPosture {
+        hips: -0.78,
+        chest: -0.74,
+        pitch: 0.1,
+        flexion: 0.4,
+        weight: 0.5,
+        heels: [0.3, 0.3],
+        pivots: [-0.35, 0.0],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(0.25, -1.0, -0.35), twist: -1.1, reach: 0.42, shrug: 0.12, ..LEAD_HAND },
+    extend: 0.25,
+    retract: 0.34,
+    stretch: 0.56,
+    along: DVec3::new(0.05, 0.86, 0.5),
+    speed: 6.0,
+    follow: 0.12,
+};
+const REAR_UPPERCUT: Technique = Technique {
+    load: Some((0.2, BoxingPosture { hips: -0.6, chest: -0.64, list: 0.17, weight: 0.44, ..CROUCHED })),
+    strike: BoxingPosture {
+        hips: 0.14,
+        chest: 0.42,
+        pitch: 0.12,
+        list: -0.03,
+        flexion: 0.4,
+        weight: 0.66,
+        heels: [0.0, 0.68],
+        pivots: [0.0, 0.6],
+        ..GUARD
+    },
+    arm: BoxingHandPose { pole: DVec3::new(-0.3, -1.0, -0.35), guard: REAR_HAND.guard, ..LEAD_UPPERCUT.arm },
+    ..LEAD_UPPERCUT
+};
 
 /// One moment of a defence.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -222,6 +188,7 @@ pub fn defend(defence: Defence) -> Vec<DefenceMoment> {
         flexion: 0.78,
         ..GUARD
     };
+    let back = BoxingPosture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD };
     let low = BoxingPosture { flexion: 1.55, pitch: 0.52, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
     match defence {
         Defence::SlipLeft => vec![on_guard(0.2, lean(-0.43, -0.34, -0.1, 0.63))],
@@ -237,12 +204,7 @@ pub fn defend(defence: Defence) -> Vec<DefenceMoment> {
             on_guard(0.33, low),
             on_guard(0.52, BoxingPosture { flexion: 0.85, ..lean(0.38, -0.64, -0.75, 0.36) }),
         ],
-        Defence::PullBack => {
-            vec![on_guard(
-                0.22,
-                BoxingPosture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD },
-            )]
-        }
+        Defence::PullBack => vec![on_guard(0.22, back)],
         Defence::Block => vec![cover(0.0)],
         Defence::CoverLeft => vec![cover(1.0)],
         Defence::CoverRight => vec![cover(-1.0)],

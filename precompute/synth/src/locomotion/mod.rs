@@ -64,7 +64,7 @@ fn clip(act: &LocomotionAct, number: usize, take: usize, cfg: &SynthConfig, skel
         }
     };
     let mut clip = frame::empty_clip(act.name(take), "locomotion", cfg);
-    for &i in scene.frames() {
+    for &i in &scene.frames {
         frame::push_pose(&mut clip, &poses[i], skeleton);
     }
     let whole = 0..clip.num_frames();

@@ -78,19 +78,17 @@ impl LocomotionAct {
             out.push(Self { gait, manner, drive: Drive { left, ahead, gyration } });
         };
         for (gait, speeds, rates) in AHEAD {
+            let rates = mirror_rates(&rates);
             for speed in speeds {
-                for rate in mirror_rates(&rates) {
-                    add(gait, 0.0, speed, rate);
-                }
+                rates.iter().for_each(|rate| add(gait, 0.0, speed, *rate));
             }
         }
         add(GaitKind::Idle, 0.0, 0.0, 0.0);
         TURNS.iter().flat_map(|r| [*r, -r]).for_each(|rate| add(GaitKind::Turn, 0.0, 0.0, rate));
         SIDE.iter().flat_map(|v| [*v, -v]).for_each(|speed| add(GaitKind::Side, speed, 0.0, 0.0));
+        let rates = mirror_rates(&[BACK.1]);
         for speed in BACK.0 {
-            for rate in mirror_rates(&[BACK.1]) {
-                add(GaitKind::Back, 0.0, -speed, rate);
-            }
+            rates.iter().for_each(|rate| add(GaitKind::Back, 0.0, -speed, *rate));
         }
         out
     }

@@ -1,14 +1,14 @@
 //! Jogging and running: the body bounces from foot to foot, leans into its path, and swings its bent arms.
 
-use super::super::attitude::Attitude;
+use super::super::attitude::{Attitude, Trunk, trunk_between};
 use super::super::foot::FootShape;
 use super::super::frame::{ArmPose, BodyPose};
 use super::super::leg::LegShape;
-use super::super::side::LateralSide;
+use super::super::side::{LateralSide, ground_position, over_ground};
 use super::super::walk::arms::ArmAngles;
 use super::super::walk::assemble::{drift, knees};
 use super::super::walk::roll::{Footfall, standing};
-use super::super::walk::trunk::{Drift, TrunkPose};
+use super::super::walk::trunk::Drift;
 use super::bounce::{Bounce, GRAVITY};
 use super::falls::AlternatingFootfalls;
 use super::manner::Manner;
@@ -17,7 +17,7 @@ use super::posture::apply_manner;
 use super::scene::ActTimes;
 use super::stride::Stride;
 use super::swing::{LegKey, RunnerFoot, RunnerSwing};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rand::Rng;
 use std::f64::consts::TAU;
 
@@ -49,19 +49,19 @@ pub fn poses_of_running(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rn
     let keys = leg_keys(act.drive.ahead, act.manner.knee_lift);
     let swing = RunnerSwing { drive: act.drive, keys, hip: &hip, bank: body.bank(), leg };
     let feet = LateralSide::BOTH.map(|s| RunnerFoot::new(s, shape, body.falls.feet[s.index()].clone(), &swing));
-    let speed = vec![act.drive.ahead; scene.times.len()];
-    let drift = drift(scene.time().end, &scene.times, scene.dt, &speed, CALM * scene.variation, rng);
+    let speed = vec![act.drive.ahead; scene.samples.times.len()];
+    let drift = drift(scene.time().end, &scene.samples, &speed, CALM * scene.variation, rng);
     let pose = |(i, &t): (usize, &f64)| {
         let (attitude, root) = (body.hips(t), body.position(t));
         let (hips, feet) = (attitude.rotation(), LateralSide::BOTH.map(|s| feet[s.index()].pose(t, hip(s, t))));
         let trunk = body.trunk(t, attitude, &drift, i);
-        let arms = LateralSide::BOTH.map(|s| body.arm(t, s, trunk.upper_chest().pitch, &drift, i));
+        let arms = LateralSide::BOTH.map(|s| body.arm(t, s, trunk[2].pitch, &drift, i));
         let knees = knees(root, hips, &feet);
-        let mut pose = BodyPose { root, hips, trunk: trunk.segments.map(Attitude::rotation), arms, feet, knees };
+        let mut pose = BodyPose { root, hips, trunk: trunk.map(Attitude::rotation), arms, feet, knees };
         apply_manner(&mut pose, &manner);
         pose
     };
-    scene.times.iter().enumerate().map(pose).collect()
+    scene.samples.times.iter().enumerate().map(pose).collect()
 }
 
 /// Keys of the leg: folds after toe-off, passes under the body bent, lifts the knee and reaches out.
@@ -108,7 +108,7 @@ impl RunnerBody<'_> {
     /// Position of the hips joint (m).
     fn position(&self, t: f64) -> DVec3 {
         let p = self.act.drive.point_at(t, 0.011 * self.cosine_wave(t, ON_LEFT_LEG), 0.0);
-        DVec3::new(p.x, self.height(t), p.y)
+        over_ground(p, self.height(t))
     }
 
     /// Hip joint of a side (m).
@@ -126,7 +126,7 @@ impl RunnerBody<'_> {
     }
 
     /// Trunk: the chest turns against the pelvis, and the head keeps to the path.
-    fn trunk(&self, t: f64, hips: Attitude, drift: &Drift, i: usize) -> TrunkPose {
+    fn trunk(&self, t: f64, hips: Attitude, drift: &Drift, i: usize) -> Trunk {
         let (drive, speed) = (self.act.drive, self.act.drive.ahead);
         let chest = Attitude {
             yaw: drive.heading_at(t) + 0.15 * self.cosine_wave(t, LEFT_LEG_AHEAD + 0.02) + 0.15 * drift.gaze[i],
@@ -138,8 +138,7 @@ impl RunnerBody<'_> {
             pitch: 0.05 + drift.nod[i] + 0.7 * (self.height(t) - self.level),
             list: -0.45 * self.bank(),
         };
-        let neck = chest.mix(head, 0.45);
-        TrunkPose { segments: [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head] }
+        trunk_between(hips, chest, head)
     }
 
     /// Bent arm that swings against the legs; the elbow closes in front and opens behind.
@@ -166,7 +165,7 @@ impl RunnerBody<'_> {
         let reach = LegShape::from_skeleton(&scene.skeleton).reach(FLEXION);
         let limit = |side: LateralSide, fall: &Footfall, t: f64| {
             let (ankle, hip) = (standing(shape, fall, t).ankle, self.hip(scene, side, t));
-            let across = DVec2::new(ankle.x - hip.x, ankle.z - hip.z).length_squared();
+            let across = ground_position(ankle - hip).length_squared();
             ankle.y + (reach * reach - across).max(0.01).sqrt() - hip.y + self.level
         };
         let limits = LateralSide::BOTH.into_iter().flat_map(|side| {

@@ -11,14 +11,12 @@ const MARGIN: f64 = 2.5;
 pub struct ActTimes {
     /// The body.
     pub skeleton: Skeleton,
-    /// Times of the samples (s).
-    pub times: Vec<f64>,
-    /// Time between samples (s).
-    pub dt: f64,
+    /// The samples.
+    pub samples: Samples,
     /// Factor on the usual variation of steps and gaze.
     pub variation: f64,
-    /// Samples of the clip's frames.
-    frames: Vec<usize>,
+    /// Samples of the clip's frames, in order.
+    pub frames: Vec<usize>,
 }
 
 impl ActTimes {
@@ -27,20 +25,15 @@ impl ActTimes {
         let margin = (MARGIN * rate_hz).ceil() as usize;
         let wanted = (seconds * rate_hz).round() as usize + 1;
         let before = margin as f64 / rate_hz;
-        let samples = Samples::for_clip((wanted + 2 * margin) as f64 / rate_hz, rate_hz);
-        let times = samples.times.iter().map(|t| t - before).collect();
+        let mut samples = Samples::for_clip((wanted + 2 * margin) as f64 / rate_hz, rate_hz);
+        samples.times.iter_mut().for_each(|t| *t -= before);
         let frames = samples.frames().skip(margin).take(wanted).collect();
-        Self { skeleton, times, dt: samples.dt, variation, frames }
+        Self { skeleton, samples, variation, frames }
     }
 
     /// Time of the first and of the last sample (s).
     pub fn time(&self) -> Range<f64> {
-        self.times[0]..self.times[self.times.len() - 1]
-    }
-
-    /// Samples of the clip's frames, in order.
-    pub fn frames(&self) -> &[usize] {
-        &self.frames
+        self.samples.times[0]..self.samples.times[self.samples.times.len() - 1]
     }
 }
 
@@ -52,7 +45,7 @@ mod tests {
     fn the_clip_begins_at_zero_and_has_both_its_ends() {
         for rate_hz in [24.0, 30.0, 60.0] {
             let scene = ActTimes::new(Skeleton::default(), 4.0, rate_hz, 1.0);
-            let times: Vec<f64> = scene.frames().iter().map(|&i| scene.times[i]).collect();
+            let times: Vec<f64> = scene.frames.iter().map(|&i| scene.samples.times[i]).collect();
             assert!(times[0].abs() < 1e-9 && (times[times.len() - 1] - 4.0).abs() < 1e-9);
             assert_eq!(times.len(), (4.0 * rate_hz) as usize + 1);
             assert!(scene.time().start <= -MARGIN && scene.time().end >= 4.0 + MARGIN);

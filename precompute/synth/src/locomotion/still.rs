@@ -1,10 +1,6 @@
 //! Standing at ease: periodic breath, weight and gaze.
 
-use super::super::side::LateralSide;
-use super::super::walk::roll::Footfall;
 use super::super::walk::trunk::Drift;
-use super::stride::Stride;
-use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::f64::consts::TAU;
 
@@ -35,12 +31,8 @@ impl StandingEase {
     pub fn drift(&self, times: &[f64]) -> Drift {
         let of = |k: usize, amount: f64| times.iter().map(|&t| amount * self.wave(k, t)).collect();
         let small = |k: usize, amount: f64| of(k, amount * self.variation);
-        Drift {
-            gaze: small(1, 0.07),
-            nod: small(2, 0.02),
-            arms: [small(3, 0.025), small(4, 0.025)],
-            breath: of(5, 1.0),
-        }
+        let arms = [3, 4].map(|k| small(k, 0.025));
+        Drift { gaze: small(1, 0.07), nod: small(2, 0.02), arms, breath: of(5, 1.0) }
     }
 
     /// A slightly uneven wave of the period; even for the breath.
@@ -48,21 +40,5 @@ impl StandingEase {
         let angle = TAU * t / PERIOD + self.phases[k];
         let uneven = if k == 5 { 0.0 } else { 0.35 };
         angle.sin() + uneven * (2.0 * angle + self.phases[5]).sin()
-    }
-}
-
-/// Contact of a standing foot, from before `start` to the end.
-pub fn standing_footfall(side: LateralSide, stride: &Stride, start: f64) -> Footfall {
-    Footfall {
-        land: start - 2.0,
-        flat: start - 1.9,
-        heel_off: f64::INFINITY,
-        lift: f64::INFINITY,
-        ankle: DVec2::new(0.5 * stride.width * side.sign(), 0.0),
-        ground: 0.0,
-        heading: 0.0,
-        yaw: stride.toe_out * side.sign(),
-        strike: 0.0,
-        push: 0.0,
     }
 }

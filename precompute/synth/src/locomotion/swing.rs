@@ -2,12 +2,12 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::leg::LegShape;
-use super::super::side::LateralSide;
+use super::super::side::{LateralSide, ground_position, over_ground};
 use super::super::signal::{PieceEnd, early_bump, quintic};
 use super::super::walk::roll::{Footfall, standing};
 use super::drive::Drive;
 use super::spline::Spline;
-use glam::{DQuat, DVec2, DVec3};
+use glam::DVec3;
 use throng_base::thresholds::TOE_CLEARANCE_M_F64;
 
 /// Key of the leg during the swing.
@@ -114,14 +114,10 @@ impl RunnerFoot {
             (flight.left.value_at(t), flight.angle.value_at(t), self.leg.reach(flight.knee.value_at(t)));
         let (sin, cos) = angle.sin_cos();
         let along = (length * length - left * left).max(0.0).sqrt();
-        let seen = self.drive.to_body_frame(t, DVec2::new(hip.x, hip.z));
+        let seen = self.drive.to_body_frame(t, ground_position(hip));
         let on_ground = self.drive.point_at(t, seen.x + left, seen.y + along * sin);
         let height = hip.y - along * cos + flight.clear * passing(since / duration);
-        let ankle = DVec3::new(on_ground.x, height, on_ground.y);
-        let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
-        let ball =
-            ankle - rotation * DVec3::new(0.0, self.shape.ankle_height - self.shape.ball_height, -self.shape.ball);
-        self.shape.contact_pose(ball, yaw, heading, pitch, toe_pitch)
+        self.shape.pose_at_ankle(over_ground(on_ground, height), yaw, heading, pitch, toe_pitch)
     }
 }
 
@@ -137,7 +133,7 @@ fn flight(side: LateralSide, shape: &FootShape, from: &Footfall, to: &Footfall, 
     let seen = |fall: &Footfall, t: f64| {
         let (foot, hip) = (standing(shape, fall, t), (swing.hip)(side, t));
         let away = foot.ankle - hip;
-        let ground = |p: DVec3| swing.drive.to_body_frame(t, DVec2::new(p.x, p.z));
+        let ground = |p: DVec3| swing.drive.to_body_frame(t, ground_position(p));
         let from_hip = ground(foot.ankle) - ground(hip);
         [from_hip.x, from_hip.y.atan2(-away.y), swing.leg.flexion(away.length()), foot.pitch]
     };
@@ -148,14 +144,8 @@ fn flight(side: LateralSide, shape: &FootShape, from: &Footfall, to: &Footfall, 
         let knots = std::iter::once((start, first.value)).chain(inner).chain([(end, last.value)]).collect();
         Spline::new(knots, first.rate.clamp(-most, most), last.rate.clamp(-most, most))
     };
-    let free = f64::INFINITY;
-    RunnerFlight {
-        left: curve(0, free),
-        angle: curve(1, free),
-        knee: curve(2, KNEE_RATE),
-        pitch: curve(3, free),
-        clear: 0.0,
-    }
+    let [left, angle, pitch] = [0, 1, 3].map(|channel| curve(channel, f64::INFINITY));
+    RunnerFlight { left, angle, knee: curve(2, KNEE_RATE), pitch, clear: 0.0 }
 }
 
 impl LegKey {

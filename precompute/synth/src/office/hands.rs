@@ -2,7 +2,7 @@
 
 use super::super::arm::ArmShape;
 use super::super::attitude::Attitude;
-use super::super::frame::ArmPose;
+use super::super::frame::{ArmPose, upper_chest};
 use super::super::side::LateralSide;
 use super::posture::KeyedHandPose;
 use glam::{DQuat, DVec3};
@@ -25,12 +25,10 @@ impl HandFrame {
     ///
     /// - `trunk`: world rotations from the spine to the head.
     pub fn chest_over_hips(root: DVec3, hips: DQuat, trunk: [DQuat; 5], chest: Attitude, skeleton: &Skeleton) -> Self {
-        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-        let spine = root + hips * offset(Joint::Spine);
-        let lower = spine + trunk[0] * offset(Joint::Chest);
-        let upper = lower + trunk[1] * offset(Joint::UpperChest);
+        let (upper, rotation) = (upper_chest(root, hips, &trunk, skeleton), trunk[2]);
+        let neck = upper + rotation * skeleton.offsets[Joint::Neck.index()].as_dvec3();
         let frame = Attitude { yaw: chest.yaw, pitch: 0.6 * chest.pitch, list: 0.6 * chest.list };
-        Self { chest: upper, rotation: trunk[2], neck: upper + trunk[2] * offset(Joint::Neck), frame: frame.rotation() }
+        Self { chest: upper, rotation, neck, frame: frame.rotation() }
     }
 }
 

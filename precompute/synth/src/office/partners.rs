@@ -1,12 +1,11 @@
 //! Activities of two people: they stand face to face and chat, dispute, shake hands, hand something over, or dance.
 
-use super::super::attitude::Attitude;
 use super::super::side::{LateralSide, leftward};
 use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, TalkStyle, hand_before_body};
 use super::posture::{KeyedHandPose, KeyedPosture};
 use super::script::{MotionScript, ScriptStep};
-use super::stand::lean_on;
+use super::stand::{face_partner, lean_on};
 use super::visit::mirrored_for_side;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -68,7 +67,7 @@ pub fn pair_scripts(what: PairActivity, variation: f64, rng: &mut impl Rng) -> [
         PairActivity::Handover => hand_over(&mut two, rng),
         PairActivity::Dance => dance(&mut two),
     }
-    let end = two.iter().map(MotionScript::now).fold(0.0, f64::max);
+    let end = two.iter().map(|s| s.now).fold(0.0, f64::max);
     for s in &mut two {
         s.wait_until(end);
         s.tag(what.name(), BEFORE);
@@ -96,24 +95,11 @@ fn meeting_hand(k: usize, DVec3 { x, y, z }: DVec3, twist: f64) -> KeyedHandPose
     KeyedHandPose { room: DVec3::new(turn * x, y, turn * z), placed: 1.0, reach: 0.2, ..pose }
 }
 
-fn chest_posture(yaw: f64, pitch: f64) -> KeyedPosture {
-    KeyedPosture { chest: Attitude { yaw, pitch, list: 0.0 }, ..KeyedPosture::default() }
-}
-
 /// One person speaks while the other one listens and nods, in turns; in a dispute the turns overlap.
 fn talk(two: &mut [MotionScript; 2], heat: f64, rng: &mut impl Rng) {
-    let from = two[0].now();
-    let facing = [0, 1].map(|k: usize| {
-        let lean = lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng);
-        let share = 1.0 - 0.6 * heat;
-        let hips = Attitude { list: share * lean.hips.list, ..Attitude::default() };
-        KeyedPosture {
-            hips,
-            chest: Attitude { pitch: 0.1 * heat, ..Attitude::default() },
-            shift: [share * lean.shift[0], 0.03 * heat],
-            dip: 0.01 * heat,
-        }
-    });
+    let from = two[0].now;
+    let facing = [0, 1]
+        .map(|k: usize| face_partner(lean_on(LateralSide::BOTH[rng.random_range(0..2)], &two[k], rng), 0.0, heat));
     for (s, facing) in two.iter_mut().zip(facing) {
         s.pose(from + 0.9, 0.85, facing);
     }
@@ -151,13 +137,13 @@ fn nod(s: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
 
 /// Hands meet at the midpoint, go up and down together, and part. Both glance at the hands before they meet.
 fn shake_hands(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
-    let from = two[0].now();
+    let from = two[0].now;
     let beats: Vec<f64> = [0.035, -0.04, 0.03, -0.035, 0.0].iter().map(|u| u * rng.random_range(0.8..1.2)).collect();
     let over = rng.random_range(0.16..0.19);
     for (k, s) in two.iter_mut().enumerate() {
         s.turn_head(from + 0.4, 0.35, 0.0, 0.12, 0.0);
         look_at_face(s, from + 0.85, 0.4);
-        s.pose(from + 0.8, 0.8, chest_posture(0.14, 0.1));
+        s.pose(from + 0.8, 0.8, KeyedPosture::with_chest(0.14, 0.1));
         s.hand(LateralSide::Right, from + 0.8, 0.75, meeting_hand(k, GRIP, 0.0));
         let mut t = from + 0.9;
         s.hand(LateralSide::Right, t, 0.1, meeting_hand(k, GRIP, 0.0));
@@ -173,7 +159,7 @@ fn shake_hands(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
 
 /// The first person holds something out, the second one takes it.
 fn hand_over(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
-    let from = two[0].now();
+    let from = two[0].now;
     let near = mirrored_for_side(LateralSide::Right, hand_before_body([0.1, -0.36, 0.24], [0.5, -1.0, -0.3], -0.5));
     let meet = from + 1.9 + rng.random_range(0.0..0.3);
     let [giver, taker] = two;
@@ -181,18 +167,18 @@ fn hand_over(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
     giver.hand(LateralSide::Right, from + 0.8, 0.75, near);
     giver.turn_head(from + 0.7, 0.5, 0.0, 0.3, 0.0);
     look_at_face(giver, from + 1.4, 0.4);
-    giver.pose(meet, 0.9, chest_posture(0.14, 0.11));
+    giver.pose(meet, 0.9, KeyedPosture::with_chest(0.14, 0.11));
     giver.hand(LateralSide::Right, meet, 0.85, meeting_hand(0, ENDS, -0.6));
     giver.hand(LateralSide::Right, meet + 0.45, 0.1, meeting_hand(0, ENDS, -0.6));
     giver.turn_head(meet, 0.4, 0.0, 0.2, 0.0);
     look_at_face(giver, meet + 0.5, 0.4);
     giver.relax(meet + 1.5, 0.95);
     taker.turn_head(meet - 0.5, 0.5, 0.0, 0.22, 0.0);
-    taker.pose(meet + 0.05, 0.9, chest_posture(0.14, 0.11));
+    taker.pose(meet + 0.05, 0.9, KeyedPosture::with_chest(0.14, 0.11));
     taker.hand(LateralSide::Right, meet + 0.05, 0.8, meeting_hand(1, ENDS, -0.5));
     taker.hand(LateralSide::Right, meet + 0.35, 0.1, meeting_hand(1, ENDS, -0.5));
     taker.hand(LateralSide::Right, meet + 1.1, 0.7, near);
-    taker.pose(meet + 1.2, 0.8, chest_posture(0.0, 0.03));
+    taker.pose(meet + 1.2, 0.8, KeyedPosture::with_chest(0.0, 0.03));
     taker.turn_head(meet + 1.2, 0.4, 0.0, 0.28, 0.0);
     look_at_face(taker, meet + 1.8, 0.4);
     taker.relax(meet + 2.8, 0.8);
@@ -201,7 +187,7 @@ fn hand_over(two: &mut [MotionScript; 2], rng: &mut impl Rng) {
 
 /// Both hold each other's hands and step aside together, forth and back.
 fn dance(two: &mut [MotionScript; 2]) {
-    let from = two[0].now();
+    let from = two[0].now;
     for (k, s) in two.iter_mut().enumerate() {
         let hands = hand_before_body([0.17, -0.33, 0.31], [0.7, -1.0, -0.2], 0.35);
         for side in LateralSide::BOTH {
@@ -209,19 +195,19 @@ fn dance(two: &mut [MotionScript; 2]) {
         }
         look_at_face(s, from + 0.8, 0.5);
         s.wait_until(from + 1.1);
-        let home = s.stance();
+        let home = s.stance;
         // Equal direction in the room: left for one is right for the other.
         let offset = leftward(0.0) * 0.22;
         let lead = if k == 0 { LateralSide::Left } else { LateralSide::Right };
         for there in [1.0, 0.0, -1.0, 0.0, 1.0, 0.0] {
             let to = FeetStance { at: home.at + offset * there, heading: home.heading };
-            let forth = to.at.dot(offset) > s.stance().at.dot(offset);
+            let forth = to.at.dot(offset) > s.stance.at.dot(offset);
             let first = if forth { lead } else { lead.other() };
             for side in [first, first.other()] {
                 s.step(ScriptStep { period: 0.56, ..ScriptStep::aside(side, to) });
             }
         }
-        let t = s.now() + 0.3;
+        let t = s.now + 0.3;
         s.relax(t + 1.0, 0.95);
         s.wait_until(t + 1.1);
     }

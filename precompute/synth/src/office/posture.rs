@@ -1,17 +1,12 @@
 //! Postures in an office, as channels that can be keyed: all zero in a neutral stand.
 
 use super::super::attitude::Attitude;
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-/// Number of channels of a [`KeyedPosture`].
-pub const BODY: usize = 9;
-/// Number of channels of an [`Attitude`] of the head.
-pub const HEAD: usize = 3;
-/// Number of channels of a [`KeyedHandPose`].
-pub const HAND: usize = 15;
-
 /// Posture of hips and chest, in addition to balance and walking.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct KeyedPosture {
     /// Turn of the hips.
     pub hips: Attitude,
@@ -24,21 +19,15 @@ pub struct KeyedPosture {
 }
 
 impl KeyedPosture {
-    /// Values of the channels.
-    pub fn channels(self) -> [f64; BODY] {
-        let Self { hips: h, chest: c, shift: [x, z], dip } = self;
-        [h.yaw, h.pitch, h.list, c.yaw, c.pitch, c.list, x, z, dip]
-    }
-
-    /// Posture with given channels.
-    pub fn from_channels([hy, hp, hl, cy, cp, cl, x, z, dip]: [f64; BODY]) -> Self {
-        let hips = Attitude { yaw: hy, pitch: hp, list: hl };
-        Self { hips, chest: Attitude { yaw: cy, pitch: cp, list: cl }, shift: [x, z], dip }
+    /// Upright posture but for the turn and the lean of the chest.
+    pub fn with_chest(yaw: f64, pitch: f64) -> Self {
+        Self { chest: Attitude { yaw, pitch, list: 0.0 }, ..Self::default() }
     }
 }
 
 /// Pose of one hand: hanging as in walking, held before the body, or placed in the room.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct KeyedHandPose {
     /// Share of being held: 0 hangs and swings, 1 is held.
     pub held: f64,
@@ -74,19 +63,6 @@ impl KeyedHandPose {
         shrug: 0.0,
     };
 
-    /// Values of the channels.
-    pub fn channels(self) -> [f64; HAND] {
-        let Self { held, body: b, room: r, placed, pole: p, twist, flex, reach, shrug } = self;
-        [held, b.x, b.y, b.z, r.x, r.y, r.z, placed, p.x, p.y, p.z, twist, flex, reach, shrug]
-    }
-
-    /// Pose with given channels.
-    pub fn from_channels(c: [f64; HAND]) -> Self {
-        let [held, bx, by, bz, rx, ry, rz, placed, px, py, pz, twist, flex, reach, shrug] = c;
-        let (body, room, pole) = (DVec3::new(bx, by, bz), DVec3::new(rx, ry, rz), DVec3::new(px, py, pz));
-        Self { held, body, room, placed, pole, twist, flex, reach, shrug }
-    }
-
     /// Equal pose of the other hand.
     pub fn mirrored(self) -> Self {
         let flip = |v: DVec3| DVec3::new(-v.x, v.y, v.z);
@@ -100,10 +76,10 @@ mod tests {
 
     #[test]
     fn channels_and_back() {
-        let body: [f64; BODY] = std::array::from_fn(|i| i as f64);
-        assert_eq!(KeyedPosture::from_channels(body).channels(), body);
-        let hand: [f64; HAND] = std::array::from_fn(|i| i as f64);
-        assert_eq!(KeyedHandPose::from_channels(hand).channels(), hand);
-        assert_eq!(KeyedHandPose::from_channels(hand).mirrored().mirrored(), KeyedHandPose::from_channels(hand));
+        let body: [f64; 9] = std::array::from_fn(|i| i as f64);
+        assert_eq!(bytemuck::cast::<KeyedPosture, [f64; 9]>(bytemuck::cast(body)), body);
+        let hand: KeyedHandPose = bytemuck::cast(std::array::from_fn::<f64, 15, _>(|i| i as f64));
+        assert_eq!((hand.body.x, hand.placed, hand.shrug), (1.0, 7.0, 14.0));
+        assert_eq!(hand.mirrored().mirrored(), hand);
     }
 }

@@ -1,6 +1,7 @@
 //! Walking along a curve that avoids furniture.
 
-use super::super::side::LateralSide;
+use super::super::side::{LateralSide, forward};
+use super::super::signal::interpolate;
 use super::super::walk::footsteps::FeetStance;
 use super::super::walk::gait::{StepShape, step_at, turning_step_at};
 use super::super::walk::wander::{STANDING_WIDTH, TOE_OUT, WALKING_WIDTH, limit_turn};
@@ -24,8 +25,7 @@ const BENDING: f64 = 1.1;
 impl GroundCurve {
     fn from_ends(from: DVec2, depart: f64, to: DVec2, arrive: f64) -> Self {
         let reach = 0.36 * (to - from).length();
-        let ahead = super::super::side::forward;
-        Self([from, from + ahead(depart) * reach, to - ahead(arrive) * reach, to])
+        Self([from, from + forward(depart) * reach, to - forward(arrive) * reach, to])
     }
 
     fn position(&self, u: f64) -> DVec2 {
@@ -41,16 +41,14 @@ impl GroundCurve {
 
     /// Points spaced evenly in the parameter, with the distance travelled so far.
     fn lengths(&self) -> Vec<(f64, f64)> {
-        let mut gone = 0.0;
-        (0..=POINTS)
-            .map(|k| {
-                let u = k as f64 / POINTS as f64;
-                if k > 0 {
-                    gone += (self.position(u) - self.position((k - 1) as f64 / POINTS as f64)).length();
-                }
-                (gone, u)
-            })
-            .collect()
+        let (mut gone, mut last) = (0.0, self.0[0]);
+        let point = |k: usize| {
+            let u = k as f64 / POINTS as f64;
+            let at = self.position(u);
+            gone += (at - std::mem::replace(&mut last, at)).length();
+            (gone, u)
+        };
+        (0..=POINTS).map(point).collect()
     }
 
     /// Penalty of a curve: furniture in the way, and sharp bends.
@@ -85,14 +83,14 @@ pub fn walk_route(
     blocked: impl Fn(DVec2) -> f64,
     rng: &mut impl Rng,
 ) -> f64 {
-    let from = script.stance();
+    let from = script.stance;
     let curve = choose(from, goal, blocked, rng);
     let began = script.next_lift();
     let first = turn_to(from.heading, curve.heading(0.0));
     if first.abs() > 0.8 {
         script.turn_in_place(first);
         if rng.random_bool(0.3) {
-            script.wait_until(script.now() + rng.random_range(0.2..0.6));
+            script.wait_until(script.now + rng.random_range(0.2..0.6));
         }
     }
     follow_curve(script, &curve, goal.cruise, rng);
@@ -136,14 +134,14 @@ fn follow_curve(script: &mut MotionScript, curve: &GroundCurve, cruise: f64, rng
     let lengths = curve.lengths();
     let distance = lengths[POINTS].0;
     let shares = shares(distance, step_at(cruise).length);
-    let turn = turn_to(script.stance().heading, curve.heading(0.15));
+    let turn = turn_to(script.stance.heading, curve.heading(0.15));
     let inside = if turn.abs() < 0.1 && rng.random_bool(0.5) { LateralSide::Right } else { LateralSide::inside(turn) };
     let mut side = script.free_foot().unwrap_or(inside);
     let mut gone = 0.0;
     for (k, share) in shares.iter().enumerate() {
         gone += share * distance;
-        let u = parameter_at_length(&lengths, gone);
-        let here = script.stance();
+        let u = interpolate(&lengths, gone);
+        let here = script.stance;
         let bend = limit_turn(turn_to(here.heading, curve.heading(u)), side, 0.75);
         let to = FeetStance { at: curve.position(u), heading: here.heading + bend };
         let last = k + 1 == shares.len();
@@ -154,7 +152,7 @@ fn follow_curve(script: &mut MotionScript, curve: &GroundCurve, cruise: f64, rng
         script.step(ScriptStep { side, to, width, toe_out, period, double_support: shape.double_support });
         side = side.other();
     }
-    let here = script.stance();
+    let here = script.stance;
     let rest = limit_turn(turn_to(here.heading, curve.heading(1.0)), side, 0.75);
     let to = FeetStance { at: here.at, heading: here.heading + rest };
     script.step(ScriptStep { double_support: 0.17, ..ScriptStep::aside(side, to) });
@@ -172,11 +170,6 @@ fn shape(cruise: f64, bend: f64, starts: bool, stops: bool) -> StepShape {
     }
 }
 
-/// Parameter of a curve at a travelled distance.
-fn parameter_at_length(lengths: &[(f64, f64)], gone: f64) -> f64 {
-    super::super::signal::interpolate(lengths, gone)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -191,7 +184,7 @@ mod tests {
             let mut script = MotionScript::new(FeetStance { at: DVec2::ZERO, heading: 0.3 * f64::from(k) }, 1.0);
             let goal = GroundGoal { at: DVec2::new(0.0, 2.4), arrive: -1.0..1.0, cruise: 1.0 };
             walk_route(&mut script, &goal, obstacle, &mut rng);
-            let end = script.stance();
+            let end = script.stance;
             assert!(end.at.distance(goal.at) < 1e-6, "{end:?}");
             let (mut at, mut deepest) = (script.start, 0.0f64);
             for step in &script.steps {

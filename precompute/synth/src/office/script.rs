@@ -6,7 +6,7 @@ use super::super::track::KeyTrack;
 use super::super::walk::footsteps::{FeetStance, LAST_STAND, SHIFT, timing};
 use super::super::walk::gait::{StepShape, pivot_step};
 use super::super::walk::wander::{Intent, STANDING_WIDTH, TOE_OUT};
-use super::posture::{BODY, HAND, HEAD, KeyedHandPose, KeyedPosture};
+use super::posture::{KeyedHandPose, KeyedPosture};
 use super::seat::ChairStay;
 use glam::DVec2;
 use rand::{Rng, RngExt};
@@ -19,11 +19,11 @@ pub struct MotionScript {
     /// The steps.
     pub steps: Vec<Intent>,
     /// Keys of hips and chest.
-    pub body: KeyTrack<BODY>,
+    pub body: KeyTrack<KeyedPosture>,
     /// Keys of the head.
-    pub head: KeyTrack<HEAD>,
+    pub head: KeyTrack<Attitude>,
     /// Keys of the left and the right hand.
-    pub hands: [KeyTrack<HAND>; 2],
+    pub hands: [KeyTrack<KeyedHandPose>; 2],
     /// Stays on the chair, in order.
     pub sittings: Vec<ChairStay>,
     /// Times in which the left and the right hand rest on something (s).
@@ -32,9 +32,11 @@ pub struct MotionScript {
     pub tags: Vec<(&'static str, f64, f64)>,
     /// Factor on the usual variation.
     pub variation: f64,
-    stance: FeetStance,
+    /// Current stance.
+    pub stance: FeetStance,
     landed: f64,
-    now: f64,
+    /// End of the events so far (s).
+    pub now: f64,
 }
 
 /// A single step, as taken by [`MotionScript::step`].
@@ -76,9 +78,9 @@ impl MotionScript {
         Self {
             start,
             steps: Vec::new(),
-            body: KeyTrack::new([0.0; BODY]),
-            head: KeyTrack::new([0.0; HEAD]),
-            hands: [KeyTrack::new(hand.channels()), KeyTrack::new(hand.mirrored().channels())],
+            body: KeyTrack::new(KeyedPosture::default()),
+            head: KeyTrack::new(Attitude::default()),
+            hands: [hand, hand.mirrored()].map(KeyTrack::new),
             sittings: Vec::new(),
             rests: [Vec::new(), Vec::new()],
             tags: Vec::new(),
@@ -87,16 +89,6 @@ impl MotionScript {
             landed: 0.0,
             now: 0.0,
         }
-    }
-
-    /// End of the events so far (s).
-    pub fn now(&self) -> f64 {
-        self.now
-    }
-
-    /// Current stance.
-    pub fn stance(&self) -> FeetStance {
-        self.stance
     }
 
     /// Duration of the stand after the last step (s).
@@ -121,33 +113,18 @@ impl MotionScript {
 
     /// Takes a step, after waiting for events that last longer than the last landing.
     pub fn step(&mut self, step: ScriptStep) {
-        let turn = f64::from(wrap_angle((step.to.heading - self.stance.heading) as f32));
+        let ScriptStep { side, to, width, toe_out, period, double_support } = step;
+        let turn = f64::from(wrap_angle((to.heading - self.stance.heading) as f32));
         let along = self.stance.heading + 0.5 * turn;
-        let offset = step.to.at - self.stance.at;
-        let shape =
-            StepShape { length: offset.dot(forward(along)), period: step.period, double_support: step.double_support };
+        let offset = to.at - self.stance.at;
+        let shape = StepShape { length: offset.dot(forward(along)), period, double_support };
         // A foot that has just landed carries for a while before it steps again.
-        let again = self.steps.last().is_some_and(|s| s.side == step.side);
-        let waits = self.now - self.landed;
-        let pause = if waits > 0.02 {
-            waits
-        } else if again {
-            LANDED
-        } else {
-            0.0
+        let pause = match self.now - self.landed {
+            waits if waits > 0.02 => waits,
+            _ if self.steps.last().is_some_and(|s| s.side == side) => LANDED,
+            _ => 0.0,
         };
-        self.add_step(Intent {
-            side: step.side,
-            pause,
-            turn,
-            aside: offset.dot(leftward(along)),
-            width: step.width,
-            toe_out: step.toe_out,
-            shape,
-        });
-    }
-
-    fn add_step(&mut self, intent: Intent) {
+        let intent = Intent { side, pause, turn, aside: offset.dot(leftward(along)), width, toe_out, shape };
         self.stance = self.stance.after_step(&intent);
         self.landed = timing(&intent, self.landed).1;
         self.now = self.landed;
@@ -178,14 +155,9 @@ impl MotionScript {
         while f64::abs(left) > 0.03 || f64::abs(behind) > 0.03 {
             let most = if side == LateralSide::inside(angle) { opening } else { CLOSING };
             let bend = left.clamp(-most, most);
-            let shape = pivot_step(bend + behind);
+            let StepShape { period, double_support, .. } = pivot_step(bend + behind);
             let to = FeetStance { at: self.stance.at, heading: self.stance.heading + bend };
-            let step = ScriptStep {
-                period: shape.period,
-                double_support: shape.double_support,
-                ..ScriptStep::aside(side, to)
-            };
-            self.step(step);
+            self.step(ScriptStep { period, double_support, ..ScriptStep::aside(side, to) });
             left -= bend;
             behind = bend;
             side = side.other();
@@ -215,31 +187,25 @@ impl MotionScript {
     /// Brings hips and chest to a posture at `t`, starting `over` seconds before.
     pub fn pose(&mut self, t: f64, over: f64, posture: KeyedPosture) {
         self.body.hold(t - over);
-        self.body.push(t, posture.channels());
+        self.body.push(t, posture);
     }
 
     /// Brings the head to an attitude at `t`, starting `over` seconds before.
     pub fn turn_head(&mut self, t: f64, over: f64, yaw: f64, pitch: f64, list: f64) {
         self.head.hold(t - over);
-        self.head.push(t, [yaw, pitch, list]);
-    }
-
-    /// Attitude of the head at the last key.
-    pub fn head(&self) -> Attitude {
-        let [yaw, pitch, list] = self.head.last().1;
-        Attitude { yaw, pitch, list }
+        self.head.push(t, Attitude { yaw, pitch, list });
     }
 
     /// Brings a hand to a pose at `t`, starting `over` seconds before, or at its last key.
     pub fn hand(&mut self, side: LateralSide, t: f64, over: f64, pose: KeyedHandPose) {
         let track = &mut self.hands[side.index()];
         track.hold(t - over);
-        track.push(t, pose.channels());
+        track.push(t, pose);
     }
 
     /// Pose of a hand at its last key.
     pub fn hand_now(&self, side: LateralSide) -> KeyedHandPose {
-        KeyedHandPose::from_channels(self.hands[side.index()].last().1)
+        self.hands[side.index()].last().1
     }
 
     /// Lets a hand hang from `t - over` until `t`, forgetting its held position.

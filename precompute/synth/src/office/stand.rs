@@ -4,7 +4,7 @@ use super::super::attitude::Attitude;
 use super::super::deck::CardDeck;
 use super::super::side::{LateralSide, leftward};
 use super::super::walk::footsteps::FeetStance;
-use super::gesture::{self, TalkStyle, on_hip};
+use super::gesture::{self, CLASP, TalkStyle, hand_before_body as pose, on_hip};
 use super::posture::{KeyedHandPose, KeyedPosture};
 use super::script::{MotionScript, ScriptStep};
 use super::visit::mirrored_for_side;
@@ -43,34 +43,22 @@ enum Idling {
 impl Stander {
     /// No behaviour dealt yet.
     pub fn new() -> Self {
-        use StandingBehaviour::*;
-        let behaviours =
-            [Idle, Chat, Dispute, Present(LateralSide::Left), Idle, Chat, Dispute, Present(LateralSide::Right)];
-        let idling = [
-            Idling::LookAround,
-            Idling::Watch,
-            Idling::HipsHand(LateralSide::Left),
-            Idling::Scratch(LateralSide::Right),
-            Idling::Clasp,
-            Idling::HipsHand(LateralSide::Right),
-            Idling::Stretch,
-            Idling::Scratch(LateralSide::Left),
-        ];
-        Self {
-            behaviours: CardDeck::new(&behaviours),
-            idling: CardDeck::new(&idling),
-            partners: CardDeck::new(&PARTNERS),
-        }
+        use {Idling::*, LateralSide::*, StandingBehaviour::*};
+        let behaviours = [Idle, Chat, Dispute, Present(Left), Idle, Chat, Dispute, Present(Right)];
+        let idling =
+            [LookAround, Watch, HipsHand(Left), Scratch(Right), Clasp, HipsHand(Right), Stretch, Scratch(Left)];
+        let (behaviours, idling) = (CardDeck::new(&behaviours), CardDeck::new(&idling));
+        Self { behaviours, idling, partners: CardDeck::new(&PARTNERS) }
     }
 
     /// Timeline of behaviours for about `seconds`, from neutral stand to neutral stand.
     pub fn stand(&mut self, seconds: f64, variation: f64, rng: &mut impl Rng) -> MotionScript {
         let mut script = MotionScript::new(FeetStance::default(), variation);
-        while script.now() < seconds - 1.5 || script.now() == 0.0 {
-            let before = script.now();
+        while script.now < seconds - 1.5 || script.now == 0.0 {
+            let before = script.now;
             script.wait_until(before + rng.random_range(1.0..1.9));
             script.tag("stand", before);
-            let (from, long) = (script.now(), rng.random_range(5.5..11.5));
+            let (from, long) = (script.now, rng.random_range(5.5..11.5));
             let name = match self.behaviours.deal(rng) {
                 StandingBehaviour::Idle => self.idle_for(&mut script, from, from + long, rng),
                 StandingBehaviour::Chat => self.talk(&mut script, from, from + long, 0.0, rng),
@@ -79,7 +67,7 @@ impl Stander {
             };
             script.tag(name, from);
         }
-        let end = script.now();
+        let end = script.now;
         script.wait_until(end + 1.0);
         script.tag("stand", end);
         script
@@ -103,35 +91,24 @@ impl Stander {
 
     fn occupy_hands(&mut self, script: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
         let end = to - 1.2;
-        match self.idling.deal(rng) {
-            Idling::LookAround => look_around(script, from, end, rng),
+        let free = match self.idling.deal(rng) {
+            Idling::LookAround => from,
             Idling::HipsHand(side) => {
                 script.hand(side, from + 1.0, 0.9, on_hip(side));
                 if rng.random_bool(0.5) {
                     script.hand(side.other(), from + 1.2, 0.95, on_hip(side.other()));
                 }
-                look_around(script, from + 1.0, end, rng);
+                from + 1.0
             }
-            Idling::Watch => {
-                let free = look_at_watch(script, from, rng);
-                look_around(script, free, end, rng);
-            }
-            Idling::Scratch(side) => {
-                let free = scratch(script, side, from);
-                look_around(script, free, end, rng);
-            }
+            Idling::Watch => look_at_watch(script, from, rng),
+            Idling::Scratch(side) => scratch(script, side, from),
             Idling::Clasp => {
-                for side in LateralSide::BOTH {
-                    let clasp = mirrored_for_side(side, pose([0.055, -0.49, 0.21], [0.8, -0.9, -0.5], 0.5));
-                    script.hand(side, from + 1.0 + 0.06 * side.sign(), 0.9, clasp);
-                }
-                look_around(script, from + 0.8, end, rng);
+                clasp_hands(script, from + 1.0);
+                from + 0.8
             }
-            Idling::Stretch => {
-                let free = stretch(script, from);
-                look_around(script, free, end, rng);
-            }
-        }
+            Idling::Stretch => stretch(script, from),
+        };
+        look_around(script, free, end, rng);
     }
 
     /// Turns to a partner and talks.
@@ -139,12 +116,7 @@ impl Stander {
         let partner = self.partners.deal(rng);
         let side = LateralSide::BOTH[rng.random_range(0..2)];
         let lean = lean_on(side, script, rng);
-        let facing = KeyedPosture {
-            hips: Attitude { yaw: 0.25 * partner, list: (1.0 - 0.6 * heat) * lean.hips.list, ..Attitude::default() },
-            chest: Attitude { yaw: 0.7 * partner, pitch: 0.1 * heat, list: 0.0 },
-            shift: [(1.0 - 0.6 * heat) * lean.shift[0], 0.03 * heat],
-            dip: 0.01 * heat,
-        };
+        let facing = face_partner(lean, partner, heat);
         script.pose(from + 0.9, 0.85, facing);
         script.turn_head(from + 0.6, 0.55, 1.3 * partner, 0.02, 0.0);
         let talk = TalkStyle { from: from + 0.2, to: to - 0.1, facing, gaze: 1.3 * partner, seated: false, heat };
@@ -168,9 +140,22 @@ pub fn lean_on(side: LateralSide, script: &MotionScript, rng: &mut impl Rng) -> 
     }
 }
 
-/// Pose of the left hand before the body.
-fn pose(body: [f64; 3], pole: [f64; 3], twist: f64) -> KeyedHandPose {
-    KeyedHandPose { held: 1.0, body: body.into(), pole: pole.into(), twist, ..KeyedHandPose::HANGING }
+/// Posture of a talker who leans and turns to a partner at a heading: the hotter, the less it leans aside.
+pub fn face_partner(lean: KeyedPosture, partner: f64, heat: f64) -> KeyedPosture {
+    let share = 1.0 - 0.6 * heat;
+    KeyedPosture {
+        hips: Attitude { yaw: 0.25 * partner, list: share * lean.hips.list, ..Attitude::default() },
+        chest: Attitude { yaw: 0.7 * partner, pitch: 0.1 * heat, list: 0.0 },
+        shift: [share * lean.shift[0], 0.03 * heat],
+        dip: 0.01 * heat,
+    }
+}
+
+/// Brings both hands together before the belly at about `t`.
+pub fn clasp_hands(script: &mut MotionScript, t: f64) {
+    for side in LateralSide::BOTH {
+        script.hand(side, t + 0.06 * side.sign(), 0.9, mirrored_for_side(side, CLASP));
+    }
 }
 
 /// Raises the left wrist, looks at it and lets it down.
@@ -224,7 +209,7 @@ pub fn look_around(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl
     let mut t = from + 0.3;
     while t < to - 0.7 {
         let yaw = script.random_offset(0.75, rng);
-        let over = 0.35 + 0.35 * (yaw - script.head().yaw).abs();
+        let over = 0.35 + 0.35 * (yaw - script.head.last().1.yaw).abs();
         script.turn_head(t + over, over, yaw, script.random_offset(0.1, rng), 0.1 * yaw);
         t += over + rng.random_range(0.4..1.6);
     }
@@ -233,7 +218,7 @@ pub fn look_around(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl
 /// Steps half aside, points at a wall on one side, looks from it to the listeners, and steps back.
 fn present(script: &mut MotionScript, side: LateralSide, from: f64, to: f64, rng: &mut impl Rng) -> &'static str {
     let s = side.sign();
-    let home = script.stance();
+    let home = script.stance;
     let open = FeetStance {
         at: home.at + leftward(home.heading) * (s * (0.07 + script.random_offset(0.02, rng))),
         heading: home.heading + s * 0.3,
@@ -247,7 +232,7 @@ fn present(script: &mut MotionScript, side: LateralSide, from: f64, to: f64, rng
     for foot in [side.other(), side] {
         script.step(ScriptStep::aside(foot, home));
     }
-    let end = to.max(script.now() + 0.4);
+    let end = to.max(script.now + 0.4);
     script.relax(end, 1.3);
     script.wait_until(end);
     "present"
@@ -266,11 +251,8 @@ fn show(script: &mut MotionScript, side: LateralSide, from: f64, to: f64, rng: &
         let turn = if to_wall { 0.32 } else { -0.18 };
         let chest = Attitude { yaw: s * turn, pitch: script.random_offset(0.03, rng), list: -0.03 * s };
         let hips = Attitude { yaw: 0.2 * s * turn, ..Attitude::default() };
-        script.pose(
-            t + 0.9,
-            0.85,
-            KeyedPosture { chest, hips, shift: [script.random_offset(0.02, rng), 0.0], dip: 0.0 },
-        );
+        let shift = [script.random_offset(0.02, rng), 0.0];
+        script.pose(t + 0.9, 0.85, KeyedPosture { chest, hips, shift, dip: 0.0 });
         let gaze = if to_wall { 0.85 } else { -0.35 };
         script.turn_head(t + 0.6, 0.55, s * gaze, if to_wall { -0.08 } else { 0.02 }, 0.0);
         if to_wall {

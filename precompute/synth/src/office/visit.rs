@@ -13,6 +13,7 @@ use super::work::{self, Worker};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
+use throng_core::planar::wrap_angle;
 
 /// Distances from the chair at which clips begin, and at which people stop after walking away (m).
 const AWAY: [f64; 2] = [1.6, 2.5];
@@ -74,17 +75,17 @@ impl DeskVisitor {
         let at = self.deal_place(0, rng);
         let mut script = MotionScript::new(FeetStance { at, heading: rng.random_range(-PI..PI) }, variation);
         loop {
-            let before = script.now();
+            let before = script.now;
             script.wait_until(before + rng.random_range(0.5..1.3));
             script.tag("stand", before);
             // Coming and going take about 17 s.
-            let left = seconds - script.now() - 17.0;
+            let left = seconds - script.now - 17.0;
             self.walk_to_chair(&mut script, rng);
             let work = if left < 32.0 { left } else { rng.random_range(10.0..left.min(34.0)) };
             self.sit_and_work(&mut script, work.clamp(6.0, 40.0), rng);
             self.walk_away(&mut script, rng);
-            if seconds - script.now() < 16.0 {
-                let end = script.now();
+            if seconds - script.now < 16.0 {
+                let end = script.now;
                 script.wait_until(end + 1.0);
                 script.tag("stand", end);
                 return script;
@@ -101,45 +102,41 @@ impl DeskVisitor {
 
     /// Walks up to a side of the chair and steps in front of it.
     fn walk_to_chair(&mut self, script: &mut MotionScript, rng: &mut impl Rng) {
-        let from = script.stance().at;
+        let from = script.stance.at;
         // Around the chair only if that is not far.
         let dealt = self.sides[0].deal(rng);
         let side = if from.x.abs() > 0.8 { LateralSide::inside(from.x) } else { dealt };
         let s = side.sign();
         let across = from.y > 0.3;
         let at = DVec2::new(s * rng.random_range(0.62..0.72), if across { 0.02 } else { rng.random_range(0.04..0.14) });
-        let arrive = if across { s * 2.0 - 0.35..s * 2.0 + 0.35 } else { -0.75..0.75 };
-        let arrive = if across { -arrive.end..-arrive.start } else { arrive };
+        let arrive = if across { -(s * 2.0 + 0.35)..-(s * 2.0 - 0.35) } else { -0.75..0.75 };
         let cruise = self.speeds.deal(rng);
         let began = walk_route(script, &GroundGoal { at, arrive, cruise }, is_blocked, rng);
-        let turned = script.stance().heading;
-        let turned = f64::from(throng_core::planar::wrap_angle(turned as f32));
+        let turned = f64::from(wrap_angle(script.stance.heading as f32));
         if rng.random_bool(0.45) {
-            script.wait_until(script.now() + rng.random_range(0.3..0.9));
+            script.wait_until(script.now + rng.random_range(0.3..0.9));
         }
         if turned.abs() > 0.75 {
             script.turn_in_place(-turned + turned.signum() * rng.random_range(0.1..0.4));
         }
-        let to = FeetStance {
-            at: DVec2::new(script.random_offset(0.02, rng), BEFORE_SEAT),
-            heading: script.random_offset(0.06, rng),
-        };
-        let from = script.stance().at;
+        let at = DVec2::new(script.random_offset(0.02, rng), BEFORE_SEAT);
+        let to = FeetStance { at, heading: script.random_offset(0.06, rng) };
+        let from = script.stance.at;
         let path = |u: f64| {
             let forward = (1.7 * u).min(1.0);
             DVec2::new(from.x + (to.at.x - from.x) * u, from.y + (to.at.y - from.y) * forward)
         };
-        script.pose(script.now() + 0.6, 0.6, SQUEEZED);
+        script.pose(script.now + 0.6, 0.6, SQUEEZED);
         script.side_step(to, path, rng);
         script.tag("walk", began);
-        script.wait_until(script.now() + rng.random_range(0.05..0.4));
+        script.wait_until(script.now + rng.random_range(0.05..0.4));
     }
 
     /// Sits down, works, and prepares to stand up again.
     fn sit_and_work(&mut self, script: &mut MotionScript, work: f64, rng: &mut impl Rng) {
         let [begin, end] = take_seat(script, true, rng);
         script.tags.push(("sit_down", begin, end));
-        work::work(&mut self.worker, script, end, end + work, rng);
+        self.worker.work(script, end, end + work, rng);
     }
 
     /// Stands up, gets out from between chair and desk, and walks away.
@@ -152,7 +149,7 @@ impl DeskVisitor {
         let side = if goal.x.abs() > 0.6 { LateralSide::inside(goal.x) } else { dealt };
         let began = script.next_lift();
         step_out(script, side, rng);
-        let direct = goal - script.stance().at;
+        let direct = goal - script.stance.at;
         let ahead = direct.x.atan2(direct.y);
         let cruise = self.speeds.deal(rng);
         walk_route(script, &GroundGoal { at: goal, arrive: ahead - 0.9..ahead + 0.9, cruise }, is_blocked, rng);
@@ -165,12 +162,12 @@ impl DeskVisitor {
 /// - `at_desk`: allows a hand to take hold of the desk's edge.
 /// - returns begin and end of sitting down (s).
 pub fn take_seat(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
-    let begin = script.now();
+    let begin = script.now;
     let end = begin + 2.0 + script.random_offset(0.25, rng);
     script.sittings.push(ChairStay { down: [begin, end], up: [f64::INFINITY; 2] });
     sit_down(script, begin, end, at_desk, rng);
-    let heading = script.stance().heading;
-    place_feet(script, LateralSide::BOTH[usize::from(rng.random_bool(0.5))], UNDER_KNEES, heading, rng);
+    let heading = script.stance.heading;
+    place_feet(script, UNDER_KNEES, heading, rng);
     [begin, end]
 }
 
@@ -179,10 +176,10 @@ pub fn take_seat(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -
 /// - `at_desk`: allows a hand to push off the desk's edge.
 /// - returns begin and end of rising (s).
 pub fn rise(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -> [f64; 2] {
-    let ready = script.now();
+    let ready = script.now;
     let heading = script.random_offset(0.04, rng);
-    place_feet(script, LateralSide::BOTH[usize::from(rng.random_bool(0.5))], DRAWN_BACK, heading, rng);
-    let begin = script.now();
+    place_feet(script, DRAWN_BACK, heading, rng);
+    let begin = script.now;
     let end = begin + 2.0 + script.random_offset(0.2, rng);
     if let Some(sitting) = script.sittings.last_mut() {
         sitting.up = [begin, end];
@@ -193,7 +190,7 @@ pub fn rise(script: &mut MotionScript, at_desk: bool, rng: &mut impl Rng) -> [f6
 
 /// Steps sideways to where the path behind is free, turning a little outwards.
 fn step_out(script: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) {
-    let from = script.stance().at;
+    let from = script.stance.at;
     let out = DVec2::new(side.sign() * rng.random_range(0.6..0.7), rng.random_range(0.1..0.2));
     let path = |u: f64| {
         let back = ((u - 0.45) / 0.55).max(0.0);
@@ -201,17 +198,17 @@ fn step_out(script: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) {
     };
     let heading = side.sign() * rng.random_range(0.0..0.5);
     script.side_step(FeetStance { at: out, heading }, path, rng);
-    script.pose(script.now(), 0.8, KeyedPosture::default());
+    script.pose(script.now, 0.8, KeyedPosture::default());
 }
 
 /// Places one foot after the other at a distance in front of the seat.
-fn place_feet(script: &mut MotionScript, first: LateralSide, ahead: f64, heading: f64, rng: &mut impl Rng) {
+fn place_feet(script: &mut MotionScript, ahead: f64, heading: f64, rng: &mut impl Rng) {
+    let first = LateralSide::BOTH[usize::from(rng.random_bool(0.5))];
     let ahead = ahead + script.random_offset(0.02, rng);
-    let to = FeetStance { at: DVec2::new(script.stance().at.x, ahead), heading };
+    let to = FeetStance { at: DVec2::new(script.stance.at.x, ahead), heading };
     let width = 0.22 + script.random_offset(0.03, rng);
     for side in [first, first.other()] {
-        let step = ScriptStep { width, period: 0.56, ..ScriptStep::aside(side, to) };
-        script.step(step);
+        script.step(ScriptStep { width, period: 0.56, ..ScriptStep::aside(side, to) });
     }
 }
 
@@ -221,8 +218,7 @@ fn sit_down(script: &mut MotionScript, begin: f64, end: f64, at_desk: bool, rng:
     script.pose(end, 0.55 * over, SITTING);
     script.turn_head(begin + 0.45 * over, 0.4 * over, script.random_offset(0.1, rng), 0.12, 0.0);
     script.turn_head(end + 0.2, 0.5 * over, 0.0, 0.1, 0.0);
-    let support =
-        if at_desk { [Some(LateralSide::Left), Some(LateralSide::Right), None][rng.random_range(0..3)] } else { None };
+    let support = if at_desk { LateralSide::BOTH.get(rng.random_range(0..3usize)).copied() } else { None };
     for side in LateralSide::BOTH {
         let lap = mirrored_for_side(side, LAP);
         if support == Some(side) {
@@ -249,8 +245,7 @@ fn stand_up(script: &mut MotionScript, begin: f64, end: f64, at_desk: bool, rng:
     script.pose(begin + 0.75 * over, 0.75 * over, SQUEEZED);
     script.turn_head(begin + 0.4 * over, 0.35 * over, 0.0, 0.05, 0.0);
     script.turn_head(end, 0.5 * over, 0.0, 0.0, 0.0);
-    let support =
-        if at_desk { [Some(LateralSide::Left), Some(LateralSide::Right), None][rng.random_range(0..3)] } else { None };
+    let support = if at_desk { LateralSide::BOTH.get(rng.random_range(0..3usize)).copied() } else { None };
     for side in LateralSide::BOTH {
         if support == Some(side) {
             let (touch, until) = (begin + 0.15 * over, begin + 0.62 * over);

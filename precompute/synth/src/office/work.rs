@@ -34,11 +34,47 @@ pub struct Worker {
 impl Worker {
     /// No task dealt yet.
     pub fn new() -> Self {
-        use DeskTask::*;
-        let chats =
-            [Chat(LateralSide::Left), Chat(LateralSide::Right), Chat(LateralSide::Left), Chat(LateralSide::Right)];
-        let tasks = [&[Type, Mouse, Type, Read, Mouse, Type, LeanBack, Read, LeanBack], chats.as_slice()].concat();
+        use {DeskTask::*, LateralSide::*};
+        let [left, right] = [Left, Right].map(Chat);
+        let tasks = [Type, Mouse, Type, Read, Mouse, Type, LeanBack, Read, LeanBack, left, right, left, right];
         Self { tasks: CardDeck::new(&tasks) }
+    }
+
+    /// Works from `begin` until about `end`; the hands begin and end on the thighs.
+    pub fn work(&mut self, script: &mut MotionScript, begin: f64, end: f64, rng: &mut impl Rng) {
+        let (mut t, mut began) = (begin + 0.9, begin);
+        let mut last = None;
+        while t < end - 2.5 {
+            if last.is_some() && rng.random_bool(0.5) {
+                move_foot(script, t, rng);
+            }
+            let mut task = self.tasks.deal(rng);
+            if last == Some(task) {
+                task = self.tasks.deal(rng);
+            }
+            let mut until = (t + rng.random_range(4.0..9.0)).min(end);
+            match task {
+                DeskTask::Type => type_text(script, t, until, rng),
+                DeskTask::Mouse => use_mouse(script, t, until, rng),
+                DeskTask::Read => read_screen(script, t, until, rng),
+                DeskTask::LeanBack => lean_back(script, t, until, rng),
+                DeskTask::Chat(side) => {
+                    close_ankles(script, "work", began, t);
+                    until = chat(script, side, t, until, rng);
+                    close_ankles(script, "desk_chat", t, until);
+                    began = until;
+                }
+            }
+            last = Some(task);
+            t = until;
+        }
+        for side in LateralSide::BOTH {
+            hand_to_lap(script, side, t, rng);
+        }
+        script.pose(t + 0.8, 0.8, SITTING);
+        script.turn_head(t + 0.8, 0.6, 0.0, 0.05, 0.0);
+        script.wait_until(t + 1.0);
+        close_ankles(script, "work", began, t + 1.0);
     }
 }
 
@@ -57,43 +93,6 @@ pub fn over_desk_edge(aside: f64) -> KeyedHandPose {
 /// Left hand over the keyboard.
 fn keyboard_pose() -> KeyedHandPose {
     KeyedHandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..over_desk_edge(0.0) }
-}
-
-/// Works from `begin` until about `end`; the hands begin and end on the thighs.
-pub fn work(worker: &mut Worker, script: &mut MotionScript, begin: f64, end: f64, rng: &mut impl Rng) {
-    let (mut t, mut began) = (begin + 0.9, begin);
-    let mut last = None;
-    while t < end - 2.5 {
-        if last.is_some() && rng.random_bool(0.5) {
-            move_foot(script, t, rng);
-        }
-        let mut task = worker.tasks.deal(rng);
-        if last == Some(task) {
-            task = worker.tasks.deal(rng);
-        }
-        let mut until = (t + rng.random_range(4.0..9.0)).min(end);
-        match task {
-            DeskTask::Type => type_text(script, t, until, rng),
-            DeskTask::Mouse => use_mouse(script, t, until, rng),
-            DeskTask::Read => read_screen(script, t, until, rng),
-            DeskTask::LeanBack => lean_back(script, t, until, rng),
-            DeskTask::Chat(side) => {
-                close_ankles(script, "work", began, t);
-                until = chat(script, side, t, until, rng);
-                close_ankles(script, "desk_chat", t, until);
-                began = until;
-            }
-        }
-        last = Some(task);
-        t = until;
-    }
-    for side in LateralSide::BOTH {
-        hand_to_lap(script, side, t, rng);
-    }
-    script.pose(t + 0.8, 0.8, SITTING);
-    script.turn_head(t + 0.8, 0.6, 0.0, 0.05, 0.0);
-    script.wait_until(t + 1.0);
-    close_ankles(script, "work", began, t + 1.0);
 }
 
 /// Moves one foot a little under the desk.
@@ -138,11 +137,8 @@ fn hand_to_desk(script: &mut MotionScript, side: LateralSide, t: f64, pose: Keye
 /// Moves a hand back onto the thigh.
 fn hand_to_lap(script: &mut MotionScript, side: LateralSide, t: f64, rng: &mut impl Rng) -> f64 {
     let now = script.hand_now(side);
-    let lap = mirrored_for_side(side, LAP);
-    let lap = KeyedHandPose {
-        room: lap.room + DVec3::new(script.random_offset(0.015, rng), 0.0, script.random_offset(0.03, rng)),
-        ..lap
-    };
+    let mut lap = mirrored_for_side(side, LAP);
+    lap.room += DVec3::new(script.random_offset(0.015, rng), 0.0, script.random_offset(0.03, rng));
     let start = t + rng.random_range(0.0..0.1);
     if hand_on_desk(&now) {
         let before = KeyedHandPose { room: DVec3::new(now.room.x, 0.84, 0.42), twist: 0.8, flex: 0.1, ..lap };
@@ -186,19 +182,14 @@ fn type_text(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) 
             let burst = t + rng.random_range(0.8..2.6);
             while t < burst.min(to - 0.3) {
                 t += rng.random_range(0.15..0.24);
-                let room = home.room
-                    + DVec3::new(
-                        script.random_offset(0.016, rng),
-                        0.004 + script.random_offset(0.004, rng),
-                        script.random_offset(0.01, rng),
-                    );
-                let flex = home.flex + script.random_offset(0.1, rng);
-                script.hand(
-                    side,
-                    t,
-                    0.14,
-                    KeyedHandPose { room, flex, twist: home.twist + script.random_offset(0.05, rng), ..home },
-                );
+                let mut vary = |amount: f64| script.random_offset(amount, rng);
+                let stroke = KeyedHandPose {
+                    room: home.room + DVec3::new(vary(0.016), 0.004 + vary(0.004), vary(0.01)),
+                    flex: home.flex + vary(0.1),
+                    twist: home.twist + vary(0.05),
+                    ..home
+                };
+                script.hand(side, t, 0.14, stroke);
             }
             t += rng.random_range(0.2..0.8);
         }
@@ -257,11 +248,8 @@ fn read_screen(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng
 
 /// Leans back, with the hands on the thighs.
 fn lean_back(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
-    let back = KeyedPosture {
-        hips: Attitude { pitch: -0.34, ..Attitude::default() },
-        chest: Attitude { pitch: -0.25, ..Attitude::default() },
-        ..SITTING
-    };
+    let lean = |pitch: f64| Attitude { pitch, ..Attitude::default() };
+    let back = KeyedPosture { hips: lean(-0.34), chest: lean(-0.25), ..SITTING };
     for side in LateralSide::BOTH {
         hand_to_lap(script, side, from, rng);
         script.hand(side, to, 0.1, script.hand_now(side));

@@ -5,7 +5,7 @@ use super::super::office::desk::BEFORE_SEAT;
 use super::super::office::gesture::{self, CHIN, TalkStyle, hand_before_body, on_hip};
 use super::super::office::posture::{KeyedHandPose, KeyedPosture};
 use super::super::office::script::MotionScript;
-use super::super::office::stand::{lean_on, look_around, look_at_watch};
+use super::super::office::stand::{clasp_hands, lean_on, look_around, look_at_watch};
 use super::super::office::visit::{self, mirrored_for_side};
 use super::super::side::LateralSide;
 use super::super::walk::footsteps::FeetStance;
@@ -86,8 +86,6 @@ const ON_SHELF: KeyedHandPose =
 const CARRIED: KeyedHandPose = hand_before_body([0.2, -0.42, 0.16], [0.5, -1.0, -0.5], 0.4);
 /// Hand at a bag or a pocket.
 const POCKET: KeyedHandPose = hand_before_body([0.2, -0.48, 0.1], [0.6, -0.6, -0.8], 0.9);
-/// Hands clasped before the belly.
-const CLASP: KeyedHandPose = hand_before_body([0.055, -0.49, 0.21], [0.8, -0.9, -0.5], 0.5);
 /// Hand under the elbow of the other arm.
 const UNDER_ELBOW: KeyedHandPose = hand_before_body([-0.02, -0.32, 0.19], [0.9, -0.9, -0.2], 0.4);
 /// Hand over the head.
@@ -166,7 +164,7 @@ impl PersonAct {
             Self::Take(side, height) => handle(s, side, height, true, rng),
             Self::Put(side, height) => handle(s, side, height, false, rng),
         };
-        let end = s.now();
+        let end = s.now;
         s.tags.push((self.tag(), 0.5 * BEFORE_S, end + 0.3));
         s.tags.extend(looped.map(|[from, to]| ("loop", from, to)));
         s.wait_until(end + 0.4);
@@ -177,11 +175,6 @@ impl PersonAct {
 /// Begin and end of the part of an act that may loop (s).
 type LoopSpan = Option<[f64; 2]>;
 
-/// Posture with the chest leaned and turned.
-fn chest_posture(yaw: f64, pitch: f64) -> KeyedPosture {
-    KeyedPosture { chest: Attitude { yaw, pitch, list: 0.0 }, ..KeyedPosture::default() }
-}
-
 /// Returns everything to rest.
 fn return_to_rest(s: &mut MotionScript, t: f64, over: f64) {
     s.relax(t + over, over);
@@ -189,13 +182,13 @@ fn return_to_rest(s: &mut MotionScript, t: f64, over: f64) {
 }
 
 fn wave(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let raised = KeyedHandPose {
         body: WAVE.body + DVec3::new(0.0, s.random_offset(0.04, rng), s.random_offset(0.03, rng)),
         ..WAVE
     };
     s.hand(side, from + 0.55, 0.55, mirrored_for_side(side, raised));
-    s.pose(from + 0.5, 0.5, chest_posture(-0.06 * side.sign(), -0.03));
+    s.pose(from + 0.5, 0.5, KeyedPosture::with_chest(-0.06 * side.sign(), -0.03));
     s.turn_head(from + 0.4, 0.4, 0.0, -0.12, 0.06 * side.sign());
     let mut t = from + 0.55;
     for out in [0.1, -0.05, 0.09, -0.05, 0.06] {
@@ -210,7 +203,7 @@ fn wave(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan
 }
 
 fn nod(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let raised = KeyedHandPose {
         body: HALF.body + DVec3::new(s.random_offset(0.03, rng), s.random_offset(0.03, rng), 0.0),
         ..HALF
@@ -219,17 +212,17 @@ fn nod(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan 
     s.turn_head(from + 0.3, 0.3, 0.0, -0.1, 0.0);
     s.turn_head(from + 0.65, 0.3, 0.0, 0.22, 0.0);
     s.turn_head(from + 0.95, 0.3, 0.0, 0.0, 0.0);
-    s.pose(from + 0.65, 0.5, chest_posture(0.0, 0.06));
+    s.pose(from + 0.65, 0.5, KeyedPosture::with_chest(0.0, 0.06));
     s.hand(side, from + 1.0, 0.1, mirrored_for_side(side, raised));
     return_to_rest(s, from + 1.0, 0.8);
     None
 }
 
 fn shake_hands(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let side = LateralSide::Right;
     s.hand(side, from + 0.7, 0.7, mirrored_for_side(side, GIVEN));
-    s.pose(from + 0.7, 0.7, chest_posture(0.16, 0.1));
+    s.pose(from + 0.7, 0.7, KeyedPosture::with_chest(0.16, 0.1));
     s.turn_head(from + 0.4, 0.4, 0.0, 0.05, 0.0);
     let mut t = from + 0.75;
     for up in [0.035, -0.045, 0.035, -0.04, 0.02] {
@@ -244,11 +237,11 @@ fn shake_hands(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
 }
 
 fn buy(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     s.hand(side, from + 0.6, 0.6, mirrored_for_side(side, POCKET));
     s.turn_head(from + 0.5, 0.4, 0.15 * side.sign(), 0.3, 0.0);
     s.hand(side, from + 1.4, 0.65, mirrored_for_side(side, OVER));
-    s.pose(from + 1.4, 0.7, chest_posture(-0.12 * side.sign(), 0.14));
+    s.pose(from + 1.4, 0.7, KeyedPosture::with_chest(-0.12 * side.sign(), 0.14));
     s.turn_head(from + 1.2, 0.45, 0.0, 0.22, 0.0);
     s.hand(side, from + 1.7, 0.1, mirrored_for_side(side, OVER));
     s.let_hang(side, from + 2.5, 0.7);
@@ -256,7 +249,7 @@ fn buy(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan 
     let other = side.other();
     let take = from + 2.4 + s.random_offset(0.15, rng);
     s.hand(other, take + 0.7, 0.7, mirrored_for_side(other, UNDER));
-    s.pose(take + 0.7, 0.8, chest_posture(0.12 * side.sign(), 0.13));
+    s.pose(take + 0.7, 0.8, KeyedPosture::with_chest(0.12 * side.sign(), 0.13));
     s.turn_head(take + 0.6, 0.4, 0.0, 0.25, 0.0);
     s.hand(other, take + 1.0, 0.1, mirrored_for_side(other, UNDER));
     s.turn_head(take + 1.3, 0.3, 0.0, 0.12, 0.0);
@@ -268,7 +261,7 @@ fn buy(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan 
 /// release.
 fn handle(s: &mut MotionScript, side: LateralSide, height: Height, takes: bool, rng: &mut impl Rng) -> LoopSpan {
     let begin = 0.5 * BEFORE_S;
-    let from = s.now();
+    let from = s.now;
     let (around, lean, down) = match height {
         Height::Table => (ON_TABLE, 0.36, 0.35),
         Height::Shelf => (ON_SHELF, 0.04, 0.1),
@@ -276,7 +269,7 @@ fn handle(s: &mut MotionScript, side: LateralSide, height: Height, takes: bool, 
     let body = around.body + DVec3::new(0.0, s.random_offset(0.02, rng), s.random_offset(0.02, rng));
     let around = mirrored_for_side(side, KeyedHandPose { body, ..around });
     s.turn_head(from + 0.4, 0.4, -0.08 * side.sign(), down, 0.0);
-    s.pose(from + 0.85, 0.85, chest_posture(-0.1 * side.sign(), lean));
+    s.pose(from + 0.85, 0.85, KeyedPosture::with_chest(-0.1 * side.sign(), lean));
     s.hand(side, from + 0.85, 0.8, around);
     let grasp = from + 0.95;
     s.hand(side, grasp, 0.1, around);
@@ -286,12 +279,12 @@ fn handle(s: &mut MotionScript, side: LateralSide, height: Height, takes: bool, 
     }
     return_to_rest(s, grasp + if takes { 0.65 } else { 0.1 }, 0.8);
     let tag = ["left_hand", "right_hand"][side.index()];
-    s.tags.push(if takes { (tag, grasp, s.now() + 0.3) } else { (tag, begin, grasp) });
+    s.tags.push(if takes { (tag, grasp, s.now + 0.3) } else { (tag, begin, grasp) });
     None
 }
 
 fn chat(s: &mut MotionScript, heat: f64, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let side = LateralSide::BOTH[rng.random_range(0..2)];
     let lean = lean_on(side, s, rng);
     let facing = KeyedPosture { chest: Attitude { yaw: 0.0, pitch: 0.05 * heat, ..lean.chest }, ..lean };
@@ -306,13 +299,13 @@ fn chat(s: &mut MotionScript, heat: f64, rng: &mut impl Rng) -> LoopSpan {
 
 fn sit(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
     visit::take_seat(s, false, rng);
-    let seated = s.now();
+    let seated = s.now;
     for k in 0..3 {
         let t = seated + 1.0 + 2.6 * f64::from(k);
         s.turn_head(t, 0.8, s.random_offset(0.45, rng), s.random_offset(0.08, rng), 0.0);
     }
     s.wait_until(seated + 8.0);
-    let rises = s.now();
+    let rises = s.now;
     s.turn_head(rises, 0.8, 0.0, 0.1, 0.0);
     visit::rise(s, false, rng);
     Some([seated + 0.1, rises])
@@ -320,7 +313,7 @@ fn sit(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
 
 /// Stands with the weight on alternating legs, and looks ahead or about.
 fn stand(s: &mut MotionScript, rest: HandsAtRest, long: f64, ahead: bool, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let sides = if rng.random_bool(0.5) { LateralSide::BOTH } else { [LateralSide::Right, LateralSide::Left] };
     let first = lean_on(sides[0], s, rng);
     let second = lean_on(sides[1], s, rng);
@@ -347,9 +340,7 @@ fn take_rest_pose(s: &mut MotionScript, rest: HandsAtRest, from: f64) -> f64 {
     let there = from + 1.1;
     match rest {
         HandsAtRest::Hang | HandsAtRest::Watch => {}
-        HandsAtRest::Clasp => LateralSide::BOTH
-            .into_iter()
-            .for_each(|k| s.hand(k, there + 0.06 * k.sign(), 0.9, mirrored_for_side(k, CLASP))),
+        HandsAtRest::Clasp => clasp_hands(s, there),
         HandsAtRest::Hip(side) => s.hand(side, there, 0.9, on_hip(side)),
         HandsAtRest::Chin(side) => {
             s.hand(side, there, 0.9, mirrored_for_side(side, CHIN));
@@ -371,14 +362,14 @@ fn gaze(s: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
 }
 
 fn cheer(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
-    let from = s.now();
+    let from = s.now;
     let up = |side: LateralSide, s: &MotionScript, rng: &mut _| {
         let by = DVec3::new(s.random_offset(0.05, rng), s.random_offset(0.03, rng), s.random_offset(0.05, rng));
         mirrored_for_side(side, KeyedHandPose { body: UP.body + by, ..UP })
     };
     let poses = LateralSide::BOTH.map(|side| up(side, s, rng));
-    let low = KeyedPosture { dip: 0.05, ..chest_posture(0.0, 0.08) };
-    let high = KeyedPosture { dip: 0.0, ..chest_posture(0.0, -0.08) };
+    let low = KeyedPosture { dip: 0.05, ..KeyedPosture::with_chest(0.0, 0.08) };
+    let high = KeyedPosture { dip: 0.0, ..KeyedPosture::with_chest(0.0, -0.08) };
     s.pose(from + 0.35, 0.35, low);
     s.pose(from + 0.7, 0.35, high);
     s.turn_head(from + 0.7, 0.5, 0.0, -0.15, 0.0);

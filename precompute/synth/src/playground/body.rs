@@ -1,23 +1,23 @@
 //! Body parts for slides and ladders: hips, trunk and arms as keyed channels, and hands that hold on.
 
 use super::super::arm::ArmShape;
-use super::super::attitude::Attitude;
-use super::super::frame::ArmPose;
+use super::super::attitude::{Attitude, trunk_between};
+use super::super::frame::{ArmPose, BodyPose, upper_chest};
 use super::super::side::LateralSide;
 use super::super::signal::bump;
 use super::moment::{ease_in_out, mix_arms};
+use bytemuck::{Pod, Zeroable};
 use glam::{DQuat, DVec3};
-use throng_core::{Joint, Skeleton};
+use throng_core::{Contacts, Skeleton};
 
-/// Number of channels of a [`Carriage`].
-pub const CHANNELS: usize = 11;
 /// Distance of the palm from the wrist (m).
 const PALM: f64 = 0.065;
 /// Distance of a palm from its hold below which it holds on (m).
 const HOLDS: f64 = 0.008;
 
 /// Posture of hips and trunk, relative to a path: a ladder, or the bed of a slide.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Carriage {
     /// Hips along the path, off it and to its left (m).
     pub place: DVec3,
@@ -35,26 +35,12 @@ impl Carriage {
         Self { place, hips: [0.04, 0.0], chest: [0.0, 0.02, 0.0], head: [0.0, 0.06, 0.0] }
     }
 
-    /// Values of the channels.
-    pub fn channels(self) -> [f64; CHANNELS] {
-        let Self { place: p, hips: h, chest: c, head: d } = self;
-        [p.x, p.y, p.z, h[0], h[1], c[0], c[1], c[2], d[0], d[1], d[2]]
-    }
-
-    /// Posture with given channels.
-    pub fn from_channels(c: [f64; CHANNELS]) -> Self {
-        let [x, y, z, h0, h1, c0, c1, c2, d0, d1, d2] = c;
-        Self { place: DVec3::new(x, y, z), hips: [h0, h1], chest: [c0, c1, c2], head: [d0, d1, d2] }
-    }
-
     /// World rotations of the hips, and of spine, chest, upper chest, neck and head.
     pub fn rotations(&self, heading: f64) -> (DQuat, [DQuat; 5]) {
         let [pitch, list] = self.hips;
         let hips = Attitude { yaw: heading + 0.25 * self.chest[0], pitch, list };
         let turned = |[yaw, pitch, list]: [f64; 3]| Attitude { yaw: heading + yaw, pitch, list };
-        let (chest, head) = (turned(self.chest), turned(self.head));
-        let neck = chest.mix(head, 0.45);
-        let trunk = [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head];
+        let trunk = trunk_between(hips, turned(self.chest), turned(self.head));
         (hips.rotation(), trunk.map(Attitude::rotation))
     }
 }
@@ -106,46 +92,31 @@ struct SynthHandGoal {
     still: bool,
 }
 
-/// Trunk that an arm belongs to.
-pub struct ArmTrunk<'a> {
-    /// Hips joint (m).
-    pub root: DVec3,
-    /// World rotation of the hips.
-    pub hips: DQuat,
-    /// World rotations of spine, chest, upper chest, neck and head.
-    pub segments: &'a [DQuat; 5],
-}
-
-impl ArmTrunk<'_> {
-    /// Position of a clavicle's joint (m).
-    fn clavicle(&self, side: LateralSide, skeleton: &Skeleton) -> DVec3 {
-        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-        self.root
-            + self.hips * offset(Joint::Spine)
-            + self.segments[0] * offset(Joint::Chest)
-            + self.segments[1] * offset(Joint::UpperChest)
-            + self.segments[2] * offset(side.arm()[0])
+/// Brings the arms of a body from hanging to their holds at `t` seconds.
+///
+/// - `along`: maps a position that moves with the body to the world.
+/// - returns the contacts of the hands that hold on.
+pub fn hold_on(
+    hands: &[HandTrack; 2],
+    t: f64,
+    body: &mut BodyPose,
+    along: impl Fn(DVec3) -> DVec3,
+    skeleton: &Skeleton,
+) -> Contacts {
+    let mut held = Contacts::NONE;
+    let chest = upper_chest(body.root, body.hips, &body.trunk, skeleton);
+    for ((hand, arm), bit) in hands.iter().zip(&mut body.arms).zip([Contacts::LEFT_HAND, Contacts::RIGHT_HAND]) {
+        let Some(goal) = hand.goal(t, &along) else { continue };
+        let (holding, miss) = hand.reach_hold(&goal, chest, body.trunk[2], skeleton);
+        *arm = mix_arms(arm, &holding, goal.share);
+        if goal.still && miss < HOLDS {
+            held.insert(bit);
+        }
     }
+    held
 }
 
 impl HandTrack {
-    /// Pose of the arm at `t` seconds, and whether it holds on.
-    ///
-    /// - `hanging`: pose of the hanging arm.
-    /// - `along`: maps a position that moves with the body to the world.
-    pub fn arm(
-        &self,
-        t: f64,
-        trunk: &ArmTrunk,
-        hanging: &ArmPose,
-        along: impl Fn(DVec3) -> DVec3,
-        skeleton: &Skeleton,
-    ) -> (ArmPose, bool) {
-        let Some(goal) = self.goal(t, along) else { return (*hanging, false) };
-        let (holding, miss) = self.reach_hold(&goal, trunk, skeleton);
-        (mix_arms(hanging, &holding, goal.share), goal.still && miss < HOLDS)
-    }
-
     fn goal(&self, t: f64, along: impl Fn(DVec3) -> DVec3) -> Option<SynthHandGoal> {
         let (first, last) = (self.grips.first()?, self.grips.last()?);
         let share =
@@ -171,16 +142,17 @@ impl HandTrack {
     }
 
     /// Pose of the arm that brings the palm to its hold, and the remaining distance (m).
-    fn reach_hold(&self, goal: &SynthHandGoal, trunk: &ArmTrunk, skeleton: &Skeleton) -> (ArmPose, f64) {
-        let [_, upper, fore, hand] = self.side.arm();
-        let offset = |j: Joint| skeleton.offsets[j.index()].as_dvec3();
-        let shape = ArmShape { upper_arm: offset(fore).length(), forearm: offset(hand).length() };
-        let (s, base) = (self.side.sign(), trunk.clavicle(self.side, skeleton));
-        let towards = trunk.segments[2].inverse() * (goal.palm - base);
+    ///
+    /// - `chest`, `turned`: position and rotation of the upper chest.
+    fn reach_hold(&self, goal: &SynthHandGoal, chest: DVec3, turned: DQuat, skeleton: &Skeleton) -> (ArmPose, f64) {
+        let [shoulder, upper, fore, hand] = self.side.arm().map(|j| skeleton.offsets[j.index()].as_dvec3());
+        let shape = ArmShape { upper_arm: fore.length(), forearm: hand.length() };
+        let (s, base) = (self.side.sign(), chest + turned * shoulder);
+        let towards = turned.inverse() * (goal.palm - base);
         // The shoulder follows: up with a raised hand, forward with one in front.
         let (raise, forward) = (0.35 * (towards.y / 0.6).clamp(-0.15, 1.0), 0.3 * (towards.z / 0.6).clamp(-0.5, 1.0));
         let clavicle = DQuat::from_rotation_y(-s * forward) * DQuat::from_rotation_z(s * raise);
-        let shoulder = base + trunk.segments[2] * clavicle * offset(upper);
+        let shoulder = base + turned * clavicle * upper;
         let along = DVec3::X * s;
         let mut wrist = goal.palm - (goal.palm - shoulder).normalize_or(DVec3::Z) * PALM;
         let mut out =
@@ -191,7 +163,7 @@ impl HandTrack {
             let elbow = shoulder + reach.upper_arm * along * shape.upper_arm;
             let direction = reach.upper_arm * forearm * along;
             let palm = elbow + direction * (shape.forearm + PALM);
-            out.0.upper_arm = (trunk.segments[2] * clavicle).inverse() * reach.upper_arm;
+            out.0.upper_arm = (turned * clavicle).inverse() * reach.upper_arm;
             out.0.forearm = forearm;
             out.1 = palm.distance(goal.palm);
             wrist = goal.palm - direction * PALM;

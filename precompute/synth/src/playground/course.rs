@@ -1,8 +1,9 @@
 //! Course of a slide: the centre line of its bed, by distance over the ground.
 
-use super::super::side::{forward, leftward};
+use super::super::side::{forward, leftward, over_ground};
 use super::super::walk::footsteps::FeetStance;
-use glam::{DVec2, DVec3};
+use super::moment::left_direction;
+use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
 /// Height of the lower end over the ground (m).
@@ -43,22 +44,11 @@ pub struct CoursePoint {
 }
 
 impl CoursePoint {
-    /// Horizontal direction to the left.
-    pub fn leftward(&self) -> DVec3 {
-        let l = leftward(self.heading);
-        DVec3::new(l.x, 0.0, l.y)
-    }
-
-    /// Direction away from the bed.
-    pub fn normal(&self) -> DVec3 {
-        let f = forward(self.heading);
-        let (sin, cos) = self.pitch.sin_cos();
-        DVec3::new(f.x * sin, cos, f.y * sin)
-    }
-
     /// A point off the centre line: to the left along the ground, and off the bed (m).
     pub fn offset_point(&self, left: f64, up: f64) -> DVec3 {
-        self.at + self.leftward() * left + self.normal() * up
+        let (sin, cos) = self.pitch.sin_cos();
+        let off_bed = over_ground(forward(self.heading) * sin, cos);
+        self.at + left_direction(self.heading) * left + off_bed * up
     }
 }
 
@@ -111,18 +101,13 @@ impl SlideCourse {
         let height = mean(&|s| self.height(s));
         let drop = (self.height(s - ROUNDING) - self.height(s + ROUNDING)) / (2.0 * ROUNDING);
         let heading = mean(&|s| self.ground_stance(s).heading);
-        CoursePoint { at: DVec3::new(plan.at.x, height, plan.at.y), heading, pitch: drop.atan() }
+        CoursePoint { at: over_ground(plan.at, height), heading, pitch: drop.atan() }
     }
 
     /// True if the course bends to the left there.
     pub fn bends_left(&self, s: f64) -> bool {
         self.bend.is_some_and(|(from, radius)| (from..from + radius * FRAC_PI_2).contains(&s))
     }
-}
-
-/// Ground position of a point (m).
-pub fn ground_position(p: DVec3) -> DVec2 {
-    DVec2::new(p.x, p.z)
 }
 
 #[cfg(test)]

@@ -1,17 +1,17 @@
 //! Climbing the ladder: a foot and the opposite hand at a time, with a rung for every step of a foot.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::frame::BodyPose;
+use super::super::frame::{BodyPose, Samples};
 use super::super::side::LateralSide;
 use super::super::signal::bump;
 use super::super::track::KeyTrack;
 use super::super::walk::footsteps::FeetStance;
-use super::body::{ArmTrunk, CHANNELS, Carriage, HandTrack, HoldPoint, SynthHandGrip};
+use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::gym::{LADDER, LADDER_FRONT, LEVEL, RAIL_ASIDE, RAIL_TOP, RUNG, RUNG_RADIUS};
 use super::moment::{BodyMoment, ease_in_out, forward_direction, left_direction, mix_turn};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
-use throng_core::{Contacts, Skeleton};
+use throng_core::Skeleton;
 
 /// Position of a climber before climbing, relative to the deck's edge (m).
 pub const FOOT: f64 = -0.44;
@@ -41,7 +41,7 @@ struct LadderFootStay {
 struct Climb {
     feet: [Vec<LadderFootStay>; 2],
     hands: [HandTrack; 2],
-    body: KeyTrack<CHANNELS>,
+    body: KeyTrack<Carriage>,
     duration: f64,
 }
 
@@ -51,48 +51,21 @@ struct Climb {
 /// - returns the moments, `dt` seconds apart.
 pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: &mut impl Rng) -> Vec<BodyMoment> {
     let plan = plan_climb(from, to, skeleton, rng);
-    let num = (plan.duration / dt).ceil() as usize;
-    let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
-    let body = plan.body.sample(&times, &[0.0; CHANNELS], 0.06, dt);
+    let samples = Samples::spaced(dt, plan.duration);
     let shape = FootShape::from_skeleton(skeleton);
-    times
-        .iter()
-        .zip(body)
-        .map(|(&t, c)| climb_moment(&plan, t, &Carriage::from_channels(c), [from, to], &shape, skeleton))
-        .collect()
-}
-
-fn climb_moment(
-    plan: &Climb,
-    t: f64,
-    carriage: &Carriage,
-    ends: [&BodyPose; 2],
-    shape: &FootShape,
-    skeleton: &Skeleton,
-) -> BodyMoment {
-    let (hips, trunk) = carriage.rotations(0.0);
-    let p = carriage.place;
-    let root = world_point(p.z, p.y, p.x);
-    let mut held = Contacts::NONE;
-    let arms = LateralSide::BOTH.map(|side| {
-        let i = side.index();
-        let hanging = &ends[usize::from(t > 0.5 * plan.duration)].arms[i];
-        let body = ArmTrunk { root, hips, segments: &trunk };
-        let (arm, holds) = plan.hands[i].arm(t, &body, hanging, |p| p, skeleton);
-        if holds {
-            held.insert([Contacts::LEFT_HAND, Contacts::RIGHT_HAND][i]);
-        }
-        arm
-    });
-    let feet = [0, 1].map(|i: usize| foot(&plan.feet[i], t, shape));
-    let out = 0.45 * ease_in_out((t - LEAD) / 0.8) * ease_in_out((plan.duration - t) / 1.4);
-    let knees = LateralSide::BOTH.map(|s| forward_direction(0.0) + left_direction(0.0) * (s.sign() * (0.08 + out)));
-    BodyMoment {
-        body: BodyPose { root, hips, trunk, arms, feet, knees: [0.0; 2] },
-        knees,
-        hand_contacts: held,
-        seat: None,
-    }
+    let moment = |(&t, carriage): (&f64, Carriage)| {
+        let (hips, trunk) = carriage.rotations(0.0);
+        let p = carriage.place;
+        let hanging = if t > 0.5 * plan.duration { to } else { from };
+        let feet = plan.feet.each_ref().map(|stays| foot(stays, t, &shape));
+        let root = world_point(p.z, p.y, p.x);
+        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees: [0.0; 2] };
+        let hand_contacts = hold_on(&plan.hands, t, &mut body, |p| p, skeleton);
+        let out = 0.45 * ease_in_out((t - LEAD) / 0.8) * ease_in_out((plan.duration - t) / 1.4);
+        let knees = LateralSide::BOTH.map(|s| forward_direction(0.0) + left_direction(0.0) * (s.sign() * (0.08 + out)));
+        BodyMoment { body, knees, hand_contacts, seat: None }
+    };
+    samples.times.iter().zip(plan.body.sample(&samples, &[], 0.06)).map(moment).collect()
 }
 
 /// World position of a point at the ladder: to the left, up, and ahead of the deck's edge.
@@ -212,11 +185,11 @@ fn carriages(
     to: &BodyPose,
     starts: &[f64],
     mover: impl Fn(usize) -> LateralSide,
-) -> KeyTrack<CHANNELS> {
+) -> KeyTrack<Carriage> {
     let local = |p: DVec3| DVec3::new(p.z - LADDER.y, p.y, p.x - LADDER.x);
     let (a, b) = (local(from.root), local(to.root));
     let off = -LADDER_FRONT - HIPS_OFF;
-    let mut body = KeyTrack::new(Carriage::standing(a).channels());
+    let mut body = KeyTrack::new(Carriage::standing(a));
     body.hold(LEAD);
     let climbing = |h: f64, to_foot: f64| Carriage {
         place: DVec3::new(off, RUNG * h + 0.6, 0.03 * to_foot),
@@ -226,12 +199,12 @@ fn carriages(
     };
     // The weight moves to the standing foot, opposite to the moving one.
     let ready = climbing(1.0, mover(0).other().sign());
-    body.push(starts[0], Carriage { place: DVec3::new(off + 0.02, a.y - 0.01, ready.place.z), ..ready }.channels());
+    body.push(starts[0], Carriage { place: DVec3::new(off + 0.02, a.y - 0.01, ready.place.z), ..ready });
     for h in 1..=RUNGS {
         let to_foot = mover(h).other().sign();
-        body.push(starts[h], climbing(h as f64, to_foot).channels());
+        body.push(starts[h], climbing(h as f64, to_foot));
         let middle = starts[h] + 0.6 * (starts[h + 1] - starts[h]);
-        body.push(middle, climbing(h as f64 + 0.5, to_foot).channels());
+        body.push(middle, climbing(h as f64 + 0.5, to_foot));
     }
     let (over, up) = (starts[RUNGS + 1], starts[RUNGS + 2]);
     let lean = |along: f64, height: f64, to_foot: f64, pitch: f64| Carriage {
@@ -241,8 +214,8 @@ fn carriages(
         head: [0.0, 0.1 + 0.2 * pitch, 0.0],
     };
     let foot = mover(RUNGS).sign();
-    body.push(over, lean(-0.2, RUNG * 7.0 + 0.62, foot, 0.35).channels());
-    body.push(0.5 * (over + up), lean(0.06, RUNG * 7.0 + 0.8, foot, 0.3).channels());
-    body.push(up + 0.15, Carriage::standing(b).channels());
+    body.push(over, lean(-0.2, RUNG * 7.0 + 0.62, foot, 0.35));
+    body.push(0.5 * (over + up), lean(0.06, RUNG * 7.0 + 0.8, foot, 0.3));
+    body.push(up + 0.15, Carriage::standing(b));
     body
 }

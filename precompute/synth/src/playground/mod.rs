@@ -53,13 +53,6 @@ pub fn playground(cfg: &SynthConfig) -> ClipSet {
     ClipSet { skeleton, clips }
 }
 
-/// A named stretch of a clip (s).
-struct NamedStretch {
-    name: &'static str,
-    from: f64,
-    to: f64,
-}
-
 /// Makes a clip of the legs of a visit.
 fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let grid = Samples::for_clip(1.0, cfg.rate_hz);
@@ -69,7 +62,7 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
     for (i, leg) in legs.iter().enumerate() {
         let overlap = if i == 0 { 0 } else { grid.count_within(OVERLAP) };
         let begin = moments.len().saturating_sub(overlap) as f64 * grid.dt;
-        let mut mark = |name, from: f64, to: f64| marks.push(NamedStretch { name, from: begin + from, to: begin + to });
+        let mut mark = |name, from: f64, to: f64| marks.push((name, begin + from, begin + to));
         let next = match (&walks[i], leg) {
             (Some((walk, stairs)), _) => {
                 stairs.iter().for_each(|(from, to)| mark("stairs", *from, *to));
@@ -79,7 +72,16 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
         };
         crossfade(&mut moments, next, overlap);
     }
-    clip(name, &moments, grid.per_frame, &marks, skeleton, cfg)
+    let mut clip = frame::empty_clip(name, "playground", cfg);
+    let mut support = 0.0;
+    for moment in moments.iter().step_by(grid.per_frame) {
+        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
+        support = moment.support().unwrap_or(support);
+        clip.support.push(support as f32);
+    }
+    clip.tags = standing_tags(&clip);
+    frame::add_tags(&mut clip, marks);
+    clip
 }
 
 /// Moments of a walk, and the times on stairs.
@@ -90,7 +92,7 @@ fn walk_leg(leg: &VisitLeg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut im
     let VisitLeg::Walk(route) = leg else { return None };
     let shape = FootShape::from_skeleton(skeleton);
     let last = rng.random_range(0.9..1.7);
-    let steps = footsteps::place_on_ground(shape, route.start, &route.walk.steps, last, gym::ground, rng);
+    let steps = footsteps::place_footsteps(shape, route.start, &route.walk.steps, last, gym::ground, rng);
     // Whole tenths of a second, so that the next motion begins at the same time at every rate.
     let samples = Samples::for_clip((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
     let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
@@ -134,27 +136,6 @@ fn act_moments(
     };
     mark("climb", OVERLAP, moments.len() as f64 * dt - OVERLAP);
     moments
-}
-
-/// Clip of every `per_frame`-th moment, with contacts, support and tags.
-fn clip(
-    name: String,
-    moments: &[BodyMoment],
-    per_frame: usize,
-    marks: &[NamedStretch],
-    skeleton: &Skeleton,
-    cfg: &SynthConfig,
-) -> Clip {
-    let mut clip = frame::empty_clip(name, "playground", cfg);
-    let mut support = 0.0;
-    for moment in moments.iter().step_by(per_frame) {
-        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
-        support = moment.support().unwrap_or(support);
-        clip.support.push(support as f32);
-    }
-    clip.tags = standing_tags(&clip);
-    frame::add_tags(&mut clip, marks.iter().map(|m| (m.name, m.from, m.to)));
-    clip
 }
 
 /// Tags of stretches at rest on both feet.

@@ -2,7 +2,7 @@
 
 use super::super::foot::FootPose;
 use super::super::frame::{ArmPose, BodyPose};
-use super::super::side::{forward, leftward};
+use super::super::side::{forward, leftward, over_ground};
 use super::super::signal::{PieceEnd, quintic};
 use glam::DVec3;
 use throng_core::Contacts;
@@ -62,7 +62,7 @@ pub fn mix_arms(a: &ArmPose, b: &ArmPose, share: f64) -> ArmPose {
 }
 
 /// Interpolates between two poses of a foot; a part carries if it carries in both.
-fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
+pub fn mix_feet(a: &FootPose, b: &FootPose, share: f64) -> FootPose {
     let mix = |a: f64, b: f64| a + (b - a) * share;
     FootPose {
         ankle: a.ankle.lerp(b.ankle, share),
@@ -100,12 +100,10 @@ pub fn ease_in_out(u: f64) -> f64 {
 
 /// Horizontal direction of a heading.
 pub fn forward_direction(heading: f64) -> DVec3 {
-    let f = forward(heading);
-    DVec3::new(f.x, 0.0, f.y)
+    over_ground(forward(heading), 0.0)
 }
 
 /// Horizontal direction to the left of a heading.
 pub fn left_direction(heading: f64) -> DVec3 {
-    let l = leftward(heading);
-    DVec3::new(l.x, 0.0, l.y)
+    over_ground(leftward(heading), 0.0)
 }

@@ -1,6 +1,6 @@
 //! Plan of a visitor of the gym: walks to an ascent, goes up, walks about on the deck, comes down, and repeats.
 
-use super::super::deck::CardDeck as Pile;
+use super::super::deck::CardDeck;
 use super::super::walk::footsteps::FeetStance;
 use super::course::SlideCourse;
 use super::gym::{self, CLOSE, DECK_A, DECK_B, ELBOWS, GymDeck, LEVEL, STAIRS_A, STAIRS_B, Stairs};
@@ -9,6 +9,7 @@ use super::{ladder, slide};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;
+use std::iter::successors;
 
 /// A part of a visit.
 pub enum VisitLeg {
@@ -56,9 +57,9 @@ const LOOKOUTS: [DVec2; 11] = [
 
 /// Dealer of visits. One serves all clips of a set, so that everything occurs about equally often.
 pub struct GymVisitor {
-    ups: Pile<AscentKind>,
-    downs_a: Pile<DescentKind>,
-    downs_b: Pile<DescentKind>,
+    ups: CardDeck<AscentKind>,
+    downs_a: CardDeck<DescentKind>,
+    downs_b: CardDeck<DescentKind>,
     variation: f64,
 }
 
@@ -66,30 +67,18 @@ pub struct GymVisitor {
 struct GymVisit<'a, R: Rng> {
     legs: Vec<VisitLeg>,
     route: WalkRoute,
-    variation: f64,
     rng: &'a mut R,
 }
 
 impl GymVisitor {
     /// A dealer of visits whose steps vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
+        use AscentKind::{Ladder, StairsA, StairsB};
+        use DescentKind::{Curved, Slide, Stairs};
         Self {
-            ups: Pile::new(&[
-                AscentKind::StairsA,
-                AscentKind::Ladder,
-                AscentKind::StairsA,
-                AscentKind::Ladder,
-                AscentKind::StairsB,
-            ]),
-            downs_a: Pile::new(&[
-                DescentKind::Slide,
-                DescentKind::Curved,
-                DescentKind::Slide,
-                DescentKind::Curved,
-                DescentKind::Stairs,
-                DescentKind::Ladder,
-            ]),
-            downs_b: Pile::new(&[DescentKind::Slide, DescentKind::Slide, DescentKind::Slide, DescentKind::Stairs]),
+            ups: CardDeck::new(&[StairsA, Ladder, StairsA, Ladder, StairsB]),
+            downs_a: CardDeck::new(&[Slide, Curved, Slide, Curved, Stairs, DescentKind::Ladder]),
+            downs_b: CardDeck::new(&[Slide, Slide, Slide, Stairs]),
             variation,
         }
     }
@@ -99,7 +88,7 @@ impl GymVisitor {
         let at = DVec2::new(rng.random_range(-9.0..6.0), rng.random_range(-8.5..-5.8));
         let start = FeetStance { at, heading: rng.random_range(-PI..PI) };
         let route = WalkRoute::standing_at(start, self.variation, rng);
-        let mut visit = GymVisit { legs: Vec::new(), route, variation: self.variation, rng };
+        let mut visit = GymVisit { legs: Vec::new(), route, rng };
         // A round takes about 40 s.
         while visit.is_fresh() || visit.seconds() < seconds - 32.0 {
             self.add_round(&mut visit);
@@ -134,7 +123,8 @@ impl GymVisitor {
 impl<R: Rng> GymVisit<'_, R> {
     /// Ends the walk, adds another leg, and stands at `next`.
     fn add_act(&mut self, leg: VisitLeg, next: FeetStance) {
-        let walk = std::mem::replace(&mut self.route, WalkRoute::standing_at(next, self.variation, self.rng));
+        let next = WalkRoute::standing_at(next, self.route.walk.variation, self.rng);
+        let walk = std::mem::replace(&mut self.route, next);
         self.legs.push(VisitLeg::Walk(Box::new(walk)));
         self.legs.push(leg);
     }
@@ -199,9 +189,6 @@ impl<R: Rng> GymVisit<'_, R> {
         let arrival = self.arrival();
         self.walk_to(gym::tread_up(stairs, aside, 0), arrival);
         self.route.climb(stairs, aside, self.rng);
-        if self.rng.random_bool(0.5) {
-            self.route.stop_and_stand(self.rng);
-        }
         if stairs.num_steps == STAIRS_A.num_steps { DECK_A } else { DECK_B }
     }
 
@@ -210,9 +197,6 @@ impl<R: Rng> GymVisit<'_, R> {
         let arrival = self.arrival();
         self.stroll(gym::tread_down(stairs, aside, 0), deck, arrival);
         self.route.descend(stairs, aside, self.rng);
-        if self.rng.random_bool(0.5) {
-            self.route.stop_and_stand(self.rng);
-        }
     }
 
     fn climb_ladder(&mut self) -> GymDeck {
@@ -266,8 +250,7 @@ fn jitter(p: DVec2, rng: &mut impl Rng) -> DVec2 {
 
 /// Shortest path over the ground by waypoints, without its ends.
 fn lookout_path(from: DVec2, to: DVec2) -> Vec<DVec2> {
-    let mut nodes = vec![from, to];
-    nodes.extend(LOOKOUTS);
+    let nodes = [&[from, to], LOOKOUTS.as_slice()].concat();
     let mut cost = vec![f64::INFINITY; nodes.len()];
     let mut before = vec![0; nodes.len()];
     let mut done = vec![false; nodes.len()];
@@ -283,12 +266,8 @@ fn lookout_path(from: DVec2, to: DVec2) -> Vec<DVec2> {
             }
         }
     }
-    let mut out = Vec::new();
-    let mut at = before[1];
-    while at != 0 {
-        out.push(nodes[at]);
-        at = before[at];
-    }
+    let mut out: Vec<DVec2> =
+        successors(Some(before[1]), |at| Some(before[*at])).take_while(|at| *at != 0).map(|at| nodes[at]).collect();
     out.reverse();
     out
 }

@@ -41,7 +41,6 @@ pub struct WalkRoute {
     pub walk: WalkSteps,
     /// Runs of steps on stairs.
     pub stairs: Vec<Range<usize>>,
-    variation: f64,
     cruise: f64,
 }
 
@@ -54,7 +53,7 @@ impl WalkRoute {
         let cruise = SPEEDS[rng.random_range(1..5)];
         let mut walk = WalkSteps::new(variation);
         walk.pause = rng.random_range(0.5..1.4);
-        Self { start, at: start, walk, stairs: Vec::new(), variation, cruise }
+        Self { start, at: start, walk, stairs: Vec::new(), cruise }
     }
 
     /// True before the first step and after a stop.
@@ -69,7 +68,12 @@ impl WalkRoute {
 
     /// Moves the path by the steps taken since `first`.
     fn catch_up(&mut self, first: usize) {
-        self.at = self.walk.steps[first..].iter().fold(self.at, |at, step| at.after_step(step));
+        self.at = self.stance_after(first);
+    }
+
+    /// Stance after the steps since `first`.
+    fn stance_after(&self, first: usize) -> FeetStance {
+        self.walk.steps[first..].iter().fold(self.at, |at, step| at.after_step(step))
     }
 
     /// Turns by an angle: on the spot or into the first steps from a stand, on the way otherwise.
@@ -92,14 +96,9 @@ impl WalkRoute {
     /// - `against`: penalty of places on the path; a stretch of all steps by a tenth counts 0.1.
     pub fn walk_to(&mut self, goal: FeetStance, arrival: WalkEnding, against: PathPenalty, rng: &mut impl Rng) {
         let seed = rng.random();
-        let mut best: Option<(f64, Self)> = None;
-        for plan in plans(self.at, goal, arrival, step_at(self.cruise).length) {
-            let (cost, route) = self.try_plan(&plan, goal, against, seed);
-            if best.as_ref().is_none_or(|b| cost < b.0) {
-                best = Some((cost, route));
-            }
-        }
-        if let Some((_, route)) = best {
+        let plans = plans(self.at, goal, arrival, step_at(self.cruise).length);
+        let routes = plans.map(|plan| self.try_plan(&plan, goal, against, seed));
+        if let Some((_, route)) = routes.reduce(|best, next| if next.0 < best.0 { next } else { best }) {
             *self = route;
         }
     }
@@ -108,8 +107,7 @@ impl WalkRoute {
     fn try_plan(&self, plan: &ArrivalPlan, goal: FeetStance, against: PathPenalty, seed: u64) -> (f64, Self) {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut route = self.clone();
-        let walk = &mut route.walk;
-        let begin = walk.steps.len();
+        let begin = route.walk.steps.len();
         let mut groups = [begin..begin, begin..begin];
         route.turn_by(plan.first, &mut rng);
         let walk = &mut route.walk;
@@ -142,7 +140,7 @@ impl WalkRoute {
         against: PathPenalty,
     ) -> f64 {
         self.straighten(begin, groups[1].start, goal.heading);
-        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after_step(s)).at;
+        let end = self.stance_after(begin).at;
         let [a, b] = [0, 1].map(|g: usize| self.travel(begin, &groups[g]));
         let missing = DMat2::from_cols(a, b);
         let stretch = if missing.determinant().abs() < 1e-3 {
@@ -169,7 +167,7 @@ impl WalkRoute {
 
     /// Adds the remaining heading error of turns to the last of them.
     fn straighten(&mut self, begin: usize, last: usize, heading: f64) {
-        let end = self.walk.steps[begin..].iter().fold(self.at, |at, s| at.after_step(s)).heading;
+        let end = self.stance_after(begin).heading;
         if let Some(step) = self.walk.steps[..last].last_mut() {
             step.turn += f64::from(wrap_angle((heading - end) as f32));
         }
@@ -186,38 +184,29 @@ impl WalkRoute {
         sum
     }
 
-    /// Takes a flight of stairs: one step to every place of `treads`.
-    pub fn stairs(&mut self, steps: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
+    /// Takes a flight of stairs, one step to every place, and stops and stands behind it now and then.
+    fn stairs(&mut self, steps: impl Iterator<Item = FeetStance>, period: f64, rng: &mut impl Rng) {
         let first = self.walk.steps.len();
         for step in steps {
             let offset = step.at - self.at.at;
             let ahead = forward(step.heading);
-            let period = period * (1.0 + self.variation * rng.random_range(-0.04..0.04));
+            let period = period * (1.0 + self.walk.variation * rng.random_range(-0.04..0.04));
             let shape = StepShape { length: offset.dot(ahead), period, double_support: 0.26 * period };
             let turn = f64::from(wrap_angle((step.heading - self.at.heading) as f32));
-            self.walk.steps.push(Intent {
-                side: self.walk.next,
-                pause: self.walk.pause,
-                turn,
-                aside: 0.0,
-                width: WALKING_WIDTH + 0.03,
-                toe_out: TOE_OUT,
-                shape,
-            });
-            self.walk.pause = 0.0;
-            self.walk.next = self.walk.next.other();
+            let (side, pause) = (self.walk.next, std::mem::take(&mut self.walk.pause));
+            let width = WALKING_WIDTH + 0.03;
+            self.walk.steps.push(Intent { side, pause, turn, aside: 0.0, width, toe_out: TOE_OUT, shape });
+            self.walk.next = side.other();
             self.at = FeetStance { at: self.at.at + ahead * shape.length, heading: self.at.heading + turn };
         }
-        self.stairs.push(first..self.walk.steps.len());
+        let end = self.walk.steps.len();
+        self.stairs.push(first..end);
         self.walk.speed = 0.5;
-    }
-
-    /// Stops, and stands for a while.
-    pub fn stop_and_stand(&mut self, rng: &mut impl Rng) {
-        let first = self.walk.steps.len();
-        self.walk.stop(rng);
-        self.catch_up(first);
-        self.walk.pause = rng.random_range(0.6..2.2);
+        if rng.random_bool(0.5) {
+            self.walk.stop(rng);
+            self.catch_up(end);
+            self.walk.pause = rng.random_range(0.6..2.2);
+        }
     }
 
     /// Turns round on the spot, and stands.

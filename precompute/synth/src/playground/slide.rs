@@ -1,15 +1,15 @@
 //! Sitting down at the top of a slide, sliding, and getting up at its lower end.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::frame::BodyPose;
-use super::super::side::LateralSide;
+use super::super::frame::{BodyPose, Samples};
+use super::super::side::{LateralSide, forward, ground_position, leftward};
 use super::super::signal::{PieceEnd, bump, quintic, smooth};
 use super::super::track::KeyTrack;
 use super::super::walk::footsteps::FeetStance;
-use super::body::{ArmTrunk, CHANNELS, Carriage, HandTrack, HoldPoint, SynthHandGrip};
-use super::course::{CoursePoint, SIDE_ASIDE, SIDE_HEIGHT, SlideCourse, ground_position};
-use super::moment::{BodyMoment, ease_in_out, forward_direction, mix_turn};
-use glam::{DQuat, DVec2, DVec3};
+use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
+use super::course::{SIDE_ASIDE, SIDE_HEIGHT, SlideCourse};
+use super::moment::{self, BodyMoment, ease_in_out, forward_direction, left_direction};
+use glam::DVec3;
 use rand::{Rng, RngExt};
 use std::ops::Range;
 use throng_core::{Contacts, Skeleton};
@@ -82,7 +82,7 @@ struct SlideRide<'a> {
     /// Distances of the hips by time from the start of the scoot (m).
     hips: Vec<f64>,
     hands: [HandTrack; 2],
-    body: KeyTrack<CHANNELS>,
+    body: KeyTrack<Carriage>,
     first: LateralSide,
 }
 
@@ -98,14 +98,11 @@ pub fn descend(
     rng: &mut impl Rng,
 ) -> Descent {
     let ride = plan_ride(course, from, to, rng);
-    let num = ((ride.times.up + 0.6) / dt).ceil() as usize;
-    let times: Vec<f64> = (0..=num).map(|i| i as f64 * dt).collect();
-    let body = ride.body.sample(&times, &[0.0; CHANNELS], 0.05, dt);
-    let moments =
-        times.iter().zip(body).map(|(&t, c)| ride.moment_at(t, Carriage::from_channels(c), [from, to], skeleton));
-    let moments = moments.collect();
+    let samples = Samples::spaced(dt, ride.times.up + 0.6);
+    let keyed = ride.body.sample(&samples, &[], 0.05);
+    let moments = samples.times.iter().zip(keyed).map(|(&t, keyed)| ride.moment_at(t, keyed, [from, to], skeleton));
     let t = &ride.times;
-    Descent { moments, sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
+    Descent { moments: moments.collect(), sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
 }
 
 /// Distances of the hips from the scoot until they rest, every [`STEP`] (m).
@@ -115,12 +112,10 @@ pub fn descend(
 fn hips_along_slide(course: &SlideCourse, scoot: f64) -> Vec<f64> {
     const PUSHED: f64 = 0.7;
     let start = -0.03;
-    let mut out: Vec<f64> = Vec::new();
     let num = (scoot / STEP) as usize;
-    for k in 0..num {
-        let to = PieceEnd { value: start, rate: PUSHED, acceleration: 1.2 };
-        out.push(quintic(PieceEnd::at_rest(SEATED), to, num as f64 * STEP, k as f64 * STEP));
-    }
+    let pushed = PieceEnd { value: start, rate: PUSHED, acceleration: 1.2 };
+    let piece = |k: usize| quintic(PieceEnd::at_rest(SEATED), pushed, num as f64 * STEP, k as f64 * STEP);
+    let mut out: Vec<f64> = (0..num).map(piece).collect();
     let end = course.length() - REST;
     let (mut s, mut v) = (start, PUSHED);
     while end - s > 1e-4 && out.len() < 60_000 {
@@ -166,10 +161,7 @@ fn plan_ride<'a>(course: &'a SlideCourse, from: &BodyPose, to: &BodyPose, rng: &
 fn to_course_frame(course: &SlideCourse, origin: f64, p: DVec3) -> DVec3 {
     let plan = course.ground_stance(origin);
     let d = ground_position(p) - plan.at;
-    let f = forward_direction(plan.heading);
-    let left = super::moment::left_direction(plan.heading);
-    let dot = |a: DVec3| DVec2::new(a.x, a.z).dot(d);
-    DVec3::new(origin + dot(f), p.y - course.height(origin), dot(left))
+    DVec3::new(origin + forward(plan.heading).dot(d), p.y - course.height(origin), leftward(plan.heading).dot(d))
 }
 
 /// Keys of hips and trunk: down onto the deck, back during the slide, forward and up at the end. The first channel
@@ -180,7 +172,7 @@ fn carriages(
     to: &BodyPose,
     t: &SlideTimes,
     rng: &mut impl Rng,
-) -> KeyTrack<CHANNELS> {
+) -> KeyTrack<Carriage> {
     let (a, b) = (to_course_frame(course, BEFORE, from.root), to_course_frame(course, course.length(), to.root));
     let end = course.length() - REST;
     let key = |s: f64, up: f64, aside: f64, hips: f64, chest: f64, head: f64| Carriage {
@@ -189,8 +181,8 @@ fn carriages(
         chest: [0.0, chest, 0.0],
         head: [0.0, head, 0.0],
     };
-    let mut body = KeyTrack::new(Carriage::standing(a).channels());
-    let mut push = |t: f64, c: Carriage| body.push(t, c.channels());
+    let mut body = KeyTrack::new(Carriage::standing(a));
+    let mut push = |t: f64, c: Carriage| body.push(t, c);
     let down = t.seat - 0.4;
     push(0.4, Carriage::standing(a));
     push(0.4 + 0.4 * (down - 0.4), key(BEFORE - 0.16, 0.66, 0.5 * a.z, 0.3, 0.55, 0.35));
@@ -201,9 +193,8 @@ fn carriages(
     push(t.go - 0.3, key(SEATED, SEAT, 0.0, -0.36, 0.06, 0.22));
     let back = rng.random_range(-0.52..-0.38);
     let leaning = |lean: f64| {
-        let bent = course.bends_left(2.0);
         let c = key(end, SEAT, 0.0, back - 0.22, back + lean, 0.1 + 0.4 * (back + lean));
-        if bent {
+        if course.bends_left(2.0) {
             Carriage { hips: [back - 0.22, -0.08], chest: [0.08, back + lean, -0.14], head: [0.3, 0.02, -0.08], ..c }
         } else {
             c
@@ -231,29 +222,18 @@ fn hand_track(side: LateralSide, course: &SlideCourse, t: &SlideTimes) -> HandTr
     let along = DVec3::new(0.1, top - SEAT, s * SIDE_ASIDE);
     let last = course.point(course.length() - REST + 0.1).offset_point(s * SIDE_ASIDE, top);
     let back = forward_direction(course.start.heading) * -0.6;
-    let out = super::moment::left_direction(course.start.heading) * s;
+    let out = left_direction(course.start.heading) * s;
     let pole = back + out * 0.7 - DVec3::Y * 0.2;
     let end_heading = course.ground_stance(course.length()).heading;
-    let end_pole =
-        forward_direction(end_heading) * -0.8 + super::moment::left_direction(end_heading) * (0.5 * s) + DVec3::Y * 0.3;
-    let grip = |land: f64, lift: f64, hold: HoldPoint, pole: DVec3, twist: f64| SynthHandGrip {
-        land,
-        lift,
-        hold,
-        pole,
-        twist,
-    };
-    HandTrack {
-        side,
-        grips: vec![
-            grip(t.seat - 0.14 + late, t.seat + 0.42 + late, HoldPoint::Still(deck), pole, 0.9),
-            grip(t.scoot - 0.12 + late, t.go - 0.16, HoldPoint::Still(edge), pole, 0.7),
-            grip(t.go + 0.22, t.stop - 0.3, HoldPoint::Along(along), pole, 0.7),
-            grip(t.stop + 0.02, t.rise + 0.2, HoldPoint::Still(last), end_pole, 0.7),
-        ],
-        reach: 0.7,
-        detour: DVec3::Y * 0.06,
-    }
+    let end_pole = forward_direction(end_heading) * -0.8 + left_direction(end_heading) * (0.5 * s) + DVec3::Y * 0.3;
+    let grips = [
+        (t.seat - 0.14 + late, t.seat + 0.42 + late, HoldPoint::Still(deck), pole, 0.9),
+        (t.scoot - 0.12 + late, t.go - 0.16, HoldPoint::Still(edge), pole, 0.7),
+        (t.go + 0.22, t.stop - 0.3, HoldPoint::Along(along), pole, 0.7),
+        (t.stop + 0.02, t.rise + 0.2, HoldPoint::Still(last), end_pole, 0.7),
+    ];
+    let grips = grips.map(|(land, lift, hold, pole, twist)| SynthHandGrip { land, lift, hold, pole, twist }).to_vec();
+    HandTrack { side, grips, reach: 0.7, detour: DVec3::Y * 0.06 }
 }
 
 impl SlideRide<'_> {
@@ -266,12 +246,11 @@ impl SlideRide<'_> {
     }
 
     /// Keyed posture, with the hips at their sliding position.
-    fn carriage_on_hips(&self, t: f64, keyed: Carriage) -> Carriage {
-        let mut out = keyed;
+    fn carriage_on_hips(&self, t: f64, mut keyed: Carriage) -> Carriage {
         let into = ease_in_out((t - self.times.scoot + 0.2) / 0.2);
         let out_of = ease_in_out((t - self.times.rise + 0.3) / 0.25);
-        out.place.x = keyed.place.x + (self.hips_at(t) - keyed.place.x) * into * (1.0 - out_of);
-        out
+        keyed.place.x += (self.hips_at(t) - keyed.place.x) * into * (1.0 - out_of);
+        keyed
     }
 
     fn moment_at(&self, t: f64, keyed: Carriage, ends: [&BodyPose; 2], skeleton: &Skeleton) -> BodyMoment {
@@ -280,30 +259,20 @@ impl SlideRide<'_> {
         let root = at.offset_point(carriage.place.z, carriage.place.y);
         let (hips, trunk) = carriage.rotations(at.heading);
         let seated = t >= self.times.seat && t <= self.times.rise;
-        let mut held = if seated { Contacts::SEAT } else { Contacts::NONE };
-        let after = t > 0.5 * (self.times.go + self.times.stop);
-        let arms = LateralSide::BOTH.map(|side| {
-            let body = ArmTrunk { root, hips, segments: &trunk };
-            let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).offset_point(p.z, p.y + SEAT);
-            let hanging = &ends[usize::from(after)].arms[side.index()];
-            let (arm, holds) = self.hands[side.index()].arm(t, &body, hanging, beside, skeleton);
-            if holds {
-                held.insert([Contacts::LEFT_HAND, Contacts::RIGHT_HAND][side.index()]);
-            }
-            arm
-        });
+        let hanging = ends[usize::from(t > 0.5 * (self.times.go + self.times.stop))];
         let feet = LateralSide::BOTH.map(|side| self.foot(side, t, carriage.place.x, ends, skeleton));
+        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees: [at.heading; 2] };
+        let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).offset_point(p.z, p.y + SEAT);
+        let mut hand_contacts = hold_on(&self.hands, t, &mut body, beside, skeleton);
+        if seated {
+            hand_contacts.insert(Contacts::SEAT);
+        }
         let knees = LateralSide::BOTH.map(|s| {
             let apart = 0.12 + 0.2 * f64::from(u8::from(seated));
-            forward_direction(at.heading) + DVec3::Y + at.leftward() * (s.sign() * apart)
+            forward_direction(at.heading) + DVec3::Y + left_direction(at.heading) * (s.sign() * apart)
         });
         let seat = seated.then(|| self.course.height(carriage.place.x));
-        BodyMoment {
-            body: BodyPose { root, hips, trunk, arms, feet, knees: [at.heading; 2] },
-            knees,
-            hand_contacts: held,
-            seat,
-        }
+        BodyMoment { body, knees, hand_contacts, seat }
     }
 
     /// Pose of a foot: on the deck, over the edge, sliding ahead, down to the ground.
@@ -321,15 +290,14 @@ impl SlideRide<'_> {
             return *ground;
         }
         let sliding = self.sliding_foot(side, hips, &shape);
-        if t < lift + out {
-            let u = (t - lift) / out;
-            return mix_feet(deck, &sliding, ease_in_out(u), 0.05 * bump(u), &shape);
-        }
-        if t > brake {
-            let u = (t - brake) / (land - brake);
-            return mix_feet(&sliding, ground, ease_in_out(u), 0.05 * bump(u), &shape);
-        }
-        sliding
+        let (from, to, u) = if t < lift + out {
+            (deck, &sliding, (t - lift) / out)
+        } else if t > brake {
+            (&sliding, ground, (t - brake) / (land - brake))
+        } else {
+            return sliding;
+        };
+        mix_feet(from, to, ease_in_out(u), 0.05 * bump(u), &shape)
     }
 
     /// Distance along the course of heels a leg's length ahead of the hips (m).
@@ -344,25 +312,15 @@ impl SlideRide<'_> {
     /// Pose of a foot that slides on its heel ahead of the hips.
     fn sliding_foot(&self, side: LateralSide, hips: f64, shape: &FootShape) -> FootPose {
         let s = self.heel_distance(hips);
-        let at: CoursePoint = self.course.point(s.min(self.course.length() + 0.3));
+        let at = self.course.point(s.min(self.course.length() + 0.3));
         let ankle = at.offset_point(side.sign() * 0.115, HEEL);
         let (yaw, pitch) = (at.heading + 0.1 * side.sign(), at.pitch - 1.0);
-        let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
-        let ball = ankle - rotation * DVec3::new(0.0, shape.ankle_height - shape.ball_height, -shape.ball);
-        FootPose { ground: self.course.height(s), ..shape.contact_pose(ball, yaw, at.heading, pitch, pitch + 0.1) }
+        FootPose { ground: self.course.height(s), ..shape.pose_at_ankle(ankle, yaw, at.heading, pitch, pitch + 0.1) }
     }
 }
 
-/// Interpolates between two poses of a foot, raised by `up`.
+/// Interpolates between two poses of a foot, raised by `up`; no part carries weight.
 fn mix_feet(a: &FootPose, b: &FootPose, w: f64, up: f64, shape: &FootShape) -> FootPose {
-    let mix = |a: f64, b: f64| a + (b - a) * w;
-    let ankle = a.ankle.lerp(b.ankle, w) + DVec3::Y * up;
-    let (yaw, pitch) = (mix_turn(a.yaw, b.yaw, w), mix(a.pitch, b.pitch));
-    let rotation = DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch);
-    let ball = ankle - rotation * DVec3::new(0.0, shape.ankle_height - shape.ball_height, -shape.ball);
-    let toes = mix(a.toe_pitch, b.toe_pitch);
-    FootPose {
-        ground: mix(a.ground, b.ground),
-        ..shape.contact_pose(ball, yaw, mix_turn(a.heading, b.heading, w), pitch, toes)
-    }
+    let FootPose { ankle, yaw, heading, pitch, toe_pitch, ground, .. } = moment::mix_feet(a, b, w);
+    FootPose { ground, ..shape.pose_at_ankle(ankle + DVec3::Y * up, yaw, heading, pitch, toe_pitch) }
 }

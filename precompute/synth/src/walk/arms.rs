@@ -1,9 +1,10 @@
 //! Arms: hanging at the sides, swinging against the legs, with more flexion in faster walks.
 
+use super::super::attitude::Trunk;
 use super::super::frame::ArmPose;
 use super::super::side::LateralSide;
 use super::super::signal::{shifted, smooth};
-use super::trunk::{Drift, TrunkPose};
+use super::trunk::Drift;
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,7 +15,7 @@ pub struct ArmInput<'a> {
     /// Speed (m/s).
     pub speed: &'a [f64],
     /// Trunk that carries the arms.
-    pub trunk: &'a [TrunkPose],
+    pub trunk: &'a [Trunk],
     /// Breathing and slow changes of posture.
     pub drift: &'a Drift,
     /// Factor on swing and flexion, 1 on average, left and right.
@@ -42,18 +43,16 @@ fn arm(input: &ArmInput, side: LateralSide, i: usize, follow: f64, trail: f64) -
     let raise = 0.015 * input.drift.breath[i];
     // The elbow bends as the arm comes forward and hardly stretches as it goes back.
     let flexion = lively * (0.23 + 0.1 * speed) + 0.95 * soft_floor(bend, -0.1);
-    let abduction = 0.21 + 0.03 * speed;
-    let turn_in = 0.30 + 0.15 * swing;
-    let angles = ArmAngles {
-        swing: swing + 0.02 + 0.75 * input.trunk[i].upper_chest().pitch * 0.6,
-        abduction,
-        turn_in,
+    ArmAngles {
+        swing: swing + 0.02 + 0.75 * input.trunk[i][2].pitch * 0.6,
+        abduction: 0.21 + 0.03 * speed,
+        turn_in: 0.30 + 0.15 * swing,
         flexion,
         protraction: 0.16 * swing,
         shrug: raise - 0.05,
         wrist: 0.05 + 0.15 * bend,
-    };
-    angles.pose(side)
+    }
+    .pose(side)
 }
 
 /// Angles of an arm, equal for both sides: at zero it hangs straight down beside an upright chest.
@@ -116,7 +115,7 @@ mod tests {
         let arms = swing(&ArmInput {
             apart: &apart,
             speed: &speed,
-            trunk: &[TrunkPose::default(); 60],
+            trunk: &[Trunk::default(); 60],
             drift: &drift,
             liveliness: [1.0; 2],
             dt: 1.0 / 120.0,

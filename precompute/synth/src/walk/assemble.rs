@@ -1,14 +1,14 @@
 //! Assembles the parts of the walker, sample by sample, into a clip.
 
 use super::super::SynthConfig;
-use super::super::attitude::Attitude;
+use super::super::attitude::{Attitude, Trunk};
 use super::super::foot::FootPose;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
 use super::super::signal::{interpolate, smooth};
 use super::arms::{self, ArmInput};
 use super::footsteps::Footsteps;
 use super::pelvis::{self, Pelvis, PelvisInput};
-use super::trunk::{self, Drift, TrunkPose};
+use super::trunk::{self, Drift};
 use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;
@@ -19,7 +19,7 @@ use throng_motion::clip::Clip;
 pub struct ClipSignals {
     pub feet: Vec<[FootPose; 2]>,
     pub pelvis: Pelvis,
-    pub trunk: Vec<TrunkPose>,
+    pub trunk: Vec<Trunk>,
     pub arms: Vec<[ArmPose; 2]>,
 }
 
@@ -43,7 +43,7 @@ pub fn poses(
     rng: &mut impl Rng,
 ) -> Vec<BodyPose> {
     let signals = ClipSignals::new(steps, skeleton, samples, variation, rng, |_, _| {}, |_| {});
-    (0..samples.times.len()).map(|i| pose(&signals, i)).collect()
+    (0..samples.times.len()).map(|i| signals.pose(i)).collect()
 }
 
 impl ClipSignals {
@@ -58,14 +58,14 @@ impl ClipSignals {
         variation: f64,
         rng: &mut impl Rng,
         move_hips: impl FnOnce(&mut Pelvis, &PelvisInput),
-        bend: impl FnOnce(&mut [TrunkPose]),
+        bend: impl FnOnce(&mut [Trunk]),
     ) -> Self {
-        let (times, dt) = (&samples.times, samples.dt);
-        let input = PelvisInput::new(steps, skeleton, times, dt);
+        let dt = samples.dt;
+        let input = PelvisInput::new(steps, skeleton, samples);
         let speed = speed(&input.mass, dt);
         let mut pelvis = pelvis::follow_feet(&input, &speed);
         move_hips(&mut pelvis, &input);
-        let drift = drift(steps.duration, times, dt, &speed, variation, rng);
+        let drift = drift(steps.duration, samples, &speed, variation, rng);
         let mut trunk = trunk::balance(&pelvis, &speed, &input.mass, &drift, dt);
         bend(&mut trunk);
         let arms = arms::swing(&ArmInput {
@@ -78,52 +78,42 @@ impl ClipSignals {
         });
         Self { feet: input.feet, pelvis, trunk, arms }
     }
+
+    /// Pose of one sample.
+    pub fn pose(&self, i: usize) -> BodyPose {
+        let (root, hips, feet) = (self.pelvis.position[i], self.pelvis.rotation(i), self.feet[i]);
+        let trunk = self.trunk[i].map(Attitude::rotation);
+        BodyPose { root, hips, trunk, arms: self.arms[i], feet, knees: knees(root, hips, &feet) }
+    }
 }
 
 /// Speed of the centre of mass, smoothed over about a step.
-pub fn speed(mass: &[DVec2], dt: f64) -> Vec<f64> {
-    let n = mass.len();
-    let raw: Vec<f64> = (0..n)
-        .map(|i| {
-            let (a, b) = (i.saturating_sub(1), (i + 1).min(n - 1));
-            (mass[b] - mass[a]).length() / ((b - a).max(1) as f64 * dt)
-        })
-        .collect();
+fn speed(mass: &[DVec2], dt: f64) -> Vec<f64> {
+    let around = |i: usize| {
+        let (a, b) = (i.saturating_sub(1), (i + 1).min(mass.len() - 1));
+        (mass[b] - mass[a]).length() / ((b - a).max(1) as f64 * dt)
+    };
+    let raw: Vec<f64> = (0..mass.len()).map(around).collect();
     smooth(&raw, (0.13 / dt).round() as usize)
 }
 
 /// Slow random changes of gaze, and breathing. A walker looks around less.
-pub fn drift(duration: f64, times: &[f64], dt: f64, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
-    let frames = |seconds: f64| (seconds / dt).round() as usize;
+pub fn drift(duration: f64, samples: &Samples, speed: &[f64], variation: f64, rng: &mut impl Rng) -> Drift {
     let mut wander = |amount: f64, every: f64| -> Vec<f64> {
         let (mut t, mut knots) = (0.0, Vec::new());
         while t < duration + every {
             knots.push((t, variation * rng.random_range(-amount..amount)));
             t += every * rng.random_range(0.6..1.4);
         }
-        let raw: Vec<f64> = times.iter().map(|&t| interpolate(&knots, t)).collect();
-        smooth(&raw, frames(0.15))
+        let raw: Vec<f64> = samples.times.iter().map(|&t| interpolate(&knots, t)).collect();
+        smooth(&raw, samples.count_within(0.15))
     };
     let (gaze, nod) = (wander(0.2, 1.6), wander(0.04, 1.9));
     let arms = [wander(0.06, 1.7), wander(0.06, 1.7)];
     let calm = |x: Vec<f64>| x.iter().zip(speed).map(|(x, v)| x * (1.0 - 0.65 * v.min(1.0))).collect();
     let phase = rng.random_range(0.0..std::f64::consts::TAU);
-    let breath = times.iter().map(|t| (phase + t * std::f64::consts::TAU * 0.27).sin()).collect();
+    let breath = samples.times.iter().map(|t| (phase + t * std::f64::consts::TAU * 0.27).sin()).collect();
     Drift { gaze: calm(gaze), nod: calm(nod), arms: arms.map(calm), breath }
-}
-
-/// Pose of one sample.
-fn pose(signals: &ClipSignals, i: usize) -> BodyPose {
-    let hips = signals.pelvis.rotation(i);
-    let root = signals.pelvis.position[i];
-    BodyPose {
-        root,
-        hips,
-        trunk: signals.trunk[i].segments.map(Attitude::rotation),
-        arms: signals.arms[i],
-        feet: signals.feet[i],
-        knees: knees(root, hips, &signals.feet[i]),
-    }
 }
 
 /// Headings of the knees, between the hips and the feet (rad).

@@ -5,6 +5,7 @@
 //! down within each step, and leans into starts, stops and turns, without further rules.
 
 use super::super::foot::FootShape;
+use super::super::frame::Samples;
 use super::super::pendulum::pendulum;
 use super::super::side::{LateralSide, forward};
 use super::super::signal::interpolate;
@@ -13,14 +14,14 @@ use super::roll::Footfall;
 use glam::DVec2;
 
 /// The centre of mass on the ground plane (x, z) at every sample (m).
-pub fn centre_of_mass(steps: &Footsteps, shape: &FootShape, times: &[f64], dt: f64) -> Vec<DVec2> {
-    let pressure: Vec<DVec2> = times.iter().map(|&t| centre_of_pressure(steps, shape, t)).collect();
-    pendulum(&pressure, dt)
+pub fn centre_of_mass(steps: &Footsteps, shape: &FootShape, samples: &Samples) -> Vec<DVec2> {
+    let pressure: Vec<DVec2> = samples.times.iter().map(|&t| centre_of_pressure(steps, shape, t)).collect();
+    pendulum(&pressure, samples.dt)
 }
 
 fn centre_of_pressure(steps: &Footsteps, shape: &FootShape, t: f64) -> DVec2 {
     let under = |side: LateralSide| {
-        let falls = steps.feet[side.index()].falls();
+        let falls = &steps.feet[side.index()].falls;
         let i = falls.partition_point(|f| f.land <= t).saturating_sub(1);
         pressure_under(&falls[i], shape, t)
     };

@@ -1,7 +1,7 @@
 //! A foot over time: its footfalls, and its swings between them.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::side::{LateralSide, forward, leftward};
+use super::super::side::{LateralSide, forward, ground_position, leftward};
 use super::super::signal::{PieceEnd, bump, cruise, early_bump, quintic};
 use super::roll::{Footfall, ball_flat, ball_landing, push_pitch, standing, strike_pitch};
 use glam::{DVec2, DVec3};
@@ -22,7 +22,8 @@ struct StepFlight {
 pub struct FootTrack {
     side: LateralSide,
     shape: FootShape,
-    falls: Vec<Footfall>,
+    /// The footfalls.
+    pub falls: Vec<Footfall>,
     flights: Vec<StepFlight>,
 }
 
@@ -37,6 +38,14 @@ const STAIR: f64 = 0.05;
 const PASSING: f64 = 0.105;
 
 impl FootTrack {
+    /// Both feet, which stand on their `falls` in turn.
+    pub fn pair(shape: FootShape, falls: [Vec<Footfall>; 2], ground: impl Fn(DVec2) -> f64) -> [Self; 2] {
+        let track = |side: LateralSide| {
+            Self::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()], &ground)
+        };
+        LateralSide::BOTH.map(track)
+    }
+
     /// A foot that stands on `falls` in turn and swings around the other foot's falls.
     ///
     /// - `ground`: height anywhere on the path (m).
@@ -57,11 +66,6 @@ impl FootTrack {
             track.flights[i].clear = track.clearance_height(i, &ground);
         }
         track
-    }
-
-    /// The footfalls.
-    pub fn falls(&self) -> &[Footfall] {
-        &self.falls
     }
 
     /// The foot at `t` seconds.
@@ -131,7 +135,7 @@ impl FootTrack {
             let p = self.pose_in_flight(i, t);
             for part in [p.ankle, p.ball] {
                 for o in obstacles {
-                    let from = DVec2::new(part.x, part.z) - o;
+                    let from = ground_position(part) - o;
                     let along = (from - away * from.dot(away)).length();
                     let wanted = (PASSING * PASSING - along * along).max(0.0).sqrt();
                     if wanted > 0.0 {

@@ -66,21 +66,10 @@ struct PlacedStep {
     toe_out: f64,
 }
 
-/// Places steps from a stand on even ground, followed by a stand of `last` seconds.
-pub fn place_footsteps(
-    shape: FootShape,
-    start: FeetStance,
-    intents: &[Intent],
-    last: f64,
-    rng: &mut impl Rng,
-) -> Footsteps {
-    place_on_ground(shape, start, intents, last, |_| 0.0, rng)
-}
-
 /// Places steps from a stand, followed by a stand of `last` seconds.
 ///
 /// - `ground`: height anywhere on the path (m).
-pub fn place_on_ground(
+pub fn place_footsteps(
     shape: FootShape,
     start: FeetStance,
     intents: &[Intent],
@@ -91,15 +80,9 @@ pub fn place_on_ground(
     let placed = place_steps(start, intents);
     let duration = placed.last().map_or(0.0, |s| s.land) + last;
     let mut falls = LateralSide::BOTH.map(|side| falls_of(side, start, &placed));
-    for falls in &mut falls {
-        step_on(falls, &shape, &ground);
-    }
-    let track = |side: LateralSide| {
-        let (own, other) = (falls[side.index()].clone(), &falls[side.other().index()]);
-        FootTrack::new(side, shape, own, other, &ground)
-    };
-    let tracks = LateralSide::BOTH.map(track);
-    Footsteps { feet: tracks, load: load_knots(&placed, duration, rng), duration }
+    falls.iter_mut().for_each(|falls| step_on(falls, &shape, &ground));
+    let feet = FootTrack::pair(shape, falls, &ground);
+    Footsteps { feet, load: load_knots(&placed, duration, rng), duration }
 }
 
 /// Time and place of every step's landing.
@@ -125,18 +108,9 @@ fn place_steps(start: FeetStance, intents: &[Intent]) -> Vec<PlacedStep> {
 
 /// Footfalls of one foot, from the stand before the first step to the stand after the last one.
 fn falls_of(side: LateralSide, start: FeetStance, placed: &[PlacedStep]) -> Vec<Footfall> {
-    let mut falls = vec![Footfall {
-        land: -2.0,
-        flat: -1.9,
-        heel_off: f64::INFINITY,
-        lift: f64::INFINITY,
-        ankle: start.ankle(side, STANDING_WIDTH),
-        ground: 0.0,
-        heading: start.heading,
-        yaw: start.heading + TOE_OUT * side.sign(),
-        strike: 0.0,
-        push: 0.0,
-    }];
+    let yaw = |heading: f64, toe_out: f64| heading + toe_out * side.sign();
+    let mut falls =
+        vec![Footfall::standing(0.0, start.ankle(side, STANDING_WIDTH), start.heading, yaw(start.heading, TOE_OUT))];
     for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.side == side) {
         let ahead = forward(step.heading);
         let other = placed[..k].iter().rev().find(|s| s.side != side);
@@ -148,14 +122,8 @@ fn falls_of(side: LateralSide, start: FeetStance, placed: &[PlacedStep]) -> Vec<
         falls.push(Footfall {
             land: step.land,
             flat: step.land + (0.15 * step.shape.period).clamp(0.07, 0.1),
-            heel_off: f64::INFINITY,
-            lift: f64::INFINITY,
-            ankle: step.ankle,
-            ground: 0.0,
-            heading: step.heading,
-            yaw: step.heading + step.toe_out * side.sign(),
             strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
-            push: 0.0,
+            ..Footfall::standing(step.land, step.ankle, step.heading, yaw(step.heading, step.toe_out))
         });
     }
     falls
@@ -220,22 +188,17 @@ mod tests {
     fn footsteps(seed: u64) -> Footsteps {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let intents = Wanderer::new(1.0).wander(120.0, &mut rng);
-        place_footsteps(
-            FootShape::from_skeleton(&Skeleton::default()),
-            FeetStance::default(),
-            &intents,
-            LAST_STAND,
-            &mut rng,
-        )
+        let shape = FootShape::from_skeleton(&Skeleton::default());
+        place_footsteps(shape, FeetStance::default(), &intents, LAST_STAND, |_| 0.0, &mut rng)
     }
 
     #[test]
     fn every_stay_rolls_from_strike_to_toe_off() {
         for foot in &footsteps(1).feet {
-            for f in foot.falls() {
+            for f in &foot.falls {
                 assert!(f.land < f.flat && f.flat < f.heel_off && f.heel_off < f.lift || f.lift.is_infinite(), "{f:?}");
             }
-            for w in foot.falls().windows(2) {
+            for w in foot.falls.windows(2) {
                 assert!((0.3..0.7).contains(&(w[1].land - w[0].lift)), "{w:?}");
             }
         }
@@ -245,7 +208,7 @@ mod tests {
     fn a_foot_in_the_air_carries_nothing() {
         let steps = footsteps(2);
         for (foot, empty) in steps.feet.iter().zip([0.0, 1.0]) {
-            for w in foot.falls().windows(2) {
+            for w in foot.falls.windows(2) {
                 for u in [0.0, 0.4, 1.0] {
                     let t = w[0].lift + u * (w[1].land - w[0].lift);
                     assert!((interpolate(&steps.load, t) - empty).abs() < 1e-9);
@@ -259,8 +222,8 @@ mod tests {
     fn one_foot_is_always_on_the_ground() {
         let [left, right] = footsteps(3).feet;
         for (a, b) in [(&left, &right), (&right, &left)] {
-            for w in a.falls().windows(2) {
-                assert!(b.falls().iter().any(|f| f.land <= w[0].lift && f.lift >= w[1].land));
+            for w in a.falls.windows(2) {
+                assert!(b.falls.iter().any(|f| f.land <= w[0].lift && f.lift >= w[1].land));
             }
         }
     }

@@ -36,7 +36,7 @@ pub fn walk(cfg: &SynthConfig) -> ClipSet {
     while seconds < cfg.minutes * 60.0 {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
         let intents = wanderer.wander(wanted, &mut rng);
-        let steps = footsteps::place_footsteps(shape, FeetStance::default(), &intents, LAST_STAND, &mut rng);
+        let steps = footsteps::place_footsteps(shape, FeetStance::default(), &intents, LAST_STAND, |_| 0.0, &mut rng);
         seconds += steps.duration;
         let name = format!("walk_{:02}", clips.len());
         clips.push(assemble::clip(name, &steps, &skeleton, cfg, &mut rng));

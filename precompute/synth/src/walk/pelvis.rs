@@ -2,8 +2,9 @@
 
 use super::super::attitude::Attitude;
 use super::super::foot::{FootPose, FootShape};
+use super::super::frame::Samples;
 use super::super::leg::LegShape;
-use super::super::side::{LateralSide, forward};
+use super::super::side::{LateralSide, forward, ground_position, over_ground};
 use super::super::signal::{PieceEnd, interpolate, quintic, shifted, smooth, smooth_below};
 use super::balance::centre_of_mass;
 use super::footsteps::Footsteps;
@@ -60,15 +61,16 @@ pub struct PelvisInput {
 }
 
 impl PelvisInput {
-    /// Inputs from footsteps, sampled at times `dt` apart (s).
-    pub fn new(steps: &Footsteps, skeleton: &Skeleton, times: &[f64], dt: f64) -> Self {
+    /// Inputs from footsteps.
+    pub fn new(steps: &Footsteps, skeleton: &Skeleton, samples: &Samples) -> Self {
+        let times = samples.times.iter();
         Self {
-            feet: times.iter().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect(),
-            load: times.iter().map(|&t| interpolate(&steps.load, t)).collect(),
-            mass: centre_of_mass(steps, &FootShape::from_skeleton(skeleton), times, dt),
+            feet: times.clone().map(|&t| [0, 1].map(|s: usize| steps.feet[s].pose(t))).collect(),
+            load: times.map(|&t| interpolate(&steps.load, t)).collect(),
+            mass: centre_of_mass(steps, &FootShape::from_skeleton(skeleton), samples),
             hips: [Joint::LeftThigh, Joint::RightThigh].map(|j| skeleton.offsets[j.index()].as_dvec3()),
             leg: LegShape::from_skeleton(skeleton),
-            dt,
+            dt: samples.dt,
         }
     }
 }
@@ -92,19 +94,14 @@ pub fn follow_feet(input: &PelvisInput, speed: &[f64]) -> Pelvis {
     let frames = |seconds: f64| (seconds / input.dt).round() as usize;
     let mean_heading: Vec<f64> = input.feet.iter().map(|f| 0.5 * (f[0].heading + f[1].heading)).collect();
     let heading = smooth(&shifted(&mean_heading, 0.06, input.dt), frames(0.09));
-    let apart: Vec<f64> = input
-        .feet
-        .iter()
-        .zip(&heading)
-        .map(|(f, &h)| (f[0].ankle - f[1].ankle).dot(DVec3::new(forward(h).x, 0.0, forward(h).y)))
-        .collect();
+    let apart = |(f, &h): (&[FootPose; 2], &f64)| (f[0].ankle - f[1].ankle).dot(over_ground(forward(h), 0.0));
+    let apart: Vec<f64> = input.feet.iter().zip(&heading).map(apart).collect();
     let yaw: Vec<f64> = smooth(&apart, frames(0.03)).iter().map(|d| -0.21 * d).collect();
     let list = list(input, speed);
     let pitch: Vec<f64> = speed.iter().map(|v| 0.04 + 0.02 * v).collect();
     let position = (0..input.mass.len()).map(|i| {
         let ahead = HIPS_FORWARD[0] + HIPS_FORWARD[1] * speed[i].min(1.4);
-        let p = input.mass[i] + forward(heading[i]) * ahead;
-        DVec3::new(p.x, 0.0, p.y)
+        over_ground(input.mass[i] + forward(heading[i]) * ahead, 0.0)
     });
     let climb = rate(&ground(input), input.dt);
     let mut out = Pelvis { position: position.collect(), heading, yaw, pitch, list, apart, climb };
@@ -140,15 +137,11 @@ fn rate(x: &[f64], dt: f64) -> Vec<f64> {
 
 /// Greatest smooth height that both legs reach: never above the limit by the least flexion of either knee (m).
 fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
-    let limit: Vec<f64> = (0..input.feet.len())
-        .map(|i| {
-            let rotation = pelvis.rotation(i);
-            LateralSide::BOTH
-                .map(|s| leg_limit(input, pelvis, i, rotation, s))
-                .into_iter()
-                .fold(f64::INFINITY, f64::min)
-        })
-        .collect();
+    let lower = |i: usize| {
+        let [left, right] = LateralSide::BOTH.map(|side| leg_limit(input, pelvis, i, side));
+        left.min(right)
+    };
+    let limit: Vec<f64> = (0..input.feet.len()).map(lower).collect();
     let ground = ground(input);
     let above: Vec<f64> = limit.iter().zip(&ground).map(|(l, g)| l - g).collect();
     let (stride, rounding) = ((0.55 / input.dt).round() as usize, (0.02 / input.dt).round() as usize);
@@ -159,20 +152,15 @@ fn height(input: &PelvisInput, pelvis: &Pelvis) -> Vec<f64> {
 
 /// Minimum within `radius` samples.
 fn lowest_within(x: &[f64], radius: usize) -> Vec<f64> {
-    (0..x.len())
-        .map(|i| {
-            let around = &x[i.saturating_sub(radius)..(i + radius + 1).min(x.len())];
-            around.iter().copied().fold(f64::INFINITY, f64::min)
-        })
-        .collect()
+    let around = |i: usize| &x[i.saturating_sub(radius)..(i + radius + 1).min(x.len())];
+    (0..x.len()).map(|i| around(i).iter().copied().fold(f64::INFINITY, f64::min)).collect()
 }
 
 /// Height of the hips joint at which one leg has its least flexion (m).
-fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, rotation: DQuat, side: LateralSide) -> f64 {
-    let offset = rotation * input.hips[side.index()];
+fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, side: LateralSide) -> f64 {
+    let offset = pelvis.rotation(i) * input.hips[side.index()];
     let ankle = input.feet[i][side.index()].ankle;
-    let across =
-        DVec2::new(ankle.x, ankle.z) - DVec2::new(pelvis.position[i].x + offset.x, pelvis.position[i].z + offset.z);
+    let across = ground_position(ankle) - ground_position(pelvis.position[i] + offset);
     let at = |flexion: f64| {
         let reach = input.leg.reach(flexion);
         ankle.y - offset.y + (reach * reach - across.length_squared()).max(0.01).sqrt()

@@ -1,7 +1,7 @@
 //! A foot on the ground: rolling over the heel, standing flat, rolling over the ball.
 
 use super::super::foot::{FootPose, FootShape};
-use super::super::side::forward;
+use super::super::side::{forward, over_ground};
 use super::super::signal::{PieceEnd, quintic};
 use glam::{DQuat, DVec2, DVec3};
 
@@ -30,17 +30,23 @@ pub struct Footfall {
     pub push: f64,
 }
 
+impl Footfall {
+    /// Contact of a foot that stands flat on level ground from before `start` on, for ever.
+    pub fn standing(start: f64, ankle: DVec2, heading: f64, yaw: f64) -> Self {
+        let (land, flat) = (start - 2.0, start - 1.9);
+        let (heel_off, lift) = (f64::INFINITY, f64::INFINITY);
+        Self { land, flat, heel_off, lift, ankle, ground: 0.0, heading, yaw, strike: 0.0, push: 0.0 }
+    }
+}
+
 /// Pose of the foot during a contact, continued smoothly for a moment before and after it.
 pub fn standing(shape: &FootShape, fall: &Footfall, t: f64) -> FootPose {
-    let (pitch, toe_pitch) = if t < fall.flat {
+    let (ball, pitch, toe_pitch) = if t < fall.flat {
         let p = strike_pitch(fall, t);
-        (p, p.min(0.0))
-    } else if t > fall.heel_off {
-        (push_pitch(fall, t), 0.0)
+        (ball_landing(shape, fall, t), p, p.min(0.0))
     } else {
-        (0.0, 0.0)
+        (ball_flat(shape, fall), if t > fall.heel_off { push_pitch(fall, t) } else { 0.0 }, 0.0)
     };
-    let ball = if t < fall.flat { ball_landing(shape, fall, t) } else { ball_flat(shape, fall) };
     FootPose {
         heel_down: t >= fall.flat && t <= fall.heel_off,
         toe_down: t >= if fall.strike < 0.0 { fall.land } else { fall.flat },
@@ -56,13 +62,12 @@ pub fn ball_landing(shape: &FootShape, fall: &Footfall, t: f64) -> DVec3 {
     }
     let heel = fall.ankle - forward(fall.yaw) * shape.heel;
     let rotation = DQuat::from_rotation_y(fall.yaw) * DQuat::from_rotation_x(strike_pitch(fall, t));
-    DVec3::new(heel.x, fall.ground, heel.y) + rotation * DVec3::new(0.0, shape.ball_height, shape.heel + shape.ball)
+    over_ground(heel, fall.ground) + rotation * DVec3::new(0.0, shape.ball_height, shape.heel + shape.ball)
 }
 
 /// Ball of the standing foot.
 pub fn ball_flat(shape: &FootShape, fall: &Footfall) -> DVec3 {
-    let p = fall.ankle + forward(fall.yaw) * shape.ball;
-    DVec3::new(p.x, fall.ground + shape.ball_height, p.y)
+    over_ground(fall.ankle + forward(fall.yaw) * shape.ball, fall.ground + shape.ball_height)
 }
 
 /// Pitch while the foot rolls over its heel: begins turning down, ends flat and at rest (rad).
@@ -75,10 +80,6 @@ pub fn strike_pitch(fall: &Footfall, t: f64) -> f64 {
 /// Pitch while the foot rolls over its ball: begins at rest, ends turning (rad).
 pub fn push_pitch(fall: &Footfall, t: f64) -> f64 {
     let duration = fall.lift - fall.heel_off;
-    quintic(
-        PieceEnd::at_rest(0.0),
-        PieceEnd::moving(fall.push, 2.2 * fall.push / duration),
-        duration,
-        t - fall.heel_off,
-    )
+    let to = PieceEnd::moving(fall.push, 2.2 * fall.push / duration);
+    quintic(PieceEnd::at_rest(0.0), to, duration, t - fall.heel_off)
 }

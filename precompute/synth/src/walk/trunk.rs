@@ -1,24 +1,10 @@
 //! Spine, neck and head: leaning with acceleration, turning against the pelvis, looking ahead into turns.
 
-use super::super::attitude::Attitude;
+use super::super::attitude::{Attitude, Trunk, trunk_between};
 use super::super::side::{forward, leftward};
 use super::super::signal::{acceleration, shifted, smooth};
 use super::pelvis::Pelvis;
 use glam::DVec2;
-
-/// The trunk at one sample, from the spine to the head.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TrunkPose {
-    /// Spine, chest, upper chest, neck, head.
-    pub segments: [Attitude; 5],
-}
-
-impl TrunkPose {
-    /// The upper chest, which carries the arms.
-    pub fn upper_chest(&self) -> Attitude {
-        self.segments[2]
-    }
-}
 
 /// Slow wandering of attention and posture, different in every clip.
 pub struct Drift {
@@ -36,7 +22,7 @@ pub struct Drift {
 ///
 /// - `speed`: (m/s)
 /// - `mass`: centre of mass on the ground (m).
-pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt: f64) -> Vec<TrunkPose> {
+pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt: f64) -> Vec<Trunk> {
     let frames = |seconds: f64| (seconds / dt).round() as usize;
     let chest_heading = shifted(&pelvis.heading, 0.12, dt);
     let gaze_heading = smooth(&shifted(&pelvis.heading, 0.38, dt), frames(0.07));
@@ -57,8 +43,7 @@ pub fn balance(pelvis: &Pelvis, speed: &[f64], mass: &[DVec2], drift: &Drift, dt
             pitch: 0.06 + drift.nod[i] + 0.25 * surge[i] + bob[i] + 0.75 * pelvis.climb[i].abs(),
             list: 0.3 * sideways[i],
         };
-        let neck = chest.mix(head, 0.45);
-        TrunkPose { segments: [hips.mix(chest, 0.3), hips.mix(chest, 0.65), chest, neck, head] }
+        trunk_between(hips, chest, head)
     });
     out.collect()
 }
@@ -77,10 +62,11 @@ fn lean(pelvis: &Pelvis, mass: &[DVec2], dt: f64) -> (Vec<f64>, Vec<f64>) {
         acceleration(&smooth(&x, radius), dt)
     };
     let (ax, az) = (axis(|p| p.x), axis(|p| p.y));
-    let at = |i: usize| DVec2::new(ax[i], az[i]);
-    let surge: Vec<f64> = (0..mass.len()).map(|i| 0.035 * at(i).dot(forward(pelvis.heading[i]))).collect();
-    let sideways: Vec<f64> = (0..mass.len()).map(|i| -0.05 * at(i).dot(leftward(pelvis.heading[i]))).collect();
-    (smooth(&surge, radius / 3), smooth(&sideways, radius / 3))
+    let along = |amount: f64, direction: fn(f64) -> DVec2| {
+        let moved = |i: usize| amount * DVec2::new(ax[i], az[i]).dot(direction(pelvis.heading[i]));
+        smooth(&(0..mass.len()).map(moved).collect::<Vec<_>>(), radius / 3)
+    };
+    (along(0.035, forward), along(-0.05, leftward))
 }
 
 #[cfg(test)]
@@ -89,7 +75,7 @@ mod tests {
     use glam::DVec3;
 
     /// A body that turns left by a right angle between 1 s and 2 s, on the spot.
-    fn turning(n: usize, dt: f64) -> Vec<TrunkPose> {
+    fn turning(n: usize, dt: f64) -> Vec<Trunk> {
         let still = vec![0.0; n];
         let heading = (0..n).map(|i| (i as f64 * dt - 1.0).clamp(0.0, 1.0) * 1.57).collect();
         let pelvis = Pelvis {
@@ -112,13 +98,13 @@ mod tests {
 
     #[test]
     fn the_head_turns_first_and_the_hips_last() {
-        let at_one = &turning(360, 1.0 / 120.0)[132].segments;
+        let at_one = &turning(360, 1.0 / 120.0)[132];
         assert!(at_one.windows(2).all(|s| s[1].yaw > s[0].yaw), "{at_one:?}");
     }
 
     #[test]
     fn a_body_at_rest_is_upright() {
-        for s in turning(360, 1.0 / 120.0)[0].segments {
+        for s in turning(360, 1.0 / 120.0)[0] {
             assert!(s.yaw == 0.0 && s.list == 0.0 && (0.0..0.1).contains(&s.pitch));
         }
     }

@@ -28,23 +28,12 @@ pub struct Intent {
 pub const SPEEDS: [f64; 6] = [0.65, 0.95, 1.2, 1.35, 1.5, 1.75];
 /// Heading changes to start with, in degrees; the last ones are made on the spot.
 const FIRST_TURNS: [f64; 12] = [0.0, 0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0, 135.0, -135.0, 180.0, -180.0];
-/// Turns on the way: heading change, and its mean share a step, in degrees; each to the left and to the right. Long
-/// turns are not gentle, as they would take a long time with little variety.
-const TURNS: [(f64, f64); 14] = [
-    (0.0, 11.0),
-    (0.0, 11.0),
-    (25.0, 11.0),
-    (50.0, 11.0),
-    (45.0, 22.0),
-    (70.0, 22.0),
-    (90.0, 22.0),
-    (135.0, 22.0),
-    (45.0, 45.0),
-    (70.0, 45.0),
-    (90.0, 45.0),
-    (120.0, 45.0),
-    (150.0, 45.0),
-    (180.0, 45.0),
+/// Turns on the way: mean heading change a step, and heading changes at it, in degrees; each to the left and to the
+/// right. Long turns are not gentle, as they would take a long time with little variety.
+const TURNS: [(f64, &[f64]); 3] = [
+    (11.0, &[0.0, 0.0, 25.0, 50.0]),
+    (22.0, &[45.0, 70.0, 90.0, 135.0]),
+    (45.0, &[45.0, 70.0, 90.0, 120.0, 150.0, 180.0]),
 ];
 /// Distance between the feet across the path in walking (m).
 pub const WALKING_WIDTH: f64 = 0.115;
@@ -68,10 +57,12 @@ pub struct Wanderer {
 impl Wanderer {
     /// A dealer whose steps vary by `variation` times the usual amount.
     pub fn new(variation: f64) -> Self {
+        let both_ways =
+            |(rate, angles): (f64, &[f64])| angles.iter().flat_map(|a| [(*a, rate), (-a, rate)]).collect::<Vec<_>>();
         Self {
             speeds: CardDeck::new(&SPEEDS),
             first_turns: CardDeck::new(&FIRST_TURNS),
-            turns: CardDeck::new(&TURNS.map(|(angle, rate)| [(angle, rate), (-angle, rate)]).concat()),
+            turns: CardDeck::new(&TURNS.map(both_ways).concat()),
             straights: CardDeck::new(&[0, 1, 1, 2, 2, 3, 3, 4, 5]),
             legs: CardDeck::new(&[1, 1, 1, 2, 2, 3, 4]),
             starters: CardDeck::new(&LateralSide::BOTH),
@@ -128,7 +119,8 @@ pub struct WalkSteps {
     pub pause: f64,
     /// Speed (m/s).
     pub speed: f64,
-    variation: f64,
+    /// Factor on the usual variation.
+    pub variation: f64,
 }
 
 impl WalkSteps {
@@ -186,11 +178,8 @@ impl WalkSteps {
             let share = if self.next == LateralSide::inside(angle) { 1.25 } else { 0.75 };
             let bend = limit_turn(left, self.next, rate * share);
             left -= bend;
-            if left.abs() < 0.08 {
-                self.speed += (turn_speed(cruise, rate) - self.speed).clamp(-0.35, 0.3);
-                self.step(bend + left, WALKING_WIDTH, turning_step_at(self.speed, bend + left), rng);
-                return;
-            }
+            // A small rest joins this step.
+            let bend = if left.abs() < 0.08 { bend + std::mem::take(&mut left) } else { bend };
             self.speed += (turn_speed(cruise, rate) - self.speed).clamp(-0.35, 0.3);
             self.step(bend, WALKING_WIDTH, turning_step_at(self.speed, bend), rng);
         }

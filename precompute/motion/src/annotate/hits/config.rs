@@ -105,25 +105,22 @@ impl HitConfig {
     /// [`crate::error::BuildError::Config`] with the key, what was expected and what was found.
     pub fn check(&self) -> Result<()> {
         let (p, k) = (&self.punches, &self.kicks);
-        check_ranges(
-            [
-                ("landing_share", self.landing_share, 0.01, 1.0),
-                ("punches.thrust_speed", p.thrust_speed, 0.01, 100.0),
-                ("punches.extension", p.extension, 0.0, 1.0),
-                ("punches.swing_speed", p.swing_speed.unwrap_or(1.0), 0.01, 100.0),
-                ("punches.swing_drop", p.swing_drop, 0.0, 10.0),
-                ("punches.elevation_deg", p.elevation_deg, 0.0, 90.0),
-                ("punches.retreat", p.retreat, 0.0, 1.0),
-                ("punches.raised_foot", p.raised_foot, 0.0, 10.0),
-                ("punches.min_gap", p.min_gap, 0.0, 60.0),
-                ("kicks.thrust_speed", k.thrust_speed, 0.01, 100.0),
-                ("kicks.swing_speed", k.swing_speed, 0.01, 100.0),
-                ("kicks.extension", k.extension, 0.0, 1.0),
-                ("kicks.height", k.height, 0.0, 10.0),
-                ("kicks.min_gap", k.min_gap, 0.0, 60.0),
-            ]
-            .map(|(key, number, low, high)| (key, f64::from(number), low, high)),
-        )
+        check_ranges([
+            ("landing_share", self.landing_share, 0.01, 1.0),
+            ("punches.thrust_speed", p.thrust_speed, 0.01, 100.0),
+            ("punches.extension", p.extension, 0.0, 1.0),
+            ("punches.swing_speed", p.swing_speed.unwrap_or(1.0), 0.01, 100.0),
+            ("punches.swing_drop", p.swing_drop, 0.0, 10.0),
+            ("punches.elevation_deg", p.elevation_deg, 0.0, 90.0),
+            ("punches.retreat", p.retreat, 0.0, 1.0),
+            ("punches.raised_foot", p.raised_foot, 0.0, 10.0),
+            ("punches.min_gap", p.min_gap, 0.0, 60.0),
+            ("kicks.thrust_speed", k.thrust_speed, 0.01, 100.0),
+            ("kicks.swing_speed", k.swing_speed, 0.01, 100.0),
+            ("kicks.extension", k.extension, 0.0, 1.0),
+            ("kicks.height", k.height, 0.0, 10.0),
+            ("kicks.min_gap", k.min_gap, 0.0, 60.0),
+        ])
     }
 }
 

@@ -130,10 +130,9 @@ impl HitSearch<'_> {
                 // A bent arm need not grow longer.
                 let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
                 let min_frames = self.frames_up(MIN_DURATION);
-                let all = self
-                    .ranges
-                    .iter()
-                    .flat_map(|r| peaks::swings(&track.speeds, r.clone(), speed, min_frames, self.landing_share));
+                let in_range =
+                    |r: &FrameRange| peaks::swings(&track.speeds, r.clone(), speed, min_frames, self.landing_share);
+                let all = self.ranges.iter().flat_map(in_range);
                 let bent = |b: &SpeedPeak| track.extensions[b.landing] < BENT;
                 let high = |b: &SpeedPeak| track.tips[b.landing].y >= shoulder(b.landing) - cfg.swing_drop;
                 let apart = self.frames(SWING_GAP);
@@ -152,10 +151,7 @@ impl HitSearch<'_> {
         let level = cfg.elevation_deg.to_radians();
         let strikes = |(range, run): (&FrameRange, ExtensionRun)| {
             let blow = SpeedPeak::from_run(&track.thrusts, &run, self.landing_share);
-            let arm = {
-                let at = |j: Joint| self.poses[run.full][j.index()].0;
-                at(limb.end) - at(limb.root)
-            };
+            let arm = self.offset(run.full, limb.root, limb.end);
             let velocity = track.velocities[blow.landing];
             let back_by = run.full + self.frames(COMES_BACK);
             let shortest = (run.full..back_by.min(range.end)).map(|f| track.extensions[f]).fold(run.longest, f32::min);
@@ -212,8 +208,12 @@ impl HitSearch<'_> {
     }
 
     fn is_upright(&self, frame: usize) -> bool {
-        let at = |j: Joint| self.poses[frame][j.index()].0;
-        elevation(at(Joint::Neck) - at(Joint::Hips)) >= UPRIGHT
+        elevation(self.offset(frame, Joint::Hips, Joint::Neck)) >= UPRIGHT
+    }
+
+    /// Offset of a joint from another one at a frame (m).
+    fn offset(&self, frame: usize, from: Joint, to: Joint) -> Vec3 {
+        self.poses[frame][to.index()].0 - self.poses[frame][from.index()].0
     }
 
     fn frames(&self, seconds: impl Into<f64>) -> usize {
@@ -254,18 +254,11 @@ fn add_apart(blows: &mut Vec<SpeedPeak>, more: impl IntoIterator<Item = SpeedPea
 /// A hit relative to its frame's planar root; `None` where the joint does not move.
 ///
 /// - `motion`: position and velocity of the striking point in the world.
-fn hit_at(clip: &Clip, frame: usize, kind: HitKind, joint: Joint, motion: (glam::Vec3, glam::Vec3)) -> Option<ClipHit> {
+fn hit_at(clip: &Clip, frame: usize, kind: HitKind, joint: Joint, motion: (Vec3, Vec3)) -> Option<ClipHit> {
     let root = clip.planar(frame);
     let to_root = root.rotation().inverse();
     let (position, velocity) = (to_root * (motion.0 - root.translation()), to_root * motion.1);
-    let speed_mps = velocity.length();
-    (speed_mps >= MIN_SPEED).then(|| ClipHit {
-        frame,
-        kind,
-        joint,
-        position,
-        direction: velocity / speed_mps,
-        speed_mps,
-        force: 1.0,
-    })
+    let (speed_mps, direction) = (velocity.length(), velocity / velocity.length());
+    let hit = ClipHit { frame, kind, joint, position, direction, speed_mps, force: 1.0 };
+    (speed_mps >= MIN_SPEED).then_some(hit)
 }

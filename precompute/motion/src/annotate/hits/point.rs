@@ -1,6 +1,7 @@
 //! Hits as rows, from clips and from bundles, for reports, pictures and other programs.
 
 use crate::clip::{Clip, ClipSet};
+use crate::export::quoted;
 use glam::Vec3;
 use std::io::{self, Write};
 use throng_core::{Bundle, Joint};
@@ -92,30 +93,12 @@ impl HitPoint {
 pub fn write_csv(points: &[HitPoint], out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     writeln!(out, "clip,frame,time_s,kind,joint,x_m,y_m,z_m,dir_x,dir_y,dir_z,speed_mps,force")?;
     for h in points {
-        let (p, d) = (h.position, h.direction);
-        writeln!(
-            out,
-            "{},{},{:.4},{},{},{:.4},{:.4},{:.4},{:.4},{:.4},{:.4},{:.3},{:.4}",
-            quoted(&h.clip),
-            h.frame,
-            h.time_s,
-            quoted(&h.kind),
-            h.joint.name(),
-            p.x,
-            p.y,
-            p.z,
-            d.x,
-            d.y,
-            d.z,
-            h.speed_mps,
-            h.force
-        )?;
+        let HitPoint { frame, time_s, joint, position: p, direction: d, speed_mps, force, .. } = h;
+        let numbers = [p.x, p.y, p.z, d.x, d.y, d.z].map(|v| format!("{v:.4}")).join(",");
+        let (clip, kind, joint) = (quoted(&h.clip), quoted(&h.kind), joint.name());
+        writeln!(out, "{clip},{frame},{time_s:.4},{kind},{joint},{numbers},{speed_mps:.3},{force:.4}")?;
     }
     Ok(())
-}
-
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
 #[cfg(test)]

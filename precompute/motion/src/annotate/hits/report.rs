@@ -42,22 +42,18 @@ fn widen(range: &mut Option<[f32; 2]>, value: f32) {
 impl std::fmt::Display for HitReport {
     /// Writes the report in the words of Lee and Lee (2004), section 6.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Some(angle), Some(distance), Some(height)) = (self.angle_rad, self.distance_m, self.height_m) else {
+        let (Some([right, left]), Some(distance), Some(height)) = (self.angle_rad, self.distance_m, self.height_m)
+        else {
             return f.write_str("no effective hitting points");
         };
+        let [[near, far], [low, high]] = [distance, height].map(|range| range.map(|metres| 100.0 * metres));
         let kinds: Vec<String> = self.kinds.iter().map(|(kind, n)| format!("{kind} {n}")).collect();
         write!(
             f,
-            "{} effective hitting points ({}): angle {:.3} to {:.3} rad, distance {:.1} to {:.1} cm, \
-             height {:.1} to {:.1} cm",
+            "{} effective hitting points ({}): angle {right:.3} to {left:.3} rad, distance {near:.1} to {far:.1} cm, \
+             height {low:.1} to {high:.1} cm",
             self.count,
-            kinds.join(", "),
-            angle[0],
-            angle[1],
-            100.0 * distance[0],
-            100.0 * distance[1],
-            100.0 * height[0],
-            100.0 * height[1]
+            kinds.join(", ")
         )
     }
 }

@@ -57,7 +57,7 @@ pub struct LimbTrack {
 impl LimbTrack {
     /// Follows a limb.
     pub fn new(poses: &Poses, skeleton: &Skeleton, limb: StrikingLimb, rate_hz: f64) -> Self {
-        let tips = striking_points(poses, skeleton, limb.end);
+        let tips: Vec<Vec3> = poses.iter().map(|p| tip(p, skeleton, limb.end)).collect();
         let velocities = velocities(&tips, rate_hz);
         let path: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();
         let own: Vec<Vec3> = velocities.iter().zip(self::velocities(&path, rate_hz)).map(|(v, w)| *v - w).collect();
@@ -74,11 +74,6 @@ impl LimbTrack {
             axes,
         }
     }
-}
-
-/// World positions of a joint's striking point (m, num_frames).
-pub fn striking_points(poses: &Poses, skeleton: &Skeleton, joint: Joint) -> Vec<Vec3> {
-    poses.iter().map(|p| tip(p, skeleton, joint)).collect()
 }
 
 /// World position of a joint's striking point, in one pose (m).

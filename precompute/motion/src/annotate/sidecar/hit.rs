@@ -34,9 +34,7 @@ impl SidecarHit {
             (Some(at), None, None) if sound(at) => Ok((at, at)),
             (Some(at), None, None) => Err(format!("`{name}`: expected at >= 0, found {at}. Correct it.")),
             (None, Some(start), Some(end)) if sound(start) && end > start => Ok((start, end)),
-            (None, Some(start), Some(end)) => Err(format!(
-                "`{name}`: expected 0 <= start < end, found start = {start}, end = {end}. Exchange or correct them."
-            )),
+            (None, Some(start), Some(end)) => Err(super::wrong_range(name, start, end)),
             _ => {
                 Err(format!("`{name}`: expected `at`, or `start` and `end`, found neither or both. Keep one of them."))
             }
@@ -53,9 +51,7 @@ impl SidecarHit {
 
     /// Kind of blow.
     pub(super) fn kind(&self) -> HitKind {
-        [HitKind::Punch, HitKind::Kick]
-            .into_iter()
-            .find(|k| k.name() == self.name)
-            .unwrap_or_else(|| HitKind::Tag(self.name.clone()))
+        let found = [HitKind::Punch, HitKind::Kick].into_iter().find(|k| k.name() == self.name);
+        found.unwrap_or_else(|| HitKind::Tag(self.name.clone()))
     }
 }

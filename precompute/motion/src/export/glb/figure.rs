@@ -2,7 +2,6 @@
 
 use super::super::take::{PRESENCE_TRACK, Take, TakeActor, rotation_track, translation_track};
 use super::parts::{FLOAT, GlbParts, INDICES, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
-use super::{BodyBytes, bytes_of};
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
 use throng_core::{Joint, NUM_JOINTS, PlainBody, Skeleton};
@@ -21,32 +20,40 @@ pub fn plain_body_parts(take: &Take) -> GlbParts {
     let colour = json!({ "baseColorFactor": [0.55, 0.6, 0.68, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 });
     parts.push("materials", json!({ "name": "body", "pbrMetallicRoughness": colour }));
     let mut shared: Vec<SharedSkin> = Vec::new();
-    let mut together = empty_animation("take");
-    let mut figure = None;
+    let add = |parts: &mut GlbParts, a: usize| add_figure(parts, &mut shared, &take.actors()[a], take.is_library());
+    animate_actors(&mut parts, take, add, |parts, animation, a, nodes| add_motion(parts, animation, take, a, *nodes));
+    parts
+}
+
+/// Adds a figure for each actor and one animation of all of them; for a library one figure, and an animation for each actor.
+///
+/// - `add_figure`: adds the figure of an actor.
+/// - `add_motion`: adds the tracks of an actor to the animation of its figure.
+pub fn animate_actors<F>(
+    parts: &mut GlbParts,
+    take: &Take,
+    mut add_figure: impl FnMut(&mut GlbParts, usize) -> F,
+    add_motion: impl Fn(&mut GlbParts, &mut Value, usize, &F),
+) {
+    let empty = |name: &str| json!({ "name": name, "samplers": [], "channels": [] });
+    let (mut together, mut figure) = (empty("take"), None);
     for (a, actor) in take.actors().iter().enumerate() {
-        let nodes = match figure {
-            Some(known) if take.is_library() => known,
-            _ => *figure.insert(add_figure(&mut parts, &mut shared, actor, take.is_library())),
-        };
+        let known = figure.take().filter(|_| take.is_library());
+        let figure = figure.insert(known.unwrap_or_else(|| add_figure(parts, a)));
         if take.num_frames(a) == 0 {
             continue;
         }
-        let mut own = empty_animation(&actor.name);
-        let animation = if take.is_library() { &mut own } else { &mut together };
-        add_motion(&mut parts, animation, take, a, nodes);
         if take.is_library() {
+            let mut own = empty(&actor.name);
+            add_motion(parts, &mut own, a, figure);
             parts.push("animations", own);
+        } else {
+            add_motion(parts, &mut together, a, figure);
         }
     }
     if together["channels"].as_array().is_some_and(|c| !c.is_empty()) {
         parts.push("animations", together);
     }
-    parts
-}
-
-/// An animation without channels.
-pub fn empty_animation(name: &str) -> Value {
-    json!({ "name": name, "samplers": [], "channels": [] })
 }
 
 /// Adds holder, joints and body; returns the holder and the hips, which the other joints follow.
@@ -87,20 +94,20 @@ fn add_figure(
 /// Adds the mesh and the bind matrices of a skeleton.
 fn add_shared_skin(parts: &mut GlbParts, skeleton: &Skeleton) -> SharedSkin {
     let body = PlainBody::fine(skeleton);
-    let bytes = BodyBytes::from(&body);
-    let n = body.positions.len();
+    let joints: Vec<[u8; 4]> = body.joints.iter().map(|j| [*j, 0, 0, 0]).collect();
+    let weights = vec![[1f32, 0.0, 0.0, 0.0]; body.joints.len()];
     let vertices = Some(VERTICES);
-    let position = parts.add_static(bytes.positions, FLOAT, "VEC3", n, vertices);
+    let position = parts.add_static(&body.positions, FLOAT, "VEC3", vertices);
     let (low, high) =
         body.positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
     parts.set_bounds(position, &low.to_array(), &high.to_array());
-    let normal = parts.add_static(bytes.normals, FLOAT, "VEC3", n, vertices);
-    let joints = parts.add_static(bytes.joints, UNSIGNED_BYTE, "VEC4", n, vertices);
-    let weights = parts.add_static(bytes.weights, FLOAT, "VEC4", n, vertices);
-    let indices = parts.add_static(bytes.indices, UNSIGNED_SHORT, "SCALAR", 3 * body.triangles.len(), Some(INDICES));
+    let normal = parts.add_static(&body.normals, FLOAT, "VEC3", vertices);
+    let joints = parts.add_static(&joints, UNSIGNED_BYTE, "VEC4", vertices);
+    let weights = parts.add_static(&weights, FLOAT, "VEC4", vertices);
+    let indices = parts.add_static(body.triangles.as_flattened(), UNSIGNED_SHORT, "SCALAR", Some(INDICES));
     let rest = skeleton.rest_positions();
     let bind: Vec<[f32; 16]> = rest.iter().map(|p| Mat4::from_translation(-*p).to_cols_array()).collect();
-    let bind = parts.add_static(bytes_of(&bind), FLOAT, "MAT4", NUM_JOINTS, None);
+    let bind = parts.add_static(&bind, FLOAT, "MAT4", None);
     let primitive = json!({ "attributes": { "POSITION": position, "NORMAL": normal, "JOINTS_0": joints,
         "WEIGHTS_0": weights }, "indices": indices, "material": 0 });
     let mesh = parts.push("meshes", json!({ "name": "body", "primitives": [primitive] }));

@@ -11,10 +11,9 @@ pub(crate) mod parts;
 use super::scratch::TrackScratch;
 use super::take::Take;
 use crate::error::{BuildError, Result};
-pub(crate) use figure::empty_animation;
+pub(crate) use figure::animate_actors;
 use parts::GlbParts;
 use std::io::{self, Write};
-use throng_core::PlainBody;
 
 /// A document of a take, ready to be written.
 pub struct Glb<'a> {
@@ -69,33 +68,6 @@ impl<'a> Glb<'a> {
         out.write_all(document.as_bytes())?;
         out.write_all(&word(self.parts.num_bytes()))?;
         out.write_all(b"BIN\0")?;
-        self.parts.write(self.take.rate_hz(), self.scratch, self.take.scratch(), out)
-    }
-}
-
-/// The bytes of numbers.
-pub(super) fn bytes_of<T: bytemuck::Pod>(numbers: &[T]) -> Vec<u8> {
-    bytemuck::cast_slice(numbers).to_vec()
-}
-
-/// Arrays of a plain body, as bytes for glTF.
-pub(super) struct BodyBytes {
-    pub positions: Vec<u8>,
-    pub normals: Vec<u8>,
-    pub joints: Vec<u8>,
-    pub weights: Vec<u8>,
-    pub indices: Vec<u8>,
-}
-
-impl From<&PlainBody> for BodyBytes {
-    fn from(body: &PlainBody) -> Self {
-        let joints: Vec<[u8; 4]> = body.joints.iter().map(|j| [*j, 0, 0, 0]).collect();
-        Self {
-            positions: bytes_of(&body.positions),
-            normals: bytes_of(&body.normals),
-            joints: bytes_of(&joints),
-            weights: bytes_of(&vec![[1f32, 0.0, 0.0, 0.0]; body.joints.len()]),
-            indices: bytes_of(&body.triangles),
-        }
+        self.parts.write(self.take, self.scratch, out)
     }
 }

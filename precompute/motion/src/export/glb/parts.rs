@@ -1,6 +1,8 @@
 //! A glTF document that is put together, and what its one buffer holds.
 
 use super::super::scratch::TrackScratch;
+use super::super::take::Take;
+use bytemuck::Pod;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -92,9 +94,9 @@ impl GlbParts {
     /// Adds numbers that do not change over time; returns their accessor.
     ///
     /// - `target`: purpose of the numbers, where they are vertices or indices.
-    pub fn add_static(&mut self, bytes: Vec<u8>, kind: u32, shape: &str, count: usize, target: Option<u32>) -> usize {
-        let length = bytes.len();
-        let at = self.add(length as u64, BufferPiece::Bytes(bytes));
+    pub fn add_static<T: Pod>(&mut self, numbers: &[T], kind: u32, shape: &str, target: Option<u32>) -> usize {
+        let (length, count) = (size_of_val(numbers), numbers.len());
+        let at = self.add(length as u64, BufferPiece::Bytes(bytemuck::cast_slice(numbers).to_vec()));
         let mut view = json!({ "buffer": 0, "byteOffset": at, "byteLength": length });
         if let Some(target) = target {
             view["target"] = target.into();
@@ -174,24 +176,18 @@ impl GlbParts {
 
     /// Writes the buffer.
     ///
-    /// - `scratch`: file that holds tracks; `take`: file that holds the presence of actors.
-    pub fn write(
-        &self,
-        rate_hz: f64,
-        scratch: &TrackScratch,
-        take: &TrackScratch,
-        out: &mut dyn Write,
-    ) -> io::Result<()> {
+    /// - `scratch`: file that holds tracks; `take`: holds the presence of actors.
+    pub fn write(&self, take: &Take, scratch: &TrackScratch, out: &mut dyn Write) -> io::Result<()> {
         for piece in &self.pieces {
             match piece {
                 BufferPiece::Bytes(bytes) => out.write_all(bytes)?,
                 BufferPiece::Times(frames) => {
-                    (0..*frames).try_for_each(|f| out.write_all(&time_s(f, rate_hz).to_le_bytes()))?;
+                    (0..*frames).try_for_each(|f| out.write_all(&time_s(f, take.rate_hz()).to_le_bytes()))?;
                 }
                 BufferPiece::Track(actor, track) => {
                     scratch.track(*actor, *track, |n| out.write_all(bytemuck::cast_slice(n)))?;
                 }
-                BufferPiece::Presence(actor, track, scale) => take.track(*actor, *track, |n| {
+                BufferPiece::Presence(actor, track, scale) => take.scratch().track(*actor, *track, |n| {
                     n.iter().try_for_each(|v| out.write_all(bytemuck::cast_slice(&[v * scale; 3])))
                 })?,
             }

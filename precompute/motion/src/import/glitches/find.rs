@@ -203,22 +203,15 @@ impl BodyTracks {
         // Sum of the turns of all joints, and the largest.
         let total = |f: usize| self.joints.iter().map(|(_, turns, _)| turns[f].apart(turns[f - 1])).sum::<f32>();
         let edge = self.frames(MAX_EDGE).max(1);
-        let mut out = Vec::new();
-        for k in (1..=edge.min(n.saturating_sub(6))).rev() {
-            let pace = (k + 1..k + 5).map(total).fold(0.0, f32::max);
-            if total(k) > 4.0 * pace + 1.0 && self.largest_step(k).1 > 0.45 {
-                out.push(glitch(GlitchKind::Apart, 0, k, "a pose apart from the motion".into()));
-                break;
-            }
-        }
-        for k in (n.saturating_sub(edge).max(6)..n).filter(|&k| k > 5) {
-            let pace = (k - 4..k).map(total).fold(0.0, f32::max);
-            if total(k) > 4.0 * pace + 1.0 && self.largest_step(k).1 > 0.45 {
-                out.push(glitch(GlitchKind::Apart, k, n, "a pose apart from the motion".into()));
-                break;
-            }
-        }
-        out
+        let leaps = |k: usize, next_to_it: FrameRange| {
+            let pace = next_to_it.map(total).fold(0.0, f32::max);
+            total(k) > 4.0 * pace + 1.0 && self.largest_step(k).1 > 0.45
+        };
+        let apart =
+            |start: usize, end: usize| glitch(GlitchKind::Apart, start, end, "a pose apart from the motion".into());
+        let first = (1..=edge.min(n.saturating_sub(6))).rev().find(|&k| leaps(k, k + 1..k + 5)).map(|k| apart(0, k));
+        let last = (n.saturating_sub(edge).max(6)..n).find(|&k| leaps(k, k - 4..k)).map(|k| apart(k, n));
+        first.into_iter().chain(last).collect()
     }
 
     /// Finds joints that leave their paths for a few frames, and bridges them.
@@ -241,11 +234,8 @@ impl BodyTracks {
                 flips.extend(sharp_moves(turns, SHARP_TURN.to_radians()));
             }
             for away in flips {
-                add(
-                    GlitchKind::Flip,
-                    away,
-                    format!("`{name}` turns by {:.0} degrees and back", away.distance.to_degrees()),
-                );
+                let what = format!("`{name}` turns by {:.0} degrees and back", away.distance.to_degrees());
+                add(GlitchKind::Flip, away, what);
             }
         }
         out

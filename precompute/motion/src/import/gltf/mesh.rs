@@ -3,6 +3,7 @@
 use super::{AccessorReader, GltfDocument, GltfNode, GltfPrimitive, MAX_BYTES, document};
 use crate::error::{BuildError, Result};
 use glam::{Mat4, Quat, Vec3};
+use std::collections::BTreeSet;
 use std::path::Path;
 use throng_base::file::read_file;
 
@@ -53,13 +54,8 @@ fn roots(document: &GltfDocument) -> Result<Vec<usize>, String> {
         Some(s) => Ok(s.nodes.clone()),
         None if document.scene.is_some() => Err(format!("scene: there is no scene {scene}")),
         None => {
-            let mut is_child = vec![false; document.nodes.len()];
-            for &c in document.nodes.iter().flat_map(|n| &n.children) {
-                if let Some(c) = is_child.get_mut(c) {
-                    *c = true;
-                }
-            }
-            Ok((0..is_child.len()).filter(|&i| !is_child[i]).collect())
+            let children: BTreeSet<usize> = document.nodes.iter().flat_map(|n| &n.children).copied().collect();
+            Ok((0..document.nodes.len()).filter(|i| !children.contains(i)).collect())
         }
     }
 }
@@ -125,10 +121,8 @@ impl TriangleScene<'_> {
         let numbers = self.reader.floats(accessor, "VEC3")?;
         let points: Vec<Vec3> = numbers.chunks_exact(3).map(|p| at.transform_point3(Vec3::from_slice(p))).collect();
         if let Some(i) = points.iter().position(|p| p.is_nan() || p.abs().max_element() >= MAX_POSITION) {
-            return Err(format!(
-                "accessors[{accessor}]: position {i} is not a moderate number of metres: {}",
-                points[i]
-            ));
+            let point = points[i];
+            return Err(format!("accessors[{accessor}]: position {i} is not a moderate number of metres: {point}"));
         }
         let indices = match primitive.indices {
             Some(i) => self.reader.indices(i)?,

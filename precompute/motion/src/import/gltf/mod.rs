@@ -51,8 +51,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
     let (document, binary) = document(bytes).map_err(fail)?;
     let reader = AccessorReader::new(&document, binary, path)?;
     let num_bytes = archive::counted_bytes(path, bytes.len()).saturating_add(reader.num_bytes());
-    let mut scene_nodes = scene_nodes(&document).map_err(fail)?;
-    set_bind_rotations(&document, &reader, &mut scene_nodes).map_err(fail)?;
+    let scene_nodes = bound_nodes(&document, &reader).map_err(fail)?;
     let mut samplers = Samplers::new(&reader, num_bytes);
     let mut animations: Vec<Box<dyn nodes::NodeAnimation>> = Vec::new();
     for (i, a) in document.animations.iter().enumerate() {
@@ -77,13 +76,12 @@ pub(crate) fn rigs(bytes: &[u8], path: &Path) -> Result<Vec<nodes::Rig>, ImportE
     }
     let reader = AccessorReader::new(&document, binary, path)?;
     let num_bytes = bytes.len().saturating_add(reader.num_bytes());
-    let mut nodes = scene_nodes(&document).map_err(fail)?;
-    set_bind_rotations(&document, &reader, &mut nodes).map_err(fail)?;
+    let nodes = bound_nodes(&document, &reader).map_err(fail)?;
     let skins = document.skins.iter().map(|s| s.joints.clone()).collect();
     RigScene { path, format: SourceFormat::Gltf, num_bytes, nodes, skins, animations: Vec::new() }.rigs()
 }
 
-pub(crate) fn scene_nodes(document: &GltfDocument) -> Result<Vec<nodes::RigNode>, String> {
+fn scene_nodes(document: &GltfDocument) -> Result<Vec<nodes::RigNode>, String> {
     let mut out = Vec::new();
     for (i, node) in document.nodes.iter().enumerate() {
         let name = if node.name.is_empty() { format!("node {i}") } else { node.name.clone() };
@@ -114,12 +112,9 @@ pub(crate) fn local_transform(node: &GltfNode) -> Transform {
     }
 }
 
-/// Records the rotations of joints in which skins were bound to them.
-fn set_bind_rotations(
-    document: &GltfDocument,
-    reader: &AccessorReader<'_>,
-    nodes: &mut [nodes::RigNode],
-) -> Result<(), String> {
+/// The nodes, with the rotations of joints in which skins were bound to them.
+fn bound_nodes(document: &GltfDocument, reader: &AccessorReader<'_>) -> Result<Vec<nodes::RigNode>, String> {
+    let mut nodes = scene_nodes(document)?;
     for (i, skin) in document.skins.iter().enumerate() {
         if skin.joints.len() > MAX_JOINTS {
             return Err(format!("skins[{i}]: expected at most {MAX_JOINTS} joints, found {}", skin.joints.len()));
@@ -141,7 +136,7 @@ fn set_bind_rotations(
             node.bind = node.bind.or(Some(rotation).filter(|r| r.is_normalized()));
         }
     }
-    Ok(())
+    Ok(nodes)
 }
 
 /// The keys of an animation, by the node that they move.

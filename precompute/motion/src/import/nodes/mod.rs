@@ -8,9 +8,9 @@ mod rate;
 
 use super::rest::nearest_axis;
 use super::source::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_names};
-use crate::error::ImportError;
+use crate::error::{ImportError, Warnings};
 use crate::raw::{RawJoint, SourceFormat};
-use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec3};
 use people::ScenePerson;
 #[cfg(feature = "fbx")]
 pub(super) use rate::without_rounding;
@@ -139,10 +139,8 @@ impl RigScene<'_> {
         let joint_bytes: Vec<usize> = people.iter().map(|p| p.joints.iter().map(of_joint).sum()).collect();
         let most = self.num_bytes.saturating_mul(JOINT_BYTES).saturating_add(FREE_JOINT_BYTES);
         if pairs.iter().map(|&(_, p)| joint_bytes[p]).sum::<usize>() > most {
-            return Err(fail(
-                format!("the joints of {} clips are too many for its file", pairs.len()),
-                "Export fewer at once",
-            ));
+            let what = format!("the joints of {} clips are too many for its file", pairs.len());
+            return Err(fail(what, "Export fewer at once"));
         }
         if pairs.is_empty() {
             return Err(fail("its animations move no skeleton".into(), "Export it with the motion of its joints"));
@@ -183,12 +181,8 @@ impl RigScene<'_> {
             return Err("it has too many joints".into());
         }
         let clip = sink.into_clip(self.path, self.format, FALLBACK_HZ);
-        let clip = SourceClip {
-            clip,
-            declared_metres_per_unit: Some(1.0),
-            findings: Vec::new(),
-            warnings: Default::default(),
-        };
+        let (findings, warnings) = (Vec::new(), Warnings::default());
+        let clip = SourceClip { clip, declared_metres_per_unit: Some(1.0), findings, warnings };
         let ScenePerson { above, joints, .. } = person;
         Ok(Rig { clip, above, joints, axes: rest.rotations })
     }
@@ -337,7 +331,7 @@ impl RestSkeleton {
             let name = node(j).name.clone();
             // A root keeps the place that its motion gives it.
             let offset = if parent.is_some() { offset.as_vec3() } else { Vec3::ZERO };
-            joints.push(RawJoint { name, parent, offset, rest_rotation: Quat::IDENTITY, is_end: false });
+            joints.push(RawJoint::new(name, parent, offset, false));
         }
         Ok(Self { rotations, joints })
     }

@@ -77,11 +77,8 @@ impl<'a> NpzArrays<'a> {
         };
         let (mut bytes, most) = (Vec::new(), self.most);
         // Lengths in an archive need not be true; the checksum is checked at the end of the file.
-        let read = self
-            .zip
-            .by_index(index)
-            .map_err(|e| e.to_string())
-            .and_then(|file| file.take(most + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()));
+        let file = self.zip.by_index(index).map_err(|e| e.to_string());
+        let read = file.and_then(|file| file.take(most + 1).read_to_end(&mut bytes).map_err(|e| e.to_string()));
         let whole = read.and_then(|n| match n as u64 > most {
             true => Err(format!("expected {} MiB at most of a file of its size, found more", most >> 20)),
             false => array(bytes),
@@ -117,13 +114,9 @@ fn array(bytes: Vec<u8>) -> Result<NpyArray, String> {
     };
     let size = if kind.ends_with('8') { 8 } else { 4 };
     let list = field("shape")?.trim_start_matches('(').split(')').next().unwrap_or_default();
-    let shape: Vec<usize> = list
-        .split(',')
-        .map(str::trim)
-        .filter(|n| !n.is_empty())
-        .take(MAX_DIMENSIONS)
-        .map(|n| n.parse().map_err(|_| format!("expected whole numbers in its shape, found `{n}`")))
-        .collect::<Result<_, _>>()?;
+    let numbers = list.split(',').map(str::trim).filter(|n| !n.is_empty()).take(MAX_DIMENSIONS);
+    let whole = |n: &str| n.parse().map_err(|_| format!("expected whole numbers in its shape, found `{n}`"));
+    let shape: Vec<usize> = numbers.map(whole).collect::<Result<_, _>>()?;
     let count = shape.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).and_then(|n| n.checked_mul(size));
     let data = (start + length).min(bytes.len());
     if count != Some(bytes.len() - data) {

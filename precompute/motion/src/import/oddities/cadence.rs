@@ -3,7 +3,6 @@
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::Vec2;
-use std::fmt;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::Joint;
 
@@ -16,29 +15,8 @@ const INTERVALS: usize = 2;
 /// More steps a second than sprinters take (Hz).
 const MOST_HZ: f64 = 5.5;
 
-/// A walk or run that is too fast.
-pub(super) struct Cadence {
-    /// Step rate by the median time from a step to the next (steps/s).
-    steps_hz: f64,
-    /// Median over its steps (m/s).
-    speed_mps: f32,
-    /// Frame rate with which the clip is read (Hz).
-    rate_hz: f64,
-}
-
-impl fmt::Display for Cadence {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "takes {:.1} steps a second, which nobody does, at {:.1} m/s: was it captured at the {:.0} frames a second that it is read with? \
-             `import.rate_hz` in a config sets another rate.",
-            self.steps_hz, self.speed_mps, self.rate_hz
-        )
-    }
-}
-
-/// Finds steps that are too fast: one foot gets ahead of the other along the path of the hips, by turns.
-pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<Cadence> {
+/// A warning of steps that are too fast: one foot gets ahead of the other along the path of the hips, by turns.
+pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<String> {
     let [hips, left, right] = [Joint::Hips, Joint::LeftFoot, Joint::RightFoot].map(|j| roles.get(j));
     let (hips, left, right) = (hips?, left?, right?);
     let flat = |f: usize| {
@@ -73,7 +51,13 @@ pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<Cadence
     }
     intervals.sort_unstable();
     speeds.sort_by(f32::total_cmp);
+    // Medians.
     let steps_hz = clip.rate_hz / intervals[intervals.len() / 2] as f64;
-    let speed_mps = speeds[speeds.len() / 2];
-    (steps_hz > MOST_HZ).then_some(Cadence { steps_hz, speed_mps, rate_hz: clip.rate_hz })
+    let (speed_mps, rate_hz) = (speeds[speeds.len() / 2], clip.rate_hz);
+    (steps_hz > MOST_HZ).then(|| {
+        format!(
+            "takes {steps_hz:.1} steps a second, which nobody does, at {speed_mps:.1} m/s: was it captured at the \
+             {rate_hz:.0} frames a second that it is read with? `import.rate_hz` in a config sets another rate."
+        )
+    })
 }

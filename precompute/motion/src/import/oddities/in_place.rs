@@ -3,8 +3,7 @@
 use crate::clip::runs_where;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
-use glam::{Quat, Vec2, Vec3};
-use std::fmt;
+use glam::{Vec2, Vec3};
 use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS};
 use throng_core::Joint;
 
@@ -21,28 +20,8 @@ const MOST: f32 = 0.3;
 /// Shortest clip that is conclusive (s).
 const SHORTEST_S: f64 = 0.8;
 
-/// A walk on the spot.
-pub(super) struct InPlace {
-    /// Speed of sliding feet (m/s).
-    pub speed_mps: f32,
-    /// Share of the frames in which they slide.
-    pub share: f32,
-}
-
-impl fmt::Display for InPlace {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "walks on the spot: feet on the ground slide, at {:.1} m/s, for {:.0} % of the time, while the hips stay where they are, \
-             as on a treadmill. Characters will stand and slide. Export it again with root motion (not \"in place\").",
-            self.speed_mps,
-            100.0 * self.share
-        )
-    }
-}
-
-/// Finds a walk on the spot: each foot that carries weight slides in its turn, while the hips stay and no foot stands.
-pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<InPlace> {
+/// A warning of a walk on the spot: each foot that carries weight slides in its turn, while the hips stay and no foot stands.
+pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<String> {
     let hips = roles.get(Joint::Hips)?;
     let feet = [[Joint::LeftFoot, Joint::LeftToe], [Joint::RightFoot, Joint::RightToe]]
         .map(|parts| parts.map(|j| roles.get(j)));
@@ -51,14 +30,11 @@ pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<InPl
     if n < frames(SHORTEST_S) {
         return None;
     }
-    let mut roots: Vec<Vec2> = Vec::with_capacity(n);
-    let mut parts: Vec<[[Option<Vec3>; 2]; 2]> = Vec::with_capacity(n);
-    for f in 0..n {
-        let world: Vec<(Vec3, Quat)> = clip.world(f);
-        let at = world[hips].0;
-        roots.push(Vec2::new(at.x, at.z));
-        parts.push(feet.map(|foot| foot.map(|j| j.map(|j| world[j].0))));
-    }
+    let places = |f: usize| {
+        let (world, flat) = (clip.world(f), |v: Vec3| Vec2::new(v.x, v.z));
+        (flat(world[hips].0), feet.map(|foot| foot.map(|j| j.map(|j| world[j].0))))
+    };
+    let (roots, parts): (Vec<Vec2>, Vec<_>) = (0..n).map(places).unzip();
     let velocity = |at: &dyn Fn(usize) -> Option<Vec2>, f: usize, s: f64| {
         let half = frames(0.5 * s);
         let (a, b) = (f.saturating_sub(half), (f + half).min(n - 1));
@@ -100,5 +76,13 @@ pub(super) fn find_walk_in_place(clip: &RawClip, roles: &RoleMap) -> Option<InPl
     speeds.sort_by(f32::total_cmp);
     let share = sliding.iter().filter(|s| **s).count() as f32 / n as f32;
     let is_one = share >= MOST && slides == [true; 2];
-    is_one.then(|| InPlace { speed_mps: speeds[speeds.len() / 2], share })
+    is_one.then(|| {
+        format!(
+            "walks on the spot: feet on the ground slide, at {:.1} m/s, for {:.0} % of the time, while the hips stay where \
+             they are, as on a treadmill. Characters will stand and slide. Export it again with root motion (not \"in \
+             place\").",
+            speeds[speeds.len() / 2],
+            100.0 * share
+        )
+    })
 }

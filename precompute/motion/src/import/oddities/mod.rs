@@ -12,10 +12,10 @@ use crate::raw::RawClip;
 ///
 /// - `clip`: in metres, Y up, its glitches mended.
 pub(super) fn warn_of_oddities(clip: &RawClip, roles: &RoleMap, warnings: &mut Warnings) {
-    let warnings_found = [
-        in_place::find_walk_in_place(clip, roles).map(|f| f.to_string()),
-        cadence::find_fast_steps(clip, roles).map(|f| f.to_string()),
-        noise::find_noise(clip, roles).map(|f| f.to_string()),
+    let found = [
+        in_place::find_walk_in_place(clip, roles),
+        cadence::find_fast_steps(clip, roles),
+        noise::find_noise(clip, roles),
     ];
-    warnings_found.into_iter().flatten().for_each(|what| warnings.push(format!("{}: {what}", clip.path.display())));
+    found.into_iter().flatten().for_each(|what| warnings.push(format!("{}: {what}", clip.path.display())));
 }

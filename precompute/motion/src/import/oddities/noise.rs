@@ -3,7 +3,6 @@
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
-use std::fmt;
 use throng_base::maths;
 use throng_core::Joint;
 
@@ -26,35 +25,21 @@ const JOINTS: [Joint; 9] = [
     Joint::RightForearm,
 ];
 
-/// A clip that shakes.
-pub(super) struct Noise {
-    /// Median shaking (deg/s2).
-    shaking: f32,
-}
-
-impl fmt::Display for Noise {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "noisy: joints shake by {:.0} deg/s2 from frame to frame, {:.0} times what captured motion has. Smooth it in the \
-             program that wrote it, or capture it again.",
-            self.shaking,
-            self.shaking / CAPTURED
-        )
-    }
-}
-
-/// Measures the noise of a clip.
-pub(super) fn find_noise(clip: &RawClip, roles: &RoleMap) -> Option<Noise> {
-    let shaking = shaking(clip, roles)?;
-    (shaking > TIMES * CAPTURED).then_some(Noise { shaking })
+/// A warning of a clip that shakes.
+pub(super) fn find_noise(clip: &RawClip, roles: &RoleMap) -> Option<String> {
+    let shaking = shaking(clip, roles).filter(|shaking| *shaking > TIMES * CAPTURED)?;
+    let times = shaking / CAPTURED;
+    Some(format!(
+        "noisy: joints shake by {shaking:.0} deg/s2 from frame to frame, {times:.0} times what captured motion has. Smooth \
+         it in the program that wrote it, or capture it again."
+    ))
 }
 
 /// Shaking of joints: the acceleration that is taken back in the next frame, in the median frame of the median joint; `None`
 /// for clips with few frames (deg/s2).
 ///
 /// In smooth motion, however fast, accelerations go on from frame to frame, and it is 0; those of noise change their sign.
-pub(super) fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
+fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
     let stride = (clip.rate_hz / RATE_HZ).round().max(1.0) as usize;
     let rate = (clip.rate_hz / stride as f64) as f32;
     let joints: Vec<usize> = JOINTS.into_iter().filter_map(|j| roles.get(j)).collect();

@@ -43,13 +43,8 @@ impl LimbPair {
 
     /// The side that the names give to the first of the two, where they agree.
     pub fn named_side(&self, tree: &SkeletonTree) -> Option<NamedSide> {
-        let mut votes = 0;
-        for part in 0..3 {
-            for (side, sign) in [(0, 1), (1, -1)] {
-                votes += sign * side_vote(tree, self.joint(part, side));
-            }
-        }
-        match votes {
+        let votes = |side: usize| -> i32 { (0..3).map(|part| side_vote(tree, self.joint(part, side))).sum() };
+        match votes(0) - votes(1) {
             2.. => Some(NamedSide::Left),
             ..=-2 => Some(NamedSide::Right),
             _ => None,
@@ -105,12 +100,8 @@ fn pair(tree: &SkeletonTree, parent: usize, a: usize, b: usize) -> Option<Mirror
         let limbs = paths.iter().filter_map(|path| limb(tree, path, parts));
         limbs.max_by(|x, y| x.score.total_cmp(&y.score))
     };
-    Some(MirroredChains {
-        parent,
-        first: [a, b],
-        leg: best([Thigh, Shin, Foot])?,
-        arm: best([UpperArm, Forearm, Hand])?,
-    })
+    let (leg, arm) = (best([Thigh, Shin, Foot])?, best([UpperArm, Forearm, Hand])?);
+    Some(MirroredChains { parent, first: [a, b], leg, arm })
 }
 
 /// True where two joints are equally far from their parents; those that are named left and right may differ by more.

@@ -179,12 +179,8 @@ fn set_limbs(tree: &SkeletonTree, body: &RecognisedBody, left: [usize; 2], map: 
 
 /// The joint below a foot that is named a toe, or else starts the longest chain.
 fn toe(tree: &SkeletonTree, foot: usize) -> Option<usize> {
-    let mut chain = Vec::new();
-    let mut at = foot;
-    while let Some(next) = longest_below(tree, at) {
-        chain.extend(Some(next).filter(|&j| tree.is_candidate(j)));
-        at = next;
-    }
+    let below = std::iter::successors(longest_below(tree, foot), |&at| longest_below(tree, at));
+    let chain: Vec<usize> = below.filter(|&j| tree.is_candidate(j)).collect();
     let named = chain.iter().copied().find(|&j| tree.labels[j].may_be(NamedPart::Toe));
     named.or(chain.first().copied())
 }

@@ -13,10 +13,8 @@ const MAX_NAMES: usize = 40;
 pub(super) fn explain(tree: &SkeletonTree, pairs: &[MirroredChains]) -> NoPerson {
     let longest = pairs.iter().max_by(|a, b| a.leg.length.total_cmp(&b.leg.length));
     let Some(pair) = longest else {
-        return no_person(
-            tree,
-            "no two limbs of equal length hang on one joint, so it is no body; it may be a prop or a camera",
-        );
+        let what = "no two limbs of equal length hang on one joint, so it is no body; it may be a prop or a camera";
+        return no_person(tree, what);
     };
     if pairs.iter().filter(|p| p.parent == pair.parent).count() > 3 || is_hand(tree, pair.parent) {
         return no_person(tree, &format!("it is a hand alone: fingers hang on `{}`", tree.name(pair.parent)));
@@ -32,10 +30,8 @@ pub(super) fn explain(tree: &SkeletonTree, pairs: &[MirroredChains]) -> NoPerson
 
 /// A body without a head.
 pub(super) fn no_head(tree: &SkeletonTree, body: &RecognisedBody) -> NoPerson {
-    no_person(
-        tree,
-        &format!("no joint for a neck or head goes on from `{}`, where the arms meet", tree.name(body.chest)),
-    )
+    let chest = tree.name(body.chest);
+    no_person(tree, &format!("no joint for a neck or head goes on from `{chest}`, where the arms meet"))
 }
 
 /// True for a joint on which fingers hang.

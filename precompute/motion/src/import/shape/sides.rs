@@ -61,13 +61,8 @@ pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result
         (Some(shape), _) => shape,
         (None, Some(name)) => name,
         (None, None) => match (named[1], side_of_sign(shown.arms)) {
-            (Some(arm), Some(same)) => {
-                if same == NamedSide::Left {
-                    arm
-                } else {
-                    arm.other()
-                }
-            }
+            (Some(arm), Some(NamedSide::Left)) => arm,
+            (Some(arm), Some(NamedSide::Right)) => arm.other(),
             _ => return Err(unknown(tree, &joints)),
         },
     };
@@ -81,12 +76,8 @@ pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result
     if let [Some(leg), Some(arm)] = wrong {
         return Err(swapped(tree, joints, leg, arm));
     }
-    let mut warnings = Vec::new();
-    for (joints, side) in [(joints.thighs, wrong[0]), (joints.arms, wrong[1])] {
-        if let Some(side) = side {
-            warnings.extend(conflicts(tree, joints, side));
-        }
-    }
+    let pairs = [joints.thighs, joints.arms].into_iter().zip(wrong);
+    let warnings = pairs.filter_map(|(joints, side)| Some(conflicts(tree, joints, side?))).flatten().collect();
     let index = |first: NamedSide| usize::from(first == NamedSide::Right);
     Ok(Sides { left_leg: index(first_leg), left_arm: index(first_arm), warnings })
 }
@@ -203,16 +194,11 @@ fn toe_tip(tree: &SkeletonTree, foot: usize) -> Option<usize> {
 
 /// Warnings about joints such as one named left that is to the right of the spine.
 fn conflicts(tree: &SkeletonTree, joints: [usize; 2], first: NamedSide) -> Vec<String> {
-    [(joints[0], first), (joints[1], first.other())]
-        .map(|(joint, side)| {
-            format!(
-                "`{}` is named {}, but is to the {} of the spine; its place decides.",
-                tree.name(joint),
-                side.name(),
-                side.other().name()
-            )
-        })
-        .to_vec()
+    let conflict = |(joint, side): (usize, NamedSide)| {
+        let (name, named, is) = (tree.name(joint), side.name(), side.other().name());
+        format!("`{name}` is named {named}, but is to the {is} of the spine; its place decides.")
+    };
+    [(joints[0], first), (joints[1], first.other())].map(conflict).to_vec()
 }
 
 fn swapped(tree: &SkeletonTree, joints: SideJoints, leg: NamedSide, arm: NamedSide) -> NoPerson {

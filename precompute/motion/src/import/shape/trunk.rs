@@ -71,12 +71,9 @@ fn head_chain(tree: &SkeletonTree, chest: usize, arms: &[Vec<usize>; 2], hips: u
 
 /// The joints that a neck may start with, the best first.
 pub fn necks(tree: &SkeletonTree, chest: usize, hips: usize) -> Vec<usize> {
-    let mut all: Vec<(usize, f32)> = tree
-        .role_children(chest)
-        .filter(|&j| tree.turns(j) && !tree.is_above(j, hips))
-        .map(|j| (j, head_score(tree, chest, hips, j)))
-        .filter(|(_, score)| *score > 0.0)
-        .collect();
+    let above = tree.role_children(chest).filter(|&j| tree.turns(j) && !tree.is_above(j, hips));
+    let scored = above.map(|j| (j, head_score(tree, chest, hips, j)));
+    let mut all: Vec<(usize, f32)> = scored.filter(|(_, score)| *score > 0.0).collect();
     all.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     all.into_iter().map(|(j, _)| j).collect()
 }
