@@ -154,7 +154,7 @@ impl<V: Space> Engine<V> {
         let state = self.states[id.index()];
         let path = &self.scenery.paths[state.route as usize];
         let is_own = state.route == self.own_routes[id.index()];
-        if is_own && path.at_end() == AtEnd::Stay && path.has_arrived(&state.cursor, old.motion_at(self.now).0) {
+        if is_own && path.route.at_end == AtEnd::Stay && path.has_arrived(&state.cursor, old.motion_at(self.now).0) {
             self.stay_at(id.index, position);
         } else if let Some(&goal) = path.goals.last().filter(|_| is_own) {
             self.check_path(id, position, path.goal(), goal)?;
@@ -194,9 +194,7 @@ impl<V: Space> Engine<V> {
     pub fn order(&mut self, id: Id, order: &AgentOrder<V>) -> Result<()> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
-        let good = (0.0..=self.scenery.speed).contains(&speed);
-        let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check_value("speed", Some(id), speed, good, expected)?;
+        self.check_speed(id, speed)?;
         let plan = self.cells.plan(id.index);
         let position = plan.motion_at(self.now).0;
         let number = match &order.destination {
@@ -282,16 +280,15 @@ impl<V: Space> Engine<V> {
     /// [`Error::Gone`], [`Error::Value`].
     pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<()> {
         self.check_id(id)?;
-        let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check_value(
-            "speed",
-            Some(id),
-            speed,
-            (0.0..=self.scenery.speed).contains(&speed),
-            expected,
-        )?;
+        self.check_speed(id, speed)?;
         self.states[id.index()].speed = speed;
         Ok(())
+    }
+
+    fn check_speed(&self, id: Id, speed: f32) -> Result<()> {
+        let good = (0.0..=self.scenery.speed).contains(&speed);
+        let expected = "at least 0, and at most `largest_speed_mps` of the config";
+        Ok(throng_base::error::check_value("speed", Some(id), speed, good, expected)?)
     }
 
     /// Lets an agent act as soon as possible, once for each plan. Others rely on the plan: the agent keeps it where no

@@ -1,6 +1,7 @@
 //! The density grid: how many agents are where, and how they move, seen from afar.
 
 use crate::Space;
+use crate::space::cells::fold_bits;
 use serde::{Deserialize, Serialize};
 use throng_base::prefetch;
 
@@ -23,7 +24,7 @@ const ROUNDING: f32 = 1.001;
 /// toward it: so lanes form before agents meet. The grid is a torus, as that of the cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DensityGrid<V> {
-    per_m: f32,
+    pub per_m: f32,
     bits: [u32; 3],
     squares: Vec<Square<V>>,
     /// A bit for each square, set where it is occupied: so few that they stay in the processor's caches, while of a
@@ -81,23 +82,10 @@ impl<V: Space> Square<V> {
 impl<V: Space> DensityGrid<V> {
     /// Empty grid with squares of a side, most of them within `size`.
     pub fn new(side: f32, size: V, capacity: usize) -> Self {
-        let mut bits = [0; 3];
-        for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
-            bits[axis] = ((length / side).min(1e6) as usize + 8).next_power_of_two().trailing_zeros();
-        }
-        while 1usize << bits.iter().sum::<u32>() > MOST * capacity.max(64) {
-            let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
-            bits[longest] -= 1;
-        }
+        let bits = fold_bits(size, side, 8, 0, MOST * capacity.max(64));
         let squares = vec![Square::default(); 1 << bits.iter().sum::<u32>()];
         let anybody = vec![0; squares.len().div_ceil(WORD)];
         Self { per_m: side.recip(), bits, squares, anybody, empty: Square::default() }
-    }
-
-    /// Squares in a metre.
-    #[inline]
-    pub fn per_m(&self) -> f32 {
-        self.per_m
     }
 
     /// Side of a square (m).
@@ -215,7 +203,7 @@ mod tests {
             corner in [-3000i16..3000, -3000i16..3000], inside in [share(), share()],
         ) {
             let mut grid = DensityGrid::new(1.0, Vec2::splat(20.0), 10);
-            prop_assert_eq!(grid.per_m(), 1.0);
+            prop_assert_eq!(grid.per_m, 1.0);
             let corner = Vec2::from_array(corner.map(f32::from));
             grid.add(corner + Vec2::from_array(inside), Vec2::ZERO, Vec2::ZERO);
             let middle = corner + 0.5;
@@ -236,7 +224,7 @@ mod tests {
             grid.add(at, Vec2::new(1.3, 0.0), Vec2::X);
         }
         grid.add(at, Vec2::ZERO, Vec2::NEG_X);
-        let there = at * grid.per_m();
+        let there = at * grid.per_m;
         let square = *grid.square(there);
         assert_eq!(square.num_agents(), 4.0);
         assert!(square.obstruction(Vec2::X / 1.3).abs() < 1e-5, "a standing agent is left out");

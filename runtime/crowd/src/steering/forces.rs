@@ -65,8 +65,7 @@ pub(crate) fn sum_forces<V: Space>(
     }
     let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
-    let between =
-        looks_out.then(|| between_walls(solids, walls, me.position, me.radius, me.desired.right(), steering)).flatten();
+    let between = looks_out.then(|| between_walls(solids, walls, me, steering)).flatten();
     let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
     let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
     let lean = FarFieldBias { coming, to_the_right, evades };
