@@ -227,6 +227,11 @@ impl WorldGraph {
         if link == NONE { None } else { self.step_along(node.instance, link) }
     }
 
+    /// Length of the longest link that one character plays alone (frames).
+    pub(crate) fn max_link_frames(&self) -> u32 {
+        self.patches.links.iter().filter(|l| !l.is_for_two()).map(|l| l.num_frames).max().unwrap_or(0).into()
+    }
+
     /// True where a cell is enabled (the node exists).
     pub fn is_enabled(&self, node: WorldNode) -> bool {
         is_set(&self.world.cell_words, self.instance(node.instance).first_cell_word, node.cell)

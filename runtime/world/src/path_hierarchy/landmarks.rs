@@ -46,9 +46,7 @@ impl Landmarks {
     }
 
     /// Distances from nowhere.
-    pub fn unknown_distances() -> ToLandmarks {
-        [UNREACHED; NUM]
-    }
+    pub const UNKNOWN_DISTANCES: ToLandmarks = [UNREACHED; NUM];
 
     /// Notes that a state is so near to somewhere, from where costs are known so far.
     pub fn note_distance(&self, from: &mut ToLandmarks, state: u32, cost: f32) {
@@ -134,7 +132,7 @@ mod tests {
             let to_all = |from| std::array::from_fn(|k| cost(from, k % 5));
             let landmarks = Landmarks { costs: (0..8).map(to_all).collect() };
             for from in 0..8 {
-                let mut near = Landmarks::unknown_distances();
+                let mut near = Landmarks::UNKNOWN_DISTANCES;
                 landmarks.note_distance(&mut near, from as u32, 0.0);
                 for to in (0..8).filter(|&to| far[from][to] < u32::MAX) {
                     prop_assert!(landmarks.least_cost(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);

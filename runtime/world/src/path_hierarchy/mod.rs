@@ -151,10 +151,8 @@ impl PathHierarchy {
 
     /// True where all entries of a hierarchy read from a file are in range.
     pub fn is_sound(&self, graph: &WorldGraph) -> bool {
-        let patches = graph.patches();
-        let records = &patches.patches;
-        let longest =
-            patches.links.iter().filter(|l| !l.is_for_two()).map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
+        let records = &graph.patches().patches;
+        let longest = graph.max_link_frames();
         let plane = |(p, plane): (&PatchRecord, &Option<TilePlane>)| {
             plane.as_ref().is_none_or(|plane| plane.is_sound(p.num_cells, p.num_edges))
         };
@@ -240,6 +238,12 @@ impl PathHierarchy {
     /// The plane of a region's tiles.
     pub fn plane(&self, region: u32) -> Option<&TilePlane> {
         self.planes[self.floors.patch(region) as usize].as_ref()
+    }
+
+    /// The region of a tile, and its plane.
+    pub fn region_and_plane(&self, tile: u32) -> Option<(u32, &TilePlane)> {
+        let region = self.floors.region(tile)?;
+        Some((region, self.plane(region)?))
     }
 
     /// The region that an entrance leads from, and the tile and its cells that it leads by; none where it leads from another

@@ -5,7 +5,7 @@ mod edges;
 mod outline;
 mod search_graph;
 
-use super::dial::{Arcs, Dial, UNREACHED};
+use super::dial::{Arcs, Dial, frames};
 use super::plane::CellCost;
 use alike::least_across;
 use edges::ExitLanding;
@@ -149,8 +149,4 @@ impl ClusterCosts {
     pub fn exit_landings(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
         self.spots[out as usize].iter().map(|(l, part)| (l.offset, l.cell, f32::from(*part)))
     }
-}
-
-fn frames(cost: u16) -> f32 {
-    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
 }
