@@ -98,6 +98,8 @@ pub struct PrimitiveInput {
 
 /// Most arguments of an action.
 pub(super) const MAX_WORDS: usize = 5;
+/// Operands of an action, one for each of its words.
+pub(super) type ActionWords = [ActionOperand; MAX_WORDS];
 
 /// Values of an action's arguments, in the order of [`PrimitiveBehaviour::words`]; `None` for one that is not given.
 #[derive(Clone, Copy, Debug, Default)]
