@@ -71,13 +71,9 @@ impl Scene {
         // The application may have changed the scene since it was read and checked.
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
-        let mut out = CompiledScene {
-            scene: Arc::new(self.clone()),
-            bundles: Vec::new(),
-            scenario: Scenario::new(self, primitives)?.map(Arc::new),
-            worlds: Vec::new(),
-            world_of: Vec::new(),
-        };
+        let scenario = Scenario::new(self, primitives)?.map(Arc::new);
+        let (bundles, worlds, world_of) = Default::default();
+        let mut out = CompiledScene { scene: Arc::new(self.clone()), bundles, scenario, worlds, world_of };
         for (g, group) in self.groups.iter().enumerate() {
             let own = own.filter(|_| group.bundle.is_none());
             let bundle = match (self.bundle_of(g).0, own) {
@@ -201,11 +197,8 @@ impl CompiledScene {
             return Ok(known);
         }
         let bundle = self.bundle(g)?;
-        let key = if self.scene.groups[g].world.is_some() {
-            format!("groups[{g}].world")
-        } else {
-            "environment.world".into()
-        };
+        let is_own = self.scene.groups[g].world.is_some();
+        let key = if is_own { format!("groups[{g}].world") } else { "environment.world".into() };
         let help = "stitch it with `throng stitch`, or let `throng run` stitch it from `world_config`";
         let fault = |e: throng_base::Error| self.scene.fault(&key, format!("{e}; {help}"));
         let world = World::open(path, bundle).map_err(fault)?;
@@ -241,9 +234,9 @@ impl CompiledScene {
                     self.scene.groups.iter().filter(|o| o.motion == GroupMotion::Patches && !o.name.is_empty());
                 let names: Vec<&str> = groups.map(|o| o.name.as_str()).collect();
                 if !names.contains(&with) {
+                    let names = names.join(", ");
                     let why = format!(
-                        "expected `{ANY_PARTNER}` or a group with `motion = \"patches\"` ({}), found `{with}`",
-                        names.join(", ")
+                        "expected `{ANY_PARTNER}` or a group with `motion = \"patches\"` ({names}), found `{with}`"
                     );
                     return Err(self.scene.fault(&key("with"), why));
                 }
@@ -255,12 +248,12 @@ impl CompiledScene {
     /// Tags of a group's motion: those for one character alone, and those for two together.
     fn performable_tags(&self, g: usize) -> Result<[Vec<&str>; 2]> {
         let bundle = self.bundle(g)?;
-        let mut are_shown = [vec![false; bundle.meta().link_tags.len()], vec![false; bundle.meta().link_tags.len()]];
+        let tags = &bundle.meta().link_tags;
+        let mut are_shown = [vec![false; tags.len()], vec![false; tags.len()]];
         for link in bundle.patches().links.iter().filter(|l| l.tag != 0) {
             let number = usize::from(link.tag & !LinkRecord::FOR_TWO) - 1;
             are_shown[usize::from(link.is_for_two())][number] = true;
         }
-        let tags = &bundle.meta().link_tags;
         Ok(are_shown.map(|shown| tags.iter().zip(shown).filter(|(_, s)| *s).map(|(t, _)| t.as_str()).collect()))
     }
 }

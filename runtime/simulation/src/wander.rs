@@ -2,7 +2,7 @@
 
 use crate::SimulationEvent;
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, single_pose};
+use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, saved_bytes, single_pose};
 use crate::paths::RandomPath;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
@@ -145,11 +145,7 @@ impl MotionKind for Wanderers {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let troop = |t: &PathWalkers| {
-            let mut walkers = Bytes::default();
-            t.walkers.save(&mut walkers.0);
-            (t.paths.clone(), walkers)
-        };
+        let troop = |t: &PathWalkers| (t.paths.clone(), saved_bytes(|out| t.walkers.save(out)));
         PATHS.write(&self.troops.iter().map(troop).collect::<Vec<_>>(), out);
     }
 

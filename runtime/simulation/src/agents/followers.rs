@@ -1,9 +1,9 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
+use super::SceneAgents;
 use super::stage::{BodyActivity, CrowdStage};
 use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
-use super::{SceneAgents, ground_coordinates};
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, refused_snapshot};
 use crate::wander::random_skeletons;
@@ -61,7 +61,7 @@ impl Followers {
                 for m in numbers {
                     let Some(id) = agents.id(m) else { continue };
                     let path = &agents.layout().paths[m];
-                    let ahead = path.get(1).map_or(Vec2::Y, |&next| ground_coordinates(next - path[0]));
+                    let ahead = path.get(1).map_or(Vec2::Y, |&next| (next - path[0]).on_ground());
                     troop.add_body(agents.crowd(), id, ahead, bodies.len())?;
                 }
                 Ok(troop)
@@ -113,9 +113,7 @@ impl Followers {
         troop.order_look(row, ahead, shown.faces);
         troop.order_stand(row, shown.stands.map(|at| at.xz()));
         let is_new = std::mem::replace(&mut self.ordered[agent - self.first], shown) != shown;
-        let Some(motion) = shown.motion else {
-            return if is_new { troop.order_activity(row, None) } else { Ok(()) };
-        };
+        let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
             // An agent that still walked at the order has not begun.

@@ -1,6 +1,6 @@
 //! Bodies that follow agents of a crowd.
 
-use crate::motion_kind::{PART, refused_snapshot};
+use crate::motion_kind::{PART, refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -48,12 +48,8 @@ impl Troop {
     /// Empty troop; allocates all memory that walkers of this capacity need.
     pub fn new(walkers: Walkers) -> Self {
         let room = walkers.capacity();
-        Self {
-            walkers,
-            agents: Vec::with_capacity(room),
-            controls: Vec::with_capacity(room),
-            still: Vec::with_capacity(room),
-        }
+        let (controls, still) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        Self { walkers, agents: Vec::with_capacity(room), controls, still }
     }
 
     /// Gives an agent a body at its current position. It faces the direction of movement, or `ahead` where the agent is slow.
@@ -167,8 +163,7 @@ impl Troop {
 
     /// State that the next steps depend on.
     pub fn to_saved(&self) -> SavedTroop {
-        let mut walkers = Bytes::default();
-        self.walkers.save(&mut walkers.0);
+        let walkers = saved_bytes(|out| self.walkers.save(out));
         SavedTroop { controls: self.controls.clone(), still: self.still.clone(), walkers }
     }
 
@@ -203,13 +198,10 @@ impl StandingOffset {
     /// - `keep`: share of the distance that is left after a step.
     fn displace_control(&mut self, control: &mut Control, keep: f32) {
         let Some(disc) = control.position else { return };
-        let aim = match self.at {
-            Some(at) => {
-                control.velocity = Vec2::ZERO;
-                at - disc
-            }
-            None => Vec2::ZERO,
-        };
+        if self.at.is_some() {
+            control.velocity = Vec2::ZERO;
+        }
+        let aim = self.at.map_or(Vec2::ZERO, |at| at - disc);
         let left = self.off - aim;
         self.off = aim + left * if left.length_squared() < 1e-8 { 0.0 } else { keep };
         control.position = Some(disc + self.off);

@@ -6,7 +6,7 @@ use super::language::{Program, run_program};
 use super::perceive::{AgentView, hashed_chance};
 use super::reactions::MOST_ROUNDS;
 use super::stage::ScenarioStage;
-use super::tables::{CompiledAction, NONE, Scenario};
+use super::tables::{CompiledAction, GroupTable, NONE, Scenario};
 use super::turns::Turn;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -122,10 +122,9 @@ impl AgentBrains {
     /// Brains of all agents of a scenario, before any agent has entered.
     pub fn new(scenario: Arc<Scenario>, seed: u64, doors: &[bool]) -> Self {
         let num = scenario.groups.last().map_or(0, |g| g.agents[1] as usize);
-        let mut brains = Vec::with_capacity(num);
-        for (g, group) in scenario.groups.iter().enumerate() {
-            brains.extend((group.agents[0]..group.agents[1]).map(|_| AgentBrain::new(g as u16)));
-        }
+        let of_group =
+            |(g, group): (u16, &GroupTable)| (group.agents[0]..group.agents[1]).map(move |_| AgentBrain::new(g));
+        let brains = (0u16..).zip(&scenario.groups).flat_map(of_group).collect();
         let num_events = scenario.events.len();
         let mut out = Self {
             seed,

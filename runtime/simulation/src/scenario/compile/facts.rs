@@ -201,13 +201,8 @@ impl ScenarioCompiler<'_> {
     }
 
     pub(super) fn compile_event(&mut self, event: &EventConfig, key: &str) -> CompileResult<EventTable> {
-        let ways = [
-            event.at_s.is_some(),
-            event.between_s.is_some(),
-            event.every_s.is_some(),
-            event.period_s.is_some(),
-            event.when.is_some(),
-        ];
+        let EventConfig { at_s, between_s, every_s, period_s, when, .. } = event;
+        let ways = [at_s.is_some(), between_s.is_some(), every_s.is_some(), period_s.is_some(), when.is_some()];
         if ways.iter().filter(|w| **w).count() > 1 {
             let why = "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several";
             return compile_fault(key, why);
