@@ -199,13 +199,11 @@ impl<V: Space> CrowdScenery<V> {
         }
         #[cfg(feature = "fixed-steps")]
         let shortest = if config.scheme == Scheme::Fixed { config.step_s.max(shortest) } else { shortest };
-        let need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
-        let need = if config.scheme == Scheme::Occupancy {
+        let mut need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
+        if config.scheme == Scheme::Occupancy {
             let strongest = setup.agents.iter().map(|a| a.acceleration).fold(0.0, f32::max);
-            need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval))
-        } else {
-            need
-        };
+            need = need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval));
+        }
         let got = config.cell_side_m;
         if got == 0.0 {
             return Ok(need.max(6.5 * self.radius));

@@ -48,7 +48,7 @@ struct BoxingSetup {
 
 impl BoxingSetup {
     fn new(compiled: &CompiledScene, group: usize) -> Self {
-        Self { scene: Arc::clone(compiled.shared_scene()), group, key: format!("groups[{group}]") }
+        Self { scene: Arc::clone(&compiled.scene), group, key: format!("groups[{group}]") }
     }
 
     fn config(&self) -> &GroupConfig {

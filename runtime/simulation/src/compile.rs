@@ -13,7 +13,7 @@ use throng_world::World;
 /// A scene with its bundles and worlds, ready to run. Clones share them.
 #[derive(Clone, Debug)]
 pub struct CompiledScene {
-    scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Bundle of each group; `None` for a group without one.
     bundles: Vec<Option<Bundle>>,
     /// Rules, events and graphs of agents, where the scene has any.
@@ -132,11 +132,6 @@ impl CompiledScene {
         let has = |bundle: &Bundle, tag: &str| bundle.meta().activities.iter().any(|a| a.tag == tag);
         let is_missing = |tag: &&String| !bundles.is_empty() && !bundles.iter().all(|b| has(b, tag));
         motions.iter().filter(is_missing).map(|tag| format!("`{tag}`: those who do it stand meanwhile")).collect()
-    }
-
-    /// Scene, to be shared.
-    pub(crate) fn shared_scene(&self) -> &Arc<Scene> {
-        &self.scene
     }
 
     /// Content hash of the scene, its bundles and its worlds; their paths do not count.

@@ -85,7 +85,7 @@ impl InhabitantGroup {
     /// # Errors
     /// [`throng_base::Error::Text`] where the world has room for fewer, or for a box without a place to stay.
     pub(crate) fn new(compiled: &CompiledScene, groups: &[usize]) -> Result<Self> {
-        let (scene, first) = (compiled.shared_scene(), groups[0]);
+        let (scene, first) = (&compiled.scene, groups[0]);
         let key = format!("groups[{first}]");
         let Some(world) = compiled.world(first).map(|w| &w.world) else {
             return Err(scene.fault(&key, "expected a `world`"));

@@ -85,7 +85,7 @@ impl Pedestrians {
 
     /// The bodies as walkers, row by row as in [`CharacterGroup::bodies`]: feet, phases and weights.
     pub fn walkers(&self) -> &Walkers {
-        self.troop.walkers()
+        &self.troop.walkers
     }
 
     /// Gives an agent a body that faces the direction in which the agent moves or is to go.
@@ -218,6 +218,6 @@ impl CharacterGroup for Pedestrians {
 
     /// Takes the blend space of the same name, see [`Walkers`]; paths and positions stay.
     fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
-        self.troop.walkers_mut().adopt(new)
+        self.troop.walkers.adopt(new)
     }
 }

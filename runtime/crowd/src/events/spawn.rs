@@ -11,6 +11,7 @@ use crate::scenery::{CrowdScenery, Door, check_agent};
 use crate::space::plan::MotionPlan;
 use crate::steering::filter::VelocityFilter;
 use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, Space};
+use glam::Vec3Swizzles;
 use throng_base::Error;
 use throng_base::error::check_index;
 
@@ -98,14 +99,13 @@ impl<V: Space> Engine<V> {
                     return;
                 }
                 // Two that could brake at once only have to be apart.
-                let clearance = if other.end <= self.now {
-                    clearance(plan, other) - MARGIN
-                } else {
-                    find_violation(&candidate, other).map_or(1.0, |v| -v.depth)
+                let clearance = match other.end <= self.now {
+                    true => clearance(plan, other) - MARGIN,
+                    false => find_violation(&candidate, other).map_or(1.0, |v| -v.depth),
                 };
                 if clearance < 0.0 {
-                    error =
-                        Some(CrowdError::Overlap { first: self.id(other.index), second: id, overlap_m: -clearance });
+                    let first = self.id(other.index);
+                    error = Some(CrowdError::Overlap { first, second: id, overlap_m: -clearance });
                 }
             });
         });
@@ -315,7 +315,7 @@ impl<V: Space> Engine<V> {
     fn check_path(&self, id: Id, from: V, goal: V, number: u32) -> Result<()> {
         let CrowdScenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
-        goals.check_path(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
+        streets.check_path(from.xz(), goals.costs(number)).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.

@@ -142,7 +142,7 @@ impl<V: Space> Guide<'_, V> {
             let p = at - toward * back;
             let square = self.grid.square(V::over_ground(p) * self.grid.per_m);
             let opposed = square.num_opposed(direction);
-            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num_agents() - opposed);
+            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num - opposed);
         }
         cost
     }

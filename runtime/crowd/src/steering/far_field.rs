@@ -119,7 +119,7 @@ impl<V: Space> FarFieldView<'_, V> {
     fn room_to_right(&self, grid: &DensityGrid<V>, at: V, full: [f32; 2]) -> f32 {
         let ahead = self.directions[0];
         let right = at + ahead.right();
-        let there = grid.square(right).num_agents().max(grid.square(right + ahead).num_agents());
+        let there = grid.square(right).num.max(grid.square(right + ahead).num);
         ((full[1] - there) / (full[1] - full[0])).clamp(0.0, 1.0)
     }
 }

@@ -102,12 +102,8 @@ pub(crate) fn sum_forces<V: Space>(
         let (away, distance) = solids[s as usize].direction_and_distance(me.position);
         if distance - me.radius < far && distance > 0.0 {
             let offset = -away * distance;
-            add_neighbour_forces(
-                &mut f,
-                me,
-                field,
-                &SeenNeighbour { offset, velocity: V::default(), distance, radii: me.radius, yields: true },
-            );
+            let wall = SeenNeighbour { offset, velocity: V::default(), distance, radii: me.radius, yields: true };
+            add_neighbour_forces(&mut f, me, field, &wall);
         }
     }
     f.turning += (heading * speed - me.desired * me.speed) * rate;

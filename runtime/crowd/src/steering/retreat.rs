@@ -105,7 +105,7 @@ impl<V: Space> BlockedAgent<V> {
         steering: &SteeringConfig,
     ) -> Option<V> {
         let at = self.position * grid.per_m;
-        let is_dense = || grid.square(at).num_agents() + grid.square(at + self.ahead).num_agents() >= JAM;
+        let is_dense = || grid.square(at).num + grid.square(at + self.ahead).num >= JAM;
         if self.waited < steering.patience_in_jams_s || !is_dense() {
             return None;
         }

@@ -43,7 +43,7 @@ impl Followers {
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub fn new<V: Space>(compiled: &CompiledScene, group: usize, agents: &SceneAgents<V>) -> Result<Self> {
-        let (scene, bundle) = (compiled.shared_scene(), compiled.bundle(group)?);
+        let (scene, bundle) = (&compiled.scene, compiled.bundle(group)?);
         let config = &scene.groups[group];
         let first = agents.layout().groups.iter().position(|&g| g == group).unwrap_or(0);
         let bodies = random_skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
@@ -162,7 +162,7 @@ impl Followers {
     pub fn grasps(&self) -> Vec<BodyGrasps> {
         let of_body = |body: &Skeleton| {
             let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
-                let set = troop.walkers().space().activities();
+                let set = troop.walkers.space().activities();
                 tags.iter().map(|activities| grasps(set, activities, body)).collect()
             };
             self.troops.iter().zip(&self.activities).map(of_troop).collect()
@@ -223,6 +223,6 @@ impl Followers {
 
     fn walkers_of(&self, agent: usize) -> (&Walkers, usize) {
         let num = self.troops.len();
-        (self.troops[agent % num].walkers(), (agent - self.first) / num)
+        (&self.troops[agent % num].walkers, (agent - self.first) / num)
     }
 }

@@ -126,11 +126,6 @@ impl<V: Space> CrowdLayout<V> {
         self.setup.obstacles.split_at(self.first_door)
     }
 
-    /// The scene.
-    pub(super) fn scene(&self) -> Arc<Scene> {
-        Arc::clone(&self.scene)
-    }
-
     /// True for an agent that does not enter later.
     pub(super) fn is_there_at_start(&self, m: usize) -> bool {
         let g = self.groups[m];

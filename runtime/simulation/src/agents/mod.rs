@@ -52,7 +52,7 @@ impl<V: Space> SceneAgents<V> {
     /// # Errors
     /// As [`CrowdLayout::new`], and for impossible starts, with the names of their groups; as [`crate::scenario::Scenario::new`].
     pub fn new(compiled: &CompiledScene) -> Result<Self> {
-        let scene = compiled.shared_scene();
+        let scene = &compiled.scene;
         let mut layout = CrowdLayout::new(scene)?;
         if let Some(scenario) = compiled.scenario() {
             layout.set_senses(scenario);
@@ -239,6 +239,41 @@ impl<V: Space> SceneAgents<V> {
     pub fn has_ended(&self) -> bool {
         self.brains.as_ref().is_some_and(AgentBrains::has_ended)
     }
+
+    /// An agent as it is now; `None` where it has left (agent < num_agents).
+    pub fn disc(&self, agent: usize) -> Option<Disc> {
+        let now = self.crowd().time_s();
+        let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
+        let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, V::on_ground);
+        let (centre, radius) = (at.to_world(), self.layout().setup.agents[agent].radius);
+        let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
+        Some(Disc { root, centre, velocity: velocity.to_world(), radius, knows: self.num_known_events(agent) > 0 })
+    }
+
+    /// Moves things along with the hands that hold them.
+    fn move_things(&mut self, dt_s: f32) {
+        if !self.stage.things.all.is_empty() {
+            let mut things = std::mem::take(&mut self.stage.things);
+            things.update_things(&self.followers, |agent| self.disc(agent as usize).map(|d| d.root), dt_s);
+            self.stage.things = things;
+        }
+    }
+
+    /// Things of the scene, in its order: where they are (m), how they are turned, and the agent that has them in hand.
+    pub fn things(&self) -> impl ExactSizeIterator<Item = (Vec3, Quat, Option<usize>)> + '_ {
+        let all = self.stage.things.all.iter();
+        all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
+    }
+
+    /// Counts of what hands have done so far.
+    pub fn handling_counts(&self) -> HandlingCounts {
+        self.stage.things.counts
+    }
+
+    /// Bodies of an agent's group.
+    fn followers_of(&self, agent: usize) -> Option<&Followers> {
+        self.followers.iter().find(|f| f.contains(agent))
+    }
 }
 
 impl<V: Space> MotionKind for SceneAgents<V> {
@@ -342,43 +377,6 @@ pub struct Disc {
     pub radius: f32,
     /// Whether it knows of a happening.
     pub knows: bool,
-}
-
-impl<V: Space> SceneAgents<V> {
-    /// An agent as it is now; `None` where it has left (agent < num_agents).
-    pub fn disc(&self, agent: usize) -> Option<Disc> {
-        let now = self.crowd().time_s();
-        let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
-        let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, V::on_ground);
-        let (centre, radius) = (at.to_world(), self.layout().setup.agents[agent].radius);
-        let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
-        Some(Disc { root, centre, velocity: velocity.to_world(), radius, knows: self.num_known_events(agent) > 0 })
-    }
-
-    /// Moves things along with the hands that hold them.
-    fn move_things(&mut self, dt_s: f32) {
-        if !self.stage.things.all.is_empty() {
-            let mut things = std::mem::take(&mut self.stage.things);
-            things.update_things(&self.followers, |agent| self.disc(agent as usize).map(|d| d.root), dt_s);
-            self.stage.things = things;
-        }
-    }
-
-    /// Things of the scene, in its order: where they are (m), how they are turned, and the agent that has them in hand.
-    pub fn things(&self) -> impl ExactSizeIterator<Item = (Vec3, Quat, Option<usize>)> + '_ {
-        let all = self.stage.things.all.iter();
-        all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
-    }
-
-    /// Counts of what hands have done so far.
-    pub fn handling_counts(&self) -> HandlingCounts {
-        self.stage.things.counts
-    }
-
-    /// Bodies of an agent's group.
-    fn followers_of(&self, agent: usize) -> Option<&Followers> {
-        self.followers.iter().find(|f| f.contains(agent))
-    }
 }
 
 /// Advances a crowd to a time, on several threads where that is faster.

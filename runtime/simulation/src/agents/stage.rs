@@ -5,6 +5,7 @@ use super::things::{Handler, Things};
 use crate::scenario::{Handling, ScenarioStage, Signal, Stance, StanceError};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use std::time::Instant;
 use throng_base::Result;
 use throng_core::blend::ActivityId;
@@ -190,7 +191,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
         let m = agent as usize;
         let Some(from) = self.current_position(agent) else { return Ok(()) };
-        let scene = self.layout.scene();
+        let scene = Arc::clone(&self.layout.scene);
         let h = &scene.happenings[usize::from(happening)];
         let Route { subgoals, arrival_radius, at_end } = self.layout.new_path(m, from, h)?.map(V::to_world);
         self.ordered_happenings[m] = Some(happening);

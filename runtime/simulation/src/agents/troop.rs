@@ -18,7 +18,7 @@ const ASIDE_HALF_LIFE_S: f32 = 0.15;
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
 pub(crate) struct Troop {
-    walkers: Walkers,
+    pub walkers: Walkers,
     /// Agent of each body.
     pub agents: Vec<Id>,
     controls: Vec<Control>,
@@ -144,16 +144,6 @@ impl Troop {
             self.walkers.order(self.walkers.bodies().ids[row], control)?;
         }
         self.walkers.step(dt_s, run)
-    }
-
-    /// The walkers.
-    pub fn walkers(&self) -> &Walkers {
-        &self.walkers
-    }
-
-    /// The walkers, to move them to another bundle.
-    pub fn walkers_mut(&mut self) -> &mut Walkers {
-        &mut self.walkers
     }
 
     /// Bodies of the walkers, with the ids of their agents.

@@ -101,11 +101,6 @@ impl WorldGraph {
         })
     }
 
-    /// Tables that are computed once for a world: see the fields.
-    pub(crate) fn derived_tables(&self) -> (&[u32], &[bool], &OpenConnections) {
-        (&self.to_rest, &self.narrow, &self.bounds)
-    }
-
     /// True where what was read from a file goes with the world: links to rest begin at their cells, and can be taken.
     fn is_sound(&self) -> bool {
         let to_rest = |instance: u32| {

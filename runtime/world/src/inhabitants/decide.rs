@@ -276,7 +276,7 @@ impl Inhabitants {
         let is_taken = is_settled && self.occupant_of(graph, c).is_some();
         self.forget_tries(c);
         // Of two that block each other's paths, one yields soon and the other one late.
-        let share = match is_inhabitant && self.needs_units_of(graph, holder, c) {
+        let share = match is_inhabitant && self.holder_in_way(graph, holder) == Some(c) {
             true if holder < c => YIELD_CHANCE,
             true => INSISTS,
             false => 1.0,
@@ -340,11 +340,6 @@ impl Inhabitants {
         let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
         let pause_s = self.draw_random(c) * longest_s;
         self.states[c].until_s = self.time_s + f64::from(pause_s);
-    }
-
-    /// True where the next steps of a character's path need a unit that another character holds.
-    fn needs_units_of(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
-        self.holder_in_way(graph, character) == Some(by)
     }
 
     /// Character that holds a unit which the next steps of a character's path need.

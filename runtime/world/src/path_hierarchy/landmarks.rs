@@ -19,7 +19,8 @@ pub(crate) type ToLandmarks = [u16; NUM];
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Landmarks {
     #[serde(with = "crate::pod")]
-    costs: Vec<ToLandmarks>,
+    /// Of each state.
+    pub costs: Vec<ToLandmarks>,
 }
 
 impl Landmarks {
@@ -38,11 +39,6 @@ impl Landmarks {
             out.costs.iter_mut().zip(costs).for_each(|(to, cost)| to[k] = *cost);
         }
         out
-    }
-
-    /// Number of states that costs are known of.
-    pub fn num_states(&self) -> usize {
-        self.costs.len()
     }
 
     /// Distances from nowhere.

@@ -160,14 +160,14 @@ impl RegionCosts {
         let entrances: Vec<u32> = (0..hierarchy.entrances.len() as u32).collect();
         for &i in &entrances {
             if let Some((region, tile, _)) = hierarchy.leads_from(i) {
-                by_place.entry((region, hierarchy.floors.place(tile))).or_default().push(i);
+                by_place.entry((region, hierarchy.floors.places[tile as usize])).or_default().push(i);
             }
         }
         let others = each(&entrances, |&i, _| {
             let mut found = Vec::new();
             let Some((region, tile, goal)) = hierarchy.leads_from(i) else { return found };
             let Some(plane) = hierarchy.plane(region) else { return found };
-            let [u, v] = hierarchy.floors.place(tile);
+            let [u, v] = hierarchy.floors.places[tile as usize];
             let around = (-AROUND..=AROUND).flat_map(|du| (-AROUND..=AROUND).map(move |dv| [u + du, v + dv]));
             for &other in around.filter_map(|at| by_place.get(&(region, at))).flatten().filter(|o| **o != i) {
                 let Some((_, to, into)) = hierarchy.leads_from(other) else { continue };

@@ -58,7 +58,7 @@ impl ClusterSearch {
 
     /// Cost from an entrance of the cluster. The additional costs of its cells may be negative (frames).
     pub fn cost_from(&mut self, hierarchy: &PathHierarchy, entrance: u32) -> f32 {
-        let starts = hierarchy.costs_in(self.cluster).starts(entrance);
+        let starts = &hierarchy.costs_in(self.cluster).starts[entrance as usize];
         starts.iter().map(|&(state, part)| self.cost(hierarchy, state) - f32::from(part)).fold(f32::INFINITY, f32::min)
     }
 

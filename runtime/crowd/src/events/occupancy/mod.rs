@@ -230,9 +230,7 @@ impl Occupancy {
             self.first[cells.number(at) as usize] = next;
         }
     }
-}
 
-impl Occupancy {
     /// When the bound of a new plan is as wide as a cell, or touches another one in a cell that it occupies.
     #[inline]
     pub fn first_meeting<V: Space>(&self, at: &Decider<'_, V>, fresh: &MotionPlan<V>) -> (Cause, f32) {
