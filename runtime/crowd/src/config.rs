@@ -83,6 +83,22 @@ impl CrowdConfig {
         let largest = (self.capacity, self.largest_radius_m, self.largest_speed_mps);
         (self.scheme, self.smallest_interval_s, self.cell_side_m, fixed, largest, self.steering)
     }
+
+    /// Every setting within its limits.
+    pub(crate) fn check(&self) -> Result<()> {
+        let within = |what, got: f32, least: f32, most: f32, expected| {
+            check_value(what, None, got, (least..=most).contains(&got), expected)
+        };
+        within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
+        #[cfg(feature = "fixed-steps")]
+        within("config.step_s", self.step_s, 0.001, 1.0, "between 0.001 and 1")?;
+        #[cfg(feature = "fixed-steps")]
+        within("config.halvings", self.halvings as f32, 0.0, 16.0, "at most 16")?;
+        CAPACITY.check_count("config.capacity", self.capacity)?;
+        within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;
+        within("config.largest_speed_mps", self.largest_speed_mps, 0.0, 999.0, "between 0 and 999")?;
+        self.steering.check()
+    }
 }
 
 impl Default for CrowdConfig {
@@ -100,24 +116,6 @@ impl Default for CrowdConfig {
             largest_speed_mps: 0.0,
             steering: SteeringConfig::default(),
         }
-    }
-}
-
-impl CrowdConfig {
-    /// Every setting within its limits.
-    pub(crate) fn check(&self) -> Result<()> {
-        let within = |what, got: f32, least: f32, most: f32, expected| {
-            check_value(what, None, got, (least..=most).contains(&got), expected)
-        };
-        within("config.smallest_interval_s", self.smallest_interval_s, 0.001, 1.0, "between 0.001 and 1")?;
-        #[cfg(feature = "fixed-steps")]
-        within("config.step_s", self.step_s, 0.001, 1.0, "between 0.001 and 1")?;
-        #[cfg(feature = "fixed-steps")]
-        within("config.halvings", self.halvings as f32, 0.0, 16.0, "at most 16")?;
-        CAPACITY.check_count("config.capacity", self.capacity)?;
-        within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;
-        within("config.largest_speed_mps", self.largest_speed_mps, 0.0, 999.0, "between 0 and 999")?;
-        self.steering.check()
     }
 }
 
@@ -144,7 +142,7 @@ pub struct CrowdSetup<V = Vec3> {
     pub config: CrowdConfig,
 }
 
-impl<V> Default for CrowdSetup<V> {
+impl<V: Default> Default for CrowdSetup<V> {
     /// No agents and no obstacles, with the default field.
     fn default() -> Self {
         Self {

@@ -448,7 +448,7 @@ impl Crowd {
 
     /// Side of the cells that agents are registered in (m).
     pub fn cell_side(&self) -> f32 {
-        each!(&self.engine, e => e.cells.side())
+        each!(&self.engine, e => e.cells.side)
     }
 
     /// Action of agents at the end of a route.

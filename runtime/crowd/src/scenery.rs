@@ -103,12 +103,12 @@ impl<V: Space> MovingObstacle<V> {
             end,
             position,
             velocity,
-            acceleration: V::default(),
             moving: f32::INFINITY,
             radius: self.radius,
             // It never brakes: its stop region is where it is.
             limit: f32::INFINITY,
             index: crate::NONE,
+            ..MotionPlan::default()
         }
     }
 }
@@ -199,13 +199,11 @@ impl<V: Space> CrowdScenery<V> {
         }
         #[cfg(feature = "fixed-steps")]
         let shortest = if config.scheme == Scheme::Fixed { config.step_s.max(shortest) } else { shortest };
-        let need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
-        let need = if config.scheme == Scheme::Occupancy {
+        let mut need = 2.0 * (self.radius + self.stopping + self.fastest * shortest + 0.01);
+        if config.scheme == Scheme::Occupancy {
             let strongest = setup.agents.iter().map(|a| a.acceleration).fold(0.0, f32::max);
-            need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval))
-        } else {
-            need
-        };
+            need = need.max(narrowest_cell(self.radius, strongest, config.steering.blocked_intervals * self.interval));
+        }
         let got = config.cell_side_m;
         if got == 0.0 {
             return Ok(need.max(6.5 * self.radius));
@@ -329,14 +327,13 @@ impl<V: Space> CrowdScenery<V> {
             let is_open = self.is_open(self.owners[number as usize] as usize);
             let Some(within) = within(solid).filter(|_| !is_open) else { continue };
             let (min, max) = solid.extents();
-            let side = V::from_coordinates([cells.side() + within; 3]);
+            let side = V::from_coordinates([cells.side + within; 3]);
             let (low, high) = (cells.coordinates(min - side), cells.coordinates(max + side));
             let folds = cells.folds();
             let count =
                 |axis: usize| (i64::from(high[axis]) - i64::from(low[axis]) + 1).min(i64::from(folds[axis])) as i32;
             let is_folded = (0..V::DIMENSIONS).any(|axis| count(axis) == folds[axis] as i32);
-            let axes =
-                [count(0), if V::DIMENSIONS > 1 { count(1) } else { 1 }, if V::DIMENSIONS > 2 { count(2) } else { 1 }];
+            let axes = [0, 1, 2].map(|axis| if axis < V::DIMENSIONS { count(axis) } else { 1 });
             for z in 0..axes[2] {
                 for y in 0..axes[1] {
                     for x in 0..axes[0] {
@@ -351,7 +348,7 @@ impl<V: Space> CrowdScenery<V> {
         }
         pairs.sort_unstable();
         pairs.dedup();
-        let first = (0..=cells.num_cells() as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
+        let first = (0..=cells.num_cells as u32).map(|c| pairs.partition_point(|p| p.0 < c) as u32).collect();
         (first, pairs.into_iter().map(|p| p.1).collect())
     }
 }

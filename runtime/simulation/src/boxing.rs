@@ -1,7 +1,7 @@
 //! Characters with policies: each with a target of its own, or in pairs that strike at each other.
 
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot};
+use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes};
 use crate::scene::{DragPoint, GroupConfig, GroupMotion, PlaceConfig, Scene};
 use crate::sparring::{PracticeConfig, Sparring, SparringConfig, TargetPractice};
 use crate::{CharacterEvent, SimulationEvent};
@@ -48,7 +48,7 @@ struct BoxingSetup {
 
 impl BoxingSetup {
     fn new(compiled: &CompiledScene, group: usize) -> Self {
-        Self { scene: Arc::clone(compiled.shared_scene()), group, key: format!("groups[{group}]") }
+        Self { scene: Arc::clone(&compiled.scene), group, key: format!("groups[{group}]") }
     }
 
     fn config(&self) -> &GroupConfig {
@@ -332,10 +332,9 @@ impl MotionKind for Bouts {
 
     fn step(&mut self, tick: &GroupStep<'_>, events: &mut Vec<SimulationEvent>) -> Result<()> {
         self.sparring.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
-        events.extend(self.sparring.events().iter().map(|(id, l)| SimulationEvent {
-            time_s: tick.until_s,
-            who: tick.first + id.index(),
-            kind: CharacterEvent::Struck { opponent: tick.first + l.opponent.index(), part: l.part, at: l.blow.point },
+        events.extend(self.sparring.events().iter().map(|(id, l)| {
+            let opponent = tick.first + l.opponent.index();
+            tick.event(id.index(), CharacterEvent::Struck { opponent, part: l.part, at: l.blow.point })
         }));
         Ok(())
     }
@@ -361,17 +360,13 @@ impl MotionKind for Practice {
             (0..self.homes.len()).try_for_each(|c| self.hang_target(c, self.homes[c] + by))?;
         }
         self.practice.step(tick.dt_s, tick.run).map_err(|e| self.setup.fault(e))?;
-        events.extend(self.practice.events().iter().map(|(id, h)| SimulationEvent {
-            time_s: tick.until_s,
-            who: tick.first + id.index(),
-            kind: CharacterEvent::Hit { at: h.blow.point },
-        }));
+        let hits = self.practice.events().iter();
+        events.extend(hits.map(|(id, h)| tick.event(id.index(), CharacterEvent::Hit { at: h.blow.point })));
         Ok(())
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let mut practice = Bytes::default();
-        self.practice.save(&mut practice.0);
+        let practice = saved_bytes(|out| self.practice.save(out));
         DRAGGED.write(&(&self.homes, self.is_dragged, practice), out);
     }
 

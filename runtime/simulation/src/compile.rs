@@ -13,7 +13,7 @@ use throng_world::World;
 /// A scene with its bundles and worlds, ready to run. Clones share them.
 #[derive(Clone, Debug)]
 pub struct CompiledScene {
-    scene: Arc<Scene>,
+    pub(crate) scene: Arc<Scene>,
     /// Bundle of each group; `None` for a group without one.
     bundles: Vec<Option<Bundle>>,
     /// Rules, events and graphs of agents, where the scene has any.
@@ -71,13 +71,9 @@ impl Scene {
         // The application may have changed the scene since it was read and checked.
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
-        let mut out = CompiledScene {
-            scene: Arc::new(self.clone()),
-            bundles: Vec::new(),
-            scenario: Scenario::new(self, primitives)?.map(Arc::new),
-            worlds: Vec::new(),
-            world_of: Vec::new(),
-        };
+        let scenario = Scenario::new(self, primitives)?.map(Arc::new);
+        let (bundles, worlds, world_of) = Default::default();
+        let mut out = CompiledScene { scene: Arc::new(self.clone()), bundles, scenario, worlds, world_of };
         for (g, group) in self.groups.iter().enumerate() {
             let own = own.filter(|_| group.bundle.is_none());
             let bundle = match (self.bundle_of(g).0, own) {
@@ -138,11 +134,6 @@ impl CompiledScene {
         motions.iter().filter(is_missing).map(|tag| format!("`{tag}`: those who do it stand meanwhile")).collect()
     }
 
-    /// Scene, to be shared.
-    pub(crate) fn shared_scene(&self) -> &Arc<Scene> {
-        &self.scene
-    }
-
     /// Content hash of the scene, its bundles and its worlds; their paths do not count.
     pub fn hash(&self) -> u128 {
         let mut hash = Hash128::default();
@@ -201,11 +192,8 @@ impl CompiledScene {
             return Ok(known);
         }
         let bundle = self.bundle(g)?;
-        let key = if self.scene.groups[g].world.is_some() {
-            format!("groups[{g}].world")
-        } else {
-            "environment.world".into()
-        };
+        let is_own = self.scene.groups[g].world.is_some();
+        let key = if is_own { format!("groups[{g}].world") } else { "environment.world".into() };
         let help = "stitch it with `throng stitch`, or let `throng run` stitch it from `world_config`";
         let fault = |e: throng_base::Error| self.scene.fault(&key, format!("{e}; {help}"));
         let world = World::open(path, bundle).map_err(fault)?;
@@ -241,9 +229,9 @@ impl CompiledScene {
                     self.scene.groups.iter().filter(|o| o.motion == GroupMotion::Patches && !o.name.is_empty());
                 let names: Vec<&str> = groups.map(|o| o.name.as_str()).collect();
                 if !names.contains(&with) {
+                    let names = names.join(", ");
                     let why = format!(
-                        "expected `{ANY_PARTNER}` or a group with `motion = \"patches\"` ({}), found `{with}`",
-                        names.join(", ")
+                        "expected `{ANY_PARTNER}` or a group with `motion = \"patches\"` ({names}), found `{with}`"
                     );
                     return Err(self.scene.fault(&key("with"), why));
                 }
@@ -255,12 +243,12 @@ impl CompiledScene {
     /// Tags of a group's motion: those for one character alone, and those for two together.
     fn performable_tags(&self, g: usize) -> Result<[Vec<&str>; 2]> {
         let bundle = self.bundle(g)?;
-        let mut are_shown = [vec![false; bundle.meta().link_tags.len()], vec![false; bundle.meta().link_tags.len()]];
+        let tags = &bundle.meta().link_tags;
+        let mut are_shown = [vec![false; tags.len()], vec![false; tags.len()]];
         for link in bundle.patches().links.iter().filter(|l| l.tag != 0) {
             let number = usize::from(link.tag & !LinkRecord::FOR_TWO) - 1;
             are_shown[usize::from(link.is_for_two())][number] = true;
         }
-        let tags = &bundle.meta().link_tags;
         Ok(are_shown.map(|shown| tags.iter().zip(shown).filter(|(_, s)| *s).map(|(t, _)| t.as_str()).collect()))
     }
 }

@@ -1,7 +1,7 @@
 //! Characters that live in a stitched world and pursue one goal after another.
 
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, single_pose};
+use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes, single_pose};
 use crate::scene::{ANY_PARTNER, InhabitantGoalConfig, Scene, WeightedGoal};
 use crate::{CharacterEvent, SimulationEvent};
 use glam::Vec3;
@@ -85,7 +85,7 @@ impl InhabitantGroup {
     /// # Errors
     /// [`throng_base::Error::Text`] where the world has room for fewer, or for a box without a place to stay.
     pub(crate) fn new(compiled: &CompiledScene, groups: &[usize]) -> Result<Self> {
-        let (scene, first) = (compiled.shared_scene(), groups[0]);
+        let (scene, first) = (&compiled.scene, groups[0]);
         let key = format!("groups[{first}]");
         let Some(world) = compiled.world(first).map(|w| &w.world) else {
             return Err(scene.fault(&key, "expected a `world`"));
@@ -104,11 +104,11 @@ impl InhabitantGroup {
             return Err(scene.fault(&format!("{key}.count"), why));
         }
         let (mut choices, mut rngs, mut counted) = (Vec::new(), Vec::with_capacity(num), 0);
-        let mut ranges: Vec<(usize, Range<usize>)> = Vec::new();
-        for &g in groups {
-            ranges.push((g, counted..counted + scene.groups[g].count));
+        let mut range = |&g: &usize| {
             counted += scene.groups[g].count;
-        }
+            (g, counted - scene.groups[g].count..counted)
+        };
+        let ranges: Vec<(usize, Range<usize>)> = groups.iter().map(&mut range).collect();
         for (g, range) in ranges.iter().cloned() {
             let numbers = compiled.first_number(g) as u64..;
             let rng = |number: u64| Pcg64Mcg::seed_from_u64(scene.seed ^ number.wrapping_mul(0x9E37_79B9_7F4A_7C15));
@@ -344,13 +344,8 @@ impl MotionKind for InhabitantGroup {
             .and_then(|()| self.match_partners(tick.until_s))
             .and_then(|()| self.inhabitants.step(tick.dt_s, tick.run));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
-        for (id, _) in self.inhabitants.events().iter().filter(|(_, event)| *event == InhabitantEvent::Fulfilled) {
-            events.push(SimulationEvent {
-                time_s: tick.until_s,
-                who: tick.first + id.index(),
-                kind: CharacterEvent::Fulfilled,
-            });
-        }
+        let fulfilled = self.inhabitants.events().iter().filter(|(_, event)| *event == InhabitantEvent::Fulfilled);
+        events.extend(fulfilled.map(|(id, _)| tick.event(id.index(), CharacterEvent::Fulfilled)));
         Ok(())
     }
 
@@ -363,8 +358,7 @@ impl MotionKind for InhabitantGroup {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let mut inhabitants = Bytes::default();
-        self.inhabitants.save(&mut inhabitants.0);
+        let inhabitants = saved_bytes(|out| self.inhabitants.save(out));
         let saved_goals = (&self.rngs, &self.until_s, &self.ordered, &self.partner_requests, &self.partners);
         GOALS.write(&(saved_goals, inhabitants), out);
     }

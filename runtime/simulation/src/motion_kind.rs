@@ -1,9 +1,9 @@
 //! Interface of all kinds of motion. A new kind implements [`MotionKind`], and gets one line in `character_groups.rs`.
 
-use crate::SimulationEvent;
+use crate::{CharacterEvent, SimulationEvent};
 use glam::Vec3;
 use throng_base::ground::ReservedRegion;
-use throng_base::{Error, Executor, Hash128, Result};
+use throng_base::{Bytes, Error, Executor, Hash128, Result};
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
 /// Inputs of one step of a group.
@@ -16,6 +16,13 @@ pub struct GroupStep<'a> {
     pub first: usize,
     /// Threads that run the parts of the step.
     pub run: &'a dyn Executor,
+}
+
+impl GroupStep<'_> {
+    /// Event of a character at the end of the step.
+    pub(crate) fn event(&self, number: usize, kind: CharacterEvent) -> SimulationEvent {
+        SimulationEvent { time_s: self.until_s, who: self.first + number, kind }
+    }
 }
 
 /// Characters of one kind of motion, numbered from 0.
@@ -85,6 +92,13 @@ pub(crate) fn load_same(group: &mut impl CharacterGroup, bytes: &[u8]) -> Result
 }
 
 /// Error for bytes that are no snapshot.
+/// Bytes of a part of a snapshot.
+pub(crate) fn saved_bytes(save: impl FnOnce(&mut Vec<u8>)) -> Bytes {
+    let mut bytes = Bytes::default();
+    save(&mut bytes.0);
+    bytes
+}
+
 pub(crate) fn refused_snapshot(what: &'static str, why: &str) -> Error {
     Error::Snapshot { what, why: format!("{why}; it is damaged") }
 }

@@ -20,7 +20,7 @@ pub(crate) struct RandomPath {
     /// Position relative to the centre of the square (m).
     position: Vec2,
     heading: f32,
-    speed: f32,
+    pub speed: f32,
     gyration: f32,
     /// Speed and turning rate that are approached.
     aim: [f32; 2],
@@ -73,11 +73,6 @@ impl RandomPath {
         let Self { rng: _, position, heading, speed, gyration, aim, left_s } = self;
         let all = [position.x, position.y, *heading, *speed, *gyration, aim[0], aim[1], *left_s];
         all.iter().all(|v| v.abs() < 1e5)
-    }
-
-    /// Current speed (m/s).
-    pub fn speed(&self) -> f32 {
-        self.speed
     }
 
     fn draw_aim(&mut self, config: &PathsConfig) {

@@ -3,7 +3,7 @@
 use crate::CharacterEvent;
 use crate::agents::troop::{SavedTroop, Troop};
 use crate::agents::{advance_crowd, character_event};
-use crate::motion_kind::refused_snapshot;
+use crate::motion_kind::{refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_value;
@@ -72,12 +72,8 @@ impl Pedestrians {
         let expected = "2: bodies walk on the ground; make the crowd with `Crowd::on_ground`";
         check_value("number of dimensions of the crowd", None, dimensions, crowd.is_on_ground(), expected)?;
         let walkers = Walkers::with_capacity(space, bodies, config, crowd.capacity())?;
-        let mut people = Self {
-            troop: Troop::new(walkers),
-            num_bodies: bodies.len().max(1),
-            events: Vec::with_capacity(EVENTS * crowd.capacity()),
-            crowd,
-        };
+        let (troop, events) = (Troop::new(walkers), Vec::with_capacity(EVENTS * crowd.capacity()));
+        let mut people = Self { troop, num_bodies: bodies.len().max(1), events, crowd };
         people.crowd.ids().collect::<Vec<_>>().into_iter().try_for_each(|id| people.give_body(id))?;
         Ok(people)
     }
@@ -89,7 +85,7 @@ impl Pedestrians {
 
     /// The bodies as walkers, row by row as in [`CharacterGroup::bodies`]: feet, phases and weights.
     pub fn walkers(&self) -> &Walkers {
-        self.troop.walkers()
+        &self.troop.walkers
     }
 
     /// Gives an agent a body that faces the direction in which the agent moves or is to go.
@@ -209,8 +205,7 @@ impl CharacterGroup for Pedestrians {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let mut crowd = Bytes::default();
-        self.crowd.save(&mut crowd.0);
+        let crowd = saved_bytes(|out| self.crowd.save(out));
         KIND.write(&SavedPedestrians { crowd, agents: self.troop.agents.clone(), troop: self.troop.to_saved() }, out);
     }
 
@@ -223,6 +218,6 @@ impl CharacterGroup for Pedestrians {
 
     /// Takes the blend space of the same name, see [`Walkers`]; paths and positions stay.
     fn adopt(&mut self, new: &Bundle) -> Result<AdoptReport> {
-        self.troop.walkers_mut().adopt(new)
+        self.troop.walkers.adopt(new)
     }
 }

@@ -5,7 +5,7 @@ use crate::boxing::{Bouts, Practice};
 use crate::character_groups::AnyCharacterGroup;
 use crate::compile::CompiledScene;
 use crate::inhabitant_group::InhabitantGroup;
-use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot};
+use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
 use crate::scene::{GroupMotion, Scene, SpaceConfig};
 use crate::sparring::StruckPart;
@@ -174,15 +174,9 @@ impl Simulation {
             sim.character_groups.push(make_character_group(scene, &together)?);
             for o in together {
                 let first = sim.groups.last().map_or(0, |last| last.characters.end);
-                let characters = first..first + groups[o].count;
+                let (characters, character_group) = (first..first + groups[o].count, sim.character_groups.len() - 1);
                 let (name, motion) = (groups[o].title(o), groups[o].motion);
-                sim.groups.push(SceneGroup {
-                    name,
-                    motion,
-                    number: o,
-                    characters,
-                    character_group: sim.character_groups.len() - 1,
-                });
+                sim.groups.push(SceneGroup { name, motion, number: o, characters, character_group });
             }
             sim.firsts.push(sim.groups.last().map_or(0, |last| last.characters.end));
         }
@@ -305,14 +299,9 @@ impl Simulation {
     /// Snapshot of all that the next steps depend on: all characters with their bodies, happenings and the time, with version,
     /// checksum, and content hash of the scene, its bundles and its worlds.
     pub fn snapshot(&self) -> Vec<u8> {
-        let saved = |character_group: &AnyCharacterGroup| {
-            let mut bytes = Bytes::default();
-            character_group.save(&mut bytes.0);
-            bytes
-        };
+        let groups = self.character_groups.iter().map(|group| saved_bytes(|out| group.save(out)));
         let mut out = Vec::new();
-        self.snapshot_kind()
-            .write(&(self.time_s, self.character_groups.iter().map(saved).collect::<Vec<_>>()), &mut out);
+        self.snapshot_kind().write(&(self.time_s, groups.collect::<Vec<_>>()), &mut out);
         out
     }
 
@@ -540,8 +529,8 @@ fn inform_of_obstacles(number: usize, character_group: &mut AnyCharacterGroup, h
     let knows = matches!(character_group, AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_));
     let others = &held[..held.len().saturating_sub(usize::from(knows))];
     if !held.is_empty() {
-        character_group
-            .set_external_obstacles(others.iter().enumerate().filter(|(o, _)| *o != number).map(|(_, held)| held));
+        let of_others = others.iter().enumerate().filter(|(o, _)| *o != number);
+        character_group.set_external_obstacles(of_others.map(|(_, held)| held));
     }
 }
 

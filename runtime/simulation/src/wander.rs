@@ -2,7 +2,7 @@
 
 use crate::SimulationEvent;
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, single_pose};
+use crate::motion_kind::{GroupStep, MotionKind, PART, load_same, refused_snapshot, saved_bytes, single_pose};
 use crate::paths::RandomPath;
 use crate::scene::{BodiesConfig, Scene};
 use glam::{Vec2, Vec3};
@@ -53,7 +53,7 @@ impl Wanderers {
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub(crate) fn new(compiled: &CompiledScene, group: usize) -> Result<Self> {
-        let (scene, bundle) = (compiled.shared_scene(), compiled.bundle(group)?);
+        let (scene, bundle) = (&compiled.scene, compiled.bundle(group)?);
         let (config, seed) = (&scene.groups[group], scene.seed);
         let first = compiled.first_number(group);
         let paths = config.paths.clone().unwrap_or_default();
@@ -96,7 +96,7 @@ impl Wanderers {
     /// Speed of a character's path (m/s, number < num_characters).
     pub fn speed(&self, number: usize) -> f32 {
         let (troop, w) = self.troop_of(number);
-        troop.paths[w].speed()
+        troop.paths[w].speed
     }
 
     /// Walkers of a character's troop, and its number among them (number < num_characters).
@@ -125,7 +125,7 @@ impl MotionKind for Wanderers {
             run_each(tick.run, parts, |((own, paces), controls)| {
                 for ((path, pace), control) in own.iter_mut().zip(paces).zip(controls) {
                     *control = path.step(paths, tick.dt_s);
-                    control.style[0] = config.style_at(path.speed() / pace);
+                    control.style[0] = config.style_at(path.speed / pace);
                 }
             });
             let mut orders = t.ids.iter().zip(&t.controls);
@@ -145,11 +145,7 @@ impl MotionKind for Wanderers {
     }
 
     fn save(&self, out: &mut Vec<u8>) {
-        let troop = |t: &PathWalkers| {
-            let mut walkers = Bytes::default();
-            t.walkers.save(&mut walkers.0);
-            (t.paths.clone(), walkers)
-        };
+        let troop = |t: &PathWalkers| (t.paths.clone(), saved_bytes(|out| t.walkers.save(out)));
         PATHS.write(&self.troops.iter().map(troop).collect::<Vec<_>>(), out);
     }
 

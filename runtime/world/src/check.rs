@@ -41,23 +41,17 @@ impl Tiling {
 
     /// The parts together are the whole section.
     fn end(&self, len: usize) -> Result<(), FormatError> {
-        match len as u64 == self.next {
-            true => Ok(()),
-            false => {
-                Err(FormatError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
-            }
+        if len as u64 == self.next {
+            return Ok(());
         }
+        Err(FormatError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
     }
 }
 
 fn units(w: &WorldTables) -> Result<(), FormatError> {
-    match w.units.iter().position(|u| !u.placement.is_moderate(FAR)) {
-        Some(i) => {
-            let message = format!("it stands nowhere, expected numbers below {FAR}: {:?}", w.units[i].placement);
-            Err(FormatError::value(tags::UNITS, i, message))
-        }
-        None => Ok(()),
-    }
+    let Some(i) = w.units.iter().position(|u| !u.placement.is_moderate(FAR)) else { return Ok(()) };
+    let message = format!("it stands nowhere, expected numbers below {FAR}: {:?}", w.units[i].placement);
+    Err(FormatError::value(tags::UNITS, i, message))
 }
 
 /// Tables name patches that exist, are named by an adjacency, and have joints, which tile the section, ascend, and are
@@ -129,18 +123,10 @@ fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &PatchTables) 
 
 /// Instances name patches that exist; their bits, adjacencies, neighbours and resources tile their sections.
 fn instances(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
-    let mut parts = [
-        Tiling::new(tags::NEIGHBOURS),
-        Tiling::new(tags::CELLS),
-        Tiling::new(tags::LINKS),
-        Tiling::new(tags::ADJACENCIES),
-        Tiling::new(tags::RESOURCES),
-    ];
+    let mut parts = [tags::NEIGHBOURS, tags::CELLS, tags::LINKS, tags::ADJACENCIES, tags::RESOURCES].map(Tiling::new);
     for (i, r) in w.instances.iter().enumerate() {
         let wrong = |message: &str| Err(FormatError::value(tags::INSTANCES, i, format!("{message}: {r:?}")));
-        let Some(p) = patches.patches.get(r.patch as usize) else {
-            return wrong("no such patch");
-        };
+        let Some(p) = patches.patches.get(r.patch as usize) else { return wrong("no such patch") };
         if !r.placement.is_moderate(FAR) {
             return wrong("it stands nowhere");
         }
@@ -215,12 +201,8 @@ fn adjacencies(w: &WorldTables) -> Result<(), FormatError> {
         }
         for (k, a) in w.adjacencies[of(r)].iter().enumerate() {
             let wrong = |what: &str| Err(FormatError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}")));
-            let Some(other) = w.instances.get(a.other as usize) else {
-                return wrong("no such instance");
-            };
-            let Some(table) = w.tables.get(a.table as usize) else {
-                return wrong("no such table");
-            };
+            let Some(other) = w.instances.get(a.other as usize) else { return wrong("no such instance") };
+            let Some(table) = w.tables.get(a.table as usize) else { return wrong("no such table") };
             let sides = if a.side == 0 { (r.patch, other.patch) } else { (other.patch, r.patch) };
             if a.side > 1 || sides != (table.patch_a, table.patch_b) {
                 return wrong("its table is of other patches");

@@ -106,7 +106,9 @@ pub(crate) struct DesiredMotion<V> {
     pub state: AgentState<V>,
     /// A plan from now on that has no end and no acceleration of its own yet.
     pub fresh: MotionPlan<V>,
+    /// Acceleration by the forces, within its limit.
     pub acceleration: V,
+    pub forces: Forces<V>,
     /// Region around its cell, which it must not leave.
     pub region: (V, V),
     /// First contact of its bound with that of another agent.
@@ -147,27 +149,28 @@ impl<V: Space> Decider<'_, V> {
         let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
-        let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side(); 3]));
+        let (centre, half) = (self.cells.centre(at), V::from_coordinates([self.cells.side; 3]));
         let region = (centre - half, centre + half);
         let fresh = MotionPlan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
         self.look_around(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let near = self.scenery.solids_near(state.cell);
         let sees_external_obstacles = self.sees_external_obstacles(&walker, scratch);
-        let f = self.forces_from(agent, &walker, &state, near, scratch);
+        let forces = self.forces_from(agent, &walker, &state, near, scratch);
         let slow = self.scenery.steering.slow_mps;
         let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
         let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
-        DesiredMotion { state, fresh, acceleration: total(&f).at_most(old.limit), region, meeting, longest }
+        let acceleration = total(&forces).at_most(old.limit);
+        DesiredMotion { state, fresh, acceleration, forces, region, meeting, longest }
     }
 
     /// New plan for an agent; `None` if it has to keep the present one.
     pub fn decide(&self, agent: u32, scheme: SchemeRef<'_>, scratch: &mut DecisionScratch<V>) -> Option<Decision<V>> {
         let old = self.cells.plan(agent);
-        let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest } =
+        let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest, .. } =
             self.desired_motion(agent, Some(scheme), scratch);
         let near = self.scenery.solids_near(state.cell);
         let (cause, length) = scheme.first_event(self, &fresh, &meeting, near);
@@ -190,11 +193,8 @@ impl<V: Space> Decider<'_, V> {
             None if old.end <= self.time => {
                 // A trapped agent that stands can wait: its neighbours make it act when they do.
                 let stands = fresh.velocity.length_squared() < 1e-6;
-                let length = if stands {
-                    self.scenery.steering.blocked_intervals * self.scenery.interval
-                } else {
-                    self.scenery.interval
-                };
+                let intervals = if stands { self.scenery.steering.blocked_intervals } else { 1.0 };
+                let length = intervals * self.scenery.interval;
                 let mut plan = MotionPlan { end: self.time + f64::from(length), ..fresh };
                 plan.brake();
                 plan
@@ -216,18 +216,10 @@ impl<V: Space> Decider<'_, V> {
         near: &[u32],
         scratch: &DecisionScratch<V>,
     ) -> Forces<V> {
-        let (scenery, seen) = (self.scenery, &scratch.seen);
-        let walls = scenery.walls_seen(state.cell);
-        let around = ForceSurroundings {
-            seen,
-            solids: &scenery.solids,
-            near,
-            walls,
-            grid: self.grid,
-            interests: &scenery.interests,
-            steering: &scenery.steering,
-        };
-        let mut f = sum_forces(walker, &scenery.fields[state.field as usize], &around);
+        let CrowdScenery { fields, solids, interests, steering, .. } = self.scenery;
+        let (seen, walls, grid) = (&scratch.seen, self.scenery.walls_seen(state.cell), self.grid);
+        let around = ForceSurroundings { seen, solids, near, walls, grid, interests, steering };
+        let mut f = sum_forces(walker, &fields[state.field as usize], &around);
         f.interaction += self.relationships.interest_acceleration(agent, walker.position, |id| {
             let state = &self.states[id.index()];
             let is_there = state.cell != NONE && state.generation == id.generation;
@@ -238,20 +230,8 @@ impl<V: Space> Decider<'_, V> {
 
     /// The forces on an agent now.
     pub fn forces(&self, agent: u32, scratch: &mut DecisionScratch<V>) -> Forces<V> {
-        let plan = self.cells.plan(agent);
-        let (position, velocity) = plan.motion_at(self.time);
-        let mut state = self.states[agent as usize];
-        self.update(&mut state, &plan, position, velocity);
-        let mut walker = self.walker(&state, &plan, position, velocity);
-        self.give_way(agent, &state, &mut walker);
-        self.keep_company(agent, &state, &mut walker);
-        let at = self.cells.coordinates(position);
-        state.cell = self.cells.number(at);
-        self.look_around(agent, at, &walker, &state, None, scratch);
-        self.sees_external_obstacles(&walker, scratch);
-        let near = self.scenery.solids_near(state.cell);
-        let f = self.forces_from(agent, &walker, &state, near, scratch);
-        Forces { taken: plan.acceleration, ..f }
+        let forces = self.desired_motion(agent, None, scratch).forces;
+        Forces { taken: self.cells.plan(agent).acceleration, ..forces }
     }
 
     /// Guide by which agents find their paths.
@@ -267,10 +247,8 @@ impl<V: Space> Decider<'_, V> {
         let leg = state.cursor.leg;
         let again = path.pass_subgoals(&mut state.cursor, position);
         let steering = &self.scenery.steering;
-        let is_at_corner = state.cursor.rest > 0.0 && {
-            let near = steering.corner_m;
-            (state.cursor.aim - position).length_squared() < near * near
-        };
+        let (rest, near) = (state.cursor.rest, steering.corner_m);
+        let is_at_corner = rest > 0.0 && (state.cursor.aim - position).length_squared() < near * near;
         if self.time >= state.cursor.look_at || is_at_corner || leg != state.cursor.leg {
             self.guide().find_aim(path, &mut state.cursor, position, plan.radius);
             state.cursor.look_at = self.time + steering.look_s;
@@ -295,11 +273,11 @@ impl<V: Space> Decider<'_, V> {
         let field = &self.scenery.fields[state.field as usize];
         let (desired, distance) = (state.cursor.aim - position).unit_and_length();
         let mut speed = state.speed;
-        if path.at_end() == AtEnd::Stay && state.cursor.rest == 0.0 {
+        if path.route.at_end == AtEnd::Stay && state.cursor.rest == 0.0 {
             // The agent comes to rest at the goal.
             speed = speed.min(distance / (2.0 * field.relaxation_s));
             // At its goal the agent yields to others that pass.
-            speed *= (distance / path.arrival_radius()).min(1.0);
+            speed *= (distance / path.route.arrival_radius).min(1.0);
         }
         let centre = plan.position + plan.velocity * (self.time - plan.start) as f32;
         SteeredAgent {
@@ -323,34 +301,20 @@ impl<V: Space> Decider<'_, V> {
             return false;
         }
         let walls = self.scenery.walls_seen(self.cells.number(self.cells.coordinates(walker.position)));
-        let between = between_walls(
-            &self.scenery.solids,
-            walls,
-            walker.position,
-            walker.radius,
-            walker.desired.right(),
-            steering,
-        );
-        let half =
-            between.filter(|b| b.at_hand).map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
+        let between = between_walls(&self.scenery.solids, walls, walker, steering).filter(|b| b.at_hand);
+        let half = between.map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
         let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
         let direction = blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
             let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
             gate.retreat_direction(walker.position, walker.radius, self.time, self.grid, steering)
         });
-        let yields = direction.is_some();
-        if let Some(direction) =
-            direction.or_else(|| blocked.random_retreat_direction(agent, self.time, self.grid, steering))
-        {
-            *walker = SteeredAgent {
-                desired: direction,
-                speed: steering.retreat_speed * state.speed,
-                retreats: true,
-                ..*walker
-            };
+        let by_chance = || blocked.random_retreat_direction(agent, self.time, self.grid, steering);
+        if let Some(direction) = direction.or_else(by_chance) {
+            (walker.desired, walker.speed) = (direction, steering.retreat_speed * state.speed);
+            walker.retreats = true;
         }
-        yields
+        direction.is_some()
     }
 
     /// Steers an agent to its place in its group; true where it has one.
@@ -361,8 +325,7 @@ impl<V: Space> Decider<'_, V> {
         if V::DIMENSIONS == 3 || walker.retreats || state.is_there || walker.speed == 0.0 {
             return false;
         }
-        let mut others =
-            [Companion { index: NONE, offset: V::default(), intent: V::default(), speed: 0.0 }; MOST_COMPANIONS];
+        let mut others = [Companion::default(); MOST_COMPANIONS];
         let mut num = 0;
         for index in relationship.companions() {
             let its = &self.states[index as usize];
@@ -420,7 +383,7 @@ impl<V: Space> Decider<'_, V> {
             let offset = plan.position - me.position;
             let distance = offset.length();
             let radii = me.radius + mover.radius;
-            if distance - mover.radius < 2.0 * self.cells.side() {
+            if distance - mover.radius < 2.0 * self.cells.side {
                 scratch.seen.push(SeenNeighbour { offset, velocity: plan.velocity, distance, radii, yields: false });
             }
         }
@@ -432,7 +395,7 @@ impl<V: Space> Decider<'_, V> {
             return false;
         }
         let before = scratch.seen.len();
-        let around = Bounds2d::around_disc(me.position.on_ground(), 2.0 * self.cells.side());
+        let around = Bounds2d::around_disc(me.position.on_ground(), 2.0 * self.cells.side);
         self.external_obstacles.visit_bodies_near(&around, |_, other| {
             let offset = V::over_ground(other.place) - me.position;
             let (velocity, radii) = (V::over_ground(other.velocity), me.radius + other.radius_m);
@@ -463,8 +426,8 @@ impl<V: Space> Decider<'_, V> {
             let contact = bound.first_contact(&still, self.time, first.1);
             // The obstacle's motion is known up to the next point of its path; the agent decides again there.
             let known = (plan.end - self.time) as f32;
-            let (cause, time) =
-                if contact <= known { (Cause::Obstacle(mover.obstacle), contact) } else { (Cause::Region, known) };
+            let cause = if contact <= known { Cause::Obstacle(mover.obstacle) } else { Cause::Region };
+            let time = contact.min(known);
             if time < first.1 {
                 first = (cause, time);
             }
@@ -474,7 +437,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// True if an agent is to leave the crowd, as it is at the end of its route.
     pub fn leaves(&self, state: &AgentState<V>) -> bool {
-        state.is_there && self.scenery.paths[state.route as usize].at_end() == AtEnd::Leave
+        state.is_there && self.scenery.paths[state.route as usize].route.at_end == AtEnd::Leave
     }
 
     /// Moving obstacle that overlaps an agent at the start of a plan; [`NONE`] if there is none.

@@ -79,7 +79,7 @@ impl<V: Space> Engine<V> {
             scratch: DecisionScratch::new(capacity, scenery.movers.len()),
             sensors: Sensors::new(&setup.senses, capacity),
             relationships: RelationshipTable::new(capacity),
-            occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells(), capacity)),
+            occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells, capacity)),
             #[cfg(feature = "fixed-steps")]
             fixed: crate::events::fixed::Fixed::new(&setup.config, capacity),
             setup_hash: Self::hash_setup(&setup, &scenery, &cells),
@@ -370,11 +370,8 @@ impl<V: Space> Engine<V> {
     /// Shows an event of an agent to the watchdog.
     #[inline]
     pub fn note_for_watchdog(&mut self, agent: u32, partner: Option<u32>) -> Result<()> {
-        let storm = match self.watchdog.note_event(agent, partner.unwrap_or(NONE), self.now) {
-            Ok(()) => return Ok(()),
-            Err(storm) => storm,
-        };
-        Err(CrowdError::Stalled {
+        let noted = self.watchdog.note_event(agent, partner.unwrap_or(NONE), self.now);
+        noted.map_err(|storm| CrowdError::Stalled {
             first: self.id(agent),
             second: Some(storm.partner).filter(|&p| p != NONE).map(|p| self.id(p)),
             events: storm.events.into(),
@@ -385,6 +382,6 @@ impl<V: Space> Engine<V> {
 
     /// See [`AtEnd`]: what an agent of a route does at its end.
     pub fn at_end(&self, route: usize) -> Option<AtEnd> {
-        self.scenery.paths.get(route).map(|s| s.at_end())
+        self.scenery.paths.get(route).map(|s| s.route.at_end)
     }
 }

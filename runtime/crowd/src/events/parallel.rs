@@ -96,7 +96,7 @@ impl<V: Space> Engine<V> {
         self.check_time(until_s)?;
         self.events.clear();
         let mut windows = std::mem::take(&mut self.windows);
-        windows.levels.resize(self.cells.num_cells(), 0);
+        windows.levels.resize(self.cells.num_cells, 0);
         let capacity = self.states.len().min(NEIGHBOURS);
         windows.parts.resize_with(PARTS, || {
             Mutex::new(LevelPart {

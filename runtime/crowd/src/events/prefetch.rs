@@ -12,17 +12,11 @@ use crate::{NONE, Space};
 use throng_base::prefetch;
 
 /// Progress in preparing the next events.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Prefetcher {
     scout: CalendarScout,
-    /// Agents found at the last events, the latest first; [`NONE`] where unused.
+    /// Agents found at the last events, the latest first; [`NONE`] where there was none.
     found: [u32; 2],
-}
-
-impl Default for Prefetcher {
-    fn default() -> Self {
-        Self { scout: CalendarScout::default(), found: [NONE; 2] }
-    }
 }
 
 impl<V: Space> Engine<V> {

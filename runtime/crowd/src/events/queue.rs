@@ -44,17 +44,11 @@ const NOWHERE: u32 = NONE - 1;
 const OPEN: u32 = NONE - 2;
 
 /// Progress of [`Calendar::scout_soon`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct CalendarScout {
     page: u64,
     /// The next agent in that page.
     next: u32,
-}
-
-impl Default for CalendarScout {
-    fn default() -> Self {
-        Self { page: 0, next: NONE }
-    }
 }
 
 impl Calendar {

@@ -105,7 +105,7 @@ impl<V: Space> LaneWork for FirstContactJob<'_, V> {
     #[inline(always)]
     fn run<F: Lanes>(self) {
         let Self { meeting, cells, rows } = self;
-        let Some((at, nearest)) = rows.nearest() else { return };
+        let Some((at, nearest)) = rows.nearest else { return };
         // An early contact leaves few neighbours that may be met before.
         meeting.compare_with(&cells.plan(rows.found_rows()[at].agents[nearest]));
         for (n, row) in rows.found_rows().iter().enumerate() {

@@ -116,13 +116,8 @@ impl<V: Space> SharedEngine<V> {
         let is_plain = is_plain && engine.is_of_registration();
         let expected =
             "0: without senses, timers, interests and companions of single agents, and with the engine of events";
-        throng_base::error::check_value(
-            "number of ties between agents",
-            None,
-            f64::from(u8::from(!is_plain)),
-            is_plain,
-            expected,
-        )?;
+        let got = f64::from(u8::from(!is_plain));
+        throng_base::error::check_value("number of ties between agents", None, got, is_plain, expected)?;
         let (rank, num_ranks) = (comm.rank(), comm.num_ranks());
         let folds = engine.cells.folds();
         let axis = (0..V::DIMENSIONS).max_by_key(|&axis| folds[axis]).unwrap_or(0);
@@ -153,7 +148,7 @@ impl<V: Space> SharedEngine<V> {
         if rank > 0 {
             engine.counts = EventCounts::default();
         }
-        let waits = vec![0; engine.cells.num_cells()];
+        let waits = vec![0; engine.cells.num_cells];
         let (num_free, left) = (engine.free.len(), Vec::new());
         let mut shared = Self {
             engine,
@@ -294,13 +289,11 @@ impl<V: Space> SharedEngine<V> {
     /// Processes the events of this rank that need not wait, and informs the others; true where no event waits any
     /// more.
     fn run_pass(&mut self, items: &mut [RankEvent], place_of: &[(u32, usize)], comm: &dyn Comm) -> Result<bool> {
-        self.pass = match self.pass.checked_add(1) {
-            Some(pass) => pass,
-            None => {
-                self.waits.fill(0);
-                1
-            }
-        };
+        if self.pass == u32::MAX {
+            self.waits.fill(0);
+            self.pass = 0;
+        }
+        self.pass += 1;
         let nothing = || PassMessage { waiting: 0, done: Vec::new(), changed: Vec::new() };
         let mut messages: Vec<PassMessage<V>> = (0..comm.num_ranks()).map(|_| nothing()).collect();
         let mut waiting = 0;
@@ -414,10 +407,8 @@ impl<V: Space> SharedEngine<V> {
     /// [`Error::Rank`].
     pub fn gather_crowd(mut self, comm: &dyn Comm) -> Result<Option<Engine<V>>> {
         let mut agents = Vec::new();
-        for cell in (0..self.engine.cells.num_cells() as u32).filter(|&cell| self.owner_of(cell) == self.rank) {
-            self.engine.cells.for_each_in_cell(cell, |plan| {
-                agents.push(ChangedAgent { plan: *plan, state: self.engine.states[plan.index as usize] });
-            });
+        for cell in (0..self.engine.cells.num_cells as u32).filter(|&cell| self.owner_of(cell) == self.rank) {
+            self.engine.cells.for_each_in_cell(cell, |plan| agents.push(self.changed_agent(plan.index)));
         }
         let own = GatheredRank { counts: self.engine.counts, left: std::mem::take(&mut self.departed), agents };
         let mut messages = vec![Vec::new(); comm.num_ranks()];

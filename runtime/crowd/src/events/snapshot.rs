@@ -1,6 +1,6 @@
 //! Keeping the whole state of a crowd, and telling two states apart.
 
-use crate::error::Result;
+use crate::error::{CrowdError, Result};
 use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::events::occupancy::Occupancy;
@@ -55,6 +55,11 @@ struct SavedCrowd<V> {
     scheme: Option<OtherScheme>,
 }
 
+/// Refusal of a snapshot.
+fn refused(why: impl ToString) -> CrowdError {
+    Error::Snapshot { what: "crowd", why: why.to_string() }.into()
+}
+
 /// No agent can have walked farther from the starts (m).
 const FARTHEST_M: f32 = 1e6;
 /// Factor by which rounding may bring a speed or an acceleration beyond its limit. More would not do: the search for
@@ -77,7 +82,7 @@ impl<V: Space> Engine<V> {
     /// with and without the feature `fixed-steps`, unless such steps are taken.
     pub(crate) fn hash_setup(setup: &CrowdSetup<V>, scenery: &CrowdScenery<V>, cells: &CellGrid<V>) -> u128 {
         let CrowdScenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
-        let sizes = [*radius, *speed, *stopping, cells.side(), V::DIMENSIONS as f32];
+        let sizes = [*radius, *speed, *stopping, cells.side, V::DIMENSIONS as f32];
         let capacity = setup.config.capacity.max(setup.agents.len());
         let streets = setup.streets.as_ref().map(Streets::hashed);
         let all = (
@@ -86,7 +91,7 @@ impl<V: Space> Engine<V> {
             (interests, &setup.senses),
             setup.config.state_key(),
             sizes,
-            cells.num_cells(),
+            cells.num_cells,
             capacity,
             streets,
         );
@@ -126,12 +131,10 @@ impl<V: Space> Engine<V> {
         let saved: SavedCrowd<V> = self.snapshot_kind().read_all(bytes)?;
         let before = self.scenery.doors.clone();
         if saved.doors.len() != before.len() {
-            return Err(Error::Snapshot { what: "crowd", why: "it has other obstacles".to_owned() }.into());
+            return Err(refused("it has other obstacles"));
         }
         // Agents are checked against what stood then.
-        if let Err(e) = self.scenery.set_doors(&saved.doors, &self.cells) {
-            return Err(Error::Snapshot { what: "crowd", why: e.to_string() }.into());
-        }
+        self.scenery.set_doors(&saved.doors, &self.cells).map_err(refused)?;
         let loaded = self.load_checked(saved);
         if loaded.is_err() {
             self.scenery.set_doors(&before, &self.cells)?;
@@ -140,35 +143,26 @@ impl<V: Space> Engine<V> {
     }
 
     fn load_checked(&mut self, saved: SavedCrowd<V>) -> Result<()> {
-        let refused = |why: String| Err(Error::Snapshot { what: "crowd", why }.into());
-        if let Err(why) = self.check_saved(&saved) {
-            return refused(why);
-        }
+        self.check_saved(&saved).map_err(refused)?;
         let mut goals = GoalTable::default();
         let mut paths = Vec::with_capacity(saved.routes.len());
         for (number, route) in saved.routes.iter().enumerate() {
             let stays = saved.staying.binary_search(&(number as u32)).is_ok();
             match (stays, route.subgoals.as_slice()) {
                 (true, &[at]) if at.is_finite() => paths.push(RoutePath::stay_path(at)),
-                (true, _) => return refused(format!("route {number} is of nobody who stays")),
-                (false, _) => match self.scenery.prepare_path_with(number, route, &mut goals) {
-                    Ok(path) => paths.push(path),
-                    Err(e) => return refused(e.to_string()),
-                },
+                (true, _) => return Err(refused(format!("route {number} is of nobody who stays"))),
+                (false, _) => {
+                    paths.push(self.scenery.prepare_path_with(number, route, &mut goals).map_err(refused)?);
+                }
             }
         }
-        if !Self::agents_fit_routes(&saved, &paths) {
-            return refused("an agent is on a leg that its route has not".to_owned());
+        let mut of_plans = saved.plans.iter().map(|p| &saved.states[p.index as usize]);
+        if !of_plans.all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs()) {
+            return Err(refused("an agent is on a leg that its route has not"));
         }
         (self.scenery.paths, self.scenery.goals) = (paths, goals);
         self.take_over(saved);
         Ok(())
-    }
-
-    /// True if agents are on legs of their routes.
-    fn agents_fit_routes(saved: &SavedCrowd<V>, paths: &[RoutePath<V>]) -> bool {
-        let of_plans = saved.plans.iter().map(|p| &saved.states[p.index as usize]);
-        of_plans.into_iter().all(|s| (s.cursor.leg as usize) < paths[s.route as usize].num_legs())
     }
 
     /// Replaces the state by a checked one.
@@ -277,7 +271,7 @@ impl<V: Space> Engine<V> {
         if self.fixed.is_some() {
             return Ok(());
         }
-        let half = V::from_coordinates([self.cells.side(); 3]);
+        let half = V::from_coordinates([self.cells.side; 3]);
         let mut of_cell: HashMap<u32, Vec<&MotionPlan<V>>> = HashMap::new();
         for plan in &saved.plans {
             let (at, cell) = (self.cells.coordinates(plan.position), saved.states[plan.index as usize].cell);
@@ -326,7 +320,7 @@ impl<V: Space> Engine<V> {
         let fits = match (&saved.scheme, &self.occupancy) {
             (None, None) => self.is_of_registration(),
             (Some(OtherScheme::Occupancy(kept)), Some(own)) => {
-                !is_woken && kept.fits(own, self.cells.side(), saved.now, plan)
+                !is_woken && kept.fits(own, self.cells.side, saved.now, plan)
             }
             #[cfg(feature = "fixed-steps")]
             (Some(OtherScheme::Fixed(kept)), None) => {
@@ -345,7 +339,7 @@ impl<V: Space> Engine<V> {
     /// Longest plan of an agent that brakes with so much: by then its bound has left the region around its cell, twice as
     /// wide as that, or it was blocked, or a fixed step is over; and some more (s).
     fn longest_plan(&self, limit: f32) -> f64 {
-        let leaves = (2.0 * self.cells.side() / limit).sqrt();
+        let leaves = (2.0 * self.cells.side / limit).sqrt();
         f64::from(2.0 * (leaves + 10.0 * self.scenery.interval) + 1.0)
     }
 
@@ -374,7 +368,7 @@ impl<V: Space> Engine<V> {
             Cause::Obstacle(obstacle) => (obstacle as usize) < self.scenery.obstacles.len(),
         };
         let speed = (0.0..=self.scenery.speed).contains(&state.speed);
-        let is_there = (state.cell as usize) < self.cells.num_cells();
+        let is_there = (state.cell as usize) < self.cells.num_cells;
         cause
             && speed
             && is_there

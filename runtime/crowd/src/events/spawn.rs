@@ -11,6 +11,7 @@ use crate::scenery::{CrowdScenery, Door, check_agent};
 use crate::space::plan::MotionPlan;
 use crate::steering::filter::VelocityFilter;
 use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, Space};
+use glam::Vec3Swizzles;
 use throng_base::Error;
 use throng_base::error::check_index;
 
@@ -98,14 +99,13 @@ impl<V: Space> Engine<V> {
                     return;
                 }
                 // Two that could brake at once only have to be apart.
-                let clearance = if other.end <= self.now {
-                    clearance(plan, other) - MARGIN
-                } else {
-                    find_violation(&candidate, other).map_or(1.0, |v| -v.depth)
+                let clearance = match other.end <= self.now {
+                    true => clearance(plan, other) - MARGIN,
+                    false => find_violation(&candidate, other).map_or(1.0, |v| -v.depth),
                 };
                 if clearance < 0.0 {
-                    error =
-                        Some(CrowdError::Overlap { first: self.id(other.index), second: id, overlap_m: -clearance });
+                    let first = self.id(other.index);
+                    error = Some(CrowdError::Overlap { first, second: id, overlap_m: -clearance });
                 }
             });
         });
@@ -154,7 +154,7 @@ impl<V: Space> Engine<V> {
         let state = self.states[id.index()];
         let path = &self.scenery.paths[state.route as usize];
         let is_own = state.route == self.own_routes[id.index()];
-        if is_own && path.at_end() == AtEnd::Stay && path.has_arrived(&state.cursor, old.motion_at(self.now).0) {
+        if is_own && path.route.at_end == AtEnd::Stay && path.has_arrived(&state.cursor, old.motion_at(self.now).0) {
             self.stay_at(id.index, position);
         } else if let Some(&goal) = path.goals.last().filter(|_| is_own) {
             self.check_path(id, position, path.goal(), goal)?;
@@ -194,9 +194,7 @@ impl<V: Space> Engine<V> {
     pub fn order(&mut self, id: Id, order: &AgentOrder<V>) -> Result<()> {
         self.check_id(id)?;
         let speed = order.speed_mps.unwrap_or(self.states[id.index()].speed);
-        let good = (0.0..=self.scenery.speed).contains(&speed);
-        let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check_value("speed", Some(id), speed, good, expected)?;
+        self.check_speed(id, speed)?;
         let plan = self.cells.plan(id.index);
         let position = plan.motion_at(self.now).0;
         let number = match &order.destination {
@@ -282,16 +280,15 @@ impl<V: Space> Engine<V> {
     /// [`Error::Gone`], [`Error::Value`].
     pub fn set_speed(&mut self, id: Id, speed: f32) -> Result<()> {
         self.check_id(id)?;
-        let expected = "at least 0, and at most `largest_speed_mps` of the config";
-        throng_base::error::check_value(
-            "speed",
-            Some(id),
-            speed,
-            (0.0..=self.scenery.speed).contains(&speed),
-            expected,
-        )?;
+        self.check_speed(id, speed)?;
         self.states[id.index()].speed = speed;
         Ok(())
+    }
+
+    fn check_speed(&self, id: Id, speed: f32) -> Result<()> {
+        let good = (0.0..=self.scenery.speed).contains(&speed);
+        let expected = "at least 0, and at most `largest_speed_mps` of the config";
+        Ok(throng_base::error::check_value("speed", Some(id), speed, good, expected)?)
     }
 
     /// Lets an agent act as soon as possible, once for each plan. Others rely on the plan: the agent keeps it where no
@@ -318,7 +315,7 @@ impl<V: Space> Engine<V> {
     fn check_path(&self, id: Id, from: V, goal: V, number: u32) -> Result<()> {
         let CrowdScenery { streets: Some(streets), goals, .. } = &self.scenery else { return Ok(()) };
         let (from, to) = (from.to_world(), goal.to_world());
-        goals.check_path(streets, from, number).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
+        streets.check_path(from.xz(), goals.costs(number)).map_err(|_| Error::NoPath { who: Some(id), from, to }.into())
     }
 
     /// Sends an agent to a goal, on a route of its own. Allocates nothing where it has one. Returns its number.

@@ -1,6 +1,6 @@
 //! Goals of agents, with their distances from everywhere: computed once, and shared by all agents on the way there.
 
-use crate::routes::streets::{GoalCosts, NoPath, OpenPoint, Streets};
+use crate::routes::streets::{GoalCosts, OpenPoint, Streets};
 use glam::{Vec3, Vec3Swizzles};
 use std::collections::{BinaryHeap, HashMap, VecDeque};
 
@@ -83,14 +83,6 @@ impl GoalTable {
         }
     }
 
-    /// Checks that a path leads to a goal.
-    ///
-    /// # Errors
-    /// [`NoPath`].
-    pub fn check_path(&self, streets: &Streets, from: Vec3, number: u32) -> Result<(), NoPath> {
-        streets.check_path(from.xz(), self.costs(number))
-    }
-
     /// Finds all paths anew, as a door has opened or closed.
     ///
     /// - `is_new`: it is a door for the first time.
@@ -120,6 +112,8 @@ impl GoalTable {
 mod tests {
     use super::*;
     use crate::Obstacle;
+    use crate::routes::streets::NoPath;
+    use glam::Vec2;
 
     #[test]
     fn goals_are_shared_and_their_memory_is_used_again() {
@@ -140,7 +134,7 @@ mod tests {
             goals.release(number);
         }
         assert_eq!((goals.all.len(), goals.idle.len()), (3, 2));
-        assert!(goals.check_path(&streets, at(-5.0), a).is_ok());
-        assert_eq!(goals.check_path(&streets, Vec3::X * 0.5, a), Err(NoPath::Start(0)));
+        assert!(streets.check_path(at(-5.0).xz(), goals.costs(a)).is_ok());
+        assert_eq!(streets.check_path(Vec2::X * 0.5, goals.costs(a)), Err(NoPath::Start(0)));
     }
 }

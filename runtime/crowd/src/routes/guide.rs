@@ -66,14 +66,13 @@ impl<V: Space> Guide<'_, V> {
             num = streets.corners_ahead(&CornerQuery { through: true, ..query }, &mut corners);
         }
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
-        let coming = oncoming(self.grid, x, over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
+        let coming = oncoming(self.grid, x, V::over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
             // The path past the corner, along which agents in both directions count.
-            let across = corner.out.perp();
-            let along = if (corner.next - from.xz()).dot(across) >= 0.0 { across } else { -across };
+            let along = corner.way_from(from.xz());
             let step = self.steering.place_m;
             let num = ((corner.free / step) as usize + 1).min(PLACES);
             // Where many come, each keeps to the right: of what it passes, and in what it passes.
@@ -125,27 +124,25 @@ impl<V: Space> Guide<'_, V> {
         let widest = 2.0 * radius * self.steering.gate_diameters;
         let is_gate = |c: &&RouteCorner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
         let corner = corners[..num].iter().flatten().find(is_gate)?;
-        let across = corner.out.perp();
-        let along = if (corner.next - from).dot(across) >= 0.0 { across } else { -across };
         let at = corner.at + corner.out * (0.5 * corner.free);
-        Some(Gate { at: over_ground(at), along: over_ground(along) })
+        Some(Gate { at: V::over_ground(at), along: V::over_ground(corner.way_from(from)) })
     }
 
     /// Cost of the agents on the last metres of the path to a place, and of those that come from there (m).
     fn delay_at(&self, from: Vec2, at: Vec2, along: Vec2) -> f32 {
         let steering = self.steering;
         let (toward, distance) = Space::unit_and_length(at - from);
-        let direction = over_ground(along);
+        let direction = V::over_ground(along);
         let mut cost = 0.0;
         for k in 0..3 {
-            let back = k as f32 / self.grid.per_m();
+            let back = k as f32 / self.grid.per_m;
             if back > distance {
                 break;
             }
             let p = at - toward * back;
-            let square = self.grid.square(over_ground::<V>(p) * self.grid.per_m());
+            let square = self.grid.square(V::over_ground(p) * self.grid.per_m);
             let opposed = square.num_opposed(direction);
-            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num_agents() - opposed);
+            cost += steering.oncoming_cost_m * opposed + steering.crowd_cost_m * (square.num - opposed);
         }
         cost
     }
@@ -153,7 +150,7 @@ impl<V: Space> Guide<'_, V> {
     /// Cost of the agents that come toward a place from beyond it: a door that others stream out of is left to them
     /// (m).
     fn delay_beyond(&self, at: Vec2, along: Vec2) -> f32 {
-        let (place, direction) = (over_ground::<V>(at) * self.grid.per_m(), over_ground::<V>(along));
+        let (place, direction) = (V::over_ground(at) * self.grid.per_m, V::over_ground(along));
         let opposed = (1..=BEYOND).map(|k| self.grid.square(place + direction * k as f32).num_opposed(direction));
         // One is left out, which may be the agent itself.
         self.steering.beyond_cost_m * (opposed.sum::<f32>() - 1.0).max(0.0)
@@ -162,12 +159,8 @@ impl<V: Space> Guide<'_, V> {
     /// True where others come along a straight line.
     fn is_anybody_coming(&self, x: V, direction: Vec2) -> bool {
         let (ahead, length) = Space::unit_and_length(direction);
-        oncoming(self.grid, x, over_ground(ahead), length, self.steering)[0] > 0.0
+        oncoming(self.grid, x, V::over_ground(ahead), length, self.steering)[0] > 0.0
     }
-}
-
-fn over_ground<V: Space>(v: Vec2) -> V {
-    V::from_world(Vec3::new(v.x, 0.0, v.y))
 }
 
 /// Point where a straight line crosses the line at a corner, and its distance from the corner; None where it does not.

@@ -255,16 +255,6 @@ impl<V: Space> RoutePath<V> {
         last && !self.is_round() && (self.goal() - x).length_squared() <= near * near
     }
 
-    /// See [`Route::arrival_radius`] (m).
-    pub fn arrival_radius(&self) -> f32 {
-        self.route.arrival_radius
-    }
-
-    /// See [`Route::at_end`].
-    pub fn at_end(&self) -> AtEnd {
-        self.route.at_end
-    }
-
     /// The last subgoal.
     pub fn goal(&self) -> V {
         self.legs[self.legs.len() - 1].to

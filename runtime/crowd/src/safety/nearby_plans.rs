@@ -167,7 +167,7 @@ impl<V: Space> LaneWork for PreparePlansJob<'_, V> {
             let plans = block.plans::<V, F>();
             let (age, until) = (F::load(&age), F::load(&until));
             let (now, end) = (plans.stop_region(age), plans.stop_region(age + until));
-            // As `safety::is_straight` and `safety::curve`.
+            // As `PlanCandidate::is_straight` and `PlanCandidate::curve`.
             let rests = F::select_lt(zero, plans.velocity.length_squared(), zero, one);
             let straight = F::select_lt(plans.moving, F::splat(f32::INFINITY), one, rests);
             let sway = plans.acceleration.length_squared();

@@ -49,8 +49,11 @@ pub(crate) struct PlanCandidate<V> {
     pub length: f32,
     pub now: Segment<V>,
     pub end: Segment<V>,
-    /// Bound on how the end of its stop region swerves from the direction of the acceleration, see [`curve`].
+    /// Bound on how the end of its stop region swerves from the direction of the acceleration: the part of its second
+    /// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
     pub curve: f32,
+    /// True for an agent that brakes or starts from rest: both ends of its stop region move one way along one line, or
+    /// stay.
     pub is_straight: bool,
 }
 
@@ -66,32 +69,24 @@ pub(crate) struct SafetyViolation<V> {
     pub depth: f32,
 }
 
-/// Bound on how the end of a stop region swerves from the direction of the acceleration: the part of its second
-/// derivative along the velocity, at most |a|^2 / 2A. None where all is on one line.
-#[inline]
-fn curve<V: Space>(plan: &MotionPlan<V>) -> f32 {
-    if is_straight(plan) { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) }
-}
-
-/// True for an agent that brakes or starts from rest: both ends of its stop region move one way along one line, or stay.
-#[inline]
-fn is_straight<V: Space>(plan: &MotionPlan<V>) -> bool {
-    plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0
-}
-
 impl<V: Space> PlanCandidate<V> {
     #[inline]
     pub fn new(plan: MotionPlan<V>) -> Self {
         let length = (plan.end - plan.start) as f32;
         let (now, end) = (plan.stop_region(0.0), plan.stop_region(length));
-        Self { length, now, end, curve: curve(&plan), is_straight: is_straight(&plan), plan }
+        let is_straight = plan.moving < f32::INFINITY || plan.velocity.length_squared() == 0.0;
+        let curve = if is_straight { 0.0 } else { plan.acceleration.length_squared() / (2.0 * plan.limit) };
+        Self { length, now, end, curve, is_straight, plan }
     }
 
     /// Largest distance that it may reach from its present centre, with braking at the end: to its own edge, and a
     /// little more (m).
     #[inline]
     pub fn reach(&self) -> f32 {
-        reach(self.now, self.end, self.length, &self.plan, self.curve) + self.plan.radius + MARGIN
+        let far = |x: V| (x - self.now.0).length_squared();
+        let farthest = far(self.now.1).max(far(self.end.0)).max(far(self.end.1)).sqrt();
+        let bends = 2.0 * self.plan.acceleration.length() + self.curve;
+        farthest + 0.125 * self.length * self.length * bends + self.plan.radius + MARGIN
     }
 
     /// True where the stop region stays within a box along the axes.
@@ -104,9 +99,7 @@ impl<V: Space> PlanCandidate<V> {
         let room = (low - min).min(max - high).coordinates();
         room.iter().take(V::DIMENSIONS).all(|&r| r >= p.radius + swerve + MARGIN)
     }
-}
 
-impl<V: Space> PlanCandidate<V> {
     /// Capsule of the ground that it takes until its end and for braking after it.
     pub fn reserved_region(&self) -> Capsule2d {
         let line = Capsule2d { from: self.now.0.on_ground(), to: self.end.1.on_ground(), radius_m: 0.0 };
@@ -136,14 +129,6 @@ pub(crate) fn violation_of_region<V: Space>(me: &PlanCandidate<V>, ground: &Caps
         return (gained < 0.0).then_some(SafetyViolation { away, depth: -gained });
     }
     violation_of_solid(me, &solid)
-}
-
-/// Largest distance of the ends of a stop region from the present centre, within a time.
-#[inline]
-fn reach<V: Space>(now: (V, V), end: (V, V), within: f32, plan: &MotionPlan<V>, curve: f32) -> f32 {
-    let far = |x: V| (x - now.0).length_squared();
-    let farthest = far(now.1).max(far(end.0)).max(far(end.1));
-    farthest.sqrt() + 0.125 * within * within * (2.0 * plan.acceleration.length() + curve)
 }
 
 /// Smallest extent of a stop region along a direction.

@@ -40,7 +40,7 @@ pub(crate) fn first_change<V: Space>(
             let advance = f64::from(gap.abs() / fastest).max(LEAST_S);
             at = (at + advance).min(piece);
             if is_near(a, b, distance, at) != near {
-                return Some(bisect_change(a, b, distance, (before, at), near));
+                return Some(bisect_change(before, at, |time| is_near(a, b, distance, time) == near));
             }
             before = at;
         }
@@ -50,12 +50,11 @@ pub(crate) fn first_change<V: Space>(
     None
 }
 
-/// Time between two others at which nearness changes.
-fn bisect_change<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>, distance: f32, times: (f64, f64), near: bool) -> f64 {
-    let (mut before, mut after) = times;
+/// Time between two others from which on something is as it was not before.
+fn bisect_change(mut before: f64, mut after: f64, is_before: impl Fn(f64) -> bool) -> f64 {
     while after - before > 1e-9 {
         let middle = 0.5 * (before + after);
-        if is_near(a, b, distance, middle) == near { before = middle } else { after = middle }
+        if is_before(middle) { before = middle } else { after = middle }
     }
     after
 }
@@ -79,12 +78,7 @@ pub(crate) fn leaves_cell<V: Space>(
         let before = at;
         at = (at + f64::from(gap.max(0.0) / fastest).max(LEAST_S)).min(end);
         if cell(plan.motion_at(at).0) != here {
-            let (mut before, mut after) = (before, at);
-            while after - before > 1e-9 {
-                let middle = 0.5 * (before + after);
-                if cell(plan.motion_at(middle).0) == here { before = middle } else { after = middle }
-            }
-            return Some(after);
+            return Some(bisect_change(before, at, |time| cell(plan.motion_at(time).0) == here));
         }
     }
     None

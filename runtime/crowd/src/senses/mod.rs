@@ -16,7 +16,7 @@ use throng_base::error::check_value;
 use throng_geometry::{Bounds2d, BoxGrid};
 
 /// Zones, cells and distances that agents of a crowd may sense.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Senses<V = Vec3> {
     /// Two agents meet where their middles are so near; 0 for never (m, 0 to 1000).
     pub meet_m: f32,
@@ -61,12 +61,6 @@ impl Sense {
     }
 }
 
-impl<V> Default for Senses<V> {
-    fn default() -> Self {
-        Self { meet_m: 0.0, zones: Vec::new(), cell_m: 0.0 }
-    }
-}
-
 impl<V> Senses<V> {
     /// Converts it to another space.
     pub fn map<W>(self, f: impl Fn(V) -> W) -> Senses<W> {
@@ -84,13 +78,8 @@ impl<V: Space> Senses<V> {
         check_value("senses.cell_m", None, self.cell_m, good, "0, or between 0.1 and 100000")?;
         for zone in &self.zones {
             let good = (1e-3..=1e5).contains(&zone.radius) && zone.centre.is_finite();
-            check_value(
-                "senses.zones.radius",
-                None,
-                zone.radius,
-                good,
-                "between 0.001 and 100000, about a finite centre",
-            )?;
+            let expected = "between 0.001 and 100000, about a finite centre";
+            check_value("senses.zones.radius", None, zone.radius, good, expected)?;
         }
         Ok(())
     }

@@ -85,17 +85,32 @@ struct AgentBunch {
     next: u32,
 }
 
+/// Logarithms of the numbers of cells of a torus along each axis: as many as `size` takes and `spare` more, but at most
+/// `most` in all, as long as an axis has more than `fewest` bits.
+pub(crate) fn fold_bits<V: Space>(size: V, side: f32, spare: usize, fewest: u32, most: usize) -> [u32; 3] {
+    let mut bits = [0; 3];
+    for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
+        bits[axis] = ((length / side).min(1e6) as usize + spare).next_power_of_two().trailing_zeros();
+    }
+    while 1usize << bits.iter().sum::<u32>() > most && bits.iter().any(|&b| b > fewest) {
+        let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
+        bits[longest] -= 1;
+    }
+    bits
+}
+
 /// Grid of square or cubic cells, each with its agents.
 ///
 /// The grid is a torus: places beyond its extents share cells with places within. That costs a look at agents that are
 /// far away, but no place is ever outside, and there are at most 16 cells for each agent, or 1024.
 #[derive(Clone, Debug)]
 pub(crate) struct CellGrid<V> {
-    side: f32,
+    /// Side of a cell (m).
+    pub side: f32,
     per_m: f32,
     /// Logarithm of the number of cells along each axis.
     bits: [u32; 3],
-    num_cells: usize,
+    pub num_cells: usize,
     /// The first bunch of every cell, and after them those that cells with many agents take.
     bunches: Vec<AgentBunch>,
     /// Bunches that no cell has.
@@ -108,16 +123,8 @@ pub(crate) struct CellGrid<V> {
 impl<V: Space> CellGrid<V> {
     /// Cells of a side for agents with numbers below `capacity`, most of them within `size`.
     pub fn new(side: f32, size: V, capacity: usize) -> Self {
-        let mut bits = [0; 3];
-        for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
-            // Three or more, so that the neighbours of a cell are all different.
-            bits[axis] = ((length / side).min(1e6) as usize + 3).next_power_of_two().trailing_zeros();
-        }
-        let most = (16 * capacity.max(64)).min(MAX_CELLS);
-        while 1usize << bits.iter().sum::<u32>() > most && bits.iter().any(|&b| b > 2) {
-            let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
-            bits[longest] -= 1;
-        }
+        // Three or more, so that the neighbours of a cell are all different.
+        let bits = fold_bits(size, side, 3, 2, (16 * capacity.max(64)).min(MAX_CELLS));
         let num_cells = 1 << bits.iter().sum::<u32>();
         // No agent takes more than a full bunch does.
         let num_bunches = num_cells + capacity / BUNCH;
@@ -149,16 +156,6 @@ impl<V: Space> CellGrid<V> {
             self.for_each_in_cell(cell, |plan| plans.push(*plan));
         }
         plans
-    }
-
-    /// Side of a cell (m).
-    pub fn side(&self) -> f32 {
-        self.side
-    }
-
-    /// Number of cells.
-    pub fn num_cells(&self) -> usize {
-        self.num_cells
     }
 
     /// Number of cells along each axis before the grid is folded.
@@ -368,7 +365,7 @@ mod tests {
                         list[agent as usize] = Some(to);
                     }
                 }
-                for cell in 0..cells.num_cells() as u32 {
+                for cell in 0..cells.num_cells as u32 {
                     let mut there = Vec::new();
                     cells.for_each_in_cell(cell, |p| there.push(p.index));
                     there.sort_unstable();

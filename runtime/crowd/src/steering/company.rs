@@ -40,7 +40,7 @@ const PACE: [f32; 2] = [0.2, 1.2];
 const NEAR_GOAL_M: f32 = 3.0;
 
 /// Companion of an agent.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Companion<V> {
     pub index: u32,
     /// Offset from the agent (m).

@@ -1,6 +1,7 @@
 //! The density grid: how many agents are where, and how they move, seen from afar.
 
 use crate::Space;
+use crate::space::cells::fold_bits;
 use serde::{Deserialize, Serialize};
 use throng_base::prefetch;
 
@@ -23,7 +24,7 @@ const ROUNDING: f32 = 1.001;
 /// toward it: so lanes form before agents meet. The grid is a torus, as that of the cells.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct DensityGrid<V> {
-    per_m: f32,
+    pub per_m: f32,
     bits: [u32; 3],
     squares: Vec<Square<V>>,
     /// A bit for each square, set where it is occupied: so few that they stay in the processor's caches, while of a
@@ -38,7 +39,8 @@ pub(crate) struct DensityGrid<V> {
 /// The agents in one square: how many, and the sums of how they move and of the unit vectors along which they want to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Square<V> {
-    num: f32,
+    /// Number of agents.
+    pub num: f32,
     velocity: V,
     intent: V,
 }
@@ -48,12 +50,6 @@ impl<V: Space> Square<V> {
     fn is_possible(&self, fastest: f32) -> bool {
         let most = |sum: V, each: f32| sum.is_finite() && sum.length() <= each * self.num * ROUNDING;
         (0.0..=MOST_IN).contains(&self.num) && most(self.velocity, fastest) && most(self.intent, 1.0)
-    }
-
-    /// Number of agents.
-    #[inline]
-    pub fn num_agents(&self) -> f32 {
-        self.num
     }
 
     /// Obstruction by the agents of a square for one that goes along a unit vector, here divided by its speed: the sum
@@ -81,23 +77,10 @@ impl<V: Space> Square<V> {
 impl<V: Space> DensityGrid<V> {
     /// Empty grid with squares of a side, most of them within `size`.
     pub fn new(side: f32, size: V, capacity: usize) -> Self {
-        let mut bits = [0; 3];
-        for (axis, &length) in size.coordinates().iter().take(V::DIMENSIONS).enumerate() {
-            bits[axis] = ((length / side).min(1e6) as usize + 8).next_power_of_two().trailing_zeros();
-        }
-        while 1usize << bits.iter().sum::<u32>() > MOST * capacity.max(64) {
-            let longest = (0..3).max_by_key(|&axis| (bits[axis], axis)).unwrap_or(0);
-            bits[longest] -= 1;
-        }
+        let bits = fold_bits(size, side, 8, 0, MOST * capacity.max(64));
         let squares = vec![Square::default(); 1 << bits.iter().sum::<u32>()];
         let anybody = vec![0; squares.len().div_ceil(WORD)];
         Self { per_m: side.recip(), bits, squares, anybody, empty: Square::default() }
-    }
-
-    /// Squares in a metre.
-    #[inline]
-    pub fn per_m(&self) -> f32 {
-        self.per_m
     }
 
     /// Side of a square (m).
@@ -215,15 +198,15 @@ mod tests {
             corner in [-3000i16..3000, -3000i16..3000], inside in [share(), share()],
         ) {
             let mut grid = DensityGrid::new(1.0, Vec2::splat(20.0), 10);
-            prop_assert_eq!(grid.per_m(), 1.0);
+            prop_assert_eq!(grid.per_m, 1.0);
             let corner = Vec2::from_array(corner.map(f32::from));
             grid.add(corner + Vec2::from_array(inside), Vec2::ZERO, Vec2::ZERO);
             let middle = corner + 0.5;
             for at in [middle, middle + 0.49, middle - 0.49, middle + Vec2::new(0.49, -0.49)] {
-                prop_assert_eq!(grid.square(at).num_agents(), 1.0);
+                prop_assert_eq!(grid.square(at).num, 1.0);
             }
             for beside in [Vec2::X, Vec2::Y, -Vec2::X, -Vec2::Y, Vec2::splat(7.0)] {
-                prop_assert_eq!(grid.square(middle + beside).num_agents(), 0.0);
+                prop_assert_eq!(grid.square(middle + beside).num, 0.0);
             }
         }
     }
@@ -236,20 +219,20 @@ mod tests {
             grid.add(at, Vec2::new(1.3, 0.0), Vec2::X);
         }
         grid.add(at, Vec2::ZERO, Vec2::NEG_X);
-        let there = at * grid.per_m();
+        let there = at * grid.per_m;
         let square = *grid.square(there);
-        assert_eq!(square.num_agents(), 4.0);
+        assert_eq!(square.num, 4.0);
         assert!(square.obstruction(Vec2::X / 1.3).abs() < 1e-5, "a standing agent is left out");
         assert!((square.obstruction(Vec2::NEG_X / 1.3) - 6.0).abs() < 1e-5, "2 each");
         assert!((square.obstruction(Vec2::Y / 1.3) - 3.0).abs() < 1e-5, "1 for each crossing agent, less one");
         assert_eq!((square.num_agreeing(Vec2::X), square.num_opposed(Vec2::X)), (3.0, 1.0));
         assert_eq!((square.num_agreeing(Vec2::Y), square.num_opposed(Vec2::Y)), (2.0, 2.0));
-        assert_eq!(grid.square(there + Vec2::X).num_agents(), 0.0);
+        assert_eq!(grid.square(there + Vec2::X).num, 0.0);
         let mut kept = DensityGrid { anybody: Vec::new(), ..grid.clone() };
         kept.mark_occupied();
         assert_eq!(kept.anybody, grid.anybody);
         grid.clear();
         assert!(grid.squares.iter().all(|s| *s == Square::default()) && grid.anybody.iter().all(|w| *w == 0));
-        assert_eq!(grid.square(there).num_agents(), 0.0);
+        assert_eq!(grid.square(there).num, 0.0);
     }
 }

@@ -28,7 +28,7 @@ pub(crate) fn oncoming<V: Space>(
     left: f32,
     steering: &SteeringConfig,
 ) -> [f32; 2] {
-    let (at, near) = (position * grid.per_m(), left * grid.per_m());
+    let (at, near) = (position * grid.per_m, left * grid.per_m);
     let opposed = |k: &f32| if *k <= near { grid.square(at + ahead * *k).num_opposed(ahead) } else { 0.0 };
     [steering.ahead_places.iter().map(opposed).sum(), steering.far_places.iter().map(opposed).sum()]
 }
@@ -36,7 +36,7 @@ pub(crate) fn oncoming<V: Space>(
 /// Prefetches the squares that [`oncoming`] reads.
 #[inline]
 pub(crate) fn prefetch_oncoming<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) {
-    let at = position * grid.per_m();
+    let at = position * grid.per_m;
     grid.prefetch(steering.ahead_places.iter().chain(&steering.far_places).map(|&k| at + ahead * k));
 }
 
@@ -52,7 +52,7 @@ pub(crate) fn evasion_bias(field: &ForceField, coming: f32, steering: &SteeringC
 /// Number of near agents that come toward one that goes along a unit vector, or want to.
 #[inline]
 pub(crate) fn num_facing<V: Space>(grid: &DensityGrid<V>, position: V, ahead: V, steering: &SteeringConfig) -> f32 {
-    let at = position * grid.per_m();
+    let at = position * grid.per_m;
     steering.facing_places.map(|k| grid.square(at + ahead * k).num_opposed(ahead)).iter().sum()
 }
 
@@ -86,11 +86,11 @@ impl<V: Space> FarFieldView<'_, V> {
         steering: &SteeringConfig,
     ) -> [f32; DIRECTIONS] {
         let mut better = [0.0; DIRECTIONS];
-        let near = self.distance_left * grid.per_m();
+        let near = self.distance_left * grid.per_m;
         if self.speed <= 0.0 || near < steering.lane_places[0] {
             return better;
         }
-        let (at, ahead) = (self.position * grid.per_m(), self.directions[0]);
+        let (at, ahead) = (self.position * grid.per_m, self.directions[0]);
         let per_speed = self.speed.recip();
         if field.crowding > 0.0 || field.lanes > 0.0 {
             for (better, &direction) in better.iter_mut().zip(self.directions) {
@@ -119,7 +119,7 @@ impl<V: Space> FarFieldView<'_, V> {
     fn room_to_right(&self, grid: &DensityGrid<V>, at: V, full: [f32; 2]) -> f32 {
         let ahead = self.directions[0];
         let right = at + ahead.right();
-        let there = grid.square(right).num_agents().max(grid.square(right + ahead).num_agents());
+        let there = grid.square(right).num.max(grid.square(right + ahead).num);
         ((full[1] - there) / (full[1] - full[0])).clamp(0.0, 1.0)
     }
 }

@@ -65,8 +65,7 @@ pub(crate) fn sum_forces<V: Space>(
     }
     let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
     let looks_out = coming + farther > 0.0 && !walls.is_empty();
-    let between =
-        looks_out.then(|| between_walls(solids, walls, me.position, me.radius, me.desired.right(), steering)).flatten();
+    let between = looks_out.then(|| between_walls(solids, walls, me, steering)).flatten();
     let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
     let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
     let lean = FarFieldBias { coming, to_the_right, evades };
@@ -103,12 +102,8 @@ pub(crate) fn sum_forces<V: Space>(
         let (away, distance) = solids[s as usize].direction_and_distance(me.position);
         if distance - me.radius < far && distance > 0.0 {
             let offset = -away * distance;
-            add_neighbour_forces(
-                &mut f,
-                me,
-                field,
-                &SeenNeighbour { offset, velocity: V::default(), distance, radii: me.radius, yields: true },
-            );
+            let wall = SeenNeighbour { offset, velocity: V::default(), distance, radii: me.radius, yields: true };
+            add_neighbour_forces(&mut f, me, field, &wall);
         }
     }
     f.turning += (heading * speed - me.desired * me.speed) * rate;

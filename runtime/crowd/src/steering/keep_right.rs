@@ -3,6 +3,7 @@
 use crate::Space;
 use crate::space::solid::ConvexSolid;
 use crate::steering::config::SteeringConfig;
+use crate::steering::forces::SteeredAgent;
 
 /// Position of an agent between the walls beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,16 +33,13 @@ pub(crate) fn is_wall_within<V: Space>(solid: &ConvexSolid<V>, steering: &Steeri
 /// Position of an agent between walls; None where there is none beside it, see [`is_wall_within`].
 ///
 /// - `walls`: numbers of all solids that are so near, and maybe of others.
-/// - `right`: unit vector to its right.
-/// - `radius`: its own.
 pub(crate) fn between_walls<V: Space>(
     solids: &[ConvexSolid<V>],
     walls: &[u32],
-    position: V,
-    radius: f32,
-    right: V,
+    &SteeredAgent { position, radius, desired, .. }: &SteeredAgent<V>,
     steering: &SteeringConfig,
 ) -> Option<WallGap> {
+    let right = desired.right();
     let (mut on_left, mut on_right) = (f32::INFINITY, f32::INFINITY);
     for &wall in walls {
         let solid = &solids[wall as usize];
@@ -91,8 +89,9 @@ mod tests {
         let wall = |y: f32| ConvexSolid::Capsule { from: Vec2::new(-9.0, y), to: Vec2::new(9.0, y), radius: 0.0 };
         let right = Vec2::X.right();
         let both = [wall(2.0 * right.y), wall(-2.0 * right.y)];
-        let at = |to_the_right: f32, ahead: Vec2, walls: &[u32]| {
-            between_walls(&both, walls, right * to_the_right + Vec2::X, 0.0, ahead.right(), &steering)
+        let at = |to_the_right: f32, desired: Vec2, walls: &[u32]| {
+            let position = right * to_the_right + Vec2::X;
+            between_walls(&both, walls, &SteeredAgent { position, desired, ..SteeredAgent::default() }, &steering)
         };
         let place = |p, at_hand| Some(WallGap { place: p, at_hand });
         assert_eq!(at(0.0, Vec2::X, &[0, 1]), place(0.0, false));
@@ -102,14 +101,18 @@ mod tests {
         assert_eq!((at(1.0, Vec2::Y, &[0, 1]), at(1.0, Vec2::X, &[])), (None, None), "no wall is beside it");
         assert_eq!(at(30.0, Vec2::X, &[0, 1]), None, "they are far away");
         let side = |to_the_right: f32, radius: f32| {
-            between_walls(&both, &[0, 1], right * to_the_right, radius, right, &steering).map_or(f32::NAN, |b| b.place)
+            let position = right * to_the_right;
+            let me = SteeredAgent { position, radius, desired: Vec2::X, ..SteeredAgent::default() };
+            between_walls(&both, &[0, 1], &me, &steering).map_or(f32::NAN, |b| b.place)
         };
         assert!(side(0.2, 0.3) < 0.0 && side(0.4, 0.3) > 0.0, "a part of it is in the left half, or none");
         assert!(side(0.2, 1.1) > 0.0, "two have no room there");
         let post = ConvexSolid::Ball { centre: right * 3.0, radius: 0.1 };
-        assert_eq!(between_walls(&[post], &[0], Vec2::ZERO, 0.0, right, &steering), None, "a post is no wall");
+        let me = SteeredAgent { desired: Vec2::X, ..SteeredAgent::default() };
+        assert_eq!(between_walls(&[post], &[0], &me, &steering), None, "a post is no wall");
         let below = ConvexSolid::Ball { centre: Vec3::Y * -2.0, radius: 1.0 };
-        assert_eq!(between_walls(&[below], &[0], Vec3::ZERO, 0.0, Vec3::Y, &steering), None, "birds go above or below");
+        let bird = SteeredAgent { desired: Vec3::X, ..SteeredAgent::default() };
+        assert_eq!(between_walls(&[below], &[0], &bird, &steering), None, "birds go above or below");
     }
 
     #[test]

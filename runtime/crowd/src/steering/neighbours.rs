@@ -54,7 +54,7 @@ pub(crate) struct NeighbourRows {
     rows: Vec<NeighbourRow>,
     len: usize,
     /// Row and place of the neighbour with the smallest gap a short time on.
-    nearest: Option<(u32, usize)>,
+    pub nearest: Option<(usize, usize)>,
     /// Smallest such gap (m).
     least: f32,
 }
@@ -69,12 +69,6 @@ impl NeighbourRows {
     #[inline]
     pub fn found_rows(&self) -> &[NeighbourRow] {
         &self.rows[..self.len]
-    }
-
-    /// Row and place of a neighbour that is met early, if there is one.
-    #[inline]
-    pub fn nearest(&self) -> Option<(usize, usize)> {
-        self.nearest.map(|(row, place)| (row as usize, place))
     }
 
     /// Forgets all of them.
@@ -98,7 +92,7 @@ impl NeighbourRows {
             let soon = soon.to_array();
             for i in set_bits(nearer) {
                 if soon[i] < self.least {
-                    (self.least, self.nearest) = (soon[i], Some((self.len as u32, i)));
+                    (self.least, self.nearest) = (soon[i], Some((self.len, i)));
                 }
             }
         }

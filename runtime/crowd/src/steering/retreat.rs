@@ -49,7 +49,7 @@ impl<V: Space> Gate<V> {
         grid: &DensityGrid<V>,
         steering: &SteeringConfig,
     ) -> Option<V> {
-        let (off, at) = (position - self.at, self.at * grid.per_m());
+        let (off, at) = (position - self.at, self.at * grid.per_m);
         let against: f32 = (0..=2).map(|k| grid.square(at + self.along * k as f32).num_opposed(self.along)).sum();
         let [x, y, z] = self.along.coordinates();
         let main = [x, y, z].into_iter().fold(0.0, |main: f32, c| if c.abs() > main.abs() { c } else { main });
@@ -76,7 +76,7 @@ impl<V: Space> BlockedAgent<V> {
         let (open, between_walls) = (steering.retreat_squares, steering.retreat_squares_between_walls);
         let far = if half.is_some() { between_walls } else { open };
         let (ratio, by, own_half) = (steering.outnumbered_ratio, steering.outnumbered_by, steering.own_half_factor);
-        let at = position * grid.per_m();
+        let at = position * grid.per_m;
         let here = grid.square(at);
         let (mut against, mut along) = (here.num_opposed(ahead), here.num_agreeing(ahead));
         for k in 1..=far {
@@ -104,8 +104,8 @@ impl<V: Space> BlockedAgent<V> {
         grid: &DensityGrid<V>,
         steering: &SteeringConfig,
     ) -> Option<V> {
-        let at = self.position * grid.per_m();
-        let is_dense = || grid.square(at).num_agents() + grid.square(at + self.ahead).num_agents() >= JAM;
+        let at = self.position * grid.per_m;
+        let is_dense = || grid.square(at).num + grid.square(at + self.ahead).num >= JAM;
         if self.waited < steering.patience_in_jams_s || !is_dense() {
             return None;
         }

@@ -1,9 +1,9 @@
 //! Bodies of the agents of a scene, blended from example motions.
 
+use super::SceneAgents;
 use super::stage::{BodyActivity, CrowdStage};
 use super::things::{BodyGrasps, grasps};
 use super::troop::{SavedTroop, Troop};
-use super::{SceneAgents, ground_coordinates};
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, refused_snapshot};
 use crate::wander::random_skeletons;
@@ -43,7 +43,7 @@ impl Followers {
     /// # Errors
     /// [`throng_base::Error::Text`] for a blend space that the bundle does not have.
     pub fn new<V: Space>(compiled: &CompiledScene, group: usize, agents: &SceneAgents<V>) -> Result<Self> {
-        let (scene, bundle) = (compiled.shared_scene(), compiled.bundle(group)?);
+        let (scene, bundle) = (&compiled.scene, compiled.bundle(group)?);
         let config = &scene.groups[group];
         let first = agents.layout().groups.iter().position(|&g| g == group).unwrap_or(0);
         let bodies = random_skeletons(&config.bodies(), bundle.skeleton(), scene.seed);
@@ -61,7 +61,7 @@ impl Followers {
                 for m in numbers {
                     let Some(id) = agents.id(m) else { continue };
                     let path = &agents.layout().paths[m];
-                    let ahead = path.get(1).map_or(Vec2::Y, |&next| ground_coordinates(next - path[0]));
+                    let ahead = path.get(1).map_or(Vec2::Y, |&next| (next - path[0]).on_ground());
                     troop.add_body(agents.crowd(), id, ahead, bodies.len())?;
                 }
                 Ok(troop)
@@ -113,9 +113,7 @@ impl Followers {
         troop.order_look(row, ahead, shown.faces);
         troop.order_stand(row, shown.stands.map(|at| at.xz()));
         let is_new = std::mem::replace(&mut self.ordered[agent - self.first], shown) != shown;
-        let Some(motion) = shown.motion else {
-            return if is_new { troop.order_activity(row, None) } else { Ok(()) };
-        };
+        let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
             // An agent that still walked at the order has not begun.
@@ -164,7 +162,7 @@ impl Followers {
     pub fn grasps(&self) -> Vec<BodyGrasps> {
         let of_body = |body: &Skeleton| {
             let of_troop = |(troop, tags): (&Troop, &Vec<Vec<ActivityId>>)| {
-                let set = troop.walkers().space().activities();
+                let set = troop.walkers.space().activities();
                 tags.iter().map(|activities| grasps(set, activities, body)).collect()
             };
             self.troops.iter().zip(&self.activities).map(of_troop).collect()
@@ -225,6 +223,6 @@ impl Followers {
 
     fn walkers_of(&self, agent: usize) -> (&Walkers, usize) {
         let num = self.troops.len();
-        (self.troops[agent % num].walkers(), (agent - self.first) / num)
+        (&self.troops[agent % num].walkers, (agent - self.first) / num)
     }
 }

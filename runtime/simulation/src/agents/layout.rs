@@ -3,7 +3,7 @@
 use super::places::start_positions;
 use super::route_map::RouteMap;
 use crate::scenario::{Scenario, hashed_chance};
-use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, PlaceConfig, Scene, SiteConfig, to_point};
+use crate::scene::{AtEndConfig, GoalConfig, GroupConfig, HappeningConfig, PlaceConfig, Scene, SiteConfig, to_point};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::sync::Arc;
@@ -126,11 +126,6 @@ impl<V: Space> CrowdLayout<V> {
         self.setup.obstacles.split_at(self.first_door)
     }
 
-    /// The scene.
-    pub(super) fn scene(&self) -> Arc<Scene> {
-        Arc::clone(&self.scene)
-    }
-
     /// True for an agent that does not enter later.
     pub(super) fn is_there_at_start(&self, m: usize) -> bool {
         let g = self.groups[m];
@@ -172,7 +167,7 @@ impl<V: Space> CrowdLayout<V> {
         let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
         let (subgoals, at_end) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> = self.map.random_points(start, from, to, *num, rng);
+                let mut all: Vec<V> = self.map.random_points(start, [from, to], *num, rng);
                 all.push(start);
                 (all, AtEndConfig::Again)
             }
@@ -199,19 +194,10 @@ impl<V: Space> CrowdLayout<V> {
     ///
     /// # Errors
     /// As [`CrowdLayout::new`].
-    pub(super) fn new_path(
-        &mut self,
-        m: usize,
-        from: V,
-        goal: &GoalConfig,
-        arrival_radius: f32,
-        at_end: AtEndConfig,
-    ) -> Result<Route<V>> {
-        let to = goal_position(goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
-        let path = self.path_through(m, from, &[to])?;
-        let route = Route { subgoals: vec![to], arrival_radius, at_end: at_end.into() };
-        (self.paths[m], self.arrivals[m]) = (path, arrival_radius);
-        Ok(route)
+    pub(super) fn new_path(&mut self, m: usize, from: V, ordered: &HappeningConfig) -> Result<Route<V>> {
+        let to = goal_position(&ordered.goal, self.boxes[self.groups[m]], self.setup.agents[m].position);
+        (self.paths[m], self.arrivals[m]) = (self.path_through(m, from, &[to])?, ordered.arrival_m);
+        Ok(Route { subgoals: vec![to], arrival_radius: ordered.arrival_m, at_end: ordered.at_end.into() })
     }
 
     /// Corners of the path from a start through subgoals, both ends included.

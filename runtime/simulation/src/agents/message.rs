@@ -17,7 +17,7 @@ impl<V: Space> CrowdLayout<V> {
                 format!("the goal {} of {who} is in `{}` or nearer than {radius:.2} m to it", place(to), key(s))
             }
             NoPath::Separated => {
-                let gap = self.map.widest_gap(self.walls_and_doors().0, self.heights(), from, to);
+                let gap = self.map.widest_gap(from, to);
                 let gap = gap.map_or("there is no gap in the obstacles".to_owned(), |[wide, needed]| {
                     format!("the widest gap is about {wide:.2} m, and {needed:.2} m are needed for the largest `radius_m` and 0.15 m at each side")
                 });

@@ -52,7 +52,7 @@ impl<V: Space> SceneAgents<V> {
     /// # Errors
     /// As [`CrowdLayout::new`], and for impossible starts, with the names of their groups; as [`crate::scenario::Scenario::new`].
     pub fn new(compiled: &CompiledScene) -> Result<Self> {
-        let scene = compiled.shared_scene();
+        let scene = &compiled.scene;
         let mut layout = CrowdLayout::new(scene)?;
         if let Some(scenario) = compiled.scenario() {
             layout.set_senses(scenario);
@@ -106,13 +106,46 @@ impl<V: Space> SceneAgents<V> {
     /// # Errors
     /// [`throng_base::Error::Text`] where the engine does not get on, a goal cannot be reached, or rules run in a circle.
     pub fn advance(&mut self, until_s: f64, run: &dyn Executor, on_event: &mut impl FnMut(&CrowdEvent)) -> Result<()> {
-        let Self { stage: outside, brains, timings: spent, .. } = self;
-        let begin = spent.is_some().then(Instant::now);
-        let done = advance_with_brains(outside, brains.as_mut(), until_s, run, on_event, spent);
-        if let (Some(spent), Some(begin)) = (spent, begin) {
+        let begin = self.timings.is_some().then(Instant::now);
+        let done = self.advance_with_brains(until_s, run, on_event);
+        if let (Some(spent), Some(begin)) = (&mut self.timings, begin) {
             spent.all_s += begin.elapsed().as_secs_f64();
         }
         done
+    }
+
+    /// Advances a crowd and the brains of its agents to a time.
+    fn advance_with_brains(
+        &mut self,
+        until_s: f64,
+        run: &dyn Executor,
+        on_event: &mut impl FnMut(&CrowdEvent),
+    ) -> Result<()> {
+        let Self { stage: outside, brains, timings, .. } = self;
+        let Some(brains) = brains else {
+            let done = advance_crowd(&mut outside.crowd, until_s, run, on_event);
+            return done.map_err(|e| outside.layout.explain_crowd_error(&e));
+        };
+        loop {
+            let next = brains.next_external_s();
+            let stop = until_s.min(next);
+            let signal = outside.crowd.advance_to_signal(stop, on_event);
+            let begin = timings.is_some().then(Instant::now);
+            if let Some(event) = signal.map_err(|e| outside.layout.explain_crowd_error(&e))? {
+                if let Some(signal) = outside.brain_signal(&event) {
+                    brains.handle_signal(outside, event.time, signal)?;
+                }
+            } else if stop == next {
+                brains.run_external_events(outside, stop)?;
+            } else {
+                return Ok(());
+            }
+            if let (Some(spent), Some(begin)) = (timings.as_mut(), begin) {
+                // Finding paths counts for the crowd.
+                let ways_s = outside.paths_s.replace(0.0).unwrap_or(0.0);
+                spent.brains_s += begin.elapsed().as_secs_f64() - ways_s;
+            }
+        }
     }
 
     /// Starts to measure the computing times of crowd, brains and bodies.
@@ -206,6 +239,41 @@ impl<V: Space> SceneAgents<V> {
     pub fn has_ended(&self) -> bool {
         self.brains.as_ref().is_some_and(AgentBrains::has_ended)
     }
+
+    /// An agent as it is now; `None` where it has left (agent < num_agents).
+    pub fn disc(&self, agent: usize) -> Option<Disc> {
+        let now = self.crowd().time_s();
+        let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
+        let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, V::on_ground);
+        let (centre, radius) = (at.to_world(), self.layout().setup.agents[agent].radius);
+        let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
+        Some(Disc { root, centre, velocity: velocity.to_world(), radius, knows: self.num_known_events(agent) > 0 })
+    }
+
+    /// Moves things along with the hands that hold them.
+    fn move_things(&mut self, dt_s: f32) {
+        if !self.stage.things.all.is_empty() {
+            let mut things = std::mem::take(&mut self.stage.things);
+            things.update_things(&self.followers, |agent| self.disc(agent as usize).map(|d| d.root), dt_s);
+            self.stage.things = things;
+        }
+    }
+
+    /// Things of the scene, in its order: where they are (m), how they are turned, and the agent that has them in hand.
+    pub fn things(&self) -> impl ExactSizeIterator<Item = (Vec3, Quat, Option<usize>)> + '_ {
+        let all = self.stage.things.all.iter();
+        all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
+    }
+
+    /// Counts of what hands have done so far.
+    pub fn handling_counts(&self) -> HandlingCounts {
+        self.stage.things.counts
+    }
+
+    /// Bodies of an agent's group.
+    fn followers_of(&self, agent: usize) -> Option<&Followers> {
+        self.followers.iter().find(|f| f.contains(agent))
+    }
 }
 
 impl<V: Space> MotionKind for SceneAgents<V> {
@@ -220,11 +288,7 @@ impl<V: Space> MotionKind for SceneAgents<V> {
             recorded.iter_mut().for_each(|all| all.push(*e));
             let Some(&agent) = agent_of.get(e.agent.index()) else { return };
             let who = first + agent as usize;
-            events.extend(character_event(e.kind).map(|happened| SimulationEvent {
-                time_s: e.time,
-                who,
-                kind: happened,
-            }));
+            events.extend(character_event(e.kind).map(|kind| SimulationEvent { time_s: e.time, who, kind }));
         };
         let done = self.advance(tick.until_s, tick.run, &mut tell);
         self.recorded = recorded;
@@ -300,41 +364,6 @@ pub struct AgentTimings {
     pub bodies_s: f64,
 }
 
-/// Advances a crowd and the brains of its agents to a time.
-fn advance_with_brains<V: Space>(
-    outside: &mut CrowdStage<V>,
-    brains: Option<&mut AgentBrains>,
-    until_s: f64,
-    run: &dyn Executor,
-    on_event: &mut impl FnMut(&CrowdEvent),
-    spent: &mut Option<AgentTimings>,
-) -> Result<()> {
-    let Some(brains) = brains else {
-        let done = advance_crowd(&mut outside.crowd, until_s, run, on_event);
-        return done.map_err(|e| outside.layout.explain_crowd_error(&e));
-    };
-    loop {
-        let next = brains.next_external_s();
-        let stop = until_s.min(next);
-        let signal = outside.crowd.advance_to_signal(stop, on_event);
-        let begin = spent.is_some().then(Instant::now);
-        if let Some(event) = signal.map_err(|e| outside.layout.explain_crowd_error(&e))? {
-            if let Some(signal) = outside.brain_signal(&event) {
-                brains.handle_signal(outside, event.time, signal)?;
-            }
-        } else if stop == next {
-            brains.run_external_events(outside, stop)?;
-        } else {
-            return Ok(());
-        }
-        if let (Some(spent), Some(begin)) = (spent.as_mut(), begin) {
-            // Finding paths counts for the crowd.
-            let ways_s = outside.paths_s.replace(0.0).unwrap_or(0.0);
-            spent.brains_s += begin.elapsed().as_secs_f64() - ways_s;
-        }
-    }
-}
-
 /// An agent without its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
@@ -348,43 +377,6 @@ pub struct Disc {
     pub radius: f32,
     /// Whether it knows of a happening.
     pub knows: bool,
-}
-
-impl<V: Space> SceneAgents<V> {
-    /// An agent as it is now; `None` where it has left (agent < num_agents).
-    pub fn disc(&self, agent: usize) -> Option<Disc> {
-        let now = self.crowd().time_s();
-        let (at, velocity) = (self.position(agent, now)?, self.velocity(agent, now)?);
-        let ahead = self.smooth_velocity(agent).map_or(Vec2::ZERO, ground_coordinates);
-        let (centre, radius) = (world_vector(at), self.layout().setup.agents[agent].radius);
-        let root = Planar { x: centre.x, z: centre.z, heading: maths::atan2(ahead.x, ahead.y) };
-        Some(Disc { root, centre, velocity: world_vector(velocity), radius, knows: self.num_known_events(agent) > 0 })
-    }
-
-    /// Moves things along with the hands that hold them.
-    fn move_things(&mut self, dt_s: f32) {
-        if !self.stage.things.all.is_empty() {
-            let mut things = std::mem::take(&mut self.stage.things);
-            things.update_things(&self.followers, |agent| self.disc(agent as usize).map(|d| d.root), dt_s);
-            self.stage.things = things;
-        }
-    }
-
-    /// Things of the scene, in its order: where they are (m), how they are turned, and the agent that has them in hand.
-    pub fn things(&self) -> impl ExactSizeIterator<Item = (Vec3, Quat, Option<usize>)> + '_ {
-        let all = self.stage.things.all.iter();
-        all.map(|t| (t.at, Quat::from_array(t.turn), t.keeper.map(|agent| agent as usize)))
-    }
-
-    /// Counts of what hands have done so far.
-    pub fn handling_counts(&self) -> HandlingCounts {
-        self.stage.things.counts
-    }
-
-    /// Bodies of an agent's group.
-    fn followers_of(&self, agent: usize) -> Option<&Followers> {
-        self.followers.iter().find(|f| f.contains(agent))
-    }
 }
 
 /// Advances a crowd to a time, on several threads where that is faster.
@@ -413,12 +405,10 @@ pub(crate) fn character_event(kind: CrowdEventKind) -> Option<CharacterEvent> {
 
 /// Ground coordinates (x, z) of a position.
 pub fn ground_coordinates<V: Space>(at: V) -> Vec2 {
-    let [a, b, c] = at.coordinates();
-    if V::DIMENSIONS == 2 { Vec2::new(a, b) } else { Vec2::new(a, c) }
+    at.on_ground()
 }
 
 /// World vector of a vector of the crowd's space; y is 0 on the ground.
 pub fn world_vector<V: Space>(v: V) -> Vec3 {
-    let [a, b, c] = v.coordinates();
-    if V::DIMENSIONS == 2 { Vec3::new(a, 0.0, b) } else { Vec3::new(a, b, c) }
+    v.to_world()
 }

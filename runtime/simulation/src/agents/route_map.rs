@@ -19,6 +19,8 @@ pub(super) struct RouteMap {
     pub with_doors: Option<Streets>,
     /// Clearance of paths from obstacles (m).
     clearance: f32,
+    /// Lowest and highest starts of agents in the air (m).
+    heights: Option<[f32; 2]>,
 }
 
 impl RouteMap {
@@ -41,7 +43,7 @@ impl RouteMap {
         };
         let free = streets(&obstacles[..first_door])?;
         let with_doors = if first_door < obstacles.len() { streets(&obstacles)? } else { free.clone() };
-        Ok(Self { streets: free, with_doors, clearance })
+        Ok(Self { streets: free, with_doors, clearance, heights })
     }
 
     /// Corners of the shortest path from one point to another, both included.
@@ -55,17 +57,10 @@ impl RouteMap {
 
     /// Width of the widest gap on any path from one point to another, and the width that the largest agent needs; `None` where
     /// there is no path at all (m).
-    pub fn widest_gap<V: Space>(
-        &self,
-        obstacles: &[Obstacle<V>],
-        heights: [f32; 2],
-        from: V,
-        to: V,
-    ) -> Option<[f32; 2]> {
-        let obstacles: Vec<Obstacle> = obstacles.iter().map(|o| o.clone().map(V::to_world)).collect();
-        let heights = (V::DIMENSIONS == 3).then_some(heights);
+    pub fn widest_gap<V: Space>(&self, from: V, to: V) -> Option<[f32; 2]> {
+        let obstacles = self.streets.as_ref()?.obstacles();
         let leads = |clearance: f32| {
-            let streets = Streets::with_limits(&obstacles, heights, clearance, 0.0);
+            let streets = Streets::with_limits(obstacles, self.heights, clearance, 0.0);
             streets.is_ok_and(|s| s.corners(from.to_world(), to.to_world()).is_ok())
         };
         let (mut low, mut high) = (NARROWEST_M, self.clearance);
@@ -82,14 +77,7 @@ impl RouteMap {
     /// Random points between two corners, one after the other from a start: no obstacle and no door is near them, and the path does not
     /// turn back at once. Where no such point is found, the last try is taken; where it is in an obstacle, planning its path
     /// fails.
-    pub fn random_points<V: Space>(
-        &self,
-        start: V,
-        from: &[f32],
-        to: &[f32],
-        num: usize,
-        rng: &mut Pcg64Mcg,
-    ) -> Vec<V> {
+    pub fn random_points<V: Space>(&self, start: V, [from, to]: [&[f32]; 2], num: usize, rng: &mut Pcg64Mcg) -> Vec<V> {
         const TRIES: usize = 200;
         let (mut at, mut before) = (start, V::default());
         let mut next = || {

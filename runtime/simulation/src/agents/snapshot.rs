@@ -4,7 +4,7 @@ use super::SceneAgents;
 use super::stage::BodyActivity;
 use super::things::{HandlingCounts, ThingState, is_near};
 use super::troop::SavedTroop;
-use crate::motion_kind::refused_snapshot;
+use crate::motion_kind::{refused_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
 use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
@@ -34,11 +34,9 @@ struct SavedAgents<V> {
 impl<V: Space> SceneAgents<V> {
     /// Appends a snapshot, see [`crate::MotionKind::save`].
     pub(super) fn write_snapshot(&self, out: &mut Vec<u8>) {
-        let mut crowd = Bytes::default();
         let outside = &self.stage;
-        outside.crowd.save(&mut crowd.0);
         let saved = SavedAgents {
-            crowd,
+            crowd: saved_bytes(|out| outside.crowd.save(out)),
             ids: outside.ids.clone(),
             agent_of: outside.agent_of.clone(),
             sent: outside.sent.clone(),
@@ -48,11 +46,7 @@ impl<V: Space> SceneAgents<V> {
             handled: outside.things.counts,
             paths: outside.layout.paths.clone(),
             arrivals: outside.layout.arrivals.clone(),
-            brains: self.brains.as_ref().map(|brains| {
-                let mut bytes = Bytes::default();
-                brains.save(&mut bytes.0);
-                bytes
-            }),
+            brains: self.brains.as_ref().map(|brains| saved_bytes(|out| brains.save(out))),
             followers: self.followers.iter().map(|f| f.to_saved()).collect(),
         };
         KIND.write(&saved, out);
@@ -118,15 +112,8 @@ impl<V: Space> SceneAgents<V> {
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
-        match saved.paths.iter().all(is_path)
-            && saved.arrivals.iter().all(|a| a.is_finite())
-            && has_room
-            && is_seen
-            && are_agents
-        {
-            true => Ok(()),
-            false => Err("somebody is on no way"),
-        }
+        let are_ways = saved.paths.iter().all(is_path) && saved.arrivals.iter().all(|a| a.is_finite());
+        if are_ways && has_room && is_seen && are_agents { Ok(()) } else { Err("somebody is on no way") }
     }
 }
 

@@ -1,11 +1,11 @@
 //! The crowd as the world of agent brains: what they see of it, and how they act in it.
 
 use super::layout::CrowdLayout;
-use super::things::{AgentRef, Things};
-use crate::scenario::{Handling, ScenarioStage, Signal, StanceError};
-use crate::scene::GoalConfig;
+use super::things::{Handler, Things};
+use crate::scenario::{Handling, ScenarioStage, Signal, Stance, StanceError};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use std::time::Instant;
 use throng_base::Result;
 use throng_core::blend::ActivityId;
@@ -151,8 +151,9 @@ impl<V: Space> CrowdStage<V> {
         self.crowd.position(self.ids[agent as usize]?, self.crowd.time_s()).map(V::from_world)
     }
 
-    fn agent_ref(&self, agent: u32) -> AgentRef {
-        AgentRef { agent, number: self.ids[agent as usize].map_or(0, |id| id.index()) }
+    fn handler(&self, agent: u32, motion: Option<u16>) -> Handler {
+        let number = self.ids[agent as usize].map_or(0, |id| id.index());
+        Handler { agent, number, from: self.position(agent).unwrap_or_default(), motion }
     }
 
     /// Id of an agent that is there; an agent that has left may still get messages.
@@ -163,7 +164,7 @@ impl<V: Space> CrowdStage<V> {
 
 impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn position(&self, agent: u32) -> Option<Vec3> {
-        self.current_position(agent).map(super::world_vector)
+        self.current_position(agent).map(V::to_world)
     }
 
     fn velocity(&self, agent: u32) -> Vec3 {
@@ -190,17 +191,15 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
         let m = agent as usize;
         let Some(from) = self.current_position(agent) else { return Ok(()) };
-        let scene = self.layout.scene();
+        let scene = Arc::clone(&self.layout.scene);
         let h = &scene.happenings[usize::from(happening)];
-        let (goal, speed): (GoalConfig, _) = (h.goal.clone(), h.speed_mps);
-        let route = self.layout.new_path(m, from, &goal, h.arrival_m, h.at_end)?;
-        let Route { subgoals, arrival_radius, at_end } = route.map(V::to_world);
+        let Route { subgoals, arrival_radius, at_end } = self.layout.new_path(m, from, h)?.map(V::to_world);
         self.ordered_happenings[m] = Some(happening);
-        if let Some(speed) = speed {
+        if let Some(speed) = h.speed_mps {
             self.set_speed(agent, speed)?;
         }
-        self.order(agent, AgentOrder::along_subgoals(subgoals).with_arrival(arrival_radius).then_at_end(at_end))
-            .map(|_| ())
+        let order = AgentOrder::along_subgoals(subgoals).with_arrival(arrival_radius).then_at_end(at_end);
+        self.order(agent, order).map(|_| ())
     }
 
     fn resume_route(&mut self, agent: u32) -> Result<()> {
@@ -237,20 +236,12 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         self.things.all[usize::from(thing)].keeper == Some(agent)
     }
 
-    fn stance(
-        &self,
-        agent: u32,
-        motion: Option<u16>,
-        handling: Handling,
-        side: u32,
-    ) -> std::result::Result<(Vec3, f32), StanceError> {
-        let from = self.position(agent).unwrap_or_default();
-        self.things.stance(self.agent_ref(agent), motion, handling, from, side)
+    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Result<Stance, StanceError> {
+        self.things.stance(self.handler(agent, motion), handling, side)
     }
 
     fn begin_handling(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {
-        let from = self.position(agent).unwrap_or_default();
-        let begun = self.things.begin_handling(self.agent_ref(agent), motion, handling, from);
+        let begun = self.things.begin_handling(self.handler(agent, motion), handling);
         self.shown[agent as usize] = match begun {
             Some((once, faces, stands)) => {
                 BodyActivity { motion, faces: Some(faces), once: Some(once), stands: Some(stands) }

@@ -52,7 +52,7 @@ const BIN_M: f32 = 0.01;
 const BINS: usize = 32;
 
 /// State of a thing of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ThingState {
     /// Position (m).
     pub at: Vec3,
@@ -88,16 +88,20 @@ pub(super) fn is_near(at: &Vec3) -> bool {
     at.abs().cmple(Vec3::splat(MOST_M)).all()
 }
 
-/// Agent with its number in the crowd.
+/// Agent that is to handle a thing.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct AgentRef {
+pub(crate) struct Handler {
     pub agent: u32,
-    /// Agents take the bodies of their group in turn, by this number.
+    /// Number in the crowd: agents take the bodies of their group in turn, by this number.
     pub number: usize,
+    /// Position (m).
+    pub from: Vec3,
+    /// Number of the tag of its motion.
+    pub motion: Option<u16>,
 }
 
 /// Motion by which a thing is taken or put down.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Grasp {
     /// Activity; `None` for agents without a body or without such motion, which are done at once.
     activity: Option<ActivityId>,
@@ -223,24 +227,8 @@ pub(crate) struct Things {
 impl Things {
     pub fn new(things: &[ThingConfig]) -> Self {
         let thing = |config: &ThingConfig| {
-            let at = Vec3::from_array(config.at);
-            let (turn, grip) = (Quat::IDENTITY.to_array(), Quat::IDENTITY.to_array());
-            let (off, ease, raised) = (Vec3::ZERO, 0.0, 0.0);
-            ThingState {
-                at,
-                turn,
-                keeper: None,
-                side: 1,
-                grip,
-                is_new: false,
-                is_missed: false,
-                off,
-                ease,
-                rest: at,
-                handling: None,
-                is_over: false,
-                raised,
-            }
+            let (at, upright) = (Vec3::from_array(config.at), Quat::IDENTITY.to_array());
+            ThingState { at, rest: at, turn: upright, grip: upright, side: 1, ..ThingState::default() }
         };
         Self {
             all: things.iter().map(thing).collect(),
@@ -257,10 +245,10 @@ impl Things {
         }
     }
 
-    fn grasps_of(&self, who: AgentRef, motion: Option<u16>) -> &[(bool, Grasp)] {
+    fn grasps_of(&self, who: Handler) -> &[(bool, Grasp)] {
         let agent = who.agent as usize;
         let found = self.bodies.iter().find(|(agents, _)| agents.contains(&agent));
-        let of_tag = found.zip(motion).and_then(|((_, bodies), motion)| {
+        let of_tag = found.zip(who.motion).and_then(|((_, bodies), motion)| {
             let troops = &bodies[who.number % bodies.len()];
             let tags = &troops[agent % troops.len()];
             tags.get(usize::from(motion))
@@ -275,15 +263,10 @@ impl Things {
 
     /// Chooses the grasp by which an agent takes a thing or puts it down: of those that reach it, the one whose palm is nearest in
     /// height. Also returns the distance of the stand from the thing (m).
-    fn choose_grasp(
-        &self,
-        who: AgentRef,
-        motion: Option<u16>,
-        handling: &Handling,
-    ) -> Result<(Grasp, f32), StanceError> {
+    fn choose_grasp(&self, who: Handler, handling: &Handling) -> Result<(Grasp, f32), StanceError> {
         let thing = &self.all[usize::from(handling.thing)];
         let has_hand = |side: u8| if handling.puts { thing.side == side } else { self.is_free(who.agent, side) };
-        let all = self.grasps_of(who, motion);
+        let all = self.grasps_of(who);
         let fits = all.iter().filter(|(puts, g)| *puts == handling.puts && has_hand(g.side)).map(|(_, g)| g);
         let reaching = fits.clone().filter_map(|g| Some((*g, g.stand_distance_m(handling.at.y)?)));
         let height = |g: &Grasp| (g.palm.y - handling.at.y).abs();
@@ -293,27 +276,17 @@ impl Things {
         if fits.count() > 0 {
             return Err(StanceError::OutOfReach);
         }
-        let none = Vec3::ZERO;
-        let (moment_s, after_s, reach_m) = (0.0, 0.0, 0.0);
-        let bare = |side| Grasp { activity: None, side, moment_s, after_s, palm: none, around: none, reach_m };
         let side = [1, 0].into_iter().find(|side| has_hand(*side)).ok_or(StanceError::NoHand)?;
-        Ok((bare(side), 0.9 * BODILESS_REACH_M))
+        Ok((Grasp { side, ..Grasp::default() }, 0.9 * BODILESS_REACH_M))
     }
 
     /// Finds a stand, see [`crate::scenario::Stage::stance`].
-    pub fn stance(
-        &self,
-        who: AgentRef,
-        motion: Option<u16>,
-        handling: Handling,
-        from: Vec3,
-        side: u32,
-    ) -> Result<(Vec3, f32), StanceError> {
-        let (grasp, stand_m) = self.choose_grasp(who, motion, &handling)?;
+    pub fn stance(&self, who: Handler, handling: Handling, side: u32) -> Result<(Vec3, f32), StanceError> {
+        let (grasp, stand_m) = self.choose_grasp(who, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);
         let (side, stand_m) = (side % SIDES, stand_m + if side < SIDES { 0.0 } else { FARTHER_M });
         let turns = if side % 2 == 1 { side.div_ceil(2) as f32 } else { -((side / 2) as f32) };
-        let heading = heading_of(at - from) + turns * std::f32::consts::FRAC_PI_4;
+        let heading = heading_of(at - who.from) + turns * std::f32::consts::FRAC_PI_4;
         if grasp.activity.is_none() {
             let direction = maths::direction_at_angle(std::f32::consts::FRAC_PI_2 - heading);
             return Ok((at - stand_m * Vec3::new(direction.x, 0.0, direction.y), STAND_M));
@@ -326,22 +299,16 @@ impl Things {
     /// Begins to take a thing, or to put it down, by an agent that stands in reach.
     ///
     /// - returns the activity that shows it, what the body faces, and where it stands (m).
-    pub fn begin_handling(
-        &mut self,
-        who: AgentRef,
-        motion: Option<u16>,
-        handling: Handling,
-        from: Vec3,
-    ) -> Option<(ActivityId, Vec3, Vec3)> {
-        let (grasp, stand_m) = self.choose_grasp(who, motion, &handling).ok()?;
-        let to = (handling.at - from).with_y(0.0);
+    pub fn begin_handling(&mut self, who: Handler, handling: Handling) -> Option<(ActivityId, Vec3, Vec3)> {
+        let (grasp, stand_m) = self.choose_grasp(who, &handling).ok()?;
+        let to = (handling.at - who.from).with_y(0.0);
         let heading = heading_of(to) - heading_of(grasp.palm);
         let ahead = Planar::new(0.0, 0.0, heading).transform_point(Vec2::new(0.0, 2.0));
-        let faces = from + Vec3::new(ahead.x, 0.0, ahead.y);
+        let faces = who.from + Vec3::new(ahead.x, 0.0, ahead.y);
         let thing = &mut self.all[usize::from(handling.thing)];
         (thing.handling, thing.is_over, thing.is_missed) = (Some((who.agent, handling, grasp)), false, false);
         let aside = to - to.normalize_or_zero() * stand_m;
-        Some((grasp.activity?, faces, from + aside.clamp_length_max(ASIDE_M)))
+        Some((grasp.activity?, faces, who.from + aside.clamp_length_max(ASIDE_M)))
     }
 
     /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].
@@ -460,15 +427,12 @@ impl Things {
                         CarryStyle::Level => hand.root.rotation(),
                     };
                     if std::mem::take(&mut thing.is_new) {
-                        thing.grip = maths::normalize_or_identity(maths::compose(
-                            holds.conjugate(),
-                            Quat::from_array(thing.turn),
-                        ))
-                        .to_array();
+                        let grip = maths::compose(holds.conjugate(), Quat::from_array(thing.turn));
+                        thing.grip = maths::normalize_or_identity(grip).to_array();
                         (thing.off, thing.ease) = (maths::rotate(hand.turn.conjugate(), thing.at - hand.palm), 1.0);
                     }
-                    thing.turn =
-                        maths::normalize_or_identity(maths::compose(holds, Quat::from_array(thing.grip))).to_array();
+                    let turn = maths::compose(holds, Quat::from_array(thing.grip));
+                    thing.turn = maths::normalize_or_identity(turn).to_array();
                     thing.at = hand.palm + maths::rotate(hand.turn, thing.off * smoothstep(thing.ease));
                 }
                 None if thing.keeper.is_none() && thing.ease > 0.0 => {
@@ -507,10 +471,8 @@ impl Things {
                 && t.handling.is_none_or(|h| of_it(&h))
                 && [t.ease, t.raised].iter().all(|s| (0.0..=1.0).contains(s))
         };
-        match all.len() == self.all.len() && all.iter().enumerate().all(is_good) {
-            true => Ok(()),
-            false => Err("a thing is where none can be"),
-        }
+        let are_good = all.len() == self.all.len() && all.iter().enumerate().all(is_good);
+        if are_good { Ok(()) } else { Err("a thing is where none can be") }
     }
 }
 
@@ -595,15 +557,15 @@ mod tests {
         let cup = ThingConfig { name: "cup".into(), at, size_m, carried: CarryStyle::Level };
         let mut things = Things::new(&[cup]);
         let handling = Handling { thing: 0, puts: false, at: at.into() };
-        let seven = AgentRef { agent: 7, number: 7 };
+        let seven = Handler { agent: 7, number: 7, from: Vec3::new(1.0, 0.0, 1.5), motion: None };
         let here = |_| Some(Planar::new(1.0, 1.5, 0.0));
         // Somebody without a body is about to take it, and leaves.
-        assert!(things.begin_handling(seven, None, handling, Vec3::new(1.0, 0.0, 1.5)).is_none());
+        assert!(things.begin_handling(seven, handling).is_none());
         things.drop_thing(0);
         things.update_things(&[], here, 1.0);
         assert_eq!((things.all[0].at, things.all[0].keeper), (at.into(), None));
         // Somebody has it in hand, and leaves: it lies where it was, on the ground.
-        things.begin_handling(seven, None, handling, Vec3::new(1.0, 0.0, 1.5));
+        things.begin_handling(seven, handling);
         things.update_things(&[], here, 1.0);
         assert_eq!((things.all[0].keeper, things.counts.taken), (Some(7), 1));
         let held = things.all[0].at;

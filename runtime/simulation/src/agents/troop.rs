@@ -1,6 +1,6 @@
 //! Bodies that follow agents of a crowd.
 
-use crate::motion_kind::{PART, refused_snapshot};
+use crate::motion_kind::{PART, refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
@@ -18,7 +18,7 @@ const ASIDE_HALF_LIFE_S: f32 = 0.15;
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
 pub(crate) struct Troop {
-    walkers: Walkers,
+    pub walkers: Walkers,
     /// Agent of each body.
     pub agents: Vec<Id>,
     controls: Vec<Control>,
@@ -48,12 +48,8 @@ impl Troop {
     /// Empty troop; allocates all memory that walkers of this capacity need.
     pub fn new(walkers: Walkers) -> Self {
         let room = walkers.capacity();
-        Self {
-            walkers,
-            agents: Vec::with_capacity(room),
-            controls: Vec::with_capacity(room),
-            still: Vec::with_capacity(room),
-        }
+        let (controls, still) = (Vec::with_capacity(room), Vec::with_capacity(room));
+        Self { walkers, agents: Vec::with_capacity(room), controls, still }
     }
 
     /// Gives an agent a body at its current position. It faces the direction of movement, or `ahead` where the agent is slow.
@@ -150,16 +146,6 @@ impl Troop {
         self.walkers.step(dt_s, run)
     }
 
-    /// The walkers.
-    pub fn walkers(&self) -> &Walkers {
-        &self.walkers
-    }
-
-    /// The walkers, to move them to another bundle.
-    pub fn walkers_mut(&mut self) -> &mut Walkers {
-        &mut self.walkers
-    }
-
     /// Bodies of the walkers, with the ids of their agents.
     pub fn bodies(&self) -> PosedBodies<'_> {
         PosedBodies { ids: &self.agents, ..self.walkers.bodies() }
@@ -167,8 +153,7 @@ impl Troop {
 
     /// State that the next steps depend on.
     pub fn to_saved(&self) -> SavedTroop {
-        let mut walkers = Bytes::default();
-        self.walkers.save(&mut walkers.0);
+        let walkers = saved_bytes(|out| self.walkers.save(out));
         SavedTroop { controls: self.controls.clone(), still: self.still.clone(), walkers }
     }
 
@@ -203,13 +188,10 @@ impl StandingOffset {
     /// - `keep`: share of the distance that is left after a step.
     fn displace_control(&mut self, control: &mut Control, keep: f32) {
         let Some(disc) = control.position else { return };
-        let aim = match self.at {
-            Some(at) => {
-                control.velocity = Vec2::ZERO;
-                at - disc
-            }
-            None => Vec2::ZERO,
-        };
+        if self.at.is_some() {
+            control.velocity = Vec2::ZERO;
+        }
+        let aim = self.at.map_or(Vec2::ZERO, |at| at - disc);
         let left = self.off - aim;
         self.off = aim + left * if left.length_squared() < 1e-8 { 0.0 } else { keep };
         control.position = Some(disc + self.off);

@@ -1,12 +1,12 @@
 //! Execution of behaviours: actions one after the other, the slots that they claim, and their effects.
 
 use super::action_registry::{
-    ActionArguments, ActionCommand, ActionOperand, Effect, MAX_WORDS, PrimitiveInput, WalkCommand,
+    ActionArguments, ActionCommand, ActionOperand, ActionWords, Effect, PrimitiveInput, WalkCommand,
 };
-use super::agent_brain::{ActionPhase, EventContext, NO_NUMBER};
+use super::agent_brain::{ActionPhase, AgentBrain, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
 use super::blackboards::BlackboardNote;
-use super::language::{Amount, SpotName};
+use super::language::{Amount, SpotName, run_program};
 use super::perceive::AgentView;
 use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
@@ -20,13 +20,8 @@ pub(super) const MAX_AMOUNT: f64 = 1e9;
 
 impl AgentBrains {
     /// Starts a behaviour in the context of an event.
-    pub(super) fn start_behaviour(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        actions: u32,
-        context: EventContext,
-    ) -> Result<()> {
+    pub(super) fn start_behaviour(&mut self, stage: &mut impl ScenarioStage, on: Occasion, actions: u32) -> Result<()> {
+        let Occasion { agent, context } = on;
         self.end_handling(stage, agent, false);
         let brain = &mut self.brains[agent as usize];
         (brain.context, brain.begun) = (context, brain.begun.wrapping_add(1));
@@ -68,7 +63,7 @@ impl AgentBrains {
                 }
                 action => {
                     let context = self.brains[m].context;
-                    self.apply_effect(stage, agent, action, context)?;
+                    self.apply_effect(stage, Occasion { agent, context }, action)?;
                 }
             }
             at += 1;
@@ -97,18 +92,12 @@ impl AgentBrains {
     }
 
     /// Runs actions that take no time.
-    pub(super) fn run_instant_actions(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        first: u32,
-        context: EventContext,
-    ) -> Result<()> {
+    pub(super) fn apply_effects(&mut self, stage: &mut impl ScenarioStage, on: Occasion, first: u32) -> Result<()> {
         let mut at = first;
         loop {
             match self.action(at) {
                 CompiledAction::End => return Ok(()),
-                action => self.apply_effect(stage, agent, action, context)?,
+                action => self.apply_effect(stage, on, action)?,
             }
             at += 1;
         }
@@ -122,7 +111,7 @@ impl AgentBrains {
             return Ok(false);
         };
         let context = brain.context;
-        let mut said = self.evaluate_arguments(stage, agent, context, &words);
+        let mut said = self.evaluate_arguments(stage, Occasion { agent, context }, &words);
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
             self.release_slot(stage, agent)?;
             return self.fetch_thing(stage, agent, claims, &said);
@@ -136,7 +125,7 @@ impl AgentBrains {
             let [first, last] = self.scenario.places[usize::from(place)].slots;
             if first == last {
                 said.arrival_m = self.arrival_distance(place);
-            } else if let Some(slot) = self.claim_slot(stage, agent, place, claims)? {
+            } else if let Some(slot) = self.claim_slot(stage, agent, place)? {
                 let slot = self.scenario.slots[slot as usize];
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
             } else {
@@ -145,14 +134,9 @@ impl AgentBrains {
             }
         }
         let position = stage.position(agent).unwrap_or_default();
-        let sight = PrimitiveInput {
-            time_s: self.now,
-            position,
-            velocity: stage.velocity(agent),
-            desired_mps: brain.speed,
-            home: Vec3::from_array(brain.home),
-            chance: [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32],
-        };
+        let chance = [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32];
+        let velocity = stage.velocity(agent);
+        let sight = PrimitiveInput { velocity, chance, ..self.primitive_input(&brain, position) };
         let command = (self.scenario.primitives.get(number).act)(&sight, &said);
         if let Some(speed) = command.speed_mps {
             stage.set_speed(agent, speed)?;
@@ -202,7 +186,7 @@ impl AgentBrains {
         let CompiledAction::Primitive { number, words, motion, claims, .. } = self.action(brain.action) else {
             return Ok(false);
         };
-        let mut said = self.evaluate_arguments(stage, agent, brain.context, &words);
+        let mut said = self.evaluate_arguments(stage, Occasion { agent, context: brain.context }, &words);
         if let Some(slot) = self.scenario.slots.get(brain.slot as usize) {
             (said.targets[0], said.facing) = (Some(slot.at), Some(slot.facing));
         }
@@ -226,18 +210,11 @@ impl AgentBrains {
                 return Ok(false);
             }
             if let Some(into) = into {
-                self.claim_slot(stage, agent, into, ActionClaim::Slot)?;
+                self.claim_slot(stage, agent, into)?;
             }
             return Ok(true);
         }
-        let sight = PrimitiveInput {
-            time_s: self.now,
-            position: stage.position(agent).unwrap_or_default(),
-            velocity: Vec3::ZERO,
-            desired_mps: brain.speed,
-            home: Vec3::from_array(brain.home),
-            chance: [0.0; 2],
-        };
+        let sight = self.primitive_input(&brain, stage.position(agent).unwrap_or_default());
         let command: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
         if command.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
             // The route begins again.
@@ -250,20 +227,19 @@ impl AgentBrains {
         self.stand_until(agent, command.stay_s)
     }
 
+    /// Input of a primitive behaviour for an agent that stands still.
+    fn primitive_input(&self, brain: &AgentBrain, position: Vec3) -> PrimitiveInput {
+        let (desired_mps, home) = (brain.speed, Vec3::from_array(brain.home));
+        PrimitiveInput { time_s: self.now, position, velocity: Vec3::ZERO, desired_mps, home, chance: [0.0; 2] }
+    }
+
     /// Evaluates the arguments of an action.
-    fn evaluate_arguments(
-        &mut self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        context: EventContext,
-        words: &[ActionOperand; MAX_WORDS],
-    ) -> ActionArguments {
+    fn evaluate_arguments(&mut self, stage: &impl ScenarioStage, on: Occasion, words: &ActionWords) -> ActionArguments {
+        let Occasion { agent, context } = on;
         let mut said = ActionArguments { arrival_m: 0.5, ..ActionArguments::default() };
         for (i, word) in words.iter().enumerate() {
             match *word {
-                ActionOperand::Amount(amount) => {
-                    said.amounts[i] = Some(self.evaluate_amount(stage, agent, context, amount))
-                }
+                ActionOperand::Amount(amount) => said.amounts[i] = Some(self.evaluate_amount(stage, on, amount)),
                 ActionOperand::Flag(flag) => said.amounts[i] = Some(f64::from(u8::from(flag))),
                 ActionOperand::Point(at) => said.targets[i] = Some(Vec3::from_array(at)),
                 ActionOperand::Spot(spot) => {
@@ -281,19 +257,19 @@ impl AgentBrains {
         said
     }
 
-    fn evaluate_amount(
-        &mut self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        context: EventContext,
-        amount: Amount,
-    ) -> f64 {
-        let mut draws = self.brains[agent as usize].draws;
-        self.evaluations += u64::from(matches!(amount, Amount::Program(_)));
-        let value = self
-            .scenario
-            .evaluate_amount(amount, &mut AgentView { brains: self, stage, agent, context, draws: &mut draws });
-        self.brains[agent as usize].draws = draws;
+    fn evaluate_amount(&mut self, stage: &impl ScenarioStage, on: Occasion, amount: Amount) -> f64 {
+        let Occasion { agent, context } = on;
+        let value = match amount {
+            Amount::Number(number) => number,
+            Amount::Program(program) => {
+                let mut draws = self.brains[agent as usize].draws;
+                self.evaluations += 1;
+                let mut view = AgentView { brains: self, stage, agent, context, draws: &mut draws };
+                let value = run_program(&self.scenario.code, program, &mut view);
+                self.brains[agent as usize].draws = draws;
+                value
+            }
+        };
         // Infinities and NaN would spread to all values that are computed with them.
         if value.is_nan() { 0.0 } else { value.clamp(-MAX_AMOUNT, MAX_AMOUNT) }
     }
@@ -312,19 +288,14 @@ impl AgentBrains {
     }
 
     /// Applies the effect of an action that takes no time.
-    fn apply_effect(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        action: CompiledAction,
-        context: EventContext,
-    ) -> Result<()> {
+    fn apply_effect(&mut self, stage: &mut impl ScenarioStage, on: Occasion, action: CompiledAction) -> Result<()> {
+        let Occasion { agent, context } = on;
         let (effect, words) = match action {
             CompiledAction::Effect(effect, words) => (effect, words),
             CompiledAction::Happening(number) => return stage.follow_happening(agent, number),
             _ => return Ok(()),
         };
-        let said = self.evaluate_arguments(stage, agent, context, &words);
+        let said = self.evaluate_arguments(stage, on, &words);
         let number = if let ActionOperand::Number(number) = words[0] { number } else { 0 };
         match effect {
             Effect::Set => self.change_value(agent, number, |f| f.value = said.amount(1, 0.0) as f32),
@@ -350,10 +321,7 @@ impl AgentBrains {
                 let context = EventContext { event: number, ..EventContext::default() };
                 self.learn_event(stage, agent, context);
             }
-            Effect::Convey => {
-                let (within_m, strength) = (said.amount(1, 5.0) as f32, said.amount(2, 1.0) as f32);
-                self.convey_event(stage, agent, number, within_m, strength, said.amount(3, 0.0) > 0.0);
-            }
+            Effect::Convey => self.convey_event(stage, agent, number, &said),
             Effect::Befriend if context.other != NONE => {
                 self.change_relationship(agent, context.other, said.amount(0, 0.0) as f32)
             }
@@ -390,18 +358,11 @@ impl AgentBrains {
     }
 
     /// Claims a slot of a place for an agent, and releases any other; keeps a slot that the agent has there.
-    fn claim_slot(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        place: u16,
-        claims: ActionClaim,
-    ) -> Result<Option<u32>> {
+    fn claim_slot(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<Option<u32>> {
         let held = self.brains[agent as usize].slot;
         if held != NONE && self.scenario.slots[held as usize].place == place {
             return Ok(Some(held));
         }
-        debug_assert!(claims != ActionClaim::Nothing);
         let Some(slot) = self.free_slot(place, stage.position(agent)) else { return Ok(None) };
         self.holders[slot as usize] = agent;
         self.release_slot(stage, agent)?;

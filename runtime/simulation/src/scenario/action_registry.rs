@@ -98,6 +98,8 @@ pub struct PrimitiveInput {
 
 /// Most arguments of an action.
 pub(super) const MAX_WORDS: usize = 5;
+/// Operands of an action, one for each of its words.
+pub(super) type ActionWords = [ActionOperand; MAX_WORDS];
 
 /// Values of an action's arguments, in the order of [`PrimitiveBehaviour::words`]; `None` for one that is not given.
 #[derive(Clone, Copy, Debug, Default)]
@@ -275,31 +277,23 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         "go",
         [("go", WordKind::Target), SPEED, ("within_m", WordKind::Amount)],
         None,
-        |_, said| walk_to_target(said, 0.0, Some(2))
+        |_, said| walk_to_target(said, 0.0, said.amount(2, said.arrival_m.into()) as f32)
     ),
-    primitive!("visit", [("visit", WordKind::Slot), SPEED, FOR, MOTION], None, |_, said| walk_to_target(
-        said, 0.0, None
-    )),
-    primitive!("look", [("look", WordKind::Slot), SPEED, FOR, MOTION], Some("look"), |_, said| walk_to_target(
-        said, 5.0, None
-    )),
-    primitive!("buy", [("buy", WordKind::Slot), SPEED, FOR, MOTION], Some("buy"), |_, said| walk_to_target(
-        said, 5.0, None
-    )),
-    primitive!("sit", [("sit", WordKind::Slot), SPEED, FOR, MOTION], Some("sit"), |_, said| walk_to_target(
-        said, 20.0, None
-    )),
+    primitive!("visit", [("visit", WordKind::Slot), SPEED, FOR, MOTION], None, |_, said| visit_target(said, 0.0)),
+    primitive!("look", [("look", WordKind::Slot), SPEED, FOR, MOTION], Some("look"), |_, said| visit_target(said, 5.0)),
+    primitive!("buy", [("buy", WordKind::Slot), SPEED, FOR, MOTION], Some("buy"), |_, said| visit_target(said, 5.0)),
+    primitive!("sit", [("sit", WordKind::Slot), SPEED, FOR, MOTION], Some("sit"), |_, said| visit_target(said, 20.0)),
     primitive!(
         "queue",
         [("queue", WordKind::Queue), SPEED, ("into", WordKind::Place), MOTION],
         Some("queue"),
-        |_, said| { ActionCommand { stay_s: f64::INFINITY, ..walk_to_target(said, 0.0, None) } }
+        |_, said| { ActionCommand { stay_s: f64::INFINITY, ..visit_target(said, 0.0) } }
     ),
     primitive!(
         "follow_route",
         [("follow_route", WordKind::Points), SPEED, ("again", WordKind::Flag)],
         None,
-        |_, said| { ActionCommand { speed_mps: speed_argument(said), ..ActionCommand::walk(WalkCommand::Along) } }
+        |_, said| walk_at_speed(said, WalkCommand::Along)
     ),
     primitive!(
         "follow",
@@ -307,19 +301,10 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         None,
         |sight, said| {
             let arrival_m = said.amount(3, 1.5) as f32;
-            let near = |at: &Vec3| (*at - sight.position).length() <= arrival_m;
-            let walk = match said.targets[0] {
-                Some(at) if !near(&at) => WalkCommand::To { at, arrival_m },
-                _ => WalkCommand::Halt,
-            };
-            let stay_s = f64::INFINITY;
-            ActionCommand {
-                speed_mps: speed_argument(said),
-                stay_s,
-                again_s: 0.5,
-                most_s: said.amount(2, 10.0),
-                ..ActionCommand::walk(walk)
-            }
+            let far = said.targets[0].filter(|at| (*at - sight.position).length() > arrival_m);
+            let walk = far.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
+            let (stay_s, most_s) = (f64::INFINITY, said.amount(2, 10.0));
+            ActionCommand { stay_s, again_s: 0.5, most_s, ..walk_at_speed(said, walk) }
         }
     ),
     primitive!("stay", [("stay", WordKind::Amount), MOTION], None, |_, said| ActionCommand::stay_for(
@@ -334,11 +319,9 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
     primitive!("perform", [("perform", WordKind::Motion), FOR, ("facing", WordKind::Target)], None, |_, said| {
         ActionCommand { faces: said.targets[2], ..ActionCommand::stay_for(said.amount(1, 3.0)) }
     }),
-    primitive!("take", [("take", WordKind::Take), SPEED, FOR, MOTION], Some("take"), |_, said| walk_to_target(
-        said, 0.0, None
-    )),
+    primitive!("take", [("take", WordKind::Take), SPEED, FOR, MOTION], Some("take"), |_, said| visit_target(said, 0.0)),
     primitive!("put", [("put", WordKind::Put), SPEED, FOR, MOTION, ("on", WordKind::Rest)], Some("put"), |_, said| {
-        walk_to_target(said, 0.0, None)
+        visit_target(said, 0.0)
     }),
     primitive!("spurt", [("spurt", WordKind::Amount), SPEED], None, |sight, said| { change_pace(sight, said, 1.4) }),
     primitive!("slow_down", [("slow_down", WordKind::Amount), SPEED], None, |sight, said| change_pace(
@@ -350,7 +333,7 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         away.y = 0.0;
         let away = away.try_normalize().unwrap_or(Vec3::X);
         let at = from + away * said.amount(2, 10.0) as f32;
-        ActionCommand { speed_mps: speed_argument(said), ..ActionCommand::walk(WalkCommand::To { at, arrival_m: 1.0 }) }
+        walk_at_speed(said, WalkCommand::To { at, arrival_m: 1.0 })
     }),
     primitive!("roam", [("roam", WordKind::Target), SPEED, ("within_m", WordKind::Amount)], None, |sight, said| {
         let middle = said.targets[0].unwrap_or(sight.home);
@@ -358,15 +341,11 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         let far = far.sqrt() * said.amount(2, 10.0) as f32;
         let by = throng_base::maths::direction_at_angle(turn * std::f32::consts::TAU) * far;
         let at = middle + Vec3::new(by.x, 0.0, by.y);
-        ActionCommand { speed_mps: speed_argument(said), ..ActionCommand::walk(WalkCommand::To { at, arrival_m: 0.6 }) }
+        walk_at_speed(said, WalkCommand::To { at, arrival_m: 0.6 })
     }),
-    primitive!("leave", [("leave", WordKind::Target), SPEED], None, |sight, said| ActionCommand {
-        speed_mps: speed_argument(said),
-        stay_s: f64::INFINITY,
-        ..ActionCommand::walk(WalkCommand::Out {
-            at: said.targets[0].unwrap_or(sight.position),
-            arrival_m: said.arrival_m
-        })
+    primitive!("leave", [("leave", WordKind::Target), SPEED], None, |sight, said| {
+        let (at, arrival_m) = (said.targets[0].unwrap_or(sight.position), said.arrival_m);
+        ActionCommand { stay_s: f64::INFINITY, ..walk_at_speed(said, WalkCommand::Out { at, arrival_m }) }
     }),
 ];
 
@@ -374,19 +353,20 @@ fn speed_argument(said: &ActionArguments) -> Option<f32> {
     said.amounts[1].map(|speed| speed.clamp(0.0, 100.0) as f32)
 }
 
+/// Command to walk at the speed of argument 1.
+fn walk_at_speed(said: &ActionArguments, walk: WalkCommand) -> ActionCommand {
+    ActionCommand { speed_mps: speed_argument(said), ..ActionCommand::walk(walk) }
+}
+
+/// Command to walk to a target, and to stay there.
+fn walk_to_target(said: &ActionArguments, stay_s: f64, arrival_m: f32) -> ActionCommand {
+    let Some(at) = said.targets[0] else { return ActionCommand::stay_for(0.0) };
+    ActionCommand { faces: said.facing, stay_s, ..walk_at_speed(said, WalkCommand::To { at, arrival_m }) }
+}
+
 /// Command to walk to a target, and to stay there for the seconds of argument 2.
-fn walk_to_target(said: &ActionArguments, stay_s: f64, arrival: Option<usize>) -> ActionCommand {
-    let arrival_m = arrival.and_then(|word| said.amounts[word]).map_or(said.arrival_m, |m| m as f32);
-    let stay_s = if arrival.is_some() { 0.0 } else { said.amount(2, stay_s) };
-    match said.targets[0] {
-        Some(at) => ActionCommand {
-            speed_mps: speed_argument(said),
-            faces: said.facing,
-            stay_s,
-            ..ActionCommand::walk(WalkCommand::To { at, arrival_m })
-        },
-        None => ActionCommand::stay_for(0.0),
-    }
+fn visit_target(said: &ActionArguments, stay_s: f64) -> ActionCommand {
+    walk_to_target(said, said.amount(2, stay_s), said.arrival_m)
 }
 
 /// Command to stay, facing a target, for the seconds of argument 1.
@@ -400,25 +380,19 @@ const HANDS_M: f32 = 1.05;
 /// Command to walk to within reach of a target, and to stay there as [`face_target`] does.
 fn walk_within_reach(sight: &PrimitiveInput, said: &ActionArguments, stay_s: f64) -> ActionCommand {
     let stays = face_target(said, stay_s);
-    match said.targets[0].filter(|at| at.distance(sight.position) > 1.1 * HANDS_M) {
-        Some(at) => {
-            let walk = ActionCommand::walk(WalkCommand::To { at, arrival_m: HANDS_M });
-            ActionCommand { faces: stays.faces, stay_s: stays.stay_s, again_s: 0.2, most_s: stays.stay_s + 4.0, ..walk }
-        }
-        None => stays,
-    }
+    let far = said.targets[0].filter(|at| at.distance(sight.position) > 1.1 * HANDS_M);
+    far.map_or(stays, |at| {
+        let walk = WalkCommand::To { at, arrival_m: HANDS_M };
+        ActionCommand { walk, again_s: 0.2, most_s: stays.stay_s + 4.0, ..stays }
+    })
 }
 
 /// Command to go on for some seconds at another speed: that of argument 1, or this share of the desired one. Afterwards the
 /// speed is as before.
 fn change_pace(sight: &PrimitiveInput, said: &ActionArguments, share: f32) -> ActionCommand {
     let speed_mps = speed_argument(said).or(Some(sight.desired_mps * share));
-    ActionCommand {
-        speed_mps,
-        most_s: said.amount(0, 5.0),
-        stay_s: f64::INFINITY,
-        ..ActionCommand::walk(WalkCommand::Keep)
-    }
+    let (most_s, stay_s) = (said.amount(0, 5.0), f64::INFINITY);
+    ActionCommand { speed_mps, most_s, stay_s, ..ActionCommand::walk(WalkCommand::Keep) }
 }
 
 /// Argument of a compiled action.

@@ -89,6 +89,13 @@ pub struct EventContext {
     pub(super) strength: f32,
 }
 
+/// An agent in the context of an event.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Occasion {
+    pub agent: u32,
+    pub context: EventContext,
+}
+
 impl Default for EventContext {
     fn default() -> Self {
         Self { other: NONE, place: NO_NUMBER, event: NO_NUMBER, how: LearningMode::Happens, strength: 1.0 }

@@ -1,12 +1,12 @@
 //! Brains of all agents: they take stimuli and decide on behaviours.
 
-use super::agent_brain::{AgentBrain, EventContext, Feeling, LearntEvent};
+use super::agent_brain::{AgentBrain, EventContext, Feeling, LearntEvent, Occasion};
 use super::blackboards::Blackboards;
 use super::language::{Program, run_program};
 use super::perceive::{AgentView, hashed_chance};
 use super::reactions::MOST_ROUNDS;
 use super::stage::ScenarioStage;
-use super::tables::{CompiledAction, NONE, Scenario};
+use super::tables::{CompiledAction, GroupTable, NONE, Scenario};
 use super::turns::Turn;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
@@ -20,7 +20,7 @@ const MEETINGS: u32 = 1 << 31;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stimulus {
     pub trigger: u16,
-    pub context: EventContext,
+    pub on: Occasion,
     /// Number of behaviours that the agent had begun by then.
     pub begun: u16,
 }
@@ -101,7 +101,7 @@ pub struct AgentBrains {
     pub(super) entered: Vec<u32>,
     pub(super) blackboards: Blackboards,
     #[serde(skip)]
-    pub(super) queue: VecDeque<(u32, Stimulus)>,
+    pub(super) queue: VecDeque<Stimulus>,
     /// Agents whose timers and senses have to be updated.
     #[serde(skip)]
     pub(super) touched: Vec<u32>,
@@ -122,10 +122,9 @@ impl AgentBrains {
     /// Brains of all agents of a scenario, before any agent has entered.
     pub fn new(scenario: Arc<Scenario>, seed: u64, doors: &[bool]) -> Self {
         let num = scenario.groups.last().map_or(0, |g| g.agents[1] as usize);
-        let mut brains = Vec::with_capacity(num);
-        for (g, group) in scenario.groups.iter().enumerate() {
-            brains.extend((group.agents[0]..group.agents[1]).map(|_| AgentBrain::new(g as u16)));
-        }
+        let of_group =
+            |(g, group): (u16, &GroupTable)| (group.agents[0]..group.agents[1]).map(move |_| AgentBrain::new(g));
+        let brains = (0u16..).zip(&scenario.groups).flat_map(of_group).collect();
         let num_events = scenario.events.len();
         let mut out = Self {
             seed,
@@ -188,7 +187,7 @@ impl AgentBrains {
 
     pub(super) fn push_stimulus(&mut self, agent: u32, trigger: u16, context: EventContext) {
         let begun = self.brains[agent as usize].begun;
-        self.queue.push_back((agent, Stimulus { trigger, context, begun }));
+        self.queue.push_back(Stimulus { trigger, on: Occasion { agent, context }, begun });
     }
 
     pub(super) fn mark_touched(&mut self, agent: u32) {
@@ -201,10 +200,11 @@ impl AgentBrains {
     pub(super) fn process_stimuli(&mut self, stage: &mut impl ScenarioStage) -> Result<()> {
         let mut rounds = 0;
         loop {
-            while let Some((agent, stimulus)) = self.queue.pop_front() {
+            while let Some(stimulus) = self.queue.pop_front() {
+                let Occasion { agent, .. } = stimulus.on;
                 if self.brains[agent as usize].is_there {
                     self.mark_touched(agent);
-                    self.handle_stimulus(stage, agent, stimulus)?;
+                    self.handle_stimulus(stage, stimulus)?;
                 }
             }
             if !self.check_conditions(stage)? {
@@ -306,13 +306,8 @@ impl AgentBrains {
         hashed_chance(self.seed, agent, *draws)
     }
 
-    pub(super) fn evaluate_predicate(
-        &mut self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        context: EventContext,
-        program: Program,
-    ) -> bool {
+    pub(super) fn evaluate_predicate(&mut self, stage: &impl ScenarioStage, on: Occasion, program: Program) -> bool {
+        let Occasion { agent, context } = on;
         self.evaluations += 1;
         let mut draws = self.brains[agent as usize].draws;
         let mut view = AgentView { brains: self, stage, agent, context, draws: &mut draws };

@@ -12,8 +12,8 @@ const BUCKETS: usize = 1024;
 /// All blackboards.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Blackboards {
-    cell_m: f32,
-    levels: u32,
+    pub cell_m: f32,
+    pub levels: u32,
     /// Note of each event on the global blackboard.
     global: Vec<BlackboardNote>,
     posts: Vec<CellPost>,
@@ -179,11 +179,6 @@ impl Blackboards {
             posted(p.event, Some(BlackboardArea { level: p.level, middle, side_m }), &p.note)
         });
         global.map(move |(e, note)| posted(e, None, note)).chain(cells)
-    }
-
-    /// Side of the smallest cells (m), and the number of levels; `None` without cells.
-    pub fn levels(&self) -> Option<(f32, u32)> {
-        (self.cell_m > 0.0).then_some((self.cell_m, self.levels))
     }
 
     fn cell(&self, at: Vec3, level: u32) -> [i32; 2] {

@@ -2,7 +2,7 @@
 
 use super::agent_brain::{LearntEvent, NO_NUMBER};
 use super::agent_brains::AgentBrains;
-use super::blackboards::BlackboardPost;
+use super::blackboards::{BlackboardPost, Blackboards};
 use super::tables::{CompiledAction, LearningMode, NONE, Scenario};
 use serde::Serialize;
 
@@ -222,7 +222,8 @@ impl AgentBrains {
 
     /// Side of the smallest cells with blackboards (m), and the number of levels, each twice as wide; `None` without cells.
     pub fn blackboard_levels(&self) -> Option<(f32, u32)> {
-        self.blackboards.levels()
+        let Blackboards { cell_m, levels, .. } = self.blackboards;
+        (cell_m > 0.0).then_some((cell_m, levels))
     }
 
     /// Record of how an agent learnt of an event; `None` where it has not (agent < number of agents, event < number of events).

@@ -1,11 +1,12 @@
 //! Events of the scene, entries and exits of agents, and how agents learn of events.
 
-use super::agent_brain::{ActionPhase, EventContext, Feeling, LearntEvent};
+use super::action_registry::ActionArguments;
+use super::agent_brain::{ActionPhase, EventContext, Feeling, LearntEvent, Occasion};
 use super::agent_brains::{AgentBrains, Signal, place_context};
 use super::blackboards::BlackboardNote;
 use super::perceive::hashed_chance;
 use super::stage::ScenarioStage;
-use super::tables::{LearningMode, NONE, Party, Schedule, trigger};
+use super::tables::{LearningMode, NONE, Party, PlaceTable, Schedule, trigger};
 use throng_base::{Error, Result};
 
 /// Most places that attract one agent at a time, in the order of the file.
@@ -120,16 +121,15 @@ impl AgentBrains {
         self.find_crossing(agent);
         self.mark_touched(agent);
         if group.start != NONE {
-            self.enter_state(stage, agent, group.start, EventContext::default())?;
+            self.enter_state(stage, Occasion { agent, context: EventContext::default() }, group.start)?;
         }
         self.update_interests(stage, agent)?;
         self.push_stimulus(agent, trigger::STARTS, EventContext::default());
         if scenario.senses_zones {
             let at = stage.position(agent).unwrap_or_default();
-            let is_at = |place: &&super::tables::PlaceTable| place.at.distance(at) <= place.radius_m;
-            let inside = scenario.places.iter().enumerate().filter(|(_, p)| is_at(p));
-            for (p, _) in inside {
-                self.enter_place(stage, agent, p as u16)?;
+            let is_at = |place: &PlaceTable| place.at.distance(at) <= place.radius_m;
+            for (p, _) in (0u16..).zip(&scenario.places).filter(|(_, place)| is_at(place)) {
+                self.enter_place(stage, agent, p)?;
             }
         }
         Ok(())
@@ -145,11 +145,8 @@ impl AgentBrains {
             let is_seen = place.once.is_some_and(|bit| self.brains[agent as usize].entered >> bit & 1 == 1);
             let curiosity = if is_seen { 0.0 } else { self.curiosity(agent, Party::Place(p as u16)) };
             if curiosity != 0.0 && n < INTERESTS {
-                stage.set_interest(
-                    agent,
-                    n,
-                    Some((place.at, curiosity * INTEREST_MPS2, INTEREST_RADII * place.radius_m)),
-                )?;
+                let reach_m = INTEREST_RADII * place.radius_m;
+                stage.set_interest(agent, n, Some((place.at, curiosity * INTEREST_MPS2, reach_m)))?;
                 n += 1;
             }
         }
@@ -172,11 +169,8 @@ impl AgentBrains {
         let event = &scenario.events[e];
         self.happened[e] = self.now;
         if event.posted {
-            self.blackboards.post_event(
-                e as u16,
-                None,
-                BlackboardNote { by: NONE, since: self.now, until: self.now + event.fresh_s },
-            );
+            let note = BlackboardNote { by: NONE, since: self.now, until: self.now + event.fresh_s };
+            self.blackboards.post_event(e as u16, None, note);
         }
         self.ended |= scenario.end.event == Some(e as u16);
         for &(door, open) in &event.doors {
@@ -188,7 +182,7 @@ impl AgentBrains {
         let context = EventContext { event: e as u16, how: LearningMode::Happens, ..EventContext::default() };
         for agent in 0..self.brains.len() as u32 {
             if self.brains[agent as usize].is_there
-                && event.who.is_none_or(|who| self.evaluate_predicate(stage, agent, context, who))
+                && event.who.is_none_or(|who| self.evaluate_predicate(stage, Occasion { agent, context }, who))
             {
                 self.learn_event(stage, agent, context);
             }
@@ -229,13 +223,9 @@ impl AgentBrains {
         for (from, to) in [(a, b), (b, a)] {
             let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
             while news != 0 {
-                let event = news.trailing_zeros() as u16;
+                let (event, how) = (news.trailing_zeros() as u16, LearningMode::PassedOn);
                 news &= news - 1;
-                self.learn_event(
-                    stage,
-                    to,
-                    EventContext { other: from, event, how: LearningMode::PassedOn, ..EventContext::default() },
-                );
+                self.learn_event(stage, to, EventContext { other: from, event, how, ..EventContext::default() });
             }
         }
         if self.scenario.meets {
@@ -246,10 +236,7 @@ impl AgentBrains {
     }
 
     pub(super) fn enter_place(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<()> {
-        let (once, guidepost) = {
-            let table = &self.scenario.places[usize::from(place)];
-            (table.once, table.guidepost)
-        };
+        let &PlaceTable { once, guidepost, .. } = &self.scenario.places[usize::from(place)];
         if let Some(bit) = once {
             let bit = 1u64 << bit;
             if self.brains[agent as usize].entered & bit != 0 {
@@ -278,15 +265,9 @@ impl AgentBrains {
     }
 
     /// Conveys an event to the agents around one.
-    pub(super) fn convey_event(
-        &mut self,
-        stage: &impl ScenarioStage,
-        from: u32,
-        event: u16,
-        within_m: f32,
-        strength: f32,
-        friends: bool,
-    ) {
+    pub(super) fn convey_event(&mut self, stage: &impl ScenarioStage, from: u32, event: u16, said: &ActionArguments) {
+        let (within_m, strength) = (said.amount(1, 5.0) as f32, said.amount(2, 1.0) as f32);
+        let friends = said.amount(3, 0.0) > 0.0;
         let Some(at) = stage.position(from) else { return };
         self.happened[usize::from(event)] = self.now;
         let mut nearby = std::mem::take(&mut self.nearby);
@@ -299,13 +280,10 @@ impl AgentBrains {
             let far = stage.position(agent).map_or(within_m, |p| p.distance(at));
             let near = 1.0 - far / within_m.max(1e-3);
             let liking = if friends { self.friendship(agent, from).max(0.0) } else { 1.0 };
-            let strength = strength * near * liking;
+            let (how, strength) = (LearningMode::Felt, strength * near * liking);
             if strength > 0.0 {
-                self.learn_event(
-                    stage,
-                    agent,
-                    EventContext { other: from, event, how: LearningMode::Felt, strength, ..EventContext::default() },
-                );
+                let context = EventContext { other: from, event, how, strength, ..EventContext::default() };
+                self.learn_event(stage, agent, context);
             }
         }
         self.nearby = nearby;

@@ -31,6 +31,6 @@ pub use explain::{ActionCause, CurrentValue, EventSpread, Explanation, KnownEven
 pub(crate) use perceive::hashed_chance;
 pub use sample::evaluate_sample;
 pub(crate) use stage::SIDES;
-pub use stage::{Handling, ScenarioStage, StanceError};
+pub use stage::{Handling, ScenarioStage, Stance, StanceError};
 pub use tables::Scenario;
 pub use turns::{CurrentState, Turn, TurnKind};

@@ -1,6 +1,6 @@
 //! Reactions of agents to stimuli: rules, state graphs, values that pass a threshold.
 
-use super::agent_brain::{ActionReason, EventContext, Feeling, NO_NUMBER};
+use super::agent_brain::{ActionReason, EventContext, Feeling, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
 use super::happenings::RETRY_S;
 use super::stage::ScenarioStage;
@@ -19,8 +19,8 @@ impl AgentBrains {
         let mut any = false;
         for e in 0..self.was_true.len() {
             let Some(condition) = self.scenario.events[e].condition else { continue };
-            let is_true =
-                !self.brains.is_empty() && self.evaluate_predicate(stage, 0, EventContext::default(), condition);
+            let on = Occasion { agent: 0, context: EventContext::default() };
+            let is_true = !self.brains.is_empty() && self.evaluate_predicate(stage, on, condition);
             if is_true && !std::mem::replace(&mut self.was_true[e], is_true) {
                 self.fire_event(stage, e)?;
                 any = true;
@@ -31,13 +31,8 @@ impl AgentBrains {
     }
 
     /// Handles a stimulus of an agent: follows a rule, or takes an edge of a graph.
-    pub(super) fn handle_stimulus(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        stimulus: Stimulus,
-    ) -> Result<()> {
-        let m = agent as usize;
+    pub(super) fn handle_stimulus(&mut self, stage: &mut impl ScenarioStage, stimulus: Stimulus) -> Result<()> {
+        let m = stimulus.on.agent as usize;
         let brain = &mut self.brains[m];
         let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
         if is_of_behaviour && stimulus.begun != brain.begun {
@@ -49,10 +44,10 @@ impl AgentBrains {
         }
         brain.handled += 1;
         if brain.handled > MOST_AT_ONCE {
-            return Err(self.circle_error(agent, stimulus.trigger));
+            return Err(self.circle_error(stimulus.on.agent, stimulus.trigger));
         }
-        self.record_sensed(agent, stimulus);
-        if self.follow_rule(stage, agent, stimulus)? {
+        self.record_sensed(stimulus);
+        if self.follow_rule(stage, stimulus)? {
             return Ok(());
         }
         let upwards = stimulus.trigger == trigger::DONE;
@@ -62,17 +57,17 @@ impl AgentBrains {
             if state == NO_NUMBER {
                 continue;
             }
-            let [first, last] = self.scenario.states[usize::from(state)].edges;
-            if let Some(edge) = self.choose_edge(stage, agent, stimulus, first..last) {
+            let edges = self.scenario.states[usize::from(state)].edges;
+            if let Some(edge) = self.choose_edge(stage, stimulus, edges) {
                 let EdgeTable { to, number, .. } = self.scenario.edges[edge as usize];
                 let graph = usize::from(self.scenario.states[usize::from(state)].graph_number);
                 // A state that has ended begins again; one that goes on is left alone.
                 let begins = to != state || stimulus.trigger == trigger::DONE;
                 let kind = TurnKind::Takes { level, graph, edge: usize::from(number), changes: begins };
-                self.record_turn(agent, stimulus, kind);
+                self.record_turn(stimulus, kind);
                 self.brains[m].reason = ActionReason { edge, ..self.new_reason(stimulus) };
                 if begins {
-                    self.enter_state(stage, agent, u32::from(to), stimulus.context)?;
+                    self.enter_state(stage, stimulus.on, u32::from(to))?;
                 }
                 return Ok(());
             }
@@ -81,13 +76,8 @@ impl AgentBrains {
     }
 
     /// Follows the first rule that fits; true where its behaviour lasts.
-    pub(super) fn follow_rule(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        stimulus: Stimulus,
-    ) -> Result<bool> {
-        let m = agent as usize;
+    pub(super) fn follow_rule(&mut self, stage: &mut impl ScenarioStage, stimulus: Stimulus) -> Result<bool> {
+        let m = stimulus.on.agent as usize;
         let scenario = self.scenario.clone();
         let [first, last] = scenario.rules_of[usize::from(stimulus.trigger)];
         for &number in &scenario.rule_order[first as usize..last as usize] {
@@ -101,11 +91,10 @@ impl AgentBrains {
             if is_held || rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s) {
                 continue;
             }
-            let context = stimulus.context;
-            if !rule.when.is_none_or(|when| self.evaluate_predicate(stage, agent, context, when)) {
+            if !rule.when.is_none_or(|when| self.evaluate_predicate(stage, stimulus.on, when)) {
                 continue;
             }
-            if rule.probability < 1.0 && self.draw_chance(agent) >= f64::from(rule.probability) {
+            if rule.probability < 1.0 && self.draw_chance(stimulus.on.agent) >= f64::from(rule.probability) {
                 continue;
             }
             if rule.pause_s > 0.0 {
@@ -113,9 +102,9 @@ impl AgentBrains {
             }
             let reason = ActionReason { rule: number, ..self.new_reason(stimulus) };
             let before = std::mem::replace(&mut self.brains[m].reason, reason);
-            self.record_turn(agent, stimulus, TurnKind::Follows(number as usize));
+            self.record_turn(stimulus, TurnKind::Follows(number as usize));
             if rule.is_instant {
-                self.run_instant_actions(stage, agent, rule.actions, context)?;
+                self.apply_effects(stage, stimulus.on, rule.actions)?;
                 // This is no reason for what the agent goes on doing.
                 self.brains[m].reason = before;
                 self.at_once = (self.now, number);
@@ -126,26 +115,20 @@ impl AgentBrains {
                 (brain.resumed, brain.resumed_context) = (brain.action, brain.context);
             }
             (brain.is_busy, brain.priority) = (true, rule.priority);
-            self.start_behaviour(stage, agent, rule.actions, context)?;
+            self.start_behaviour(stage, stimulus.on, rule.actions)?;
             return Ok(true);
         }
         Ok(false)
     }
 
     /// Chooses among the edges that an event opens, by their probabilities.
-    pub(super) fn choose_edge(
-        &mut self,
-        stage: &impl ScenarioStage,
-        agent: u32,
-        stimulus: Stimulus,
-        all: std::ops::Range<u32>,
-    ) -> Option<u32> {
+    pub(super) fn choose_edge(&mut self, stage: &impl ScenarioStage, stimulus: Stimulus, all: [u32; 2]) -> Option<u32> {
         let scenario = self.scenario.clone();
         let (mut open, mut shared, mut sum) = (0u64, 0, 0.0_f32);
-        let edges: &[EdgeTable] = &scenario.edges[all.start as usize..all.end as usize];
+        let edges: &[EdgeTable] = &scenario.edges[all[0] as usize..all[1] as usize];
         for (i, edge) in edges.iter().enumerate() {
             if edge.trigger == stimulus.trigger
-                && edge.when.is_none_or(|when| self.evaluate_predicate(stage, agent, stimulus.context, when))
+                && edge.when.is_none_or(|when| self.evaluate_predicate(stage, stimulus.on, when))
             {
                 open |= 1 << i;
                 if edge.probability < 0.0 { shared += 1 } else { sum += edge.probability }
@@ -157,25 +140,19 @@ impl AgentBrains {
         let share = if shared > 0 { (1.0 - sum).max(0.0) / shared as f32 } else { 0.0 };
         let scale = sum.max(1.0).recip();
         let is_single = open.count_ones() == 1 && (shared == 1 || sum >= 1.0);
-        let mut left = if is_single { 0.0 } else { self.draw_chance(agent) as f32 };
+        let mut left = if is_single { 0.0 } else { self.draw_chance(stimulus.on.agent) as f32 };
         for (i, edge) in edges.iter().enumerate().filter(|(i, _)| open >> i & 1 == 1) {
             left -= if edge.probability < 0.0 { share } else { edge.probability * scale };
             if left < 0.0 || is_single {
-                return Some(all.start + i as u32);
+                return Some(all[0] + i as u32);
             }
         }
         None
     }
 
     /// Enters a state, and restarts the graphs below it.
-    pub(super) fn enter_state(
-        &mut self,
-        stage: &mut impl ScenarioStage,
-        agent: u32,
-        state: u32,
-        context: EventContext,
-    ) -> Result<()> {
-        let m = agent as usize;
+    pub(super) fn enter_state(&mut self, stage: &mut impl ScenarioStage, on: Occasion, state: u32) -> Result<()> {
+        let m = on.agent as usize;
         let scenario = self.scenario.clone();
         let mut next = state;
         self.brains[m].resumed = NONE;
@@ -190,10 +167,10 @@ impl AgentBrains {
             brain.states[level] = next as u16;
             brain.states[level + 1..].fill(NO_NUMBER);
             if table.graph == NONE {
-                return self.start_behaviour(stage, agent, table.actions, context);
+                return self.start_behaviour(stage, on, table.actions);
             }
             if table.actions != NONE {
-                self.run_instant_actions(stage, agent, table.actions, context)?;
+                self.apply_effects(stage, on, table.actions)?;
             }
             next = table.graph;
         }
@@ -278,8 +255,8 @@ impl AgentBrains {
     }
 
     /// Reason without rule and edge.
-    pub(super) fn new_reason(&self, Stimulus { trigger, context, .. }: Stimulus) -> ActionReason {
-        let EventContext { other, place, .. } = context;
+    pub(super) fn new_reason(&self, Stimulus { trigger, on, .. }: Stimulus) -> ActionReason {
+        let EventContext { other, place, .. } = on.context;
         ActionReason { time_s: self.now, trigger, rule: NONE, edge: NONE, other, place }
     }
 

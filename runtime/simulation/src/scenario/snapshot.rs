@@ -1,7 +1,7 @@
 //! Snapshots of agent brains.
 
 use super::action_commands::MAX_AMOUNT;
-use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, NO_NUMBER};
+use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, LearntEvent, NO_NUMBER};
 use super::agent_brains::AgentBrains;
 use super::tables::{CompiledAction, NONE};
 use crate::motion_kind::refused_snapshot;
@@ -33,29 +33,16 @@ impl AgentBrains {
     /// Checks that brains can be those of this scenario.
     fn check(&self, saved: &Self, time_s: f64) -> std::result::Result<(), &'static str> {
         let scenario = &self.scenario;
-        let lengths = [
-            (saved.brains.len(), self.brains.len()),
-            (saved.feelings.len(), self.feelings.len()),
-            (saved.learnt.len(), self.learnt.len()),
-            (saved.followed.len(), self.followed.len()),
-            (saved.relationships.len(), self.relationships.len()),
-            (saved.holders.len(), self.holders.len()),
-            (saved.keepers.len(), self.keepers.len()),
-            (saved.is_open.len(), self.is_open.len()),
-            (saved.closing.len(), self.closing.len()),
-            (saved.due.len(), self.due.len()),
-            (saved.times.len(), self.times.len()),
-            (saved.happened.len(), self.happened.len()),
-            (saved.was_true.len(), self.was_true.len()),
-            (saved.enters.len(), self.enters.len()),
-            (saved.entered.len(), self.entered.len()),
-        ];
-        if lengths.iter().any(|(a, b)| a != b)
-            || !saved.blackboards.is_compatible(&self.blackboards, self.brains.len() as u32)
-        {
+        let lengths = |b: &Self| {
+            let of_agents = [b.brains.len(), b.feelings.len(), b.learnt.len(), b.followed.len(), b.relationships.len()];
+            let of_things = [b.holders.len(), b.keepers.len(), b.is_open.len(), b.closing.len()];
+            let of_events = [b.due.len(), b.times.len(), b.happened.len(), b.was_true.len()];
+            (of_agents, of_things, of_events, [b.enters.len(), b.entered.len()])
+        };
+        let num = self.brains.len() as u32;
+        if lengths(saved) != lengths(self) || !saved.blackboards.is_compatible(&self.blackboards, num) {
             return Err("they are of another scenario");
         }
-        let num = self.brains.len() as u32;
         let is_agent = |agent: u32| agent == NONE || agent < num;
         let is_time = |t: f64| !t.is_nan() && t <= time_s;
         let is_later = |t: f64| !t.is_nan();
@@ -112,11 +99,8 @@ impl AgentBrains {
         let is_held = |(slot, holder): (u32, &u32)| {
             *holder == NONE || saved.brains.get(*holder as usize).is_some_and(|m| m.slot == slot)
         };
-        let learnt = saved
-            .learnt
-            .iter()
-            .flatten()
-            .all(|l| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite()));
+        let is_learnt = |l: &LearntEvent| is_agent(l.from) && is_time(l.time_s) && l.at.iter().all(|x| x.is_finite());
+        let learnt = saved.learnt.iter().flatten().all(is_learnt);
         let relationships = saved.relationships.iter().flatten().all(|b| is_agent(b.0) && b.1.is_finite());
         let is_felt = |f: &Feeling| f.value.is_finite() && f64::from(f.rate.abs()) <= MAX_AMOUNT && is_time(f.since);
         let feelings = saved.feelings.iter().all(is_felt);
@@ -126,16 +110,8 @@ impl AgentBrains {
             g.num_at_start <= *e && (*e < all || *e == all && *next == f64::INFINITY)
         });
         let kept = saved.keepers.iter().all(|k| is_agent(*k));
-        match (0u32..).zip(&saved.holders).all(is_held)
-            && kept
-            && learnt
-            && relationships
-            && feelings
-            && has_room
-            && entered
-        {
-            true => Ok(()),
-            false => Err("somebody holds, feels or has learnt what cannot be"),
-        }
+        let held = (0u32..).zip(&saved.holders).all(is_held);
+        let is_good = held && kept && learnt && relationships && feelings && has_room && entered;
+        if is_good { Ok(()) } else { Err("somebody holds, feels or has learnt what cannot be") }
     }
 }

@@ -18,6 +18,9 @@ pub struct Handling {
 /// Number of directions from which a thing can be reached.
 pub(crate) const SIDES: u32 = 8;
 
+/// Position of a stand from which a thing is taken or put down, and distance from it at which an agent has arrived (m).
+pub type Stance = (Vec3, f32);
+
 /// Reason why there is no stand from which to take a thing or to put it down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StanceError {
@@ -89,13 +92,7 @@ pub trait ScenarioStage {
     ///
     /// # Errors
     /// The reason why there is no stand.
-    fn stance(
-        &self,
-        agent: u32,
-        motion: Option<u16>,
-        handling: Handling,
-        side: u32,
-    ) -> std::result::Result<(Vec3, f32), StanceError>;
+    fn stance(&self, agent: u32, motion: Option<u16>, handling: Handling, side: u32) -> Result<Stance, StanceError>;
 
     /// Counts a thing, or a place for it, that an agent could not reach.
     fn count_miss(&mut self);

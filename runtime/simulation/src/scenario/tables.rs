@@ -1,6 +1,6 @@
 //! Flat tables of a scenario, which the compiler writes and the evaluator reads.
 
-use super::action_registry::{ActionOperand, ActionRegistry, Effect, MAX_WORDS};
+use super::action_registry::{ActionOperand, ActionRegistry, ActionWords, Effect};
 use super::language::{Amount, Op, Program, ScenarioVocabulary};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -210,10 +210,10 @@ pub(super) enum CompiledAction {
     End,
     /// Walks to the goal of a happening.
     Happening(u16),
-    Effect(Effect, [ActionOperand; MAX_WORDS]),
+    Effect(Effect, ActionWords),
     Primitive {
         number: u16,
-        words: [ActionOperand; MAX_WORDS],
+        words: ActionWords,
         /// Number of the motion tag.
         motion: Option<u16>,
         /// Path of [`Scenario::paths`] that it follows.
@@ -312,14 +312,6 @@ impl Scenario {
                 let sign = if t.rises { '>' } else { '<' };
                 format!("{} {sign} {}", self.names.values.0[usize::from(t.value)], t.at)
             }
-        }
-    }
-
-    /// Evaluates an amount.
-    pub(super) fn evaluate_amount(&self, amount: Amount, perception: &mut impl super::language::Perception) -> f64 {
-        match amount {
-            Amount::Number(number) => number,
-            Amount::Program(program) => super::language::run_program(&self.code, program, perception),
         }
     }
 }

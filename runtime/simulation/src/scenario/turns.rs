@@ -1,6 +1,6 @@
 //! Turns: records of what happens in agent brains, kept only on request.
 
-use super::agent_brain::{EventContext, NO_NUMBER};
+use super::agent_brain::{NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, Stimulus};
 use super::tables::{NONE, trigger};
 
@@ -99,7 +99,7 @@ impl AgentBrains {
     }
 
     /// Records a stimulus as a turn of its own, where turns are recorded and the stimulus is of interest by itself.
-    pub(super) fn record_sensed(&mut self, agent: u32, stimulus: Stimulus) {
+    pub(super) fn record_sensed(&mut self, stimulus: Stimulus) {
         if self.turns.is_none() {
             return;
         }
@@ -107,16 +107,16 @@ impl AgentBrains {
             trigger::STARTS => TurnKind::Starts,
             trigger::ENTERS => TurnKind::Enters,
             trigger::LEAVES => TurnKind::Leaves,
-            _ => match self.newly_learnt(agent, stimulus.context) {
+            _ => match self.newly_learnt(stimulus.on) {
                 Some(how) => TurnKind::Learns(how),
                 None => return,
             },
         };
-        self.record_turn(agent, stimulus, kind);
+        self.record_turn(stimulus, kind);
     }
 
     /// Way in which an agent has just learnt of the event of a context; `None` where it knew of it before.
-    fn newly_learnt(&self, agent: u32, context: EventContext) -> Option<&'static str> {
+    fn newly_learnt(&self, Occasion { agent, context }: Occasion) -> Option<&'static str> {
         if context.event == NO_NUMBER {
             return None;
         }
@@ -127,8 +127,8 @@ impl AgentBrains {
     }
 
     /// Records a turn, where turns are recorded.
-    pub(super) fn record_turn(&mut self, agent: u32, stimulus: Stimulus, kind: TurnKind) {
-        let (time_s, context) = (self.now, stimulus.context);
+    pub(super) fn record_turn(&mut self, stimulus: Stimulus, kind: TurnKind) {
+        let (time_s, Occasion { agent, context }) = (self.now, stimulus.on);
         let some = |number: u16| (number != NO_NUMBER).then_some(usize::from(number));
         if let Some(turns) = &mut self.turns {
             let other = (context.other != NONE).then_some(context.other as usize);

@@ -57,13 +57,9 @@ const KEYS: [(&str, &[GroupMotion]); 22] = {
 /// Refuses a file of tasks, which has no key of a scene.
 pub(super) fn other_files(source: &TomlSource) -> Checked<()> {
     let Some(table) = source.table() else { return Ok(()) };
-    match table.keys().find(|key| key.get_ref() == "tasks") {
-        Some(key) => {
-            let why = "`tasks` makes this a file of tasks, not a scene: run `throng plan` on it";
-            Err(source.error_at_span(key.span(), why.into()))
-        }
-        None => Ok(()),
-    }
+    let Some(key) = table.keys().find(|key| key.get_ref() == "tasks") else { return Ok(()) };
+    let why = "`tasks` makes this a file of tasks, not a scene: run `throng plan` on it";
+    Err(source.error_at_span(key.span(), why.into()))
 }
 
 /// Refuses keys that mean nothing to what moves their group.
@@ -168,18 +164,14 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
     check_count(&at("count"), group.count)?;
     if group.motion != GroupMotion::None && scene.bundle_of(g).0.is_none() {
         let kind = group.motion.name();
-        return key_fault(
-            &format!("groups[{g}]"),
-            format!("\"{kind}\" needs a `bundle`, here or at the top of the file"),
-        );
+        let why = format!("\"{kind}\" needs a `bundle`, here or at the top of the file");
+        return key_fault(&format!("groups[{g}]"), why);
     }
     let on_ground = scene.environment.space == SpaceConfig::Ground;
     if group.is_of_agents() {
         if group.motion == GroupMotion::Blend && !on_ground {
-            return key_fault(
-                &at("motion"),
-                "bodies walk on the ground: expected \"none\" in the air, found \"blend\"",
-            );
+            let why = "bodies walk on the ground: expected \"none\" in the air, found \"blend\"";
+            return key_fault(&at("motion"), why);
         }
         check_agents(&at, group, dimensions)?;
     } else if group.goal.is_some() {
@@ -215,10 +207,8 @@ fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: u
     }
     let [least, most] = group.companions;
     if !(1 <= least && least <= most && most <= 4) {
-        return key_fault(
-            &at("companions"),
-            format!("expected two numbers that ascend from 1 to 4, found {least} and {most}"),
-        );
+        let why = format!("expected two numbers that ascend from 1 to 4, found {least} and {most}");
+        return key_fault(&at("companions"), why);
     }
     if let Some(source) = &group.source {
         source.find_fault(&at("source"), group.count, dimensions)?;
@@ -238,10 +228,9 @@ fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: u
 fn check_blended(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
     let num = group.spaces.len();
     if !(1..=MAX_SPACES).contains(&num) {
-        return key_fault(
-            &at("spaces"),
-            format!("expected 1 to {MAX_SPACES} blend spaces, found {num}; `throng inspect` lists those of a bundle"),
-        );
+        let why =
+            format!("expected 1 to {MAX_SPACES} blend spaces, found {num}; `throng inspect` lists those of a bundle");
+        return key_fault(&at("spaces"), why);
     }
     let b = group.bodies();
     check_ranges(&[(&at("bodies.sizes"), b.sizes, 0.3, 3.0), (&at("bodies.legs"), b.legs, 0.5, 2.0)])?;

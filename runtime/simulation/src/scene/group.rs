@@ -120,13 +120,7 @@ pub enum GroupMotion {
 impl GroupMotion {
     /// Name in scene files and reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Policy => "policy",
-            Self::Blend => "blend",
-            Self::Patches => "patches",
-            Self::Sparring => "sparring",
-            Self::None => "none",
-        }
+        ["policy", "blend", "patches", "sparring", "none"][self as usize]
     }
 }
 
@@ -342,19 +336,14 @@ impl GroupConfig {
         let above = knots.partition_point(|k| k[0] <= speed);
         match (above.checked_sub(1).map(|i| knots[i]), knots.get(above)) {
             (Some(low), Some(high)) => low[1] + (speed - low[0]) / (high[0] - low[0]) * (high[1] - low[1]),
-            (Some(end), None) => end[1],
-            (None, Some(end)) => end[1],
+            (Some([_, end]), None) | (None, Some(&[_, end])) => end,
             (None, None) => 0.0,
         }
     }
 
     pub(super) fn stretch(&mut self, by: f32) {
-        if let Some(place) = &mut self.place {
-            place.stretch(by);
-        }
-        if let Some(goal) = &mut self.goal {
-            goal.stretch(by);
-        }
+        self.place.iter_mut().for_each(|place| place.stretch(by));
+        self.goal.iter_mut().for_each(|goal| goal.stretch(by));
         self.via.iter_mut().for_each(|p| scale_points(&mut [p], by));
     }
 }

@@ -20,7 +20,7 @@ pub struct HappeningConfig {
     #[serde(default)]
     pub speed_mps: Option<f32>,
     /// Distance from the goal at which agents have arrived (m, 0.01 to 1000).
-    #[serde(default = "arrival")]
+    #[serde(default = "super::group::arrival")]
     pub arrival_m: f32,
     /// Behaviour of agents at the goal.
     #[serde(default)]
@@ -28,10 +28,6 @@ pub struct HappeningConfig {
     /// Whether agents that know of it tell agents near them, see `agents.meeting_m`.
     #[serde(default)]
     pub passed_on: bool,
-}
-
-fn arrival() -> f32 {
-    0.5
 }
 
 /// Region around a point.

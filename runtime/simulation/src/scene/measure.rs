@@ -42,12 +42,9 @@ pub struct LanesConfig {
     pub reach_m: f32,
 }
 
-fn lane_width() -> f32 {
-    1.0
-}
-
-fn lane_reach() -> f32 {
-    5.0
+throng_base::key_defaults! {
+    lane_width: f32 = 1.0;
+    lane_reach: f32 = 5.0;
 }
 
 impl SceneMeasureConfig {

@@ -117,12 +117,9 @@ pub struct Scene {
 
 const HELP: &str = "`throng schema --of scene` lists all keys, and data/scenes/ has examples.";
 
-fn one() -> u64 {
-    1
-}
-
-fn seconds() -> f64 {
-    15.0
+throng_base::key_defaults! {
+    one: u64 = 1;
+    seconds: f64 = 15.0;
 }
 
 impl Scene {

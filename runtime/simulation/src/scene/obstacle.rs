@@ -38,12 +38,9 @@ pub struct ObstacleConfig {
     pub solid_box: Option<BoxConfig>,
 }
 
-fn height() -> f32 {
-    0.35
-}
-
-fn yes() -> bool {
-    true
+throng_base::key_defaults! {
+    height: f32 = 0.35;
+    yes: bool = true;
 }
 
 /// A disc or ball.
@@ -113,13 +110,8 @@ pub struct BoxConfig {
 
 impl ObstacleConfig {
     pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
-        let kinds = [
-            self.disc.is_some(),
-            self.mover.is_some(),
-            self.wall.is_some(),
-            self.polygon.is_some(),
-            self.solid_box.is_some(),
-        ];
+        let Self { disc, mover, wall, polygon, solid_box, .. } = self;
+        let kinds = [disc.is_some(), mover.is_some(), wall.is_some(), polygon.is_some(), solid_box.is_some()];
         let num = kinds.iter().filter(|k| **k).count();
         if num != 1 {
             return key_fault(key, format!("expected one of disc, mover, wall, polygon and box, found {num}"));
@@ -187,12 +179,8 @@ impl ObstacleConfig {
             out.push(Obstacle::Mover { path, radius: m.radius_m });
         }
         if let Some(w) = &self.wall {
-            let lines = w.points.windows(2);
-            out.extend(lines.map(|l| Obstacle::Wall {
-                from: to_point(&l[0]),
-                to: to_point(&l[1]),
-                radius: w.radius_m,
-            }));
+            let corners: Vec<V> = w.points.iter().map(|p| to_point(p)).collect();
+            out.extend(corners.windows(2).map(|l| Obstacle::Wall { from: l[0], to: l[1], radius: w.radius_m }));
         }
         if let Some(p) = &self.polygon {
             out.push(Obstacle::Polygon { corners: p.corners.iter().map(|c| to_point(c)).collect() });

@@ -4,7 +4,7 @@
 use super::{OpenConnections, WorldGraph};
 use crate::path_hierarchy::PathHierarchy;
 use crate::pod;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use throng_core::format::FormatError;
 
 /// Most bytes that may be asked for while path costs are decoded (bytes).
@@ -21,8 +21,9 @@ impl PathCosts {
     /// # Errors
     /// [`FormatError::Layout`] where they cannot be encoded.
     pub fn bake(graph: &WorldGraph) -> Result<Self, FormatError> {
-        let (to_rest, narrow, bounds) = graph.derived_tables();
-        let baked = BakedCostsRef { to_rest, narrow, bounds, hierarchy: graph.hierarchy() };
+        // The fields of `BakedCosts`.
+        let to_rest: &[u8] = bytemuck::cast_slice(&graph.to_rest);
+        let baked = (to_rest, &graph.narrow, &graph.bounds, graph.hierarchy());
         let bytes = bincode::serde::encode_to_vec(baked, bincode::config::legacy());
         bytes.map(Self).map_err(|e| FormatError::layout(format!("path costs cannot be written: {e}")))
     }
@@ -33,19 +34,10 @@ impl PathCosts {
     }
 }
 
-#[derive(Serialize)]
-struct BakedCostsRef<'a> {
-    #[serde(with = "pod")]
-    to_rest: &'a [u32],
-    narrow: &'a [bool],
-    bounds: &'a OpenConnections,
-    hierarchy: &'a PathHierarchy,
-}
-
 /// Baked tables, as read from a file.
 #[derive(Deserialize)]
 pub(crate) struct BakedCosts {
-    #[serde(with = "pod")]
+    #[serde(deserialize_with = "pod::deserialize")]
     pub to_rest: Vec<u32>,
     pub narrow: Vec<bool>,
     pub bounds: OpenConnections,

@@ -101,11 +101,6 @@ impl WorldGraph {
         })
     }
 
-    /// Tables that are computed once for a world: see the fields.
-    pub(crate) fn derived_tables(&self) -> (&[u32], &[bool], &OpenConnections) {
-        (&self.to_rest, &self.narrow, &self.bounds)
-    }
-
     /// True where what was read from a file goes with the world: links to rest begin at their cells, and can be taken.
     fn is_sound(&self) -> bool {
         let to_rest = |instance: u32| {
@@ -225,6 +220,11 @@ impl WorldGraph {
     pub(crate) fn step_to_rest(&self, node: WorldNode) -> Option<WorldStep> {
         let link = self.to_rest[self.index(node)];
         if link == NONE { None } else { self.step_along(node.instance, link) }
+    }
+
+    /// Length of the longest link that one character plays alone (frames).
+    pub(crate) fn max_link_frames(&self) -> u32 {
+        self.patches.links.iter().filter(|l| !l.is_for_two()).map(|l| l.num_frames).max().unwrap_or(0).into()
     }
 
     /// True where a cell is enabled (the node exists).

@@ -67,23 +67,6 @@ impl Chains {
     }
 }
 
-/// Another character that holds a unit which a step needs.
-pub(super) fn holder(
-    graph: &WorldGraph,
-    reservations: &UnitReservations,
-    character: u32,
-    step: &WorldStep,
-) -> Option<u32> {
-    let other = |instance| reservations.other_holder(graph, instance, character);
-    let played = graph.link(step).is_some() && step.instance != step.to.instance;
-    other(step.to.instance).or_else(|| if played { other(step.instance) } else { None })
-}
-
-/// True where all units that a step needs are free or held by the character.
-pub(super) fn is_free(graph: &WorldGraph, reservations: &UnitReservations, character: u32, step: &WorldStep) -> bool {
-    holder(graph, reservations, character, step).is_none()
-}
-
 /// Search for the nearest place to come to rest, through free instances, along randomly preferred paths.
 pub(super) struct SafetySearch<'a> {
     pub graph: &'a WorldGraph,
@@ -102,10 +85,6 @@ impl SearchSpace for SafetySearch<'_> {
 
     fn is_target(&self, node: WorldNode) -> bool {
         self.graph.is_stop(node)
-    }
-
-    fn estimate(&mut self, _: WorldNode) -> f32 {
-        0.0
     }
 
     fn cost(&self, step: &WorldStep) -> f32 {
@@ -140,10 +119,6 @@ impl SearchSpace for RejoinSearch<'_> {
 
     fn is_target(&self, node: WorldNode) -> bool {
         node != self.start && self.steps.iter().any(|s| s.to == node)
-    }
-
-    fn estimate(&mut self, _: WorldNode) -> f32 {
-        0.0
     }
 
     fn cost(&self, step: &WorldStep) -> f32 {

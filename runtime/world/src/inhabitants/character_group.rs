@@ -1,6 +1,5 @@
 //! Inhabitants as a character group: they enter, leave, take orders, are saved and loaded.
 
-use super::config::check_time;
 use super::reservations::EXTERNAL_HOLDER;
 use super::targets::check_place;
 use super::{InhabitantActivity, InhabitantGoal, InhabitantMemory, Inhabitants, schedule};
@@ -8,6 +7,7 @@ use crate::plan::PlanTarget;
 use crate::{WorldGraph, WorldNode};
 use glam::{Vec2, Vec3};
 use throng_base::error::check_value;
+use throng_base::limits::STEP_S;
 use throng_base::{Error, Executor, Id, Result};
 use throng_core::characters::ScheduledClip;
 use throng_core::planar::wrap_angle;
@@ -38,7 +38,7 @@ impl Inhabitants {
     /// The motion of a character that stands at a node (a rest node).
     fn standing_clip(&self, graph: &WorldGraph, node: WorldNode) -> Option<ScheduledClip> {
         let rest = graph.step_to_rest(node)?;
-        schedule::scheduled_clip(graph, self.world.motion_set(), &rest, None)
+        schedule::scheduled_clip(&self.world, &rest, None)
     }
 
     /// Checks that all units of an instance are free.
@@ -190,7 +190,7 @@ impl CharacterGroup for Inhabitants {
     }
 
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
-        check_time(dt_s)?;
+        STEP_S.check("dt_s", None, dt_s)?;
         let world = self.world.clone();
         self.events.clear();
         self.control_all(&world, dt_s)?;

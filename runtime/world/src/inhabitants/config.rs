@@ -5,7 +5,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 use throng_base::error::check_value;
-use throng_base::limits::{CAPACITY, PATH_STEPS, STEP_S};
+use throng_base::limits::{CAPACITY, PATH_STEPS};
 use throng_core::characters::CharactersConfig;
 
 /// Settings of inhabitants.
@@ -124,8 +124,4 @@ pub struct InhabitantState {
     pub num_fulfilled: u32,
     /// Time that it has waited for units that others hold (s).
     pub waited_s: f32,
-}
-
-pub(super) fn check_time(dt_s: f32) -> Result<()> {
-    STEP_S.check("dt_s", None, dt_s)
 }

@@ -2,11 +2,11 @@
 //!
 //! Decisions are made in the order of the characters, on one thread; they are few.
 
-use super::chains::{self, MAX_CHAIN, MAX_OPENED, RejoinSearch, SafetySearch};
+use super::chains::{MAX_CHAIN, MAX_OPENED, RejoinSearch, SafetySearch};
 use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::Purpose;
 use super::reservations::EXTERNAL_HOLDER;
-use super::{InhabitantEvent, InhabitantMemory, Inhabitants, schedule};
+use super::{InhabitantEvent, Inhabitants, schedule};
 use crate::plan::{PlanTarget, SearchResult};
 use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
@@ -48,9 +48,7 @@ impl Inhabitants {
                 self.states[c].through = [from.instance, step.instance];
                 self.states[c].plays_pair = graph.link(&step).is_some_and(LinkRecord::is_for_two);
                 let root = self.characters.scheduled_end(motion_set, c);
-                let Some(scheduled_clip) = schedule::scheduled_clip(graph, motion_set, &step, Some(root)) else {
-                    break;
-                };
+                let Some(scheduled_clip) = schedule::scheduled_clip(world, &step, Some(root)) else { break };
                 self.characters.schedule_clip(motion_set, c, &scheduled_clip)?;
                 self.release_units(graph, c);
             }
@@ -200,37 +198,30 @@ impl Inhabitants {
     ///
     /// - returns false where there is no such path, or no short one.
     fn rejoin_path(&mut self, graph: &WorldGraph, c: usize, past: usize, through: bool) -> bool {
-        let at = self.states[c].at;
-        let left = self.paths.steps_of(c);
-        let next = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
-        if next.is_empty() {
+        let (start, left) = (self.states[c].at, self.paths.steps_of(c));
+        let steps = &left[past.min(left.len())..left.len().min(past + MAX_REJOINED)];
+        if steps.is_empty() {
             return false;
         }
-        let mut space = RejoinSearch {
-            graph,
-            reservations: &self.reservations,
-            character: c as u32,
-            start: at,
-            steps: next,
-            through,
-        };
+        let (reservations, character) = (&self.reservations, c as u32);
+        let mut space = RejoinSearch { graph, reservations, character, start, steps, through };
         let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(path) = nodes.search(graph, at, &mut space, MAX_REJOIN_OPENED) else { return false };
-        let mut steps = [WorldStep::NONE; MAX_REJOINED];
-        let len = nodes.write_path(path, &mut steps);
+        let SearchResult::Path(path) = nodes.search(graph, start, &mut space, MAX_REJOIN_OPENED) else { return false };
+        let mut back = [WorldStep::NONE; MAX_REJOINED];
+        let len = nodes.write_path(path, &mut back);
         if len > MAX_REJOINED {
             return false;
         }
-        let end = steps[..len].last().map(|s| s.to);
-        let Some(joined) = next.iter().position(|s| Some(s.to) == end) else { return false };
-        self.paths.rejoin_path(c, at, &steps[..len], past + joined);
+        let end = back[..len].last().map(|s| s.to);
+        let Some(joined) = steps.iter().position(|s| Some(s.to) == end) else { return false };
+        self.paths.rejoin_path(c, start, &back[..len], past + joined);
         true
     }
 
     /// Another character that holds a unit which the first steps of a character's path need.
     fn first_holder(&self, graph: &WorldGraph, c: usize, num_steps: usize) -> Option<usize> {
         let steps = &self.paths.steps_of(c)[..num_steps];
-        steps.iter().find_map(|s| chains::holder(graph, &self.reservations, c as u32, s)).map(|h| h as usize)
+        steps.iter().find_map(|s| self.reservations.holder_for_step(graph, s, c as u32)).map(|h| h as usize)
     }
 
     /// Steps of a character's path up to where it may come to rest; none where they are not known.
@@ -285,7 +276,7 @@ impl Inhabitants {
         let is_taken = is_settled && self.occupant_of(graph, c).is_some();
         self.forget_tries(c);
         // Of two that block each other's paths, one yields soon and the other one late.
-        let share = match is_inhabitant && self.needs_units_of(graph, holder, c) {
+        let share = match is_inhabitant && self.holder_in_way(graph, holder) == Some(c) {
             true if holder < c => YIELD_CHANCE,
             true => INSISTS,
             false => 1.0,
@@ -351,11 +342,6 @@ impl Inhabitants {
         self.states[c].until_s = self.time_s + f64::from(pause_s);
     }
 
-    /// True where the next steps of a character's path need a unit that another character holds.
-    fn needs_units_of(&self, graph: &WorldGraph, character: usize, by: usize) -> bool {
-        self.holder_in_way(graph, character) == Some(by)
-    }
-
     /// Character that holds a unit which the next steps of a character's path need.
     pub(super) fn holder_in_way(&self, graph: &WorldGraph, c: usize) -> Option<usize> {
         let stretch = self.steps_to_rest(graph, c)?.len();
@@ -410,7 +396,7 @@ impl Inhabitants {
         let (mut chosen, mut sum) = (None, 0.0);
         graph.for_each_step(self.states[c].at, |step| {
             let share = share(&step);
-            if share > 0.0 && chains::is_free(graph, &self.reservations, c as u32, &step) {
+            if share > 0.0 && self.reservations.holder_for_step(graph, &step, c as u32).is_none() {
                 sum += share;
                 draws = draws.wrapping_add(1);
                 if uniform_random(seed, name, draws.into()) * sum < share {
@@ -463,7 +449,7 @@ impl Inhabitants {
     fn release_units(&mut self, graph: &WorldGraph, c: usize) {
         self.reservations.clear_marks();
         let reservations = &mut self.reservations;
-        visit_needed_instances(graph, &self.states[c], self.chains.steps_of(c), |instance| {
+        self.states[c].visit_needed_instances(graph, self.chains.steps_of(c), |instance| {
             reservations.mark_units(graph.resources(instance))
         });
         reservations.release_unmarked(c as u32);
@@ -481,22 +467,5 @@ impl Inhabitants {
         let id = self.roster.ids()[c];
         let name = u64::from(id.generation) << 32 | u64::from(id.index);
         self.config.characters.first_number.wrapping_add(name)
-    }
-}
-
-/// Calls `visit` with the instances whose units a character needs: of the present step and of those after it.
-pub(super) fn visit_needed_instances(
-    graph: &WorldGraph,
-    state: &InhabitantMemory,
-    chain: &[WorldStep],
-    mut visit: impl FnMut(u32),
-) {
-    state.through.iter().for_each(|&instance| visit(instance));
-    visit(state.at.instance);
-    for step in chain {
-        if graph.link(step).is_some() {
-            visit(step.instance);
-        }
-        visit(step.to.instance);
     }
 }

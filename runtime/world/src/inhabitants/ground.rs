@@ -1,7 +1,6 @@
 //! External obstacles: inhabitants do not enter their regions, and report the regions that they reserve themselves.
 
 use super::Inhabitants;
-use super::decide::visit_needed_instances;
 use super::reservations::InstanceGround;
 use crate::WorldGraph;
 use glam::{Vec2, Vec3};
@@ -57,7 +56,7 @@ impl Inhabitants {
             });
         }
         for (c, state) in self.states.iter().enumerate() {
-            visit_needed_instances(graph, state, self.chains.steps_of(c), |instance| {
+            state.visit_needed_instances(graph, self.chains.steps_of(c), |instance| {
                 let ground = &mut self.reservations.ground_mut()[instance as usize];
                 if *ground == InstanceGround::Barred {
                     *ground = InstanceGround::Shared;
@@ -74,7 +73,7 @@ impl Inhabitants {
             let place = Vec2::new(root.x, root.z);
             out.bodies.push(ExternalObstacle { place, velocity: Vec2::ZERO, radius_m: BODY_RADIUS_M });
             let first = out.ground.len();
-            visit_needed_instances(graph, &self.states[c], self.chains.steps_of(c), |instance| {
+            self.states[c].visit_needed_instances(graph, self.chains.steps_of(c), |instance| {
                 let capsule = grounds.capsules[instance as usize];
                 if !out.ground[first..].contains(&capsule) {
                     out.ground.push(capsule);

@@ -22,7 +22,7 @@ pub use pairs::MeetingState;
 pub use scatter::scatter_rest_nodes;
 
 use super::plan::{WorldPlan, WorldPlanner};
-use super::{World, WorldNode, WorldStep};
+use super::{World, WorldGraph, WorldNode, WorldStep};
 use chains::Chains;
 use ground::InstanceCapsules;
 use pairs::{PairMeeting, PairOffer, PartingReason};
@@ -89,6 +89,18 @@ impl InhabitantMemory {
     }
 
     /// At rest in a place, without a goal.
+    /// Calls `visit` with the instances whose units a character needs: of the present step and of those after it.
+    fn visit_needed_instances(&self, graph: &WorldGraph, chain: &[WorldStep], mut visit: impl FnMut(u32)) {
+        self.through.iter().for_each(|&instance| visit(instance));
+        visit(self.at.instance);
+        for step in chain {
+            if graph.link(step).is_some() {
+                visit(step.instance);
+            }
+            visit(step.to.instance);
+        }
+    }
+
     fn resting_at(node: WorldNode) -> Self {
         Self { at: node, through: [node.instance; 2], ..Self::default() }
     }

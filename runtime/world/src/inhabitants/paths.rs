@@ -4,6 +4,7 @@ use super::snapshot::{are_steps, is_node};
 use crate::plan::{PlanTarget, WorldPlan};
 use crate::{WorldGraph, WorldNode, WorldStep};
 use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
 
 /// The path of one character.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,10 +30,8 @@ pub(super) struct InhabitantPaths {
     paths: Vec<InhabitantPath>,
     steps: Vec<WorldStep>,
     max_path: usize,
-    /// Characters that wait for a path, a ring from `first` on.
-    queue: Vec<u32>,
-    first: usize,
-    len: usize,
+    /// Characters that wait for a path.
+    queue: VecDeque<u32>,
 }
 
 impl InhabitantPaths {
@@ -41,9 +40,7 @@ impl InhabitantPaths {
             paths: vec![InhabitantPath::default(); num_characters],
             steps: vec![WorldStep::NONE; num_characters * max_path],
             max_path,
-            queue: vec![0; num_characters],
-            first: 0,
-            len: 0,
+            queue: VecDeque::with_capacity(num_characters),
         }
     }
 
@@ -102,27 +99,15 @@ impl InhabitantPaths {
     /// Asks for a path.
     pub fn request_path(&mut self, character: usize) {
         let p = &mut self.paths[character];
-        if !p.asked {
-            p.asked = true;
-            let n = self.queue.len();
-            self.queue[(self.first + self.len) % n] = character as u32;
-            self.len += 1;
+        if !std::mem::replace(&mut p.asked, true) {
+            self.queue.push_back(character as u32);
         }
     }
 
     /// A character leaves, and the last one takes its place.
     pub fn remove_character(&mut self, character: usize, last: usize) {
-        let n = self.queue.len();
-        let mut kept = 0;
-        for k in 0..self.len {
-            let who = self.queue[(self.first + k) % n] as usize;
-            if who != character {
-                let who = if who == last { character } else { who };
-                self.queue[(self.first + kept) % n] = who as u32;
-                kept += 1;
-            }
-        }
-        self.len = kept;
+        self.queue.retain(|&who| who as usize != character);
+        self.queue.iter_mut().filter(|who| **who as usize == last).for_each(|who| *who = character as u32);
         self.paths.swap(character, last);
         self.paths[last] = InhabitantPath::default();
         self.steps.copy_within(last * self.max_path..(last + 1) * self.max_path, character * self.max_path);
@@ -130,21 +115,15 @@ impl InhabitantPaths {
 
     /// The next character that waits for a path.
     pub fn next_waiting(&mut self) -> Option<usize> {
-        if self.len == 0 {
-            return None;
-        }
-        let character = self.queue[self.first] as usize;
-        self.first = (self.first + 1) % self.queue.len();
-        self.len -= 1;
+        let character = self.queue.pop_front()? as usize;
         self.paths[character].asked = false;
         Some(character)
     }
 
     /// State of the first `n` characters' paths, for [`InhabitantPaths::restore`].
     pub fn saved_paths(&self, n: usize) -> SavedPaths {
-        let waiting = (0..self.len).map(|k| self.queue[(self.first + k) % self.queue.len()]);
         let steps = (0..n).map(|c| self.steps_of(c).to_vec());
-        (self.paths[..n].to_vec(), steps.collect(), waiting.collect())
+        (self.paths[..n].to_vec(), steps.collect(), self.queue.iter().copied().collect())
     }
 
     /// Restores the saved paths of `n` characters (there is room); false where they are inconsistent.
@@ -168,8 +147,8 @@ impl InhabitantPaths {
             path.asked = asked[c];
             self.steps[c * self.max_path..][path.next..path.end].copy_from_slice(steps);
         }
-        self.queue[..waiting.len()].copy_from_slice(waiting);
-        (self.first, self.len) = (0, waiting.len());
+        self.queue.clear();
+        self.queue.extend(waiting);
         true
     }
 

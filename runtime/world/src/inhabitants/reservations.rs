@@ -1,6 +1,6 @@
 //! Reservations of units. Every unit has at most one holder, so each holder's units are a list through the units.
 
-use crate::WorldGraph;
+use crate::{WorldGraph, WorldStep};
 use throng_core::patch::NONE;
 
 /// Holder of units on a region that an external obstacle reserves.
@@ -76,6 +76,13 @@ impl UnitReservations {
     /// Use of each instance's ground.
     pub fn ground_mut(&mut self) -> &mut [InstanceGround] {
         &mut self.ground
+    }
+
+    /// Another character that holds a unit which a step needs.
+    pub fn holder_for_step(&self, graph: &WorldGraph, step: &WorldStep, character: u32) -> Option<u32> {
+        let other = |instance| self.other_holder(graph, instance, character);
+        let played = graph.link(step).is_some() && step.instance != step.to.instance;
+        other(step.to.instance).or_else(|| if played { other(step.instance) } else { None })
     }
 
     /// True where a character may be in an instance.

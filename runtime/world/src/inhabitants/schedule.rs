@@ -1,6 +1,6 @@
 //! Schedules clips: from a step of the world's graph to the scheduled clip of a character.
 
-use crate::{WorldGraph, WorldStep};
+use crate::{World, WorldStep};
 use throng_core::characters::{MotionSet, ScheduledClip};
 use throng_core::patch::Placement;
 use throng_core::planar::{Planar, wrap_angle};
@@ -22,12 +22,8 @@ fn nominal_root(motion_set: &MotionSet, [start, end]: [Placement; 2], frame: u32
 /// the end that the patch has, and the distance from the link's own start is removed linearly.
 ///
 /// - returns `None` where nothing is played.
-pub(super) fn scheduled_clip(
-    graph: &WorldGraph,
-    motion_set: &MotionSet,
-    step: &WorldStep,
-    root: Option<Planar>,
-) -> Option<ScheduledClip> {
+pub(super) fn scheduled_clip(world: &World, step: &WorldStep, root: Option<Planar>) -> Option<ScheduledClip> {
+    let (graph, motion_set) = (world.graph(), world.motion_set());
     let link = graph.link(step)?;
     let frame = graph.instance(step.instance).placement;
     let ends = [frame.compose(link.start), frame.compose(link.end)];

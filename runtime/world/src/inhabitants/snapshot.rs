@@ -1,7 +1,7 @@
 //! Saves the state of inhabitants and goes back to it.
 
 use super::chains::MAX_CHAIN;
-use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES, visit_needed_instances};
+use super::decide::{CALM_AFTER, MAX_IMPATIENCE, MAX_TRIES};
 use super::paths::SavedPaths;
 use super::reservations::UnitReservations;
 use super::{InhabitantMemory, Inhabitants};
@@ -49,10 +49,8 @@ impl Inhabitants {
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.
-    fn restore(
-        &mut self,
-        ((time_s, num_orders), roster, characters, states, chains, paths): &SavedInhabitants,
-    ) -> Result<(), &'static str> {
+    fn restore(&mut self, saved: &SavedInhabitants) -> Result<(), &'static str> {
+        let ((time_s, num_orders), roster, characters, states, chains, paths) = saved;
         let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
         let (mut bodies, mut held) = (self.characters.clone(), UnitReservations::new(graph, self.capacity()));
@@ -67,22 +65,17 @@ impl Inhabitants {
         check(bodies.num_characters() == n && (0..n).all(is_scheduled), "its rows do not fit together")?;
         check(states.iter().all(|s| is_sound(graph, s)), "a character is where the world has no place")?;
         let meets = |s: &InhabitantMemory| s.meeting.is_none_or(|m| m.is_sound(graph, s.at, &self.pair_offers));
-        let are_offered = states.iter().all(meets);
-        check(are_offered, "two meet where the world has no place for two")?;
+        check(states.iter().all(meets), "two meet where the world has no place for two")?;
         for (c, (state, chain)) in states.iter().zip(chains).enumerate() {
             let (end, place) = (bodies.scheduled_end(world.motion_set(), c), graph.place(state.at));
             check(maths::hypot(end.x - place.x, end.z - place.z) < ASTRAY_M, "a character's motion leads elsewhere")?;
-            check(
-                chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain),
-                "a character goes where no step leads",
-            )?;
-            check(
-                state.goal.is_roaming() == paths.0.get(c).is_none_or(|p| p.target.is_none()),
-                "a goal has no target",
-            )?;
+            let leads = chain.len() <= MAX_CHAIN && are_steps(graph, state.at, chain);
+            check(leads, "a character goes where no step leads")?;
+            let has_target = paths.0.get(c).is_some_and(|p| p.target.is_some());
+            check(state.goal.is_roaming() != has_target, "a goal has no target")?;
             new_chains.set(c, chain);
             let mut are_free = true;
-            visit_needed_instances(graph, state, chain, |instance| {
+            state.visit_needed_instances(graph, chain, |instance| {
                 let units = graph.resources(instance);
                 are_free &= held.other_holder_of(units, c as u32).is_none();
                 held.take_units(units, c as u32);

@@ -43,13 +43,8 @@ impl Inhabitants {
             InhabitantGoal::Perform { tag, seconds } => {
                 check_value("seconds", who, seconds, (0.0..1e9).contains(&seconds), "not negative and below 1e9 (s)")?;
                 let offer = self.nearest_offer(graph, c, tag);
-                check_value(
-                    "tag",
-                    who,
-                    tag,
-                    offer.is_some(),
-                    "one of motion that begins where one can come to and stay",
-                )?;
+                let expected = "one of motion that begins where one can come to and stay";
+                check_value("tag", who, tag, offer.is_some(), expected)?;
                 // Another instance may offer it where no path leads to this one.
                 return Ok(offer.map(|instance| PlanTarget::Tag { instance, tag }));
             }

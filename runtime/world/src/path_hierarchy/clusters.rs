@@ -19,7 +19,7 @@ pub(crate) struct Clusters {
     of: Vec<u32>,
     /// Number of each instance's first cell within its cluster (instances).
     #[serde(with = "crate::pod")]
-    first_cell: Vec<u32>,
+    pub first_cell: Vec<u32>,
     /// Instances of each cluster, ascending.
     pub members: Vec<Vec<u32>>,
 }
@@ -85,11 +85,6 @@ impl Clusters {
     /// Number of an instance within its cluster.
     pub fn instance_number(&self, cluster: u32, instance: u32) -> u32 {
         self.members[cluster as usize].partition_point(|&m| m < instance) as u32
-    }
-
-    /// Number of an instance's first cell within its cluster.
-    pub fn first_cell(&self, instance: u32) -> u32 {
-        self.first_cell[instance as usize]
     }
 }
 

@@ -8,6 +8,16 @@ pub(super) const UNREACHED: u16 = u16::MAX;
 /// Largest cost that is stored; longer ones count as this, which is still a lower bound (frames).
 const LONGEST: u32 = UNREACHED as u32 - 1;
 
+/// Frames of a cost.
+pub(super) fn frames(cost: u16) -> f32 {
+    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
+}
+
+/// Whole frames, as few as there are at least.
+pub(super) fn whole(cost: f32) -> u16 {
+    if cost == f32::INFINITY { UNREACHED } else { cost.floor().clamp(0.0, f32::from(UNREACHED) - 1.0) as u16 }
+}
+
 /// Arcs of a graph, sorted by where they begin: where each leads, and its frames.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Arcs<T> {

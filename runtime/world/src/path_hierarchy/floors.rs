@@ -21,10 +21,10 @@ pub(crate) struct Floors {
     regions: Vec<u32>,
     /// Position of each tile in its floor (copies, instances).
     #[serde(with = "crate::pod")]
-    places: Vec<[i32; 2]>,
+    pub places: Vec<[i32; 2]>,
     /// Patch of each region's tiles.
     #[serde(with = "crate::pod")]
-    patches: Vec<u32>,
+    pub patches: Vec<u32>,
 }
 
 impl Floors {
@@ -83,16 +83,6 @@ impl Floors {
     /// Region of an instance; none where it is part of a cluster.
     pub fn region(&self, instance: u32) -> Option<u32> {
         Some(self.regions[instance as usize]).filter(|r| *r != NONE)
-    }
-
-    /// Patch of a region's tiles.
-    pub fn patch(&self, region: u32) -> u32 {
-        self.patches[region as usize]
-    }
-
-    /// Position of a tile in its floor (copies).
-    pub fn place(&self, tile: u32) -> [i32; 2] {
-        self.places[tile as usize]
     }
 
     /// Offset to another tile of the same floor (copies).

@@ -19,7 +19,8 @@ pub(crate) type ToLandmarks = [u16; NUM];
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Landmarks {
     #[serde(with = "crate::pod")]
-    costs: Vec<ToLandmarks>,
+    /// Of each state.
+    pub costs: Vec<ToLandmarks>,
 }
 
 impl Landmarks {
@@ -40,15 +41,8 @@ impl Landmarks {
         out
     }
 
-    /// Number of states that costs are known of.
-    pub fn num_states(&self) -> usize {
-        self.costs.len()
-    }
-
     /// Distances from nowhere.
-    pub fn unknown_distances() -> ToLandmarks {
-        [UNREACHED; NUM]
-    }
+    pub const UNKNOWN_DISTANCES: ToLandmarks = [UNREACHED; NUM];
 
     /// Notes that a state is so near to somewhere, from where costs are known so far.
     pub fn note_distance(&self, from: &mut ToLandmarks, state: u32, cost: f32) {
@@ -134,7 +128,7 @@ mod tests {
             let to_all = |from| std::array::from_fn(|k| cost(from, k % 5));
             let landmarks = Landmarks { costs: (0..8).map(to_all).collect() };
             for from in 0..8 {
-                let mut near = Landmarks::unknown_distances();
+                let mut near = Landmarks::UNKNOWN_DISTANCES;
                 landmarks.note_distance(&mut near, from as u32, 0.0);
                 for to in (0..8).filter(|&to| far[from][to] < u32::MAX) {
                     prop_assert!(landmarks.least_cost(&near, to as u32) <= far[from][to] as f32, "{} {}", from, to);

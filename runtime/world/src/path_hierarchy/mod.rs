@@ -151,10 +151,8 @@ impl PathHierarchy {
 
     /// True where all entries of a hierarchy read from a file are in range.
     pub fn is_sound(&self, graph: &WorldGraph) -> bool {
-        let patches = graph.patches();
-        let records = &patches.patches;
-        let longest =
-            patches.links.iter().filter(|l| !l.is_for_two()).map(|l| u32::from(l.num_frames)).max().unwrap_or(0);
+        let records = &graph.patches().patches;
+        let longest = graph.max_link_frames();
         let plane = |(p, plane): (&PatchRecord, &Option<TilePlane>)| {
             plane.as_ref().is_none_or(|plane| plane.is_sound(p.num_cells, p.num_edges))
         };
@@ -164,13 +162,13 @@ impl PathHierarchy {
             && self.floors.is_sound(graph, &self.planes)
             && self.cluster_costs.iter().all(|c| c.is_sound(longest))
             && (0..self.costs_of.len() as u32).all(|c| costs(c).is_some())
-            && self.clusters.is_sound(graph, |cluster| costs(cluster).map(ClusterCosts::num_cells))
+            && self.clusters.is_sound(graph, |cluster| costs(cluster).map(|c| c.num_cells))
             && self.numbers_are_sound()
             && self.entrances.iter().all(|e| self.is_entrance(graph, e))
             && (0..self.exits.len() as u32).all(|e| self.is_exit(graph, e))
             && self.regions_are_sound()
             && self.region_costs.is_sound(self)
-            && self.landmarks.num_states() == self.entrances.len() + self.exits.len()
+            && self.landmarks.costs.len() == self.entrances.len() + self.exits.len()
     }
 
     /// True where clusters have the entrances and exits of their costs.
@@ -217,8 +215,9 @@ impl PathHierarchy {
             Entrance::Portal { from, tile, goal } => {
                 // The goal of a portal is the class of cells that are entered across an edge.
                 let is_edge = |to: u32| {
-                    let patch = self.floors.patch(to);
-                    patch == self.floors.patch(from) && goal < graph.patches().patches[patch as usize].num_edges
+                    let patch = self.floors.patches[to as usize];
+                    patch == self.floors.patches[from as usize]
+                        && goal < graph.patches().patches[patch as usize].num_edges
                 };
                 is_tile(tile) && is_goal(from, goal) && self.floors.region(tile).is_some_and(is_edge)
             }
@@ -239,7 +238,13 @@ impl PathHierarchy {
 
     /// The plane of a region's tiles.
     pub fn plane(&self, region: u32) -> Option<&TilePlane> {
-        self.planes[self.floors.patch(region) as usize].as_ref()
+        self.planes[self.floors.patches[region as usize] as usize].as_ref()
+    }
+
+    /// The region of a tile, and its plane.
+    pub fn region_and_plane(&self, tile: u32) -> Option<(u32, &TilePlane)> {
+        let region = self.floors.region(tile)?;
+        Some((region, self.plane(region)?))
     }
 
     /// The region that an entrance leads from, and the tile and its cells that it leads by; none where it leads from another
@@ -251,7 +256,7 @@ impl PathHierarchy {
 
     /// Cluster of an instance, and the number of its first cell there; none for a tile of a floor.
     pub fn cluster(&self, instance: u32) -> Option<(u32, u32)> {
-        self.clusters.cluster_of(instance).map(|d| (d, self.clusters.first_cell(instance)))
+        self.clusters.cluster_of(instance).map(|d| (d, self.clusters.first_cell[instance as usize]))
     }
 
     /// Number of clusters.

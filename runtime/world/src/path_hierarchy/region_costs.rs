@@ -2,7 +2,7 @@
 
 use super::plane::TilePlane;
 use super::{Entrance, PathHierarchy, each};
-use crate::path_hierarchy::dial::UNREACHED;
+use crate::path_hierarchy::dial::{UNREACHED, whole};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::patch::NONE;
@@ -133,7 +133,7 @@ impl RegionCosts {
                 _ => f32::INFINITY,
             },
         };
-        if cost == f32::INFINITY { UNREACHED } else { cost.clamp(0.0, f32::from(UNREACHED) - 1.0) as u16 }
+        whole(cost)
     }
 
     /// Others of an entrance: each with what it costs at most to go there instead (frames).
@@ -160,14 +160,14 @@ impl RegionCosts {
         let entrances: Vec<u32> = (0..hierarchy.entrances.len() as u32).collect();
         for &i in &entrances {
             if let Some((region, tile, _)) = hierarchy.leads_from(i) {
-                by_place.entry((region, hierarchy.floors.place(tile))).or_default().push(i);
+                by_place.entry((region, hierarchy.floors.places[tile as usize])).or_default().push(i);
             }
         }
         let others = each(&entrances, |&i, _| {
             let mut found = Vec::new();
             let Some((region, tile, goal)) = hierarchy.leads_from(i) else { return found };
             let Some(plane) = hierarchy.plane(region) else { return found };
-            let [u, v] = hierarchy.floors.place(tile);
+            let [u, v] = hierarchy.floors.places[tile as usize];
             let around = (-AROUND..=AROUND).flat_map(|du| (-AROUND..=AROUND).map(move |dv| [u + du, v + dv]));
             for &other in around.filter_map(|at| by_place.get(&(region, at))).flatten().filter(|o| **o != i) {
                 let Some((_, to, into)) = hierarchy.leads_from(other) else { continue };
@@ -297,7 +297,7 @@ mod tests {
         let most = |landmarks: &Landmarks| {
             let all = (0..num_entrances).flat_map(|from| (0..num_entrances).map(move |to| (from, to)));
             let least = |(from, to)| {
-                let mut near = Landmarks::unknown_distances();
+                let mut near = Landmarks::UNKNOWN_DISTANCES;
                 landmarks.note_distance(&mut near, from, 7.0);
                 landmarks.least_cost(&near, to)
             };

@@ -22,20 +22,12 @@ impl ClusterSearch {
     pub fn new(graph: &WorldGraph, hierarchy: &PathHierarchy) -> Self {
         let num_states =
             (0..hierarchy.num_clusters() as u32).map(|d| hierarchy.costs_in(d).num_states()).max().unwrap_or(0);
-        let longest = graph
-            .patches()
-            .links
-            .iter()
-            .filter(|l| !l.is_for_two())
-            .map(|l| u32::from(l.num_frames))
-            .max()
-            .unwrap_or(0);
         Self {
             cluster: 0,
             costs: vec![0; num_states],
             stamps: vec![0; num_states],
             stamp: 0,
-            queue: Buckets::new(num_states, longest),
+            queue: Buckets::new(num_states, graph.max_link_frames()),
         }
     }
 
@@ -66,7 +58,7 @@ impl ClusterSearch {
 
     /// Cost from an entrance of the cluster. The additional costs of its cells may be negative (frames).
     pub fn cost_from(&mut self, hierarchy: &PathHierarchy, entrance: u32) -> f32 {
-        let starts = hierarchy.costs_in(self.cluster).starts(entrance);
+        let starts = &hierarchy.costs_in(self.cluster).starts[entrance as usize];
         starts.iter().map(|&(state, part)| self.cost(hierarchy, state) - f32::from(part)).fold(f32::INFINITY, f32::min)
     }
 

@@ -137,9 +137,8 @@ impl WorldPlanner {
     /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
     /// it is plain that no path leads there.
     pub(crate) fn least_frames(&mut self, graph: &WorldGraph, from: WorldNode, target: PlanTarget) -> Option<f32> {
-        let hierarchy = graph.hierarchy();
-        let leads = self.upper.run(graph, hierarchy, target, from, 0.0);
-        leads.then(|| self.upper.estimate(hierarchy, from).min(self.upper.limit))
+        let leads = self.upper.run(graph, target, from, 0.0);
+        leads.then(|| self.upper.estimate(graph.hierarchy(), from).min(self.upper.limit))
     }
 
     /// Finds a path, with the weight of estimates and the most opened nodes that `tries` give.
@@ -155,22 +154,15 @@ impl WorldPlanner {
         let (hierarchy, mut opened_nodes, mut opened_instances) = (graph.hierarchy(), 0, 0);
         let mut wide = 0.0;
         loop {
-            if !self.upper.run(graph, hierarchy, target, from, wide) {
+            if !self.upper.run(graph, target, from, wide) {
                 return None;
             }
             opened_instances += self.upper.opened;
             let least = self.upper.estimate(hierarchy, from).min(self.upper.limit);
             let mut cost = f32::INFINITY;
             for &(greed, most) in tries {
-                let mut path = TowardsTarget {
-                    graph,
-                    hierarchy,
-                    target,
-                    greed,
-                    limit: f32::INFINITY,
-                    upper: &mut self.upper,
-                    toll,
-                };
+                let (upper, limit) = (&mut self.upper, f32::INFINITY);
+                let mut path = TowardsTarget { graph, hierarchy, target, greed, limit, upper, toll };
                 let found = self.nodes.search(graph, from, &mut path, most);
                 opened_nodes += self.nodes.opened;
                 if let SearchResult::Path(path) = found {
@@ -211,18 +203,11 @@ impl WorldPlanner {
         }
         let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
         if self.upper.limit < enough {
-            self.upper.run(graph, hierarchy, target, from, enough);
+            self.upper.run(graph, target, from, enough);
             opened_instances += self.upper.opened;
         }
-        let mut path = TowardsTarget {
-            graph,
-            hierarchy,
-            target,
-            greed: 1.0,
-            limit: enough,
-            upper: &mut self.upper,
-            toll: &|_: u32| 0.0,
-        };
+        let (upper, toll) = (&mut self.upper, &|_: u32| 0.0);
+        let mut path = TowardsTarget { graph, hierarchy, target, greed: 1.0, limit: enough, upper, toll };
         let found = self.nodes.search(graph, from, &mut path, usize::MAX);
         opened_nodes += self.nodes.opened;
         let SearchResult::Path(path) = found else {

@@ -13,7 +13,9 @@ pub(crate) trait SearchSpace {
     /// True where it ends.
     fn is_target(&self, node: WorldNode) -> bool;
     /// Estimated cost from a node to the target; infinite where no path leads there (frames).
-    fn estimate(&mut self, node: WorldNode) -> f32;
+    fn estimate(&mut self, _: WorldNode) -> f32 {
+        0.0
+    }
     /// Cost of a step (frames).
     fn cost(&self, step: &WorldStep) -> f32;
     /// Cost, with the estimate, from which paths are left out (frames).
@@ -101,13 +103,8 @@ impl Nodes {
     ) -> SearchResult {
         self.begin();
         let start = NodeState { cost: 0.0, estimate: 0.0, ..NodeState::new(self.stamp) };
-        self.reach_node(
-            graph.index(from) as u32,
-            start,
-            NONE,
-            &WorldStep { to: from, ..WorldStep::NONE },
-            f32::INFINITY,
-        );
+        let step = WorldStep { to: from, ..WorldStep::NONE };
+        self.reach_node(graph.index(from) as u32, start, NONE, &step, f32::INFINITY);
         while let Some((_, at)) = self.heap.pop() {
             let node = self.step(at).to;
             if space.is_target(node) {

@@ -55,7 +55,7 @@ impl TargetLocation {
             }
             return true;
         }
-        let Some(plane) = hierarchy.floors.region(instance).and_then(|r| hierarchy.plane(r)) else { return false };
+        let Some((_, plane)) = hierarchy.region_and_plane(instance) else { return false };
         let num_edges = graph.patches().patches[graph.instance(instance).patch as usize].num_edges;
         let mut all = nodes();
         let (first, several) = (all.next(), all.next().is_some());

@@ -51,7 +51,7 @@ impl UpperSearch {
         let num_states = hierarchy.entrances.len() + hierarchy.exits.len();
         let num_regions = hierarchy.floors.num_regions();
         Self {
-            from: Landmarks::unknown_distances(),
+            from: Landmarks::UNKNOWN_DISTANCES,
             costs: vec![0.0; num_states],
             stamps: vec![0; num_states],
             known: vec![UNKNOWN; hierarchy.region_costs.states.len()],
@@ -72,14 +72,8 @@ impl UpperSearch {
     /// path that costs less than `most`.
     ///
     /// - returns false where no path leads from there to the target.
-    pub fn run(
-        &mut self,
-        graph: &WorldGraph,
-        hierarchy: &PathHierarchy,
-        target: PlanTarget,
-        from: WorldNode,
-        most: f32,
-    ) -> bool {
+    pub fn run(&mut self, graph: &WorldGraph, target: PlanTarget, from: WorldNode, most: f32) -> bool {
+        let hierarchy = graph.hierarchy();
         self.begin();
         self.meet_landmarks(hierarchy, from);
         if !self.end.locate_target(graph, hierarchy, target) {
@@ -115,8 +109,8 @@ impl UpperSearch {
         if self.next_entrances[node.instance as usize].stamp != self.stamp {
             self.find_next_entrances(hierarchy, node.instance);
         }
-        let plane = hierarchy.floors.region(node.instance).and_then(|r| hierarchy.plane(r));
-        plane.map_or(f32::INFINITY, |plane| self.next_entrances[node.instance as usize].cost(plane, node.cell, direct))
+        let Some((_, plane)) = hierarchy.region_and_plane(node.instance) else { return f32::INFINITY };
+        self.next_entrances[node.instance as usize].cost(plane, node.cell, direct)
     }
 
     fn begin(&mut self) {
@@ -135,7 +129,7 @@ impl UpperSearch {
 
     /// Finds out what it costs from a node to landmarks.
     fn meet_landmarks(&mut self, hierarchy: &PathHierarchy, from: WorldNode) {
-        self.from = Landmarks::unknown_distances();
+        self.from = Landmarks::UNKNOWN_DISTANCES;
         if let Some((cluster, first)) = hierarchy.cluster(from.instance) {
             for (k, out) in (0..).zip(hierarchy.exits_of(cluster)) {
                 let cost = hierarchy.costs_in(cluster).to_exit(k, first + from.cell);
@@ -143,10 +137,7 @@ impl UpperSearch {
             }
             return;
         }
-        let Some((region, plane)) = hierarchy.floors.region(from.instance).and_then(|r| Some((r, hierarchy.plane(r)?)))
-        else {
-            return;
-        };
+        let Some((region, plane)) = hierarchy.region_and_plane(from.instance) else { return };
         for &entrance in &hierarchy.region_costs.leaving[region as usize] {
             let Some((_, tile, goal)) = hierarchy.leads_from(entrance) else { continue };
             let cost = plane.cost(plane.lookup(goal, hierarchy.floors.offset(from.instance, tile)), from.cell);
@@ -200,12 +191,8 @@ impl UpperSearch {
         let list = region_costs.list(region);
         let Some(row) = region_costs.row(entrance, region) else {
             for place in list {
-                self.reach_along(
-                    hierarchy,
-                    region_costs.states[place],
-                    cost,
-                    region_costs.cost(hierarchy, entrance, place),
-                );
+                let frames = region_costs.cost(hierarchy, entrance, place);
+                self.reach_along(hierarchy, region_costs.states[place], cost, frames);
             }
             return;
         };
@@ -302,11 +289,8 @@ impl UpperSearch {
     fn cost_by(&self, hierarchy: &PathHierarchy, node: WorldNode, state: u32, cost: f32) -> f32 {
         let Some(out) = state.checked_sub(hierarchy.entrances.len() as u32) else {
             let Some((region, tile, goal)) = hierarchy.leads_from(state) else { return f32::INFINITY };
-            let Some(plane) =
-                hierarchy.plane(region).filter(|_| hierarchy.floors.region(node.instance) == Some(region))
-            else {
-                return f32::INFINITY;
-            };
+            let here = hierarchy.region_and_plane(node.instance).filter(|(r, _)| *r == region);
+            let Some((_, plane)) = here else { return f32::INFINITY };
             return cost + plane.cost(plane.lookup(goal, hierarchy.floors.offset(node.instance, tile)), node.cell);
         };
         let cluster = hierarchy.exits[out as usize].cluster;
@@ -333,9 +317,7 @@ impl UpperSearch {
     /// Best entrances from a tile.
     fn find_next_entrances(&mut self, hierarchy: &PathHierarchy, tile: u32) {
         let mut found = NextEntrances::new(self.stamp);
-        let Some((region, plane)) = hierarchy.floors.region(tile).and_then(|r| Some((r, hierarchy.plane(r)?))) else {
-            return;
-        };
+        let Some((region, plane)) = hierarchy.region_and_plane(tile) else { return };
         let mut state = self.first_of(region);
         while state != NONE {
             if let Some((_, to, goal)) = hierarchy.entrances[state as usize].tile() {

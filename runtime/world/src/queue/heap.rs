@@ -37,9 +37,7 @@ impl Heap {
     /// Removes the number with the least key and returns it.
     pub fn pop(&mut self) -> Option<(f32, u32)> {
         let last = self.items.pop()?;
-        let Some(first) = self.items.first_mut() else {
-            return Some(last);
-        };
+        let Some(first) = self.items.first_mut() else { return Some(last) };
         let out = std::mem::replace(first, last);
         self.sink();
         Some(out)

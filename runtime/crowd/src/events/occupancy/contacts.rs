@@ -104,17 +104,19 @@ impl Contacts {
         // An unused name marks the part of `b`.
         self.flood(b, NONE);
         if self.group[a as usize] == NONE {
-            let name = self.changed.iter().copied().min().unwrap_or(b);
-            self.flood(b, name);
+            self.name_group(b);
             self.changed.clear();
             return;
         }
-        self.flood(a, NONE - 1);
-        let name = self.changed.iter().copied().min().unwrap_or(a);
-        self.flood(a, name);
-        self.flood(b, NONE - 1);
-        let name = self.changed.iter().copied().min().unwrap_or(b);
-        self.flood(b, name);
+        self.name_group(a);
+        self.name_group(b);
+    }
+
+    /// Names the group of an agent after its first agent.
+    fn name_group(&mut self, agent: u32) {
+        self.flood(agent, NONE - 1);
+        let name = self.changed.iter().copied().min().unwrap_or(agent);
+        self.flood(agent, name);
     }
 
     /// See [`Contacts::part`].

@@ -3,7 +3,7 @@
 use crate::error::check;
 use crate::events::decide::Cause;
 use crate::events::engine::Engine;
-use crate::events::occupancy::Occupancy;
+use crate::events::occupancy::{Occupancy, each_cell};
 use crate::events::schemes::SchemeRef;
 use crate::safety::bound::{Bound, narrowest_cell};
 use crate::space::plan::MotionPlan;
@@ -51,7 +51,7 @@ impl<V: Space> Engine<V> {
             return Ok(());
         }
         let longest = self.scenery.steering.blocked_intervals * self.scenery.interval;
-        let good = narrowest_cell(agent.radius, agent.acceleration, longest) <= self.cells.side();
+        let good = narrowest_cell(agent.radius, agent.acceleration, longest) <= self.cells.side;
         let expected = "small enough that a bound is not wider than a cell after the smallest interval";
         Ok(check("agent.acceleration", n, agent.acceleration, good, expected)?)
     }
@@ -109,9 +109,9 @@ impl<V: Space> Engine<V> {
         // An agent that was renewed just now waits as long as the others.
         let waits = |p: &u32| self.now - o.occupants[*p as usize].asked < f64::from(self.scenery.interval);
         let renewed = partner.filter(|p| !waits(p));
-        o.renewed = renewed.unwrap_or(NONE);
+        o.renewed = renewed;
         self.reset(o, agent);
-        o.renewed = NONE;
+        o.renewed = None;
         if let Some(renewed) = renewed {
             self.reset(o, renewed);
         }
@@ -208,18 +208,14 @@ impl<V: Space> Engine<V> {
             }
         });
         let decider = self.decider(self.now);
-        for z in low[2]..=high[2] {
-            for y in low[1]..=high[1] {
-                for x in low[0]..=high[0] {
-                    let near = self.scenery.solids_near(self.cells.number([x, y, z]));
-                    let first = decider.first_obstacle(&bound, near, (Cause::Region, within));
-                    if first.1 < within {
-                        note(first.1, first.0);
-                        within = first.1;
-                    }
-                }
+        each_cell(low, high, |at| {
+            let near = self.scenery.solids_near(self.cells.number(at));
+            let first = decider.first_obstacle(&bound, near, (Cause::Region, within));
+            if first.1 < within {
+                note(first.1, first.0);
+                within = first.1;
             }
-        }
+        });
         o.occupants[me as usize].meeting = meeting;
     }
 

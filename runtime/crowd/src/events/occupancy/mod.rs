@@ -28,12 +28,8 @@ pub(crate) struct Occupancy {
     pub occupants: Vec<Occupant>,
     pub contacts: Contacts,
     /// The agent whose bound is renewed in the same event as that of the deciding one.
-    #[serde(skip, default = "none")]
-    pub renewed: u32,
-}
-
-fn none() -> u32 {
-    NONE
+    #[serde(skip)]
+    pub renewed: Option<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -81,7 +77,7 @@ impl Occupancy {
             links: Vec::new(),
             occupants: vec![Occupant::default(); capacity],
             contacts: Contacts::new(capacity),
-            renewed: NONE,
+            renewed: None,
         };
         empty.clear(num_cells);
         empty
@@ -94,7 +90,7 @@ impl Occupancy {
 
     /// Makes the lists of what was read.
     pub fn relink<V: Space>(&mut self, cells: &CellGrid<V>) {
-        self.clear(cells.num_cells());
+        self.clear(cells.num_cells);
         for agent in 0..self.occupants.len() as u32 {
             let o = self.occupants[agent as usize];
             if o.is_listed {
@@ -137,25 +133,22 @@ impl Occupancy {
 
     /// Lists an agent in the cells that the bound at the start of its plan occupies, and in no others.
     pub fn list<V: Space>(&mut self, cells: &CellGrid<V>, plan: &MotionPlan<V>) {
-        let (low, high) = range(cells.side(), plan);
+        let (low, high) = range(cells.side, plan);
         let mut o = self.occupants[plan.index as usize];
         if o.is_listed {
-            let old = (o.low, o.high);
-            each_cell(old.0, old.1, |at| {
+            each_cell(o.low, o.high, |at| {
                 if !is_within(at, low, high) {
                     self.unlink(cells, plan.index, at)
                 }
             });
-            each_cell(low, high, |at| {
-                if !is_within(at, old.0, old.1) {
-                    self.link(cells, plan.index, at)
-                }
-            });
-        } else {
-            each_cell(low, high, |at| self.link(cells, plan.index, at));
         }
+        each_cell(low, high, |at| {
+            if !o.is_listed || !is_within(at, o.low, o.high) {
+                self.link(cells, plan.index, at)
+            }
+        });
         (o.is_listed, o.low, o.high) = (true, low, high);
-        o.crossing = next_crossing(cells.side(), plan, o.low, o.high, 0.0);
+        o.crossing = next_crossing(cells.side, plan, o.low, o.high, 0.0);
         o.meeting = (f64::INFINITY, Cause::Region);
         self.occupants[plan.index as usize] = o;
     }
@@ -186,7 +179,7 @@ impl Occupancy {
             each_cell(low, high, |at| self.unlink(cells, plan.index, at));
             if is_upper { o.high[axis] -= 1 } else { o.low[axis] += 1 }
         }
-        o.crossing = next_crossing(cells.side(), plan, o.low, o.high, after);
+        o.crossing = next_crossing(cells.side, plan, o.low, o.high, after);
         self.occupants[plan.index as usize] = o;
         enters.then_some((low, high))
     }
@@ -237,19 +230,18 @@ impl Occupancy {
             self.first[cells.number(at) as usize] = next;
         }
     }
-}
 
-impl Occupancy {
     /// When the bound of a new plan is as wide as a cell, or touches another one in a cell that it occupies.
     #[inline]
     pub fn first_meeting<V: Space>(&self, at: &Decider<'_, V>, fresh: &MotionPlan<V>) -> (Cause, f32) {
-        let (bound, side) = (Bound::from(fresh), at.cells.side());
+        let (bound, side) = (Bound::from(fresh), at.cells.side);
         let mut first = (Cause::Region, time_until_gone(0.5 * WIDEST * side - fresh.radius, 0.0, fresh.limit));
         let (low, high) = range(side, fresh);
         self.each(at.cells, low, high, |other| {
             if other != fresh.index && !self.contacts.are_together(fresh.index, other) {
                 let plan = at.cells.plan(other);
-                let its = if other == self.renewed { Bound::new(&plan, at.time) } else { Bound::from(&plan) };
+                let is_renewed = self.renewed == Some(other);
+                let its = if is_renewed { Bound::new(&plan, at.time) } else { Bound::from(&plan) };
                 let contact = bound.first_contact(&its, at.time, first.1);
                 if contact < first.1 {
                     first = (Cause::Agent(other), contact);

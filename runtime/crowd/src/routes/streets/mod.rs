@@ -123,6 +123,14 @@ pub(crate) struct RouteCorner {
     pub distance_left: f32,
 }
 
+impl RouteCorner {
+    /// Unit vector along the path by this corner for an agent that comes from a place.
+    pub fn way_from(&self, from: Vec2) -> Vec2 {
+        let across = self.out.perp();
+        if (self.next - from).dot(across) >= 0.0 { across } else { -across }
+    }
+}
+
 /// Largest free distance across the path that a corner is given (m).
 const WIDEST_M: f32 = 12.0;
 /// Largest part of a straight path at a corner that may lead away from the corner or to it: others are no shortest paths.

@@ -6,16 +6,6 @@ use glam::Vec2;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// Both ends of a path, with the points that they see, the distances, and the doors in between.
-struct RouteEnds {
-    from: Vec2,
-    to: Vec2,
-    start: Vec<Option<(f32, Doors)>>,
-    goal: Vec<Option<(f32, Doors)>>,
-    /// Doors on the straight line, if nothing else is.
-    straight: Option<Doors>,
-}
-
 /// Point that waits to be expanded; the one with the smallest estimate comes first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenPoint {
@@ -67,15 +57,62 @@ pub(crate) struct CornerQuery<'a> {
 }
 
 impl Streets {
+    /// Corners of the shortest path, found by A*. Equal lengths are resolved by the order in which points were joined.
     pub(super) fn flat_corners(&self, from: Vec2, to: Vec2) -> std::result::Result<Vec<Vec2>, NoPath> {
         let [at_start, at_goal] = self.check_ends(from, to)?;
         if self.is_clear(from, to, at_start.min(at_goal)) {
             return Ok(vec![from, to]);
         }
         let straight = self.doors_between(from, to, at_start.min(at_goal));
+        // The points that both ends see, the distances, and the doors in between.
         let sees = |p, clearance| (0..self.points.len()).map(|n| self.sees_point(p, n, clearance)).collect();
-        let ends = RouteEnds { from, to, start: sees(from, at_start), goal: sees(to, at_goal), straight };
-        self.search_route(&ends).ok_or(NoPath::Separated)
+        let [seen_from_start, seen_from_goal]: [Vec<_>; 2] = [sees(from, at_start), sees(to, at_goal)];
+        let (goal, start) = (self.points.len(), self.points.len() + 1);
+        let place = |n: usize| match n {
+            _ if n == goal => to,
+            _ if n == start => from,
+            _ => self.points[n],
+        };
+        let mut best = vec![f32::INFINITY; start + 1];
+        let mut previous = vec![usize::MAX; start + 1];
+        let mut open = BinaryHeap::new();
+        best[start] = 0.0;
+        open.push(OpenPoint { estimate: from.distance(to), left: from.distance(to), length: 0.0, n: start });
+        while let Some(OpenPoint { length, n, .. }) = open.pop() {
+            if n == goal {
+                let on_path = |at: &usize| Some(previous[*at]).filter(|&before| before != usize::MAX);
+                let mut path: Vec<Vec2> = std::iter::successors(Some(goal), on_path).map(place).collect();
+                path.reverse();
+                return Ok(path);
+            }
+            if best[n] < length {
+                continue;
+            }
+            let here = self.at_doors.get(n).map_or(0, |d| d[0]);
+            let mut reach = |next: usize, far: f32, doors: Doors| {
+                let then = length + far + CLOSED_M * self.num_closed(doors, here) as f32;
+                if then < best[next] && (next >= goal || !self.is_idle(next)) {
+                    (best[next], previous[next]) = (then, n);
+                    let left = place(next).distance(to);
+                    open.push(OpenPoint { estimate: then + left, left, length: then, n: next });
+                }
+            };
+            if n == start {
+                let seen = seen_from_start.iter().enumerate().rev();
+                seen.filter_map(|(next, s)| Some((next, (*s)?))).for_each(|(next, (far, d))| reach(next, far, d));
+                if let Some(doors) = straight {
+                    reach(goal, from.distance(to), doors);
+                }
+                continue;
+            }
+            let (smaller, larger): (Vec<_>, Vec<_>) = self.seen[n].iter().partition(|s| (s.0 as usize) < n);
+            smaller.into_iter().for_each(|(next, far, doors)| reach(next as usize, far, doors));
+            if let Some((far, doors)) = seen_from_goal[n] {
+                reach(goal, far, doors);
+            }
+            larger.into_iter().rev().for_each(|(next, far, doors)| reach(next as usize, far, doors));
+        }
+        Err(NoPath::Separated)
     }
 
     /// Finds out from where a goal is seen, and how far it is from all points.
@@ -175,66 +212,6 @@ impl Streets {
             most = most.min(length + longer);
         }
         num
-    }
-
-    /// A* from the start to the goal, which do not see each other. Equal lengths are resolved by the order in which points
-    /// were joined.
-    fn search_route(&self, ends: &RouteEnds) -> Option<Vec<Vec2>> {
-        let (goal, start) = (self.points.len(), self.points.len() + 1);
-        let place = |n: usize| match n {
-            _ if n == goal => ends.to,
-            _ if n == start => ends.from,
-            _ => self.points[n],
-        };
-        let mut best = vec![f32::INFINITY; start + 1];
-        let mut previous = vec![usize::MAX; start + 1];
-        let mut open = BinaryHeap::new();
-        best[start] = 0.0;
-        open.push(OpenPoint {
-            estimate: ends.from.distance(ends.to),
-            left: ends.from.distance(ends.to),
-            length: 0.0,
-            n: start,
-        });
-        while let Some(OpenPoint { length, n, .. }) = open.pop() {
-            if n == goal {
-                let mut path = vec![ends.to];
-                let mut at = previous[goal];
-                while at != usize::MAX {
-                    path.push(place(at));
-                    at = previous[at];
-                }
-                path.reverse();
-                return Some(path);
-            }
-            if best[n] < length {
-                continue;
-            }
-            let here = self.at_doors.get(n).map_or(0, |d| d[0]);
-            let mut reach = |next: usize, far: f32, doors: Doors| {
-                let then = length + far + CLOSED_M * self.num_closed(doors, here) as f32;
-                if then < best[next] && (next >= goal || !self.is_idle(next)) {
-                    (best[next], previous[next]) = (then, n);
-                    let left = place(next).distance(ends.to);
-                    open.push(OpenPoint { estimate: then + left, left, length: then, n: next });
-                }
-            };
-            if n == start {
-                let seen = ends.start.iter().enumerate().rev();
-                seen.filter_map(|(next, s)| Some((next, (*s)?))).for_each(|(next, (far, d))| reach(next, far, d));
-                if let Some(doors) = ends.straight {
-                    reach(goal, ends.from.distance(ends.to), doors);
-                }
-                continue;
-            }
-            let (smaller, larger): (Vec<_>, Vec<_>) = self.seen[n].iter().partition(|s| (s.0 as usize) < n);
-            smaller.into_iter().for_each(|(next, far, doors)| reach(next as usize, far, doors));
-            if let Some((far, doors)) = ends.goal[n] {
-                reach(goal, far, doors);
-            }
-            larger.into_iter().rev().for_each(|(next, far, doors)| reach(next as usize, far, doors));
-        }
-        None
     }
 }
 

@@ -28,7 +28,7 @@ fn group_in_contact_has_no_collisions_until_one_leaves() {
     let counts = crowd.counts;
     assert_eq!(counts.colliding, before.colliding, "none within the group");
     // Nothing but the growth of bounds makes them act: once in sqrt(2 (side / 2 - r) / A).
-    let grown = (2.0 * (0.5 * WIDEST * crowd.cells.side() - 0.3) / 5.0f32).sqrt();
+    let grown = (2.0 * (0.5 * WIDEST * crowd.cells.side - 0.3) / 5.0f32).sqrt();
     let per_agent = (counts.resetting - before.resetting) as f32 / 5.0;
     assert!((per_agent - 5.0 / grown).abs() <= 1.0, "{per_agent} of {}", 5.0 / grown);
 

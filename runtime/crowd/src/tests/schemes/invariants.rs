@@ -9,7 +9,7 @@ fn registration_holds<V: Space>() {
     let mut near = 0;
     at_every_event(&mut crowd, 6.0, |crowd| {
         let bounds: Vec<_> = crowd.ids().map(|id| (id, Bound::from(&crowd.cells.plan(id.index)))).collect();
-        let half = V::from_coordinates([crowd.cells.side(); 3]);
+        let half = V::from_coordinates([crowd.cells.side; 3]);
         for (n, (id, bound)) in bounds.iter().enumerate() {
             let at = crowd.cells.coordinates(bound.position);
             assert_eq!(crowd.states[id.index()].cell, crowd.cells.number(at), "registered where its centre was");
@@ -43,7 +43,7 @@ fn bounds_of_balls_stay_in_their_regions() {
 
 /// Lists hold exactly the agents whose bounds reach into a cell.
 pub(super) fn lists_are_exact<V: Space>(crowd: &Engine<V>) {
-    let (o, side) = (occupancy(crowd), crowd.cells.side());
+    let (o, side) = (occupancy(crowd), crowd.cells.side);
     for id in crowd.ids() {
         let (x, radius) = crowd.bound(id, crowd.now).unwrap();
         let occupant = &o.occupants[id.index()];

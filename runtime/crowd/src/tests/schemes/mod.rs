@@ -169,7 +169,7 @@ fn run_after_load_repeats() {
         for &scheme in SCHEMES.iter().filter(|s| **s != scheme) {
             let mut setup = setup.clone();
             setup.config.scheme = scheme;
-            setup.config.cell_side_m = crowd.cells.side();
+            setup.config.cell_side_m = crowd.cells.side;
             let error = Engine::new(setup).unwrap().load(&kept).unwrap_err();
             assert!(matches!(error, CrowdError::Other(throng_base::Error::Snapshot { .. })), "{error}");
         }

@@ -11,27 +11,11 @@ use throng_base::text::did_you_mean;
 const MOST_POINTS: usize = 1000;
 
 impl ScenarioCompiler<'_> {
-    pub(super) fn compile_condition(
-        &mut self,
-        when: Option<&str>,
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<Option<Program>> {
-        when.map(|text| self.compile_predicate(text, key, trigger)).transpose()
+    pub(super) fn compile_condition(&mut self, when: Option<&str>, key: &str) -> CompileResult<Option<Program>> {
+        when.map(|text| self.compile_expression(text, Type::Truth, key)).transpose()
     }
 
-    pub(super) fn compile_predicate(&mut self, text: &str, key: &str, trigger: u16) -> CompileResult<Program> {
-        self.compile_expression(text, Type::Truth, key, trigger)
-    }
-
-    pub(super) fn compile_expression(
-        &mut self,
-        text: &str,
-        of: Type,
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<Program> {
-        self.set_scope(trigger);
+    pub(super) fn compile_expression(&mut self, text: &str, of: Type, key: &str) -> CompileResult<Program> {
         let Scenario { code, names, .. } = &mut self.out;
         let compiled =
             language::parse_expression(text).and_then(|node| language::compile_expression(&node, of, names, code));
@@ -39,45 +23,30 @@ impl ScenarioCompiler<'_> {
     }
 
     /// Compiles the actions of a behaviour: returns the first of them, and whether all take no time.
-    pub(super) fn compile_behaviour(
-        &mut self,
-        does: &StoryBehaviour,
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<(u32, bool)> {
-        let (actions, key) = match does {
-            StoryBehaviour::Actions(actions) => (actions, key.to_string()),
-            StoryBehaviour::Named(name) => {
-                self.set_scope(trigger);
-                let known = (name.clone(), self.out.names.has_other, self.out.names.has_place);
-                if let Some(&done) = self.compiled_behaviours.get(&known) {
-                    return Ok(done);
-                }
-                let Some(actions) = self.scene.behaviours.get(name) else {
-                    let help = did_you_mean(name, self.scene.behaviours.keys().map(String::as_str));
-                    return compile_fault(key, format!("there is no behaviour `{name}` in `[behaviours]`.{help}"));
-                };
-                let done = self.compile_actions(actions, &format!("behaviours.{name}"), trigger)?;
-                self.compiled_behaviours.insert(known, done);
-                return Ok(done);
-            }
+    pub(super) fn compile_behaviour(&mut self, does: &StoryBehaviour, key: &str) -> CompileResult<(u32, bool)> {
+        let name = match does {
+            StoryBehaviour::Actions(actions) => return self.compile_actions(actions, key),
+            StoryBehaviour::Named(name) => name,
         };
-        self.compile_actions(actions, &key, trigger)
+        let known = (name.clone(), self.out.names.has_other, self.out.names.has_place);
+        if let Some(&done) = self.compiled_behaviours.get(&known) {
+            return Ok(done);
+        }
+        let Some(actions) = self.scene.behaviours.get(name) else {
+            let help = did_you_mean(name, self.scene.behaviours.keys().map(String::as_str));
+            return compile_fault(key, format!("there is no behaviour `{name}` in `[behaviours]`.{help}"));
+        };
+        let done = self.compile_actions(actions, &format!("behaviours.{name}"))?;
+        self.compiled_behaviours.insert(known, done);
+        Ok(done)
     }
 
-    pub(super) fn compile_actions(
-        &mut self,
-        actions: &[ActionConfig],
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<(u32, bool)> {
+    fn compile_actions(&mut self, actions: &[ActionConfig], key: &str) -> CompileResult<(u32, bool)> {
         if actions.is_empty() {
             return compile_fault(key, "expected at least one action, found none");
         }
-        let mut compiled = Vec::new();
-        for (i, action) in actions.iter().enumerate() {
-            compiled.push(self.compile_action(action, &format!("{key}[{i}]"), trigger)?);
-        }
+        let each = actions.iter().enumerate().map(|(i, action)| self.compile_action(action, &format!("{key}[{i}]")));
+        let compiled = each.collect::<CompileResult<Vec<_>>>()?;
         let is_instant = compiled.iter().all(|a| matches!(a, CompiledAction::Effect(..)));
         let first = self.out.actions.len() as u32;
         self.out.actions.extend(compiled);
@@ -85,12 +54,7 @@ impl ScenarioCompiler<'_> {
         Ok((first, is_instant))
     }
 
-    pub(super) fn compile_action(
-        &mut self,
-        action: &ActionConfig,
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<CompiledAction> {
+    fn compile_action(&mut self, action: &ActionConfig, key: &str) -> CompileResult<CompiledAction> {
         // `speed` is an action of its own, and an argument of others.
         let action_names: Vec<&String> =
             action.keys().filter(|k| self.out.primitives.find_action(k).is_some()).collect();
@@ -121,10 +85,8 @@ impl ScenarioCompiler<'_> {
             let Some(at) = words.iter().position(|w| w.0 == word) else {
                 let help = did_you_mean(word, words.iter().map(|w| w.0));
                 let all: Vec<_> = words.iter().map(|w| w.0).collect();
-                return compile_fault(
-                    key,
-                    format!("`{name}` has no word `{word}`, expected {}.{help}", all.join(", ")),
-                );
+                let why = format!("`{name}` has no word `{word}`, expected {}.{help}", all.join(", "));
+                return compile_fault(key, why);
             };
             let word_key = format!("{key}.{word}");
             said[at] = match (words[at].1, value) {
@@ -138,7 +100,7 @@ impl ScenarioCompiler<'_> {
                     self.out.paths.push(points.iter().enumerate().map(at).collect::<CompileResult<_>>()?);
                     ActionOperand::Nothing
                 }
-                (kind, value) => self.compile_word(kind, value, &word_key, trigger)?,
+                (kind, value) => self.compile_word(kind, value, &word_key)?,
             };
             if words[at].1 == WordKind::Place
                 && let ActionOperand::Number(place) = said[at]
@@ -180,13 +142,7 @@ impl ScenarioCompiler<'_> {
         number as u16
     }
 
-    pub(super) fn compile_word(
-        &mut self,
-        kind: WordKind,
-        value: &WordConfig,
-        key: &str,
-        trigger: u16,
-    ) -> CompileResult<ActionOperand> {
+    fn compile_word(&mut self, kind: WordKind, value: &WordConfig, key: &str) -> CompileResult<ActionOperand> {
         let expected = |what: &str| compile_fault(key, format!("expected {what}"));
         let dimensions = self.scene.environment.space.dimensions();
         Ok(match (kind, value) {
@@ -196,14 +152,13 @@ impl ScenarioCompiler<'_> {
                 ActionOperand::Amount(Amount::Number(*number))
             }
             (WordKind::Amount, WordConfig::Text(text)) => {
-                ActionOperand::Amount(Amount::Program(self.compile_expression(text, Type::Number, key, trigger)?))
+                ActionOperand::Amount(Amount::Program(self.compile_expression(text, Type::Number, key)?))
             }
             (WordKind::Amount, _) => return expected("a number, or an expression in quotes"),
             (WordKind::Target | WordKind::Slot | WordKind::Queue, WordConfig::Point(at)) => {
                 ActionOperand::Point(checked_point(at, key, dimensions)?.to_array())
             }
             (WordKind::Target | WordKind::Slot | WordKind::Queue, WordConfig::Text(text)) => {
-                self.set_scope(trigger);
                 let (has_other, has_place) = (self.out.names.has_other, self.out.names.has_place);
                 match text.as_str() {
                     "me" => ActionOperand::Spot(SpotName::Me),
@@ -222,17 +177,17 @@ impl ScenarioCompiler<'_> {
                 ActionOperand::Point(checked_point(at, key, 3)?.to_array())
             }
             (WordKind::Rest, _) => return expected("a point of three numbers: x, y up, z"),
-            (WordKind::Take | WordKind::Put, WordConfig::Text(name)) => {
-                ActionOperand::Number(self.name_number(NameKind::Thing, name, key)?)
-            }
-            (WordKind::Place, WordConfig::Text(name)) => {
-                ActionOperand::Number(self.name_number(NameKind::Place, name, key)?)
-            }
-            (WordKind::Event, WordConfig::Text(name)) => {
-                ActionOperand::Number(self.name_number(NameKind::Event, name, key)?)
-            }
-            (WordKind::Door, WordConfig::Text(name)) => {
-                ActionOperand::Number(self.name_number(NameKind::Door, name, key)?)
+            (
+                WordKind::Take | WordKind::Put | WordKind::Place | WordKind::Event | WordKind::Door,
+                WordConfig::Text(name),
+            ) => {
+                let sort = match kind {
+                    WordKind::Place => NameKind::Place,
+                    WordKind::Event => NameKind::Event,
+                    WordKind::Door => NameKind::Door,
+                    _ => NameKind::Thing,
+                };
+                ActionOperand::Number(self.name_number(sort, name, key)?)
             }
             (WordKind::Value, WordConfig::Text(name)) => match self.out.names.values.number_of(name) {
                 Some(value) => ActionOperand::Number(value as u16),

@@ -1,7 +1,8 @@
 //! Compilation of facts: values, places, thresholds, events, relations.
 
 use super::{
-    CompileResult, MAX_SHARED_EVENTS, MOST_SLOTS, MOST_THRESHOLDS, ScenarioCompiler, compile_fault, scene_point,
+    CompileResult, MAX_SHARED_EVENTS, MOST_SLOTS, MOST_THRESHOLDS, ScenarioCompiler, check_counts, compile_fault,
+    scene_point,
 };
 use crate::scenario::language::NameKind;
 use crate::scenario::tables::{
@@ -25,10 +26,8 @@ impl ScenarioCompiler<'_> {
         let mut once = 0;
         for (i, site) in self.scene.places.iter().enumerate() {
             let kind = self.out.names.kinds.number_of(&site.kind).unwrap_or(0) as u16;
-            let arrow = match &site.arrow {
-                None => None,
-                Some(to) => Some(self.name_number(NameKind::Place, to, &format!("places[{i}].arrow"))?),
-            };
+            let place_number = |to| self.name_number(NameKind::Place, to, &format!("places[{i}].arrow"));
+            let arrow = site.arrow.as_deref().map(place_number).transpose()?;
             let first = self.out.slots.len() as u32;
             self.compile_slots(i, site)?;
             let bit = site.once.then_some(once);
@@ -100,10 +99,8 @@ impl ScenarioCompiler<'_> {
             }
         }
         if all.len() > MOST_THRESHOLDS {
-            return compile_fault(
-                "rules",
-                format!("expected at most {MOST_THRESHOLDS} thresholds, found {}", all.len()),
-            );
+            let why = format!("expected at most {MOST_THRESHOLDS} thresholds, found {}", all.len());
+            return compile_fault("rules", why);
         }
         all.sort_by(|a, b| (a.value, a.at).partial_cmp(&(b.value, b.at)).unwrap_or(std::cmp::Ordering::Equal));
         for (v, value) in self.out.values.iter_mut().enumerate() {
@@ -127,15 +124,12 @@ impl ScenarioCompiler<'_> {
             let help = did_you_mean(name, self.out.names.values.0.iter().map(String::as_str));
             return compile_fault(key, format!("there is no value `{name}`: values are declared in `[values]`.{help}"));
         };
-        let limits = self.out.values[value].limits;
+        let [low, high] = self.out.values[value].limits;
         match number {
-            Ok(at) if limits[0] <= at && at <= limits[1] => Ok(Some(Threshold { value: value as u16, at, rises })),
+            Ok(at) if low <= at && at <= high => Ok(Some(Threshold { value: value as u16, at, rises })),
             _ => {
-                let [low, high] = limits;
-                compile_fault(
-                    key,
-                    format!("expected a number within the limits of `{name}`, {low} to {high}, found `{at}`"),
-                )
+                let why = format!("expected a number within the limits of `{name}`, {low} to {high}, found `{at}`");
+                compile_fault(key, why)
             }
         }
     }
@@ -154,10 +148,8 @@ impl ScenarioCompiler<'_> {
         let events = self.out.names.events.0.iter().map(String::as_str);
         let help = did_you_mean(on, trigger::NAMES.into_iter().chain(events));
         let all = trigger::NAMES.join(", ");
-        compile_fault(
-            key,
-            format!("there is no event `{on}`: expected one of `[[events]]`, {all}, or `VALUE > NUMBER`.{help}"),
-        )
+        let why = format!("there is no event `{on}`: expected one of `[[events]]`, {all}, or `VALUE > NUMBER`.{help}");
+        compile_fault(key, why)
     }
 
     pub(super) fn compile_events(&mut self) -> CompileResult<()> {
@@ -182,9 +174,10 @@ impl ScenarioCompiler<'_> {
                     let text = format!("{} <= {far}", sum.join(" + ")).replace("- -", "+ ");
                     // The scene's values may have the names of axes.
                     let values = std::mem::take(&mut self.out.names.values);
-                    let who = self.compile_predicate(&text, &format!("happenings[{i}].near"), trigger::EVENTS);
+                    self.set_scope(trigger::EVENTS);
+                    let who = self.compile_condition(Some(&text), &format!("happenings[{i}].near"));
                     self.out.names.values = values;
-                    Some(who?)
+                    who?
                 }
             };
             self.out.events.push(EventTable {
@@ -204,28 +197,15 @@ impl ScenarioCompiler<'_> {
                 channel += 1;
             }
         }
-        match usize::from(channel) > MAX_SHARED_EVENTS {
-            true => compile_fault(
-                "events",
-                format!("expected at most {MAX_SHARED_EVENTS} events that are told on, found {channel}"),
-            ),
-            false => Ok(()),
-        }
+        check_counts(&[(channel.into(), MAX_SHARED_EVENTS, "events that are told on", "events")])
     }
 
     pub(super) fn compile_event(&mut self, event: &EventConfig, key: &str) -> CompileResult<EventTable> {
-        let ways = [
-            event.at_s.is_some(),
-            event.between_s.is_some(),
-            event.every_s.is_some(),
-            event.period_s.is_some(),
-            event.when.is_some(),
-        ];
+        let EventConfig { at_s, between_s, every_s, period_s, when, .. } = event;
+        let ways = [at_s.is_some(), between_s.is_some(), every_s.is_some(), period_s.is_some(), when.is_some()];
         if ways.iter().filter(|w| **w).count() > 1 {
-            return compile_fault(
-                key,
-                "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several",
-            );
+            let why = "expected one of `at_s`, `between_s`, `every_s`, `period_s` and `when`, found several";
+            return compile_fault(key, why);
         }
         let schedule = match event {
             EventConfig { at_s: Some(at), .. } => Schedule::At(*at),
@@ -234,12 +214,11 @@ impl ScenarioCompiler<'_> {
             EventConfig { period_s: Some(period), .. } => Schedule::Period(*period),
             _ => Schedule::Never,
         };
-        let who = match &event.who {
-            Some(who) => Some(self.compile_predicate(who, &format!("{key}.who"), trigger::EVENTS)?),
-            None => None,
-        };
+        self.set_scope(trigger::EVENTS);
+        let who = self.compile_condition(event.who.as_deref(), &format!("{key}.who"))?;
+        self.set_scope(trigger::STARTS);
         self.out.names.is_of_all = true;
-        let condition = self.compile_condition(event.when.as_deref(), &format!("{key}.when"), trigger::STARTS)?;
+        let condition = self.compile_condition(event.when.as_deref(), &format!("{key}.when"))?;
         self.out.names.is_of_all = false;
         let mut doors = Vec::new();
         for (names, open, word) in [(&event.opens, true, "opens"), (&event.closes, false, "closes")] {
@@ -262,19 +241,15 @@ impl ScenarioCompiler<'_> {
     pub(super) fn compile_relations(&mut self) -> CompileResult<()> {
         for (i, r) in self.scene.relations.iter().enumerate() {
             let key = format!("relations[{i}]");
-            let (of, to) =
-                (self.parse_party(&r.of, &format!("{key}.of"))?, self.parse_party(&r.to, &format!("{key}.to"))?);
+            let party = |text: &str, word: &str| self.parse_party(text, &format!("{key}.{word}"));
+            let (of, to) = (party(&r.of, "of")?, party(&r.to, "to")?);
             if matches!(of, Party::Place(_)) {
-                return compile_fault(
-                    format!("{key}.of"),
-                    "expected a group, or an agent such as \"group:3\", found a place",
-                );
+                let why = "expected a group, or an agent such as \"group:3\", found a place";
+                return compile_fault(format!("{key}.of"), why);
             }
             if matches!(to, Party::Place(_)) && r.friendship.is_some() {
-                return compile_fault(
-                    format!("{key}.friendship"),
-                    "nobody is friends with a place: expected `curiosity`",
-                );
+                let why = "nobody is friends with a place: expected `curiosity`";
+                return compile_fault(format!("{key}.friendship"), why);
             }
             let (friendship, curiosity) = (r.friendship.unwrap_or(f32::NAN), r.curiosity.unwrap_or(f32::NAN));
             self.out.relations.push(RelationTable { of, to, share: r.share, friendship, curiosity });
@@ -286,18 +261,14 @@ impl ScenarioCompiler<'_> {
         if let Some(place) = self.out.names.places.number_of(text) {
             return Ok(Party::Place(place as u16));
         }
-        let (name, number) = match text.rsplit_once(':') {
-            Some((name, number)) => (name, Some(number.parse::<u32>())),
-            None => (text, None),
-        };
+        let split = text.rsplit_once(':').map(|(name, number)| (name, Some(number.parse::<u32>())));
+        let (name, number) = split.unwrap_or((text, None));
         let group = self.name_number(NameKind::Group, name, key)?;
         let [first, last] = self.out.groups[usize::from(group)].agents;
         match number {
             None => Ok(Party::Group(group)),
             Some(Ok(n)) if n < last - first => Ok(Party::Agent(first + n)),
-            Some(_) => {
-                compile_fault(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1))
-            }
+            _ => compile_fault(key, format!("expected an agent from 0 to {}, found \"{text}\"", last - first - 1)),
         }
     }
 }

@@ -3,9 +3,16 @@
 use super::{CompileResult, MOST_EDGES, MOST_PAUSES, ScenarioCompiler, compile_fault};
 use crate::scenario::language::NameKind;
 use crate::scenario::tables::{CompiledAction, EdgeTable, NONE, RuleTable, StateTable, trigger};
-use crate::scene::{LevelConfig, StateGraphConfig};
+use crate::scene::{LevelConfig, RuleConfig, StateGraphConfig};
 use std::collections::{BTreeMap, BTreeSet};
 use throng_base::text::did_you_mean;
+
+fn check_probability(key: &str, probability: f32) -> CompileResult<()> {
+    if (0.0..=1.0).contains(&probability) {
+        return Ok(());
+    }
+    compile_fault(format!("{key}.probability"), format!("expected 0 to 1, found {probability}"))
+}
 
 impl ScenarioCompiler<'_> {
     pub(super) fn compile_states(&mut self) -> CompileResult<()> {
@@ -34,28 +41,19 @@ impl ScenarioCompiler<'_> {
                     None if below == NONE => return compile_fault(key, "expected `do` or `graph`, found neither"),
                     None => NONE,
                     Some(does) => {
-                        let (first, is_instant) = self.compile_behaviour(does, &format!("{key}.do"), trigger::DONE)?;
+                        self.set_scope(trigger::DONE);
+                        let (first, is_instant) = self.compile_behaviour(does, &format!("{key}.do"))?;
                         if below != NONE && !is_instant {
-                            return compile_fault(
-                                format!("{key}.do"),
-                                "before a graph, expected actions that take no time",
-                            );
+                            let why = "before a graph, expected actions that take no time";
+                            return compile_fault(format!("{key}.do"), why);
                         }
                         first
                     }
                 };
                 let word = self.out.names.states.0.binary_search(state).unwrap_or(0) as u16;
-                let name = state.clone();
-                let level = graph.level as u8;
-                self.out.states.push(StateTable {
-                    name,
-                    word,
-                    level,
-                    graph_number: of,
-                    actions,
-                    graph: below,
-                    edges: [0; 2],
-                });
+                let (name, level, edges) = (state.clone(), graph.level as u8, [0; 2]);
+                let table = StateTable { name, word, level, graph_number: of, actions, graph: below, edges };
+                self.out.states.push(table);
             }
         }
         let mut at = 0;
@@ -69,13 +67,11 @@ impl ScenarioCompiler<'_> {
                 let from = edge.from.as_ref().map(|from| number(from, "from")).transpose()?;
                 let to = number(&edge.to, "to")? as u16;
                 let trigger = self.trigger_number(&edge.on, &format!("{key}.on"))?;
-                let when = self.compile_condition(edge.when.as_deref(), &format!("{key}.when"), trigger)?;
+                self.set_scope(trigger);
+                let when = self.compile_condition(edge.when.as_deref(), &format!("{key}.when"))?;
                 let probability = edge.probability.unwrap_or(-1.0);
-                if edge.probability.is_some() && !(0.0..=1.0).contains(&probability) {
-                    return compile_fault(
-                        format!("{key}.probability"),
-                        format!("expected 0 to 1, found {probability}"),
-                    );
+                if edge.probability.is_some() {
+                    check_probability(&key, probability)?;
                 }
                 all.push((from, EdgeTable { trigger, to, when, probability, number: i as u16 }));
             }
@@ -120,16 +116,9 @@ impl ScenarioCompiler<'_> {
         while let Some(from) = left.pop() {
             left.extend(led.remove(&Some(from)).into_iter().flatten().filter(|to| reached.insert(to)));
         }
-        match graph.states.keys().find(|s| !reached.contains(s.as_str())) {
-            None => Ok(()),
-            Some(state) => {
-                let key = format!("graphs.{name}.states.{state}");
-                compile_fault(
-                    key,
-                    format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start),
-                )
-            }
-        }
+        let Some(state) = graph.states.keys().find(|s| !reached.contains(s.as_str())) else { return Ok(()) };
+        let why = format!("no edge leads to `{state}` from the start, `{}`: add one, or remove it", graph.start);
+        compile_fault(format!("graphs.{name}.states.{state}"), why)
     }
 
     pub(super) fn state_number(
@@ -154,10 +143,8 @@ impl ScenarioCompiler<'_> {
             return compile_fault(key, format!("there is no graph `{name}`.{help}"));
         };
         if graph.level <= level {
-            return compile_fault(
-                key,
-                format!("expected a graph of a lower level: `{name}` is {:?}", graph.level).to_lowercase(),
-            );
+            let why = format!("expected a graph of a lower level: `{name}` is {:?}", graph.level);
+            return compile_fault(key, why.to_lowercase());
         }
         Ok(self.graph_starts[name])
     }
@@ -168,16 +155,14 @@ impl ScenarioCompiler<'_> {
         for (i, rule) in self.scene.rules.iter().enumerate() {
             let key = format!("rules[{i}]");
             let trigger = self.trigger_number(&rule.on, &format!("{key}.on"))?;
-            let when = self.compile_condition(rule.when.as_deref(), &format!("{key}.when"), trigger)?;
-            if !(0.0..=1.0).contains(&rule.probability) {
-                let found = rule.probability;
-                return compile_fault(format!("{key}.probability"), format!("expected 0 to 1, found {found}"));
-            }
+            self.set_scope(trigger);
+            let when = self.compile_condition(rule.when.as_deref(), &format!("{key}.when"))?;
+            check_probability(&key, rule.probability)?;
             let mut who = if rule.who.is_empty() { u64::MAX } else { 0 };
             for (g, name) in rule.who.iter().enumerate() {
                 who |= 1 << self.name_number(NameKind::Group, name, &format!("{key}.who[{g}]"))?;
             }
-            let (actions, is_instant) = self.compile_behaviour(&rule.does, &format!("{key}.do"), trigger)?;
+            let (actions, is_instant) = self.compile_behaviour(&rule.does, &format!("{key}.do"))?;
             let pause = self.out.num_pauses as u32;
             self.out.num_pauses += usize::from(rule.pause_s > 0.0);
             if self.out.num_pauses * num > MOST_PAUSES {
@@ -188,18 +173,9 @@ impl ScenarioCompiler<'_> {
                 return compile_fault(format!("{key}.pause_s"), why);
             }
             let name = if rule.name.is_empty() { format!("rule {i}") } else { rule.name.clone() };
-            let (probability, priority, pause_s) = (rule.probability, rule.priority, rule.pause_s);
-            self.out.rules.push(RuleTable {
-                name,
-                who,
-                when,
-                probability,
-                actions,
-                is_instant,
-                priority,
-                pause_s,
-                pause,
-            });
+            let &RuleConfig { probability, priority, pause_s, .. } = rule;
+            let table = RuleTable { name, who, when, probability, actions, is_instant, priority, pause_s, pause };
+            self.out.rules.push(table);
             triggers.push(trigger);
         }
         self.compile_happenings(&mut triggers);

@@ -47,10 +47,8 @@ fn compile_fault<T>(key: impl Into<String>, why: impl Into<String>) -> CompileRe
 
 /// Point with as many numbers as a space has dimensions.
 fn checked_point(at: &[f32], key: &str, dimensions: usize) -> CompileResult<Vec3> {
-    match check_point(key, at, dimensions) {
-        Ok(()) => Ok(scene_point(at)),
-        Err((key, why)) => compile_fault(key, why),
-    }
+    check_point(key, at, dimensions).map_err(|(key, why)| CompileFault { key, at: None, why })?;
+    Ok(scene_point(at))
 }
 
 /// Refuses counts that are too large, given as (count, most, what, key).
@@ -94,10 +92,8 @@ impl<'a> ScenarioCompiler<'a> {
             let mut known = BTreeSet::new();
             for (i, name) in all.iter().enumerate() {
                 if name.is_empty() || !known.insert(name) {
-                    return compile_fault(
-                        format!("{key}[{i}]"),
-                        format!("expected a `name` of its own, found \"{name}\""),
-                    );
+                    let why = format!("expected a `name` of its own, found \"{name}\"");
+                    return compile_fault(format!("{key}[{i}]"), why);
                 }
             }
             Ok(NameList(all.into_iter().cloned().collect()))
@@ -156,13 +152,8 @@ impl<'a> ScenarioCompiler<'a> {
             graphs: scene.graphs.keys().cloned().collect(),
             ..Scenario::default()
         };
-        Ok(Self {
-            scene,
-            out,
-            compiled_behaviours: BTreeMap::new(),
-            graph_starts: BTreeMap::new(),
-            state_numbers: BTreeMap::new(),
-        })
+        let (compiled_behaviours, graph_starts, state_numbers) = Default::default();
+        Ok(Self { scene, out, compiled_behaviours, graph_starts, state_numbers })
     }
 
     fn compile(mut self) -> CompileResult<Scenario> {
@@ -219,9 +210,8 @@ impl<'a> ScenarioCompiler<'a> {
         for (i, name) in end.left.iter().enumerate() {
             left |= 1u64 << self.name_number(NameKind::Group, name, &format!("end.left[{i}]"))?;
         }
-        let event = |name: &Option<String>, key: &str| match name {
-            Some(name) => self.name_number(NameKind::Event, name, key).map(Some),
-            None => Ok(None),
+        let event = |name: &Option<String>, key: &str| {
+            name.as_ref().map(|name| self.name_number(NameKind::Event, name, key)).transpose()
         };
         let (known, event) = (event(&end.known, "end.known")?, event(&end.event, "end.event")?);
         self.out.end = EndTable { left, known, event };

@@ -135,17 +135,10 @@ impl Type {
 }
 
 impl NameKind {
+    const NOUNS: [&str; 8] = ["group", "state", "place", "kind of place", "event", "way of learning", "door", "thing"];
+
     fn noun(self) -> &'static str {
-        match self {
-            Self::Group => "group",
-            Self::State => "state",
-            Self::Place => "place",
-            Self::Kind => "kind of place",
-            Self::Event => "event",
-            Self::How => "way of learning",
-            Self::Door => "door",
-            Self::Thing => "thing",
-        }
+        Self::NOUNS[self as usize]
     }
 }
 
@@ -219,6 +212,10 @@ impl ExpressionCompiler<'_> {
     }
 
     /// Adds an operation with two operands.
+    fn number_of(&self, sort: NameKind, name: &str, at: usize) -> Result<usize, ExpressionFault> {
+        self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: at + 1, why })
+    }
+
     fn push_binary(&mut self, op: Op) {
         self.code.push(op);
         self.depth -= 1;
@@ -226,7 +223,7 @@ impl ExpressionCompiler<'_> {
 
     fn compile_expected(&mut self, node: &ExpressionNode, expected: Type) -> Result<(), ExpressionFault> {
         if let (ExpressionTree::Text(name), Type::Name(sort)) = (&node.tree, expected) {
-            let number = self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: node.at + 1, why })?;
+            let number = self.number_of(sort, name, node.at)?;
             return self.push_op(Op::Number(number as f64), node.at);
         }
         let found = self.compile_any(node)?;
@@ -322,9 +319,7 @@ impl ExpressionCompiler<'_> {
                 let ExpressionTree::Text(name) = &member.tree else {
                     return ExpressionFault::new(member.at, "expected a name in quotes");
                 };
-                let number =
-                    self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: member.at + 1, why })?;
-                self.code.push(Op::Number(number as f64));
+                self.code.push(Op::Number(self.number_of(sort, name, member.at)? as f64));
             }
             return Ok(Type::Truth);
         }
@@ -392,20 +387,12 @@ impl ExpressionCompiler<'_> {
     fn compile_spot(&self, node: &ExpressionNode) -> Result<SpotName, ExpressionFault> {
         let spot = match &node.tree {
             ExpressionTree::Word(word) => spot_named(word),
-            ExpressionTree::Text(name) => {
-                let number = self
-                    .names
-                    .number_of(NameKind::Place, name)
-                    .map_err(|why| ExpressionFault { at: node.at + 1, why })?;
-                Some(SpotName::Place(number as u16))
-            }
+            ExpressionTree::Text(name) => Some(SpotName::Place(self.number_of(NameKind::Place, name, node.at)? as u16)),
             _ => None,
         };
         let Some(spot) = spot else {
-            return ExpressionFault::new(
-                node.at,
-                "expected `me`, `other`, `place`, `home` or the name of a place in quotes",
-            );
+            let why = "expected `me`, `other`, `place`, `home` or the name of a place in quotes";
+            return ExpressionFault::new(node.at, why);
         };
         self.check_available(spot, node.at)?;
         Ok(spot)
@@ -426,11 +413,7 @@ impl ExpressionCompiler<'_> {
             _ => ExpressionFault::new(node.at, "expected `me` or `other`"),
         };
         let named_at = |sort: NameKind, of: usize| match &operands[of].tree {
-            ExpressionTree::Text(name) => self
-                .names
-                .number_of(sort, name)
-                .map(|n| n as u16)
-                .map_err(|why| ExpressionFault { at: operands[of].at + 1, why }),
+            ExpressionTree::Text(name) => self.number_of(sort, name, operands[of].at).map(|n| n as u16),
             _ => ExpressionFault::new(operands[of].at, format!("expected {} in quotes", Type::Name(sort).describe())),
         };
         let named = |sort: NameKind| named_at(sort, 0);
@@ -469,10 +452,8 @@ impl ExpressionCompiler<'_> {
         self.depth -= 1;
         let of = self.compile_any(&operands[1])?;
         if let Type::Spot(_) = of {
-            return ExpressionFault::new(
-                operands[1].at,
-                "expected a value, found somebody or somewhere: ask for something of it, such as `me.x`",
-            );
+            let why = "expected a value, found somebody or somewhere: ask for something of it, such as `me.x`";
+            return ExpressionFault::new(operands[1].at, why);
         }
         let skip = self.code.len();
         self.code.push(Op::Not);

@@ -61,12 +61,11 @@ pub fn parse_expression(text: &str) -> Result<ExpressionNode, ExpressionFault> {
     let mut parser = Parser { text, at: 0, depth: 0, operators: 0 };
     let node = parser.parse_level(0)?;
     parser.skip_blanks();
-    match parser.rest() {
-        "" => Ok(node),
-        rest => {
-            ExpressionFault::new(parser.at, format!("expected an operator or the end, found `{}`", first_word(rest)))
-        }
+    if parser.rest().is_empty() {
+        return Ok(node);
     }
+    let found = first_word(parser.rest());
+    ExpressionFault::new(parser.at, format!("expected an operator or the end, found `{found}`"))
 }
 
 struct Parser<'a> {
@@ -117,14 +116,12 @@ impl<'a> Parser<'a> {
             }
             self.operators += 1;
             if self.operators > OPERATORS {
-                return ExpressionFault::new(
-                    self.at,
-                    format!("expected at most {OPERATORS} operators: split it among several rules"),
-                );
+                let why = format!("expected at most {OPERATORS} operators: split it among several rules");
+                return ExpressionFault::new(self.at, why);
             }
             let right = self.parse_level(level + 1)?;
-            left =
-                ExpressionNode { at: left.at, tree: ExpressionTree::Binary(operator, Box::new(left), Box::new(right)) };
+            let at = left.at;
+            left = ExpressionNode { at, tree: ExpressionTree::Binary(operator, Box::new(left), Box::new(right)) };
         }
         self.depth -= 1;
         Ok(left)

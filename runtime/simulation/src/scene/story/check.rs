@@ -96,10 +96,8 @@ impl ValueConfig {
     pub(in crate::scene) fn find_fault(&self, key: &str) -> Result<(), KeyFault> {
         let [low, high] = self.limits;
         if !(low < high && low.abs() < 1e6 && high.abs() < 1e6) {
-            return key_fault(
-                &format!("{key}.limits"),
-                format!("expected two numbers that ascend, found {low} and {high}"),
-            );
+            let why = format!("expected two numbers that ascend, found {low} and {high}");
+            return key_fault(&format!("{key}.limits"), why);
         }
         check_ranges(&[(&format!("{key}.start"), self.start, low, high)])?;
         check_numbers(&[

@@ -81,7 +81,7 @@ impl<'p, 'a> ClusterEdges<'p, 'a> {
     }
 
     fn cell(&self, node: WorldNode) -> u32 {
-        self.outline.clusters.first_cell(node.instance) + node.cell
+        self.outline.clusters.first_cell[node.instance as usize] + node.cell
     }
 
     /// The cell of a block, where a link must follow.

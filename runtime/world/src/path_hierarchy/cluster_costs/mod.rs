@@ -5,7 +5,7 @@ mod edges;
 mod outline;
 mod search_graph;
 
-use super::dial::{Arcs, Dial, UNREACHED};
+use super::dial::{Arcs, Dial, frames};
 use super::plane::CellCost;
 use alike::least_across;
 use edges::ExitLanding;
@@ -41,7 +41,7 @@ impl AdjacentPart {
 /// search by the caller, see [`ClusterCosts::arcs_into`].
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClusterCosts {
-    num_cells: u32,
+    pub num_cells: u32,
     /// Entrances: what each leads from, as a number in [`ClusterOutline::beyond`], and the cells there, each with what of the way is
     /// counted on coming there.
     pub entrances: Vec<(u32, Vec<CellCost>)>,
@@ -54,7 +54,7 @@ pub(crate) struct ClusterCosts {
     #[serde(with = "crate::pod")]
     more: Vec<u16>,
     /// States that each entrance begins at, see [`ClusterCosts::arcs_into`], with what is counted on coming there.
-    starts: Vec<Vec<(u32, u16)>>,
+    pub starts: Vec<Vec<(u32, u16)>>,
     /// Least frames to leave by each exit, from each cell (exits * cells).
     #[serde(with = "crate::pod")]
     to_exit: Vec<u16>,
@@ -113,11 +113,6 @@ impl ClusterCosts {
             && self.back.is_sound(|&to| to, longest)
     }
 
-    /// Number of cells.
-    pub fn num_cells(&self) -> u32 {
-        self.num_cells
-    }
-
     /// Number of states: the cells, those of blocks again where a link must follow, as after a joint between blocks, and
     /// the cells beyond that entrances begin at.
     pub fn num_states(&self) -> usize {
@@ -127,11 +122,6 @@ impl ClusterCosts {
     /// Arcs into a state: the states before it, and their lengths (frames).
     pub fn arcs_into(&self, state: u32) -> &[(u32, u16)] {
         self.back.arcs_from(state)
-    }
-
-    /// States that an entrance begins at, each with what of the way is counted on coming there.
-    pub fn starts(&self, entrance: u32) -> &[(u32, u16)] {
-        &self.starts[entrance as usize]
     }
 
     /// Least frames from a cell to an exit. What lies at its cells may be below 0.
@@ -149,8 +139,4 @@ impl ClusterCosts {
     pub fn exit_landings(&self, out: u32) -> impl ExactSizeIterator<Item = ([i32; 2], u32, f32)> {
         self.spots[out as usize].iter().map(|(l, part)| (l.offset, l.cell, f32::from(*part)))
     }
-}
-
-fn frames(cost: u16) -> f32 {
-    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
 }

@@ -7,7 +7,7 @@ mod lattice;
 #[cfg(test)]
 mod tests;
 
-use super::dial::{Arcs, Dial, UNREACHED};
+use super::dial::{Arcs, Dial, UNREACHED, frames, whole};
 use far::BackwardArcs;
 use glam::Vec3;
 use lattice::lattice;
@@ -254,20 +254,14 @@ impl TilePlane {
     pub fn lookup(&self, goal: u32, offset: [i32; 2]) -> CostLookup {
         let g = &self.goals[goal as usize];
         if offset.iter().all(|w| w.abs() <= g.radius) {
-            return CostLookup {
-                row: g.first_row + self.prices.len() as u32 + offset_number(offset, g.radius),
-                more: 0.0,
-            };
+            let row = g.first_row + self.prices.len() as u32 + offset_number(offset, g.radius);
+            return CostLookup { row, more: 0.0 };
         }
-        self.lookup_far(g.first_row, offset)
-    }
-
-    fn lookup_far(&self, first_row: u32, offset: [i32; 2]) -> CostLookup {
         let k = match offset.iter().all(|w| w.abs() <= FAR) {
             true => u32::from(self.best_prices[offset_number(offset, FAR) as usize]),
             false => self.best_price(offset),
         };
-        let (p, row) = (self.prices[k as usize], first_row + k);
+        let (p, row) = (self.prices[k as usize], g.first_row + k);
         CostLookup { row, more: p[0] * offset[0] as f32 + p[1] * offset[1] as f32 + self.least[row as usize] }
     }
 
@@ -401,13 +395,4 @@ fn offsets(radius: i32) -> impl Iterator<Item = [i32; 2]> {
 /// Number of an offset within the table.
 fn offset_number([du, dv]: [i32; 2], radius: i32) -> u32 {
     ((du + radius) * (2 * radius + 1) + dv + radius) as u32
-}
-
-fn frames(cost: u16) -> f32 {
-    if cost == UNREACHED { f32::INFINITY } else { f32::from(cost) }
-}
-
-/// Whole frames, as few as there are at least.
-fn whole(cost: f32) -> u16 {
-    if cost == f32::INFINITY { UNREACHED } else { cost.floor().clamp(0.0, f32::from(UNREACHED) - 1.0) as u16 }
 }

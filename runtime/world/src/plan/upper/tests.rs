@@ -13,7 +13,7 @@ fn check_estimates(tile: &Tile, depths: [i32; 3], target: usize) -> usize {
     let target = nodes[target % nodes.len()];
     let costs = costs_to(&graph, target);
     for from in [nodes[0], nodes[nodes.len() - 1]] {
-        let leads = upper.run(&graph, hierarchy, PlanTarget::Node(target), from, f32::INFINITY);
+        let leads = upper.run(&graph, PlanTarget::Node(target), from, f32::INFINITY);
         assert!(leads || !costs.contains_key(&from), "{from:?} {target:?}");
         for (&node, &frames) in &costs {
             let estimate = upper.estimate(hierarchy, node);
