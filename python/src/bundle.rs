@@ -25,8 +25,8 @@ impl PyBundle {
 
     /// Tag, number of elements and length of an element of each section (bytes).
     fn _sections(&self) -> Vec<(String, usize, usize)> {
-        let tags = self.0.section_sizes().iter().filter_map(|(tag, bytes)| {
-            let (_, element) = self.0.section_bytes(*tag)?;
+        let tags = self.0.section_sizes().filter_map(|(tag, bytes)| {
+            let (_, element) = self.0.section_bytes(tag)?;
             Some((tag.to_string(), bytes / element.max(1), element))
         });
         tags.collect()
@@ -36,7 +36,7 @@ impl PyBundle {
     fn _bytes<'py>(this: &Bound<'py, Self>, tag: &str) -> PyResult<Bound<'py, PyArray1<u8>>> {
         let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(SectionTag(t)));
         let Some((bytes, _)) = found else {
-            let known: Vec<String> = this.get().0.section_sizes().iter().map(|s| s.0.to_string()).collect();
+            let known: Vec<String> = this.get().0.section_sizes().map(|s| s.0.to_string()).collect();
             return Err(error::input_error(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
         };
         let view = ArrayView1::from(bytes);

@@ -98,7 +98,7 @@ impl PolicyTable {
         let angles = self.grid.record().num_angles;
         let low = place.ring * F::splat(self.grid.angles_per_ring());
         let row_len = self.grid.num_cells() as u32;
-        let values = &self.values[height_offset..];
+        let values = &self.rows.values[height_offset..];
         let [near_a, far_a] = F::gather(values, angles as usize, ends, row_len, low + place.angle);
         let [near_b, far_b] = F::gather(values, angles as usize, ends, row_len, low + place.next_angle);
         let near = near_a + (near_b - near_a) * place.angle_ratio;
