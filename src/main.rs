@@ -54,13 +54,15 @@ enum MainCommand {
     Bake(bake::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
-    Query(query::Args),
+    #[command(subcommand)]
+    Query(query::QueryCommand),
     Stitch(stitch::Args),
     Check(check::Args),
     Run(run::Args),
     Explain(explain::Args),
     Plan(plan::Args),
-    Bench(bench::Args),
+    #[command(subcommand)]
+    Bench(bench::BenchCommand),
     Export(export::Args),
     View(view::Args),
     Selftest(selftest::Args),
