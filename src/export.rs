@@ -68,7 +68,7 @@ pub fn run(args: &Args) -> CommandResult {
     export_file(args)?;
     let Some(out) = &args.out else { return Ok(()) };
     let name = out.to_string_lossy();
-    let folder = take::folder_of(out).to_string_lossy();
+    let folder = files::folder_of(out).to_string_lossy();
     match args.format {
         Format::Glb | Format::Bvh if out.is_file() => help::next_step(&["inspect", &name]),
         Format::Glb | Format::Bvh | Format::Amass => help::next_step(&["inspect", &folder]),

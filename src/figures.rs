@@ -43,11 +43,9 @@ fn figure_rows(r: &SceneFigures) -> Vec<(&'static str, String)> {
     if let Some(p) = &r.partners {
         let ends = format!("{} finished, {} broken off", p.pairs_finished, p.pairs_broken_off);
         rows.push(("pairs", format!("{} begun, {ends}; {} did not come together", p.pairs_begun, p.pairs_given_up)));
-        let [p95, most] = [
-            [1e3 * p.partner_off_p95_m, p.partner_turned_p95_deg],
-            [1e3 * p.partner_off_max_m, p.partner_turned_max_deg],
-        ]
-        .map(|[mm, deg]| format!("{mm:.0} mm and {deg:.1} deg"));
+        let apart = |off_m: f64, turned_deg: f64| format!("{:.0} mm and {turned_deg:.1} deg", 1e3 * off_m);
+        let p95 = apart(p.partner_off_p95_m, p.partner_turned_p95_deg);
+        let most = apart(p.partner_off_max_m, p.partner_turned_max_deg);
         let waited = format!("waited {:.1} s on average", p.partner_wait_mean_s);
         rows.push(("partners", format!("{p95} off the capture (95th percentile), {most} at most; {waited}")));
     }

@@ -85,10 +85,9 @@ struct LiveArgs {
 
 /// Help on the JSON keys, for each kind of input.
 fn help() -> String {
-    let scene =
-        "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
-    [keys::json_keys_under::<BundleRunReport>("JSON keys (of a bundle)"), keys::json_keys_under::<SceneReport>(scene)]
-        .join("\n")
+    let bundle = keys::json_keys_under::<BundleRunReport>("JSON keys (of a bundle)");
+    let of = "of a scene; those that do not apply are left out, and `groups[]` has the same of each group";
+    [bundle, keys::json_keys_under::<SceneReport>(&format!("JSON keys ({of})"))].join("\n")
 }
 
 /// Printed report of a bundle.
@@ -188,15 +187,11 @@ fn run_scene(file: &Path, args: &Args) -> CommandResult {
         return output::json(&report);
     }
     print_scene(&report)?;
-    match &args.record {
-        Some(recording) if scene.has_story() => {
-            help::next_step(&["explain", &recording.to_string_lossy(), "--agent", "0"])
-        }
-        _ if args.png.is_some() || args.trajectories.is_some() || args.record.is_some() => {
-            help::next_step(&["view", &file.to_string_lossy()])
-        }
-        _ => Ok(()),
+    if let Some(recording) = args.record.as_ref().filter(|_| scene.has_story()) {
+        return help::next_step(&["explain", &recording.to_string_lossy(), "--agent", "0"]);
     }
+    let is_written = [&args.png, &args.trajectories, &args.record].iter().any(|file| file.is_some());
+    if is_written { help::next_step(&["view", &file.to_string_lossy()]) } else { Ok(()) }
 }
 
 /// Runs a scene for programs that show it.

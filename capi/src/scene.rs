@@ -45,22 +45,6 @@ pub struct ThrongCharactersConfig {
 
 const _: () = assert!(size_of::<ThrongCharactersConfig>() == 40);
 
-impl ThrongCharactersConfig {
-    fn standard() -> Self {
-        let standard = CharactersConfig::default();
-        Self {
-            struct_size: size_of::<Self>(),
-            seed: standard.seed,
-            capacity: 1000,
-            makes_way: 1,
-            temperature: 0.0,
-            half_life_s: standard.half_life_s,
-            instances: 0,
-            reserved: 0,
-        }
-    }
-}
-
 /// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
 fn check_size(what: &str, size: usize) -> CallResult {
     let expected = size_of::<ThrongCharactersConfig>();
@@ -81,8 +65,19 @@ pub unsafe extern "C" fn throng_characters_config_init(
 ) -> ThrongStatus {
     catch_fault(|| {
         check_size("size", size)?;
+        let CharactersConfig { seed, half_life_s, .. } = CharactersConfig::default();
+        let standard = ThrongCharactersConfig {
+            struct_size: size,
+            seed,
+            capacity: 1000,
+            makes_way: 1,
+            temperature: 0.0,
+            half_life_s,
+            instances: 0,
+            reserved: 0,
+        };
         // SAFETY: it has this size; promised by the caller.
-        unsafe { write_result("config", config, ThrongCharactersConfig::standard()) }
+        unsafe { write_result("config", config, standard) }
     })
 }
 

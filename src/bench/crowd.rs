@@ -4,6 +4,7 @@ use crate::args::{CommandResult, named_engine};
 use crate::figures::print_figures;
 use crate::{keys, output};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 use throng_core::base::error::ensure;
 use throng_core::base::limits;
@@ -49,12 +50,6 @@ pub struct Args {
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
-}
-
-/// Printed report of several runs.
-#[derive(Serialize)]
-struct CrowdBenchReport {
-    runs: Vec<CrowdBenchRun>,
 }
 
 /// Printed report of one run.
@@ -110,7 +105,7 @@ pub fn run(args: &Args) -> CommandResult {
     match &runs[..] {
         _ if !args.json => Ok(()),
         [one] => output::json(one),
-        _ => output::json(&CrowdBenchReport { runs }),
+        _ => output::json(&BTreeMap::from([("runs", runs)])),
     }
 }
 

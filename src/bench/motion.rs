@@ -4,6 +4,7 @@ use crate::args::{CacheArgs, CommandResult, is_bundle, open_bundle};
 use crate::{keys, output, run};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use throng_precompute::quality::MotionQuality;
 use throng_precompute::trial::{self, TrialConfig, TrialReport};
@@ -37,11 +38,6 @@ struct MotionBenchFigures {
     reached_fraction: f64,
 }
 
-#[derive(Serialize)]
-struct MotionBenchReport {
-    results: Vec<MotionBenchFigures>,
-}
-
 pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     if args.what.is_empty() {
@@ -56,7 +52,7 @@ pub fn run(args: &Args) -> CommandResult {
         results.push(figures(what.display().to_string(), &tables)?);
     }
     if args.json {
-        return output::json(&MotionBenchReport { results });
+        return output::json(&BTreeMap::from([("results", results)]));
     }
     let mut text = String::from(
         "low toes m/s (clips)  knee max  p99.9  at changes (clips)  between frames  hand > 6 Hz (clips)  slip m/s\n",

@@ -2,7 +2,7 @@
 
 use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
-use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
 use throng_core::base::limits;
 use throng_precompute::run::{ScenarioFigures, measure_scenario};
@@ -31,12 +31,6 @@ pub struct Args {
     json: bool,
 }
 
-/// Printed report of all scenes.
-#[derive(Serialize)]
-struct ScenarioBenchReport {
-    results: Vec<ScenarioFigures>,
-}
-
 pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     for name in &args.scene {
@@ -54,7 +48,7 @@ pub fn run(args: &Args) -> CommandResult {
         }
     }
     if args.json {
-        return output::json(&ScenarioBenchReport { results });
+        return output::json(&BTreeMap::from([("results", results)]));
     }
     let mut text = String::from(
         "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  by others\n",

@@ -93,7 +93,7 @@ pub fn run(args: &Args) -> CommandResult {
     let out = args.out.as_deref();
     // Beside the output, where there is room and no memory file system.
     let temporary = std::env::temp_dir();
-    let folder = out.map_or(temporary.as_path(), folder_of);
+    let folder = out.map_or(temporary.as_path(), files::folder_of);
     // Read before long work, as it may not be a character.
     let wear = |character: &PathBuf| CommandResult::Ok(Wearer::open(character, &args.read.config()?.import)?);
     let wearer = takes.onto.as_ref().map(wear).transpose()?;
@@ -102,11 +102,6 @@ pub fn run(args: &Args) -> CommandResult {
     }
     let take = record_take(args, folder)?;
     save(args, &take, out, wearer.as_ref(), folder)
-}
-
-/// Folder of a file.
-pub fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Runs the input and records the take.

@@ -149,9 +149,8 @@ impl ActivitySet {
         let rows = [first + frame, first + frame + 1];
         let [a, b] = rows.map(|r| &self.frames[r]);
         let mix = |a: f32, b: f32| a + (b - a) * ratio;
-        let [x, z, heading] = std::array::from_fn(|k| mix(a.planar[k], b.planar[k]));
-        let [x0, z0, heading0] = self.frames[first].planar;
-        let root = Planar::new(x0, z0, heading0).to_local(Planar::new(x, z, heading));
+        let root = Planar::from_array(std::array::from_fn(|k| mix(a.planar[k], b.planar[k])));
+        let root = Planar::from_array(self.frames[first].planar).to_local(root);
         let code = &self.code[0];
         let mut rotations: [Quat; NUM_JOINTS] =
             std::array::from_fn(|j| nlerp(code.rotation(a, j), code.rotation(b, j), ratio));

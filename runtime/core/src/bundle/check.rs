@@ -52,10 +52,7 @@ pub(super) fn check_used(tag: SectionTag, len: usize, used: u64, parts: &str) ->
 
 /// Planar root of a frame relative to another frame (both < number of frames).
 fn root_seen_from(t: &Bundle, from: u32, frame: u32) -> Planar {
-    let [from, to] = [from, frame].map(|f| {
-        let [x, z, heading] = t.frames()[f as usize].planar;
-        Planar::new(x, z, heading)
-    });
+    let [from, to] = [from, frame].map(|f| Planar::from_array(t.frames()[f as usize].planar));
     from.to_local(to)
 }
 
@@ -121,15 +118,15 @@ fn find_pair(t: &Bundle, found: impl Fn(&[FrameRow]) -> bool) -> Option<usize> {
 pub(super) fn hits(t: &Bundle) -> Result<(), FormatError> {
     let (hits, num_kinds) = (t.hits(), t.meta().hit_kinds().count());
     for (i, h) in hits.iter().enumerate() {
-        let check =
-            |good: bool, fault: &str| ensure(good, || FormatError::value(tags::HITS, i, format!("{fault}: {h:?}")));
+        let error = |fault: &str| FormatError::value(tags::HITS, i, format!("{fault}: {h:?}"));
         let follows = (h.frame as usize) < t.frames().len() && (i == 0 || hits[i - 1].frame <= h.frame);
-        check(follows, "its frame does not exist or comes before the last one")?;
+        ensure(follows, || error("its frame does not exist or comes before the last one"))?;
         let known = (h.kind as usize) < num_kinds && (h.joint as usize) < NUM_JOINTS && h.reserved == 0;
-        check(known, "no such kind or joint")?;
+        ensure(known, || error("no such kind or joint"))?;
         let moderate = h.position.iter().chain([&h.speed_mps]).all(|v| v.abs() < 1e6) && h.speed_mps >= 0.0;
         let unit = (h.direction().length() - 1.0).abs() < 1e-3;
-        check(moderate && unit && h.force > 0.0 && h.force <= 1.0, "it holds a number that cannot be")?;
+        let good = moderate && unit && h.force > 0.0 && h.force <= 1.0;
+        ensure(good, || error("it holds a number that cannot be"))?;
     }
     Ok(())
 }

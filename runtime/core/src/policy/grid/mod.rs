@@ -75,7 +75,7 @@ pub struct TargetGrid {
     heights_per_metre: f32,
     inverse_falloff: f32,
     /// Number of angles, index of the last ring, and indices of the last intervals, as floats.
-    angles: f32,
+    pub(in crate::policy) angles: f32,
     last_ring: f32,
     last_intervals: [f32; 2],
     /// Square of the ring spacing, and four times the growth.
@@ -105,14 +105,12 @@ impl TargetGrid {
             num_rings,
             num_angles,
             num_heights: 1,
-            ring_start: 0.0,
             ring_spacing: spacing,
             ring_growth: growth,
-            angle_start: 0.0,
             angle_spacing: TAU / num_angles.max(1) as f32,
-            height_start: 0.0,
             height_spacing: 1.0,
             falloff,
+            ..GridRecord::default()
         })
     }
 
