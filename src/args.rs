@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use throng_core::Bundle;
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_core::characters::ActionChoice;
 use throng_crowd::Scheme;
@@ -82,24 +83,22 @@ impl ReadArgs {
     /// Build config for some files; a skeleton that none of them can use is an error.
     pub fn config_for(&self, files: &[PathBuf]) -> CommandResult<BuildConfig> {
         let is_amc = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("amc"));
-        let asf = self.asf.as_ref().filter(|_| import::expand(files).is_ok_and(|all| !all.iter().any(is_amc)));
-        match (asf, files) {
-            (Some(asf), [file, ..]) => fail(format!(
-                "{}: --asf gives AMC files a skeleton ({}), and here is none; leave --asf out",
-                file.display(),
-                asf.display()
-            )),
-            _ => self.config(),
+        if let (Some(asf), [file, ..]) = (&self.asf, files)
+            && import::expand(files).is_ok_and(|all| !all.iter().any(is_amc))
+        {
+            let (file, asf) = (file.display(), asf.display());
+            return fail(format!(
+                "{file}: --asf gives AMC files a skeleton ({asf}), and here is none; leave --asf out"
+            ));
         }
+        self.config()
     }
 }
 
 /// The engine of a name.
 pub fn named_engine(name: &str) -> CommandResult<Scheme> {
-    match engine::scheme_named(name) {
-        Some(engine) => Ok(engine),
-        None => fail(format!("--engine {name}: expected one of {}", engine::names())),
-    }
+    let unknown = || format!("--engine {name}: expected one of {}", engine::names());
+    Ok(engine::scheme_named(name).ok_or_else(unknown)?)
 }
 
 /// True for the name of a config or a scene.
@@ -165,7 +164,7 @@ pub struct CrowdArgs {
     characters: Option<usize>,
     /// Simulated time; 20, or what the scene says, where absent.
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
-    seconds: Option<f32>,
+    pub seconds: Option<f32>,
     /// Steps a simulated second.
     #[arg(
         long,
@@ -175,7 +174,7 @@ pub struct CrowdArgs {
         allow_negative_numbers = true,
         value_parser = limits::number_parser::<f32>(&limits::STEP_HZ)
     )]
-    step_hz: f32,
+    pub step_hz: f32,
     /// Seed of places, targets and choices; 1, or what the scene says, where absent.
     #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
@@ -231,26 +230,14 @@ impl CrowdArgs {
         trial
     }
 
-    /// Steps a simulated second (Hz).
-    pub fn step_hz(&self) -> f64 {
-        f64::from(self.step_hz)
-    }
-
-    /// Simulated time, if it is given (s).
-    pub fn seconds(&self) -> Option<f32> {
-        self.seconds
-    }
-
     /// Overrides settings of a scene by the given options.
     pub fn override_scene(&self, scene: &mut Scene) -> CommandResult {
-        if self.single_load || self.bend != 0.0 || self.follow != 0 {
-            return fail("--single-load, --bend and --follow are for bundles, not for scenes");
-        }
+        let is_of_bundle = self.single_load || self.bend != 0.0 || self.follow != 0;
+        ensure(!is_of_bundle, || "--single-load, --bend and --follow are for bundles, not for scenes")?;
         if let Some(temperature) = self.temperature {
-            if scene.groups.iter().all(|g| g.behaviours.is_empty()) {
-                return fail("--temperature is for bundles and scenes with behaviours");
-            }
-            let with_behaviours = scene.groups.iter_mut().filter(|g| !g.behaviours.is_empty());
+            let mut with_behaviours = scene.groups.iter_mut().filter(|g| !g.behaviours.is_empty()).peekable();
+            let fault = "--temperature is for bundles and scenes with behaviours";
+            ensure(with_behaviours.peek().is_some(), || fault)?;
             with_behaviours.for_each(|g| g.temperature = f64::from(temperature));
         }
         if let Some(characters) = self.characters {

@@ -1,6 +1,6 @@
 //! `throng bake`: one shard of a build.
 
-use crate::args::{CacheArgs, CommandResult, fail};
+use crate::args::{CacheArgs, CommandResult};
 use crate::build::{BuildInputArgs, plan};
 use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
@@ -38,9 +38,8 @@ struct BakeReport {
 }
 
 pub fn run(args: &Args) -> CommandResult {
-    let Some(folder) = args.cache.folder() else {
-        return fail("a shard leaves what it does in the cache: run it without --no-cache");
-    };
+    let fault = "a shard leaves what it does in the cache: run it without --no-cache";
+    let folder = args.cache.folder().ok_or(fault)?;
     let plan = plan(&args.what)?;
     let bar = progress::BuildProgressBar::on_interrupt(Some(folder.clone()));
     let shard = pipeline::bake_shard(&plan.config, plan.parts, args.shard, &args.cache.cache()?, &bar);

@@ -9,14 +9,8 @@ mod scenario;
 use crate::args::CommandResult;
 
 /// Measure what a bundle, a crowd, a scenario, or plans of limbs cost on this machine, and how motion looks.
-#[derive(clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    what: BenchCommand,
-}
-
 #[derive(clap::Subcommand)]
-enum BenchCommand {
+pub enum BenchCommand {
     Bundle(bundle::Args),
     Motion(motion::Args),
     Crowd(crowd::Args),
@@ -24,8 +18,8 @@ enum BenchCommand {
     Scenario(scenario::Args),
 }
 
-pub fn run(args: &Args) -> CommandResult {
-    match &args.what {
+pub fn run(command: &BenchCommand) -> CommandResult {
+    match command {
         BenchCommand::Bundle(a) => bundle::run(a),
         BenchCommand::Motion(a) => motion::run(a),
         BenchCommand::Crowd(a) => crowd::run(a),

@@ -5,6 +5,7 @@ use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
+use throng_core::base::error::ensure;
 use throng_precompute::activities::ActivityReport;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
@@ -113,13 +114,9 @@ pub fn plan(args: &BuildInputArgs) -> CommandResult<BuildPlan<'_>> {
 pub fn run(args: &Args) -> CommandResult {
     let plan = plan(&args.what)?;
     let config = &plan.config;
-    let out = match &args.out {
-        Some(out) => out.clone(),
-        None if config.name.contains(['/', '\\']) => {
-            return fail(format!("the name \"{}\" is a path: name the bundle with --out", config.name));
-        }
-        None => PathBuf::from(format!("{}.throng", config.name)),
-    };
+    let is_name = args.out.is_some() || !config.name.contains(['/', '\\']);
+    ensure(is_name, || format!("the name \"{}\" is a path: name the bundle with --out", config.name))?;
+    let out = args.out.clone().unwrap_or_else(|| format!("{}.throng", config.name).into());
     let bar = progress::BuildProgressBar::on_interrupt(args.cache.folder());
     let build = match plan.parts {
         RequiredParts::All => pipeline::build,
@@ -145,64 +142,41 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
+    let files: usize = r.performers.iter().map(|p| p.clips.len()).sum();
+    let [left, right] = [r.contacts.left_share, r.contacts.right_share].map(|share| 100.0 * share);
+    let planted = format!("{:.3} m/s on average while planted", r.contacts.mean_speed_mps);
+    let states = format!("{} states ({} standing)", g.states, g.standing_states);
+    let actions = format!("{} actions ({:.1} a state)", g.actions, g.branching.mean);
+    let segments = format!("{} segments of {:.2} s on average", g.segments, g.segment_s.mean);
+    let [mean, worst] = [g.transition_error.mean, g.transition_error.max];
     let mut rows = vec![("made", r.summary())];
     rows.extend(r.not_made.iter().map(|n| ("not made", format!("{}: {}", n.part, n.why))));
-    rows.extend(vec![
-        (
-            "performers",
-            format!("{}, in {} files", r.performers.len(), r.performers.iter().map(|p| p.clips.len()).sum::<usize>()),
-        ),
+    rows.extend([
+        ("performers", format!("{}, in {files} files", r.performers.len())),
         ("clips", format!("{} ({} skipped)", r.clips, r.skipped.len())),
         ("frames", format!("{} usable, {} kept in the component", r.frames_in, r.frames_kept)),
-        (
-            "contacts",
-            format!(
-                "left {:.0} %, right {:.0} % of the frames, {:.3} m/s on average while planted",
-                100.0 * r.contacts.left_share,
-                100.0 * r.contacts.right_share,
-                r.contacts.mean_speed_mps
-            ),
-        ),
+        ("contacts", format!("left {left:.0} %, right {right:.0} % of the frames, {planted}")),
         ("feet", format!("stand up to {}", r.contacts.stance)),
         ("hits", r.hits.to_string()),
-        (
-            "graph",
-            format!(
-                "{} states ({} standing), {} actions ({:.1} a state), {} segments of {:.2} s on average",
-                g.states, g.standing_states, g.actions, g.branching.mean, g.segments, g.segment_s.mean
-            ),
-        ),
-        (
-            "transitions",
-            format!("error {:.3} on average, {:.3} at worst", g.transition_error.mean, g.transition_error.max),
-        ),
+        ("graph", format!("{states}, {actions}, {segments}")),
+        ("transitions", format!("error {mean:.3} on average, {worst:.3} at worst")),
     ]);
     if r.pose_groups > 0 {
-        let text = format!(
-            "{} of {:.1} frames on average, {:.0} at most; largest diameter {:.3}, threshold {}",
-            r.pose_groups, r.group_frames.mean, r.group_frames.max, r.max_group_diameter, r.group_threshold
-        );
-        rows.push(("pose groups", text));
+        let frames = format!("{:.1} frames on average, {:.0} at most", r.group_frames.mean, r.group_frames.max);
+        let diameters = format!("largest diameter {:.3}, threshold {}", r.max_group_diameter, r.group_threshold);
+        rows.push(("pose groups", format!("{} of {frames}; {diameters}", r.pose_groups)));
     }
     for p in &r.patches {
-        rows.push((
-            "patch",
-            format!(
-                "{}: {} frames in {} runs, {} cells, {} links ({} pruned for a direction, {} outside the component){}",
-                p.name,
-                p.frames,
-                p.segments,
-                p.cells,
-                p.links,
-                p.pruned_directions,
-                p.pruned_component,
-                match p.freedom {
-                    Freedom::EachTile => "",
-                    Freedom::FurtherTiles =>
-                        "; no entry leads to all sides and to rest within it, but all through further tiles",
-                }
-            ),
-        ));
+        let content = format!("{} frames in {} runs, {} cells, {} links", p.frames, p.segments, p.cells, p.links);
+        let (astray, outside) = (p.pruned_directions, p.pruned_component);
+        let freedom = match p.freedom {
+            Freedom::EachTile => "",
+            Freedom::FurtherTiles => {
+                "; no entry leads to all sides and to rest within it, but all through further tiles"
+            }
+        };
+        let pruned = format!("({astray} pruned for a direction, {outside} outside the component)");
+        rows.push(("patch", format!("{}: {content} {pruned}{freedom}", p.name)));
     }
     for p in r.patches.iter().flat_map(|p| &p.pairs) {
         let [a, b] = &p.clips;
@@ -216,18 +190,9 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
     rows.extend(r.blend_spaces.iter().flat_map(blend));
     rows.extend(activities(&r.activities));
     for p in &r.policies {
-        rows.push((
-            "policy",
-            format!(
-                "{}: {} cells, {} sweeps, residual {:.1e} (measured), {}, {:.2} s",
-                p.name,
-                p.cells,
-                p.sweeps,
-                p.residual,
-                output::bytes(p.bytes as u64),
-                p.seconds
-            ),
-        ));
+        let sweeps = format!("{} cells, {} sweeps, residual {:.1e} (measured)", p.cells, p.sweeps, p.residual);
+        let bytes = output::bytes(p.bytes as u64);
+        rows.push(("policy", format!("{}: {sweeps}, {bytes}, {:.2} s", p.name, p.seconds)));
         if let (Some(kept), Some(p05)) = (p.promise.kept, p.promise.kept_p05) {
             let text = format!("{:.0} % of what is promised; 5th percentile {:.0} %", 100.0 * kept, 100.0 * p05);
             rows.push(("  collects", text));
@@ -235,14 +200,8 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
         rows.extend(p.adaptive.as_ref().map_or(Vec::new(), adaptive));
     }
     rows.push(("time", format!("{:.2} s ({}{cached})", r.seconds_total, stages.join(", "))));
-    rows.push((
-        "bundle",
-        format!(
-            "{out}, {}; poses are off by at most {:.2} mm at a joint",
-            output::bytes(r.bundle_bytes),
-            r.joint_error_worst_mm
-        ),
-    ));
+    let (bytes, off_mm) = (output::bytes(r.bundle_bytes), r.joint_error_worst_mm);
+    rows.push(("bundle", format!("{out}, {bytes}; poses are off by at most {off_mm:.2} mm at a joint")));
     output::table(&rows)
 }
 
@@ -266,19 +225,11 @@ fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
         format!("; the widest seam was {deg:.1} deg a joint and {cm:.1} cm at `{}`", e.name)
     });
     let knots: Vec<_> = b.knots.iter().zip(&b.axes).map(|(k, a)| format!("{k} {a}")).collect();
-    let weights = format!(
-        "{} knots, {}, error {:.4} of {} allowed",
-        knots.join(" x "),
-        output::bytes(b.weight_table_bytes),
-        b.weight_table_max_error,
-        b.weight_tolerance
-    );
-    let postures = format!(
-        "{} phases, {}; joints turn up to {:.0} deg from their references",
-        b.phases,
-        output::bytes(b.posture_bytes),
-        b.max_displacement_rad.to_degrees()
-    );
+    let [weight_bytes, posture_bytes] = [b.weight_table_bytes, b.posture_bytes].map(output::bytes);
+    let error = format!("error {:.4} of {} allowed", b.weight_table_max_error, b.weight_tolerance);
+    let weights = format!("{} knots, {weight_bytes}, {error}", knots.join(" x "));
+    let turn = format!("joints turn up to {:.0} deg from their references", b.max_displacement_rad.to_degrees());
+    let postures = format!("{} phases, {posture_bytes}; {turn}", b.phases);
     let examples = format!("{}: {} examples ({} alike left out){seam}", b.name, b.examples.len(), b.left_out);
     [("blend space", examples), ("  weights", weights), ("  postures", postures)]
 }
@@ -287,19 +238,13 @@ fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
 fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
     let row = |name: &'static str, a: &Approximation| {
         let [rings, angles, heights] = a.counts;
-        let text = format!(
-            "{} of {} ({rings:.1} rings, {angles:.1} angles, {heights:.1} heights a state); values of {:.3} are off by \
-             {:.4} on average, {:.4} at the 95th percentile, {:.3} at worst; {:.1} % other decisions lose {:.2} %",
-            output::bytes(a.bytes as u64),
-            output::bytes(r.finest_bytes as u64),
-            r.mean_value,
-            a.mean_error,
-            a.p95_error,
-            a.max_error,
-            100.0 * a.changed_share,
-            100.0 * a.mean_loss
-        );
-        (name, text)
+        let [own, finest] = [a.bytes, r.finest_bytes].map(|n| output::bytes(n as u64));
+        let grids = format!("{rings:.1} rings, {angles:.1} angles, {heights:.1} heights a state");
+        let (value, mean, p95, worst) = (r.mean_value, a.mean_error, a.p95_error, a.max_error);
+        let off = format!("{mean:.4} on average, {p95:.4} at the 95th percentile, {worst:.3} at worst");
+        let [others, loss] = [a.changed_share, a.mean_loss].map(|share| 100.0 * share);
+        let lost = format!("{others:.1} % other decisions lose {loss:.2} %");
+        (name, format!("{own} of {finest} ({grids}); values of {value:.3} are off by {off}; {lost}"))
     };
     vec![row("  adaptive", &r.adaptive), row("  or uniform", &r.uniform), row("  uniform, fitted", &r.uniform_fitted)]
 }

@@ -72,7 +72,7 @@ pub fn run(args: &Args) -> CommandResult {
         (entries, bytes) = cache.clear()?;
     }
     let report = CacheReport { folder: &args.cache, entries, bytes, stages, cleared };
-    if args.json { output::json(&report) } else { print(&report) }
+    output::report(&report, args.json, print)
 }
 
 fn print(r: &CacheReport<'_>) -> CommandResult {
@@ -92,5 +92,6 @@ fn print(r: &CacheReport<'_>) -> CommandResult {
         [format!("{} {stage}", of.entries), output::bytes(of.bytes), last]
     };
     let rows: Vec<[String; 3]> = r.stages.iter().map(row).collect();
-    output::columns(["entries", "bytes", "last use"], rows.iter().map(|r| [&*r[0], &*r[1], &*r[2]]))
+    let rows = rows.iter().map(|row| row.each_ref().map(String::as_str));
+    output::columns([["entries", "bytes", "last use"]].into_iter().chain(rows))
 }

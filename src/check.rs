@@ -5,7 +5,6 @@ mod task;
 use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use serde::Serialize;
-use std::fmt::Write;
 use std::path::PathBuf;
 use throng_simulation::{Scene, Simulation};
 
@@ -47,11 +46,9 @@ struct TableSize {
 
 /// Help on the JSON keys, for each kind of input.
 fn help() -> String {
-    [
-        keys::json_keys_under::<SceneCheckReport>("JSON keys (of a scene)"),
-        keys::json_keys_under::<task::TaskCheckReport>("JSON keys (of a task)"),
-    ]
-    .join("\n")
+    let scene = keys::json_keys_under::<SceneCheckReport>("JSON keys (of a scene)");
+    let task = keys::json_keys_under::<task::TaskCheckReport>("JSON keys (of a task)");
+    [scene, task].join("\n")
 }
 
 pub fn run(args: &Args) -> CommandResult {
@@ -73,13 +70,8 @@ pub fn run(args: &Args) -> CommandResult {
     if args.json {
         return output::json(&checked);
     }
-    let mut text = format!("{}: {} characters", checked.scene, checked.characters);
-    for table in &checked.tables {
-        _ = write!(text, ", {} {}", table.rows, table.name);
-    }
-    text.push('\n');
-    for missing in &checked.missing_motion {
-        _ = writeln!(text, "no motion: {missing}");
-    }
-    output::text(text)
+    let tables = checked.tables.iter().map(|table| format!(", {} {}", table.rows, table.name));
+    let missing = checked.missing_motion.iter().map(|missing| format!("no motion: {missing}\n"));
+    let (tables, missing): (String, String) = (tables.collect(), missing.collect());
+    output::text(format!("{}: {} characters{tables}\n{missing}", checked.scene, checked.characters))
 }

@@ -10,7 +10,7 @@ use throng_precompute::config::BuildConfig;
 use throng_precompute::report::BuildReport;
 use throng_precompute::synth::{SynthConfig, SynthSet};
 use throng_precompute::trial::{self, TrialConfig, TrialReport};
-use throng_precompute::{pipeline, synth};
+use throng_precompute::{picture, pipeline, synth};
 
 /// Synthesise motion, bake it, run 1000 characters, draw a picture.
 #[derive(clap::Args)]
@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> CommandResult {
     // Farther than most targets of a run, so that many characters pass each other.
     let trial_config = TrialConfig { streams: true, distances: [7.0, 8.0], ..args.crowd.trial() };
     let (report, record) = trial::run(&tables, &trial_config)?;
-    run::save_trial_picture(&tables, &trial_config, &report, &record, &args.out)?;
+    picture::trial_sheet(&tables, &trial_config, &report, &record).save_png(&args.out)?;
     if args.json {
         return output::json(&DemoReport { trial: report, build: built });
     }

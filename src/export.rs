@@ -2,13 +2,14 @@
 
 mod take;
 
-use crate::args::{CommandResult, ReadArgs, fail};
+use crate::args::{CommandResult, ReadArgs, fail, is_bundle, open_bundle};
 use crate::help;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use throng_core::base::error::ensure;
 use throng_precompute::annotate::hits::{self, HitPoint};
 use throng_precompute::import::{clip_in_file, is_motion, read_clip};
-use throng_precompute::{Warnings, export, files, graph, pipeline, policy};
+use throng_precompute::{ClipSet, Warnings, export, files, graph, pipeline, policy};
 
 /// Write running characters, or motion, for other programs, from a scene, a recording, a bundle or a motion file.
 ///
@@ -67,11 +68,10 @@ pub fn run(args: &Args) -> CommandResult {
     export_file(args)?;
     let Some(out) = &args.out else { return Ok(()) };
     let name = out.to_string_lossy();
+    let folder = files::folder_of(out).to_string_lossy();
     match args.format {
         Format::Glb | Format::Bvh if out.is_file() => help::next_step(&["inspect", &name]),
-        Format::Glb | Format::Bvh | Format::Amass => {
-            help::next_step(&["inspect", &take::folder_of(out).to_string_lossy()])
-        }
+        Format::Glb | Format::Bvh | Format::Amass => help::next_step(&["inspect", &folder]),
         Format::Npz | Format::Instances => {
             help::next_command("python3", &["-c", &format!("import numpy; print(numpy.load({name:?}).files)")])
         }
@@ -94,51 +94,50 @@ fn export_file(args: &Args) -> CommandResult {
     match args.format {
         _ if is_take => take::run(args),
         Format::HitsCsv => {
-            let points = if crate::args::is_bundle(&args.file) {
-                HitPoint::from_bundle(&crate::args::open_bundle(&args.file)?)
-            } else {
-                let config = args.read.config_for(std::slice::from_ref(&args.file))?;
-                let imported = read_clip(&args.file, &config.import)?;
-                HitPoint::from_clip_set(&pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
+            let points = match is_bundle(&args.file) {
+                true => HitPoint::from_bundle(&open_bundle(&args.file)?),
+                false => HitPoint::from_clip_set(&retargeted_clip(args)?),
             };
             write(args.out.as_deref(), |w| hits::write_csv(&points, w))
         }
         Format::GraphJson => {
-            let tables = crate::args::open_bundle(&args.file)?;
+            let tables = open_bundle(&args.file)?;
             write(args.out.as_deref(), |w| graph::write_graph_json(&graph::graph_rows(&tables), w))
         }
         Format::PolicyCsv => {
-            let tables = crate::args::open_bundle(&args.file)?;
-            let name = args.behaviour.as_ref().or(tables.meta().behaviours.first());
-            let Some(index) = name.and_then(|n| tables.find_policy(n).ok()) else {
-                let known = tables.meta().behaviours.join(", ");
-                return fail(format!("{}: no such behaviour; there are: {known}", args.file.display()));
-            };
-            write(args.out.as_deref(), |w| policy::write_csv(&tables.policies()[index], w))
+            let tables = open_bundle(&args.file)?;
+            let known = &tables.meta().behaviours;
+            let index = args.behaviour.as_ref().or(known.first()).and_then(|name| tables.find_policy(name).ok());
+            let fault = || format!("{}: no such behaviour; there are: {}", args.file.display(), known.join(", "));
+            let policy = &tables.policies()[index.ok_or_else(fault)?];
+            write(args.out.as_deref(), |w| policy::write_csv(policy, w))
         }
         _ => clip(args),
     }
 }
 
 fn clip(args: &Args) -> CommandResult {
-    if crate::args::is_bundle(&args.file) {
-        return fail(format!(
-            "{}: a bundle is written as glb, usda, bvh, npz, amass, csv, graph-json, policy-csv or hits-csv; positions-csv is of a motion file",
-            args.file.display()
-        ));
-    }
-    let config = args.read.config_for(std::slice::from_ref(&args.file))?;
-    let imported = read_clip(&args.file, &config.import)?;
+    let formats = "glb, usda, bvh, npz, amass, csv, graph-json, policy-csv or hits-csv";
+    let fault = format!("a bundle is written as {formats}; positions-csv is of a motion file");
+    ensure(!is_bundle(&args.file), || format!("{}: {fault}", args.file.display()))?;
     let raw = if args.retargeted {
-        let clips = pipeline::clips_of(&[imported], &config, &mut Warnings::default())?;
-        export::to_raw(&clips.clips[0], &clips.skeleton)
+        let set = retargeted_clip(args)?;
+        export::to_raw(&set.clips[0], &set.skeleton)
     } else {
-        imported.clip
+        let config = args.read.config_for(std::slice::from_ref(&args.file))?;
+        read_clip(&args.file, &config.import)?.clip
     };
     write(args.out.as_deref(), |w| match args.format {
         Format::Bvh => export::bvh::write_clip(&raw, w),
         _ => export::positions_csv(&raw, w),
     })
+}
+
+/// The clip of the file on the database skeleton, as a build would use it.
+fn retargeted_clip(args: &Args) -> CommandResult<ClipSet> {
+    let config = args.read.config_for(std::slice::from_ref(&args.file))?;
+    let imported = read_clip(&args.file, &config.import)?;
+    Ok(pipeline::clips_of(&[imported], &config, &mut Warnings::default())?)
 }
 
 /// Writes to a file, which appears when it is complete, or to standard output.

@@ -6,6 +6,7 @@ mod scene;
 use crate::args::{CommandResult, ReadArgs, fail, is_bundle};
 use crate::{help, keys, output, progress};
 use std::path::PathBuf;
+use throng_core::base::error::ensure;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
 use throng_precompute::{files, import};
 
@@ -68,7 +69,7 @@ pub fn run(args: &Args) -> CommandResult {
     };
     let stem = file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let title = format!("{stem}: effective hitting points");
-    if crate::args::is_bundle(file) {
+    if is_bundle(file) {
         let tables = crate::args::open_bundle(file)?;
         if let Some(path) = &args.hits_png {
             hit_picture::bundle_hit_picture(&tables, &title).save_png(path)?;
@@ -84,20 +85,14 @@ pub fn run(args: &Args) -> CommandResult {
 
 /// Inspects several files, or those of a folder.
 fn inspect_many(args: &Args) -> CommandResult {
-    if args.hits_png.is_some() {
-        return fail("--hits-png is for one clip or bundle");
-    }
+    ensure(args.hits_png.is_none(), || "--hits-png is for one clip or bundle")?;
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    let report =
-        inspect::inspect_all(&args.files, &args.read.config_for(&args.files)?, &progress::BuildProgressBar::default())?;
+    let (config, bar) = (args.read.config_for(&args.files)?, progress::BuildProgressBar::default());
+    let report = inspect::inspect_all(&args.files, &config, &bar)?;
     if report.files.iter().all(|f| f.verdict == "skipped") {
-        if args.json {
-            output::json(&report)?
-        } else {
-            output::text(&report)?
-        }
+        output::report(&report, args.json, |r| output::text(r))?;
         return fail(format!("none of {} file(s) can be read: a build would make nothing of them", report.files.len()));
     }
     print(args, &report, "build")

@@ -54,13 +54,15 @@ enum MainCommand {
     Bake(bake::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
-    Query(query::Args),
+    #[command(subcommand)]
+    Query(query::QueryCommand),
     Stitch(stitch::Args),
     Check(check::Args),
     Run(run::Args),
     Explain(explain::Args),
     Plan(plan::Args),
-    Bench(bench::Args),
+    #[command(subcommand)]
+    Bench(bench::BenchCommand),
     Export(export::Args),
     View(view::Args),
     Selftest(selftest::Args),
@@ -93,10 +95,7 @@ fn main() -> ExitCode {
         MainCommand::Bench(a) => bench::run(&a),
         MainCommand::Export(a) => export::run(&a),
         // The viewer prints its own errors; its exit code is passed on.
-        MainCommand::View(a) => match view::run(&a) {
-            Ok(code) => return code,
-            Err(e) => Err(e),
-        },
+        MainCommand::View(a) => return view::run(&a).unwrap_or_else(|e| exit_code(Err(e))),
         MainCommand::Selftest(a) => selftest::run(&a),
         MainCommand::Schema(a) => schema::run(&a),
         MainCommand::Cache(a) => cache::run(&a),

@@ -22,38 +22,33 @@ pub fn print_to_stderr(line: impl std::fmt::Display) {
     eprintln!("{}", escape_for_terminal(&line.to_string()));
 }
 
-/// Prints lines of a label and a text, aligned.
-pub fn table(rows: &[(&str, String)]) -> CommandResult {
-    let rows: Vec<_> =
-        rows.iter().map(|(label, text)| (escape_for_terminal(label), escape_for_terminal(text))).collect();
-    let width = rows.iter().map(|r| r.0.chars().count()).max().unwrap_or(0);
-    let mut out = std::io::stdout().lock();
-    for (label, text) in rows {
-        writeln!(out, "{label:width$}  {text}")?;
-    }
-    Ok(())
+/// Prints a report as JSON, or as text.
+pub fn report<T: Serialize>(report: &T, as_json: bool, print: impl FnOnce(&T) -> CommandResult) -> CommandResult {
+    if as_json { json(report) } else { print(report) }
 }
 
-/// Prints rows of three texts below a heading, in columns.
-pub fn columns<'a>(heading: [&'a str; 3], rows: impl Iterator<Item = [&'a str; 3]>) -> CommandResult {
-    let rows: Vec<_> = std::iter::once(heading).chain(rows).map(|row| row.map(escape_for_terminal)).collect();
-    let width = |column: usize| rows.iter().map(|r| r[column].chars().count()).max().unwrap_or(0);
-    let (first, second) = (width(0), width(1));
+/// Prints lines of a label and a text, aligned.
+pub fn table(rows: &[(&str, String)]) -> CommandResult {
+    columns(rows.iter().map(|(label, text)| [*label, text]))
+}
+
+/// Prints rows of texts in columns.
+pub fn columns<'a, const N: usize>(rows: impl Iterator<Item = [&'a str; N]>) -> CommandResult {
+    let rows: Vec<_> = rows.map(|row| row.map(escape_for_terminal)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
     let mut out = std::io::stdout().lock();
-    for [a, b, c] in rows {
-        writeln!(out, "{a:first$}  {b:second$}  {c}")?;
+    for row in rows {
+        let padded = row[..N - 1].iter().zip(widths).map(|(text, width)| format!("{text:width$}  "));
+        writeln!(out, "{}{}", padded.collect::<String>(), row[N - 1])?;
     }
     Ok(())
 }
 
 /// Prints warnings and skipped files on standard error.
 pub fn warnings(skipped: &[String], warnings: &[String]) {
-    for w in warnings {
-        print_to_stderr(format_args!("warning: {w}"));
-    }
-    for s in skipped {
-        print_to_stderr(format_args!("skipped: {s}"));
-    }
+    warnings.iter().for_each(|w| print_to_stderr(format_args!("warning: {w}")));
+    skipped.iter().for_each(|s| print_to_stderr(format_args!("skipped: {s}")));
     if !skipped.is_empty() {
         eprintln!("{} file(s) skipped; --strict stops at the first", skipped.len());
     }

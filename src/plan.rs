@@ -5,6 +5,7 @@ mod strip;
 use crate::args::{CacheArgs, CommandResult, ReadArgs, fail};
 use crate::{help, keys, output};
 use std::path::PathBuf;
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_planner::task::{RunOptions, Task};
 use throng_precompute::files;
@@ -48,16 +49,15 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> CommandResult {
-    if !args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh")) {
-        return fail(format!("{}: expected a name that ends with .bvh", args.out.display()));
-    }
+    let is_bvh = args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("bvh"));
+    ensure(is_bvh, || format!("{}: expected a name that ends with .bvh", args.out.display()))?;
     files::check_targets(args.png.iter().chain([&args.out]), [&args.task])?;
     let task = Task::read(&args.task)?;
     let config = args.read.config()?;
     let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
     let (task, clips) = sources.stage_task(task, args.seed)?;
-    let found =
-        plans::variants(&task, &clips, args.variants, &RunOptions { seed: args.seed, ..RunOptions::default() })?;
+    let options = RunOptions { seed: args.seed, ..RunOptions::default() };
+    let found = plans::variants(&task, &clips, args.variants, &options)?;
     let Some(mut report) = plans::plan_report(&task, &found) else { return fail("no motion was made") };
     if let Some(png) = &args.png {
         let title = args.task.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -70,11 +70,7 @@ pub fn run(args: &Args) -> CommandResult {
             report.files.extend(plans::write_plan(&task, &clips, outcome, &args.out, i)?);
         }
     }
-    if args.json {
-        output::json(&report)?
-    } else {
-        print(&report)?
-    }
+    output::report(&report, args.json, print)?;
     if let Some(fault) = fault {
         return fail(format!("{fault}; nothing was written. Try another --seed, or a larger clearance_m"));
     }
@@ -97,36 +93,15 @@ fn warn_of_few(found: usize, args: &Args) {
 fn print(r: &PlanReport) -> CommandResult {
     let mut rows: Vec<(&str, String)> = Vec::new();
     for t in &r.tasks {
-        rows.push((
-            if t.solved { "done" } else { "not done" },
-            match &t.why {
-                Some(why) => format!("{}: {why}", t.name),
-                None => t.name.clone(),
-            },
-        ));
+        let why = t.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
+        rows.push((if t.solved { "done" } else { "not done" }, format!("{}{why}", t.name)));
     }
-    rows.push((
-        "planned",
-        format!(
-            "in {:.1} ms, first ways after {:.1} ms; {} nodes, {} looks",
-            1e3 * r.total_s,
-            1e3 * r.first_solution_s,
-            r.nodes,
-            r.checks
-        ),
-    ));
-    let number = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.3}"));
-    rows.push((
-        "motion",
-        format!(
-            "{:.2} rad, jerk {:.0} rad/s^3 ({:.0} before smoothing); {} m clear, {}",
-            r.path_length_rad,
-            r.jerk_after,
-            r.jerk_before,
-            number(r.clearance_min_m),
-            r.limits()
-        ),
-    ));
+    let [all_ms, first_ms] = [r.total_s, r.first_solution_s].map(|s| 1e3 * s);
+    let counts = format!("{} nodes, {} looks", r.nodes, r.checks);
+    rows.push(("planned", format!("in {all_ms:.1} ms, first ways after {first_ms:.1} ms; {counts}")));
+    let clear_m = r.clearance_min_m.map_or_else(|| "-".into(), |m| format!("{m:.3}"));
+    let jerk = format!("jerk {:.0} rad/s^3 ({:.0} before smoothing)", r.jerk_after, r.jerk_before);
+    rows.push(("motion", format!("{:.2} rad, {jerk}; {clear_m} m clear, {}", r.path_length_rad, r.limits())));
     rows.push(("check", format!("{} violations, {:.4} m deep at most", r.recheck_violations, r.penetration_max_m)));
     for v in &r.variants {
         rows.push(("variant", format!("seed {}, {:.3} rad from the most similar one", v.seed, v.distance_rad)));

@@ -24,10 +24,8 @@ pub struct ScratchFolder(TempDir);
 impl ScratchFolder {
     pub fn new() -> std::io::Result<Self> {
         let folder = tempfile::tempdir().map_err(|e| {
-            let why = format!(
-                "cannot make a folder for temporary files: {e}; set TMPDIR to a folder that is there and may be written"
-            );
-            std::io::Error::new(e.kind(), why)
+            let way_out = "set TMPDIR to a folder that is there and may be written";
+            std::io::Error::new(e.kind(), format!("cannot make a folder for temporary files: {e}; {way_out}"))
         })?;
         lock(&SCRATCH_FOLDERS).push(folder.path().to_path_buf());
         Ok(Self(folder))
@@ -109,19 +107,13 @@ impl BuildProgressBar {
             }
             let now = lock(&now);
             if !now.is_over {
-                output::print_to_stderr(format_args!(
-                    "\n{}",
-                    now.status.interruption_text(cache.as_deref(), "the same command")
-                ));
+                let text = now.status.interruption_text(cache.as_deref(), "the same command");
+                output::print_to_stderr(format_args!("\n{text}"));
             }
             lock(&SCRATCH_FOLDERS).iter().for_each(|folder| _ = std::fs::remove_dir_all(folder));
             std::process::exit(INTERRUPTED);
         });
         bar
-    }
-
-    fn with_bar(&self, f: impl FnOnce(&mut Option<ProgressBar>)) {
-        f(&mut lock(&self.bar));
     }
 }
 
@@ -135,24 +127,23 @@ impl Progress for BuildProgressBar {
         if !self.is_terminal {
             return;
         }
-        let template = if total > 0 {
-            format!("{{prefix:>10}} [{{bar:30}}] {{pos}}/{{len}} {unit}, {{per_sec}}, {{eta}} left")
-        } else {
-            format!("{{prefix:>10}} {{spinner}} {{pos}} {unit}, {{per_sec}}, {{elapsed}}")
+        let (bar, begin, end) = match total {
+            0 => (ProgressBar::no_length(), "{spinner} {pos}", "{elapsed}"),
+            _ => (ProgressBar::new(total), "[{bar:30}] {pos}/{len}", "{eta} left"),
         };
+        let template = format!("{{prefix:>10}} {begin} {unit}, {{per_sec}}, {end}");
         let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = if total > 0 { ProgressBar::new(total) } else { ProgressBar::no_length() };
-        self.with_bar(|b| *b = Some(bar.with_style(style.progress_chars("=> ")).with_prefix(stage)));
+        *lock(&self.bar) = Some(bar.with_style(style.progress_chars("=> ")).with_prefix(stage));
     }
 
     fn advance(&self, done: u64) {
         lock(&self.now).status.advance(done);
-        self.with_bar(|b| b.iter().for_each(|b| b.inc(done)));
+        lock(&self.bar).iter().for_each(|bar| bar.inc(done));
     }
 
     fn end(&self) {
         lock(&self.now).status.end();
-        self.with_bar(|b| b.take().iter().for_each(ProgressBar::finish_and_clear));
+        lock(&self.bar).take().iter().for_each(ProgressBar::finish_and_clear);
     }
 
     fn enter_stage(&self, stage: &'static str) {

@@ -6,20 +6,14 @@ mod path;
 use crate::args::CommandResult;
 
 /// Ask a policy for an action, or plan a path through a world.
-#[derive(clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    what: QueryCommand,
-}
-
 #[derive(clap::Subcommand)]
-enum QueryCommand {
+pub enum QueryCommand {
     Action(action::Args),
     Path(path::Args),
 }
 
-pub fn run(args: &Args) -> CommandResult {
-    match &args.what {
+pub fn run(command: &QueryCommand) -> CommandResult {
+    match command {
         QueryCommand::Action(a) => action::run(a),
         QueryCommand::Path(a) => path::run(a),
     }

@@ -1,7 +1,7 @@
 //! `throng run`: a scene, or characters on a bundle.
 
-use crate::args::{CacheArgs, CommandResult, CrowdArgs, fail, is_bundle, is_toml, named_engine};
-use crate::figures::figures;
+use crate::args::{CacheArgs, CommandResult, CrowdArgs, is_bundle, is_toml, named_engine};
+use crate::figures::print_figures;
 use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,13 +9,14 @@ use std::fmt::Write;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use throng_core::Bundle;
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_precompute::error::Result;
 use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
 use throng_precompute::picture;
 use throng_precompute::run::{self, BuildContext, SceneReport, SceneRunConfig, TrajectoryPoint};
-use throng_precompute::trial::{self, TrialConfig, TrialRecord, TrialReport};
+use throng_precompute::trial::{self, TrialReport};
 use throng_precompute::verdict::Verdict;
 use throng_simulation::{CompiledScene, GroupMotion, Scene};
 
@@ -84,10 +85,9 @@ struct LiveArgs {
 
 /// Help on the JSON keys, for each kind of input.
 fn help() -> String {
-    let scene =
-        "JSON keys (of a scene; those that do not apply are left out, and `groups[]` has the same of each group)";
-    [keys::json_keys_under::<BundleRunReport>("JSON keys (of a bundle)"), keys::json_keys_under::<SceneReport>(scene)]
-        .join("\n")
+    let bundle = keys::json_keys_under::<BundleRunReport>("JSON keys (of a bundle)");
+    let of = "of a scene; those that do not apply are left out, and `groups[]` has the same of each group";
+    [bundle, keys::json_keys_under::<SceneReport>(&format!("JSON keys ({of})"))].join("\n")
 }
 
 /// Printed report of a bundle.
@@ -106,20 +106,13 @@ pub fn run(args: &Args) -> CommandResult {
     match args.what.as_slice() {
         [scene] if is_toml(scene) => return run_scene(scene, args),
         [_] => {}
-        several if several.iter().any(is_single) => return fail("expected one scene, one bundle, or motion alone"),
-        _ => {}
+        several => ensure(!several.iter().any(is_single), || "expected one scene, one bundle, or motion alone")?,
     }
-    if args.bundle.is_some()
-        || args.engine.is_some()
-        || !args.without.is_empty()
-        || args.trajectories.is_some()
-        || args.record.is_some()
-        || args.live.serve.is_some()
-    {
-        return fail(
-            "--bundle, --engine, --record, --serve, --trajectories and --without are for scenes; name the bundle alone",
-        );
-    }
+    let files_of_scenes = [&args.bundle, &args.trajectories, &args.record].into_iter().flatten();
+    let is_of_scene = args.engine.is_some() || !args.without.is_empty() || args.live.serve.is_some();
+    let fault =
+        "--bundle, --engine, --record, --serve, --trajectories and --without are for scenes; name the bundle alone";
+    ensure(!is_of_scene && files_of_scenes.count() == 0, || fault)?;
     let tables = match args.what.as_slice() {
         [bundle] if is_bundle(bundle) => crate::args::open_bundle(bundle)?,
         motion => motion_bundle(motion, &args.cache)?,
@@ -129,7 +122,7 @@ pub fn run(args: &Args) -> CommandResult {
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
-        save_trial_picture(&tables, &config, &report, &record, png)?;
+        picture::trial_sheet(&tables, &config, &report, &record).save_png(png)?;
     }
     let verdict = Verdict::new(&tables, &report, &[]);
     if args.json {
@@ -171,8 +164,8 @@ fn run_scene(file: &Path, args: &Args) -> CommandResult {
         return serve(&compiled, address, args);
     }
     let config = SceneRunConfig {
-        seconds: args.crowd.seconds().map(f64::from),
-        step_hz: args.crowd.step_hz(),
+        seconds: args.crowd.seconds.map(f64::from),
+        step_hz: args.crowd.step_hz.into(),
         recorded: args.png.is_some(),
         trajectories: args.trajectories.is_some(),
     };
@@ -194,15 +187,11 @@ fn run_scene(file: &Path, args: &Args) -> CommandResult {
         return output::json(&report);
     }
     print_scene(&report)?;
-    match &args.record {
-        Some(recording) if scene.has_story() => {
-            help::next_step(&["explain", &recording.to_string_lossy(), "--agent", "0"])
-        }
-        _ if args.png.is_some() || args.trajectories.is_some() || args.record.is_some() => {
-            help::next_step(&["view", &file.to_string_lossy()])
-        }
-        _ => Ok(()),
+    if let Some(recording) = args.record.as_ref().filter(|_| scene.has_story()) {
+        return help::next_step(&["explain", &recording.to_string_lossy(), "--agent", "0"]);
     }
+    let is_written = [&args.png, &args.trajectories, &args.record].iter().any(|file| file.is_some());
+    if is_written { help::next_step(&["view", &file.to_string_lossy()]) } else { Ok(()) }
 }
 
 /// Runs a scene for programs that show it.
@@ -210,7 +199,7 @@ fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> CommandResu
     let server = SceneServer::bind(address, args.live.serve_anyone)?;
     let (name, at) = (&scene.scene().name, server.address()?);
     output::text(format!("{name}: served at {at}; it begins when somebody connects. Ctrl+C ends it.\n"))?;
-    let (seconds, step_hz) = (args.crowd.seconds().map(f64::from), args.crowd.step_hz());
+    let (seconds, step_hz) = (args.crowd.seconds.map(f64::from), args.crowd.step_hz.into());
     let config = LiveConfig { seconds, step_hz, speed: args.live.speed };
     let LiveReport { frames, clients, missed_frames: missed } =
         server.serve(scene, &config, progress::stop_on_interrupt())?;
@@ -219,9 +208,7 @@ fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> CommandResu
 
 /// Writes trajectories of agents as CSV.
 fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> CommandResult {
-    if points.is_empty() {
-        return fail("--trajectories is for scenes with agents");
-    }
+    ensure(!points.is_empty(), || "--trajectories is for scenes with agents")?;
     let mut text = String::from("time_s,agent,x_m,z_m,vx_mps,vz_mps\n");
     for p in points {
         let ([x, z], [vx, vz]) = (p.at.to_array(), p.velocity.to_array());
@@ -234,23 +221,19 @@ fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> CommandResult 
 fn override_scene(scene: &mut Scene, args: &Args) -> CommandResult {
     args.crowd.override_scene(scene)?;
     if let Some(name) = &args.engine {
-        if !scene.groups.iter().any(|g| g.is_of_agents()) {
-            return fail("--engine is for scenes with agents");
-        }
+        let has_agents = scene.groups.iter().any(|g| g.is_of_agents());
+        ensure(has_agents, || "--engine is for scenes with agents")?;
         scene.agents.engine = named_engine(name)?;
     }
     for name in &args.without {
         let known: Vec<_> = scene.groups.iter().flat_map(|g| &g.behaviours).map(|b| b.name.clone()).collect();
-        if !known.contains(name) {
-            let there_is = if known.is_empty() { "no behaviour to leave out".into() } else { known.join(", ") };
-            return fail(format!("--without {name}: the scene has {there_is}"));
-        }
+        let there_is = || if known.is_empty() { "no behaviour to leave out".into() } else { known.join(", ") };
+        ensure(known.contains(name), || format!("--without {name}: the scene has {}", there_is()))?;
         scene.groups.iter_mut().for_each(|g| g.behaviours.retain(|b| b.name != *name));
     }
     if let Some(bundle) = &args.bundle {
-        if scene.groups.iter().all(|g| g.motion == GroupMotion::None) {
-            return fail("--bundle: the scene has no group with a bundle that it could replace");
-        }
+        let has_bundle = scene.groups.iter().any(|g| g.motion != GroupMotion::None);
+        ensure(has_bundle, || "--bundle: the scene has no group with a bundle that it could replace")?;
         scene.set_bundle(bundle);
     }
     Ok(())
@@ -278,57 +261,22 @@ fn print_scene(r: &SceneReport) -> CommandResult {
     let agents = r.total.agents.map(|n| format!("{n} agent(s)"));
     let all: Vec<String> = who.into_iter().chain(agents).collect();
     let scene = format!("{}: {}, {:.0} s", r.scene, all.join(" and "), r.total.simulated_s);
-    let mut rows = vec![("scene", scene)];
-    rows.extend(figures(&r.total));
-    output::table(&rows)?;
-    for group in r.groups.iter().filter(|_| r.groups.len() > 1) {
-        let mut rows = vec![("group", format!("{}, motion {}", group.group, group.motion))];
-        rows.extend(figures(&group.figures));
-        output::table(&rows)?;
-    }
-    Ok(())
-}
-
-/// Writes the picture of a trial.
-pub fn save_trial_picture(
-    tables: &Bundle,
-    config: &TrialConfig,
-    report: &TrialReport,
-    record: &TrialRecord,
-    path: &Path,
-) -> CommandResult {
-    throng_precompute::picture::trial_sheet(tables, config, report, record).save_png(path)?;
-    Ok(())
+    print_figures("scene", scene, &r.total)?;
+    let mut groups = r.groups.iter().filter(|_| r.groups.len() > 1);
+    groups.try_for_each(|g| print_figures("group", format!("{}, motion {}", g.group, g.motion), &g.figures))
 }
 
 /// Prints the report of a trial as text.
 pub fn print(r: &TrialReport) -> CommandResult {
+    let [reached, stayed] = [r.reached_fraction, r.stayed_fraction].map(|fraction| 100.0 * fraction);
+    let after = r.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average"));
+    let [mean, p95] = [r.foot_slip_mean_mps, r.foot_slip_p95_mps];
+    let steps = format!("{:.0} steps a second of the whole crowd on one thread", r.steps_per_second);
+    let [millions, choices] = [r.poses_per_second / 1e6, r.choices_per_second];
     output::table(&[
         ("crowd", format!("{} characters, {:.0} s", r.characters, r.simulated_s)),
-        (
-            "targets",
-            format!(
-                "{:.1} % reached{}; {:.1} % near at the end",
-                100.0 * r.reached_fraction,
-                r.mean_arrival_s.map_or(String::new(), |s| format!(", after {s:.1} s on average")),
-                100.0 * r.stayed_fraction
-            ),
-        ),
-        (
-            "foot slip",
-            format!(
-                "{:.3} m/s mean, {:.3} m/s 95th percentile, while planted",
-                r.foot_slip_mean_mps, r.foot_slip_p95_mps
-            ),
-        ),
-        (
-            "speed",
-            format!(
-                "{:.0} steps a second of the whole crowd on one thread; {:.2} million poses, {:.0} choices a second",
-                r.steps_per_second,
-                r.poses_per_second / 1e6,
-                r.choices_per_second
-            ),
-        ),
+        ("targets", format!("{reached:.1} % reached{after}; {stayed:.1} % near at the end")),
+        ("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")),
+        ("speed", format!("{steps}; {millions:.2} million poses, {choices:.0} choices a second")),
     ])
 }

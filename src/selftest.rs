@@ -1,8 +1,9 @@
 //! `throng selftest`: a short self-test on this machine.
 
-use crate::args::{CacheArgs, CommandResult, fail};
+use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output, progress};
 use throng_checks::selftest::{self, SelftestConfig, SelftestReport};
+use throng_core::base::error::ensure;
 
 /// Check this build on this machine in about a minute: equal bytes and states at any number of threads, damaged input,
 /// a short soak.
@@ -35,8 +36,6 @@ pub fn run(args: &Args) -> CommandResult {
         }
         output::text(format!("{} checked, {} failed, {:.1} s\n", report.checked, report.failed, report.seconds))?;
     }
-    match report.failed {
-        0 => Ok(()),
-        n => fail(format!("{n} of {} checks failed", report.checked)),
-    }
+    ensure(report.failed == 0, || format!("{} of {} checks failed", report.failed, report.checked))?;
+    Ok(())
 }

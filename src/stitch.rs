@@ -48,13 +48,12 @@ pub fn run(args: &Args) -> CommandResult {
     if let Some(bundle) = &args.bundle {
         (source.bundle, source.config) = (bundle.clone(), None);
     }
-    let out = match &args.out {
-        Some(out) => out.clone(),
-        None => source.stitched_path(),
-    };
+    let out = args.out.clone().unwrap_or_else(|| source.stitched_path());
     stitch::check_replaced(&args.file, &out)?;
     let tables = world_bundle(&source, &args.cache)?;
-    let report = stitch_to_file(&source, &args.file, &tables, &out)?;
+    let (kit, bar) = (StitchKit::new(&tables, &source.bundle)?, progress::BuildProgressBar::default());
+    let (mut world, mut report) = stitch::stitch_source(&source, &args.file, &tables, &kit, &bar)?;
+    report.world_bytes = stitch::save(&mut world, &args.file, tables.patches(), &out)?;
     if args.json {
         return output::json(&StitchCommandReport { world: &source.name, stitched: &report, out: &out });
     }
@@ -68,24 +67,11 @@ pub fn world_bundle(source: &WorldSource, cache: &CacheArgs) -> CommandResult<Bu
     crate::args::open_bundle(&source.bundle)
 }
 
-/// Stitches a world and writes it.
-fn stitch_to_file(source: &WorldSource, file: &Path, tables: &Bundle, out: &Path) -> CommandResult<StitchReport> {
-    let kit = StitchKit::new(tables, &source.bundle)?;
-    let (mut world, mut report) =
-        stitch::stitch_source(source, file, tables, &kit, &progress::BuildProgressBar::default())?;
-    report.world_bytes = stitch::save(&mut world, file, tables.patches(), out)?;
-    Ok(report)
-}
-
 /// Opens the stitched world of a world file, which is stitched first if it is missing, or if the bundle or the source changed.
 pub fn open_world(source: &WorldSource, file: &Path, tables: &Bundle) -> CommandResult<World> {
-    let out = source.stitched_path();
-    let progress = progress::BuildProgressBar::default();
-    let with = BuildContext {
-        cache: &Cache::disabled(),
-        progress: &progress,
-        report_news: &|news| output::print_to_stderr(news),
-    };
+    let (out, progress) = (source.stitched_path(), progress::BuildProgressBar::default());
+    let report_news = &|news| output::print_to_stderr(news);
+    let with = BuildContext { cache: &Cache::disabled(), progress: &progress, report_news };
     run::ensure_world(source, file, tables, &out, &with)?;
     Ok(World::open(&out, tables)?)
 }

@@ -70,20 +70,17 @@ pub fn run(args: &Args) -> CommandResult {
     }
     let there = import::expand(std::slice::from_ref(&args.out))?.len();
     if there > clips {
-        let (folder, more) = (args.out.display(), there - clips);
-        output::print_to_stderr(format_args!(
-            "{folder}: {more} other motion file(s) are there, and a build of the folder takes them, too"
-        ));
+        let others = format!("{} other motion file(s) are there", there - clips);
+        let folder = args.out.display();
+        output::print_to_stderr(format_args!("{folder}: {others}, and a build of the folder takes them, too"));
     }
     let seconds = frames as f64 / args.rate_hz;
     let report = SynthReport { set: args.set.clone(), clips, frames, seconds, out: args.out.clone() };
     if args.json {
         return output::json(&report);
     }
-    output::table(&[(
-        "written",
-        format!("{} clips, {} frames, {:.0} s, to {}", report.clips, frames, report.seconds, args.out.display()),
-    )])?;
+    let written = format!("{clips} clips, {frames} frames, {seconds:.0} s, to {}", args.out.display());
+    output::table(&[("written", written)])?;
     help::next_step(&["build", &args.out.to_string_lossy()])
 }
 

@@ -57,12 +57,12 @@ pub fn run(args: &Args) -> CommandResult {
         states: graph.states.len(),
         actions: graph.action_segments.len(),
         policies: tables.meta().behaviours.clone(),
-        sections: tables.section_sizes().iter().map(|(t, n)| (t.to_string(), *n)).collect(),
+        sections: tables.section_sizes().map(|(t, n)| (t.to_string(), n)).collect(),
     };
     if args.json {
         return output::json(&report);
     }
-    let sections: Vec<_> = tables.section_sizes().iter().map(|(t, n)| format!("{t} {n}")).collect();
+    let sections: Vec<_> = tables.section_sizes().map(|(t, n)| format!("{t} {n}")).collect();
     output::table(&[
         ("bundle", format!("{} is whole", args.file.display())),
         ("name", format!("{}, written by {}, format version {}", report.name, report.generator, report.version)),

@@ -4,6 +4,7 @@ use std::cell::RefCell;
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use throng_base::Error;
+use throng_base::error::ensure;
 use throng_runtime::format::FormatError;
 
 /// Status of a call. `throng_last_error` has the reason in words.
@@ -37,6 +38,9 @@ pub enum ThrongStatus {
     /// A fault of this library; the simulation has to be freed.
     Panic = 12,
 }
+
+/// Result of a call, or the reason why it failed.
+pub type CallResult<T = ()> = Result<T, CallFault>;
 
 /// Reason of a failed call.
 pub struct CallFault {
@@ -86,7 +90,7 @@ thread_local! {
 }
 
 /// Runs a call: stores its fault for this thread, and catches panics.
-pub fn catch_fault(work: impl FnOnce() -> Result<(), CallFault>) -> ThrongStatus {
+pub fn catch_fault(work: impl FnOnce() -> CallResult) -> ThrongStatus {
     let fault = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(())) => return ThrongStatus::Ok,
         Ok(Err(fault)) => fault,
@@ -136,10 +140,8 @@ pub unsafe fn copy_text(text: &str, buffer: *mut c_char, size: usize) -> usize {
 ///
 /// # Safety
 /// `read_text` must be null or end with a zero.
-pub unsafe fn read_text<'a>(what: &str, text: *const c_char) -> Result<&'a str, CallFault> {
-    if text.is_null() {
-        return Err(null_fault(what));
-    }
+pub unsafe fn read_text<'a>(what: &str, text: *const c_char) -> CallResult<&'a str> {
+    ensure(!text.is_null(), || null_fault(what))?;
     // SAFETY: the caller promises a zero at its end.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_str().map_err(|_| CallFault::new(ThrongStatus::Pointer, format!("`{what}` is not UTF-8")))
@@ -149,7 +151,7 @@ pub unsafe fn read_text<'a>(what: &str, text: *const c_char) -> Result<&'a str, 
 ///
 /// # Safety
 /// `to` must be null or point to a `T` that may be written.
-pub unsafe fn write_result<T>(what: &str, to: *mut T, value: T) -> Result<(), CallFault> {
+pub unsafe fn write_result<T>(what: &str, to: *mut T, value: T) -> CallResult {
     check_pointer(what, to)?;
     // SAFETY: neither null nor out of line; the caller promises that it may be written.
     unsafe { to.write(value) };
@@ -160,12 +162,13 @@ pub unsafe fn write_result<T>(what: &str, to: *mut T, value: T) -> Result<(), Ca
 ///
 /// # Safety
 /// `from` must be null or point to `len` records.
-pub unsafe fn read_slice<'a, T>(what: &str, from: *const T, len: usize) -> Result<&'a [T], CallFault> {
+pub unsafe fn read_slice<'a, T>(what: &str, from: *const T, len: usize) -> CallResult<&'a [T]> {
     if len == 0 {
         return Ok(&[]);
     }
     check_pointer(what, from)?;
-    check_len::<T>(what, len)?;
+    let fits = len.checked_mul(size_of::<T>()).is_some_and(|bytes| bytes <= isize::MAX as usize);
+    ensure(fits, || CallFault::new(ThrongStatus::Value, format!("`{what}` cannot have {len} elements")))?;
     // SAFETY: neither null, out of line nor too long; the caller promises `len` records.
     Ok(unsafe { std::slice::from_raw_parts(from, len) })
 }
@@ -179,7 +182,7 @@ pub unsafe fn copy_records<T: Copy>(
     to: *mut T,
     capacity: usize,
     count: *mut usize,
-) -> Result<(), CallFault> {
+) -> CallResult {
     let len = records.len();
     if capacity > 0 {
         check_pointer("records", to)?;
@@ -192,20 +195,10 @@ pub unsafe fn copy_records<T: Copy>(
     unsafe { write_result("count", count, len) }
 }
 
-pub fn check_pointer<T>(what: &str, pointer: *const T) -> Result<(), CallFault> {
-    match pointer.is_null() {
-        true => Err(null_fault(what)),
-        false if !pointer.is_aligned() => Err(CallFault::new(
-            ThrongStatus::Pointer,
-            format!("`{what}` is not aligned, expected a multiple of {} bytes", align_of::<T>()),
-        )),
-        false => Ok(()),
-    }
-}
-
-fn check_len<T>(what: &str, len: usize) -> Result<(), CallFault> {
-    let fits = len.checked_mul(size_of::<T>()).is_some_and(|bytes| bytes <= isize::MAX as usize);
-    if fits { Ok(()) } else { Err(CallFault::new(ThrongStatus::Value, format!("`{what}` cannot have {len} elements"))) }
+pub fn check_pointer<T>(what: &str, pointer: *const T) -> CallResult {
+    ensure(!pointer.is_null(), || null_fault(what))?;
+    let why = || format!("`{what}` is not aligned, expected a multiple of {} bytes", align_of::<T>());
+    ensure(pointer.is_aligned(), || CallFault::new(ThrongStatus::Pointer, why()))
 }
 
 fn null_fault(what: &str) -> CallFault {

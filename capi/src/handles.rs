@@ -1,6 +1,6 @@
 //! Tables of handles. Numbers are never reused, so that a freed handle is recognized.
 
-use crate::fault::{CallFault, ThrongStatus};
+use crate::fault::{CallFault, CallResult, ThrongStatus};
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{PoisonError, RwLock};
@@ -22,12 +22,12 @@ impl<T: Clone> HandleTable<T> {
         number
     }
 
-    pub fn get(&self, what: &str, number: u64) -> Result<T, CallFault> {
+    pub fn get(&self, what: &str, number: u64) -> CallResult<T> {
         let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
         all.get(&number).cloned().ok_or_else(|| unknown_handle(what, number))
     }
 
-    pub fn remove(&self, what: &str, number: u64) -> Result<(), CallFault> {
+    pub fn remove(&self, what: &str, number: u64) -> CallResult {
         let removed = self.0.write().unwrap_or_else(PoisonError::into_inner).remove(&number);
         // Dropped here, after the lock is released, as it may take a while.
         removed.map(drop).ok_or_else(|| unknown_handle(what, number))

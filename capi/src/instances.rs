@@ -1,10 +1,11 @@
 //! Level of detail: a distant character is a record of 32 bytes, from which a vertex shader computes the pose.
 
-use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_records};
+use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_records, read_slice, write_result};
 use crate::layout::{checked_layout, matrix_floats, write_matrix};
-use crate::stage::{ThrongSimulation, with_simulation};
+use crate::stage::ThrongSimulation;
 use crate::tables::{BUNDLES, ThrongBundle};
 use glam::Vec2;
+use throng_base::error::ensure;
 use throng_runtime::characters::{Detail, MotionSet, PoseInstance, SampleJob};
 use throng_runtime::{Mat3x4, NUM_JOINTS};
 
@@ -66,18 +67,11 @@ pub unsafe extern "C" fn throng_characters_set_detail(
     detail: *const ThrongDetail,
 ) -> ThrongStatus {
     catch_fault(|| {
-        let detail = match detail.is_null() {
-            true => None,
-            false => {
-                check_pointer("detail", detail)?;
-                // SAFETY: neither null nor out of line; promised by the caller.
-                let d = unsafe { detail.read() };
-                Some(Detail { eye: Vec2::new(d.eye_x, d.eye_z), full_m: d.full_m, posed_m: d.posed_m })
-            }
-        };
-        with_simulation(simulation.handle, |stage, _| {
-            stage.characters_mut()?.set_detail(detail).map_err(CallFault::from)
-        })
+        // SAFETY: one record, or none where it is null; promised by the caller.
+        let given = unsafe { read_slice("detail", detail, usize::from(!detail.is_null())) }?;
+        let detail =
+            |d: &ThrongDetail| Detail { eye: Vec2::new(d.eye_x, d.eye_z), full_m: d.full_m, posed_m: d.posed_m };
+        simulation.with(|stage| Ok(stage.characters_mut()?.set_detail(given.first().map(detail))?))
     })
 }
 
@@ -95,22 +89,13 @@ pub unsafe extern "C" fn throng_characters_instances(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| {
-            let all = stage.characters_mut()?.instances().iter().map(|r| ThrongInstance {
-                row_a: r.row_a,
-                row_b: r.row_b,
-                frac: r.frac_blend[0],
-                blend: r.frac_blend[1],
-                variant: r.variant,
-                x: r.x,
-                y: r.y,
-                z: r.z,
-                heading: r.heading,
-            });
-            // SAFETY: promised by the caller.
-            unsafe { copy_records(all, instances, capacity, count) }
-        })
+    simulation.call(|stage| {
+        let all = stage.characters_mut()?.instances().iter().map(|r| {
+            let &PoseInstance { row_a, row_b, frac_blend: [frac, blend], variant, x, y, z, heading, .. } = r;
+            ThrongInstance { row_a, row_b, frac, blend, variant, x, y, z, heading }
+        });
+        // SAFETY: promised by the caller.
+        unsafe { copy_records(all, instances, capacity, count) }
     })
 }
 
@@ -123,7 +108,7 @@ pub unsafe extern "C" fn throng_bundle_num_rows(bundle: ThrongBundle, count: *mu
     catch_fault(|| {
         let found = BUNDLES.get("bundle", bundle.handle)?.frames().len();
         // SAFETY: promised by the caller.
-        unsafe { crate::fault::write_result("count", count, found) }
+        unsafe { write_result("count", count, found) }
     })
 }
 
@@ -148,10 +133,8 @@ pub unsafe extern "C" fn throng_bundle_write_rows(
         let layout = checked_layout(layout)?;
         check_pointer("matrices", matrices)?;
         let (rows, each) = (bundle.frames().len(), NUM_JOINTS * matrix_floats(layout));
-        if size < 4 * rows * each {
-            let why = format!("`matrices` has {size} bytes, expected {} for {rows} rows", 4 * rows * each);
-            return Err(CallFault::new(ThrongStatus::TooSmall, why));
-        }
+        let why = || format!("`matrices` has {size} bytes, expected {} for {rows} rows", 4 * rows * each);
+        ensure(size >= 4 * rows * each, || CallFault::new(ThrongStatus::TooSmall, why()))?;
         let (motion_set, ratios) = (&MotionSet::new(&bundle), &[0.0][..]);
         let mut pose = [Mat3x4::default(); NUM_JOINTS];
         for row in 0..rows {

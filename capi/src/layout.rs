@@ -1,6 +1,6 @@
 //! Axes and matrix layouts of engines.
 
-use crate::fault::{CallFault, ThrongStatus};
+use crate::fault::{CallFault, CallResult, ThrongStatus};
 use throng_runtime::{Mat3x4, Planar};
 
 /// Memory layout and axes of matrices.
@@ -31,9 +31,9 @@ fn layout_from_number(layout: u32) -> Option<ThrongLayout> {
 ///
 /// # Errors
 /// [`ThrongStatus::Value`] if there is none.
-pub fn checked_layout(layout: u32) -> Result<ThrongLayout, CallFault> {
-    layout_from_number(layout)
-        .ok_or_else(|| CallFault::new(ThrongStatus::Value, format!("there is no layout {layout}, expected 0 to 2")))
+pub fn checked_layout(layout: u32) -> CallResult<ThrongLayout> {
+    let why = || format!("there is no layout {layout}, expected 0 to 2");
+    layout_from_number(layout).ok_or_else(|| CallFault::new(ThrongStatus::Value, why()))
 }
 
 /// Number of floats of one matrix.

@@ -3,9 +3,10 @@
 use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, copy_records};
 use crate::layout::{checked_layout, matrix_floats, root_matrix, write_matrix};
 use crate::scene::ThrongId;
-use crate::stage::{LiveSimulation, ThrongSimulation, with_simulation};
+use crate::stage::{LiveSimulation, ThrongSimulation};
 use throng_base::Id;
-use throng_runtime::simulation::CharacterEvent;
+use throng_base::error::ensure;
+use throng_runtime::simulation::{CharacterEvent, SimulationEvent};
 use throng_runtime::{CharacterGroup, Mat3x4, NUM_JOINTS, Planar};
 
 /// Position and heading of a character.
@@ -74,16 +75,14 @@ pub unsafe extern "C" fn throng_simulation_roots(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| {
-            let all = (0..stage.num_characters()).map(|row| {
-                let (id, root) = stage.root(row);
-                let Planar { x, z, heading } = root.unwrap_or_default();
-                ThrongRoot { id: id.into(), is_there: u32::from(root.is_some()), x, z, heading }
-            });
-            // SAFETY: promised by the caller.
-            unsafe { copy_records(all, roots, capacity, count) }
-        })
+    simulation.call(|stage| {
+        let all = (0..stage.num_characters()).map(|row| {
+            let (id, root) = stage.root(row);
+            let Planar { x, z, heading } = root.unwrap_or_default();
+            ThrongRoot { id: id.into(), is_there: u32::from(root.is_some()), x, z, heading }
+        });
+        // SAFETY: promised by the caller.
+        unsafe { copy_records(all, roots, capacity, count) }
     })
 }
 
@@ -101,28 +100,23 @@ pub unsafe extern "C" fn throng_simulation_events(
     capacity: usize,
     count: *mut usize,
 ) -> ThrongStatus {
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| match stage {
+    simulation.call(|stage| match stage {
+        // SAFETY: promised by the caller.
+        LiveSimulation::Scene(scene) => unsafe {
+            copy_records(scene.events().iter().map(scene_event), events, capacity, count)
+        },
+        LiveSimulation::Characters { group, time_s } => {
+            let all = group.events().iter().map(|(id, blow)| {
+                let (id, at) = ((*id).into(), blow.point.to_array());
+                ThrongEvent { time_s: *time_s, id, happened: ThrongHappened::Hit, other: 0, at }
+            });
             // SAFETY: promised by the caller.
-            LiveSimulation::Scene(scene) => unsafe {
-                copy_records(scene.events().iter().map(scene_event), events, capacity, count)
-            },
-            LiveSimulation::Characters { group, time_s } => {
-                let all = group.events().iter().map(|(id, blow)| ThrongEvent {
-                    time_s: *time_s,
-                    id: (*id).into(),
-                    happened: ThrongHappened::Hit,
-                    other: 0,
-                    at: blow.point.to_array(),
-                });
-                // SAFETY: promised by the caller.
-                unsafe { copy_records(all, events, capacity, count) }
-            }
-        })
+            unsafe { copy_records(all, events, capacity, count) }
+        }
     })
 }
 
-fn scene_event(event: &throng_runtime::simulation::SimulationEvent) -> ThrongEvent {
+fn scene_event(event: &SimulationEvent) -> ThrongEvent {
     let (happened, other, at) = match event.kind {
         CharacterEvent::Hit { at } => (ThrongHappened::Hit, 0, at.to_array()),
         CharacterEvent::Struck { opponent, at, .. } => (ThrongHappened::Struck, opponent, at.to_array()),
@@ -155,22 +149,20 @@ pub unsafe extern "C" fn throng_simulation_write_matrices(
 ) -> ThrongStatus {
     catch_fault(|| {
         let layout = checked_layout(layout)?;
-        with_simulation(simulation.handle, |stage, _| {
+        simulation.with(|stage| {
             let (n, length) = (stage.num_characters(), NUM_JOINTS * matrix_floats(layout));
             if n == 0 {
                 return Ok(());
             }
             check_pointer("matrices", matrices)?;
-            if !stride.is_multiple_of(4) || stride < 4 * length {
-                let why = format!("`stride` is {stride} bytes, expected a multiple of 4, {} or more", 4 * length);
-                return Err(CallFault::new(ThrongStatus::Value, why));
-            }
+            let why = || format!("`stride` is {stride} bytes, expected a multiple of 4, {} or more", 4 * length);
+            let holds_one = stride.is_multiple_of(4) && stride >= 4 * length;
+            ensure(holds_one, || CallFault::new(ThrongStatus::Value, why()))?;
             let needed = stride.checked_mul(n - 1).and_then(|all| all.checked_add(4 * length));
-            if needed.is_none_or(|needed| needed > size) {
-                let needed = needed.map_or("more than there can be".into(), |n| n.to_string());
-                let why = format!("`matrices` has {size} bytes, expected {needed} for {n} characters");
-                return Err(CallFault::new(ThrongStatus::TooSmall, why));
-            }
+            let expected = || needed.map_or("more than there can be".into(), |n| n.to_string());
+            let why = || format!("`matrices` has {size} bytes, expected {} for {n} characters", expected());
+            let holds_all = needed.is_some_and(|needed| needed <= size);
+            ensure(holds_all, || CallFault::new(ThrongStatus::TooSmall, why()))?;
             for row in 0..n {
                 // SAFETY: ends within `size`, for which the caller promises room; every bit pattern is a float.
                 let to = unsafe { std::slice::from_raw_parts_mut(matrices.add(row * (stride / 4)), length) };

@@ -1,10 +1,11 @@
 //! Simulations: a scene file, or characters of one bundle that enter, leave and take orders.
 
-use crate::fault::{CallFault, ThrongStatus, catch_fault, check_pointer, read_text, write_result};
-use crate::stage::{LiveSimulation, ThrongSimulation, register_simulation, with_simulation};
+use crate::fault::{CallFault, CallResult, ThrongStatus, catch_fault, check_pointer, read_text, write_result};
+use crate::stage::{LiveSimulation, ThrongSimulation, register_simulation};
 use crate::tables::{BUNDLES, ThrongBundle};
 use std::ffi::c_char;
 use throng_base::Id;
+use throng_base::error::ensure;
 use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::{CharacterGroup, OrderStatus, Planar};
@@ -44,30 +45,11 @@ pub struct ThrongCharactersConfig {
 
 const _: () = assert!(size_of::<ThrongCharactersConfig>() == 40);
 
-impl ThrongCharactersConfig {
-    fn standard() -> Self {
-        let standard = CharactersConfig::default();
-        Self {
-            struct_size: size_of::<Self>(),
-            seed: standard.seed,
-            capacity: 1000,
-            makes_way: 1,
-            temperature: 0.0,
-            half_life_s: standard.half_life_s,
-            instances: 0,
-            reserved: 0,
-        }
-    }
-}
-
 /// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
-fn check_size(what: &str, size: usize) -> Result<(), CallFault> {
+fn check_size(what: &str, size: usize) -> CallResult {
     let expected = size_of::<ThrongCharactersConfig>();
-    if size == expected {
-        return Ok(());
-    }
-    let why = format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
-    Err(CallFault::new(ThrongStatus::Value, why))
+    let why = || format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
+    ensure(size == expected, || CallFault::new(ThrongStatus::Value, why()))
 }
 
 /// Fills in the defaults: seed 1, 1000 characters that avoid each other.
@@ -83,8 +65,19 @@ pub unsafe extern "C" fn throng_characters_config_init(
 ) -> ThrongStatus {
     catch_fault(|| {
         check_size("size", size)?;
+        let CharactersConfig { seed, half_life_s, .. } = CharactersConfig::default();
+        let standard = ThrongCharactersConfig {
+            struct_size: size,
+            seed,
+            capacity: 1000,
+            makes_way: 1,
+            temperature: 0.0,
+            half_life_s,
+            instances: 0,
+            reserved: 0,
+        };
         // SAFETY: it has this size; promised by the caller.
-        unsafe { write_result("config", config, ThrongCharactersConfig::standard()) }
+        unsafe { write_result("config", config, standard) }
     })
 }
 
@@ -148,7 +141,7 @@ pub unsafe extern "C" fn throng_simulation_raise(simulation: ThrongSimulation, e
     catch_fault(|| {
         // SAFETY: promised by the caller.
         let event = unsafe { read_text("event", event) }?;
-        with_simulation(simulation.handle, |stage, _| stage.scene_mut()?.raise_event(event).map_err(CallFault::from))
+        simulation.with(|stage| Ok(stage.scene_mut()?.raise_event(event)?))
     })
 }
 
@@ -168,10 +161,8 @@ pub unsafe extern "C" fn throng_characters_spawn(
 ) -> ThrongStatus {
     catch_fault(|| {
         check_pointer("id", id)?;
-        let root = Planar::new(x, z, heading);
-        let new = with_simulation(simulation.handle, |stage, _| {
-            Ok(stage.characters_mut()?.spawn(Spawn::standing_at(root))?)
-        })?;
+        let start = Spawn::standing_at(Planar::new(x, z, heading));
+        let new = simulation.with(|stage| Ok(stage.characters_mut()?.spawn(start)?))?;
         // SAFETY: promised by the caller.
         unsafe { write_result("id", id, new.into()) }
     })
@@ -180,11 +171,7 @@ pub unsafe extern "C" fn throng_characters_spawn(
 /// Removes a character. The character of the last row takes its row.
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_characters_despawn(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| {
-            stage.characters_mut()?.despawn(id.into()).map_err(CallFault::from)
-        })
-    })
+    simulation.call(|stage| Ok(stage.characters_mut()?.despawn(id.into())?))
 }
 
 /// Moves a character to another place at once.
@@ -196,11 +183,7 @@ pub extern "C" fn throng_characters_place(
     z: f32,
     heading: f32,
 ) -> ThrongStatus {
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| {
-            stage.characters_mut()?.place(id.into(), Planar::new(x, z, heading)).map_err(CallFault::from)
-        })
-    })
+    simulation.call(|stage| Ok(stage.characters_mut()?.place(id.into(), Planar::new(x, z, heading))?))
 }
 
 /// Orders a character to follow a policy of the bundle from now on, with a target in the world (m).
@@ -216,11 +199,7 @@ pub extern "C" fn throng_characters_order(
     z: f32,
 ) -> ThrongStatus {
     let order = PolicyOrder::towards(policy as usize, glam::Vec3::new(x, y, z));
-    catch_fault(|| {
-        with_simulation(simulation.handle, |stage, _| {
-            stage.characters_mut()?.order(id.into(), order).map_err(CallFault::from)
-        })
-    })
+    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), order)?))
 }
 
 /// Progress of a character's order.
@@ -253,7 +232,7 @@ pub unsafe extern "C" fn throng_characters_progress(
     left_m: *mut f32,
 ) -> ThrongStatus {
     catch_fault(|| {
-        let status = with_simulation(simulation.handle, |stage, _| Ok(stage.characters_mut()?.status(id.into())?))?;
+        let status = simulation.with(|stage| Ok(stage.characters_mut()?.status(id.into())?))?;
         let (now, left) = match status {
             OrderStatus::Idle => (ThrongProgress::Idle, 0.0),
             OrderStatus::Going { left_m } => (ThrongProgress::Going, left_m),

@@ -1,9 +1,10 @@
 //! Steps, states and snapshots of simulations.
 
-use crate::fault::{CallFault, ThrongStatus, catch_fault, copy_records, read_slice, write_result};
+use crate::fault::{CallFault, CallResult, ThrongStatus, catch_fault, copy_records, read_slice, write_result};
 use crate::handles::HandleTable;
 use crate::work_queue::WorkQueue;
 use std::sync::{Arc, Mutex, TryLockError};
+use throng_base::error::ensure;
 use throng_base::{Executor, Inline};
 use throng_runtime::CharacterGroup;
 use throng_runtime::characters::PolicyCharacters;
@@ -40,21 +41,21 @@ impl LiveSimulation {
         Self::Characters { group: Box::new(group), time_s: 0.0 }
     }
 
-    pub fn scene_mut(&mut self) -> Result<&mut Simulation, CallFault> {
+    pub fn scene_mut(&mut self) -> CallResult<&mut Simulation> {
         match self {
             Self::Scene(scene) => Ok(scene),
             Self::Characters { .. } => Err(unsupported("these are characters of a bundle; only scenes have events")),
         }
     }
 
-    pub fn characters_mut(&mut self) -> Result<&mut PolicyCharacters, CallFault> {
+    pub fn characters_mut(&mut self) -> CallResult<&mut PolicyCharacters> {
         match self {
             Self::Characters { group, .. } => Ok(group),
             Self::Scene(_) => Err(unsupported("the scene file says who is there; use throng_characters_new")),
         }
     }
 
-    fn step(&mut self, dt_s: f64, run: &dyn Executor) -> Result<(), CallFault> {
+    fn step(&mut self, dt_s: f64, run: &dyn Executor) -> CallResult {
         match self {
             Self::Scene(scene) => scene.step_on(dt_s, run)?,
             Self::Characters { group, time_s } => {
@@ -72,35 +73,37 @@ fn unsupported(why: &str) -> CallFault {
 
 /// # Safety
 /// `to` can be written.
-pub unsafe fn register_simulation(stage: LiveSimulation, to: *mut ThrongSimulation) -> Result<(), CallFault> {
+pub unsafe fn register_simulation(stage: LiveSimulation, to: *mut ThrongSimulation) -> CallResult {
     let entry = SimulationEntry { simulation: Mutex::new(stage), work_queue: WorkQueue::default() };
     // SAFETY: promised by the caller.
     unsafe { write_result("simulation", to, ThrongSimulation { handle: SIMULATIONS.add(Arc::new(entry)) }) }
 }
 
-/// Calls `work` with a simulation that no other thread is using.
-pub fn with_simulation<R>(
-    number: u64,
-    work: impl FnOnce(&mut LiveSimulation, &WorkQueue) -> Result<R, CallFault>,
-) -> Result<R, CallFault> {
-    SIMULATIONS.get("simulation", number)?.with_simulation(work)
+impl ThrongSimulation {
+    fn entry(self) -> CallResult<Arc<SimulationEntry>> {
+        SIMULATIONS.get("simulation", self.handle)
+    }
+
+    /// Calls `work` with the simulation, which no other thread may be using.
+    pub fn with<R>(self, work: impl FnOnce(&mut LiveSimulation) -> CallResult<R>) -> CallResult<R> {
+        self.entry()?.with_simulation(work)
+    }
+
+    /// Runs a call as [`ThrongSimulation::with`] does, and stores its fault for this thread.
+    pub fn call(self, work: impl FnOnce(&mut LiveSimulation) -> CallResult) -> ThrongStatus {
+        catch_fault(|| self.with(work))
+    }
 }
 
 impl SimulationEntry {
-    fn with_simulation<R>(
-        &self,
-        work: impl FnOnce(&mut LiveSimulation, &WorkQueue) -> Result<R, CallFault>,
-    ) -> Result<R, CallFault> {
+    fn with_simulation<R>(&self, work: impl FnOnce(&mut LiveSimulation) -> CallResult<R>) -> CallResult<R> {
+        let busy = "another thread is in a call with this simulation; wait for it";
+        let broken = "a call with this simulation failed half way; free it and make it anew";
         let mut stage = self.simulation.try_lock().map_err(|e| match e {
-            TryLockError::WouldBlock => {
-                CallFault::new(ThrongStatus::Busy, "another thread is in a call with this simulation; wait for it")
-            }
-            TryLockError::Poisoned(_) => CallFault::new(
-                ThrongStatus::Panic,
-                "a call with this simulation failed half way; free it and make it anew",
-            ),
+            TryLockError::WouldBlock => CallFault::new(ThrongStatus::Busy, busy),
+            TryLockError::Poisoned(_) => CallFault::new(ThrongStatus::Panic, broken),
         })?;
-        work(&mut stage, &self.work_queue)
+        work(&mut stage)
     }
 }
 
@@ -108,7 +111,7 @@ impl SimulationEntry {
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_free(simulation: ThrongSimulation) -> ThrongStatus {
     catch_fault(|| {
-        let entry = SIMULATIONS.get("simulation", simulation.handle)?;
+        let entry = simulation.entry()?;
         SIMULATIONS.remove("simulation", simulation.handle)?;
         entry.work_queue.close_step();
         Ok(())
@@ -128,12 +131,10 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
         }
     }
     catch_fault(|| {
-        let entry = SIMULATIONS.get("simulation", simulation.handle)?;
-        let _close = Close(&entry.work_queue);
-        entry.with_simulation(|stage, desk| {
-            let run: &dyn Executor = if desk.is_open() { desk } else { &Inline };
-            stage.step(dt_s, run)
-        })
+        let entry = simulation.entry()?;
+        let queue = &entry.work_queue;
+        let _close = Close(queue);
+        entry.with_simulation(|stage| stage.step(dt_s, if queue.is_open() { queue } else { &Inline }))
     })
 }
 
@@ -142,10 +143,8 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> ThrongStatus {
     catch_fault(|| {
-        with_simulation(simulation.handle, |_, desk| {
-            desk.announce_step();
-            Ok(())
-        })
+        let entry = simulation.entry()?;
+        entry.with_simulation(|_| Ok(entry.work_queue.announce_step()))
     })
 }
 
@@ -154,7 +153,7 @@ pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> Th
 #[unsafe(no_mangle)]
 pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> ThrongStatus {
     catch_fault(|| {
-        SIMULATIONS.get("simulation", simulation.handle)?.work_queue.run_parts();
+        simulation.entry()?.work_queue.run_parts();
         Ok(())
     })
 }
@@ -165,11 +164,8 @@ pub extern "C" fn throng_simulation_help(simulation: ThrongSimulation) -> Throng
 /// `count` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_count(simulation: ThrongSimulation, count: *mut usize) -> ThrongStatus {
-    catch_fault(|| {
-        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.num_characters()))?;
-        // SAFETY: promised by the caller.
-        unsafe { write_result("count", count, found) }
-    })
+    // SAFETY: promised by the caller.
+    simulation.call(|stage| unsafe { write_result("count", count, stage.num_characters()) })
 }
 
 /// Writes the simulated time (s).
@@ -178,11 +174,8 @@ pub unsafe extern "C" fn throng_simulation_count(simulation: ThrongSimulation, c
 /// `time_s` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_time(simulation: ThrongSimulation, time_s: *mut f64) -> ThrongStatus {
-    catch_fault(|| {
-        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.time_s()))?;
-        // SAFETY: promised by the caller.
-        unsafe { write_result("time_s", time_s, found) }
-    })
+    // SAFETY: promised by the caller.
+    simulation.call(|stage| unsafe { write_result("time_s", time_s, stage.time_s()) })
 }
 
 /// Writes a hash of the state: the same for the same motion, on every machine and from every language.
@@ -191,11 +184,8 @@ pub unsafe extern "C" fn throng_simulation_time(simulation: ThrongSimulation, ti
 /// `hash` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn throng_simulation_hash(simulation: ThrongSimulation, hash: *mut u64) -> ThrongStatus {
-    catch_fault(|| {
-        let found = with_simulation(simulation.handle, |stage, _| Ok(stage.hash()))?;
-        // SAFETY: promised by the caller.
-        unsafe { write_result("hash", hash, found) }
-    })
+    // SAFETY: promised by the caller.
+    simulation.call(|stage| unsafe { write_result("hash", hash, stage.hash()) })
 }
 
 /// Copies the whole state that the next steps depend on, with a checksum.
@@ -213,15 +203,12 @@ pub unsafe extern "C" fn throng_simulation_save(
     size: *mut usize,
 ) -> ThrongStatus {
     catch_fault(|| {
-        let bytes = with_simulation(simulation.handle, |stage, _| Ok(stage.save()))?;
+        let bytes = simulation.with(|stage| Ok(stage.save()))?;
         if capacity < bytes.len() {
             // SAFETY: promised by the caller.
             unsafe { write_result("size", size, bytes.len()) }?;
-            if capacity == 0 && buffer.is_null() {
-                return Ok(());
-            }
-            let why = format!("`buffer` has {capacity} bytes, expected {}", bytes.len());
-            return Err(CallFault::new(ThrongStatus::TooSmall, why));
+            let why = || format!("`buffer` has {capacity} bytes, expected {}", bytes.len());
+            return ensure(capacity == 0 && buffer.is_null(), || CallFault::new(ThrongStatus::TooSmall, why()));
         }
         // SAFETY: promised by the caller.
         unsafe { copy_records(bytes.into_iter(), buffer, capacity, size) }
@@ -241,7 +228,7 @@ pub unsafe extern "C" fn throng_simulation_restore(
     catch_fault(|| {
         // SAFETY: promised by the caller.
         let bytes = unsafe { read_slice("bytes", bytes, size) }?;
-        with_simulation(simulation.handle, |stage, _| stage.restore(bytes))
+        simulation.with(|stage| stage.restore(bytes))
     })
 }
 
@@ -278,20 +265,16 @@ impl LiveSimulation {
         }
     }
 
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), CallFault> {
+    fn restore(&mut self, bytes: &[u8]) -> CallResult {
         match self {
             Self::Scene(scene) => scene.restore(bytes)?,
             Self::Characters { group, time_s } => {
-                let short =
-                    || CallFault::new(ThrongStatus::Format, "this is no snapshot of these characters: it is cut short");
+                let fault = |why: &str| CallFault::new(ThrongStatus::Format, why);
+                let short = || fault("this is no snapshot of these characters: it is cut short");
                 let (time, rest) = bytes.split_first_chunk().ok_or_else(short)?;
                 let time = f64::from_le_bytes(*time);
-                if !(0.0..=1e12).contains(&time) {
-                    return Err(CallFault::new(
-                        ThrongStatus::Format,
-                        format!("the snapshot's time is {time} s, expected 0 to 1e12"),
-                    ));
-                }
+                let why = || format!("the snapshot's time is {time} s, expected 0 to 1e12");
+                ensure((0.0..=1e12).contains(&time), || fault(&why()))?;
                 group.load(rest)?;
                 *time_s = time;
             }
@@ -326,7 +309,7 @@ mod tests {
         };
         let has_gone = |status: mpsc::Receiver<ThrongStatus>| status.recv_timeout(Duration::from_secs(20)).is_ok();
         let status = helper();
-        let busy = with_simulation(sim.handle, |_, _| Ok(throng_simulation_step(sim, 0.1)));
+        let busy = sim.with(|_| Ok(throng_simulation_step(sim, 0.1)));
         assert!(busy.ok() == Some(ThrongStatus::Busy) && has_gone(status));
         let status = helper();
         assert!(throng_simulation_free(sim) == ThrongStatus::Ok && has_gone(status));

@@ -1,7 +1,7 @@
 //! Bundles: opening, reading, freeing.
 
 use crate::fault::{
-    CallFault, ThrongStatus, catch_fault, check_pointer, copy_text, read_slice, read_text, write_result,
+    CallFault, CallResult, ThrongStatus, catch_fault, check_pointer, copy_text, read_slice, read_text, write_result,
 };
 use crate::handles::HandleTable;
 use std::ffi::c_char;
@@ -70,7 +70,7 @@ pub unsafe extern "C" fn throng_bundle_from_memory(
 
 /// # Safety
 /// `to` can be written.
-unsafe fn register_bundle(bundle: Bundle, to: *mut ThrongBundle) -> Result<(), CallFault> {
+unsafe fn register_bundle(bundle: Bundle, to: *mut ThrongBundle) -> CallResult {
     // SAFETY: promised by the caller.
     unsafe { write_result("bundle", to, ThrongBundle { handle: BUNDLES.add(bundle) }) }
 }

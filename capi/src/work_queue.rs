@@ -26,6 +26,8 @@ struct QueueState {
     has_panicked: bool,
 }
 
+type Guard<'a> = MutexGuard<'a, QueueState>;
+
 /// Pointer to the function of [`WorkQueue::run`], which is only set while that call lasts.
 #[derive(Clone, Copy)]
 struct PartPointer(*const (dyn Fn(usize) + Sync));
@@ -34,11 +36,11 @@ struct PartPointer(*const (dyn Fn(usize) + Sync));
 unsafe impl Send for PartPointer {}
 
 impl WorkQueue {
-    fn lock(&self) -> MutexGuard<'_, QueueState> {
+    fn lock(&self) -> Guard<'_> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wait<'a>(&self, work: MutexGuard<'a, QueueState>) -> MutexGuard<'a, QueueState> {
+    fn wait<'a>(&self, work: Guard<'a>) -> Guard<'a> {
         self.changed.wait(work).unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -69,10 +71,7 @@ impl WorkQueue {
     }
 
     /// Runs one part; an error if there is none to run.
-    fn run_one_part<'a>(
-        &'a self,
-        mut work: MutexGuard<'a, QueueState>,
-    ) -> Result<MutexGuard<'a, QueueState>, MutexGuard<'a, QueueState>> {
+    fn run_one_part<'a>(&'a self, mut work: Guard<'a>) -> Result<Guard<'a>, Guard<'a>> {
         let (Some(part), true) = (work.part, work.next < work.num_parts) else { return Err(work) };
         let k = work.next;
         work.next += 1;
@@ -100,22 +99,14 @@ impl Executor for WorkQueue {
         let mut work = self.lock();
         (work.part, work.next, work.num_parts) = (Some(part), 0, num_parts);
         self.changed.notify_all();
-        loop {
+        let mut work = loop {
             work = match self.run_one_part(work) {
                 Ok(work) => work,
-                Err(work) if work.num_busy == 0 => {
-                    self.remove_parts(work);
-                    return;
-                }
+                Err(work) if work.num_busy == 0 => break work,
                 Err(work) => self.wait(work),
             };
-        }
-    }
-}
-
-impl WorkQueue {
-    /// Removes the parts once no thread runs one; resumes the panic of a part.
-    fn remove_parts(&self, mut work: MutexGuard<'_, QueueState>) {
+        };
+        // No thread runs a part any more.
         work.part = None;
         let has_panicked = std::mem::take(&mut work.has_panicked);
         drop(work);
@@ -133,15 +124,15 @@ mod tests {
     #[test]
     fn each_part_is_done_once_whoever_helps() {
         for num_helpers in [0, 1, 3] {
-            let desk = WorkQueue::default();
-            desk.announce_step();
+            let queue = WorkQueue::default();
+            queue.announce_step();
             let counts: Vec<AtomicUsize> = (0..200).map(|_| AtomicUsize::new(0)).collect();
             std::thread::scope(|s| {
-                (0..num_helpers).for_each(|_| drop(s.spawn(|| desk.run_parts())));
+                (0..num_helpers).for_each(|_| drop(s.spawn(|| queue.run_parts())));
                 for num_parts in [0, 1, 7, 200] {
-                    desk.run(num_parts, &|k| _ = counts[k].fetch_add(1, Ordering::Relaxed));
+                    queue.run(num_parts, &|k| _ = counts[k].fetch_add(1, Ordering::Relaxed));
                 }
-                desk.close_step();
+                queue.close_step();
             });
             let got: Vec<usize> = counts.into_iter().map(AtomicUsize::into_inner).collect();
             let expected: Vec<usize> = (0..200).map(|k| 1 + usize::from(k < 7) + usize::from(k < 1)).collect();
@@ -151,21 +142,21 @@ mod tests {
 
     #[test]
     fn a_part_that_panics_ends_the_step_after_all_parts() {
-        let desk = WorkQueue::default();
-        desk.announce_step();
+        let queue = WorkQueue::default();
+        queue.announce_step();
         let done = AtomicUsize::new(0);
         let work = |k: usize| {
             assert_ne!(k, 3, "the third");
             done.fetch_add(1, Ordering::Relaxed);
         };
         std::thread::scope(|s| {
-            s.spawn(|| desk.run_parts());
-            let outcome = catch_unwind(AssertUnwindSafe(|| desk.run(20, &work)));
-            desk.close_step();
+            s.spawn(|| queue.run_parts());
+            let outcome = catch_unwind(AssertUnwindSafe(|| queue.run(20, &work)));
+            queue.close_step();
             assert!(outcome.is_err());
         });
         assert_eq!(done.into_inner(), 19);
-        desk.run(2, &|_| ());
+        queue.run(2, &|_| ());
     }
 
     #[test]

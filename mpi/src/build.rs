@@ -119,8 +119,8 @@ fn print(report: &MpiBuildReport, out: &Path) -> MpiResult {
         let busy_s = |s: StageCost| s.ran_s.unwrap_or(s.wall_s - s.waited_s);
         let all: Vec<StageCost> = report.of_ranks.iter().map(of).collect();
         let (most, least) = all.iter().map(|&s| busy_s(s)).fold((0.0, f64::INFINITY), |(m, l), s| (s.max(m), s.min(l)));
-        let (rank, wall_s) =
-            (all.iter().position(|&s| busy_s(s) == most), all.iter().map(|s| s.wall_s).fold(0.0, f64::max));
+        let rank = all.iter().position(|&s| busy_s(s) == most);
+        let wall_s = all.iter().map(|s| s.wall_s).fold(0.0, f64::max);
         let moved = all.iter().map(|s| s.bytes_moved).sum::<u64>() as f64 / 1e6;
         let peak = all.iter().map(|s| s.peak_bytes).max().unwrap_or(0) as f64 / 1e6;
         let rank = rank.map_or(String::new(), |r| format!("rank {r}"));
@@ -130,10 +130,8 @@ fn print(report: &MpiBuildReport, out: &Path) -> MpiResult {
     for (rank, of) in report.of_ranks.iter().enumerate() {
         let (moved, peak) = (of.bytes_moved as f64 / 1e6, of.peak_bytes as f64 / 1e6);
         let mark = if of.busy_s == slowest_s && report.ranks > 1 { ", the slowest" } else { "" };
-        println!(
-            "rank {rank:<4} busy for {:.2} s{mark}, sent {moved:.1} MB, at most {peak:.0} MB of memory",
-            of.busy_s
-        );
+        let busy_s = of.busy_s;
+        println!("rank {rank:<4} busy for {busy_s:.2} s{mark}, sent {moved:.1} MB, at most {peak:.0} MB of memory");
     }
     Ok(())
 }

@@ -43,11 +43,8 @@ impl MpiComm {
 
     /// Status board of this rank; that of the first rank receives the statuses of all.
     pub fn status_board(&self) -> Arc<MpiStatusBoard> {
-        Arc::new(MpiStatusBoard {
-            may_send_status: self.may_send_status,
-            sent: AtomicU64::new(0),
-            received: Mutex::default(),
-        })
+        let (sent, received) = (AtomicU64::default(), Mutex::default());
+        Arc::new(MpiStatusBoard { may_send_status: self.may_send_status, sent, received })
     }
 
     /// Waits until the first rank has received all statuses, as MPI must not end before.
@@ -77,13 +74,9 @@ impl MpiComm {
     /// Lengths and offsets of parts, in the integers of MPI.
     fn message_counts(&self, lengths: impl Iterator<Item = usize>) -> Result<(Vec<i32>, Vec<i32>)> {
         let (mut message_counts, mut starts, mut all) = (Vec::new(), Vec::new(), 0usize);
+        let why = |n: usize| format!("moves messages of {n} bytes at once, and MPI 2^31 at most; use more ranks");
+        let count = |n: usize| i32::try_from(n).map_err(|_| Error::Rank { rank: self.rank(), why: why(n) });
         for length in lengths {
-            let count = |n: usize| {
-                i32::try_from(n).map_err(|_| Error::Rank {
-                    rank: self.rank(),
-                    why: format!("moves messages of {n} bytes at once, and MPI 2^31 at most; use more ranks"),
-                })
-            };
             starts.push(count(all)?);
             message_counts.push(count(length)?);
             all += length;

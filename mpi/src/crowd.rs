@@ -4,6 +4,7 @@ use crate::progress::{ProgressLines, StatusBoard};
 use crate::{MpiResult, print_json};
 use std::path::Path;
 use std::sync::Arc;
+use throng_core::base::error::ensure;
 use throng_core::base::{Comm, limits};
 use throng_precompute::run::{BUILT_IN_SCENES, SharedFigures, built_in_scene, run_shared};
 use throng_simulation::Scene;
@@ -39,14 +40,8 @@ pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiRes
     scene.seed = args.seed.unwrap_or(scene.seed);
     scene.check()?;
     let progress = ProgressLines::new(args.json, comm.rank(), board);
-    match run_shared(&scene.open()?, args.seconds, comm, &progress)? {
-        Some(figures) if args.json => print_json(&figures),
-        Some(figures) => {
-            print(&scene.name, &figures);
-            Ok(())
-        }
-        None => Ok(()),
-    }
+    let figures = run_shared(&scene.open()?, args.seconds, comm, &progress)?;
+    figures.map_or(Ok(()), |f| if args.json { print_json(&f) } else { print(&scene.name, &f) })
 }
 
 /// Loads a built-in scene, or a file.
@@ -55,13 +50,11 @@ fn load(name: &str) -> Result<Scene, Box<dyn std::error::Error>> {
         return Ok(own);
     }
     let path = Path::new(name);
-    match path.exists() {
-        true => Ok(Scene::load(path)?),
-        false => Err(format!("{name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", ")).into()),
-    }
+    ensure(path.exists(), || format!("{name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", ")))?;
+    Ok(Scene::load(path)?)
 }
 
-fn print(scene: &str, f: &SharedFigures) {
+fn print(scene: &str, f: &SharedFigures) -> MpiResult {
     println!("scene        {scene}: {} agents, {} s, {} ranks", f.agents, f.simulated_s, f.ranks);
     println!("time         {:.2} us for an agent and a second", f.us_per_agent_second);
     println!("handed over  {}", f.handed_over);
@@ -70,9 +63,8 @@ fn print(scene: &str, f: &SharedFigures) {
     println!("state        {}", f.state_hash);
     for (rank, of) in f.of_ranks.iter().enumerate() {
         let (moved, peak) = (of.bytes_moved as f64 / 1e6, of.peak_bytes as f64 / 1e6);
-        println!(
-            "rank {rank:<7} {} agents, busy for {:.1} s, sent {moved:.1} MB, at most {peak:.0} MB of memory",
-            of.agents, of.busy_s
-        );
+        let busy = format!("{} agents, busy for {:.1} s", of.agents, of.busy_s);
+        println!("rank {rank:<7} {busy}, sent {moved:.1} MB, at most {peak:.0} MB of memory");
     }
+    Ok(())
 }

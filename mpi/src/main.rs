@@ -49,13 +49,9 @@ fn main() -> ExitCode {
         let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);
         // Ranks that waited for a failed rank fail too.
-        return match failed.min_by_key(|e| e.ends_with("has ended")) {
-            Some(e) => {
-                eprintln!("error: {}", escape_for_terminal(&e));
-                ExitCode::FAILURE
-            }
-            None => ExitCode::SUCCESS,
-        };
+        let Some(e) = failed.min_by_key(|e| e.ends_with("has ended")) else { return ExitCode::SUCCESS };
+        eprintln!("error: {}", escape_for_terminal(&e));
+        return ExitCode::FAILURE;
     }
     let Some(comm) = MpiComm::new() else {
         eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");

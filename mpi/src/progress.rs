@@ -70,10 +70,8 @@ impl ProgressLines {
             while ended.recv_timeout(SAMPLE_PERIOD) == Err(RecvTimeoutError::Timeout) {
                 let status = lock(&watched).clone();
                 let Some(far) = status.progress_text() else { continue };
-                board.post_status(
-                    rank,
-                    RankStatus { stage: status.stage().into(), share: status.share(), left_s: status.left_s() },
-                );
+                let (stage, share, left_s) = (status.stage().into(), status.share(), status.left_s());
+                board.post_status(rank, RankStatus { stage, share, left_s });
                 num_samples += 1;
                 if rank == 0 && num_samples % SAMPLES_PER_LINE == 0 {
                     print_status(&status, &far, &board.statuses(), json);

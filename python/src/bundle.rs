@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
+use throng_core::base::error::ensure;
 use throng_core::format::SectionTag;
 use throng_runtime::glam::Vec3;
 use throng_runtime::policy::{BestActionJob, LookAheadGoal, LookAheadJob, RankedActions};
@@ -25,8 +26,8 @@ impl PyBundle {
 
     /// Tag, number of elements and length of an element of each section (bytes).
     fn _sections(&self) -> Vec<(String, usize, usize)> {
-        let tags = self.0.section_sizes().iter().filter_map(|(tag, bytes)| {
-            let (_, element) = self.0.section_bytes(*tag)?;
+        let tags = self.0.section_sizes().filter_map(|(tag, bytes)| {
+            let (_, element) = self.0.section_bytes(tag)?;
             Some((tag.to_string(), bytes / element.max(1), element))
         });
         tags.collect()
@@ -34,12 +35,11 @@ impl PyBundle {
 
     /// Bytes of a section, as an array that shares the bundle's memory and keeps it alive.
     fn _bytes<'py>(this: &Bound<'py, Self>, tag: &str) -> PyResult<Bound<'py, PyArray1<u8>>> {
-        let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|t| this.get().0.section_bytes(SectionTag(t)));
-        let Some((bytes, _)) = found else {
-            let known: Vec<String> = this.get().0.section_sizes().iter().map(|s| s.0.to_string()).collect();
-            return Err(error::input_error(format!("there is no section \"{tag}\"; there is {}", known.join(", "))));
-        };
-        let view = ArrayView1::from(bytes);
+        let bundle = &this.get().0;
+        let found = <[u8; 4]>::try_from(tag.as_bytes()).ok().and_then(|tag| bundle.section_bytes(SectionTag(tag)));
+        let known = || bundle.section_sizes().map(|s| s.0.to_string()).collect::<Vec<_>>().join(", ");
+        let fault = || error::input_error(format!("there is no section \"{tag}\"; there is {}", known()));
+        let view = ArrayView1::from(found.ok_or_else(fault)?.0);
         // SAFETY: the bytes never change nor move while a clone of the bundle lives, and `this`, which owns one for its whole
         // life, is the array's base. The array is read-only from the next line on, and numpy does not allow to undo that if
         // the base is not writable.
@@ -94,21 +94,13 @@ impl PyBundle {
         targets: PyReadonlyArray2<'py, f32>,
         behaviour: Option<&str>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let policies = self.0.policies();
-        let number = match behaviour {
-            Some(name) => self.0.find_policy(name).map_err(error::runtime_error)?,
-            None => 0,
-        };
-        let Some(policy) = policies.get(number) else {
-            return Err(error::input_error("the bundle has no policy; build it from motion in which somebody walks"));
-        };
+        let number = behaviour.map_or(Ok(0), |name| self.0.find_policy(name)).map_err(error::runtime_error)?;
+        let policy = self.0.policies().get(number).ok_or_else(error::no_policy)?;
         let (states, targets) = (states.as_array().to_vec(), points(&targets)?);
-        if targets.len() != states.len() {
-            let (got, n) = (targets.len(), states.len());
-            return Err(error::input_error(format!("`targets` has {got} rows, expected {n}, one for each state")));
-        }
-        let (mut best, mut ranked) = (vec![0u8; states.len()], vec![RankedActions::NONE; states.len()]);
-        let weights = vec![1.0; states.len()];
+        let (got, n) = (targets.len(), states.len());
+        let fault = || format!("`targets` has {got} rows, expected {n}, one for each state");
+        ensure(got == n, || error::input_error(fault()))?;
+        let (mut best, mut ranked, weights) = (vec![0u8; n], vec![RankedActions::NONE; n], vec![1.0; n]);
         let asked = py.detach(|| {
             BestActionJob { policy, states: &states, targets: &targets, choice: 0, actions: &mut best }.run()?;
             let goals = [LookAheadGoal { policy, weights: &weights, targets: &targets }];
@@ -135,8 +127,7 @@ impl PyBundle {
 /// Points from an array with rows of three numbers.
 pub fn points(array: &PyReadonlyArray2<'_, f32>) -> PyResult<Vec<Vec3>> {
     let array = array.as_array();
-    if array.ncols() != 3 {
-        return Err(error::input_error(format!("expected rows of 3 numbers (x, y, z), found {}", array.ncols())));
-    }
+    let fault = || format!("expected rows of 3 numbers (x, y, z), found {}", array.ncols());
+    ensure(array.ncols() == 3, || error::input_error(fault()))?;
     Ok(array.rows().into_iter().map(|r| Vec3::new(r[0], r[1], r[2])).collect())
 }

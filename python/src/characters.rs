@@ -8,8 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
 use throng_runtime::glam::{Vec2, Vec3};
-use throng_runtime::{CharacterGroup, NUM_JOINTS, Planar};
-use throng_runtime::{Id, Inline};
+use throng_runtime::{CharacterGroup, Id, Inline, NUM_JOINTS, Planar};
 
 /// Characters that follow one behaviour of a bundle to targets of their own.
 ///
@@ -37,9 +36,7 @@ impl PyCharacters {
         instances: bool,
     ) -> PyResult<Self> {
         let bundle = &bundle.get().0;
-        let Some(first) = bundle.meta().behaviours.first() else {
-            return Err(error::input_error("the bundle has no policy; build it from motion in which somebody walks"));
-        };
+        let first = bundle.meta().behaviours.first().ok_or_else(error::no_policy)?;
         let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::runtime_error)?;
         let roots = points(&roots)?;
         let avoid = makes_way.then(AvoidConfig::default);
@@ -65,10 +62,8 @@ impl PyCharacters {
 
     /// Moves a character to another place at once (m, radians).
     fn place(&mut self, who: usize, x: f32, z: f32, heading: f32) -> PyResult<()> {
-        let Some(&id) = self.ids.get(who) else {
-            let n = self.ids.len();
-            return Err(error::input_error(format!("character {who} does not exist, there are {n}")));
-        };
+        let fault = || error::input_error(format!("character {who} does not exist, there are {}", self.ids.len()));
+        let id = *self.ids.get(who).ok_or_else(fault)?;
         self.characters.place(id, Planar::new(x, z, heading)).map_err(error::runtime_error)
     }
 

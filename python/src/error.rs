@@ -20,6 +20,11 @@ pub fn input_error(why: impl Display) -> PyErr {
     python_error("InputError", why)
 }
 
+/// An error of a bundle in which nobody can be moved by a policy.
+pub fn no_policy() -> PyErr {
+    input_error("the bundle has no policy; build it from motion in which somebody walks")
+}
+
 /// An error of reading or writing a file.
 pub fn file_error(why: impl Display) -> PyErr {
     python_error("FileError", why)

@@ -6,6 +6,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
+use throng_core::base::error::ensure;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::export::{Glb, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
@@ -15,6 +16,7 @@ use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
+
 use throng_runtime::simulation::Scene;
 use throng_runtime::{Bundle, Joint};
 
@@ -50,9 +52,8 @@ pub fn load_clip(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
         pipeline::clips_of(&[clip], &config, &mut Warnings::default())
     });
     let set = read.map_err(error::build_error)?;
-    let Some(clip) = set.clips.first() else {
-        return Err(error::input_error(format!("{}: no frame can be used", path.display())));
-    };
+    let fault = || error::input_error(format!("{}: no frame can be used", path.display()));
+    let clip = set.clips.first().ok_or_else(fault)?;
     let (n, joints) = (clip.num_frames(), Joint::ALL.len());
     let array = |numbers: Vec<f32>| PyArray1::from_vec(py, numbers);
     let out = PyDict::new(py);
@@ -82,26 +83,22 @@ pub fn export(
     part: ExportSelection,
     cache: Option<PathBuf>,
 ) -> PyResult<Vec<PathBuf>> {
-    if !["glb", "usda", "bvh", "npz", "amass", "csv", "instances"].contains(&format) {
-        return Err(error::input_error(format!(
-            "format is \"{format}\", expected glb, usda, bvh, npz, amass, csv or instances"
-        )));
-    }
+    let is_known = ["glb", "usda", "bvh", "npz", "amass", "csv", "instances"].contains(&format);
+    let fault = || format!("format is \"{format}\", expected glb, usda, bvh, npz, amass, csv or instances");
+    ensure(is_known, || error::input_error(fault()))?;
     let (characters, from_s, to_s, rate_hz, clips, onto) = part;
-    if onto.is_some() && format != "glb" {
-        return Err(error::input_error(format!("`onto` is for glb, which Blender and others turn into {format}")));
-    }
+    let fault = || format!("`onto` is for glb, which Blender and others turn into {format}");
+    ensure(onto.is_none() || format == "glb", || error::input_error(fault()))?;
     // Read before long work, as it may not be a character.
-    let wearer =
-        onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose().map_err(error::build_error)?;
+    let wearer = onto.map(|file| Wearer::open(&file, &ImportConfig::default())).transpose();
+    let wearer = wearer.map_err(error::build_error)?;
     let characters = characters.into_iter().map(|c| c..=c).collect();
     let config = PerformConfig { characters, from_s, to_s, rate_hz };
     let save =
         |show: PerformSource<'_>, signals: &InterruptFlag| save(show, &config, format, wearer.as_ref(), &out, signals);
     if has_extension(&what, "toml") {
-        if format == "instances" {
-            return Err(error::input_error("instances are of bundles: which of their clips play on characters"));
-        }
+        let fault = "instances are of bundles: which of their clips play on characters";
+        ensure(format != "instances", || error::input_error(fault))?;
         return work::run_interruptibly(py, |signals| {
             let scene = work::open_scene(&Scene::load(&what)?, cache, signals)?;
             save(PerformSource::Scene(&scene), signals)
@@ -110,17 +107,13 @@ pub fn export(
     let (bundle, trial) = (Bundle::open(&what).map_err(|e| error::format_error(&what, e))?, TrialConfig::default());
     if format == "instances" {
         return work::run_interruptibly(py, |signals| {
-            let played = record_instances(&bundle, &trial, &config, folder_of(&out), signals)?;
+            let played = record_instances(&bundle, &trial, &config, files::folder_of(&out), signals)?;
             files::write_atomically(&out, |w| played.npz(w))?;
             Ok(vec![out.clone()])
         });
     }
     let show = if clips { PerformSource::Clips(&bundle) } else { PerformSource::Trial(&bundle, &trial) };
     work::run_interruptibly(py, |signals| save(show, signals))
-}
-
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 fn save(
@@ -131,12 +124,12 @@ fn save(
     out: &Path,
     signals: &InterruptFlag,
 ) -> Result<Vec<PathBuf>, BuildError> {
-    let take = perform(show, config, folder_of(out), signals)?;
+    let take = perform(show, config, files::folder_of(out), signals)?;
     match format {
         "bvh" => return write_each_actor(&take, out, |a, w| bvh::write_actor(&take, a, w)),
         "amass" => return write_each_actor(&take, out, |a, w| write_amass(&take, a, w)),
         "glb" => {
-            let outfit = wearer.map(|w| w.dress(&take, folder_of(out), signals)).transpose()?;
+            let outfit = wearer.map(|w| w.dress(&take, files::folder_of(out), signals)).transpose()?;
             let glb = outfit.as_ref().map_or_else(|| Glb::new(&take), |o| o.glb(&take))?;
             files::write_atomically(out, |w| glb.write(w))?;
         }

@@ -8,8 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 use throng_runtime::simulation::{CharacterEvent, Scene, Simulation};
-use throng_runtime::{Executor, Inline, Rayon};
-use throng_runtime::{Mat3x4, NUM_JOINTS};
+use throng_runtime::{Executor, Inline, Mat3x4, NUM_JOINTS, Rayon};
 
 /// A simulation of a scene, see `throng.Simulation`.
 #[pyclass(subclass, name = "Simulation", module = "throng._throng")]
@@ -97,14 +96,16 @@ impl PySimulation {
     /// Writes the roots into an array (n x 3).
     fn _roots_into(&self, mut out: PyReadwriteArray2<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), 3];
-        self.write_roots(checked_output(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        let shape = out.as_array_mut().shape().to_vec();
+        self.write_roots(checked_output(&shape, &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
     /// Writes the poses into an array (n x 22 x 3 x 4).
     fn _poses_into(&self, mut out: PyReadwriteArray4<'_, f32>) -> PyResult<()> {
         let expected = [self.sim.num_characters(), NUM_JOINTS, 3, 4];
-        self.write_poses(checked_output(out.as_array_mut().shape().to_vec(), &expected, out.as_slice_mut().ok())?);
+        let shape = out.as_array_mut().shape().to_vec();
+        self.write_poses(checked_output(&shape, &expected, out.as_slice_mut().ok())?);
         Ok(())
     }
 
@@ -239,13 +240,7 @@ pub fn write_pose(pose: &[Mat3x4; NUM_JOINTS], out: &mut [f32; POSE_LEN]) {
 }
 
 /// The numbers of an output array, if it has the expected shape.
-fn checked_output<'a>(
-    shape: Vec<usize>,
-    expected: &[usize],
-    numbers: Option<&'a mut [f32]>,
-) -> PyResult<&'a mut [f32]> {
-    match numbers {
-        Some(numbers) if shape == expected => Ok(numbers),
-        _ => Err(error::input_error(format!("`out` has shape {shape:?}, expected {expected:?}, float32 in C order"))),
-    }
+fn checked_output<'a>(shape: &[usize], expected: &[usize], out: Option<&'a mut [f32]>) -> PyResult<&'a mut [f32]> {
+    let fault = || format!("`out` has shape {shape:?}, expected {expected:?}, float32 in C order");
+    out.filter(|_| shape == expected).ok_or_else(|| error::input_error(fault()))
 }

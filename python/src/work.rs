@@ -64,11 +64,7 @@ pub fn open_cache(folder: Option<PathBuf>) -> Result<Cache, BuildError> {
 }
 
 /// Opens a scene; its missing inputs are built first, with messages to Python's logger "throng".
-pub fn open_scene(
-    scene: &Scene,
-    folder: Option<PathBuf>,
-    signals: &InterruptFlag,
-) -> Result<CompiledScene, BuildError> {
+pub fn open_scene(scene: &Scene, cache: Option<PathBuf>, signals: &InterruptFlag) -> Result<CompiledScene, BuildError> {
     let tell = |news: News| {
         Python::attach(|py| {
             let logger = py.import("logging").and_then(|l| l.call_method1("getLogger", ("throng",)));
@@ -76,6 +72,6 @@ pub fn open_scene(
             _ = logger.and_then(|l| l.call_method1("info", (news.to_string(),)));
         });
     };
-    ensure_scene(scene, &BuildContext { cache: &open_cache(folder)?, progress: signals, report_news: &tell })?;
+    ensure_scene(scene, &BuildContext { cache: &open_cache(cache)?, progress: signals, report_news: &tell })?;
     Ok(scene.open()?)
 }

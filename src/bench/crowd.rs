@@ -1,10 +1,12 @@
 //! `throng bench crowd`: cost, progress and overlaps of crowds.
 
-use crate::args::{CommandResult, fail, named_engine};
-use crate::figures::figures;
+use crate::args::{CommandResult, named_engine};
+use crate::figures::print_figures;
 use crate::{keys, output};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::Path;
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_crowd::Scheme;
 use throng_precompute::picture::{self, Plot};
@@ -50,12 +52,6 @@ pub struct Args {
     json: bool,
 }
 
-/// Printed report of several runs.
-#[derive(Serialize)]
-struct CrowdBenchReport {
-    runs: Vec<CrowdBenchRun>,
-}
-
 /// Printed report of one run.
 #[derive(Serialize, schemars::JsonSchema)]
 struct CrowdBenchRun {
@@ -70,6 +66,7 @@ impl CrowdBenchRun {
         self.figures.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default()
     }
 
+    /// Wall time of a simulated second (s).
     fn wall_s(&self) -> f64 {
         self.figures.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s).unwrap_or_default()
     }
@@ -93,16 +90,12 @@ pub fn run(args: &Args) -> CommandResult {
     }
     for scene in &trials {
         scene.check()?;
-        let figures_of = fastest_run(scene, args.seconds, args.threads, args.repeats)?;
-        let run = CrowdBenchRun { scene: scene.name.clone(), figures: figures_of };
-        match args.json {
-            true => (),
-            false if is_sweep => output::text(run.figures.row(&run.scene) + "\n")?,
-            false => {
-                let scene = format!("{}: {} agent(s), {:.0} s", run.scene, run.agents(), run.figures.simulated_s);
-                let rows: Vec<_> = std::iter::once(("scene", scene)).chain(figures(&run.figures)).collect();
-                output::table(&rows)?;
-            }
+        let run = fastest_run(scene, args)?;
+        if is_sweep && !args.json {
+            output::text(run.figures.row(&run.scene) + "\n")?;
+        } else if !args.json {
+            let scene = format!("{}: {} agent(s), {:.0} s", run.scene, run.agents(), run.figures.simulated_s);
+            print_figures("scene", scene, &run.figures)?;
         }
         runs.push(run);
     }
@@ -112,27 +105,25 @@ pub fn run(args: &Args) -> CommandResult {
     match &runs[..] {
         _ if !args.json => Ok(()),
         [one] => output::json(one),
-        _ => output::json(&CrowdBenchReport { runs }),
+        _ => output::json(&BTreeMap::from([("runs", runs)])),
     }
 }
 
-/// Figures of the fastest of several runs, which only differ in their time.
-fn fastest_run(scene: &Scene, seconds: Option<f64>, threads: usize, repeats: u32) -> CommandResult<SceneFigures> {
+/// The fastest of several runs, which only differ in their time.
+fn fastest_run(scene: &Scene, args: &Args) -> CommandResult<CrowdBenchRun> {
     let compiled = scene.open()?;
-    let mut best = run::run_agents(&compiled, seconds, threads)?;
-    let wall = |f: &SceneFigures| f.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s);
-    let us = |f: &SceneFigures| f.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default();
-    let mut all = vec![us(&best)];
-    for _ in 1..repeats {
-        let again = run::run_agents(&compiled, seconds, threads)?;
-        all.push(us(&again));
-        if wall(&again) < wall(&best) {
-            best = again;
-        }
+    let run = || run::run_agents(&compiled, args.seconds, args.threads);
+    let run = || run().map(|figures| CrowdBenchRun { scene: scene.name.clone(), figures });
+    let mut best = run()?;
+    let mut us = vec![best.us_per_agent()];
+    for _ in 1..args.repeats {
+        let again = run()?;
+        us.push(again.us_per_agent());
+        best = if again.wall_s() < best.wall_s() { again } else { best };
     }
-    all.sort_by(f64::total_cmp);
-    let range = [all[0], all[all.len() / 2], all[all.len() - 1]];
-    best.crowd.iter_mut().for_each(|c| c.us_range = Some(range));
+    us.sort_by(f64::total_cmp);
+    let range = [us[0], us[us.len() / 2], us[us.len() - 1]];
+    best.figures.crowd.iter_mut().for_each(|c| c.us_range = Some(range));
     Ok(best)
 }
 
@@ -164,14 +155,12 @@ fn load(name: &str) -> CommandResult<Scene> {
         return Ok(own);
     }
     let path = Path::new(name);
-    if !path.exists() {
-        return fail(format!("--scene {name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", ")));
-    }
+    let unknown = || format!("--scene {name}: expected one of {}, or a scene file", BUILT_IN_SCENES.join(", "));
+    ensure(path.exists(), unknown)?;
     let scene = Scene::load(path)?;
-    match scene.groups.iter().all(|g| g.is_of_agents()) {
-        true => Ok(scene),
-        false => fail(format!("--scene {name}: expected groups of agents alone, with `motion = \"none\"`")),
-    }
+    let other = || format!("--scene {name}: expected groups of agents alone, with `motion = \"none\"`");
+    ensure(scene.groups.iter().all(|g| g.is_of_agents()), other)?;
+    Ok(scene)
 }
 
 fn engines(args: &Args, scene: &Scene) -> CommandResult<Vec<Scheme>> {

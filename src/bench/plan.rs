@@ -2,11 +2,12 @@
 
 mod ik;
 
-use crate::args::{CacheArgs, CommandResult, fail};
+use crate::args::{CacheArgs, CommandResult, fail, is_toml};
 use crate::{keys, output};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use throng_core::base::error::ensure;
 use throng_planner::clips::with_motion;
 use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::recheck::Recheck;
@@ -88,6 +89,13 @@ struct PlanBenchFigures {
     paper_s: Option<f64>,
 }
 
+/// Plans of a scene that were found, and the violations of those that were checked.
+#[derive(Default)]
+struct PlanSamples {
+    plans: Vec<PlanSample>,
+    violations: usize,
+}
+
 /// Measurements of one plan, or of all plans of a task.
 struct PlanSample {
     first_s: f64,
@@ -105,22 +113,20 @@ pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     for name in &names {
         eprintln!("{name} ...");
-        let (samples, violations) = match scenes::find_scene(name)? {
+        let samples = match scenes::find_scene(name)? {
             Some(scene) => plan_scene(&scene, args)?,
-            None if crate::args::is_toml(Path::new(name)) => plan_task(Path::new(name), args)?,
-            None => return fail(unknown_scene(name)),
+            None if is_toml(Path::new(name)) => plan_task(Path::new(name), args)?,
+            None => {
+                let known = SCENES.map(|(name, _)| name).join(", ");
+                return fail(format!("there is no scene `{name}`; there are {known}, and task files (.toml)"));
+            }
         };
-        results.push(figures(name, &samples, violations, &ik, args.seeds));
+        results.push(figures(name, &samples, &ik, args.seeds));
     }
     if args.json {
         return output::json(&PlanBenchReport { results });
     }
     results.iter().try_for_each(print)
-}
-
-fn unknown_scene(name: &str) -> String {
-    let known = SCENES.map(|(name, _)| name).join(", ");
-    format!("there is no scene `{name}`; there are {known}, and task files (.toml)")
 }
 
 /// Expands folders to the task files in them, sorted by name.
@@ -132,23 +138,21 @@ fn expand_folders(scenes: &[String]) -> CommandResult<Vec<String>> {
             continue;
         }
         let files = std::fs::read_dir(scene).map_err(|e| format!("{scene}: {e}"))?;
-        let files = files.map(|f| f.map(|f| f.path())).collect::<Result<Vec<_>, _>>()?;
-        let mut tasks: Vec<PathBuf> =
-            files.into_iter().filter(|f| crate::args::is_toml(f) && plans::is_task(f)).collect();
+        let mut tasks = files.map(|f| f.map(|f| f.path())).collect::<Result<Vec<_>, _>>()?;
+        tasks.retain(|f| is_toml(f) && plans::is_task(f));
         tasks.sort();
-        if tasks.is_empty() {
-            return Err(format!("{scene}: expected task files (.toml with `[[tasks]]`) in the folder").into());
-        }
+        let none = || format!("{scene}: expected task files (.toml with `[[tasks]]`) in the folder");
+        ensure(!tasks.is_empty(), none)?;
         out.extend(tasks.iter().map(|f| f.to_string_lossy().into_owned()));
     }
     Ok(out)
 }
 
 /// Plans a scene with every seed.
-fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<(Vec<PlanSample>, usize)> {
+fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<PlanSamples> {
     let (problem, who) = (scene.problem()?, &scene.actor);
     let (mut planner, config) = (LimbPlanner::new(), PlanConfig::default());
-    let (mut samples, mut violations) = (Vec::new(), 0);
+    let mut samples = PlanSamples::default();
     let joints = who.linkage.limb.joints();
     let planned: Vec<_> = joints.into_iter().zip(*problem.limits()).collect();
     let [init, goal] = scene.ends.map(|e| e.time_s);
@@ -172,9 +176,9 @@ fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<(Vec<PlanSample>,
                 penetration_m: 1e-3,
                 self_press_m: SELF_PRESS_M,
             };
-            violations += recheck.run().violations.len();
+            samples.violations += recheck.run().violations.len();
         }
-        samples.push(PlanSample {
+        samples.plans.push(PlanSample {
             first_s: outcome.first_solution_s,
             total_s: outcome.total_s,
             checks: outcome.checks,
@@ -183,43 +187,36 @@ fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<(Vec<PlanSample>,
             clip: Some(after),
         });
     }
-    Ok((samples, violations))
+    Ok(samples)
 }
 
 /// Solves a task with every seed.
-fn plan_task(path: &Path, args: &Args) -> CommandResult<(Vec<PlanSample>, usize)> {
+fn plan_task(path: &Path, args: &Args) -> CommandResult<PlanSamples> {
     let task = Task::read(path)?;
     let config = BuildConfig::of_motion("", Vec::new())?;
     let sources = crate::run::with_build_context(&args.cache, |with| plans::load_sources(&task, &config, None, with))??;
     let (task, clips) = sources.stage_task(task, None)?;
-    let (mut samples, mut violations) = (Vec::new(), 0);
+    let mut samples = PlanSamples::default();
     for seed in 0..args.seeds {
-        let outcome = task.run(&clips, Some(seed))?;
-        violations += outcome.recheck.violations.len();
-        if outcome.is_solved() {
-            let found = [(seed, outcome)];
-            let Some(r) = plans::plan_report(&task, &found) else { continue };
-            let [(_, outcome)] = found;
-            samples.push(PlanSample {
-                first_s: r.first_solution_s,
-                total_s: r.total_s,
-                checks: r.checks,
-                length_rad: r.path_length_rad,
-                jerk: [r.jerk_before, r.jerk_after],
-                clip: outcome.clips.into_iter().next().map(|[_, after]| after),
-            });
-        }
+        let found = [(seed, task.run(&clips, Some(seed))?)];
+        samples.violations += found[0].1.recheck.violations.len();
+        let report = plans::plan_report(&task, &found);
+        let [(_, outcome)] = found;
+        let Some(r) = report.filter(|r| r.solved) else { continue };
+        samples.plans.push(PlanSample {
+            first_s: r.first_solution_s,
+            total_s: r.total_s,
+            checks: r.checks,
+            length_rad: r.path_length_rad,
+            jerk: [r.jerk_before, r.jerk_after],
+            clip: outcome.clips.into_iter().next().map(|[_, after]| after),
+        });
     }
-    Ok((samples, violations))
+    Ok(samples)
 }
 
-fn figures(
-    name: &str,
-    samples: &[PlanSample],
-    recheck_violations: usize,
-    ik: &ik::IkFigures,
-    seeds: u64,
-) -> PlanBenchFigures {
+fn figures(name: &str, samples: &PlanSamples, ik: &ik::IkFigures, seeds: u64) -> PlanBenchFigures {
+    let PlanSamples { plans: samples, violations: recheck_violations } = samples;
     let rank = |share: f64, f: &dyn Fn(&PlanSample) -> f64| {
         let mut all: Vec<f64> = samples.iter().map(f).filter(|x| x.is_finite()).collect();
         all.sort_by(f64::total_cmp);
@@ -240,7 +237,7 @@ fn figures(
         ns_per_check: seconds * 1e9 / checks.max(1) as f64,
         path_length_rad: rank(0.5, &|s| s.length_rad),
         jerk_ratio: rank(0.5, &|s| s.jerk[1] / s.jerk[0]),
-        recheck_violations,
+        recheck_violations: *recheck_violations,
         ik_ns: ik.ns,
         ik_error_max_m: ik.error_max_m,
         ik_solved_fraction: ik.solved_fraction,
@@ -257,36 +254,18 @@ fn mean_joint_angle(a: &Clip, b: &Clip) -> Option<f64> {
 }
 
 fn print(f: &PlanBenchFigures) -> CommandResult {
-    let ms = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
+    let text = |x: Option<f64>| x.map_or_else(|| "-".into(), |x| format!("{x:.2}"));
+    let [first, first_95] = [f.first_ms_median, f.first_ms_p95].map(text);
+    let [total, total_95] = [f.total_ms_median, f.total_ms_p95].map(text);
+    let ways = format!("first way {first} ms (95 %: {first_95}), with smoothing {total} ms (95 %: {total_95})");
+    let [length, jerk, apart] = [f.path_length_rad, f.jerk_ratio, f.variants_distance_rad].map(text);
+    let motion = format!("{length} rad, jerk {jerk} of that before smoothing, {apart} rad from seed to seed");
+    let solution = format!("{:.0} ns a solution of inverse kinematics", f.ik_ns);
+    let (off_m, solved) = (f.ik_error_max_m, f.ik_solved_fraction);
     output::table(&[
         ("scene", format!("{}: {:.0} % of the seeds have a plan", f.scene, 100.0 * f.success_rate)),
-        (
-            "time",
-            format!(
-                "first way {} ms (95 %: {}), with smoothing {} ms (95 %: {}); {:.0} ns a look",
-                ms(f.first_ms_median),
-                ms(f.first_ms_p95),
-                ms(f.total_ms_median),
-                ms(f.total_ms_p95),
-                f.ns_per_check
-            ),
-        ),
-        (
-            "motion",
-            format!(
-                "{} rad, jerk {} of that before smoothing, {} rad from seed to seed; {} violations",
-                ms(f.path_length_rad),
-                ms(f.jerk_ratio),
-                ms(f.variants_distance_rad),
-                f.recheck_violations
-            ),
-        ),
-        (
-            "arm",
-            format!(
-                "{:.0} ns a solution of inverse kinematics, {:.2e} m off at most, {:.6} solved",
-                f.ik_ns, f.ik_error_max_m, f.ik_solved_fraction
-            ),
-        ),
+        ("time", format!("{ways}; {:.0} ns a look", f.ns_per_check)),
+        ("motion", format!("{motion}; {} violations", f.recheck_violations)),
+        ("arm", format!("{solution}, {off_m:.2e} m off at most, {solved:.6} solved")),
     ])
 }

@@ -2,8 +2,8 @@
 
 use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::Path;
 use throng_core::base::limits;
 use throng_precompute::run::{ScenarioFigures, measure_scenario};
 use throng_simulation::Scene;
@@ -31,18 +31,11 @@ pub struct Args {
     json: bool,
 }
 
-/// Printed report of all scenes.
-#[derive(Serialize)]
-struct ScenarioBenchReport {
-    results: Vec<ScenarioFigures>,
-}
-
 pub fn run(args: &Args) -> CommandResult {
     let mut results = Vec::new();
     for name in &args.scene {
-        let path = PathBuf::from(name);
-        let path =
-            if path.extension().is_some() { path } else { Path::new("data/scenes").join(format!("{name}.toml")) };
+        let is_file = Path::new(name).extension().is_some();
+        let path = if is_file { name.into() } else { Path::new("data/scenes").join(format!("{name}.toml")) };
         let mut scene = Scene::load(&path)?;
         if let Some(agents) = args.agents {
             scene = scene.resized(agents);
@@ -55,25 +48,17 @@ pub fn run(args: &Args) -> CommandResult {
         }
     }
     if args.json {
-        return output::json(&ScenarioBenchReport { results });
+        return output::json(&BTreeMap::from([("results", results)]));
     }
     let mut text = String::from(
         "scene              agents  threads  frames/s  over paper  rules  crowd  motion  informed  by others\n",
     );
     for r in &results {
         let over = r.over_paper.map_or_else(String::new, |o| format!("{o:.0}"));
-        text.push_str(&format!(
-            "{:<18} {:>6} {:>8} {:>9.0} {over:>11} {:>5.0}% {:>5.0}% {:>6.0}% {:>9} {:>5}\n",
-            r.scene,
-            r.agents,
-            r.threads,
-            r.frames_per_second,
-            100.0 * r.rules_share,
-            100.0 * r.crowd_share,
-            100.0 * r.motion_share,
-            r.informed,
-            r.informed_pairs
-        ));
+        let run = format!("{:<18} {:>6} {:>8} {:>9.0}", r.scene, r.agents, r.threads, r.frames_per_second);
+        let [rules, crowd, motion] = [r.rules_share, r.crowd_share, r.motion_share].map(|share| 100.0 * share);
+        let news = format!("{:>9} {:>5}", r.informed, r.informed_pairs);
+        text.push_str(&format!("{run} {over:>11} {rules:>5.0}% {crowd:>5.0}% {motion:>6.0}% {news}\n"));
     }
     output::text(text)
 }

@@ -27,11 +27,7 @@ pub fn run(args: &super::Args) -> CommandResult {
     let ahead = task.preview_steps(&clips)?;
     let faults = ahead.iter().map(|a| a.faults.len()).sum();
     let report = TaskCheckReport { tasks: ahead, meshes: task.preview_meshes(), faults };
-    if args.json {
-        output::json(&report)?;
-    } else {
-        print(&report)?;
-    }
+    output::report(&report, args.json, print)?;
     let first = report.tasks.iter().find_map(|t| Some((&t.name, t.faults.first()?)));
     first.map_or(Ok(()), |(name, fault)| fail(format!("{name}: {fault}")))
 }

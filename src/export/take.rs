@@ -1,18 +1,18 @@
 //! Takes of scenes, recordings, bundles and clips, written in the formats of other programs.
 
-use super::{Args, Format, holds_motion, write};
-use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml};
+use super::{Args, Format, holds_motion, retargeted_clip, write};
+use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml, open_bundle};
 use crate::{output, progress};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_precompute::export::{Glb, Take, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
-use throng_precompute::import::read_clip;
+use throng_precompute::files;
 use throng_precompute::perform::{self, PerformConfig, PerformSource, perform};
 use throng_precompute::run::RunRecording;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::wearer::Wearer;
-use throng_precompute::{Warnings, files, pipeline};
 use throng_simulation::Scene;
 
 /// Options of takes.
@@ -53,9 +53,8 @@ fn parse_range(text: &str) -> Result<RangeInclusive<usize>, String> {
         Some((a, b)) => number(a).zip(number(b.trim_start_matches('='))).map(|(a, b)| a..=b),
         None => number(text).map(|n| n..=n),
     };
-    range
-        .filter(|r| !r.is_empty())
-        .ok_or_else(|| "expected a number, or two such as 0..99, the smaller one first".into())
+    let fault = "expected a number, or two such as 0..99, the smaller one first";
+    range.filter(|r| !r.is_empty()).ok_or_else(|| fault.into())
 }
 
 impl TakeArgs {
@@ -81,45 +80,28 @@ impl TakeArgs {
 
 /// Writes a take.
 pub fn run(args: &Args) -> CommandResult {
-    let takes = &args.take;
-    if takes.usd_instances && !matches!(args.format, Format::Usda) {
-        return fail("--usd-instances is for --format usda");
-    }
-    if takes.onto.is_some() && !matches!(args.format, Format::Glb) {
-        return fail("--onto is for --format glb; Blender and other programs turn such a file into USD");
-    }
-    if takes.clips && !is_bundle(&args.file) {
-        return fail(format!("{}: --clips is for bundles (.throng)", args.file.display()));
-    }
-    let out = match (&args.out, args.format) {
-        (None, Format::Csv) => None,
-        (None, _) => {
-            let what = "name a file to write with --out; of what runs, only csv goes to standard output";
-            return fail(format!("{}: {what}", args.file.display()));
-        }
-        (Some(out), _) => {
-            files::check_targets([out], [&args.file].into_iter().chain(&takes.onto))?;
-            Some(out.as_path())
-        }
-    };
+    let (takes, file) = (&args.take, args.file.display());
+    let [is_usda, is_glb] = [matches!(args.format, Format::Usda), matches!(args.format, Format::Glb)];
+    ensure(is_usda || !takes.usd_instances, || "--usd-instances is for --format usda")?;
+    let fault = "--onto is for --format glb; Blender and other programs turn such a file into USD";
+    ensure(is_glb || takes.onto.is_none(), || fault)?;
+    ensure(!takes.clips || is_bundle(&args.file), || format!("{file}: --clips is for bundles (.throng)"))?;
+    let has_place = args.out.is_some() || matches!(args.format, Format::Csv);
+    let fault = "name a file to write with --out; of what runs, only csv goes to standard output";
+    ensure(has_place, || format!("{file}: {fault}"))?;
+    files::check_targets(&args.out, [&args.file].into_iter().chain(&takes.onto))?;
+    let out = args.out.as_deref();
     // Beside the output, where there is room and no memory file system.
     let temporary = std::env::temp_dir();
-    let folder = out.map_or(temporary.as_path(), folder_of);
+    let folder = out.map_or(temporary.as_path(), files::folder_of);
     // Read before long work, as it may not be a character.
-    let wearer = match &takes.onto {
-        Some(character) => Some(Wearer::open(character, &args.read.config()?.import)?),
-        None => None,
-    };
+    let wear = |character: &PathBuf| CommandResult::Ok(Wearer::open(character, &args.read.config()?.import)?);
+    let wearer = takes.onto.as_ref().map(wear).transpose()?;
     if let (Format::Instances, Some(out)) = (args.format, out) {
         return instances(args, folder, out);
     }
     let take = record_take(args, folder)?;
     save(args, &take, out, wearer.as_ref(), folder)
-}
-
-/// Folder of a file.
-pub fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Runs the input and records the take.
@@ -133,11 +115,9 @@ fn record_take(args: &Args, folder: &Path) -> CommandResult<Take> {
         return Ok(show(PerformSource::Scene(&scene.open()?))?);
     }
     if is_bundle(file) {
-        let bundle = crate::args::open_bundle(file)?;
-        return Ok(match args.take.clips {
-            true => show(PerformSource::Clips(&bundle))?,
-            false => show(PerformSource::Trial(&bundle, &TrialConfig::default()))?,
-        });
+        let (bundle, trial) = (open_bundle(file)?, TrialConfig::default());
+        let clips = args.take.clips;
+        return Ok(show(if clips { PerformSource::Clips(&bundle) } else { PerformSource::Trial(&bundle, &trial) })?);
     }
     if holds_motion(file) {
         return clip(args, folder);
@@ -150,15 +130,13 @@ fn record_take(args: &Args, folder: &Path) -> CommandResult<Take> {
 
 /// Writes the clips that play on characters of a bundle.
 fn instances(args: &Args, folder: &Path, out: &Path) -> CommandResult {
-    let file = &args.file;
-    if !is_bundle(file) || args.take.clips {
-        let what = "instances are of bundles (.throng): which of their clips play on characters who run on them";
-        return fail(format!("{}: {what}", file.display()));
-    }
-    let (bundle, trial, bar) =
-        (crate::args::open_bundle(file)?, TrialConfig::default(), progress::BuildProgressBar::default());
+    let file = args.file.display();
+    let fault = "instances are of bundles (.throng): which of their clips play on characters who run on them";
+    ensure(is_bundle(&args.file) && !args.take.clips, || format!("{file}: {fault}"))?;
+    let bundle = open_bundle(&args.file)?;
+    let (trial, bar) = (TrialConfig::default(), progress::BuildProgressBar::default());
     let played = perform::record_instances(&bundle, &trial, &args.take.config(), folder, &bar);
-    let played = played.map_err(|e| format!("{}: {e}", file.display()))?;
+    let played = played.map_err(|e| format!("{file}: {e}"))?;
     files::write_atomically(out, |w| played.npz(w))?;
     let (who, frames, hz) = (played.num_characters(), played.num_frames(), played.rate_hz());
     let bytes = output::bytes(std::fs::metadata(out).map_or(0, |m| m.len()));
@@ -170,9 +148,8 @@ fn clip(args: &Args, folder: &Path) -> CommandResult<Take> {
     if let Some(flag) = args.take.first_given_flag().filter(|flag| *flag != "--onto") {
         return fail(format!("{}: {flag} is for scenes, recordings and bundles", args.file.display()));
     }
-    let config = args.read.config_for(std::slice::from_ref(&args.file))?;
-    let clips = pipeline::clips_of(&[read_clip(&args.file, &config.import)?], &config, &mut Warnings::default())?;
-    Ok(Take::from_clips(folder, &clips.clips[..1], &clips.skeleton)?)
+    let set = retargeted_clip(args)?;
+    Ok(Take::from_clips(folder, &set.clips[..1], &set.skeleton)?)
 }
 
 /// Writes a take in a format, and prints the files.

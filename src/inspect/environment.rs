@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
 use throng_core::Joint;
+use throng_core::base::error::ensure;
 use throng_precompute::environment::{InferReport, InferredEnvironment, infer_environment};
 use throng_precompute::import;
 use throng_precompute::picture::{self, BodyColours, BodyFigure, Colour, Picture};
@@ -45,9 +46,8 @@ pub fn run(args: &super::Args) -> CommandResult {
     if let Some(bundle) = args.files.iter().find(|f| crate::args::is_bundle(f)) {
         return fail(format!("{}: expected a motion file: surroundings are inferred from clips", bundle.display()));
     }
-    if args.hits_png.is_some() {
-        return fail("--hits-png is for one clip or bundle without --environment-out and --environment-png");
-    }
+    let fault = "--hits-png is for one clip or bundle without --environment-out and --environment-png";
+    ensure(args.hits_png.is_none(), || fault)?;
     let set = read_clips(args)?;
     let stem = |p: &Path| p.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let name = args.environment_out.as_deref().map_or_else(|| set.clips[0].name.clone(), stem);
@@ -70,13 +70,11 @@ pub fn run(args: &super::Args) -> CommandResult {
     let files = args.files.iter().map(|f| f.to_string_lossy());
     // First a picture of what was found, then the bundle.
     let out = args.environment_out.as_ref().filter(|_| args.environment_png.is_none());
-    let png =
-        out.map(|out| ["--environment-png".into(), out.with_extension("png").to_string_lossy().into_owned().into()]);
-    let words = [if png.is_some() { "inspect" } else { "build" }.into()]
-        .into_iter()
-        .chain(files)
-        .chain(png.into_iter().flatten());
-    help::next_step(&words.collect::<Vec<_>>().iter().map(|word| &**word).collect::<Vec<_>>())
+    let png = out.map(|out| out.with_extension("png").to_string_lossy().into_owned());
+    let mut words = vec![if png.is_some() { "inspect" } else { "build" }.into()];
+    words.extend(files);
+    words.extend(png.into_iter().flat_map(|png| ["--environment-png".into(), png.into()]));
+    help::next_step(&words.iter().map(|word| &**word).collect::<Vec<_>>())
 }
 
 /// Reads the clips as a build with default settings does, so that heights agree.
@@ -87,9 +85,7 @@ fn read_clips(args: &super::Args) -> CommandResult<ClipSet> {
     let mut warnings = Warnings::default();
     let clips = pipeline::clips_of(&raw.clips, &config, &mut warnings)?;
     output::warnings(&[], &warnings.messages);
-    if clips.clips.is_empty() {
-        return fail("expected at least one clip, found none");
-    }
+    ensure(!clips.clips.is_empty(), || "expected at least one clip, found none")?;
     Ok(clips)
 }
 
@@ -106,20 +102,17 @@ fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildE
     let title = format!("{}: inferred from {}", inferred.environment.name, names.join(", "));
     let subtitle = inferred.report.to_string().lines().take(2).collect::<Vec<_>>().join("; ");
     let view = |(heading, elevation)| {
-        let camera = WorldCamera { heading, elevation, focus: None };
-        let (trails, names) = (&[], &[]);
-        let view = WorldSheet {
+        picture::world_sheet(&WorldSheet {
             title: &title,
             subtitle: &subtitle,
             size: SIZE,
             figures: &figures,
             units: &units,
             solids: &[],
-            trails,
-            names,
-            camera,
-        };
-        picture::world_sheet(&view)
+            trails: &[],
+            names: &[],
+            camera: WorldCamera { heading, elevation, focus: None },
+        })
     };
     let [front, side] = VIEW_ANGLES.map(view);
     Ok(picture::sheet(&[&front, &side]))
@@ -127,12 +120,11 @@ fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildE
 
 /// Selects bodies far from each other: the first one, then repeatedly the one farthest from all selected ones.
 fn spread_bodies(set: &ClipSet) -> Vec<BodyFigure> {
-    let figure =
-        |clip: &Clip, f: usize| BodyFigure::from_transforms(&set.skeleton, &clip.joint_transforms(&set.skeleton, f));
-    let frames =
-        |clip: &Clip| (0..clip.num_frames()).step_by(FRAME_STRIDE).filter(|&f| clip.is_usable(f)).collect::<Vec<_>>();
-    let all: Vec<BodyFigure> =
-        set.clips.iter().flat_map(|c| frames(c).into_iter().map(move |f| figure(c, f))).collect();
+    let (skeleton, mut all) = (&set.skeleton, Vec::new());
+    for clip in &set.clips {
+        let frames = (0..clip.num_frames()).step_by(FRAME_STRIDE).filter(|&f| clip.is_usable(f));
+        all.extend(frames.map(|f| BodyFigure::from_transforms(skeleton, &clip.joint_transforms(skeleton, f))));
+    }
     let mut near = vec![f32::INFINITY; all.len()];
     let mut out = Vec::new();
     let mut next = all.first();

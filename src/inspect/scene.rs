@@ -5,6 +5,7 @@ use crate::output;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::Path;
+use throng_core::base::error::ensure;
 use throng_planner::correct::CollisionStretch;
 use throng_planner::task::Task;
 use throng_precompute::cache::Cache;
@@ -30,9 +31,8 @@ struct LimbCollision {
 /// Replaces a task's first clip by another one, and finds the collisions of its limbs.
 pub fn run(args: &super::Args, task: &Path) -> CommandResult {
     let [file] = &args.files[..] else { return fail("--scene is for one motion file") };
-    if crate::args::is_bundle(file) {
-        return fail(format!("{}: expected a motion file: --scene is for clips", file.display()));
-    }
+    let fault = || format!("{}: expected a motion file: --scene is for clips", file.display());
+    ensure(!crate::args::is_bundle(file), fault)?;
     let task = Task::read(task)?;
     let config = args.read.config_for(&args.files)?;
     let tell = |news: News| output::print_to_stderr(news);
@@ -48,9 +48,9 @@ pub fn run(args: &super::Args, task: &Path) -> CommandResult {
     if report.collisions.is_empty() {
         return output::text("no limb collides\n");
     }
-    let rows = report.collisions.iter().map(|LimbCollision { span: s, .. }| {
-        let text = format!("in {} from {:.2} s to {:.2} s, {:.3} m deep", s.with, s.from_s, s.to_s, s.depth_m);
-        (s.part.as_str(), text)
-    });
+    let text = |s: &CollisionStretch| {
+        format!("in {} from {:.2} s to {:.2} s, {:.3} m deep", s.with, s.from_s, s.to_s, s.depth_m)
+    };
+    let rows = report.collisions.iter().map(|c| (c.span.part.as_str(), text(&c.span)));
     output::table(&rows.collect::<Vec<_>>())
 }

@@ -1,11 +1,12 @@
 //! The action that a policy chooses.
 
-use crate::args::{CommandResult, fail, parse_point};
+use crate::args::{CommandResult, parse_point};
 use crate::{keys, output};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_core::policy::{BestActionJob, MAX_ACTIONS, TargetGrid};
 
@@ -73,72 +74,45 @@ struct ActionQueryReport {
     best: Vec<RankedAction>,
 }
 
-/// Third coordinate of a policy's targets, beside the position on the ground.
-#[derive(Clone, Copy)]
-enum ThirdCoordinate {
-    Nothing,
-    Height(f32),
-    TimeLeft(f32),
-}
-
-impl ThirdCoordinate {
-    fn value(self) -> f32 {
-        self.height_m().or(self.time_left_s()).unwrap_or(0.0)
-    }
-
-    fn height_m(self) -> Option<f32> {
-        if let Self::Height(height) = self { Some(height) } else { None }
-    }
-
-    fn time_left_s(self) -> Option<f32> {
-        if let Self::TimeLeft(time) = self { Some(time) } else { None }
-    }
+/// Third coordinate of a policy's targets, beside the position on the ground: one of these, or none.
+#[derive(Default)]
+struct ThirdCoordinate {
+    height_m: Option<f32>,
+    time_left_s: Option<f32>,
 }
 
 /// The third coordinate of the arguments, or the reason why it does not fit the policy.
 fn third_coordinate(args: &Args, grid: &TargetGrid) -> Result<ThirdCoordinate, String> {
     let record = grid.record();
     let [first, last] = [0.0, (record.num_heights - 1) as f32].map(|k| record.height_start + k * record.height_spacing);
-    match (grid.is_space_time(), record.num_heights > 1) {
-        (true, _) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
-        (true, _) => args
-            .time_left
-            .map(ThirdCoordinate::TimeLeft)
-            .ok_or_else(|| format!("it is about a blow that lands soon. Add --time-left S, from {first} to {last:.2}")),
-        (false, _) if args.time_left.is_some() => Err("it is not about a moment. Leave --time-left out".into()),
-        (false, true) => Ok(ThirdCoordinate::Height(args.height.unwrap_or(0.5 * (first + last)))),
-        (false, false) if args.height.is_some() => Err("it knows no height. Leave --height out".into()),
-        (false, false) => Ok(ThirdCoordinate::Nothing),
-    }
+    let (is_timed, has_heights) = (grid.is_space_time(), record.num_heights > 1);
+    ensure(is_timed || args.time_left.is_none(), || "it is not about a moment. Leave --time-left out")?;
+    let knows_height = has_heights && !is_timed;
+    ensure(knows_height || args.height.is_none(), || "it knows no height. Leave --height out")?;
+    let fault = || format!("it is about a blow that lands soon. Add --time-left S, from {first} to {last:.2}");
+    ensure(!is_timed || args.time_left.is_some(), fault)?;
+    let height_m = knows_height.then(|| args.height.unwrap_or(0.5 * (first + last)));
+    Ok(ThirdCoordinate { height_m, time_left_s: args.time_left })
 }
 
 pub fn run(args: &Args) -> CommandResult {
     let state = args.state;
     let tables = crate::args::open_bundle(&args.file)?;
-    let policy = match tables.policy(&args.behaviour) {
-        Ok(policy) => policy.table().clone(),
-        Err(e) => return fail(format!("{}: {e}", args.file.display())),
-    };
+    let file = args.file.display();
+    let policy = tables.policy(&args.behaviour).map_err(|e| format!("{file}: {e}"))?.table().clone();
     let num_states = tables.graph().states.len();
-    if state as usize >= num_states {
-        return fail(format!(
-            "{}: no state {}; states count from 0 to {}",
-            args.file.display(),
-            state,
-            num_states.saturating_sub(1)
-        ));
-    }
-    let third = match third_coordinate(args, policy.grid()) {
-        Ok(third) => third,
-        Err(why) => return fail(format!("policy `{}` of {}: {why}", args.behaviour, args.file.display())),
-    };
-    let target = Vec3::new(args.target[0], third.value(), args.target[1]);
+    let last = num_states.saturating_sub(1);
+    let fault = || format!("{file}: no state {state}; states count from 0 to {last}");
+    ensure((state as usize) < num_states, fault)?;
+    let third = third_coordinate(args, policy.grid());
+    let ThirdCoordinate { height_m, time_left_s } =
+        third.map_err(|why| format!("policy `{}` of {file}: {why}", args.behaviour))?;
+    let target = Vec3::new(args.target[0], height_m.or(time_left_s).unwrap_or(0.0), args.target[1]);
     let mut scores = [0.0; MAX_ACTIONS];
     let n = policy.action_scores(state, target, &mut scores)?;
     let mut single_load = [0u8];
-    let (states, targets) = ([state], [target]);
-    BestActionJob { policy: &policy, states: &states, targets: &targets, choice: 0, actions: &mut single_load }
-        .run()?;
+    let (policy, states, targets) = (&policy, &[state], &[target]);
+    BestActionJob { policy, states, targets, choice: 0, actions: &mut single_load }.run()?;
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
     let segment = tables.graph().segments_of(state)[order[0]];
@@ -146,8 +120,8 @@ pub fn run(args: &Args) -> CommandResult {
         behaviour: args.behaviour.clone(),
         state,
         target_m: args.target,
-        height_m: third.height_m(),
-        time_left_s: third.time_left_s(),
+        height_m,
+        time_left_s,
         action: order[0],
         value: policy.value(state, target),
         score: scores[order[0]],

@@ -1,11 +1,12 @@
 //! A path through a world.
 
-use crate::args::{CacheArgs, CommandResult, fail, parse_point};
+use crate::args::{CacheArgs, CommandResult, parse_point};
 use crate::{keys, output, stitch};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
+use throng_core::base::error::ensure;
 use throng_precompute::stitch::WorldSource;
 use throng_world::plan::{PlanTarget, WorldPlanner};
 use throng_world::{WorldGraph, WorldNode, WorldStep};
@@ -67,30 +68,21 @@ pub fn run(args: &Args) -> CommandResult {
     let tables = stitch::world_bundle(&source, &args.cache)?;
     let world = stitch::open_world(&source, &args.file, &tables)?;
     let graph = world.graph();
-    let ends = [("--from", args.from), ("--to", args.to)].map(|(key, [x, z])| {
-        let Some((node, away_m)) = nearest_rest_place(graph, [x, z]) else {
-            return Err(format!("{}: there is no place in this world where a character can stay", args.file.display()));
-        };
+    let nearest = |key: &str, [x, z]: [f32; 2]| {
+        let none = || format!("{}: there is no place in this world where a character can stay", args.file.display());
+        let (node, away_m) = nearest_rest_place(graph, [x, z]).ok_or_else(none)?;
         let at = graph.place(node);
-        match away_m <= NEAR_M {
-            true => Ok(node),
-            false => Err(format!(
-                "{key} {x},{z}: expected a point within {NEAR_M} m of a place where a character can stay; the nearest one is \
-                 at {:.1},{:.1}",
-                at.x, at.z
-            )),
-        }
-    });
-    let [start, end] = match ends {
-        [Ok(start), Ok(end)] => [start, end],
-        [Err(why), _] | [_, Err(why)] => return fail(why),
+        let expected = format!("a point within {NEAR_M} m of a place where a character can stay");
+        let fault = || format!("{key} {x},{z}: expected {expected}; the nearest one is at {:.1},{:.1}", at.x, at.z);
+        ensure(away_m <= NEAR_M, fault).map(|()| node)
     };
+    let [start, end] = [nearest("--from", args.from)?, nearest("--to", args.to)?];
     let mut planner = WorldPlanner::new(graph);
     let mut steps = vec![WorldStep::NONE; MAX_STEPS];
     let begin = Instant::now();
-    let Some(plan) = planner.plan(graph, start, PlanTarget::Node(end), &mut steps) else {
-        return fail(format!("{}: no way leads from {:?} to {:?}", args.file.display(), args.from, args.to));
-    };
+    let plan = planner.plan(graph, start, PlanTarget::Node(end), &mut steps);
+    let none = || format!("{}: no way leads from {:?} to {:?}", args.file.display(), args.from, args.to);
+    let plan = plan.ok_or_else(none)?;
     let seconds = begin.elapsed().as_secs_f64();
     let at = |node: WorldNode| graph.place(node).translation().to_array();
     let report = PathQueryReport {
@@ -105,7 +97,7 @@ pub fn run(args: &Args) -> CommandResult {
         seconds,
         path_m: steps[..plan.num_stored].iter().map(|s| at(s.to)).collect(),
     };
-    if args.json { output::json(&report) } else { print(&report) }
+    output::report(&report, args.json, print)
 }
 
 /// Nearest place to a point of the ground plane where a character can stay, and its distance (m).
@@ -120,17 +112,10 @@ fn nearest_rest_place(graph: &WorldGraph, [x, z]: [f32; 2]) -> Option<(WorldNode
 
 fn print(r: &PathQueryReport<'_>) -> CommandResult {
     let place = |p: [f32; 3]| format!("{:.1}, {:.1}, {:.1}", p[0], p[1], p[2]);
+    let opened = format!("{} states of instances and {} nodes opened", r.opened_instances, r.opened_nodes);
     output::table(&[
         ("path", format!("from ({}) to ({}) in {}", place(r.from_m), place(r.to_m), r.world)),
         ("length", format!("{:.1} m, {:.1} s, {} transitions", r.length_m, r.duration_s, r.transitions)),
-        (
-            "planning",
-            format!(
-                "{:.2} ms; {} states of instances and {} nodes opened",
-                1e3 * r.seconds,
-                r.opened_instances,
-                r.opened_nodes
-            ),
-        ),
+        ("planning", format!("{:.2} ms; {opened}", 1e3 * r.seconds)),
     ])
 }

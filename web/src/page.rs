@@ -26,20 +26,14 @@ thread_local! {
 impl Page {
     /// Stores the reason of a failed call; returns the status.
     fn store_result(&mut self, result: Result<(), String>) -> u32 {
-        match result {
-            Ok(()) => 0,
-            Err(why) => {
-                self.text = why;
-                1
-            }
-        }
+        let Err(why) = result else { return 0 };
+        self.text = why;
+        1
     }
 
     fn with_stage(&mut self, work: impl FnOnce(&mut PageStage) -> Result<(), String>) -> u32 {
-        let result = match &mut self.stage {
-            Some(stage) => work(stage),
-            None => Err("no bundle is open; call throng_open".into()),
-        };
+        let none = || "no bundle is open; call throng_open".to_owned();
+        let result = self.stage.as_mut().ok_or_else(none).and_then(work);
         self.store_result(result)
     }
 

@@ -5,7 +5,8 @@ use std::f32::consts::{PI, TAU};
 use throng_base::limits::{CAPACITY, COORDINATE, STEP_S};
 use throng_base::{Inline, Result};
 use throng_core::characters::{
-    AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, PoseInstance, SampleJob, Spawn, uniform_random,
+    AvoidConfig, CharactersConfig, MotionSet, PolicyCharacters, PolicyOrder, PoseInstance, SampleJob, Spawn,
+    uniform_random,
 };
 use throng_core::{Bundle, CharacterGroup, Joint, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Agent, AtEnd, Crowd, CrowdError, CrowdSetup, Route};
@@ -86,11 +87,8 @@ impl PageStage {
         for k in 0..count {
             let place = |at: f32| SPACING_M * (at - 0.5 * (side - 1.0));
             let heading = TAU * uniform_random(seed, k as u64, 0);
-            group.spawn(Spawn::standing_at(Planar::new(
-                place(k as f32 % side),
-                place((k as f32 / side).floor()),
-                heading,
-            )))?;
+            let (x, z) = (place(k as f32 % side), place((k as f32 / side).floor()));
+            group.spawn(Spawn::standing_at(Planar::new(x, z, heading)))?;
         }
         group.release_entrants();
         let targets = std::array::from_fn(|t| {
@@ -164,11 +162,8 @@ impl PageStage {
             let (target, ring) = (targets[k % NUM_TARGETS], (k / NUM_TARGETS) as f32);
             let (angle, radius) = (ring * PI * (3.0 - 5.0_f32.sqrt()), GATHER_SPACING_M * ring.sqrt());
             let by = radius * Vec2::new(throng_base::maths::sin(angle), throng_base::maths::cos(angle));
-            let order = throng_core::characters::PolicyOrder::towards(
-                *policy,
-                Vec3::new(target.x + by.x, 0.0, target.y + by.y),
-            );
-            group.order(id, order)?;
+            let place = Vec3::new(target.x + by.x, 0.0, target.y + by.y);
+            group.order(id, PolicyOrder::towards(*policy, place))?;
         }
         Ok(())
     }

@@ -223,7 +223,7 @@ pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<()> {
 }
 
 /// The folder a file lies in.
-fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),

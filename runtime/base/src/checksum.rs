@@ -39,8 +39,8 @@ pub fn crc32_of_pieces<'a>(pieces: impl IntoIterator<Item = &'a [u8]>) -> u32 {
 
 /// CRC register after `bytes` are added to register `c`.
 fn extend_register(mut c: u32, bytes: &[u8]) -> u32 {
-    let mut chunks = bytes.chunks_exact(8);
-    for b in &mut chunks {
+    let (chunks, rest) = bytes.as_chunks::<8>();
+    for b in chunks {
         let x = c ^ u32::from_le_bytes([b[0], b[1], b[2], b[3]]);
         c = TABLES[7][(x & 0xff) as usize]
             ^ TABLES[6][(x >> 8 & 0xff) as usize]
@@ -51,7 +51,7 @@ fn extend_register(mut c: u32, bytes: &[u8]) -> u32 {
             ^ TABLES[1][b[6] as usize]
             ^ TABLES[0][b[7] as usize];
     }
-    for &b in chunks.remainder() {
+    for &b in rest {
         c = TABLES[0][((c ^ u32::from(b)) & 0xff) as usize] ^ (c >> 8);
     }
     c

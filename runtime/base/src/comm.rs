@@ -3,6 +3,7 @@
 use crate::clock::process_cpu_s;
 use crate::{Error, Result};
 use std::cell::Cell;
+use std::panic::resume_unwind;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 
@@ -47,11 +48,10 @@ pub trait Comm {
     /// As [`Comm::exchange`].
     fn all_numbers(&self, number: f64) -> Result<Vec<f64>> {
         let all = self.all_gather(&number.to_le_bytes())?;
-        let number = |(rank, bytes): (usize, &Vec<u8>)| match <[u8; 8]>::try_from(&bytes[..]) {
-            Ok(bytes) => Ok(f64::from_le_bytes(bytes)),
-            Err(_) => Err(unexpected_message(rank)),
+        let number = |(rank, bytes): (usize, Vec<u8>)| {
+            bytes.try_into().map(f64::from_le_bytes).map_err(|_| unexpected_message(rank))
         };
-        all.iter().enumerate().map(number).collect()
+        all.into_iter().enumerate().map(number).collect()
     }
 
     /// The least number of all ranks.
@@ -109,10 +109,8 @@ pub fn rank_range(count: usize, rank: usize, num_ranks: usize) -> std::ops::Rang
 
 /// Error for a message of another kind than this rank expected.
 pub fn unexpected_message(rank: usize) -> Error {
-    Error::Rank {
-        rank,
-        why: "sent another message than was expected; start all ranks with the same program and words".into(),
-    }
+    let why = "sent another message than was expected; start all ranks with the same program and words";
+    Error::Rank { rank, why: why.into() }
 }
 
 /// Ranks that are threads of one process, for tests of distributed algorithms and for runs without other processes.
@@ -127,9 +125,8 @@ pub struct LocalComm {
 impl LocalComm {
     /// Connected ends of `num_ranks` ranks (> 0), in their order.
     pub fn connect_all(num_ranks: usize) -> Vec<Self> {
-        let mut ends: Vec<Self> = (0..num_ranks)
-            .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Cell::default() })
-            .collect();
+        let end = |rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Cell::default() };
+        let mut ends: Vec<Self> = (0..num_ranks).map(end).collect();
         for sender in 0..num_ranks {
             for receiver in 0..num_ranks {
                 let (to, from) = channel();
@@ -150,10 +147,7 @@ impl LocalComm {
             // An end is dropped with its thread, so that no rank waits for one that has ended.
             let threads: Vec<_> =
                 Self::connect_all(num_ranks).into_iter().map(|end| scope.spawn(move || work(&end))).collect();
-            let joined = |thread: std::thread::ScopedJoinHandle<'_, T>| {
-                thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
-            };
-            threads.into_iter().map(joined).collect()
+            threads.into_iter().map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
         })
     }
 }

@@ -148,6 +148,14 @@ fn list_known(known: &[String]) -> String {
 /// Result of the calls of the runtime.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
+/// Fails with an error unless `good`.
+///
+/// # Errors
+/// What `error` returns.
+pub fn ensure<E>(good: bool, error: impl FnOnce() -> E) -> Result<(), E> {
+    if good { Ok(()) } else { Err(error()) }
+}
+
 /// Fails with [`Error::Value`] unless `good`.
 ///
 /// # Errors

@@ -1,5 +1,6 @@
 //! Reading of files, with limits on their size and kind.
 
+use crate::error::ensure;
 use crate::{Error, Result};
 use std::fs::{File, Metadata};
 use std::io::{ErrorKind, Read};
@@ -23,24 +24,17 @@ pub const MAX_SNAPSHOT_BYTES: u64 = 4 << 30;
 /// [`Error::Io`] with what the system says; [`Error::Format`] for what is no regular file or longer.
 pub fn open_file(path: &Path, what: &str, max_bytes: u64) -> Result<(File, u64)> {
     let io = |source| Error::Io { path: path.to_path_buf(), source };
-    let regular = |m: &Metadata| match m.is_file() {
-        true => Ok(()),
-        false => {
-            let kind = if m.is_dir() { "a folder" } else { "a device or a pipe" };
-            Err(Error::Format {
-                path: path.to_path_buf(),
-                why: format!("is {kind}, expected {what} in a regular file"),
-            })
-        }
+    let check_kind = |m: &Metadata| {
+        let kind = if m.is_dir() { "a folder" } else { "a device or a pipe" };
+        let why = || format!("is {kind}, expected {what} in a regular file");
+        ensure(m.is_file(), || Error::Format { path: path.to_path_buf(), why: why() })
     };
     // Opening a pipe would wait for its writer, so its kind is checked before.
-    regular(&std::fs::metadata(path).map_err(io)?)?;
+    check_kind(&std::fs::metadata(path).map_err(io)?)?;
     let file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
-    regular(&metadata)?;
-    if metadata.len() > max_bytes {
-        return Err(too_long(path, what, metadata.len(), max_bytes));
-    }
+    check_kind(&metadata)?;
+    check_size(path, what, metadata.len(), max_bytes)?;
     Ok((file, metadata.len()))
 }
 
@@ -55,20 +49,14 @@ pub fn read_file(path: &Path, what: &str, max_bytes: u64) -> Result<Vec<u8>> {
     bytes.try_reserve_exact(length as usize).map_err(|e| io(std::io::Error::new(ErrorKind::OutOfMemory, e)))?;
     // The file may grow while it is read.
     file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(io)?;
-    match bytes.len() as u64 {
-        read if read > max_bytes => Err(too_long(path, what, read, max_bytes)),
-        _ => Ok(bytes),
-    }
+    check_size(path, what, bytes.len() as u64, max_bytes)?;
+    Ok(bytes)
 }
 
-fn too_long(path: &Path, what: &str, found: u64, max_bytes: u64) -> Error {
-    let mb = |bytes: u64| bytes as f64 / 1e6;
-    let why = format!(
-        "has {:.1} MB, but {what} may have {:.0} MB at most; is this the right file?",
-        mb(found),
-        mb(max_bytes)
-    );
-    Error::Format { path: path.to_path_buf(), why }
+fn check_size(path: &Path, what: &str, found: u64, max_bytes: u64) -> Result<()> {
+    let [found_mb, max_mb] = [found, max_bytes].map(|bytes| bytes as f64 / 1e6);
+    let why = || format!("has {found_mb:.1} MB, but {what} may have {max_mb:.0} MB at most; is this the right file?");
+    ensure(found <= max_bytes, || Error::Format { path: path.to_path_buf(), why: why() })
 }
 
 #[cfg(test)]

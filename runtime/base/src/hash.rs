@@ -23,13 +23,11 @@ impl Hash128 {
 
     /// Adds bytes and their number.
     pub fn add_bytes(&mut self, bytes: &[u8]) {
-        let mut chunks = bytes.chunks_exact(8);
-        for c in &mut chunks {
-            self.add_word(u64::from_le_bytes([c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]]));
-        }
-        let mut rest = [0; 8];
-        rest[..chunks.remainder().len()].copy_from_slice(chunks.remainder());
-        self.add_word(u64::from_le_bytes(rest));
+        let (words, rest) = bytes.as_chunks();
+        words.iter().for_each(|word| self.add_word(u64::from_le_bytes(*word)));
+        let mut last = [0; 8];
+        last[..rest.len()].copy_from_slice(rest);
+        self.add_word(u64::from_le_bytes(last));
         self.add_word(bytes.len() as u64);
     }
 

@@ -5,137 +5,68 @@
 
 use glam::{DQuat, Quat, Vec2, Vec3};
 
-/// Float types with these functions.
-pub trait Real: Copy {
-    /// Sine (rad).
-    fn sin(x: Self) -> Self;
-    /// Cosine (rad).
-    fn cos(x: Self) -> Self;
-    /// Sine and cosine (rad).
-    fn sin_cos(x: Self) -> (Self, Self);
-    /// The angle of (x, y) from +X, in [-pi, pi] (rad).
-    fn atan2(y: Self, x: Self) -> Self;
-    /// e to the power of x.
-    fn exp(x: Self) -> Self;
-    /// Natural logarithm.
-    fn ln(x: Self) -> Self;
-    /// 2 to the power of x.
-    fn exp2(x: Self) -> Self;
-    /// x to the power of y.
-    fn pow(x: Self, y: Self) -> Self;
-    /// Cube root.
-    fn cbrt(x: Self) -> Self;
-    /// Length of (x, y).
-    fn hypot(x: Self, y: Self) -> Self;
-}
+/// Declares [`Real`] and a function for each line: its parameters, and what `libm` calls it for `f32` and for `f64`.
+macro_rules! functions {
+    ($($(#[$doc:meta])+ $name:ident($($x:ident),+) = $single:ident, $double:ident;)+) => {
+        /// Float types with these functions.
+        pub trait Real: Copy {
+            /// Sine and cosine (rad).
+            fn sin_cos(x: Self) -> (Self, Self);
+            $($(#[$doc])+ fn $name($($x: Self),+) -> Self;)+
+        }
 
-macro_rules! real {
-    ($float:ty: $sin:ident $cos:ident $sincos:ident $atan2:ident $exp:ident $ln:ident $exp2:ident $pow:ident $cbrt:ident $hypot:ident) => {
+        functions! { f32: sincosf $($name($($x),+) = $single;)+ }
+        functions! { f64: sincos $($name($($x),+) = $double;)+ }
+
+        $(
+            $(#[$doc])+
+            #[inline]
+            pub fn $name<R: Real>($($x: R),+) -> R {
+                R::$name($($x),+)
+            }
+        )+
+    };
+    ($float:ty: $sin_cos:ident $($name:ident($($x:ident),+) = $function:ident;)+) => {
         impl Real for $float {
             #[inline]
-            fn sin(x: Self) -> Self {
-                libm::$sin(x)
-            }
-            #[inline]
-            fn cos(x: Self) -> Self {
-                libm::$cos(x)
-            }
-            #[inline]
             fn sin_cos(x: Self) -> (Self, Self) {
-                libm::$sincos(x)
+                libm::$sin_cos(x)
             }
-            #[inline]
-            fn atan2(y: Self, x: Self) -> Self {
-                libm::$atan2(y, x)
-            }
-            #[inline]
-            fn exp(x: Self) -> Self {
-                libm::$exp(x)
-            }
-            #[inline]
-            fn ln(x: Self) -> Self {
-                libm::$ln(x)
-            }
-            #[inline]
-            fn exp2(x: Self) -> Self {
-                libm::$exp2(x)
-            }
-            #[inline]
-            fn pow(x: Self, y: Self) -> Self {
-                libm::$pow(x, y)
-            }
-            #[inline]
-            fn cbrt(x: Self) -> Self {
-                libm::$cbrt(x)
-            }
-            #[inline]
-            fn hypot(x: Self, y: Self) -> Self {
-                libm::$hypot(x, y)
-            }
+            $(
+                #[inline]
+                fn $name($($x: Self),+) -> Self {
+                    libm::$function($($x),+)
+                }
+            )+
         }
     };
 }
-real!(f32: sinf cosf sincosf atan2f expf logf exp2f powf cbrtf hypotf);
-real!(f64: sin cos sincos atan2 exp log exp2 pow cbrt hypot);
 
-/// Sine (rad).
-#[inline]
-pub fn sin<R: Real>(x: R) -> R {
-    R::sin(x)
-}
-
-/// Cosine (rad).
-#[inline]
-pub fn cos<R: Real>(x: R) -> R {
-    R::cos(x)
+functions! {
+    /// Sine (rad).
+    sin(x) = sinf, sin;
+    /// Cosine (rad).
+    cos(x) = cosf, cos;
+    /// The angle of (x, y) from +X, in [-pi, pi] (rad).
+    atan2(y, x) = atan2f, atan2;
+    /// e to the power of x.
+    exp(x) = expf, exp;
+    /// Natural logarithm.
+    ln(x) = logf, log;
+    /// 2 to the power of x.
+    exp2(x) = exp2f, exp2;
+    /// x to the power of y.
+    pow(x, y) = powf, pow;
+    /// Cube root.
+    cbrt(x) = cbrtf, cbrt;
+    /// Length of (x, y).
+    hypot(x, y) = hypotf, hypot;
 }
 
 /// Sine and cosine (rad).
 #[inline]
 pub fn sin_cos<R: Real>(x: R) -> (R, R) {
     R::sin_cos(x)
-}
-
-/// The angle of (x, y) from +X, in [-pi, pi] (rad).
-#[inline]
-pub fn atan2<R: Real>(y: R, x: R) -> R {
-    R::atan2(y, x)
-}
-
-/// e to the power of x.
-#[inline]
-pub fn exp<R: Real>(x: R) -> R {
-    R::exp(x)
-}
-
-/// Natural logarithm.
-#[inline]
-pub fn ln<R: Real>(x: R) -> R {
-    R::ln(x)
-}
-
-/// 2 to the power of x.
-#[inline]
-pub fn exp2<R: Real>(x: R) -> R {
-    R::exp2(x)
-}
-
-/// x to the power of y.
-#[inline]
-pub fn pow<R: Real>(x: R, y: R) -> R {
-    R::pow(x, y)
-}
-
-/// Cube root.
-#[inline]
-pub fn cbrt<R: Real>(x: R) -> R {
-    R::cbrt(x)
-}
-
-/// Length of (x, y).
-#[inline]
-pub fn hypot<R: Real>(x: R, y: R) -> R {
-    R::hypot(x, y)
 }
 
 /// The unit vector at an angle from +X (rad).

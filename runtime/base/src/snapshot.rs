@@ -1,5 +1,6 @@
 //! Common header of all snapshots: kind, version and setup of the state, and a checksum.
 
+use crate::error::ensure;
 use crate::{Error, Result, crc32};
 use serde::de::{DeserializeOwned, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -32,14 +33,9 @@ impl SnapshotKind {
         let _ = bincode::serde::encode_into_std_write(state, out, bincode_config());
         let body = &out[begin + HEADER..];
         let (length, sum) = (body.len() as u64, crc32(body));
-        let mut header = Vec::with_capacity(HEADER);
-        header.extend(MAGIC);
-        header.extend(self.tag);
-        header.extend(self.version.to_le_bytes());
-        header.extend(self.setup.to_le_bytes());
-        header.extend(length.to_le_bytes());
-        header.extend(sum.to_le_bytes());
-        out[begin..begin + HEADER].copy_from_slice(&header);
+        let (version, setup) = (self.version.to_le_bytes(), self.setup.to_le_bytes());
+        let parts: [&[u8]; 6] = [&MAGIC, &self.tag, &version, &setup, &length.to_le_bytes(), &sum.to_le_bytes()];
+        out[begin..begin + HEADER].copy_from_slice(&parts.concat());
     }
 
     /// Reads a state that begins `bytes`, and what follows it.
@@ -47,32 +43,26 @@ impl SnapshotKind {
     /// # Errors
     /// [`Error::Snapshot`] where the bytes are cut short, damaged, or of another kind, version or setup.
     pub fn read<'a, T: DeserializeOwned>(&self, bytes: &'a [u8]) -> Result<(T, &'a [u8])> {
-        let refuse = |why: String| Err(Error::Snapshot { what: self.what, why });
-        let Some((header, rest)) = bytes.split_at_checked(HEADER) else {
-            return refuse(format!("it has {} bytes, expected {HEADER} or more; it is cut short", bytes.len()));
-        };
-        if header[..8] != MAGIC || header[8..12] != self.tag {
-            return refuse("it is a snapshot of something else, or none; give one that was taken of this".into());
-        }
+        let refusal = |why: String| Error::Snapshot { what: self.what, why };
+        let (header, rest) = bytes.split_at_checked(HEADER).ok_or_else(|| {
+            refusal(format!("it has {} bytes, expected {HEADER} or more; it is cut short", bytes.len()))
+        })?;
+        let other = "it is a snapshot of something else, or none; give one that was taken of this";
+        ensure(header[..8] == MAGIC && header[8..12] == self.tag, || refusal(other.into()))?;
         let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
-        if word(12) != self.version {
-            return refuse(format!("it has version {}, expected {}; take a new one", word(12), self.version));
-        }
-        if header[16..32] != self.setup.to_le_bytes() {
-            return refuse("it was taken with another bundle or setup; restore it into one made with the same".into());
-        }
+        let version = || format!("it has version {}, expected {}; take a new one", word(12), self.version);
+        ensure(word(12) == self.version, || refusal(version()))?;
+        let setup = "it was taken with another bundle or setup; restore it into one made with the same";
+        ensure(header[16..32] == self.setup.to_le_bytes(), || refusal(setup.into()))?;
         let length = u64::from(word(32)) | u64::from(word(36)) << 32;
-        let Some((body, rest)) = usize::try_from(length).ok().and_then(|n| rest.split_at_checked(n)) else {
-            return refuse(format!("it should go on for {length} bytes, and has {}; it is cut short", rest.len()));
-        };
-        if crc32(body) != word(40) {
-            return refuse("its checksum is wrong; it is damaged".into());
-        }
-        match bincode::serde::borrow_decode_from_slice(body, bincode_config().with_limit::<LARGEST>()) {
-            Ok((state, used)) if used == body.len() => Ok((state, rest)),
-            Ok((_, used)) => refuse(trailing_bytes_message(body.len() - used)),
-            Err(_) => refuse("its content is that of another state; take a new one".into()),
-        }
+        let short = || format!("it should go on for {length} bytes, and has {}; it is cut short", rest.len());
+        let parts = usize::try_from(length).ok().and_then(|n| rest.split_at_checked(n));
+        let (body, rest) = parts.ok_or_else(|| refusal(short()))?;
+        ensure(crc32(body) == word(40), || refusal("its checksum is wrong; it is damaged".into()))?;
+        let (state, used) = bincode::serde::borrow_decode_from_slice(body, bincode_config().with_limit::<LARGEST>())
+            .map_err(|_| refusal("its content is that of another state; take a new one".into()))?;
+        ensure(used == body.len(), || refusal(trailing_bytes_message(body.len() - used)))?;
+        Ok((state, rest))
     }
 
     /// Reads a state that fills all of `bytes`.
@@ -80,10 +70,10 @@ impl SnapshotKind {
     /// # Errors
     /// As [`SnapshotKind::read`], and for bytes that follow.
     pub fn read_all<T: DeserializeOwned>(&self, bytes: &[u8]) -> Result<T> {
-        match self.read(bytes)? {
-            (state, []) => Ok(state),
-            (_, rest) => Err(Error::Snapshot { what: self.what, why: trailing_bytes_message(rest.len()) }),
-        }
+        let (state, rest) = self.read(bytes)?;
+        let why = || trailing_bytes_message(rest.len());
+        ensure(rest.is_empty(), || Error::Snapshot { what: self.what, why: why() })?;
+        Ok(state)
     }
 }
 

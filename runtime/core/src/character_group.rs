@@ -5,6 +5,7 @@ use crate::bundle::Bundle;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Mat4, Vec3};
+use throng_base::error::ensure;
 use throng_base::{Error, Executor, Hash128, Id, Result, maths};
 
 /// Characters of one kind of motion: characters, walkers, agents, inhabitants, sparring pairs.
@@ -166,10 +167,8 @@ impl<'a> PosedBodies<'a> {
     /// # Errors
     /// [`Error::Length`] where `out` has another number of elements than there are bodies.
     pub fn write_world(&self, out: &mut [[Mat3x4; NUM_JOINTS]]) -> Result<()> {
-        if out.len() != self.ids.len() {
-            let expected = format!("{}, one for each body", self.ids.len());
-            return Err(Error::Length { what: "out", got: out.len(), expected });
-        }
+        let expected = || format!("{}, one for each body", self.ids.len());
+        ensure(out.len() == self.ids.len(), || Error::Length { what: "out", got: out.len(), expected: expected() })?;
         for ((to, root), model) in out.iter_mut().zip(self.roots).zip(self.model) {
             let place = Mat3x4::from_rotation_translation(root.rotation(), root.translation());
             for (to, joint) in to.iter_mut().zip(model) {

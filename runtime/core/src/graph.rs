@@ -37,8 +37,7 @@ pub struct MotionSegment {
 impl MotionSegment {
     /// Planar root of the last frame as seen from the first.
     pub fn displacement(&self) -> Planar {
-        let [x, z, heading] = self.displacement;
-        Planar::new(x, z, heading)
+        Planar::from_array(self.displacement)
     }
 }
 

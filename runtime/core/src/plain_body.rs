@@ -20,37 +20,28 @@ pub struct PlainBody {
     pub triangles: Vec<[u16; 3]>,
 }
 
-/// Tessellation of capsules.
-#[derive(Clone, Copy)]
-struct Roundness {
-    /// Points of a ring.
-    sides: usize,
-    /// Rings of each end.
-    rings: usize,
-}
-
 impl PlainBody {
     /// Body of a skeleton in its rest pose: 1408 triangles.
     pub fn fine(skeleton: &Skeleton) -> Self {
-        Self::round(skeleton, Roundness { sides: 8, rings: 2 })
+        Self::with_rings(skeleton, 8, 2)
     }
 
     /// Coarse body for distant characters: 352 triangles.
     pub fn coarse(skeleton: &Skeleton) -> Self {
-        Self::round(skeleton, Roundness { sides: 4, rings: 1 })
+        Self::with_rings(skeleton, 4, 1)
     }
 
-    fn round(skeleton: &Skeleton, round: Roundness) -> Self {
+    /// Body whose capsules have some rings of so many sides at each end.
+    fn with_rings(skeleton: &Skeleton, sides: usize, rings: usize) -> Self {
         let rest = skeleton.rest_positions();
         let mut body = Self::default();
         for limb in BodyVolume::new(skeleton).capsules {
-            body.add_capsule(round, limb.joint, &limb.placed(|joint, p| rest[joint.index()] + p));
+            body.add_capsule(limb.joint, &limb.placed(|joint, p| rest[joint.index()] + p), sides, rings);
         }
         body
     }
 
-    fn add_capsule(&mut self, round: Roundness, joint: Joint, capsule: &Capsule) {
-        let Roundness { sides, rings } = round;
+    fn add_capsule(&mut self, joint: Joint, capsule: &Capsule, sides: usize, rings: usize) {
         let Capsule { ends: [from, to], radius } = *capsule;
         let along = (to - from).normalize_or(Vec3::Y);
         let u = along.any_orthonormal_vector();

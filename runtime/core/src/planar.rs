@@ -26,6 +26,11 @@ impl Planar {
         Self { x, z, heading }
     }
 
+    /// A transform from its three numbers in an array: x, z, heading.
+    pub fn from_array([x, z, heading]: [f32; 3]) -> Self {
+        Self { x, z, heading }
+    }
+
     /// `self` after `inner`: first `inner`, then `self`. Headings add and are not wrapped.
     pub fn compose(self, inner: Self) -> Self {
         let p = self.transform_point(Vec2::new(inner.x, inner.z));

@@ -6,9 +6,9 @@ use throng_base::thresholds::HEEL_PER_BALL;
 /// Joints of the database skeleton.
 pub const NUM_JOINTS: usize = 22;
 
-/// Declares the joints, in the order of their indices, with their names in snake_case.
+/// Declares the joints, in the order of their indices, with their names in snake_case and their parents.
 macro_rules! joints {
-    ($($joint:ident $name:literal,)+) => {
+    ($($joint:ident $name:literal $parent:expr,)+) => {
         /// The joints of the database skeleton, parents before children.
         #[allow(missing_docs)]
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -28,33 +28,40 @@ macro_rules! joints {
                     $(Self::$joint => $name,)+
                 }
             }
+
+            /// The parent joint; `None` for the hips.
+            pub const fn parent(self) -> Option<Self> {
+                match self {
+                    $(Self::$joint => $parent,)+
+                }
+            }
         }
     };
 }
 
 joints! {
-    Hips "hips",
-    Spine "spine",
-    Chest "chest",
-    UpperChest "upper_chest",
-    Neck "neck",
-    Head "head",
-    LeftClavicle "left_clavicle",
-    LeftUpperArm "left_upper_arm",
-    LeftForearm "left_forearm",
-    LeftHand "left_hand",
-    RightClavicle "right_clavicle",
-    RightUpperArm "right_upper_arm",
-    RightForearm "right_forearm",
-    RightHand "right_hand",
-    LeftThigh "left_thigh",
-    LeftShin "left_shin",
-    LeftFoot "left_foot",
-    LeftToe "left_toe",
-    RightThigh "right_thigh",
-    RightShin "right_shin",
-    RightFoot "right_foot",
-    RightToe "right_toe",
+    Hips "hips" None,
+    Spine "spine" Some(Self::Hips),
+    Chest "chest" Some(Self::Spine),
+    UpperChest "upper_chest" Some(Self::Chest),
+    Neck "neck" Some(Self::UpperChest),
+    Head "head" Some(Self::Neck),
+    LeftClavicle "left_clavicle" Some(Self::UpperChest),
+    LeftUpperArm "left_upper_arm" Some(Self::LeftClavicle),
+    LeftForearm "left_forearm" Some(Self::LeftUpperArm),
+    LeftHand "left_hand" Some(Self::LeftForearm),
+    RightClavicle "right_clavicle" Some(Self::UpperChest),
+    RightUpperArm "right_upper_arm" Some(Self::RightClavicle),
+    RightForearm "right_forearm" Some(Self::RightUpperArm),
+    RightHand "right_hand" Some(Self::RightForearm),
+    LeftThigh "left_thigh" Some(Self::Hips),
+    LeftShin "left_shin" Some(Self::LeftThigh),
+    LeftFoot "left_foot" Some(Self::LeftShin),
+    LeftToe "left_toe" Some(Self::LeftFoot),
+    RightThigh "right_thigh" Some(Self::Hips),
+    RightShin "right_shin" Some(Self::RightThigh),
+    RightFoot "right_foot" Some(Self::RightShin),
+    RightToe "right_toe" Some(Self::RightFoot),
 }
 
 impl Joint {
@@ -66,31 +73,6 @@ impl Joint {
     /// The joint of that snake_case name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|j| j.name() == name)
-    }
-
-    /// The parent joint; `None` for the hips.
-    pub const fn parent(self) -> Option<Self> {
-        use Joint::*;
-        Some(match self {
-            Hips => return None,
-            Spine | LeftThigh | RightThigh => Hips,
-            Chest => Spine,
-            UpperChest => Chest,
-            Neck | LeftClavicle | RightClavicle => UpperChest,
-            Head => Neck,
-            LeftUpperArm => LeftClavicle,
-            LeftForearm => LeftUpperArm,
-            LeftHand => LeftForearm,
-            RightUpperArm => RightClavicle,
-            RightForearm => RightUpperArm,
-            RightHand => RightForearm,
-            LeftShin => LeftThigh,
-            LeftFoot => LeftShin,
-            LeftToe => LeftFoot,
-            RightShin => RightThigh,
-            RightFoot => RightShin,
-            RightToe => RightFoot,
-        })
     }
 
     /// Joint of the other side; joints of the middle are their own.

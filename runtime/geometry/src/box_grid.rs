@@ -74,11 +74,6 @@ impl BoxGrid {
         self.slots[number] = FREE;
     }
 
-    /// Box of a number; [`Bounds2d::EMPTY`] where there is none.
-    pub fn bounds(&self, number: usize) -> Bounds2d {
-        self.slots.get(number).map_or(Bounds2d::EMPTY, |s| s.bounds)
-    }
-
     /// Calls `found` for every box that intersects `bounds`, in no particular order, until it returns false.
     #[inline]
     pub fn visit_intersecting(&self, bounds: &Bounds2d, mut found: impl FnMut(usize) -> bool) {
@@ -187,7 +182,7 @@ mod tests {
                     grid.remove(number);
                     list[number] = Bounds2d::EMPTY;
                 }
-                prop_assert_eq!(grid.bounds(number), list[number]);
+                prop_assert_eq!(grid.slots.get(number).map_or(Bounds2d::EMPTY, |s| s.bounds), list[number]);
             }
         }
     }

@@ -39,12 +39,10 @@ pub trait Functions: Lanes {
         let x = self.max(Self::splat(-80.0)).min(Self::splat(80.0)) * Self::splat(std::f32::consts::LOG2_E);
         let n = x.round();
         let f = (x - n) * Self::splat(std::f32::consts::LN_2);
-        let p = Self::splat(1.0)
-            + f * (Self::splat(1.0)
-                + f * (Self::splat(0.5)
-                    + f * (Self::splat(1.0 / 6.0)
-                        + f * (Self::splat(1.0 / 24.0)
-                            + f * (Self::splat(1.0 / 120.0) + f * Self::splat(1.0 / 720.0))))));
+        let mut p = Self::splat(1.0 / 720.0);
+        for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+            p = Self::splat(coefficient) + f * p;
+        }
         p.times_exp2(n)
     }
 

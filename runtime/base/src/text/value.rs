@@ -1,15 +1,17 @@
 //! Deserializer of structs from parsed TOML. The one of the `toml` crate compiles the code of every struct four times (for
 //! tables, spans, dates and values), this one once.
 
+use crate::error::ensure;
 use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _, IntoDeserializer};
+use serde::de::{DeserializeSeed, Deserializer, EnumAccess, Error as _};
 use serde::de::{MapAccess, SeqAccess, VariantAccess, Visitor};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeString, DeValue};
 
 /// Fault of a text, with its place where that is known.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{why}")]
 pub(super) struct TomlFault {
     pub why: String,
     pub span: Option<Range<usize>>,
@@ -21,14 +23,6 @@ impl TomlFault {
         Self { span: self.span.or_else(|| Some(span.clone())), ..self }
     }
 }
-
-impl std::fmt::Display for TomlFault {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.why)
-    }
-}
-
-impl std::error::Error for TomlFault {}
 
 impl serde::de::Error for TomlFault {
     fn custom<T: std::fmt::Display>(why: T) -> Self {
@@ -48,6 +42,7 @@ impl<'t> From<&'t Spanned<DeValue<'t>>> for SpannedValue<'t> {
     }
 }
 
+type Names = &'static [&'static str];
 type Entries<'t> = dyn Iterator<Item = (&'t Spanned<DeString<'t>>, &'t Spanned<DeValue<'t>>)> + 't;
 
 impl<'de> Deserializer<'de> for SpannedValue<'_> {
@@ -85,26 +80,16 @@ impl<'de> Deserializer<'de> for SpannedValue<'_> {
     }
 
     /// Reads a string as a variant without content, and a table with one key as a variant with content.
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, TomlFault> {
+    fn deserialize_enum<V: Visitor<'de>>(self, _: &'static str, _: Names, visitor: V) -> Result<V::Value, TomlFault> {
         let span = self.span.clone();
         match self.value {
             DeValue::String(name) => visitor.visit_enum(VariantReader { name, span: self.span, content: None }),
             DeValue::Table(table) if table.len() == 1 => {
                 let (name, content) = table.iter().next().expect("one");
-                visitor.visit_enum(VariantReader {
-                    name: name.get_ref(),
-                    span: name.span(),
-                    content: Some(content.into()),
-                })
+                let (span, content) = (name.span(), Some(content.into()));
+                visitor.visit_enum(VariantReader { name: name.get_ref(), span, content })
             }
-            DeValue::Table(table) => {
-                Err(TomlFault::custom(format!("expected a table with one key, found {}", table.len())))
-            }
+            DeValue::Table(t) => Err(TomlFault::custom(format!("expected a table with one key, found {}", t.len()))),
             _ => Err(TomlFault::custom("expected a string, or a table with one key")),
         }
         .map_err(|e| e.with_span(&span))
@@ -122,10 +107,8 @@ impl<'de> SeqAccess<'de> for ItemReader<'_> {
     type Error = TomlFault;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, TomlFault> {
-        self.0
-            .next()
-            .map(|item| seed.deserialize(SpannedValue::from(item)).map_err(|e| e.with_span(&item.span())))
-            .transpose()
+        let Some(item) = self.0.next() else { return Ok(None) };
+        seed.deserialize(SpannedValue::from(item)).map(Some).map_err(|e| e.with_span(&item.span()))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -144,7 +127,7 @@ impl<'de> MapAccess<'de> for FieldReader<'_> {
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, TomlFault> {
         let Some((key, value)) = self.rest.next() else { return Ok(None) };
         self.value = Some(value.into());
-        seed.deserialize(name_deserializer(key.get_ref())).map(Some).map_err(|e| e.with_span(&key.span()))
+        seed.deserialize(StrDeserializer::new(key.get_ref())).map(Some).map_err(|e: TomlFault| e.with_span(&key.span()))
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, TomlFault> {
@@ -154,61 +137,47 @@ impl<'de> MapAccess<'de> for FieldReader<'_> {
     }
 }
 
-fn name_deserializer(name: &str) -> StrDeserializer<'_, TomlFault> {
-    name.into_deserializer()
-}
-
 struct VariantReader<'t> {
     name: &'t str,
     span: Range<usize>,
     content: Option<SpannedValue<'t>>,
 }
 
-impl<'de, 't> EnumAccess<'de> for VariantReader<'t> {
+impl<'de> EnumAccess<'de> for VariantReader<'_> {
     type Error = TomlFault;
-    type Variant = VariantContent<'t>;
+    type Variant = Self;
 
-    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, VariantContent<'t>), TomlFault> {
-        let variant = seed.deserialize(name_deserializer(self.name)).map_err(|e| e.with_span(&self.span))?;
-        Ok((variant, VariantContent { name: self.name, value: self.content }))
+    fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), TomlFault> {
+        let name = StrDeserializer::new(self.name);
+        let variant = seed.deserialize(name).map_err(|e: TomlFault| e.with_span(&self.span))?;
+        Ok((variant, self))
     }
 }
 
-struct VariantContent<'t> {
-    name: &'t str,
-    value: Option<SpannedValue<'t>>,
-}
-
-impl<'t> VariantContent<'t> {
-    fn require_value(self) -> Result<SpannedValue<'t>, TomlFault> {
-        self.value.ok_or_else(|| TomlFault::custom(format!("`{0}` needs content: {{ {0} = ... }}", self.name)))
+impl<'t> VariantReader<'t> {
+    fn require_content(self) -> Result<SpannedValue<'t>, TomlFault> {
+        self.content.ok_or_else(|| TomlFault::custom(format!("`{0}` needs content: {{ {0} = ... }}", self.name)))
     }
 }
 
-impl<'de> VariantAccess<'de> for VariantContent<'_> {
+impl<'de> VariantAccess<'de> for VariantReader<'_> {
     type Error = TomlFault;
 
     fn unit_variant(self) -> Result<(), TomlFault> {
-        match self.value {
-            None => Ok(()),
-            Some(_) => Err(TomlFault::custom(format!("`{0}` has no content: write \"{0}\"", self.name))),
-        }
+        let error = || TomlFault::custom(format!("`{0}` has no content: write \"{0}\"", self.name));
+        ensure(self.content.is_none(), error)
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, TomlFault> {
-        seed.deserialize(self.require_value()?)
+        seed.deserialize(self.require_content()?)
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, TomlFault> {
-        self.require_value()?.deserialize_any(visitor)
+        self.require_content()?.deserialize_any(visitor)
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, TomlFault> {
-        let content = self.require_value()?;
+    fn struct_variant<V: Visitor<'de>>(self, fields: Names, visitor: V) -> Result<V::Value, TomlFault> {
+        let content = self.require_content()?;
         if let DeValue::Table(table) = content.value
             && let Some((key, _)) = table.iter().find(|(key, _)| !fields.contains(&key.get_ref().as_ref()))
         {

@@ -37,16 +37,37 @@ pub struct Activity {
     pub is_seated: bool,
 }
 
+impl Activity {
+    /// Activity of a clip with some frames a second (Hz).
+    pub(crate) fn new(a: &ActivityMeta, clip: &ClipRecord, rate_hz: f32) -> Self {
+        let seconds = |frames: u32| frames as f32 / rate_hz;
+        let held = |[first, count]: [u32; 2]| {
+            let stays = first + count == a.num_frames;
+            [seconds(first), if stays { f32::INFINITY } else { seconds(first + count) }]
+        };
+        Self {
+            name: a.name.clone(),
+            tag: a.tag.clone(),
+            first_frame: (clip.first_frame + a.first_frame) as usize,
+            num_frames: a.num_frames as usize,
+            duration_s: seconds(a.num_frames - 1),
+            looped_s: a.looped.map(|[first, count]| [seconds(first), seconds(first + count)]),
+            held_s: a.object_frames.map(|h| h.map(held)),
+            is_seated: a.is_seated,
+        }
+    }
+}
+
 /// The activities of a bundle. A clone is cheap and keeps the bundle's file open.
 #[derive(Clone, Debug, Default)]
 pub struct ActivitySet {
-    activities: Arc<[Activity]>,
-    frames: Table<FrameRow>,
-    contacts: Table<Contacts>,
+    pub(crate) activities: Arc<[Activity]>,
+    pub(crate) frames: Table<FrameRow>,
+    pub(crate) contacts: Table<Contacts>,
     /// Rotation code of the frames: one element, or none where there are no activities.
-    code: Table<RotationCode>,
-    skeleton: Skeleton,
-    rate_hz: f32,
+    pub(crate) code: Table<RotationCode>,
+    pub(crate) skeleton: Skeleton,
+    pub(crate) rate_hz: f32,
 }
 
 /// A body of an activity at one instant, from where its root stood when the activity began.
@@ -72,41 +93,6 @@ pub struct ArmPlaces {
 }
 
 impl ActivitySet {
-    /// Activities of checked tables.
-    pub(crate) fn from_sections(
-        activities: &[ActivityMeta],
-        clips: &[ClipRecord],
-        frames: &Table<FrameRow>,
-        contacts: &Table<Contacts>,
-        code: &[RotationCode; 1],
-        skeleton: &Skeleton,
-        rate_hz: f32,
-    ) -> Self {
-        let seconds = |frames: u32| frames as f32 / rate_hz;
-        let held = |a: &ActivityMeta, [first, count]: [u32; 2]| {
-            let stays = first + count == a.num_frames;
-            [seconds(first), if stays { f32::INFINITY } else { seconds(first + count) }]
-        };
-        let activity = |a: &ActivityMeta| Activity {
-            name: a.name.clone(),
-            tag: a.tag.clone(),
-            first_frame: (clips[a.clip as usize].first_frame + a.first_frame) as usize,
-            num_frames: a.num_frames as usize,
-            duration_s: seconds(a.num_frames - 1),
-            looped_s: a.looped.map(|[first, count]| [seconds(first), seconds(first + count)]),
-            held_s: a.object_frames.map(|h| h.map(|h| held(a, h))),
-            is_seated: a.is_seated,
-        };
-        Self {
-            activities: activities.iter().map(activity).collect(),
-            frames: frames.clone(),
-            contacts: contacts.clone(),
-            code: code.into(),
-            skeleton: skeleton.clone(),
-            rate_hz,
-        }
-    }
-
     /// All activities, by number.
     pub fn activities(&self) -> &[Activity] {
         &self.activities
@@ -163,9 +149,8 @@ impl ActivitySet {
         let rows = [first + frame, first + frame + 1];
         let [a, b] = rows.map(|r| &self.frames[r]);
         let mix = |a: f32, b: f32| a + (b - a) * ratio;
-        let [x, z, heading] = std::array::from_fn(|k| mix(a.planar[k], b.planar[k]));
-        let [x0, z0, heading0] = self.frames[first].planar;
-        let root = Planar::new(x0, z0, heading0).to_local(Planar::new(x, z, heading));
+        let root = Planar::from_array(std::array::from_fn(|k| mix(a.planar[k], b.planar[k])));
+        let root = Planar::from_array(self.frames[first].planar).to_local(root);
         let code = &self.code[0];
         let mut rotations: [Quat; NUM_JOINTS] =
             std::array::from_fn(|j| nlerp(code.rotation(a, j), code.rotation(b, j), ratio));
@@ -186,15 +171,9 @@ impl ActivitySet {
             let value = &mut posture.channels[channel - channel::HIPS];
             *value += (to - *value) * share;
         };
-        let vectors = [
-            (channel::HIPS, sample.hips),
-            (channel::LEFT_ANKLE, self.ankle_from_hips(sample, [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot])),
-            (
-                channel::RIGHT_ANKLE,
-                self.ankle_from_hips(sample, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]),
-            ),
-        ];
-        for (at, v) in vectors {
+        let left = self.ankle_from_hips(sample, [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot]);
+        let right = self.ankle_from_hips(sample, [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]);
+        for (at, v) in [(channel::HIPS, sample.hips), (channel::LEFT_ANKLE, left), (channel::RIGHT_ANKLE, right)] {
             (at..).zip(v.to_array()).for_each(|(at, v)| mix(at, v));
         }
         mix(channel::LEFT_CONTACT, sample.contacts[0]);

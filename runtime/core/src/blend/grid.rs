@@ -49,12 +49,8 @@ impl WeightGrid {
     pub fn new(axes: &[AxisRecord], stride: usize, table: impl Into<Table<f32>>) -> Option<Self> {
         let table = table.into();
         let good = |a: &AxisRecord| a.num_knots >= 2 && (a.high - a.low).is_finite() && a.high > a.low;
-        if axes.is_empty()
-            || axes.len() > MAX_AXES
-            || !axes.iter().all(good)
-            || stride == 0
-            || !stride.is_multiple_of(LANES)
-        {
+        let is_grid = (1..=MAX_AXES).contains(&axes.len()) && axes.iter().all(good);
+        if !is_grid || stride == 0 || !stride.is_multiple_of(LANES) {
             return None;
         }
         let mut steps = [0; MAX_AXES];
@@ -68,13 +64,8 @@ impl WeightGrid {
             *d = (axis.num_knots - 1) as f32 / (axis.high - axis.low);
         }
         let fits = (rows as usize).checked_mul(stride) == Some(table.len());
-        (fits && densities.iter().all(|d| d.is_finite())).then(|| Self {
-            axes: axes.into(),
-            stride,
-            table,
-            steps,
-            densities,
-        })
+        let is_good = fits && densities.iter().all(|d| d.is_finite());
+        is_good.then(|| Self { axes: axes.into(), stride, table, steps, densities })
     }
 
     /// The axes.

@@ -9,10 +9,9 @@ use super::{Blends, slopes};
 use crate::format::{ClipRecord, FormatError, Table};
 use crate::skeleton::Skeleton;
 use std::sync::OnceLock;
-use throng_base::Hash128;
-use throng_base::Result;
-use throng_base::error::check_length;
+use throng_base::error::{check_length, ensure};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
+use throng_base::{Hash128, Result};
 
 /// Weights beyond the box grow more slowly along every axis.
 const STEEPEST: f32 = 1e4;
@@ -47,15 +46,11 @@ impl BlendSpace {
     /// [`FormatError::Layout`] for a space that does not exist, or whose rows are not within the tables or malformed.
     /// The spaces of an open bundle are sound.
     pub fn new(blends: &Blends, space: usize) -> Result<Self, FormatError> {
-        let limit = blends.spaces.len();
-        let record = *blends
-            .spaces
-            .get(space)
-            .ok_or_else(|| FormatError::layout(format!("blend space {space} does not exist, there are {limit}")))?;
-        let error = |what, limit| {
-            FormatError::layout(format!(
-                "blend space {space}: its {what} are malformed or not within the table of {limit}"
-            ))
+        let unknown = || format!("blend space {space} does not exist, there are {}", blends.spaces.len());
+        let record = *blends.spaces.get(space).ok_or_else(|| FormatError::layout(unknown()))?;
+        let error = |what: &str, limit: usize| {
+            let fault = format!("its {what} are malformed or not within the table of {limit}");
+            FormatError::layout(format!("blend space {space}: {fault}"))
         };
         let n = record.num_examples as usize;
         let examples = part(&blends.examples, record.first_example, n);
@@ -73,14 +68,9 @@ impl BlendSpace {
             0 => Vec::new(),
             _ => slopes::linear_part(&examples, grid.axes(), grid.stride()),
         };
-        if !slopes.iter().all(|s| s.abs() < STEEPEST) {
-            return Err(FormatError::layout(format!(
-                "blend space {space}: its examples are so near to each other that weights beyond the box have no bounds"
-            )));
-        }
-        let name = blends.names.get(space).cloned().unwrap_or_default();
-        let (skeleton, hash) = (blends.skeleton.clone(), OnceLock::new());
-        let (activities, rows) = (ActivitySet::default(), None);
+        let fault = "its examples are so near to each other that weights beyond the box have no bounds";
+        let bounded = slopes.iter().all(|s| s.abs() < STEEPEST);
+        ensure(bounded, || FormatError::layout(format!("blend space {space}: {fault}")))?;
         Ok(Self {
             record,
             examples,
@@ -89,11 +79,11 @@ impl BlendSpace {
             channels,
             timing,
             slopes,
-            name,
-            skeleton,
-            hash,
-            activities,
-            rows,
+            name: blends.names.get(space).cloned().unwrap_or_default(),
+            skeleton: blends.skeleton.clone(),
+            hash: OnceLock::new(),
+            activities: ActivitySet::default(),
+            rows: None,
         })
     }
 

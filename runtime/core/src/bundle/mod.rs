@@ -6,10 +6,11 @@ mod sections;
 
 pub use sections::tags;
 
-use crate::blend::{ActivitySet, BlendSpace, Blends};
+use crate::blend::{Activity, ActivitySet, BlendSpace, Blends};
 use crate::contacts::Contacts;
 use crate::format::{
-    AlignedBytes, ClipRecord, FileStorage, FormatError, FrameRow, Meta, RotationCode, SectionLayout, SectionTag, Table,
+    ActivityMeta, AlignedBytes, ClipRecord, FileStorage, FormatError, FrameRow, Meta, RotationCode, SectionLayout,
+    SectionTag, Table,
 };
 use crate::graph::MotionGraph;
 use crate::hits::HitRecord;
@@ -18,9 +19,9 @@ use crate::policy::{PolicyRecord, PolicyTable};
 use crate::skeleton::Skeleton;
 use crate::stops::StopTables;
 use sections::Sections;
-use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
+use throng_base::error::ensure;
 use throng_base::{Error, Hash128, Result};
 
 /// Description of the files' content, for messages.
@@ -49,13 +50,12 @@ struct OpenedBundle {
     storage: Arc<FileStorage>,
     meta: Meta,
     skeleton: Skeleton,
+    layout: SectionLayout,
     sections: Sections,
     graph: MotionGraph,
     stops: StopTables,
     patches: PatchTables,
     blends: Blends,
-    sizes: Vec<(SectionTag, usize)>,
-    ranges: Vec<(SectionTag, usize, Range<usize>)>,
     hash: OnceLock<u128>,
 }
 
@@ -132,16 +132,13 @@ impl Bundle {
         let storage = Arc::new(storage);
         let s = Sections::new(&storage, &layout)?;
         let meta = Meta::decode(&s.meta)?;
-        let [record] = &*s.skeleton else {
-            return Err(FormatError::layout(format!("section SKEL has {} elements, expected 1", s.skeleton.len())));
-        };
-        if s.rotation_code.len() != 1 {
-            let got = s.rotation_code.len();
-            return Err(FormatError::layout(format!("section RCOD has {got} elements, expected 1")));
+        for (tag, len) in [(tags::SKELETON, s.skeleton.len()), (tags::ROTATION_CODE, s.rotation_code.len())] {
+            ensure(len == 1, || FormatError::layout(format!("section {tag} has {len} elements, expected 1")))?;
         }
+        let skeleton = Skeleton::from(&s.skeleton[0]);
         let shared = OpenedBundle {
             storage,
-            skeleton: Skeleton::from(record),
+            layout,
             graph: MotionGraph {
                 states: s.states.clone(),
                 segments: s.segments.clone(),
@@ -164,12 +161,11 @@ impl Bundle {
                 references: s.blend_references.clone(),
                 channels: s.blend_channels.clone(),
                 names: meta.blends.iter().map(|b| b.name.clone()).collect(),
-                skeleton: Skeleton::from(record),
+                skeleton: skeleton.clone(),
             },
+            skeleton,
             meta,
             sections: s,
-            sizes: layout.sizes().collect(),
-            ranges: layout.ranges().collect(),
             hash: OnceLock::new(),
         };
         let mut bundle = Self { shared: Arc::new(shared), policies: Arc::default() };
@@ -280,29 +276,31 @@ impl Bundle {
     /// # Errors
     /// As [`Bundle::find_blend`].
     pub fn blend(&self, name: &str) -> Result<BlendSpace> {
-        match BlendSpace::new(self.blends(), self.find_blend(name)?) {
-            Ok(space) => {
-                let rate_hz = self.meta().rate_hz as f32;
-                Ok(space.with_activities(self.activities()).with_clips(self.clips(), rate_hz))
-            }
-            Err(e) => unreachable!("checked when the bundle was opened: {e}"),
-        }
+        let space = BlendSpace::new(self.blends(), self.find_blend(name)?);
+        let space = space.unwrap_or_else(|e| unreachable!("checked when the bundle was opened: {e}"));
+        Ok(space.with_activities(self.activities()).with_clips(self.clips(), self.meta().rate_hz as f32))
     }
 
     /// The activities; empty where the bundle was built without them.
     pub fn activities(&self) -> ActivitySet {
-        let meta = self.meta();
-        if meta.activities.is_empty() {
+        let (activities, rate_hz) = (&self.meta().activities, self.meta().rate_hz as f32);
+        if activities.is_empty() {
             return ActivitySet::default();
         }
-        let code = [*self.rotation_code()];
-        let (frames, contacts, rate_hz) = (self.frames(), self.contacts(), meta.rate_hz as f32);
-        ActivitySet::from_sections(&meta.activities, self.clips(), frames, contacts, &code, self.skeleton(), rate_hz)
+        let activity = |a: &ActivityMeta| Activity::new(a, &self.clips()[a.clip as usize], rate_hz);
+        ActivitySet {
+            activities: activities.iter().map(activity).collect(),
+            frames: self.frames().clone(),
+            contacts: self.contacts().clone(),
+            code: self.shared.sections.rotation_code.clone(),
+            skeleton: self.skeleton().clone(),
+            rate_hz,
+        }
     }
 
     /// A hash of the whole content. All bytes are read when it is asked for the first time.
     pub fn hash(&self) -> u128 {
-        *self.shared.hash.get_or_init(|| Hash128::hash_bytes(self.shared.storage.bytes()))
+        *self.shared.hash.get_or_init(|| Hash128::hash_bytes(self.bytes()))
     }
 
     /// True where both have the same content. Clones are compared at once, bundles that were opened one by one by [`Bundle::hash`].
@@ -311,20 +309,20 @@ impl Bundle {
     }
 
     /// Tag and length of every section, in file order (bytes).
-    pub fn section_sizes(&self) -> &[(SectionTag, usize)] {
-        &self.shared.sizes
+    pub fn section_sizes(&self) -> impl Iterator<Item = (SectionTag, usize)> + '_ {
+        self.shared.layout.sections().iter().map(|(s, bytes)| (s.tag, bytes.len()))
     }
 
     /// Bytes of a section, and the length of one of its elements (bytes); none where there is no such section. For
     /// callers that read the rows themselves, such as arrays of other languages.
     pub fn section_bytes(&self, tag: SectionTag) -> Option<(&[u8], usize)> {
-        let (_, element, range) = self.shared.ranges.iter().find(|s| s.0 == tag)?;
-        Some((&self.shared.storage.bytes()[range.clone()], *element))
+        let (s, bytes) = self.shared.layout.sections().iter().find(|(s, _)| s.tag == tag)?;
+        Some((&self.bytes()[bytes.clone()], s.elem_size as usize))
     }
 
     /// Length of the bundle (bytes).
     pub fn num_bytes(&self) -> usize {
-        self.shared.storage.bytes().len()
+        self.bytes().len()
     }
 
     fn sections(&self) -> &Sections {

@@ -1,90 +1,76 @@
 //! The policies of a bundle: each takes its rows after those of the one before, and nothing is left over.
 
+use super::check::{check_used, refuse};
 use super::{Bundle, tags};
 use crate::format::{FormatError, Table};
 use crate::policy::{ActionTable, KIND_SPACE_TIME, PolicySlices, PolicyTable, StateGridRecord, TargetGrid};
-use std::ops::Range;
 use throng_base::Error;
+use throng_base::error::ensure;
 
 /// Opens all policies: their own checks, names for all, and nothing left over.
 pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError> {
     let (graph, s, n) = (t.graph(), t.sections(), t.policy_records().len());
-    if n > 0 && graph.states.is_empty() {
-        return Err(FormatError::layout(format!("there are {n} policies over a motion graph without states")));
-    }
-    if t.meta().behaviours.len() != n {
-        let names = t.meta().behaviours.len();
-        return Err(FormatError::layout(format!("META names {names} behaviours, there are {n} policies")));
-    }
+    let fault = format!("there are {n} policies over a motion graph without states");
+    ensure(n == 0 || !graph.states.is_empty(), || FormatError::layout(fault))?;
+    let names = t.meta().behaviours.len();
+    let fault = format!("META names {names} behaviours, there are {n} policies");
+    ensure(names == n, || FormatError::layout(fault))?;
     let (offsets, segments, errors) = (&graph.action_offsets, &graph.action_segments, &graph.action_errors);
     let actions = ActionTable::new(offsets, segments, errors, graph.segments.len());
     let actions = actions.map_err(|e| FormatError::layout(e.to_string()))?;
-    let mut next = SectionCursor::default();
-    let policies = (0..n).map(|i| policy(t, &actions, i, &mut next)).collect::<Result<_, _>>()?;
-    let lengths = [
-        (tags::POLICY_SEGMENTS, s.policy_segments.len(), next.segments),
-        (tags::POLICY_PATHS, s.policy_paths.len(), next.paths),
-        (tags::POLICY_STATE_GRIDS, s.policy_state_grids.len(), next.state_grids),
-        (tags::POLICY_VALUES, s.policy_values.len(), next.values),
-        (tags::POLICY_BEST, s.policy_best.len(), next.best),
+    let mut rest = PolicySlices {
+        segments: s.policy_segments.clone(),
+        paths: s.policy_paths.clone(),
+        state_grids: s.policy_state_grids.clone(),
+        values: s.policy_values.clone(),
+        best: s.policy_best.clone(),
+    };
+    let policies = (0..n).map(|i| policy(t, &actions, i, &mut rest)).collect::<Result<_, _>>()?;
+    let sections = [
+        (tags::POLICY_SEGMENTS, s.policy_segments.len(), rest.segments.len()),
+        (tags::POLICY_PATHS, s.policy_paths.len(), rest.paths.len()),
+        (tags::POLICY_STATE_GRIDS, s.policy_state_grids.len(), rest.state_grids.len()),
+        (tags::POLICY_VALUES, s.policy_values.len(), rest.values.len()),
+        (tags::POLICY_BEST, s.policy_best.len(), rest.best.len()),
     ];
-    match lengths.into_iter().find(|(_, got, expected)| got != expected) {
-        Some((tag, got, expected)) => {
-            Err(FormatError::layout(format!("section {tag} has {got} elements, its policies need {expected}")))
-        }
-        None => Ok(policies),
-    }
+    sections.into_iter().try_for_each(|(tag, len, rest)| check_used(tag, len, (len - rest) as u64, "policies"))?;
+    Ok(policies)
 }
 
-/// First rows of the next policy in each section.
-#[derive(Default)]
-struct SectionCursor {
-    segments: usize,
-    paths: usize,
-    state_grids: usize,
-    values: usize,
-    best: usize,
-}
-
-/// The policy that begins there.
+/// The policy whose rows begin `rest`, which is left with those of the policies after it.
 fn policy(
     t: &Bundle,
     actions: &ActionTable,
     index: usize,
-    next: &mut SectionCursor,
+    rest: &mut PolicySlices,
 ) -> Result<PolicyTable, FormatError> {
     let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
-    let (s, r) = (t.sections(), &t.policy_records()[index]);
-    if r.reward.reserved != 0 {
-        return Err(FormatError::value(tags::POLICIES, index, "its reserved fields are not zero"));
-    }
+    let r = &t.policy_records()[index];
+    let fault = "its reserved fields are not zero";
+    ensure(r.reward.reserved == 0, || FormatError::value(tags::POLICIES, index, fault))?;
     let (num_states, num_segments) = (actions.num_states(), actions.num_segments());
     let num_paths = if r.grid.kind == KIND_SPACE_TIME { num_segments } else { 0 };
-    let num_grids = if r.adaptive == 0 { 0 } else { num_states };
-    let state_grids = take_rows(&s.policy_state_grids, &mut next.state_grids, num_grids);
+    let state_grids = take_rows(&mut rest.state_grids, if r.adaptive == 0 { 0 } else { num_states });
     let num_values = match r.adaptive {
         0 => TargetGrid::new(r.grid).map_err(wrong)?.num_cells().saturating_mul(num_states),
         _ => state_grids.iter().fold(0, |sum: usize, g: &StateGridRecord| sum.saturating_add(g.num_cells())),
     };
     let slices = PolicySlices {
-        segments: take_rows(&s.policy_segments, &mut next.segments, num_segments),
-        paths: take_rows(&s.policy_paths, &mut next.paths, num_paths),
+        segments: take_rows(&mut rest.segments, num_segments),
+        paths: take_rows(&mut rest.paths, num_paths),
         state_grids,
-        values: take_rows(&s.policy_values, &mut next.values, num_values),
-        best: take_rows(&s.policy_best, &mut next.best, num_values.saturating_mul(r.num_choices as usize)),
+        values: take_rows(&mut rest.values, num_values),
+        best: take_rows(&mut rest.best, num_values.saturating_mul(r.num_choices as usize)),
     };
     let policy = PolicyTable::new(r, actions.clone(), slices).map_err(wrong)?;
-    let mut ends = policy.segments().iter().zip(&t.graph().segments);
-    if let Some(segment) = ends.position(|(p, s)| p.end != s.end) {
-        let message = format!("policy {index} has another end than the motion graph");
-        return Err(FormatError::value(tags::POLICY_SEGMENTS, segment, message));
-    }
+    let other_end = policy.segments().iter().zip(&t.graph().segments).position(|(p, s)| p.end != s.end);
+    refuse(tags::POLICY_SEGMENTS, other_end, &format!("policy {index} has another end than the motion graph"))?;
     Ok(policy)
 }
 
-/// The next rows of a section, or none where they are not all there: the policy's own check then names the lengths.
-fn take_rows<T>(all: &Table<T>, next: &mut usize, len: usize) -> Table<T> {
-    let rows: Range<usize> = *next..next.saturating_add(len);
-    *next = rows.end;
-    all.part(rows).unwrap_or_default()
+/// Takes the first rows off, or none where they are not all there: the policy's own check then names the lengths.
+fn take_rows<T>(rest: &mut Table<T>, len: usize) -> Table<T> {
+    let Some(rows) = rest.part(0..len) else { return Table::default() };
+    *rest = rest.part(len..rest.len()).unwrap_or_default();
+    rows
 }

@@ -3,6 +3,7 @@
 use super::{ALIGN, FileHeader, FileKind, FormatError, SectionEntry, SectionTag, crc32};
 use bytemuck::Pod;
 use std::ops::Range;
+use throng_base::error::ensure;
 
 /// Most sections a bundle may have; a larger count is damage.
 const MAX_SECTIONS: u32 = 1024;
@@ -32,80 +33,60 @@ impl SectionLayout {
         let mut end = table_end;
         for row in table.chunks_exact(size_of::<SectionEntry>()) {
             let s: SectionEntry = bytemuck::pod_read_unaligned(row);
-            let range = s.range(bytes.len() as u64)?;
-            if range.start != end.next_multiple_of(ALIGN as usize) {
-                let start = range.start;
-                return Err(FormatError::layout(format!(
-                    "section {} starts at {start}, not after its forerunner",
-                    s.tag
-                )));
-            }
-            if s.reserved != 0 || bytes[end..range.start].iter().any(|&b| b != 0) {
-                return Err(FormatError::layout(format!("the padding before section {} is not zero", s.tag)));
-            }
-            if sections.iter().any(|(o, _)| o.tag == s.tag) {
-                return Err(FormatError::layout(format!("section {} stands there twice", s.tag)));
-            }
+            let (range, tag) = (s.range(bytes.len() as u64)?, s.tag);
+            let fault = || format!("section {tag} starts at {}, not after its forerunner", range.start);
+            ensure(range.start == end.next_multiple_of(ALIGN as usize), || FormatError::layout(fault()))?;
+            let is_padded = s.reserved == 0 && bytes[end..range.start].iter().all(|&b| b == 0);
+            let fault = || format!("the padding before section {tag} is not zero");
+            ensure(is_padded, || FormatError::layout(fault()))?;
+            let is_new = sections.iter().all(|(o, _)| o.tag != tag);
+            ensure(is_new, || FormatError::layout(format!("section {tag} stands there twice")))?;
             if checksums {
-                check(&format!("section {}", s.tag), s.crc32, crc32(&bytes[range.clone()]))?;
+                check(&format!("section {tag}"), s.crc32, crc32(&bytes[range.clone()]))?;
             }
             end = range.end;
             sections.push((s, range));
         }
-        if end != bytes.len() {
-            return Err(FormatError::Length { expected: end as u64, got: bytes.len() as u64 });
-        }
+        check_length(end as u64, bytes.len() as u64)?;
         Ok(Self { sections })
     }
 
     /// Byte range of the section of that tag, whose elements must be `T`.
     pub fn section<T: Pod>(&self, tag: SectionTag) -> Result<Range<usize>, FormatError> {
         let (s, range) = self.sections.iter().find(|(s, _)| s.tag == tag).ok_or(FormatError::Missing { tag })?;
-        if s.elem_size as usize != size_of::<T>() {
-            return Err(FormatError::layout(format!(
-                "section {tag} has elements of {} bytes, expected {}",
-                s.elem_size,
-                size_of::<T>()
-            )));
-        }
+        let (got, expected) = (s.elem_size as usize, size_of::<T>());
+        let fault = || format!("section {tag} has elements of {got} bytes, expected {expected}");
+        ensure(got == expected, || FormatError::layout(fault()))?;
         Ok(range.clone())
     }
 
-    /// Tag, length of an element and bytes of every section, in file order.
-    pub fn ranges(&self) -> impl Iterator<Item = (SectionTag, usize, Range<usize>)> + '_ {
-        self.sections.iter().map(|(s, range)| (s.tag, s.elem_size as usize, range.clone()))
-    }
-
-    /// Tag and length in bytes of every section, in file order.
-    pub fn sizes(&self) -> impl Iterator<Item = (SectionTag, usize)> + '_ {
-        self.sections.iter().map(|(s, r)| (s.tag, r.len()))
+    /// Row of the section table and bytes of every section, in file order.
+    pub fn sections(&self) -> &[(SectionEntry, Range<usize>)] {
+        &self.sections
     }
 }
 
 fn read_header(bytes: &[u8], kind: FileKind) -> Result<FileHeader, FormatError> {
-    let got = bytes.len() as u64;
-    let head = bytes.get(..size_of::<FileHeader>());
-    if let Some(magic) = bytes.first_chunk::<8>()
-        && *magic != kind.magic
-    {
-        return Err(FormatError::Magic { what: kind.what, got: *magic });
+    let FileKind { what, magic, version: expected } = kind;
+    let (got, header_len) = (bytes.len() as u64, size_of::<FileHeader>());
+    if let Some(got) = bytes.first_chunk().copied() {
+        ensure(got == magic, || FormatError::Magic { what, got })?;
     }
-    let header: FileHeader = bytemuck::pod_read_unaligned(
-        head.ok_or(FormatError::Length { expected: size_of::<FileHeader>() as u64, got })?,
-    );
-    if header.version != kind.version {
-        return Err(FormatError::Version { what: kind.what, expected: kind.version, got: header.version });
-    }
+    let head = bytes.get(..header_len).ok_or(FormatError::Length { expected: header_len as u64, got })?;
+    let header: FileHeader = bytemuck::pod_read_unaligned(head);
+    ensure(header.version == expected, || FormatError::Version { what, expected, got: header.version })?;
     check("the header", header.header_crc32, header.checksum())?;
-    if header.file_len != got {
-        return Err(FormatError::Length { expected: header.file_len, got });
-    }
-    if header.num_sections > MAX_SECTIONS || header.reserved != [0; 32] {
-        return Err(FormatError::layout("the header's reserved bytes or section count are not this version's"));
-    }
+    check_length(header.file_len, got)?;
+    let fault = "the header's reserved bytes or section count are not this version's";
+    let is_known = header.num_sections <= MAX_SECTIONS && header.reserved == [0; 32];
+    ensure(is_known, || FormatError::layout(fault))?;
     Ok(header)
 }
 
+fn check_length(expected: u64, got: u64) -> Result<(), FormatError> {
+    ensure(expected == got, || FormatError::Length { expected, got })
+}
+
 fn check(what: &str, expected: u32, got: u32) -> Result<(), FormatError> {
-    if expected == got { Ok(()) } else { Err(FormatError::Checksum { what: what.to_owned(), expected, got }) }
+    ensure(expected == got, || FormatError::Checksum { what: what.to_owned(), expected, got })
 }

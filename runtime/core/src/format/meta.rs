@@ -4,6 +4,7 @@ use super::FormatError;
 use crate::hits::KIND_NAMES;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use throng_base::error::ensure;
 
 /// Most bytes an encoded section may ask for while it is decoded (bytes).
 const LIMIT: usize = 64 << 20;
@@ -130,31 +131,24 @@ pub fn encode(tag: &str, value: &impl Serialize) -> Result<Vec<u8>, FormatError>
 /// # Errors
 /// [`FormatError::Layout`] where they are damaged, ask for too much memory, or are followed by others.
 pub fn decode<T: DeserializeOwned>(tag: &str, bytes: &[u8]) -> Result<T, FormatError> {
-    match decode_first(tag, bytes)? {
-        (value, []) => Ok(value),
-        (_, rest) => {
-            let (got, used) = (bytes.len(), bytes.len() - rest.len());
-            Err(FormatError::layout(format!("{tag} has {got} bytes, expected {used}")))
-        }
-    }
+    let (value, rest) = decode_first(tag, bytes)?;
+    let (got, used) = (bytes.len(), bytes.len() - rest.len());
+    ensure(got == used, || FormatError::layout(format!("{tag} has {got} bytes, expected {used}")))?;
+    Ok(value)
 }
 
 /// Decodes the first value of some bytes as [`decode`] does, and returns the bytes after it.
 fn decode_first<'a, T: DeserializeOwned>(tag: &str, bytes: &'a [u8]) -> Result<(T, &'a [u8]), FormatError> {
     let config = bincode::config::standard().with_limit::<LIMIT>();
-    match bincode::serde::decode_from_slice(bytes, config) {
-        Ok((value, used)) => Ok((value, &bytes[used..])),
-        Err(e) => Err(FormatError::layout(format!("{tag} cannot be read: {e}"))),
-    }
+    let (value, used) = bincode::serde::decode_from_slice(bytes, config)
+        .map_err(|e| FormatError::layout(format!("{tag} cannot be read: {e}")))?;
+    Ok((value, &bytes[used..]))
 }
 
 fn check_length(len: usize) -> Result<(), FormatError> {
-    match len {
-        0..=MOST_META => Ok(()),
-        _ => Err(FormatError::layout(format!(
-            "META has {len} bytes, expected up to {MOST_META}: take fewer clips, or fewer and shorter tags, into one bundle"
-        ))),
-    }
+    let way_out = "take fewer clips, or fewer and shorter tags, into one bundle";
+    let fault = || format!("META has {len} bytes, expected up to {MOST_META}: {way_out}");
+    ensure(len <= MOST_META, || FormatError::layout(fault()))
 }
 
 impl Meta {
@@ -185,13 +179,11 @@ impl Meta {
         let (mut meta, rest): (Self, _) = decode_first("META", bytes)?;
         if !rest.is_empty() {
             meta.activities = decode("META", rest)?;
-            if meta.activities.is_empty() {
-                return Err(FormatError::layout("META is followed by a list of no activities".to_owned()));
-            }
+            let fault = "META is followed by a list of no activities";
+            ensure(!meta.activities.is_empty(), || FormatError::layout(fault))?;
         }
-        if !RATES_HZ.contains(&meta.rate_hz) {
-            return Err(FormatError::layout(format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz)));
-        }
+        let fault = || format!("META gives a rate of {} Hz, expected 1 to 1000", meta.rate_hz);
+        ensure(RATES_HZ.contains(&meta.rate_hz), || FormatError::layout(fault()))?;
         Ok(meta)
     }
 }

@@ -28,14 +28,12 @@ mod table;
 mod writer;
 
 pub use error::FormatError;
-pub use header::FileKind;
-pub use header::{ALIGN, FileHeader, MAGIC, SectionEntry, SectionTag, VERSION};
+pub use header::{ALIGN, FileHeader, FileKind, MAGIC, SectionEntry, SectionTag, VERSION};
 pub use layout::SectionLayout;
 pub use meta::{ActivityMeta, BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
 pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
 pub use rotation_code::{JointCode, RotationCode};
-pub use storage::AlignedBytes;
-pub use storage::FileStorage;
+pub use storage::{AlignedBytes, FileStorage};
 pub use table::Table;
 pub use throng_base::{crc32, crc32_of_pieces};
 pub use writer::BundleWriter;

@@ -117,11 +117,8 @@ impl JointCode {
     /// - `before`: the rotation of the frame before; this one is put on the same side where w is stored.
     fn write_rotation(&self, rotation: Quat, before: Option<&FrameRow>, row: &mut FrameRow) {
         let mut coded = maths::compose(Quat::from_array(self.centre).conjugate(), rotation);
-        let other_side = match before {
-            Some(row) if self.stores_w() => self.coded(row).dot(coded) < 0.0,
-            _ => coded.w < 0.0,
-        };
-        if other_side {
+        let before = before.filter(|_| self.stores_w());
+        if before.map_or(coded.w, |row| self.coded(row).dot(coded)) < 0.0 {
             coded = -coded;
         }
         let (byte, first) = self.word();
@@ -249,11 +246,8 @@ impl RotationCode {
             }
         }
         let [x, y, z, w] = code.shifts(first);
-        let mut v = V::new(
-            code.value(&there, x, weights, 0),
-            code.value(&there, y, weights, 1),
-            code.value(&there, z, weights, 2),
-        );
+        let (x, y) = (code.value(&there, x, weights, 0), code.value(&there, y, weights, 1));
+        let mut v = V::new(x, y, code.value(&there, z, weights, 2));
         let coded = if code.stores_w() {
             // Of rows that cancel each other out nothing is left: the middle. Other lanes keep their bits.
             let (w, least) = (code.value(&there, w, weights, 3), F::splat(LEAST_SQUARE));
@@ -318,11 +312,11 @@ fn ranges_of(rotations: &[Quat]) -> (JointCode, f32) {
 
 /// A rotation in the middle of all, and the cosine of half the angle to the farthest. The identity if it will do.
 fn centre(rotations: &[Quat]) -> (Quat, f32) {
-    let farthest = |all: &mut dyn Iterator<Item = Quat>, centre: Quat| {
-        let least = all.map(|q| (centre.dot(q).abs(), q)).min_by(|a, b| a.0.total_cmp(&b.0));
-        least.unwrap_or((1.0, centre))
+    let farthest = |centre: Quat| {
+        let all = rotations.iter().map(|&q| (centre.dot(q).abs(), q));
+        all.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((1.0, centre))
     };
-    let (least, mut far) = farthest(&mut rotations.iter().copied(), Quat::IDENTITY);
+    let (least, mut far) = farthest(Quat::IDENTITY);
     if least >= WIDE_W {
         return (Quat::IDENTITY, least);
     }
@@ -332,7 +326,7 @@ fn centre(rotations: &[Quat]) -> (Quat, f32) {
     for step in 2..64 {
         let towards = if centre.dot(far) < 0.0 { -far } else { far };
         centre = (centre + towards * (1.0 / step as f32)).normalize();
-        let (near, next) = farthest(&mut rotations.iter().copied(), centre);
+        let (near, next) = farthest(centre);
         far = next;
         if near > best.1 {
             best = (centre, near);

@@ -6,6 +6,7 @@ use super::{FileHeader, FormatError};
 use std::io::{ErrorKind, Read, Seek};
 use std::{fs::File, path::Path};
 use throng_base::Error;
+use throng_base::error::ensure;
 use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
@@ -71,15 +72,13 @@ impl FileStorage {
     pub fn read(path: &Path, what: &str) -> Result<Self, FormatError> {
         let io = |source| FormatError::Io { path: path.to_path_buf(), source };
         let (mut file, length) = open(path, what)?;
-        let mut head = AlignedBytes::zeros(length.min(size_of::<FileHeader>())).map_err(io)?;
-        fill(head.as_mut_slice(), path, &mut file)?;
-        let header = bytemuck::try_pod_read_unaligned(head.as_slice()).ok();
+        let head = in_memory(path, &mut file, length.min(size_of::<FileHeader>()))?;
+        let header = bytemuck::try_pod_read_unaligned(head.bytes()).ok();
         let Some(FileHeader { file_len, .. }) = header.filter(|h: &FileHeader| h.header_crc32 == h.checksum()) else {
-            return Ok(Self::Memory(head));
+            return Ok(head);
         };
-        if file_len != length as u64 {
-            return Err(FormatError::Length { expected: file_len, got: length as u64 });
-        }
+        let (expected, got) = (file_len, length as u64);
+        ensure(expected == got, || FormatError::Length { expected, got })?;
         file.rewind().map_err(io)?;
         // Pages come zeroed from the system: nothing is cleared here, and giving them back is one call.
         let mut pages = match memmap2::MmapMut::map_anon(length) {
@@ -119,10 +118,10 @@ impl FileStorage {
     }
 }
 
-/// Reads a file into memory of this process.
+/// Reads the begin of a file into memory of this process.
 fn in_memory(path: &Path, file: &mut File, length: usize) -> Result<FileStorage, FormatError> {
-    let mut bytes =
-        AlignedBytes::zeros(length).map_err(|source| FormatError::Io { path: path.to_path_buf(), source })?;
+    let bytes = AlignedBytes::zeros(length);
+    let mut bytes = bytes.map_err(|source| FormatError::Io { path: path.to_path_buf(), source })?;
     fill(bytes.as_mut_slice(), path, file)?;
     Ok(FileStorage::Memory(bytes))
 }

@@ -76,24 +76,10 @@ impl<T: Send + Sync> From<Vec<T>> for Table<T> {
     }
 }
 
-/// A copy of the rows.
-impl<T: Clone + Send + Sync> From<&[T]> for Table<T> {
-    fn from(rows: &[T]) -> Self {
-        rows.to_vec().into()
-    }
-}
-
-/// A copy of the rows.
-impl<T: Clone + Send + Sync, const N: usize> From<&[T; N]> for Table<T> {
-    fn from(rows: &[T; N]) -> Self {
-        rows.to_vec().into()
-    }
-}
-
-/// A copy of the rows.
-impl<T: Clone + Send + Sync> From<&Vec<T>> for Table<T> {
-    fn from(rows: &Vec<T>) -> Self {
-        rows.clone().into()
+/// A copy of the rows of a slice, an array or a vector.
+impl<T: Clone + Send + Sync, S: AsRef<[T]> + ?Sized> From<&S> for Table<T> {
+    fn from(rows: &S) -> Self {
+        rows.as_ref().to_vec().into()
     }
 }
 

@@ -53,24 +53,19 @@ impl StateGridRecord {
 ///
 /// - returns the number of cells of all states.
 pub(super) fn check_state_grids(grids: &[StateGridRecord], finest: &TargetGrid) -> Result<usize> {
+    let expected = "2 or more (1 height), and no more than the finest grid has";
     let mut next = 0usize;
     for (state, g) in grids.iter().enumerate() {
         let who = Some(Id::first(state));
         for ((got, most), least) in g.counts().into_iter().zip(finest.counts()).zip([2, 2, 1]) {
-            let expected = "2 or more (1 height), and no more than the finest grid has";
-            check_value(
-                "state grid count of rings, angles or heights",
-                who,
-                got,
-                (least..=most).contains(&got),
-                expected,
-            )?;
+            let good = (least..=most).contains(&got);
+            check_value("state grid count of rings, angles or heights", who, got, good, expected)?;
         }
         check_value("state grid reserved field", who, g.reserved, g.counts[3] == 0 && g.reserved == 0, "0")?;
         check_value("state grid first cell", who, g.first, g.first as usize == next, "the end of the grid before it")?;
         let cells = g.num_cells();
         check_value("state grid number of cells", who, cells as f64, cells <= MAX_STATE_CELLS, "at most 2^24")?;
-        next += g.num_cells();
+        next += cells;
     }
     Ok(next)
 }
@@ -79,14 +74,14 @@ impl PolicyTable {
     /// True if every state has its own grid.
     #[inline]
     pub fn is_adaptive(&self) -> bool {
-        !self.state_grids.is_empty()
+        !self.rows.state_grids.is_empty()
     }
 
     /// The grid of a state's values and best actions: the policy's grid, or a coarser one over the same region
     /// (state < num_states).
     #[inline]
     pub fn grid_of(&self, state: u32) -> TargetGrid {
-        match self.state_grids.get(state as usize) {
+        match self.rows.state_grids.get(state as usize) {
             Some(own) if own.counts() != self.grid.counts() => self.grid.with_counts(own.counts()),
             _ => self.grid,
         }
@@ -102,7 +97,7 @@ impl PolicyTable {
         spot: &GridCoordinates<F>,
         height: f32,
     ) -> F {
-        let of = |lane: usize| &self.state_grids[records[lane].end as usize];
+        let of = |lane: usize| &self.rows.state_grids[records[lane].end as usize];
         let grids = [of(0), of(1), of(2), of(3), of(4), of(5), of(6), of(7)];
         let [rings, angles, heights, _] = F::decode(grids.map(|g| &g.counts));
         let firsts = F::from_array(grids.map(|g| f32::from_bits(g.first)));
@@ -141,8 +136,8 @@ impl PolicyTable {
             let step = (angles - one) / F::splat(finest_angles - 1.0);
             let (angle, angle_ratio) = interval(spot.angle * step, angles - F::splat(2.0));
             // The next angle is stored next to it.
-            let near = F::gather(&self.values, 1, firsts, 1, low + angle);
-            (values, ratio) = ([near, F::gather(&self.values, 1, firsts, 1, high + angle)], angle_ratio);
+            let near = F::gather(&self.rows.values, 1, firsts, 1, low + angle);
+            (values, ratio) = ([near, F::gather(&self.rows.values, 1, firsts, 1, high + angle)], angle_ratio);
         }
         let [near, far] = values.map(|[a, b]| a + (b - a) * ratio);
         spot.scale * (near + (far - near) * ring_ratio)
@@ -151,7 +146,7 @@ impl PolicyTable {
     /// Values of cells.
     #[inline(always)]
     fn lane_values<F: Lanes>(&self, firsts: F, cells: F) -> F {
-        F::gather(&self.values, 0, firsts, 1, cells)[0]
+        F::gather(&self.rows.values, 0, firsts, 1, cells)[0]
     }
 }
 
@@ -331,7 +326,7 @@ mod tests {
                 assert_eq!(bits(&a), bits(&u), "{target}");
                 assert_eq!(a.value(3, target).to_bits(), u.value(3, target).to_bits());
                 let cell = u.nearest_cell(1, target);
-                let own = a.grid.nearest_cell_of(a.state_grids[1].counts(), a.grid.cell_centre(cell));
+                let own = a.grid.nearest_cell_of(a.rows.state_grids[1].counts(), a.grid.cell_centre(cell));
                 assert_eq!((a.nearest_cell(1, target), own), (cell, cell));
                 assert_eq!(a.best_of(1, cell), u.best_of(1, cell));
             }

@@ -51,19 +51,9 @@ pub(super) fn back_up<F: Lanes, const POLAR: bool>(
 ) -> (F, GridCoordinates<F>) {
     let [c, s, x, z] = motions.quarter(0);
     let (dx, dz) = (target.x - x, target.z - z);
-    let distance = (dx * dx + dz * dz).sqrt();
-    let spot = grid.spot::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, distance);
-    (rewards::<F, POLAR>(reward, motions, target, distance), spot)
-}
-
-/// See [`Reward`].
-#[inline(always)]
-fn rewards<F: Lanes, const POLAR: bool>(
-    reward: &Reward,
-    motions: impl SegmentLanes<F>,
-    target: &TargetLanes<F>,
-    end_distance: F,
-) -> F {
+    let end_distance = squared(dx, dz).sqrt();
+    let spot = grid.spot::<F, POLAR>(c * dx - s * dz, s * dx + c * dz, end_distance);
+    // The reward, see [`Reward`].
     let [x0, z0, x1, z1] = motions.quarter(1);
     let mut first = squared(target.x - x0, target.z - z0);
     let mut second = squared(target.x - x1, target.z - z1);
@@ -75,12 +65,12 @@ fn rewards<F: Lanes, const POLAR: bool>(
     let [start_weight, first_weight, second_weight, end_weight] = motions.quarter(2);
     let first = first_weight * reward.kernels(first.sqrt());
     let inner = reward.combined(first, second_weight * reward.kernels(second.sqrt()));
-    let gain = F::splat(reward.gain());
+    let gain = F::splat(reward.record().gain);
     if !POLAR {
-        return gain * inner;
+        return (gain * inner, spot);
     }
     let end = end_weight * reward.kernels(end_distance);
-    gain * reward.combined(inner, reward.combined(start_weight * target.start_kernel, end))
+    (gain * reward.combined(inner, reward.combined(start_weight * target.start_kernel, end)), spot)
 }
 
 #[inline(always)]
@@ -96,9 +86,9 @@ impl PolicyTable {
     #[inline(always)]
     pub(super) fn values_at<F: Lanes>(&self, ends: F, place: &StencilLanes<F>, height_offset: usize) -> F {
         let angles = self.grid.record().num_angles;
-        let low = place.ring * F::splat(self.grid.angles_per_ring());
+        let low = place.ring * F::splat(self.grid.angles);
         let row_len = self.grid.num_cells() as u32;
-        let values = &self.values[height_offset..];
+        let values = &self.rows.values[height_offset..];
         let [near_a, far_a] = F::gather(values, angles as usize, ends, row_len, low + place.angle);
         let [near_b, far_b] = F::gather(values, angles as usize, ends, row_len, low + place.next_angle);
         let near = near_a + (near_b - near_a) * place.angle_ratio;

@@ -5,7 +5,7 @@ use super::backup::{SegmentLanes, TargetLanes, back_up};
 use super::ranked::RankedActions;
 use super::table::{MAX_ACTIONS, PolicyTable};
 use glam::Vec3;
-use throng_base::error::{check_index, check_length, check_value};
+use throng_base::error::{check_index, check_length, check_value, ensure};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 use throng_base::{Error, Id, Result};
 
@@ -64,11 +64,10 @@ impl LookAheadJob<'_> {
             check_length("targets", g.targets.len(), n)?;
             check_targets(g.targets)?;
             check_weights(g.weights)?;
-            let first = self.goals[0].policy;
-            if !g.policy.actions().is_same(first.actions()) {
-                let expected = format!("policies of one motion graph; that of goal {goal} is another");
-                return Err(Error::Length { what: "goals", got: self.goals.len(), expected });
-            }
+            let expected = || format!("policies of one motion graph; that of goal {goal} is another");
+            let error = || Error::Length { what: "goals", got: self.goals.len(), expected: expected() };
+            // Quick where both are views of one table.
+            ensure(g.policy.actions() == self.goals[0].policy.actions(), error)?;
         }
         check_states(self.states, self.goals.first().map_or(0, |g| g.policy.actions().num_states()))
     }
@@ -186,7 +185,7 @@ impl PolicyTable {
         weight: f32,
         scores: &mut [f32; LANES],
     ) {
-        let records = &segments.map(|s| &self.segments[s as usize]);
+        let records = &segments.map(|s| &self.rows.segments[s as usize]);
         let (reward, spot) = back_up::<F, POLAR>(&self.grid, &self.reward, records, targets);
         let [_, _, discount, end] = SegmentLanes::<F>::quarter(records, 3);
         let value = if ADAPTIVE {
@@ -246,15 +245,13 @@ impl PolicyTable {
 
     fn scores_at(&self, state: u32, target: Vec3, scores: &mut [f32]) -> Result<usize> {
         check_states(&[state], self.actions.num_states())?;
-        let segments = self.actions.segments_of(state);
-        if scores.len() < segments.len() {
-            let expected = format!("{} or more, one for each action", segments.len());
-            return Err(Error::Length { what: "scores", got: scores.len(), expected });
-        }
+        let (num_actions, got) = (self.actions.segments_of(state).len(), scores.len());
+        let expected = || format!("{num_actions} or more, one for each action");
+        ensure(got >= num_actions, || Error::Length { what: "scores", got, expected: expected() })?;
         let mut groups = [[0.0; LANES]; MAX_GROUPS];
         dispatch(ActionScoresJob { table: self, state, target, scores: &mut groups });
-        scores[..segments.len()].copy_from_slice(&groups.as_flattened()[..segments.len()]);
-        Ok(segments.len())
+        scores[..num_actions].copy_from_slice(&groups.as_flattened()[..num_actions]);
+        Ok(num_actions)
     }
 }
 

@@ -91,6 +91,7 @@ impl Reward {
     }
 
     /// The reward as it is stored.
+    #[inline(always)]
     pub fn record(&self) -> &RewardRecord {
         &self.record
     }
@@ -133,12 +134,6 @@ impl Reward {
     #[inline(always)]
     pub(super) fn after_transitions<F: Lanes>(&self, distance: F) -> F {
         (distance * distance * F::splat(-LOG2_E * self.record.transition_cost)).exp2_neg()
-    }
-
-    /// The factor on the whole reward.
-    #[inline(always)]
-    pub(super) fn gain(&self) -> f32 {
-        self.record.gain
     }
 
     /// [`Self::combine`] of eight lanes.

@@ -50,7 +50,7 @@ impl PolicyTable {
     ///
     /// - `target`: in the grid: x, time left (s), z.
     pub(super) fn score_in_space_time(&self, segment: u32, target: Vec3) -> f32 {
-        let (motion, path) = (&self.segments[segment as usize], &self.paths[segment as usize]);
+        let (motion, path) = (&self.rows.segments[segment as usize], &self.rows.paths[segment as usize]);
         let left_s = target.y - path.duration_s;
         if left_s < 0.0 {
             // Within a segment, the discount is that of the time that has passed.

@@ -144,11 +144,6 @@ impl ActionTable {
         self.num_segments
     }
 
-    /// True if both views have equal contents; fast if they are views of the same table.
-    pub fn is_same(&self, other: &Self) -> bool {
-        self == other
-    }
-
     /// Segments of a state's actions, in order (1 to 255, state < num_states).
     #[inline]
     pub fn segments_of(&self, state: u32) -> &[u32] {
@@ -170,7 +165,7 @@ impl ActionTable {
 }
 
 /// The rows of a policy.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PolicySlices {
     /// Motion of each segment (num_segments).
     pub segments: Table<SegmentRecord>,
@@ -199,13 +194,9 @@ pub struct PolicyTable {
     pub(super) grid: TargetGrid,
     pub(super) reward: Reward,
     pub(super) actions: ActionTable,
-    pub(super) segments: Table<SegmentRecord>,
-    pub(super) paths: Table<PathRecord>,
-    pub(super) state_grids: Table<StateGridRecord>,
-    pub(super) values: Table<f32>,
+    pub(super) rows: PolicySlices,
     region: RegionRecord,
     centre: Vec3,
-    best: Table<u8>,
     num_choices: usize,
     discount: f32,
 }
@@ -223,7 +214,7 @@ impl PolicyTable {
         check_length("segments", slices.segments.len(), actions.num_segments())?;
         check_indices("num_choices", [(record.num_choices as usize).wrapping_sub(1)], super::MAX_RANKED)?;
         let num_choices = record.num_choices as usize;
-        let num_values = check_resolution(record, &grid, &slices.state_grids, actions.num_states())?;
+        let num_values = check_resolution(record, &grid, &slices.state_grids)?;
         check_length("values", slices.values.len(), num_values)?;
         // The look-ahead counts places in the table with 32 bits.
         check_indices("number of values", [num_values], u32::MAX as usize)?;
@@ -231,9 +222,8 @@ impl PolicyTable {
         check_numbers("discount", None, &[record.discount], |v| v > 0.0 && v < 1.0, "between 0 and 1")?;
         let figures = [record.epsilon, record.residual];
         check_numbers("epsilon and residual", None, &figures, |v| (0.0..1e6).contains(&v), "between 0 and 1e6")?;
-        for (at, &v) in slices.values.iter().enumerate() {
-            check_value("value", Some(Id::first(at)), v, v.abs() < 1e6, "below 1e6")?;
-        }
+        let mut values = slices.values.iter().enumerate();
+        values.try_for_each(|(at, &v)| check_value("value", Some(Id::first(at)), v, v.abs() < 1e6, "below 1e6"))?;
         check_segments(&slices.segments, actions.num_states(), grid.is_polar())?;
         record.region.check()?;
         check_numbers("centre", None, &record.centre, |v| v.abs() < 1e3, "below 1000")?;
@@ -243,13 +233,9 @@ impl PolicyTable {
             grid,
             reward,
             actions,
-            segments: slices.segments,
-            paths: slices.paths,
-            state_grids: slices.state_grids,
-            values: slices.values,
+            rows: slices,
             region: record.region,
             centre: Vec3::new(record.centre[0], 0.0, record.centre[1]),
-            best: slices.best,
             num_choices,
             discount: record.discount,
         };
@@ -293,7 +279,7 @@ impl PolicyTable {
     #[inline]
     pub fn nearest_cell(&self, state: u32, target: Vec3) -> usize {
         let target = self.to_grid(target);
-        match self.state_grids.get(state as usize) {
+        match self.rows.state_grids.get(state as usize) {
             None => self.grid.nearest_cell(target),
             Some(own) => self.grid.nearest_cell_of(own.counts(), target),
         }
@@ -306,12 +292,12 @@ impl PolicyTable {
 
     /// Motion of each segment.
     pub fn segments(&self) -> &[SegmentRecord] {
-        &self.segments
+        &self.rows.segments
     }
 
     /// Path of the guarded point over each segment, on a space-time grid; else empty.
     pub fn paths(&self) -> &[PathRecord] {
-        &self.paths
+        &self.rows.paths
     }
 
     /// Best actions stored per (state, cell).
@@ -321,7 +307,7 @@ impl PolicyTable {
 
     /// Number of values of all states.
     pub fn num_values(&self) -> usize {
-        self.values.len()
+        self.rows.values.len()
     }
 
     /// Discount per frame at the database rate.
@@ -332,7 +318,7 @@ impl PolicyTable {
     /// Range of a state's cells within the values (state < num_states).
     #[inline]
     fn cells_of(&self, state: u32) -> Range<usize> {
-        let (first, n) = match self.state_grids.get(state as usize) {
+        let (first, n) = match self.rows.state_grids.get(state as usize) {
             None => (state as usize * self.grid.num_cells(), self.grid.num_cells()),
             Some(own) => (own.first as usize, own.num_cells()),
         };
@@ -342,7 +328,7 @@ impl PolicyTable {
     /// Values of a state (num_cells of its grid, state < num_states).
     #[inline]
     pub fn values_of(&self, state: u32) -> &[f32] {
-        &self.values[self.cells_of(state)]
+        &self.rows.values[self.cells_of(state)]
     }
 
     /// The stored best actions of a cell of a state's grid, best first (num_choices, state < num_states, cell <
@@ -350,7 +336,7 @@ impl PolicyTable {
     #[inline]
     pub fn best_of(&self, state: u32, cell: usize) -> &[u8] {
         let at = (self.cells_of(state).start + cell) * self.num_choices;
-        &self.best[at..at + self.num_choices]
+        &self.rows.best[at..at + self.num_choices]
     }
 
     /// Interpolated value of a state for a target in the character's frame (state < num_states).
@@ -376,7 +362,7 @@ impl PolicyTable {
             let limit = self.actions.segments_of(state).len();
             let cells = self.cells_of(state);
             let row = cells.start * self.num_choices..cells.end * self.num_choices;
-            for (at, &a) in row.clone().zip(&self.best[row]) {
+            for (at, &a) in row.clone().zip(&self.rows.best[row]) {
                 let none_allowed = at % self.num_choices > 0;
                 if usize::from(a) >= limit && !(a == NO_ACTION && none_allowed) {
                     check_index("best action", Some(Id::first(at)), a.into(), limit)?;
@@ -388,12 +374,8 @@ impl PolicyTable {
 }
 
 /// Checks the resolution of the states. Returns the number of values.
-fn check_resolution(
-    record: &PolicyRecord,
-    grid: &TargetGrid,
-    state_grids: &[StateGridRecord],
-    num_states: usize,
-) -> Result<usize> {
+fn check_resolution(record: &PolicyRecord, grid: &TargetGrid, state_grids: &[StateGridRecord]) -> Result<usize> {
+    let num_states = record.num_states as usize;
     check_indices("adaptive", [record.adaptive as usize], if grid.is_space_time() { 1 } else { 2 })?;
     if record.adaptive == 0 {
         check_length("state grids", state_grids.len(), 0)?;
@@ -423,13 +405,7 @@ fn check_paths(paths: &[PathRecord]) -> Result<()> {
     for (at, p) in paths.iter().enumerate() {
         let who = Some(Id::first(at));
         check_numbers("path points", who, p.points.as_flattened(), |v| v.abs() < 1e6, "below 1e6")?;
-        check_value(
-            "path duration",
-            who,
-            p.duration_s,
-            p.duration_s > 1e-6 && p.duration_s < 1e6,
-            "between 1e-6 and 1e6",
-        )?;
+        check_numbers("path duration", who, &[p.duration_s], |v| v > 1e-6 && v < 1e6, "between 1e-6 and 1e6")?;
     }
     Ok(())
 }

@@ -176,10 +176,8 @@ impl PathReservations {
             self.grid.visit_intersecting(&bounds(own.nodes), |at| {
                 if at != who && self.are_together(who, at) {
                     let other = self.path(at);
-                    apart = !own.meets_path(
-                        &TimedPath { elapsed_s: other.elapsed_s - ago_s, ..other },
-                        -self.group_depth_m - slack_m,
-                    );
+                    let other = TimedPath { elapsed_s: other.elapsed_s - ago_s, ..other };
+                    apart = !own.meets_path(&other, -self.group_depth_m - slack_m);
                 }
                 apart
             });

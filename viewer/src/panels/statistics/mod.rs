@@ -169,7 +169,7 @@ fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
     section(ui, "Memory of the tables", |ui| {
         let all = tables.num_bytes().max(1);
         Grid::new("memory").num_columns(3).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
-            for &(tag, len) in tables.section_sizes() {
+            for (tag, len) in tables.section_sizes() {
                 ui.label(section_name(&tag.to_string())).on_hover_text(format!("section {tag}"));
                 ui.monospace(format!("{:>10}", bytes(len)));
                 ui.monospace(format!("{:>5.1} %", 100.0 * len as f64 / all as f64));

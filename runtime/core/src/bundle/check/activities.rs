@@ -1,20 +1,18 @@
 //! Checks of activities: distinct names, frames within their clips, looped parts within the frames.
 
 use super::super::Bundle;
+use super::check_unique;
 use crate::format::{ActivityMeta, FormatError};
+use throng_base::error::ensure;
 
 /// Every activity.
 pub fn activities(t: &Bundle) -> Result<(), FormatError> {
     let all = &t.meta().activities;
-    let mut names: Vec<&str> = all.iter().map(|a| a.name.as_str()).collect();
-    names.sort_unstable();
-    if let Some(pair) = names.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(FormatError::layout(format!("META has two activities `{}`", pair[0])));
-    }
-    match all.iter().find(|a| !is_sound(a, t)) {
-        Some(a) => Err(FormatError::layout(format!("activity `{}` does not lie in its clip: {a:?}", a.name))),
-        None => Ok(()),
-    }
+    check_unique(all.iter().map(|a| &a.name), "META has two activities")?;
+    all.iter().try_for_each(|a| {
+        let fault = || format!("activity `{}` does not lie in its clip: {a:?}", a.name);
+        ensure(is_sound(a, t), || FormatError::layout(fault()))
+    })
 }
 
 fn is_sound(a: &ActivityMeta, t: &Bundle) -> bool {

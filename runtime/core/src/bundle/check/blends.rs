@@ -1,12 +1,14 @@
 //! Blend spaces: ranges tile their sections, numbers are moderate, references are unit, rates positive.
 
 use super::super::{Bundle, tags};
-use super::LONGEST_BONE;
+use super::{LONGEST_BONE, check_unique, check_used, refuse};
 use crate::blend::{
     BlendRecord, BlendSpace, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, NUM_CHANNELS, PADDED_JOINTS,
     ReferenceRow, axis, channel,
 };
 use crate::format::FormatError;
+use crate::skeleton::NUM_JOINTS;
+use throng_base::error::ensure;
 
 /// Numbers of examples and channels stay below this.
 const FAR: f32 = 1e4;
@@ -29,30 +31,20 @@ pub fn blends(t: &Bundle) -> Result<(), FormatError> {
     let mut next = [0u64; 4];
     let lengths = [all.examples.len(), all.weights.len(), all.references.len(), all.channels.len()];
     for (i, b) in all.spaces.iter().enumerate() {
-        let wrong = |what: &str| Err(FormatError::value(tags::BLENDS, i, format!("{what}: {b:?}")));
-        let Some(knots) = knots(b) else {
-            return wrong(&format!("its axes cannot be, or are narrower than {NARROWEST}"));
-        };
-        let n = u64::from(b.num_examples);
+        let error = |fault: &str| FormatError::value(tags::BLENDS, i, format!("{fault}: {b:?}"));
+        let axes = || error(&format!("its axes cannot be, or are narrower than {NARROWEST}"));
+        let knots = knots(b).ok_or_else(axes)?;
+        let (n, phases) = (u64::from(b.num_examples), u64::from(b.num_phases));
         let stride = n.next_multiple_of(8);
-        if n == 0
-            || u64::from(b.weight_stride) != stride
-            || !(2..=MOST_PHASES).contains(&b.num_phases)
-            || b.extrapolate > 1
-        {
-            let what = format!("it has no examples, not 2 to {MOST_PHASES} phases, or its rows have another length");
-            return wrong(&what);
-        }
-        if !(b.max_weight_error >= 0.0 && b.max_weight_error < MAX_WEIGHT) {
-            return wrong("its error cannot be");
-        }
-        let phases = u64::from(b.num_phases);
+        let fits = n > 0 && u64::from(b.weight_stride) == stride && b.extrapolate <= 1;
+        let fault = || format!("it has no examples, not 2 to {MOST_PHASES} phases, or its rows have another length");
+        ensure(fits && (2..=MOST_PHASES).contains(&b.num_phases), || error(&fault()))?;
+        ensure((0.0..MAX_WEIGHT).contains(&b.max_weight_error), || error("its error cannot be"))?;
         let starts = [b.first_example, b.first_weight, b.first_row, b.first_channel_row];
         let sizes = [n, knots.saturating_mul(stride), phases, phases.saturating_mul(n)];
         for (((next, start), size), len) in next.iter_mut().zip(starts).zip(sizes).zip(lengths) {
-            if u64::from(start) != *next || next.saturating_add(size) > len as u64 {
-                return wrong("its examples or rows do not follow those of the space before it");
-            }
+            let follows = u64::from(start) == *next && next.saturating_add(size) <= len as u64;
+            ensure(follows, || error("its examples or rows do not follow those of the space before it"))?;
             *next += size;
         }
         let part = |k: usize| (next[k] - sizes[k]) as usize..next[k] as usize;
@@ -62,9 +54,8 @@ pub fn blends(t: &Bundle) -> Result<(), FormatError> {
         channels(b, &all.channels[part(3)])?;
     }
     let tags = [tags::BLEND_EXAMPLES, tags::BLEND_WEIGHTS, tags::BLEND_REFERENCES, tags::BLEND_CHANNELS];
-    if let Some(((tag, used), len)) = tags.iter().zip(next).zip(lengths).find(|((_, used), len)| *used != *len as u64) {
-        return Err(FormatError::layout(format!("section {tag} has {len} elements, its blend spaces need {used}")));
-    }
+    let mut sections = tags.into_iter().zip(lengths).zip(next);
+    sections.try_for_each(|((tag, len), used)| check_used(tag, len, used, "blend spaces"))?;
     names(t)?;
     (0..all.spaces.len()).try_for_each(|i| BlendSpace::new(all, i).map(drop))
 }
@@ -82,50 +73,34 @@ fn knots(b: &BlendRecord) -> Option<u64> {
 /// Every space has a name of its own, and names for its axes and examples.
 fn names(t: &Bundle) -> Result<(), FormatError> {
     let (names, records) = (&t.meta().blends, &t.blends().spaces);
-    if names.len() != records.len() {
-        let (names, records) = (names.len(), records.len());
-        return Err(FormatError::layout(format!("META names {names} blend spaces, there are {records}")));
-    }
+    let fault = || format!("META names {} blend spaces, there are {}", names.len(), records.len());
+    ensure(names.len() == records.len(), || FormatError::layout(fault()))?;
     for (name, b) in names.iter().zip(records) {
-        if name.axes.len() != b.num_axes as usize || name.examples.len() != b.num_examples as usize {
-            let message = format!("META names other axes or examples of blend space `{}` than there are", name.name);
-            return Err(FormatError::layout(message));
-        }
+        let fault = || format!("META names other axes or examples of blend space `{}` than there are", name.name);
+        let same = name.axes.len() == b.num_axes as usize && name.examples.len() == b.num_examples as usize;
+        ensure(same, || FormatError::layout(fault()))?;
     }
-    let mut sorted: Vec<&str> = names.iter().map(|b| b.name.as_str()).collect();
-    sorted.sort_unstable();
-    match sorted.windows(2).find(|p| p[0] == p[1]) {
-        Some(pair) => Err(FormatError::layout(format!("META names two blend spaces `{}`", pair[0]))),
-        None => Ok(()),
-    }
+    check_unique(names.iter().map(|b| &b.name), "META names two blend spaces")
 }
 
 /// Examples lie in their clips, and their numbers are moderate.
 fn examples(t: &Bundle, b: &BlendRecord, examples: &[ExampleRecord]) -> Result<(), FormatError> {
     for (i, e) in examples.iter().enumerate() {
-        let wrong = |what: &str| {
-            let index = b.first_example as usize + i;
-            Err(FormatError::value(tags::BLEND_EXAMPLES, index, format!("{what}: {e:?}")))
-        };
-        let moving = [e.velocity[0], e.velocity[1], e.gyration];
-        let moderate = e.parameters.iter().chain(&moving).all(|v| v.abs() < FAR);
+        let index = b.first_example as usize + i;
+        let error = |fault: &str| FormatError::value(tags::BLEND_EXAMPLES, index, format!("{fault}: {e:?}"));
+        let moderate = e.parameters.iter().chain(&e.velocity).chain([&e.gyration]).all(|v| v.abs() < FAR);
         let unused = e.parameters[(b.num_axes as usize).min(MAX_AXES)..].iter().all(|p| *p == 0.0);
-        if !(moderate && unused && e.duration_s > 0.0 && e.duration_s < FAR) {
-            return wrong("it holds a number that cannot be");
-        }
+        let good = moderate && unused && e.duration_s > 0.0 && e.duration_s < FAR;
+        ensure(good, || error("it holds a number that cannot be"))?;
         let known = ExampleRecord::IS_STILL | ExampleRecord::IS_MIRRORED;
-        let still = e.flags & ExampleRecord::IS_STILL != 0;
+        let moves = e.flags & ExampleRecord::IS_STILL == 0;
         let within = e.keytimes.iter().all(|k| (0.0..1.0).contains(k));
-        if e.flags & !known != 0 || e.reserved != 0 || !within || still && e.keytimes != [0.0; 3] {
-            return wrong("its flags or keytimes cannot be");
-        }
-        let Some(clip) = t.clips().get(e.clip as usize) else {
-            return wrong("no such clip");
-        };
+        let good = e.flags & !known == 0 && e.reserved == 0 && within && (moves || e.keytimes == [0.0; 3]);
+        ensure(good, || error("its flags or keytimes cannot be"))?;
+        let clip = t.clips().get(e.clip as usize).ok_or_else(|| error("no such clip"))?;
         let end = u64::from(e.first_frame) + u64::from(e.num_frames);
-        if e.num_frames == 0 || end > u64::from(clip.num_frames) + FRAME {
-            return wrong("it leaves its clip");
-        }
+        let within = e.num_frames > 0 && end <= u64::from(clip.num_frames) + FRAME;
+        ensure(within, || error("it leaves its clip"))?;
     }
     Ok(())
 }
@@ -136,11 +111,10 @@ fn weights(b: &BlendRecord, weights: &[f32]) -> Result<(), FormatError> {
     for (row, w) in weights.chunks_exact(stride).enumerate() {
         let moderate = w.iter().all(|w| w.abs() < MAX_WEIGHT) && w[n..].iter().all(|w| *w == 0.0);
         let scale = w.iter().fold(1.0f32, |s, w| s.max(w.abs()));
-        if !moderate || (w.iter().sum::<f32>() - 1.0).abs() > SUM_TOLERANCE * scale {
-            let index = b.first_weight as usize + row * stride;
-            let message = format!("this row's weights do not sum to 1, or one is not below {MAX_WEIGHT}");
-            return Err(FormatError::value(tags::BLEND_WEIGHTS, index, message));
-        }
+        let good = moderate && (w.iter().sum::<f32>() - 1.0).abs() <= SUM_TOLERANCE * scale;
+        let fault = || format!("this row's weights do not sum to 1, or one is not below {MAX_WEIGHT}");
+        let index = b.first_weight as usize + row * stride;
+        ensure(good, || FormatError::value(tags::BLEND_WEIGHTS, index, fault()))?;
     }
     Ok(())
 }
@@ -150,20 +124,14 @@ fn references(b: &BlendRecord, rows: &[ReferenceRow]) -> Result<(), FormatError>
     let of = |row: &ReferenceRow, j: usize| row.components.map(|c| c[j]);
     let dot = |p: [f32; 4], q: [f32; 4]| (0..4).map(|k| p[k] * q[k]).sum::<f32>();
     for (i, row) in rows.iter().enumerate() {
-        let wrong = |what: &str| {
-            let index = b.first_row as usize + i;
-            Err(FormatError::value(tags::BLEND_REFERENCES, index, what.to_owned()))
-        };
+        let error = |fault| FormatError::value(tags::BLEND_REFERENCES, b.first_row as usize + i, fault);
         let next = &rows[(i + 1) % rows.len()];
         for j in 0..PADDED_JOINTS {
             let q = of(row, j);
-            let unit = (dot(q, q) - 1.0).abs() < 1e-3;
-            if !unit || j >= crate::skeleton::NUM_JOINTS && q != [0.0, 0.0, 0.0, 1.0] {
-                return wrong("it holds a rotation that is not unit, or one of no joint");
-            }
-            if dot(q, of(next, j)).partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
-                return wrong("its rotations do not continue in the next");
-            }
+            let is_joint = j < NUM_JOINTS || q == [0.0, 0.0, 0.0, 1.0];
+            let good = (dot(q, q) - 1.0).abs() < 1e-3 && is_joint;
+            ensure(good, || error("it holds a rotation that is not unit, or one of no joint"))?;
+            ensure(dot(q, of(next, j)) > 0.0, || error("its rotations do not continue in the next"))?;
         }
     }
     Ok(())
@@ -171,21 +139,18 @@ fn references(b: &BlendRecord, rows: &[ReferenceRow]) -> Result<(), FormatError>
 
 /// Channels are moderate, rates positive, contacts shares; what belongs to no joint or channel is zero.
 fn channels(b: &BlendRecord, rows: &[ChannelRow]) -> Result<(), FormatError> {
-    let joints = crate::skeleton::NUM_JOINTS;
-    for (i, row) in rows.iter().enumerate() {
+    let is_good = |row: &ChannelRow| {
         let v = &row.values;
         let moderate = v.iter().all(|v| v.abs() < FAR);
         let turns = v[..channel::HIPS].iter().all(|v| v.abs() < FARTHEST_TURN);
         let places = v[channel::HIPS..channel::RATE].iter().all(|v| v.abs() < FARTHEST_JOINT);
-        let log = channel::LOG.iter().all(|&at| v[at + joints..at + PADDED_JOINTS].iter().all(|v| *v == 0.0));
+        let log = channel::LOG.iter().all(|&at| v[at + NUM_JOINTS..at + PADDED_JOINTS].iter().all(|v| *v == 0.0));
         let end = v[channel::GYRATION + 1..NUM_CHANNELS].iter().all(|v| *v == 0.0);
         let shares = v[channel::LEFT_CONTACT..channel::VELOCITY].iter().all(|v| (0.0..=1.0).contains(v));
-        if !(moderate && turns && places && log && end && shares && v[channel::RATE] > 0.0) {
-            let index = b.first_channel_row as usize + i;
-            return Err(FormatError::value(tags::BLEND_CHANNELS, index, "it holds a number that cannot be"));
-        }
-    }
-    Ok(())
+        moderate && turns && places && log && end && shares && v[channel::RATE] > 0.0
+    };
+    let bad = rows.iter().position(|row| !is_good(row)).map(|i| b.first_channel_row as usize + i);
+    refuse(tags::BLEND_CHANNELS, bad, "it holds a number that cannot be")
 }
 
 #[cfg(test)]

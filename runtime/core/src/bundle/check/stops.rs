@@ -1,9 +1,10 @@
 //! Stop tables lead to a stand.
 
-use super::{ASTRAY, LEAP, is_near, root_seen_from};
+use super::{ASTRAY, LEAP, is_near, refuse, root_seen_from};
 use crate::bundle::{Bundle, tags};
 use crate::format::FormatError;
 use crate::stops::{BODY_RADIUS_M, PIECE_FRAMES, REST, SLOW_DOWN, SweepNode, WALK_ON};
+use throng_base::error::ensure;
 use throng_base::maths;
 
 /// Most nodes of a segment, with those that bending adds, and of all segments on the way to a stand: characters that make way
@@ -17,57 +18,41 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
         (tags::SWEEPS, s.sweeps.len(), g.segments.len(), "segments"),
         (tags::STOPS, s.stops.len(), g.states.len(), "states"),
     ] {
-        if got != expected {
-            return Err(FormatError::layout(format!("section {tag} has {got} elements for {expected} {what}")));
-        }
+        let fault = || format!("section {tag} has {got} elements for {expected} {what}");
+        ensure(got == expected, || FormatError::layout(fault()))?;
     }
     let mut next = 0u64;
     for (i, sweep) in s.sweeps.iter().enumerate() {
-        let wrong = |what: &str| Err(FormatError::value(tags::SWEEPS, i, format!("{what}: {sweep:?}")));
+        let error = |fault: &str| FormatError::value(tags::SWEEPS, i, format!("{fault}: {sweep:?}"));
         let end = next + u64::from(sweep.num_nodes);
-        if u64::from(sweep.first_node) != next || sweep.num_nodes < 2 || end > s.nodes.len() as u64 {
-            return wrong("its nodes do not follow those before");
-        }
-        if !(0.01..100.0).contains(&sweep.radius) {
-            return wrong("its radius cannot be");
-        }
-        let nodes = s.nodes_of(i as u32);
-        if nodes[0].frame != 0 || nodes[nodes.len() - 1].frame != g.segments[i].num_frames {
-            return wrong("its nodes do not reach from its first frame to its last");
-        }
-        if !nodes.is_sorted_by(|a, b| a.frame < b.frame) {
-            return wrong("its nodes do not ascend");
-        }
-        let most = nodes.len() as u64 + u64::from(g.segments[i].num_frames / PIECE_FRAMES);
-        if most > MOST_NODES {
-            return wrong(&format!(
-                "its path may have {most} nodes, expected up to {MOST_NODES}: no action may take that long"
-            ));
-        }
-        if nodes.windows(2).any(|w| !((w[0].x - w[1].x).abs() <= LEAP && (w[0].z - w[1].z).abs() <= LEAP)) {
-            return wrong("it leaps");
-        }
-        let start = g.segments[i].start;
-        if !nodes.iter().all(|n| is_near(root_seen_from(t, start, start + n.frame), n.x, n.z)) {
-            return wrong("it does not go where its frames go");
-        }
+        let follows = u64::from(sweep.first_node) == next && sweep.num_nodes >= 2 && end <= s.nodes.len() as u64;
+        ensure(follows, || error("its nodes do not follow those before"))?;
+        ensure((0.01..100.0).contains(&sweep.radius), || error("its radius cannot be"))?;
+        let (nodes, segment) = (s.nodes_of(i as u32), &g.segments[i]);
+        let whole = nodes[0].frame == 0 && nodes[nodes.len() - 1].frame == segment.num_frames;
+        ensure(whole, || error("its nodes do not reach from its first frame to its last"))?;
+        ensure(nodes.is_sorted_by(|a, b| a.frame < b.frame), || error("its nodes do not ascend"))?;
+        let most = nodes.len() as u64 + u64::from(segment.num_frames / PIECE_FRAMES);
+        let fault =
+            || format!("its path may have {most} nodes, expected up to {MOST_NODES}: no action may take that long");
+        ensure(most <= MOST_NODES, || error(&fault()))?;
+        let is_step = |w: &[SweepNode]| (w[0].x - w[1].x).abs() <= LEAP && (w[0].z - w[1].z).abs() <= LEAP;
+        ensure(nodes.windows(2).all(is_step), || error("it leaps"))?;
+        let is_at = |n: &SweepNode| is_near(root_seen_from(t, segment.start, segment.start + n.frame), n.x, n.z);
+        ensure(nodes.iter().all(is_at), || error("it does not go where its frames go"))?;
         next = end;
     }
-    if next != s.nodes.len() as u64 {
-        let got = s.nodes.len();
-        return Err(FormatError::layout(format!("section {} has {got} elements, expected {next}", tags::SWEEP_NODES)));
-    }
-    if let Some(i) = s.nodes.iter().position(|n| !(n.x.abs() < 1e6 && n.z.abs() < 1e6)) {
-        return Err(FormatError::value(tags::SWEEP_NODES, i, "it holds a number that cannot be"));
-    }
+    let got = s.nodes.len();
+    let fault = || format!("section {} has {got} elements, expected {next}", tags::SWEEP_NODES);
+    ensure(next == got as u64, || FormatError::layout(fault()))?;
+    let far = s.nodes.iter().position(|n| !(n.x.abs() < 1e6 && n.z.abs() < 1e6));
+    refuse(tags::SWEEP_NODES, far, "it holds a number that cannot be")?;
     for (i, stop) in s.stops.iter().enumerate() {
-        let wrong = |what: &str| Err(FormatError::value(tags::STOPS, i, format!("{what}: {stop:?}")));
-        if !g.segments_of(i as u32).contains(&stop.segment) {
-            return wrong("its segment is no action of the state");
-        }
-        if !(0.01..100.0).contains(&stop.radius) || !(0.01..=stop.radius).contains(&stop.pose_radius) {
-            return wrong("its radius cannot be");
-        }
+        let error = |fault: &str| FormatError::value(tags::STOPS, i, format!("{fault}: {stop:?}"));
+        let is_action = g.segments_of(i as u32).contains(&stop.segment);
+        ensure(is_action, || error("its segment is no action of the state"))?;
+        let round = (0.01..100.0).contains(&stop.radius) && (0.01..=stop.radius).contains(&stop.pose_radius);
+        ensure(round, || error("its radius cannot be"))?;
         let segment = &g.segments[stop.segment as usize];
         let after = &s.stops[segment.end as usize];
         let reach = stop.radius.min(s.sweeps[stop.segment as usize].radius) - BODY_RADIUS_M;
@@ -76,16 +61,13 @@ pub fn stops(t: &Bundle) -> Result<(), FormatError> {
             // The time grows with every segment, so that the chain has an end.
             WALK_ON => after.frames.checked_add(segment.num_frames) == Some(stop.frames),
             SLOW_DOWN => segment.num_frames.checked_mul(2) == Some(stop.frames),
-            _ => return wrong("no such kind"),
+            _ => return Err(error("no such kind")),
         };
-        if !is_good {
-            return wrong("it does not lead to a stand in its time");
-        }
+        ensure(is_good, || error("it does not lead to a stand in its time"))?;
     }
-    match s.most_nodes(&g.segments) {
-        n if n <= MOST_NODES as usize => Ok(()),
-        n => Err(FormatError::layout(format!("a way to a stand has {n} nodes, expected up to {MOST_NODES}"))),
-    }
+    let n = s.most_nodes(&g.segments);
+    let fault = || format!("a way to a stand has {n} nodes, expected up to {MOST_NODES}");
+    ensure(n <= MOST_NODES as usize, || FormatError::layout(fault()))
 }
 
 /// True if a character at rest stays within its disc: any displacement is taken back evenly.

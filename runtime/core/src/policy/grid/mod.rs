@@ -75,7 +75,7 @@ pub struct TargetGrid {
     heights_per_metre: f32,
     inverse_falloff: f32,
     /// Number of angles, index of the last ring, and indices of the last intervals, as floats.
-    angles: f32,
+    pub(in crate::policy) angles: f32,
     last_ring: f32,
     last_intervals: [f32; 2],
     /// Square of the ring spacing, and four times the growth.
@@ -105,14 +105,12 @@ impl TargetGrid {
             num_rings,
             num_angles,
             num_heights: 1,
-            ring_start: 0.0,
             ring_spacing: spacing,
             ring_growth: growth,
-            angle_start: 0.0,
             angle_spacing: TAU / num_angles.max(1) as f32,
-            height_start: 0.0,
             height_spacing: 1.0,
             falloff,
+            ..GridRecord::default()
         })
     }
 
@@ -331,40 +329,29 @@ fn goes_around(kind: u32) -> bool {
 
 /// Checks the lengths and angles of a record whose counts are in range.
 fn check_lengths(r: &GridRecord) -> Result<()> {
-    let bad = |what, got, expected| check_value(what, None, got, false, expected);
-    let positive = |v: f32| v > 1e-6 && v < 1e6;
     for (what, v) in [
         ("grid ring_spacing", r.ring_spacing),
         ("grid angle_spacing", r.angle_spacing),
         ("grid height_spacing", r.height_spacing),
         ("grid falloff", r.falloff),
     ] {
-        if !positive(v) {
-            return bad(what, v, "between 1e-6 and 1e6");
-        }
+        check_value(what, None, v, v > 1e-6 && v < 1e6, "between 1e-6 and 1e6")?;
     }
     for (what, v) in [("grid ring_start", r.ring_start), ("grid ring_growth", r.ring_growth)] {
-        if !(0.0..1e6).contains(&v) {
-            return bad(what, v, "between 0 and 1e6");
-        }
+        check_value(what, None, v, (0.0..1e6).contains(&v), "between 0 and 1e6")?;
     }
-    if r.height_start.is_nan() || r.height_start.abs() > 1e6 {
-        return bad("grid height_start", r.height_start, "between -1e6 and 1e6");
+    check_value("grid height_start", None, r.height_start, r.height_start.abs() <= 1e6, "between -1e6 and 1e6")?;
+    let (start, spacing) = (r.angle_start, r.angle_spacing);
+    if !goes_around(r.kind) {
+        let good = start.abs() <= PI && spacing * ((r.num_angles - 1) as f32) < TAU;
+        return check_value("grid angle_start", None, start, good, "in [-pi, pi], with less than a full turn covered");
     }
-    let span = r.angle_spacing * (r.num_angles - 1) as f32;
-    if goes_around(r.kind) {
-        if (r.angle_spacing * r.num_angles as f32 - TAU).abs() > 1e-4 {
-            return bad("grid angle_spacing", r.angle_spacing, "2 pi / num_angles");
-        }
-        let heights = if r.kind == KIND_POLAR { r.num_heights == 1 } else { r.num_heights > 1 };
-        if r.angle_start != 0.0 || !heights || r.height_start != 0.0 {
-            let expected = "0, with one height, or several times from 0, as a grid over the full circle has";
-            return bad("grid angle_start", r.angle_start, expected);
-        }
-    } else if !(-TAU..TAU).contains(&r.angle_start) || r.angle_start.abs() > PI || span >= TAU {
-        return bad("grid angle_start", r.angle_start, "in [-pi, pi], with less than a full turn covered");
-    }
-    Ok(())
+    let is_whole = (spacing * r.num_angles as f32 - TAU).abs() <= 1e-4;
+    check_value("grid angle_spacing", None, spacing, is_whole, "2 pi / num_angles")?;
+    let heights = if r.kind == KIND_POLAR { r.num_heights == 1 } else { r.num_heights > 1 };
+    let good = start == 0.0 && heights && r.height_start == 0.0;
+    let expected = "0, with one height, or several times from 0, as a grid over the full circle has";
+    check_value("grid angle_start", None, start, good, expected)
 }
 
 #[cfg(test)]

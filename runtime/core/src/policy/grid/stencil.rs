@@ -115,8 +115,8 @@ impl TargetGrid {
         } else {
             let half = 0.5 * (self.angles - 1.0);
             let (pi, turn) = (F::splat(PI), F::splat(TAU));
-            let from_middle =
-                F::select_lt(x, zero, -from_ahead, from_ahead) - F::splat(r.angle_start + half * r.angle_spacing);
+            let middle = F::splat(r.angle_start + half * r.angle_spacing);
+            let from_middle = F::select_lt(x, zero, -from_ahead, from_ahead) - middle;
             let wrapped = F::select_lt(pi, from_middle, from_middle - turn, from_middle);
             let wrapped = F::select_lt(wrapped, -pi, wrapped + turn, wrapped);
             let number = wrapped * F::splat(self.angles_per_radian) + F::splat(half);
@@ -149,12 +149,6 @@ impl TargetGrid {
         let d = (distance - F::splat(r.ring_start)).max(F::splat(0.0));
         let under_root = F::splat(self.ring_root[0]) + F::splat(self.ring_root[1]) * d;
         (d + d) / (F::splat(r.ring_spacing) + under_root.sqrt())
-    }
-
-    /// Cells per ring, as a float.
-    #[inline(always)]
-    pub(in crate::policy) fn angles_per_ring(&self) -> f32 {
-        self.angles
     }
 
     /// Ring coordinate at a distance, with fraction; 0 within the first ring, not clamped outwards.
