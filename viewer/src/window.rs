@@ -24,7 +24,10 @@ const WAY_OUT: &str = "`throng-viewer FILE --png OUT` draws a picture without on
 /// # Errors
 /// A message that says why there is no window, and the way out.
 pub fn run(args: &Args) -> Result<(), String> {
-    if needs_display() && !["DISPLAY", "WAYLAND_DISPLAY"].iter().any(has_value) {
+    // There windows need a display server, which the environment names.
+    let needs_display = cfg!(all(unix, not(target_os = "macos")));
+    let has_value = |variable| std::env::var_os(variable).is_some_and(|v| !v.is_empty());
+    if needs_display && !["DISPLAY", "WAYLAND_DISPLAY"].into_iter().any(has_value) {
         return Err(format!("there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {WAY_OUT}"));
     }
     if let Some(file) = args.file.as_ref().filter(|f| !f.is_dir()) {
@@ -45,15 +48,6 @@ pub fn run(args: &Args) -> Result<(), String> {
         Err(panic) if is_open.load(Ordering::Relaxed) => resume_unwind(panic),
         Err(_) => Err(format!("the window cannot be opened on this system; {WAY_OUT}")),
     }
-}
-
-/// True where windows need a display server that the environment names.
-fn needs_display() -> bool {
-    cfg!(all(unix, not(target_os = "macos")))
-}
-
-fn has_value(variable: &&str) -> bool {
-    std::env::var_os(variable).is_some_and(|v| !v.is_empty())
 }
 
 fn options(size: Option<PictureSize>) -> eframe::NativeOptions {
@@ -93,9 +87,7 @@ impl ViewerWindow {
     fn new(args: &Args, cc: &eframe::CreationContext<'_>) -> Result<Self, String> {
         let kept = cc.storage.and_then(|s| eframe::get_value::<ViewerSettings>(s, SETTINGS_KEY)).unwrap_or_default();
         let mut settings = args.settings(kept);
-        if let Some(scale) = args.scale {
-            settings.zoom = scale;
-        }
+        settings.zoom = args.scale.unwrap_or(settings.zoom);
         let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
         args.dress(&mut viewer.model)?;
         let made = args.file.as_ref().filter(|f| may_be_made(f));

@@ -25,8 +25,8 @@ impl RawMotion {
     /// # Errors
     /// A message that names the file and line or joint, and the way out.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let read = inspect::inspect_clip(path, &BuildConfig::default()).map_err(|e| e.to_string())?;
-        let InspectedClip { imported, clips, report } = read;
+        let InspectedClip { imported, clips, report } =
+            inspect::inspect_clip(path, &BuildConfig::default()).map_err(|e| e.to_string())?;
         Ok(Self { path: path.to_path_buf(), imported, clips, report })
     }
 

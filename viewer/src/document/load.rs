@@ -9,7 +9,8 @@ use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
 use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion};
-use throng_precompute::{import, verdict};
+use throng_precompute::stitch::WorldSource;
+use throng_precompute::{import, plans, verdict};
 
 /// Extension of a file, in lower case.
 fn extension(path: &Path) -> String {
@@ -46,8 +47,8 @@ impl OpenDocument {
         };
         Ok(match &*extension(path) {
             _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
-            "toml" if WorldDocument::is_world_file(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
-            "toml" if TaskDocument::is_task_file(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
+            "toml" if WorldSource::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
+            "toml" if plans::is_task(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
             "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
             _ => Self::Bundle(Box::new(BundleDocument::without_run(OpenBundle::open(path)?))),
         })

@@ -19,9 +19,7 @@ pub fn mesh_of<'a>(obstacles: impl IntoIterator<Item = (&'a Obstacle, f32)>, in_
         match obstacle {
             Obstacle::Ball { centre, radius } if in_the_air => mesh.add_bar(*centre, *centre, *radius),
             Obstacle::Ball { centre, radius } => prism(&mut mesh, &round(*centre, *radius), height),
-            Obstacle::Wall { from, to, radius } if in_the_air => {
-                mesh.add_bar(*from, *to, radius.max(THIN_M));
-            }
+            Obstacle::Wall { from, to, radius } if in_the_air => mesh.add_bar(*from, *to, radius.max(THIN_M)),
             Obstacle::Wall { from, to, radius } => wall(&mut mesh, [*from, *to], radius.max(THIN_M), height),
             Obstacle::Polygon { corners } => prism(&mut mesh, corners, height),
             Obstacle::Box { min: low, max: high } if !in_the_air => {

@@ -8,6 +8,7 @@ use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{PolicyChooser, SceneRun};
 use glam::{Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
@@ -212,16 +213,13 @@ impl SceneDocument {
 
     /// Bundles, worlds and world files of the scene that exist, each once.
     pub fn more_files(&self) -> Vec<PathBuf> {
-        let mut files = Vec::new();
-        for (g, group) in self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None) {
+        let groups = self.scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None);
+        let files = groups.flat_map(|(g, group)| {
             let (world, source) = self.scene.world_of(g);
-            let of_world = [world, source].into_iter().filter(|_| group.motion == GroupMotion::Patches);
-            files.extend(of_world.chain([self.scene.bundle_of(g).0]).flatten().map(Path::to_path_buf));
-        }
-        files.retain(|f| f.exists());
-        files.sort();
-        files.dedup();
-        files
+            let of_world = [world, source].into_iter().filter(move |_| group.motion == GroupMotion::Patches);
+            of_world.chain([self.scene.bundle_of(g).0]).flatten().filter(|f| f.exists()).map(Path::to_path_buf)
+        });
+        files.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// The characters and their record.
@@ -349,10 +347,8 @@ fn scene_with_choice(scene: &Scene, choice: SceneChoice) -> Result<Scene, String
     if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
         return Err(format!("expected 1 to {MAX_SCENE_CHARACTERS} characters, found {}", choice.characters));
     }
-    let mut scene = match choice.characters == scene.num_characters() {
-        true => scene.clone(),
-        false => scene.resized(choice.characters),
-    };
+    let is_as_large = choice.characters == scene.num_characters();
+    let mut scene = if is_as_large { scene.clone() } else { scene.resized(choice.characters) };
     (scene.seed, scene.agents.engine) = (choice.seed, choice.engine);
     scene.check().map_err(|e| e.to_string())?;
     Ok(scene)
@@ -397,26 +393,23 @@ fn build_surroundings(compiled: &CompiledScene, run: &SceneRun) -> Result<SceneS
     let heights = compiled.scene().environment.heights_m().chain(std::iter::repeat(DOOR_M));
     let mut meshes = vec![mesh_of(out.obstacles.iter().zip(heights), out.in_the_air)];
     meshes.extend(hills);
-    let mut seen: Vec<&Path> = Vec::new();
+    let mut seen: BTreeSet<&Path> = BTreeSet::new();
     for g in 0..compiled.scene().groups.len() {
         let (Some(world), (Some(bundle_path), _)) = (compiled.world(g), compiled.scene().bundle_of(g)) else {
             continue;
         };
-        if seen.contains(&world.path.as_path()) {
+        if !seen.insert(&world.path) {
             continue;
         }
-        seen.push(&world.path);
         let bundle = compiled.bundle(g).map_err(|e| e.to_string())?;
         let kit = StitchKit::new(bundle, bundle_path).map_err(|e| e.to_string())?;
         let first = meshes.len() as u32;
         meshes.extend(kit.geometries.iter().map(|g| unit_mesh(g)));
         for u in world.world.view().units.iter() {
             let Some(unit) = kit.units.units.get(u.unit as usize) else {
-                let (name, most) = (world.path.display(), kit.units.units.len());
-                return Err(format!(
-                    "{name}: it has unit number {}, but {most} unit(s) are known. Stitch it again with `throng stitch`",
-                    u.unit
-                ));
+                let (name, number, most) = (world.path.display(), u.unit, kit.units.units.len());
+                let what = format!("{name}: it has unit number {number}, but {most} unit(s) are known");
+                return Err(format!("{what}. Stitch it again with `throng stitch`"));
             };
             let (mesh, name) = (first + u.unit, unit.name.clone());
             out.units.push(SceneUnit { mesh, name, is_floor: unit.floor, placement: u.placement });

@@ -71,7 +71,15 @@ impl Model {
         self.generation += 1;
         let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
-            OpenDocument::Bundle(b) => self.with_run(b.bundle, is_reload),
+            OpenDocument::Bundle(b) => {
+                if !is_reload {
+                    // The weights belong to another bundle's behaviours.
+                    self.weights.clear();
+                }
+                let run = CrowdRun::new(&b.bundle, self.settings.run, &self.weights);
+                let blend = self.walk_in(&b.bundle, is_reload);
+                OpenDocument::Bundle(Box::new(BundleDocument { bundle: b.bundle, run, blend }))
+            }
             other => other,
         };
         if let Some(head) = self.document.head_mut() {
@@ -82,10 +90,8 @@ impl Model {
         let policies = self.document.bundle().map_or(0, |b| b.tables().policies().len());
         if !is_reload {
             self.selection = Selection::default();
-            self.player = ClipPlayer {
-                playing: matches!(self.document, OpenDocument::Clip(_) | OpenDocument::Task(_)),
-                ..ClipPlayer::default()
-            };
+            let playing = matches!(self.document, OpenDocument::Clip(_) | OpenDocument::Task(_));
+            self.player = ClipPlayer { playing, ..ClipPlayer::default() };
             self.stage = ViewStage::Crowd;
             self.views.clear();
             self.change_side_panel();
@@ -107,26 +113,10 @@ impl Model {
         self.adopt_plan(self.is_unhurried);
     }
 
-    /// A bundle with a crowd.
-    fn with_run(&mut self, bundle: OpenBundle, is_reload: bool) -> OpenDocument {
-        if !is_reload {
-            // The weights belong to another bundle's behaviours.
-            self.weights.clear();
-        }
-        let run = CrowdRun::new(&bundle, self.settings.run, &self.weights);
-        let blend = self.walk_in(&bundle, is_reload);
-        OpenDocument::Bundle(Box::new(BundleDocument { bundle, run, blend }))
-    }
-
     /// A character walking in a blend space of a bundle; after a reload, as before.
     fn walk_in(&mut self, bundle: &OpenBundle, is_reload: bool) -> Option<BlendRun> {
-        let mut run = match BlendRun::new(bundle)? {
-            Ok(run) => run,
-            Err(why) => {
-                self.complain(format!("Its blend spaces cannot be shown: {why}"));
-                return None;
-            }
-        };
+        let complain = |why: String| self.complain(format!("Its blend spaces cannot be shown: {why}"));
+        let mut run = BlendRun::new(bundle)?.map_err(complain).ok()?;
         run.reel.head.play(true);
         if let Some((_, old)) = self.document.blend().filter(|_| is_reload) {
             run.reel.head.play_like(&old.reel.head);
@@ -166,10 +156,9 @@ impl Model {
 
     /// Takes the present files of the shown document as known, so that only later changes count.
     pub(super) fn watch_anew(&mut self) {
-        if let Some(path) = self.document.path() {
-            self.watch =
-                Some(FileWatch::starting_at(FileStamp::combined(FileStamp::read(path), &self.document.more_files())));
-        }
+        let Some(path) = self.document.path() else { return };
+        let stamp = FileStamp::combined(FileStamp::read(path), &self.document.more_files());
+        self.watch = Some(FileWatch::starting_at(stamp));
     }
 
     pub(super) fn look_for_changes(&mut self, ctx: &egui::Context) {

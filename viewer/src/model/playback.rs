@@ -36,7 +36,7 @@ impl Model {
             OpenDocument::Bundle(b) => match (&mut b.blend, &mut b.run) {
                 (Some(blend), _) if shows_blend => blend.step(&b.bundle),
                 (_, Ok(run)) => {
-                    run.set_eye(Vec2::new(eye.x, eye.z));
+                    run.simulation.eye = Vec2::new(eye.x, eye.z);
                     run.step(&b.bundle)
                 }
                 _ => Ok(()),

@@ -20,20 +20,15 @@ impl Model {
 
     /// True where the 3-D view shows a character walking in a blend space.
     pub fn shows_blend(&self) -> bool {
-        match &self.document {
-            OpenDocument::Bundle(b) => b.blend.is_some() && (self.stage == ViewStage::Blend || self.has_no_crowd()),
-            _ => false,
-        }
+        // A blend is shown in place of a crowd that there is not.
+        let is_wanted =
+            self.stage == ViewStage::Blend || self.stage == ViewStage::Crowd && self.document.crowd().is_none();
+        is_wanted && self.document.blend().is_some()
     }
 
     /// The scene that the 3-D view shows.
     pub fn shown_scene(&self) -> Option<&SceneDocument> {
         self.document.scene().filter(|_| !self.shows_clip())
-    }
-
-    /// True if a crowd was requested and there is none.
-    fn has_no_crowd(&self) -> bool {
-        self.stage == ViewStage::Crowd && self.document.crowd().is_none()
     }
 
     /// Stage of the 3-D view, whichever was requested.

@@ -5,7 +5,7 @@ mod lag;
 use super::Model;
 use crate::command::{SteerCommand, SteerInput};
 use crate::document::OpenDocument;
-use crate::run::{Blending, RunInput, TargetMode};
+use crate::run::{RunInput, TargetMode};
 use glam::Vec3;
 pub use lag::Lags;
 use lag::Twin;
@@ -177,12 +177,10 @@ impl Model {
     fn blend_as(&mut self, held: SteerInput) {
         let Some((bundle, run)) = self.document.blend() else { return };
         let Ok(space) = bundle.blend(run.blending().space) else { return };
-        let mut wanted: Blending = *run.blending();
+        let (mut wanted, ahead) = (*run.blending(), if held.ahead < 0.0 { -1.0 } else { 1.0 });
         for (p, a) in wanted.point.iter_mut().zip(space.axes()) {
             let asked = match a.kind {
-                axis::SPEED if held.moves() => {
-                    BLEND_MPS[usize::from(held.runs)] * if held.ahead < 0.0 { -1.0 } else { 1.0 }
-                }
+                axis::SPEED if held.moves() => BLEND_MPS[usize::from(held.runs)] * ahead,
                 axis::SPEED | axis::SIDE => 0.0,
                 axis::GYRATION => -BLEND_TURN * held.aside,
                 _ => continue,

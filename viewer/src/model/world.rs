@@ -97,26 +97,15 @@ impl Model {
 pub fn snapped(unit: &UnitObject, others: impl Iterator<Item = Placement>, to: Placement) -> Placement {
     let far = |p: &Placement| p.translation().distance_squared(to.translation());
     let steps = unit.tile.as_ref().map_or(&[][..], |t| &t.steps);
-    if let Some(near) = others.min_by(|a, b| far(a).total_cmp(&far(b)))
-        && !steps.is_empty()
-    {
-        // The neighbours of the nearest one, as it stands.
-        let mut best = near;
-        let mut distance = f32::INFINITY;
-        let mut consider = |step: glam::Vec3| {
-            let there = near.compose(Placement::new(step.x, step.y, step.z, 0.0));
-            if far(&there) < distance {
-                (best, distance) = (there, far(&there));
-            }
-        };
-        for step in steps {
-            for side in [-1.0, 1.0] {
-                consider(side * glam::Vec3::from(*step));
-            }
-        }
-        if distance < SNAP_M * SNAP_M {
-            return Placement { heading: to.heading, ..best };
-        }
+    let nearest = others.min_by(|a, b| far(a).total_cmp(&far(b)));
+    // The neighbours of the nearest one, as it stands.
+    let beside = nearest.iter().flat_map(move |near| {
+        let both_ways = steps.iter().flat_map(|step| [-1.0, 1.0].map(|side| side * glam::Vec3::from(*step)));
+        both_ways.map(move |step| near.compose(Placement::new(step.x, step.y, step.z, 0.0)))
+    });
+    let best = beside.min_by(|a, b| far(a).total_cmp(&far(b)));
+    if let Some(best) = best.filter(|p| far(p) < SNAP_M * SNAP_M) {
+        return Placement { heading: to.heading, ..best };
     }
     let fine = |v: f32| (v / GRID_M).round() * GRID_M;
     Placement { x: fine(to.x), z: fine(to.z), ..to }

@@ -165,23 +165,8 @@ impl CharacterDraws {
         use wgpu::BufferUsages as Usage;
         let storage = wgpu::BufferBindingType::Storage { read_only: true };
         let layout = pipelines::buffer_layout(device, "characters", &[storage; 3]);
-        let pieces = [
-            include_str!("shaders/scene.wgsl"),
-            include_str!("shaders/instance.wgsl"),
-            include_str!("shaders/skin.wgsl"),
-        ];
-        let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
-        let body = with("body", include_str!("shaders/body.wgsl"));
-        let shadow = with("shadow", include_str!("shaders/shadow.wgsl"));
-        let pipelines = Layer::ALL.map(|layer| {
-            // The faces away from the light are the lower ones, where shadows are darkest.
-            let (shader, hidden) = if layer.is_shadow() { (&shadow, Face::Front) } else { (&body, Face::Back) };
-            let (stages, groups, input, output) =
-                (layer.stages(), &[scene_layout, &layout], PipelineInput::Body, layer.output());
-            let hidden = Some(hidden);
-            PipelineRecipe { label: "bodies", shader, stages, groups, input, output, strip: false, hidden }
-                .build(device)
-        });
+        let sources = [include_str!("shaders/skin.wgsl"), include_str!("shaders/body.wgsl")];
+        let pipelines = layer_pipelines(device, PipelineInput::Body, sources, &[scene_layout, &layout]);
         Self {
             pipelines,
             layout,
@@ -340,4 +325,30 @@ pub(super) fn draw_levels(pass: &mut RenderPass<'_>, meshes: &[GpuMesh], numbers
 fn gpu_root(root: Planar) -> [f32; 4] {
     let (sin, cos) = root.heading.sin_cos();
     [root.x, root.z, sin, cos]
+}
+
+/// Pipelines of all layers of bodies.
+///
+/// - `sources`: of the shader, to place a corner and to draw a body.
+/// - `groups`: shadows need the first two.
+pub(super) fn layer_pipelines(
+    device: &Device,
+    input: PipelineInput,
+    [skin, body]: [&str; 2],
+    groups: &[&BindGroupLayout],
+) -> [RenderPipeline; Layer::ALL.len()] {
+    let label = if input == PipelineInput::Worn { "worn bodies" } else { "bodies" };
+    let common = [include_str!("shaders/scene.wgsl"), include_str!("shaders/instance.wgsl"), skin];
+    let with = |last| pipelines::shader(device, label, &[&common[..], &[last]].concat());
+    let (body, shadow) = (with(body), with(include_str!("shaders/shadow.wgsl")));
+    Layer::ALL.map(|layer| {
+        let shadow_groups = &groups[..2];
+        // The faces away from the light are the lower ones, where shadows are darkest.
+        let (shader, groups, hidden) =
+            if layer.is_shadow() { (&shadow, shadow_groups, Face::Front) } else { (&body, groups, Face::Back) };
+        // Clothes and hair are often made of single sheets.
+        let hidden = Some(hidden).filter(|_| input == PipelineInput::Body);
+        let (stages, output) = (layer.stages(), layer.output());
+        PipelineRecipe { label, shader, stages, groups, input, output, strip: false, hidden }.build(device)
+    })
 }

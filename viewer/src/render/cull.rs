@@ -5,21 +5,18 @@ use throng_core::{Joint, Skeleton};
 
 /// The planes that bound the camera's view; there is no far plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frustum {
-    planes: [Vec4; 5],
-}
+pub(super) struct Frustum([Vec4; 5]);
 
 impl Frustum {
     /// From a world-to-clip matrix with reversed depth.
     pub fn new(view_proj: Mat4) -> Self {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| view_proj.row(i));
-        let planes = [w + x, w - x, w + y, w - y, w - z].map(|p| p / p.truncate().length().max(1e-12));
-        Self { planes }
+        Self([w + x, w - x, w + y, w - y, w - z].map(|p| p / p.truncate().length().max(1e-12)))
     }
 
     /// False only where no point of the sphere is in view.
     pub fn intersects_sphere(&self, centre: Vec3, radius: f32) -> bool {
-        self.planes.iter().all(|p| p.dot(centre.extend(1.0)) >= -radius)
+        self.0.iter().all(|p| p.dot(centre.extend(1.0)) >= -radius)
     }
 }
 

@@ -36,18 +36,11 @@ impl Offscreen {
     /// For windows of a format; nothing is allocated before the first picture.
     pub fn new(device: &Device, window: wgpu::TextureFormat) -> Self {
         let picture_layout = pipelines::texture_layout(device, "picture", wgpu::TextureViewDimension::D2);
-        let shader = pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
+        let shader = &pipelines::shader(device, "blit", &[include_str!("shaders/blit.wgsl")]);
         let fragment = if window.is_srgb() { "linear_fragment" } else { "encoded_fragment" };
-        let blit = PipelineRecipe {
-            label: "blit",
-            shader: &shader,
-            stages: ["vertex", fragment],
-            groups: &[&picture_layout],
-            input: PipelineInput::Nothing,
-            output: PipelineOutput::Window(window),
-            strip: false,
-            hidden: None,
-        };
+        let (stages, groups) = (["vertex", fragment], &[&picture_layout]);
+        let (input, output) = (PipelineInput::Nothing, PipelineOutput::Window(window));
+        let blit = PipelineRecipe { label: "blit", shader, stages, groups, input, output, strip: false, hidden: None };
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("picture"),
             mag_filter: wgpu::FilterMode::Linear,

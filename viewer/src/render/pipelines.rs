@@ -2,7 +2,7 @@
 
 use wgpu::{
     BindGroup, BindGroupEntry, BindGroupLayout, BindingResource, BlendState, BufferBindingType, CompareFunction,
-    Device, RenderPipeline, TextureFormat, TextureViewDimension, VertexAttribute,
+    Device, RenderPipeline, ShaderStages, TextureFormat, TextureViewDimension, VertexAttribute,
 };
 
 /// Colour format of the picture.
@@ -242,11 +242,7 @@ pub(super) fn shader(device: &Device, label: &str, pieces: &[&str]) -> wgpu::Sha
 pub(super) fn buffer_layout(device: &Device, label: &str, types: &[BufferBindingType]) -> BindGroupLayout {
     let entry = |(i, &ty): (usize, &BufferBindingType)| wgpu::BindGroupLayoutEntry {
         binding: i as u32,
-        visibility: if ty == BufferBindingType::Uniform {
-            wgpu::ShaderStages::VERTEX_FRAGMENT
-        } else {
-            wgpu::ShaderStages::VERTEX
-        },
+        visibility: if ty == BufferBindingType::Uniform { ShaderStages::VERTEX_FRAGMENT } else { ShaderStages::VERTEX },
         ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None },
         count: None,
     };

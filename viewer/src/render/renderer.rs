@@ -100,11 +100,7 @@ impl SceneRenderer {
     /// names rows that there are not, [`RenderError::TooMany`] where the
     /// device cannot hold all. After an error no characters are drawn until an upload succeeds.
     pub fn upload(&mut self, frame: &SceneFrame<'_>) -> Result<()> {
-        let result = self.try_upload(frame);
-        if result.is_err() {
-            self.characters.clear();
-        }
-        result
+        self.try_upload(frame).inspect_err(|_| self.characters.clear())
     }
 
     fn try_upload(&mut self, frame: &SceneFrame<'_>) -> Result<()> {

@@ -2,10 +2,10 @@
 
 use super::Result;
 use super::buffer::GrowingBuffer;
-use super::characters::{GpuMesh, draw_levels};
+use super::characters::{GpuMesh, draw_levels, layer_pipelines};
 use super::device::Gpu;
 use super::mesh::LEVELS;
-use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};
+use super::pipelines::{self, Layer, PipelineInput};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
@@ -39,23 +39,9 @@ impl WornDraws {
         let layout = pipelines::buffer_layout(device, "worn characters", &[storage; 2]);
         let texture_layout =
             pipelines::texture_layout(device, "textures of characters", wgpu::TextureViewDimension::D2Array);
-        let pieces = [
-            include_str!("shaders/scene.wgsl"),
-            include_str!("shaders/instance.wgsl"),
-            include_str!("shaders/worn.wgsl"),
-        ];
-        let with = |label, last| pipelines::shader(device, label, &[pieces[0], pieces[1], pieces[2], last]);
-        let body = with("worn body", include_str!("shaders/worn_body.wgsl"));
-        let shadow = with("worn shadow", include_str!("shaders/shadow.wgsl"));
-        let pipelines = Layer::ALL.map(|layer| {
-            let both: &[&BindGroupLayout] = &[scene_layout, &layout, &texture_layout];
-            let (shader, groups) = if layer.is_shadow() { (&shadow, &both[..2]) } else { (&body, both) };
-            let (stages, input, output) = (layer.stages(), PipelineInput::Worn, layer.output());
-            // Clothes and hair are often made of single sheets.
-            let hidden = None;
-            PipelineRecipe { label: "worn bodies", shader, stages, groups, input, output, strip: false, hidden }
-                .build(device)
-        });
+        let sources = [include_str!("shaders/worn.wgsl"), include_str!("shaders/worn_body.wgsl")];
+        let groups = &[scene_layout, &layout, &texture_layout];
+        let pipelines = layer_pipelines(device, PipelineInput::Worn, sources, groups);
         Self {
             pipelines,
             layout,

@@ -63,10 +63,8 @@ impl BlendRun {
     /// A message where the tables do not fit together.
     pub fn new(bundle: &OpenBundle) -> Option<Result<Self, String>> {
         let first = bundle.blends().first()?;
-        Some(
-            Self::starting_at(bundle, Blending::straight_walk(0, first), Planar::IDENTITY, 0.0)
-                .map_err(|e| e.to_string()),
-        )
+        let run = Self::starting_at(bundle, Blending::straight_walk(0, first), Planar::IDENTITY, 0.0);
+        Some(run.map_err(|e| e.to_string()))
     }
 
     fn starting_at(bundle: &OpenBundle, blending: Blending, place: Planar, phase: f32) -> Result<Self, Error> {

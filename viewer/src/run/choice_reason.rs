@@ -72,20 +72,13 @@ pub fn explain_choice(chooser: &PolicyChooser<'_>) -> Option<ChoiceReason> {
         let local = choice.root.inverse_transform_point(Vec2::new(target.x, target.z));
         Vec3::new(local.x, target.y, local.y)
     };
-    let (target, step) = (c.target, c.step);
     let graph = bundle.tables().graph();
     let segments = graph.segments_of(choice.state);
-    let mut candidates: Vec<ActionCandidate> = segments
-        .iter()
-        .enumerate()
-        .map(|(action, &segment)| ActionCandidate {
-            action,
-            segment,
-            score: 0.0,
-            by_behaviour: Vec::new(),
-            displacement: graph.segments[segment as usize].displacement(),
-        })
-        .collect();
+    let candidate = |(action, &segment): (usize, &u32)| {
+        let displacement = graph.segments[segment as usize].displacement();
+        ActionCandidate { action, segment, score: 0.0, by_behaviour: Vec::new(), displacement }
+    };
+    let mut candidates: Vec<ActionCandidate> = segments.iter().enumerate().map(candidate).collect();
     let mut behaviours = Vec::new();
     let mut scores = vec![0.0; segments.len()];
     for (goal, &weight) in chooser.goals.iter().zip(c.weights.iter()) {
@@ -104,13 +97,12 @@ pub fn explain_choice(chooser: &PolicyChooser<'_>) -> Option<ChoiceReason> {
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.action.cmp(&b.action)));
     let played = chooser.characters.segment(chooser.number).0;
     let chosen = candidates.iter().position(|c| c.segment == played)?;
-    let state = choice.state;
     Some(ChoiceReason {
-        step,
-        state,
+        step: c.step,
+        state: choice.state,
         root: choice.root,
-        target,
-        local_target: seen(target),
+        target: c.target,
+        local_target: seen(c.target),
         behaviours,
         candidates,
         chosen,

@@ -99,11 +99,8 @@ impl CrowdRunConfig {
 
     /// Config of the simulated characters.
     pub fn characters(&self) -> CharactersConfig {
-        let choice = if self.single_load {
-            ActionChoice::BestAction
-        } else {
-            ActionChoice::LookAhead { temperature: self.temperature }
-        };
+        let look_ahead = ActionChoice::LookAhead { temperature: self.temperature };
+        let choice = if self.single_load { ActionChoice::BestAction } else { look_ahead };
         CharactersConfig {
             seed: self.seed,
             choice,

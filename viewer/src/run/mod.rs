@@ -121,11 +121,6 @@ impl CrowdRun {
         self.recording.num_bytes()
     }
 
-    /// Sets the eye for the next steps, x and z (m). Only the number of fully posed characters depends on it.
-    pub fn set_eye(&mut self, eye: Vec2) {
-        self.simulation.eye = eye;
-    }
-
     /// One step forward: the next recorded one, or a new one at the end of the record.
     ///
     /// # Errors
@@ -151,7 +146,7 @@ impl CrowdRun {
         self.head.seek(step);
         let step = self.head.shown_step();
         let keyframe = self.recording.keyframe_before(step);
-        if step < self.simulation.around.step.saturating_sub(1) || keyframe.step() > self.simulation.around.step {
+        if step < self.simulation.around.step.saturating_sub(1) || keyframe.around.step > self.simulation.around.step {
             self.simulation.restore(bundle, keyframe)?;
         }
         while self.simulation.around.step <= step {

@@ -52,7 +52,7 @@ impl CrowdRecording {
 
     /// The last keyframe from which a step can be reached by taking at least one.
     pub fn keyframe_before(&self, step: u32) -> &CrowdKeyframe {
-        let after = self.keyframes.partition_point(|k| k.step() <= step);
+        let after = self.keyframes.partition_point(|k| k.around.step <= step);
         &self.keyframes[after.saturating_sub(1)]
     }
 
@@ -60,7 +60,7 @@ impl CrowdRecording {
     /// keyframe repeats them.
     pub fn keep_keyframe(&mut self, s: &CrowdSimulation) {
         let step = s.around.step;
-        let is_new = self.keyframes.back().is_none_or(|k| k.step() < step);
+        let is_new = self.keyframes.back().is_none_or(|k| k.around.step < step);
         if step.is_multiple_of(KEYFRAME_EVERY) && is_new {
             self.keyframes.push_back(s.keyframe());
         }
@@ -84,7 +84,7 @@ impl CrowdRecording {
 
     /// Drops everything before the second keyframe.
     fn drop_oldest(&mut self) {
-        let Some(first) = self.keyframes.get(1).map(CrowdKeyframe::step) else { return };
+        let Some(first) = self.keyframes.get(1).map(|k| k.around.step) else { return };
         self.keyframes.pop_front();
         self.figures.drain(..(first - self.first) as usize);
         while self.inputs.pop_front_if(|i| i.0 < first).is_some() {}
@@ -94,7 +94,7 @@ impl CrowdRecording {
 
     /// Drops everything from a step on, and puts an input before it.
     pub fn branch(&mut self, step: u32, input: RunInput) {
-        self.keyframes.truncate(self.keyframes.partition_point(|k| k.step() <= step).max(1));
+        self.keyframes.truncate(self.keyframes.partition_point(|k| k.around.step <= step).max(1));
         self.figures.truncate(step.saturating_sub(self.first) as usize);
         self.trails.truncate(self.trails.partition_point(|t| t.0 < step));
         self.inputs.truncate(self.inputs.partition_point(|i| i.0 <= step));

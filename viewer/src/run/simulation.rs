@@ -100,15 +100,10 @@ pub(super) struct RunSurroundings {
 #[derive(Clone, Debug)]
 pub(super) struct CrowdKeyframe {
     characters: CharactersSnapshot,
-    around: RunSurroundings,
+    pub around: RunSurroundings,
 }
 
 impl CrowdKeyframe {
-    /// The step that comes next after it.
-    pub fn step(&self) -> u32 {
-        self.around.step
-    }
-
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
         let a = &self.around;
@@ -127,8 +122,8 @@ pub struct CrowdSimulation {
     /// Goals that are weighed (number of weights).
     pub(super) goals: Vec<RunGoal>,
     pub(super) around: RunSurroundings,
-    /// Position of the eye (m).
-    pub(super) eye: Vec2,
+    /// Position of the eye, x and z (m). Only the number of fully posed characters depends on it.
+    pub(crate) eye: Vec2,
     slip: SlipMeter,
 }
 

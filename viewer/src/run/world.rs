@@ -57,21 +57,18 @@ impl WorldRun {
         Ok(Self { inhabitants, orders: vec![None; starts.len()], reel, step_s })
     }
 
-    /// Takes a new step and shows it.
-    fn take_step(&mut self) -> Result<()> {
-        let begin = Instant::now();
-        self.inhabitants.step(1.0 / STEP_HZ, &Inline)?;
-        self.step_s = begin.elapsed().as_secs_f64();
-        self.reel.push(InhabitantsMoment::capture(&self.inhabitants));
-        Ok(())
-    }
-
     /// One step forward: a recorded one, or a new one.
     ///
     /// # Errors
     /// [`throng_core::Error`] where a step cannot be taken.
     pub fn step(&mut self) -> Result<()> {
-        if self.reel.head.advance_recorded() { Ok(()) } else { self.take_step() }
+        if !self.reel.head.advance_recorded() {
+            let begin = Instant::now();
+            self.inhabitants.step(1.0 / STEP_HZ, &Inline)?;
+            self.step_s = begin.elapsed().as_secs_f64();
+            self.reel.push(InhabitantsMoment::capture(&self.inhabitants));
+        }
+        Ok(())
     }
 
     /// Gives a character an order, at the last step; none lets it decide for itself.

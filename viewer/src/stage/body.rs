@@ -21,11 +21,6 @@ pub(super) fn stretch(database: &Skeleton, body: &Skeleton) -> Stretch {
     out
 }
 
-/// Stretch from a pose of the other body, as [`stretch`]: lengths of limbs are the same in every pose.
-pub(super) fn stretch_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Stretch {
-    stretch(database, &body_of_pose(database, pose))
-}
-
 /// The skeleton of a pose: distances between joints are the same in every pose.
 pub(super) fn body_of_pose(database: &Skeleton, pose: &[Mat3x4]) -> Skeleton {
     let mut body = database.clone();

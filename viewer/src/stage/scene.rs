@@ -95,7 +95,8 @@ fn character(out: &mut StageLayout, simulation: &Simulation, who: usize, colour:
         agents::disc(&mut out.shapes, brush, &disc, colour, is_selected);
     }
     if let Some(pose) = pose {
-        body::push_stretched(&mut out.poses, pose, &body::stretch_of_pose(&out.skeleton, pose));
+        let own = body::body_of_pose(&out.skeleton, pose);
+        body::push_stretched(&mut out.poses, pose, &body::stretch(&out.skeleton, &own));
         out.instances.push(CharacterInstance { root, colour, is_selected, look: 0 });
         out.drawn.push(who);
     }

@@ -68,10 +68,8 @@ impl SceneServer {
     pub fn bind(address: SocketAddr, to_anyone: bool) -> Result<Self> {
         if !address.ip().is_loopback() && !to_anyone {
             let what = format!("{address}: expected an address of this machine alone, such as 127.0.0.1:0");
-            return Err(serve_error(
-                what,
-                "Others in the network could see the scene: give --serve-anyone if they may",
-            ));
+            let help = "Others in the network could see the scene: give --serve-anyone if they may";
+            return Err(serve_error(what, help));
         }
         let listener = TcpListener::bind(address).and_then(|l| l.set_nonblocking(true).map(|()| l));
         let listener = listener.map_err(|e| serve_error(format!("{address}: {e}"), "Choose another port; 0 is any"))?;

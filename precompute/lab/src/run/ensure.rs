@@ -1,6 +1,7 @@
 //! Builds missing inputs of a scene: bundles from their configs, worlds from their world files.
 
 use super::News;
+use super::report::config_error;
 use std::path::{Path, PathBuf};
 use throng_bake::cache::Cache;
 use throng_bake::config::BuildConfig;
@@ -58,17 +59,13 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'
     }
     let name = bundle.display();
     let Some(config) = config else {
-        let message =
-            format!("{name}: there is no such bundle; build it with `throng build`, or name another with --bundle");
-        return Err(BuildError::Config { message });
+        let way_out = "build it with `throng build`, or name another with --bundle";
+        return Err(config_error(format!("{name}: there is no such bundle; {way_out}")));
     };
     (with.report_news)(News::Making(format!("{name} is not there: building it from {}", config.display())));
-    let report = BuildConfig::load(config)
-        .and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress))
-        .map_err(|e| e.in_file(config));
-    let report = report.map_err(|e| {
-        let message = format!("{name} is missing, and building it from {} failed: {e}", config.display());
-        BuildError::Config { message }
+    let report = BuildConfig::load(config).and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress));
+    let report = report.map_err(|e| e.in_file(config)).map_err(|e| {
+        config_error(format!("{name} is missing, and building it from {} failed: {e}", config.display()))
     })?;
     News::from_report(&report).for_each(with.report_news);
     Ok(())

@@ -116,16 +116,6 @@ pub struct PeopleSample {
     pub partners: Vec<Option<(usize, JointPositions)>>,
 }
 
-impl PeopleSample {
-    fn from_simulation(sim: &Simulation, followed: &[usize]) -> Self {
-        Self {
-            time_s: sim.time_s() as f32,
-            poses: followed.iter().filter_map(|&who| sim.joint_positions(who)).collect(),
-            partners: followed.iter().map(|&who| partner(sim, who)).collect(),
-        }
-    }
-}
-
 /// Partner of a character of a world, once both are at their places of the capture.
 fn partner(sim: &Simulation, who: usize) -> Option<(usize, JointPositions)> {
     let (AnyCharacterGroup::Patches(people), member) = sim.locate(who) else { return None };
@@ -228,7 +218,11 @@ impl SceneRecorder {
         let record = &mut self.record;
         let is_sampled = step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1));
         if self.trajectories && is_sampled {
-            add_trajectory_points(sim, &mut record.trajectories);
+            let point = |agent| {
+                let disc = sim.disc(agent)?;
+                Some(TrajectoryPoint { time_s, agent, at: disc.centre.xz(), velocity: disc.velocity.xz() })
+            };
+            record.trajectories.extend((0..sim.num_characters()).filter_map(point));
         }
         if !self.is_on {
             return;
@@ -237,15 +231,14 @@ impl SceneRecorder {
         if is_sampled {
             for p in &mut record.paths {
                 let characters = sim.groups()[p.group].characters.clone().take(NUM_FOLLOWED[0]);
-                let speed = |who| match sim.locate(who) {
-                    (AnyCharacterGroup::Paths(w), member) => w.speed(member),
-                    _ => 0.0,
-                };
+                let speed = |who| if let (AnyCharacterGroup::Paths(w), m) = sim.locate(who) { w.speed(m) } else { 0.0 };
                 let poses = characters.clone().filter_map(|who| sim.joint_positions(who)).collect();
                 p.samples.push((time_s as f32, characters.map(speed).collect(), poses));
             }
             for w in &mut record.worlds {
-                w.samples.push(PeopleSample::from_simulation(sim, &w.followed));
+                let poses = w.followed.iter().filter_map(|&who| sim.joint_positions(who)).collect();
+                let partners = w.followed.iter().map(|&who| partner(sim, who)).collect();
+                w.samples.push(PeopleSample { time_s: time_s as f32, poses, partners });
             }
         }
         if let Some(agents) = &mut record.agents {
@@ -275,16 +268,6 @@ impl SceneRecorder {
             agents.paths = agents.trails.iter().map(|(m, _)| agent_path(sim, first + m)).collect();
         }
         self.record
-    }
-}
-
-/// Adds the positions of all agents.
-fn add_trajectory_points(sim: &Simulation, out: &mut Vec<TrajectoryPoint>) {
-    for who in 0..sim.num_characters() {
-        if let Some(disc) = sim.disc(who) {
-            let (at, velocity) = (disc.centre.xz(), disc.velocity.xz());
-            out.push(TrajectoryPoint { time_s: sim.time_s(), agent: who, at, velocity });
-        }
     }
 }
 

@@ -9,7 +9,7 @@ use std::time::Instant;
 use throng_core::base::limits::THREADS;
 use throng_core::{Executor, Inline, Rayon};
 use throng_geometry::Bounds2d;
-use throng_motion::error::{BuildError, Result};
+use throng_motion::error::Result;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation};
 
 /// Frames a simulated second (Hz).
@@ -80,74 +80,66 @@ pub fn measure_scenario(
     count: &(dyn Fn() -> Option<u64> + Sync),
 ) -> Result<ScenarioFigures> {
     THREADS.check_count("threads", threads).map_err(config_error)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| BuildError::Config { message: e.to_string() })?;
-    pool.install(|| measure_in_pool(scene, seconds, threads, count))
-}
-
-fn measure_in_pool(
-    scene: &CompiledScene,
-    seconds: Option<f64>,
-    threads: usize,
-    count: &dyn Fn() -> Option<u64>,
-) -> Result<ScenarioFigures> {
-    let seconds = seconds.unwrap_or(scene.scene().seconds);
-    let begin = Instant::now();
-    scene.scene().compile_story().map_err(config_error)?;
-    let compile_s = begin.elapsed().as_secs_f64();
-    let mut sim = Simulation::new(scene).map_err(config_error)?;
-    sim.set_timed();
-    let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
-    let (mut busy_s, mut taken, mut overlap_m, mut twice, mut last) = (0.0, 0, f64::NEG_INFINITY, 0, 0);
-    for frame in 1..=(seconds * FRAME_HZ).round() as u64 {
-        let (before, begin) = (count(), Instant::now());
-        sim.step_to(frame as f64 / FRAME_HZ, run).map_err(config_error)?;
-        busy_s += begin.elapsed().as_secs_f64();
-        taken += count().zip(before).map_or(0, |(now, before)| now - before);
-        last = frame;
-        if frame.is_multiple_of(SAMPLE_FRAMES) {
-            overlap_m = deepest_overlap_m(&sim).max(overlap_m);
-            twice += sim.brains().map_or(0, |m| m.num_holding_twice());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(config_error)?;
+    pool.install(|| {
+        let seconds = seconds.unwrap_or(scene.scene().seconds);
+        let begin = Instant::now();
+        scene.scene().compile_story().map_err(config_error)?;
+        let compile_s = begin.elapsed().as_secs_f64();
+        let mut sim = Simulation::new(scene).map_err(config_error)?;
+        sim.set_timed();
+        let run: &dyn Executor = if threads > 1 { &Rayon } else { &Inline };
+        let (mut busy_s, mut taken, mut overlap_m, mut twice, mut last) = (0.0, 0, f64::NEG_INFINITY, 0, 0);
+        for frame in 1..=(seconds * FRAME_HZ).round() as u64 {
+            let (before, begin) = (count(), Instant::now());
+            sim.step_to(frame as f64 / FRAME_HZ, run).map_err(config_error)?;
+            busy_s += begin.elapsed().as_secs_f64();
+            taken += count().zip(before).map_or(0, |(now, before)| now - before);
+            last = frame;
+            if frame.is_multiple_of(SAMPLE_FRAMES) {
+                overlap_m = deepest_overlap_m(&sim).max(overlap_m);
+                twice += sim.brains().map_or(0, |m| m.num_holding_twice());
+            }
+            if sim.has_ended() {
+                break;
+            }
         }
-        if sim.has_ended() {
-            break;
-        }
-    }
-    let spent = sim.character_groups().iter().find_map(|group| match group {
-        AnyCharacterGroup::Ground(agents) => agents.timings(),
-        AnyCharacterGroup::Air(agents) => agents.timings(),
-        _ => None,
-    });
-    let crowd = sim.character_groups().iter().find_map(agents_crowd);
-    let share = |s: f64| s / busy_s.max(1e-12);
-    let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
-    let brains = sim.brains();
-    let spread = brains.map_or_else(Vec::new, |m| m.event_spreads());
-    let frames_per_second = last as f64 / busy_s.max(1e-12);
-    let name = scene.scene().name.clone();
-    let paper = PAPER_RATES.iter().find(|p| p.0 == name).map(|p| p.1);
-    Ok(ScenarioFigures {
-        agents: sim.num_characters(),
-        threads,
-        simulated_s,
-        frames_per_second,
-        over_paper: paper.map(|paper| frames_per_second / paper),
-        rules_share: share(spent.brains_s),
-        crowd_share: share(spent.all_s - spent.brains_s),
-        motion_share: share(spent.bodies_s),
-        evaluations_per_second: brains.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
-        ns_per_evaluation: ns_per_evaluation(),
-        bytes_per_agent: brains.map_or(0, |m| m.bytes_per_agent()) + crowd.map_or(0, |c| c.bytes_per_agent()),
-        compile_s,
-        informed: brains.map_or(0, |m| m.num_informed()),
-        informed_last_s: spread.iter().filter_map(|s| s.last_s).reduce(f64::max),
-        informed_pairs: spread.iter().map(|s| s.passed_on).sum(),
-        queued_twice: twice,
-        max_overlap_m: overlap_m.max(0.0),
-        stuck: crowd.map_or(0, |c| c.counts().stuck),
-        allocations: count().map(|_| taken),
-        state_hash: format!("{:016x}", sim.hash()),
-        scene: name,
+        let spent = sim.character_groups().iter().find_map(|group| match group {
+            AnyCharacterGroup::Ground(agents) => agents.timings(),
+            AnyCharacterGroup::Air(agents) => agents.timings(),
+            _ => None,
+        });
+        let crowd = sim.character_groups().iter().find_map(agents_crowd);
+        let share = |s: f64| s / busy_s.max(1e-12);
+        let (spent, simulated_s) = (spent.unwrap_or_default(), sim.time_s());
+        let brains = sim.brains();
+        let spread = brains.map_or_else(Vec::new, |m| m.event_spreads());
+        let frames_per_second = last as f64 / busy_s.max(1e-12);
+        let name = scene.scene().name.clone();
+        let paper = PAPER_RATES.iter().find(|p| p.0 == name).map(|p| p.1);
+        Ok(ScenarioFigures {
+            agents: sim.num_characters(),
+            threads,
+            simulated_s,
+            frames_per_second,
+            over_paper: paper.map(|paper| frames_per_second / paper),
+            rules_share: share(spent.brains_s),
+            crowd_share: share(spent.all_s - spent.brains_s),
+            motion_share: share(spent.bodies_s),
+            evaluations_per_second: brains.map_or(0.0, |m| m.evaluations() as f64 / simulated_s.max(1e-9)),
+            ns_per_evaluation: ns_per_evaluation(),
+            bytes_per_agent: brains.map_or(0, |m| m.bytes_per_agent()) + crowd.map_or(0, |c| c.bytes_per_agent()),
+            compile_s,
+            informed: brains.map_or(0, |m| m.num_informed()),
+            informed_last_s: spread.iter().filter_map(|s| s.last_s).reduce(f64::max),
+            informed_pairs: spread.iter().map(|s| s.passed_on).sum(),
+            queued_twice: twice,
+            max_overlap_m: overlap_m.max(0.0),
+            stuck: crowd.map_or(0, |c| c.counts().stuck),
+            allocations: count().map(|_| taken),
+            state_hash: format!("{:016x}", sim.hash()),
+            scene: name,
+        })
     })
 }
 

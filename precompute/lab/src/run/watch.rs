@@ -163,7 +163,7 @@ impl SceneWatch {
 
     /// Faults that were observed: time (s), character, description.
     pub fn faults(&self) -> impl Iterator<Item = &(f32, usize, String)> {
-        self.worlds.iter().flat_map(|w| &w.faults)
+        self.worlds.iter().flat_map(|w| &w.seen.faults)
     }
 
     /// The figures.
@@ -196,7 +196,7 @@ impl SceneWatch {
             foot_slip_p95_mps: has_feet.then(|| self.feet.p95_mps()),
             ..SceneFigures::default()
         };
-        let mut stuck = (!self.worlds.is_empty()).then(|| self.worlds.iter().map(|w| w.stuck.len()).sum());
+        let mut stuck = (!self.worlds.is_empty()).then(|| self.worlds.iter().map(|w| w.seen.stuck.len()).sum());
         let of_agents = self.agents.as_ref().and_then(|a| a.figures(sim, seconds, rate.is_some()));
         if let Some((num, crowd)) = of_agents {
             stuck = Some(stuck.unwrap_or(0) + num);

@@ -21,11 +21,6 @@ impl StagedTask {
 }
 
 impl TaskDocument {
-    /// True for a file with tasks.
-    pub fn is_task_file(path: &Path) -> bool {
-        plans::is_task(path)
-    }
-
     /// Reads a task and its motion; nothing is planned yet.
     ///
     /// - `with`: how bundles of walkers are made where they are missing.

@@ -17,11 +17,6 @@ use throng_world::inhabitants::scatter_rest_nodes;
 const ROAMERS: usize = 20;
 
 impl WorldDocument {
-    /// True for the file of a world.
-    pub fn is_world_file(path: &Path) -> bool {
-        WorldSource::is_one(path)
-    }
-
     /// Reads a world file and stitches the world; some characters roam in it.
     ///
     /// # Errors
@@ -93,7 +88,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        assert!(WorldDocument::is_world_file(&path));
+        assert!(WorldSource::is_one(&path));
         quietly(|with| WorldDocument::open(&path, with)).map(|_| ()).unwrap_err()
     }
 

@@ -40,10 +40,7 @@ pub enum EditorOrder {
 impl EditorOrder {
     /// The place that is moved, and where to.
     pub(super) fn moves(self) -> Option<(usize, Placement)> {
-        match self {
-            Self::Change(UnitChange::Move { place, to }) => Some((place, to)),
-            _ => None,
-        }
+        if let Self::Change(UnitChange::Move { place, to }) = self { Some((place, to)) } else { None }
     }
 }
 

@@ -9,14 +9,12 @@ use throng_world::{WorldGraph, WorldNode};
 /// - returns each one's number with its node; characters without a place are left out.
 pub(super) fn place_inhabitants(graph: &WorldGraph, places: &[Vec3]) -> Vec<(usize, WorldNode)> {
     let mut taken = vec![false; graph.world().units.len()];
-    let mut out = Vec::with_capacity(places.len());
-    for (character, &place) in places.iter().enumerate() {
-        if let Some(node) = nearest(graph, place, &taken) {
-            graph.resources(node.instance).iter().for_each(|&u| taken[u as usize] = true);
-            out.push((character, node));
-        }
-    }
-    out
+    let mut put = |(character, &place): (usize, &Vec3)| {
+        let node = nearest(graph, place, &taken)?;
+        graph.resources(node.instance).iter().for_each(|&u| taken[u as usize] = true);
+        Some((character, node))
+    };
+    places.iter().enumerate().filter_map(&mut put).collect()
 }
 
 fn nearest(graph: &WorldGraph, place: Vec3, taken: &[bool]) -> Option<WorldNode> {

@@ -36,15 +36,10 @@ impl EditorThread {
         std::thread::spawn(move || {
             let tables = own_bundle.tables();
             let editor = Editor::new(tables.patches(), own_kit.library(tables), environment, &config, &Silent);
-            let (editor, result) = match editor {
-                Ok(editor) => (Some(editor), Ok(())),
-                Err(e) => (None, Err(e.to_string())),
-            };
-            // The receiver waits for it.
-            let _ = send.send(result);
-            if let Some(mut editor) = editor {
-                received.iter().for_each(|request| request(&mut editor));
-            }
+            // The receiver waits for the result.
+            let Ok(mut editor) = editor.map_err(|e| send.send(Err(e.to_string()))) else { return };
+            _ = send.send(Ok(()));
+            received.iter().for_each(|request| request(&mut editor));
         });
         made.recv().unwrap_or_else(|_| Err("stitching the world ended unexpectedly".into()))?;
         Ok(Self { bundle, kit, requests })
@@ -53,9 +48,7 @@ impl EditorThread {
     /// Runs work on the editor and returns its result; none if the editor has ended unexpectedly.
     pub fn run<T: Send + 'static>(&self, work: impl FnOnce(&mut Editor<'_>) -> T + Send + 'static) -> Option<T> {
         let (send, receive) = channel();
-        let request: EditorRequest = Box::new(move |editor| {
-            let _ = send.send(work(editor));
-        });
+        let request: EditorRequest = Box::new(move |editor| _ = send.send(work(editor)));
         self.requests.send(request).ok()?;
         receive.recv().ok()
     }

@@ -20,29 +20,27 @@ struct EventTotals {
 
 /// Numbers of events of every kind over time.
 #[derive(Clone, Debug, Default)]
-pub struct EventRates {
-    marks: VecDeque<EventTotals>,
-}
+pub struct EventRates(VecDeque<EventTotals>);
 
 impl EventRates {
     /// Records how many events of every kind there were until a time, later than all others (s).
     pub fn record_totals(&mut self, time_s: f64, present: usize, totals: [u64; AgentEventKind::COUNT]) {
-        if self.marks.len() == KEPT {
-            self.marks.pop_front();
+        if self.0.len() == KEPT {
+            self.0.pop_front();
         }
-        self.marks.push_back(EventTotals { time_s, present, totals });
+        self.0.push_back(EventTotals { time_s, present, totals });
     }
 
     /// Removes the marks after a time, and returns how many events of every kind there had been by then.
     pub fn forget_after(&mut self, time_s: f64) -> [u64; AgentEventKind::COUNT] {
-        self.marks.truncate(self.marks.partition_point(|m| m.time_s <= time_s + 1e-9));
+        self.0.truncate(self.0.partition_point(|m| m.time_s <= time_s + 1e-9));
         self.totals(time_s)
     }
 
     /// The last mark that is not after a time.
     fn totals_before(&self, time_s: f64) -> Option<&EventTotals> {
-        let after = self.marks.partition_point(|m| m.time_s <= time_s + 1e-9);
-        self.marks.get(after.checked_sub(1)?)
+        let after = self.0.partition_point(|m| m.time_s <= time_s + 1e-9);
+        self.0.get(after.checked_sub(1)?)
     }
 
     /// Events of every kind until a time, since the run began.

@@ -43,13 +43,19 @@ pub(super) struct WorldWatch {
     characters: Vec<usize>,
     body: BodySpheres,
     geometry: PlacedGeometry,
+    progress: Vec<LastProgress>,
+    pub seen: WorldSightings,
+}
+
+/// Observations of a world so far.
+#[derive(Default)]
+pub(super) struct WorldSightings {
     /// Penetrations: time (s), character, description.
     pub faults: Vec<(f32, usize, String)>,
     /// Current pairs of a character and a unit that it penetrates.
     inside: BTreeSet<(usize, usize)>,
     penetrations: u64,
     deepest_m: f32,
-    progress: Vec<LastProgress>,
     pub stuck: BTreeSet<usize>,
     last: Vec<Vec3>,
     travelled_m: f64,
@@ -69,19 +75,8 @@ impl WorldWatch {
             character_group,
             body: BodySpheres::new(bundle.skeleton()),
             geometry: world_geometry(sim.compiled(), group)?,
-            faults: Vec::new(),
-            inside: BTreeSet::new(),
-            penetrations: 0,
-            deepest_m: 0.0,
             progress: vec![LastProgress { at: Vec3::splat(f32::MAX), since_s: 0.0 }; characters.len()],
-            stuck: BTreeSet::new(),
-            last: Vec::new(),
-            travelled_m: 0.0,
-            stretches: Vec::new(),
-            turned_deg: 0.0,
-            along_m: 0.0,
-            num_samples: 0,
-            waiting: 0,
+            seen: WorldSightings::default(),
             characters,
         })
     }
@@ -95,8 +90,8 @@ impl WorldWatch {
         for (k, trunk) in trunks.iter().enumerate() {
             let (_, number) = sim.locate(self.characters[k]);
             let (doing, progress) = (people.state(number).activity, &mut self.progress[k]);
-            self.num_samples += 1;
-            self.waiting += u64::from(matches!(doing, InhabitantActivity::Waiting | InhabitantActivity::Meeting));
+            self.seen.num_samples += 1;
+            self.seen.waiting += u64::from(matches!(doing, InhabitantActivity::Waiting | InhabitantActivity::Meeting));
             let at_will = matches!(
                 doing,
                 InhabitantActivity::Performing | InhabitantActivity::Meeting | InhabitantActivity::Arrived
@@ -104,25 +99,25 @@ impl WorldWatch {
             if at_will || (trunk[0] - progress.at).length() > STUCK_M {
                 *progress = LastProgress { at: trunk[0], since_s: sim.time_s() };
             } else if sim.time_s() - progress.since_s > STUCK_S {
-                self.stuck.insert(k);
+                self.seen.stuck.insert(k);
             }
         }
-        if !self.last.is_empty() {
-            let distance = trunks.iter().zip(&self.last).map(|(t, l)| f64::from((t[0] - *l).length()));
-            self.travelled_m += distance.sum::<f64>();
+        if !self.seen.last.is_empty() {
+            let distance = trunks.iter().zip(&self.seen.last).map(|(t, l)| f64::from((t[0] - *l).length()));
+            self.seen.travelled_m += distance.sum::<f64>();
         }
-        self.last = trunks.iter().map(|t| t[0]).collect();
+        self.seen.last = trunks.iter().map(|t| t[0]).collect();
         let begins = |hips: &Vec3| PathStretch { end: hips.xz(), direction: Vec2::ZERO };
-        if self.stretches.is_empty() {
-            self.stretches = self.last.iter().map(begins).collect();
+        if self.seen.stretches.is_empty() {
+            self.seen.stretches = self.seen.last.iter().map(begins).collect();
         }
-        for (stretch, hips) in self.stretches.iter_mut().zip(&self.last) {
+        for (stretch, hips) in self.seen.stretches.iter_mut().zip(&self.seen.last) {
             let along = hips.xz() - stretch.end;
             if along.length() >= STRETCH_M {
                 let direction = along.normalize();
                 if stretch.direction != Vec2::ZERO {
-                    self.turned_deg += f64::from(stretch.direction.angle_to(direction).abs().to_degrees());
-                    self.along_m += f64::from(along.length());
+                    self.seen.turned_deg += f64::from(stretch.direction.angle_to(direction).abs().to_degrees());
+                    self.seen.along_m += f64::from(along.length());
                 }
                 *stretch = PathStretch { end: hips.xz(), direction };
             }
@@ -139,15 +134,15 @@ impl WorldWatch {
                 std::array::from_fn(|j| (turn * pose[j].translation() + by, maths::compose(turn, pose[j].rotation())));
             let body = self.body.pose(&transforms, sim.contacts(c));
             let Some((unit, p)) = body.penetration_in(&self.geometry, PENETRATION_M) else { continue };
-            self.deepest_m = self.deepest_m.max(p.depth);
+            self.seen.deepest_m = self.seen.deepest_m.max(p.depth);
             inside.insert((c, unit));
-            if !self.inside.contains(&(c, unit)) {
-                self.penetrations += 1;
+            if !self.seen.inside.contains(&(c, unit)) {
+                self.seen.penetrations += 1;
                 let what = format!("{} {:.2} m in unit {unit}", p.joint.name(), p.depth);
-                self.faults.push((sim.time_s() as f32, c, what));
+                self.seen.faults.push((sim.time_s() as f32, c, what));
             }
         }
-        self.inside = inside;
+        self.seen.inside = inside;
     }
 
     pub fn figures(all: &[Self], sim: &Simulation, seconds: f64) -> InhabitedFigures {
@@ -155,15 +150,16 @@ impl WorldWatch {
         let character_minutes = f64::from(seconds as f32) / 60.0 * n as f64;
         let mut f = InhabitedFigures::default();
         let (mut fulfilled, mut travelled_m, mut waiting, mut looks) = (0u32, 0.0, 0u64, 0u64);
-        let along_m = all.iter().map(|w| w.along_m).sum::<f64>();
-        f.turned_deg_per_m = all.iter().map(|w| w.turned_deg).sum::<f64>() / along_m.max(f64::MIN_POSITIVE);
+        let along_m = all.iter().map(|w| w.seen.along_m).sum::<f64>();
+        f.turned_deg_per_m = all.iter().map(|w| w.seen.turned_deg).sum::<f64>() / along_m.max(f64::MIN_POSITIVE);
         for w in all {
             let AnyCharacterGroup::Patches(people) = &sim.character_groups()[w.character_group] else { continue };
             let of = |c: &usize| people.state(sim.locate(*c).1).num_fulfilled;
             fulfilled += w.characters.iter().map(of).sum::<u32>();
-            (travelled_m, waiting, looks) = (travelled_m + w.travelled_m, waiting + w.waiting, looks + w.num_samples);
-            f.environment_penetrations += w.penetrations;
-            f.deepest_penetration_m = f.deepest_penetration_m.max(f64::from(w.deepest_m));
+            (travelled_m, waiting, looks) =
+                (travelled_m + w.seen.travelled_m, waiting + w.seen.waiting, looks + w.seen.num_samples);
+            f.environment_penetrations += w.seen.penetrations;
+            f.deepest_penetration_m = f.deepest_penetration_m.max(f64::from(w.seen.deepest_m));
         }
         f.fulfilled_per_minute = f64::from(fulfilled) / character_minutes;
         f.travelled_m_per_minute = travelled_m / character_minutes;
