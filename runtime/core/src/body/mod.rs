@@ -52,7 +52,7 @@ pub use reaction::ReactionConfig;
 pub(crate) use sample::{FrameCursor, FramePosition, LanePose, WINDOW, sample_number, sample_pose};
 pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};
 pub use step::BodyLayers;
-pub(crate) use step::{BodyState, BodyTick, LayerLanes, PoseOutput, pose_block};
+pub(crate) use step::{BodyState, BodyTick, LayerLanes, PlantFeet, PoseOutput, pose_block};
 pub use times::StepTimes;
 pub(crate) use times::{Laps, PhaseClock, StepPhase};
 pub use volume::{BodyVolume, JointCapsule};

@@ -217,9 +217,12 @@ pub(crate) struct PoseOutput<'a> {
     pub locals: &'a mut [LocalTransform],
 }
 
+/// Puts the feet of eight bodies where they belong. A trait and no closure: those are compiled without the processor's vectors.
+pub(crate) trait PlantFeet<F: Lanes> {
+    fn plant(&mut self, layers: &LayerLanes, place: &PlacementLanes<F>, state: &mut BodyState, pose: &mut ModelPose<F>);
+}
+
 /// Poses a block from what its motion is, transitions included: gaze -> reactions -> feet -> reach -> write.
-///
-/// - `plant`: puts the feet where they belong.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "what the list has from each of its callers")]
 pub(crate) fn pose_block<F: Lanes>(
@@ -229,7 +232,7 @@ pub(crate) fn pose_block<F: Lanes>(
     layers: &LayerLanes,
     tick: &BodyTick<'_>,
     state: &mut BodyState,
-    plant: impl FnOnce(&mut BodyState, &mut ModelPose<F>),
+    feet: &mut impl PlantFeet<F>,
     to: PoseOutput<'_>,
     laps: &mut Laps<'_>,
 ) {
@@ -244,7 +247,7 @@ pub(crate) fn pose_block<F: Lanes>(
         react_lanes(body, tick.reaction, &tick.reaction_step, place, &mut state.reaction, &mut pose);
     }
     laps.end(StepPhase::Reaction);
-    plant(state, &mut pose);
+    feet.plant(layers, place, state, &mut pose);
     state.seen = [1.0; LANES];
     laps.end(StepPhase::FootLock);
     if let Some(hands) = &layers.hands {

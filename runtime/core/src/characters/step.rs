@@ -13,9 +13,9 @@ use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
-    BodyState, BodyTick, DetailLevel, FeetTick, FrameCursor, FramePosition, HeightField, Laps, LayerLanes,
-    LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes, PlantedParts, PoseInstance, PoseOutput, StepPhase,
-    hips_ground_height, planar_of_lane, pose_block, sample_pose,
+    BodyState, BodyTick, DetailLevel, FeetTick, FootLock, FrameCursor, FramePosition, HeightField, LaneBody, Laps,
+    LayerLanes, LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes, PlantFeet, PlantedParts, PoseInstance,
+    PoseOutput, StepPhase, hips_ground_height, planar_of_lane, pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::NUM_JOINTS;
@@ -208,7 +208,7 @@ impl CharacterBlock<'_> {
         let orders = orders.iter().map(|order| order.layers);
         let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
         let BodyBlock { state, feet, .. } = body;
-        let contacts = block.contacts;
+        let contacts = &block.contacts;
         pose_block(
             &r.body,
             motion,
@@ -216,16 +216,37 @@ impl CharacterBlock<'_> {
             &layers,
             body_tick,
             state,
-            |state: &mut BodyState, pose: &mut ModelPose<F>| {
-                let planted = |c: Contacts| contacts.map(|have| f32::from(u8::from(have.any(c))));
-                let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
-                let sunk = layers.hips_sink(&r.body, pose);
-                feet_tick.hold_feet(&r.body, level == DetailLevel::Full, &parts, &place, sunk, state, feet, pose);
-            },
+            &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks: level == DetailLevel::Full, feet },
             to,
             &mut laps,
         );
         feet_tick.clear_contacts_off_ground(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
+    }
+}
+
+/// The feet of a block, which clips move.
+struct CapturedFeet<'a, 't> {
+    tick: &'a FeetTick<'t>,
+    body: &'a LaneBody,
+    contacts: &'a [Contacts; LANES],
+    /// False leaves planted feet to their clips.
+    locks: bool,
+    feet: &'a mut [FootLock; 2],
+}
+
+impl<F: Lanes> PlantFeet<F> for CapturedFeet<'_, '_> {
+    #[inline(always)]
+    fn plant(
+        &mut self,
+        layers: &LayerLanes,
+        place: &PlacementLanes<F>,
+        state: &mut BodyState,
+        pose: &mut ModelPose<F>,
+    ) {
+        let planted = |c: Contacts| self.contacts.map(|have| f32::from(u8::from(have.any(c))));
+        let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
+        let sunk = layers.hips_sink(self.body, pose);
+        self.tick.hold_feet(self.body, self.locks, &parts, place, sunk, state, self.feet, pose);
     }
 }
 

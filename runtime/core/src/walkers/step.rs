@@ -12,9 +12,9 @@ use crate::blend::{BlendSpace, BlendedPosture, channel};
 use crate::body::{
     Bearing, BodyState, BodyTick, DampedSpring, DetailLevel, FootGround, FootOverGround, FootPlacement, HeightField,
     LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PLANE_HALF_LIVES_S,
-    PlacedFoot, PlacementLanes, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring, follow_ground,
-    is_stretched, keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel, reach_foot,
-    reach_hand, slow_knee, unorm,
+    PlacedFoot, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring,
+    follow_ground, is_stretched, keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel,
+    reach_foot, reach_hand, slow_knee, unorm,
 };
 use crate::contacts::Contacts;
 use crate::planar::Planar;
@@ -186,17 +186,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 locals: locals.get_mut(joints).unwrap_or_default(),
             };
             let mut laps = Laps::start(None);
-            pose_block(
-                body,
-                motion,
-                &place,
-                &layers,
-                &self.tick.body,
-                state,
-                |state, pose| walking.plant(&layers, &place, state, pose),
-                to,
-                &mut laps,
-            );
+            pose_block(body, motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
             from += count;
         }
     }
@@ -299,7 +289,7 @@ struct WalkingFeet<'a, 't, F> {
     tick: &'a WalkersTick<'t>,
 }
 
-impl<F: Lanes> WalkingFeet<'_, '_, F> {
+impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
     /// Retargets a pose to the bodies and to the ground (Kim, Kim and Shin 2003a, sections 4.2.3 and 4.2.4).
     #[inline(always)]
     fn plant(
