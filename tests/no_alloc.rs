@@ -109,7 +109,7 @@ fn inhabitants_allocate_nothing() {
     let starts = scatter_rest_nodes(world.graph(), 14, 2);
     let mut people = Inhabitants::new(&world, starts.len(), InhabitantsConfig::default()).expect("room");
     let mut n = allocations(|| starts.iter().for_each(|&start| _ = people.spawn(start).expect("a start")));
-    let ids = people.ids().to_vec();
+    let (ids, mut kept) = (people.ids().to_vec(), Vec::new());
     for round in 0..20u32 {
         for &id in &ids {
             let goal = match id.index % 4 {
@@ -121,6 +121,10 @@ fn inhabitants_allocate_nothing() {
             n += allocations(|| people.order(id, goal).expect("a goal"));
         }
         n += allocations(|| (0..900).for_each(|_| people.step(1.0 / 30.0, &Inline).expect("a step")));
+        // What is restored has the same room.
+        kept.clear();
+        people.save(&mut kept);
+        people.load(&kept).expect("its own bytes");
     }
     let fulfilled: u32 = ids.iter().map(|id| people.state(*id).expect("there").num_fulfilled).sum();
     assert!(fulfilled > 40, "{fulfilled} goals are too few to prove anything");

@@ -16,7 +16,6 @@ use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
-
 use throng_runtime::simulation::Scene;
 use throng_runtime::{Bundle, Joint};
 

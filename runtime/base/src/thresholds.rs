@@ -169,6 +169,10 @@ pub const FOOT_NEAR_M: f32 = 0.06;
 ///
 /// Used where walkers place their feet.
 pub const FOOT_SETTLED_M: f32 = 0.002;
+/// Distance between a foot's plane and the ground below which the plane is at rest (m). Chosen.
+///
+/// Used where walkers find the ground under their feet. With [`FOOT_SETTLED_M`], knees turn faster on stairs of 0.17 m than they may.
+pub const FOOT_PLANE_SETTLED_M: f32 = 0.0015;
 /// Distance from the ground up to which a part of a foot stands (m). Chosen.
 ///
 /// Used where walkers find the ground under their feet.

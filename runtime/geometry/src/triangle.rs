@@ -125,6 +125,10 @@ mod tests {
     use crate::segment::tests::{least, points};
     use proptest::prelude::*;
 
+    fn vector() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from)
+    }
+
     proptest! {
         #[test]
         fn distances_are_those_of_a_search(p in points(), q in points(), a in points(), b in points(), c in points(), flat in 0..4) {
@@ -138,6 +142,24 @@ mod tests {
             for limit in [0.5 * found, 1.001 * found + 1e-9] {
                 prop_assert!(!is_farther(&s, over, &[a, b, c], limit * limit) || limit <= found, "{found} {limit}");
             }
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        #[test]
+        fn the_nearest_point_is_that_of_a_densely_sampled_triangle(corners in [vector(), vector(), vector()], p in vector()) {
+            let ([a, b, c], n) = (corners, 60);
+            let mut sampled = f32::INFINITY;
+            for i in 0..=n {
+                for j in 0..=n - i {
+                    let q = a + (b - a) * (i as f32 / n as f32) + (c - a) * (j as f32 / n as f32);
+                    sampled = sampled.min(q.distance(p));
+                }
+            }
+            let found = nearest_on_triangle(p, &corners).distance(p);
+            prop_assert!(found <= sampled + 1e-4 && sampled <= found + 0.06, "{} {}", found, sampled);
         }
     }
 

@@ -91,7 +91,6 @@ pub(crate) fn load_same(group: &mut impl CharacterGroup, bytes: &[u8]) -> Result
     if group.bodies().ids == ids { Ok(()) } else { Err(refused_snapshot("characters", "they are others")) }
 }
 
-/// Error for bytes that are no snapshot.
 /// Bytes of a part of a snapshot.
 pub(crate) fn saved_bytes(save: impl FnOnce(&mut Vec<u8>)) -> Bytes {
     let mut bytes = Bytes::default();
@@ -99,6 +98,7 @@ pub(crate) fn saved_bytes(save: impl FnOnce(&mut Vec<u8>)) -> Bytes {
     bytes
 }
 
+/// Error for bytes that are no snapshot.
 pub(crate) fn refused_snapshot(what: &'static str, why: &str) -> Error {
     Error::Snapshot { what, why: format!("{why}; it is damaged") }
 }

@@ -26,7 +26,7 @@ use throng_motion::error::Result;
 /// The features of every frame of a [`ClipSet`], excluded frames included, or of some of them.
 ///
 /// A [`FrameId`] is the index of a frame among the measured ones.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Features {
     rows: Vec<FeatureRow>,
     joint_weights: [f32; LANES],

@@ -15,7 +15,7 @@ const TURN: f32 = 0.35;
 /// Travel within the horizon below which an outcome is staying (m).
 const STAY: f32 = 0.25;
 /// Action slots of each state reserved for the component.
-const RESERVED: usize = 4;
+pub(super) const RESERVED: usize = 4;
 
 /// Outcome of the motion after an event.
 #[derive(Clone, Copy, Debug)]
@@ -100,22 +100,13 @@ impl<'a> LinkChoice<'a> {
 impl MotionOutcome {
     pub fn new(place: Planar) -> Self {
         let side = i8::from(place.heading > TURN) - i8::from(place.heading < -TURN);
-        let travel = match (place.x.hypot(place.z) < STAY, place.z.abs() >= place.x.abs()) {
-            (true, _) => 0,
-            (false, true) => {
-                if place.z > 0.0 {
-                    1
-                } else {
-                    2
-                }
-            }
-            (false, false) => {
-                if place.x > 0.0 {
-                    3
-                } else {
-                    4
-                }
-            }
+        let (is_along, is_ahead, is_left) = (place.z.abs() >= place.x.abs(), place.z > 0.0, place.x > 0.0);
+        let travel = match (is_along, is_ahead, is_left) {
+            _ if place.x.hypot(place.z) < STAY => 0,
+            (true, true, _) => 1,
+            (true, false, _) => 2,
+            (false, _, true) => 3,
+            (false, _, false) => 4,
         };
         Self { place, kind: (side, travel) }
     }

@@ -460,3 +460,57 @@ fn components_of_a_chain_into_a_loop() {
     assert_eq!(parts, [vec![0], vec![1], vec![2, 3]]);
     assert_eq!(largest_component(&graph, u32::MAX, &SingleRank).unwrap(), [false, false, true, true]);
 }
+
+/// Links that are chosen up to an error of 0.5.
+fn chosen(
+    matches: &[Vec<TransitionLink>],
+    outcomes: &[MotionOutcome],
+    config: &MotionGraphConfig,
+) -> Vec<Vec<TransitionLink>> {
+    let features = Features::default();
+    given(&[], &features, outcomes, config).choose(matches, 0.5, &SingleRank).unwrap()
+}
+
+fn links_of(errors: &[(usize, f32)]) -> Vec<TransitionLink> {
+    errors.iter().map(|&(event, error)| TransitionLink::new(event, error)).collect()
+}
+
+fn targets_of(links: &[TransitionLink]) -> Vec<usize> {
+    links.iter().map(|l| l.event()).collect()
+}
+
+#[test]
+fn of_equal_outcomes_the_better_stays() {
+    let mut matches = vec![Vec::new(); 6];
+    matches[0] = links_of(&[(1, 0.1), (2, 0.2), (3, 0.3), (4, 0.4), (5, 0.9)]);
+    let outcomes = [0.0, 1.0, 1.0, 1.02, 2.0, 3.0].map(|z| MotionOutcome::new(Planar::new(0.0, z, 0.0)));
+    let rows = chosen(&matches, &outcomes, &MotionGraphConfig::default());
+    assert_eq!(targets_of(&rows[0]), [1, 4]);
+}
+
+#[test]
+fn the_best_of_each_kind_of_outcome_is_taken_beyond_the_threshold() {
+    let mut matches = vec![Vec::new(); 7];
+    matches[0] = links_of(&[(1, 0.1), (2, 0.6), (3, 0.7), (4, 0.8), (5, 0.9), (6, 0.95)]);
+    let outcomes = [
+        Planar::IDENTITY,
+        Planar::new(0.0, 1.0, 0.0),
+        Planar::new(0.0, 1.2, 0.0),
+        Planar::new(0.0, 1.0, 1.0),
+        Planar::new(0.0, 1.0, 2.0),
+        Planar::new(0.0, -1.0, -1.0),
+        Planar::new(0.1, 0.1, 0.0),
+    ]
+    .map(MotionOutcome::new);
+    let rows = chosen(&matches, &outcomes, &MotionGraphConfig::default());
+    assert_eq!(targets_of(&rows[0]), [1, 3, 5, 6]);
+}
+
+#[test]
+fn leaves_room_below_the_most_actions() {
+    let mut matches = vec![Vec::new(); 100];
+    matches[0] = (1..100).map(|event| TransitionLink::new(event, 0.1)).collect();
+    let outcomes: Vec<MotionOutcome> = (0..100).map(|z| MotionOutcome::new(Planar::new(0.0, z as f32, 0.0))).collect();
+    let rows = chosen(&matches, &outcomes, &MotionGraphConfig { max_actions: 10, ..Default::default() });
+    assert_eq!(rows[0].len(), 9 - super::choose::RESERVED);
+}

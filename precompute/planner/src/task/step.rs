@@ -92,6 +92,7 @@ impl NameTable<'_> {
     pub fn steps(&self, tasks: &[TaskEntry]) -> Result<Vec<TaskStep>, (usize, String)> {
         tasks.iter().enumerate().map(|(i, t)| self.step(t).map_err(|why| (i, why))).collect()
     }
+
     fn step(&self, t: &TaskEntry) -> Result<TaskStep, String> {
         let object = t.object.as_ref().map(|name| self.thing(name)).transpose()?;
         let needs_object = t.action != TaskAction::Correct;

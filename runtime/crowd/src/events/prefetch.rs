@@ -15,7 +15,7 @@ use throng_base::prefetch;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Prefetcher {
     scout: CalendarScout,
-    /// Agents found at the last events, the latest first; [`NONE`] where there was none.
+    /// Agents found at the last events, the latest first; [`NONE`] where there was none; 0 before the first events.
     found: [u32; 2],
 }
 

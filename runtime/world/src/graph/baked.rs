@@ -21,7 +21,7 @@ impl PathCosts {
     /// # Errors
     /// [`FormatError::Layout`] where they cannot be encoded.
     pub fn bake(graph: &WorldGraph) -> Result<Self, FormatError> {
-        // The fields of `BakedCosts`.
+        // The fields of `BakedCosts`, in their order.
         let to_rest: &[u8] = bytemuck::cast_slice(&graph.to_rest);
         let baked = (to_rest, &graph.narrow, &graph.bounds, graph.hierarchy());
         let bytes = bincode::serde::encode_to_vec(baked, bincode::config::legacy());

@@ -88,7 +88,6 @@ impl InhabitantMemory {
         .max(0.0)
     }
 
-    /// At rest in a place, without a goal.
     /// Calls `visit` with the instances whose units a character needs: of the present step and of those after it.
     fn visit_needed_instances(&self, graph: &WorldGraph, chain: &[WorldStep], mut visit: impl FnMut(u32)) {
         self.through.iter().for_each(|&instance| visit(instance));
@@ -101,6 +100,7 @@ impl InhabitantMemory {
         }
     }
 
+    /// At rest in a place, without a goal.
     fn resting_at(node: WorldNode) -> Self {
         Self { at: node, through: [node.instance; 2], ..Self::default() }
     }

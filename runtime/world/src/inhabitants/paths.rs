@@ -25,13 +25,22 @@ pub(super) struct InhabitantPath {
 pub(super) type SavedPaths = (Vec<InhabitantPath>, Vec<Vec<WorldStep>>, Vec<u32>);
 
 /// Paths of all characters; memory for all of them.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct InhabitantPaths {
     paths: Vec<InhabitantPath>,
     steps: Vec<WorldStep>,
     max_path: usize,
     /// Characters that wait for a path.
     queue: VecDeque<u32>,
+}
+
+impl Clone for InhabitantPaths {
+    /// The queue keeps its room: a step allocates nothing.
+    fn clone(&self) -> Self {
+        let mut queue = VecDeque::with_capacity(self.paths.len());
+        queue.extend(&self.queue);
+        Self { paths: self.paths.clone(), steps: self.steps.clone(), max_path: self.max_path, queue }
+    }
 }
 
 impl InhabitantPaths {
@@ -148,6 +157,7 @@ impl InhabitantPaths {
             self.steps[c * self.max_path..][path.next..path.end].copy_from_slice(steps);
         }
         self.queue.clear();
+        self.queue.reserve(self.paths.len());
         self.queue.extend(waiting);
         true
     }

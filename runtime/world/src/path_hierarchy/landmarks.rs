@@ -18,8 +18,8 @@ pub(crate) type ToLandmarks = [u16; NUM];
 /// Costs to landmarks from all states: entrances, and then exits.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Landmarks {
+    /// Costs from or to each state.
     #[serde(with = "crate::pod")]
-    /// Of each state.
     pub costs: Vec<ToLandmarks>,
 }
 

@@ -11,6 +11,7 @@ use throng_base::text::did_you_mean;
 const MOST_POINTS: usize = 1000;
 
 impl ScenarioCompiler<'_> {
+    /// Compiles a condition in the scope that was set last.
     pub(super) fn compile_condition(&mut self, when: Option<&str>, key: &str) -> CompileResult<Option<Program>> {
         when.map(|text| self.compile_expression(text, Type::Truth, key)).transpose()
     }

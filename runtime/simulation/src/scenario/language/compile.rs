@@ -211,11 +211,12 @@ impl ExpressionCompiler<'_> {
         Ok(())
     }
 
-    /// Adds an operation with two operands.
+    /// Number of a name in quotes that stands at a place of the text.
     fn number_of(&self, sort: NameKind, name: &str, at: usize) -> Result<usize, ExpressionFault> {
         self.names.number_of(sort, name).map_err(|why| ExpressionFault { at: at + 1, why })
     }
 
+    /// Adds an operation with two operands.
     fn push_binary(&mut self, op: Op) {
         self.code.push(op);
         self.depth -= 1;
