@@ -7,7 +7,7 @@ use super::troop::{SavedTroop, Troop};
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, refused_snapshot};
 use crate::wander::random_skeletons;
-use glam::{Vec2, Vec3, Vec3Swizzles};
+use glam::{Vec2, Vec3Swizzles};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_base::Result;
@@ -15,7 +15,7 @@ use throng_base::maths;
 use throng_core::blend::ActivityId;
 use throng_core::body::HandReach;
 use throng_core::walkers::{Performance, PerformanceProgress, Walkers, WalkersConfig};
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
 use throng_crowd::{Id, Space};
 
 /// Bodies of the agents of one group; bodies of agents that have left stay where they were.
@@ -24,9 +24,8 @@ pub(super) struct Followers {
     /// Key of the group in the scene file, for messages.
     key: String,
     scene: Arc<crate::scene::Scene>,
-    /// Number of the first agent.
-    first: usize,
-    count: usize,
+    /// Numbers of its agents.
+    pub agents: Range<usize>,
     /// Skeletons; agents take them in turn, by their numbers in the crowd.
     bodies: Vec<Skeleton>,
     /// Activities of the bundle for each troop and each motion tag of the scenario.
@@ -68,16 +67,8 @@ impl Followers {
             });
             troops.push(made.map_err(|e| scene.fault(&key, e))?);
         }
-        Ok(Self {
-            key,
-            scene: Arc::clone(scene),
-            first,
-            count: config.count,
-            bodies,
-            activities,
-            ordered: vec![BodyActivity::default(); config.count],
-            troops,
-        })
+        let (agents, ordered) = (first..first + config.count, vec![BodyActivity::default(); config.count]);
+        Ok(Self { key, scene: Arc::clone(scene), agents, bodies, activities, ordered, troops })
     }
 
     /// Advances all bodies to the current positions of their agents.
@@ -85,13 +76,13 @@ impl Followers {
         let crowd = &outside.crowd;
         let num = self.troops.len();
         for &agent in &outside.newcomers {
-            if let Some(id) = outside.ids[agent as usize].filter(|_| self.contains(agent as usize)) {
+            if let Some(id) = outside.ids[agent as usize].filter(|_| self.agents.contains(&(agent as usize))) {
                 let entered = self.troops[agent as usize % num].add_body(crowd, id, Vec2::Y, self.bodies.len());
                 entered.map_err(|e| self.scene.fault(&self.key, e))?;
             }
         }
         if outside.has_brains {
-            for agent in self.first..self.first + self.count {
+            for agent in self.agents.clone() {
                 self.order_activity(outside, agent)?;
             }
         }
@@ -102,8 +93,7 @@ impl Followers {
     /// Orders what the body of an agent does beside walking: to face and look at a place, and to perform an activity repeatedly, or
     /// once where it is a greeting.
     fn order_activity<V: Space>(&mut self, outside: &CrowdStage<V>, agent: usize) -> Result<()> {
-        let (num, row) = (self.troops.len(), (agent - self.first) / self.troops.len());
-        let t = agent % num;
+        let (t, row) = self.locate(agent);
         let shown = outside.shown[agent];
         let Some(at) = outside.ids[agent].and_then(|id| outside.crowd.position(id, outside.crowd.time_s())) else {
             return Ok(());
@@ -112,16 +102,16 @@ impl Followers {
         let ahead = shown.faces.map(|faces| (faces - at).xz());
         troop.order_look(row, ahead, shown.faces);
         troop.order_stand(row, shown.stands.map(|at| at.xz()));
-        let is_new = std::mem::replace(&mut self.ordered[agent - self.first], shown) != shown;
+        let is_new = std::mem::replace(&mut self.ordered[agent - self.agents.start], shown) != shown;
         let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));
         if let Some(activity) = shown.once {
             // An agent that still walked at the order has not begun.
-            let begins = is_new || !troop.is_performing(row) && outside.things.is_awaited(agent as u32);
+            let begins = is_new || troop.walkers.performing(row).is_none() && outside.things.is_awaited(agent as u32);
             return if begins { troop.order_activity(row, Some(Performance { activity, heading })) } else { Ok(()) };
         }
         let all = &self.activities[t][usize::from(motion)];
-        if all.is_empty() || !is_new && (troop.is_performing(row) || troop.is_played_once(all[0])) {
+        if all.is_empty() || !is_new && (troop.walkers.performing(row).is_some() || troop.is_played_once(all[0])) {
             return Ok(());
         }
         // The choice differs between agents and changes with time.
@@ -144,18 +134,13 @@ impl Followers {
         }
         let num = self.troops.len();
         for (t, (own, saved)) in self.troops.iter_mut().zip(troops).enumerate() {
-            let mine = (self.first..self.first + self.count).filter(|m| m % num == t);
+            let mine = self.agents.clone().filter(|m| m % num == t);
             own.agents.clear();
             own.agents.extend(mine.filter_map(|m| ids[m]));
             own.load(saved)?;
         }
-        self.ordered.copy_from_slice(&shown[self.first..self.first + self.count]);
+        self.ordered.copy_from_slice(&shown[self.agents.clone()]);
         Ok(())
-    }
-
-    /// Numbers of the agents that have these bodies.
-    pub fn agents(&self) -> Range<usize> {
-        self.first..self.first + self.count
     }
 
     /// Grasps by which hands take things and put them down, for each body, troop and motion tag.
@@ -172,7 +157,7 @@ impl Followers {
 
     /// True where an agent has entered, so that its body exists.
     pub fn is_there(&self, agent: usize) -> bool {
-        (agent - self.first) / self.troops.len() < self.walkers_of(agent).0.len()
+        self.locate(agent).1 < self.walkers_of(agent).0.len()
     }
 
     /// Activity that the body of an agent performs.
@@ -188,19 +173,8 @@ impl Followers {
 
     /// Orders a hand of an agent's body (0 left, 1 right) to reach for something in the next step.
     pub fn order_reach(&mut self, agent: usize, side: usize, reach: HandReach) {
-        let num = self.troops.len();
-        self.troops[agent % num].order_reach((agent - self.first) / num, side, reach);
-    }
-
-    /// True where the body of an agent is among them.
-    pub fn contains(&self, agent: usize) -> bool {
-        (self.first..self.first + self.count).contains(&agent)
-    }
-
-    /// Planar root of an agent's body.
-    pub fn root(&self, agent: usize) -> Planar {
-        let (walkers, w) = self.walkers_of(agent);
-        walkers.root(w)
+        let (t, row) = self.locate(agent);
+        self.troops[t].order_reach(row, side, reach);
     }
 
     /// Joints of an agent in model space, which [`Followers::root`] places in the world.
@@ -209,20 +183,14 @@ impl Followers {
         crate::motion_kind::single_pose(walkers.pose(w))
     }
 
-    /// Planted parts of an agent's feet.
-    pub fn contacts(&self, agent: usize) -> Contacts {
-        let (walkers, w) = self.walkers_of(agent);
-        walkers.contacts(w)
+    pub fn walkers_of(&self, agent: usize) -> (&Walkers, usize) {
+        let (t, row) = self.locate(agent);
+        (&self.troops[t].walkers, row)
     }
 
-    /// Bottom of the heel and ball of both feet of an agent, in the world (m).
-    pub fn soles(&self, agent: usize) -> [[Vec3; 2]; 2] {
-        let (walkers, w) = self.walkers_of(agent);
-        walkers.soles(w)
-    }
-
-    fn walkers_of(&self, agent: usize) -> (&Walkers, usize) {
+    /// Number of an agent's troop, and of its body there.
+    fn locate(&self, agent: usize) -> (usize, usize) {
         let num = self.troops.len();
-        (&self.troops[agent % num].walkers, (agent - self.first) / num)
+        (agent % num, (agent - self.agents.start) / num)
     }
 }

@@ -97,7 +97,9 @@ impl<V: Space> CrowdLayout<V> {
         }
         layout.companion_starts.push(layout.groups.len());
         layout.setup.doors = (first_door..layout.setup.obstacles.len()).collect();
-        layout.setup.config.largest_speed_mps = layout.largest_speed();
+        let speeds = scene.happenings.iter().filter_map(|h| h.speed_mps);
+        let speeds = layout.setup.agents.iter().map(|m| m.speed).chain(speeds);
+        layout.setup.config.largest_speed_mps = speeds.fold(0.0, f32::max);
         if scene.agents.routes {
             let map = RouteMap::new(&layout.setup.obstacles, first_door, layout.heights(), &scene.groups);
             layout.map = map.map_err(|e| layout.explain_crowd_error(&e.into()))?;
@@ -165,11 +167,10 @@ impl<V: Space> CrowdLayout<V> {
         let (group, around) = (&scene.groups[self.groups[m]], self.boxes[self.groups[m]]);
         let start = self.setup.agents[m].position;
         let goal = group.goal.as_ref().unwrap_or(&GoalConfig::Stay {});
-        let (subgoals, at_end) = match goal {
+        let (subgoals, at_end): (Vec<V>, _) = match goal {
             GoalConfig::Wander { from, to, points: num } => {
-                let mut all: Vec<V> = self.map.random_points(start, [from, to], *num, rng);
-                all.push(start);
-                (all, AtEndConfig::Again)
+                let points = self.map.random_points(start, [from, to], *num, rng);
+                (points.into_iter().chain([start]).collect(), AtEndConfig::Again)
             }
             goal => {
                 let via = group.via.iter().map(|p| to_point(p));
@@ -209,12 +210,6 @@ impl<V: Space> CrowdLayout<V> {
             path.extend(&leg[1..]);
         }
         Ok(path)
-    }
-
-    /// Largest speed of all agents and happenings (m/s).
-    fn largest_speed(&self) -> f32 {
-        let speeds = self.scene.happenings.iter().filter_map(|h| h.speed_mps);
-        self.setup.agents.iter().map(|m| m.speed).chain(speeds).fold(0.0, f32::max)
     }
 
     /// Lowest and highest starts of agents (m).

@@ -14,7 +14,7 @@ pub use layout::CrowdLayout;
 pub use things::HandlingCounts;
 
 use crate::compile::CompiledScene;
-use crate::motion_kind::{GroupStep, MotionKind};
+use crate::motion_kind::{GroupStep, MotionKind, single_pose};
 use crate::scenario::{AgentBrains, ScenarioStage};
 use crate::scene::GroupMotion;
 use crate::{CharacterEvent, SimulationEvent};
@@ -26,6 +26,7 @@ use std::time::Instant;
 use throng_base::ground::ReservedRegion;
 use throng_base::maths;
 use throng_base::{Executor, Result};
+use throng_core::walkers::Walkers;
 use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, Space};
 
@@ -271,8 +272,8 @@ impl<V: Space> SceneAgents<V> {
     }
 
     /// Bodies of an agent's group.
-    fn followers_of(&self, agent: usize) -> Option<&Followers> {
-        self.followers.iter().find(|f| f.contains(agent))
+    fn walkers_of(&self, agent: usize) -> Option<(&Walkers, usize)> {
+        self.followers.iter().find(|f| f.agents.contains(&agent)).map(|f| f.walkers_of(agent))
     }
 }
 
@@ -333,23 +334,23 @@ impl<V: Space> MotionKind for SceneAgents<V> {
     }
 
     fn root(&self, number: usize) -> Option<Planar> {
-        match self.followers_of(number) {
-            Some(f) => self.position(number, self.crowd().time_s()).map(|_| f.root(number)),
+        match self.walkers_of(number) {
+            Some((walkers, row)) => self.position(number, self.crowd().time_s()).map(|_| walkers.root(row)),
             None => self.disc(number).map(|d| d.root),
         }
     }
 
     fn pose(&self, number: usize) -> Option<&[Mat3x4; NUM_JOINTS]> {
-        let followers = self.followers_of(number)?;
-        self.position(number, self.crowd().time_s()).map(|_| followers.pose(number))
+        let (walkers, row) = self.walkers_of(number)?;
+        self.position(number, self.crowd().time_s()).map(|_| single_pose(walkers.pose(row)))
     }
 
     fn contacts(&self, number: usize) -> Contacts {
-        self.followers_of(number).map_or(Contacts::NONE, |f| f.contacts(number))
+        self.walkers_of(number).map_or(Contacts::NONE, |(walkers, row)| walkers.contacts(row))
     }
 
     fn soles(&self, number: usize) -> Option<[[Vec3; 2]; 2]> {
-        self.followers_of(number).map(|f| f.soles(number))
+        self.walkers_of(number).map(|(walkers, row)| walkers.soles(row))
     }
 }
 

@@ -41,10 +41,8 @@ fn block_positions<V: Space>(from: V, to: V, jitter: f32, count: usize, radius: 
     let d = V::DIMENSIONS;
     let volume: f32 = size[..d].iter().product();
     let side = maths::pow(volume / count as f32, 1.0 / d as f32);
-    let mut cells = [1usize; 3];
-    for i in 0..d {
-        cells[i] = ((size[i] / side).round() as usize).max(1);
-    }
+    let mut cells: [usize; 3] =
+        std::array::from_fn(|i| if i < d { ((size[i] / side).round() as usize).max(1) } else { 1 });
     // Rounding may leave too few: the longest side gets more.
     let longest = (0..d).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
     let across = (0..3).filter(|&i| i != longest).fold(1, |all: usize, i| all.saturating_mul(cells[i]));

@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Instant;
-use throng_base::Result;
+use throng_base::{Error, Result};
 use throng_core::blend::ActivityId;
 use throng_crowd::{
     AgentOrder, AtEnd, Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, InterestLocation, PersonalInterest, Route,
@@ -137,12 +137,10 @@ impl<V: Space> CrowdStage<V> {
             *ways_s += begin.elapsed().as_secs_f64();
         }
         match ordered {
-            Ok(()) => {
-                self.crowd.wake(id).map_err(|e| self.layout.explain_crowd_error(&e))?;
-                Ok(true)
+            Ok(()) => self.crowd.wake(id).map(|()| true).map_err(|e| self.layout.explain_crowd_error(&e)),
+            Err(CrowdError::Goal { .. } | CrowdError::Inside { .. } | CrowdError::Other(Error::NoPath { .. })) => {
+                Ok(false)
             }
-            Err(CrowdError::Goal { .. } | CrowdError::Inside { .. }) => Ok(false),
-            Err(CrowdError::Other(throng_base::Error::NoPath { .. })) => Ok(false),
             Err(e) => Err(self.layout.explain_crowd_error(&e)),
         }
     }
@@ -203,12 +201,10 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     }
 
     fn resume_route(&mut self, agent: u32) -> Result<()> {
-        match self.ordered_happenings[agent as usize] {
-            Some(happening) => self.follow_happening(agent, happening),
-            None => {
-                let Some(route) = self.layout.setup.agents[agent as usize].route else { return Ok(()) };
-                self.order(agent, AgentOrder::on_route(route)).map(|_| ())
-            }
+        match (self.ordered_happenings[agent as usize], self.layout.setup.agents[agent as usize].route) {
+            (Some(happening), _) => self.follow_happening(agent, happening),
+            (None, Some(route)) => self.order(agent, AgentOrder::on_route(route)).map(|_| ()),
+            (None, None) => Ok(()),
         }
     }
 
@@ -242,12 +238,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn begin_handling(&mut self, agent: u32, motion: Option<u16>, handling: Handling) {
         let begun = self.things.begin_handling(self.handler(agent, motion), handling);
-        self.shown[agent as usize] = match begun {
-            Some((once, faces, stands)) => {
-                BodyActivity { motion, faces: Some(faces), once: Some(once), stands: Some(stands) }
-            }
-            None => BodyActivity::default(),
-        };
+        self.shown[agent as usize] = begun.unwrap_or_default();
     }
 
     fn end_handling(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {

@@ -1,6 +1,7 @@
 //! Things that agents take, carry and put down: where they are, in which hand, and what hands reach for meanwhile.
 
 use super::followers::Followers;
+use super::stage::BodyActivity;
 use crate::scenario::{Handling, SIDES, StanceError};
 use crate::scene::{CarryStyle, ThingConfig};
 use glam::{Quat, Vec2, Vec3};
@@ -11,7 +12,7 @@ use throng_core::blend::{ActivityId, ActivitySet};
 use throng_core::body::HandReach;
 use throng_core::hits::FIST_PER_FOREARM;
 use throng_core::walkers::PerformanceProgress;
-use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Joint, Planar, Skeleton};
 
 /// Forearm and hand of each arm: both ends of the forearm.
 const ARMS: [[Joint; 2]; 2] = [[Joint::LeftForearm, Joint::LeftHand], [Joint::RightForearm, Joint::RightHand]];
@@ -241,7 +242,7 @@ impl Things {
     /// Registers the grasps of a group's bodies.
     pub(super) fn register_bodies(&mut self, followers: &Followers) {
         if !self.all.is_empty() {
-            self.bodies.push((followers.agents(), followers.grasps()));
+            self.bodies.push((followers.agents.clone(), followers.grasps()));
         }
     }
 
@@ -298,8 +299,8 @@ impl Things {
 
     /// Begins to take a thing, or to put it down, by an agent that stands in reach.
     ///
-    /// - returns the activity that shows it, what the body faces, and where it stands (m).
-    pub fn begin_handling(&mut self, who: Handler, handling: Handling) -> Option<(ActivityId, Vec3, Vec3)> {
+    /// - returns what its body shows meanwhile; `None` where no motion shows it.
+    pub fn begin_handling(&mut self, who: Handler, handling: Handling) -> Option<BodyActivity> {
         let (grasp, stand_m) = self.choose_grasp(who, &handling).ok()?;
         let to = (handling.at - who.from).with_y(0.0);
         let heading = heading_of(to) - heading_of(grasp.palm);
@@ -308,7 +309,8 @@ impl Things {
         let thing = &mut self.all[usize::from(handling.thing)];
         (thing.handling, thing.is_over, thing.is_missed) = (Some((who.agent, handling, grasp)), false, false);
         let aside = to - to.normalize_or_zero() * stand_m;
-        Some((grasp.activity?, faces, who.from + aside.clamp_length_max(ASIDE_M)))
+        let (once, stands) = (Some(grasp.activity?), Some(who.from + aside.clamp_length_max(ASIDE_M)));
+        Some(BodyActivity { motion: who.motion, faces: Some(faces), once, stands })
     }
 
     /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].
@@ -359,7 +361,7 @@ impl Things {
         for (thing, &carried) in self.all.iter_mut().zip(&self.carried) {
             let by = thing.handling.map(|h| h.0).or(thing.keeper);
             let Some((agent, body)) = by.and_then(|agent| {
-                let body = followers.iter_mut().find(|f| f.contains(agent as usize));
+                let body = followers.iter_mut().find(|f| f.agents.contains(&(agent as usize)));
                 body.filter(|f| f.is_there(agent as usize)).map(|body| (agent as usize, body))
             }) else {
                 thing.raised = 0.0;
@@ -401,10 +403,13 @@ impl Things {
     ) {
         let Self { all, counts: handled, carried, .. } = self;
         for (thing, &carried) in all.iter_mut().zip(carried.iter()) {
-            let hand_of = |agent: u32, side: u8| hand_transform(followers, &bodiless, agent, side);
+            let hand_of = |agent: u32, side: u8| {
+                let body = followers.iter().find(|f| f.agents.contains(&(agent as usize)));
+                body.map(|f| Hand::of_body(f, agent as usize, side)).or_else(|| bodiless(agent).map(Hand::of_bodiless))
+            };
             if let Some((agent, handling, grasp)) = thing.handling {
-                let performing =
-                    followers.iter().find(|f| f.contains(agent as usize)).and_then(|f| f.performing(agent as usize));
+                let body = followers.iter().find(|f| f.agents.contains(&(agent as usize)));
+                let performing = body.and_then(|f| f.performing(agent as usize));
                 let seconds = performed_seconds(performing, grasp);
                 let is_due = grasp.activity.is_none() || seconds.is_some_and(|s| s >= grasp.moment_s);
                 if is_due && thing.waits_for(agent, &handling) {
@@ -414,10 +419,8 @@ impl Things {
                         false => thing.is_missed = true,
                     }
                 }
-            }
-            if let Some((agent, handling, _)) = thing.handling {
-                thing.is_over = (thing.is_missed || !thing.waits_for(agent, &handling))
-                    && followers.iter().all(|f| !f.contains(agent as usize) || f.performing(agent as usize).is_none());
+                let is_done = thing.is_missed || !thing.waits_for(agent, &handling);
+                thing.is_over = is_done && performing.is_none();
             }
             thing.ease = (thing.ease - dt_s / EASE_S).max(0.0);
             match thing.keeper.and_then(|agent| hand_of(agent, thing.side)) {
@@ -508,27 +511,21 @@ struct Hand {
     root: Planar,
 }
 
-fn hand_transform(
-    followers: &[Followers],
-    bodiless: &impl Fn(u32) -> Option<Planar>,
-    agent: u32,
-    side: u8,
-) -> Option<Hand> {
-    let Some(body) = followers.iter().find(|f| f.contains(agent as usize)) else {
-        let root = bodiless(agent)?;
-        return Some(Hand { palm: root.translation() + Vec3::Y * CARRY_HEIGHT_M, turn: root.rotation(), root });
-    };
-    let (root, pose) = (body.root(agent as usize), body.pose(agent as usize));
-    let (palm, turn) = palm_transform(pose, root, side);
-    Some(Hand { palm, turn, root })
-}
+impl Hand {
+    /// Hand of a body; its palm is beyond the wrist along the forearm.
+    fn of_body(body: &Followers, agent: usize, side: u8) -> Self {
+        let (walkers, row) = body.walkers_of(agent);
+        let (root, pose) = (walkers.root(row), walkers.pose(row));
+        let [forearm, hand] = ARMS[usize::from(side)].map(|j| &pose[j.index()]);
+        let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
+        let palm = hand.translation() + maths::rotate(hand.rotation(), along * FIST_PER_FOREARM);
+        let palm = maths::rotate(root.rotation(), palm) + root.translation();
+        Self { palm, turn: maths::compose(root.rotation(), hand.rotation()), root }
+    }
 
-/// Position of a palm in the world, beyond the wrist along the forearm, and orientation of the hand (m).
-fn palm_transform(pose: &[Mat3x4; NUM_JOINTS], root: Planar, side: u8) -> (Vec3, Quat) {
-    let [forearm, hand] = ARMS[usize::from(side)].map(|j| &pose[j.index()]);
-    let along = maths::rotate(forearm.rotation().conjugate(), hand.translation() - forearm.translation());
-    let palm = hand.translation() + maths::rotate(hand.rotation(), along * FIST_PER_FOREARM);
-    (maths::rotate(root.rotation(), palm) + root.translation(), maths::compose(root.rotation(), hand.rotation()))
+    fn of_bodiless(root: Planar) -> Self {
+        Self { palm: root.translation() + Vec3::Y * CARRY_HEIGHT_M, turn: root.rotation(), root }
+    }
 }
 
 /// Time since the motion of a grasp began; `None` before (s).

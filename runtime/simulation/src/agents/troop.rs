@@ -118,11 +118,6 @@ impl Troop {
         self.walkers.perform(self.walkers.bodies().ids[row], performance)
     }
 
-    /// True while the body of a row performs an activity (row < number of bodies).
-    pub fn is_performing(&self, row: usize) -> bool {
-        self.walkers.performing(row).is_some()
-    }
-
     /// True for an activity that is performed once and not repeatedly: a greeting.
     pub fn is_played_once(&self, activity: ActivityId) -> bool {
         let tag = self.walkers.space().activities().get(activity).map_or("", |a| a.tag.as_str());

@@ -6,7 +6,7 @@ use super::action_registry::{
 use super::agent_brain::{ActionPhase, AgentBrain, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
 use super::blackboards::BlackboardNote;
-use super::language::{Amount, SpotName, run_program};
+use super::language::{Amount, SpotName};
 use super::perceive::AgentView;
 use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE, trigger};
@@ -93,14 +93,13 @@ impl AgentBrains {
 
     /// Runs actions that take no time.
     pub(super) fn apply_effects(&mut self, stage: &mut impl ScenarioStage, on: Occasion, first: u32) -> Result<()> {
-        let mut at = first;
-        loop {
+        for at in first.. {
             match self.action(at) {
-                CompiledAction::End => return Ok(()),
+                CompiledAction::End => break,
                 action => self.apply_effect(stage, on, action)?,
             }
-            at += 1;
         }
+        Ok(())
     }
 
     /// Begins a primitive behaviour, or calls its function again; true where it is over at once.
@@ -258,17 +257,9 @@ impl AgentBrains {
     }
 
     fn evaluate_amount(&mut self, stage: &impl ScenarioStage, on: Occasion, amount: Amount) -> f64 {
-        let Occasion { agent, context } = on;
         let value = match amount {
             Amount::Number(number) => number,
-            Amount::Program(program) => {
-                let mut draws = self.brains[agent as usize].draws;
-                self.evaluations += 1;
-                let mut view = AgentView { brains: self, stage, agent, context, draws: &mut draws };
-                let value = run_program(&self.scenario.code, program, &mut view);
-                self.brains[agent as usize].draws = draws;
-                value
-            }
+            Amount::Program(program) => self.evaluate_program(stage, on, program),
         };
         // Infinities and NaN would spread to all values that are computed with them.
         if value.is_nan() { 0.0 } else { value.clamp(-MAX_AMOUNT, MAX_AMOUNT) }
@@ -412,10 +403,7 @@ impl AgentBrains {
                 && into == place
             {
                 self.mark_touched(head);
-                if self.handle_arrival(stage, head)? {
-                    return self.next_action(stage, head);
-                }
-                return Ok(());
+                return if self.handle_arrival(stage, head)? { self.next_action(stage, head) } else { Ok(()) };
             }
         }
         Ok(())

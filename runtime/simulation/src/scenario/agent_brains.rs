@@ -307,13 +307,18 @@ impl AgentBrains {
     }
 
     pub(super) fn evaluate_predicate(&mut self, stage: &impl ScenarioStage, on: Occasion, program: Program) -> bool {
+        self.evaluate_program(stage, on, program) != 0.0
+    }
+
+    /// Evaluates an amount or a predicate for an agent.
+    pub(super) fn evaluate_program(&mut self, stage: &impl ScenarioStage, on: Occasion, program: Program) -> f64 {
         let Occasion { agent, context } = on;
         self.evaluations += 1;
         let mut draws = self.brains[agent as usize].draws;
         let mut view = AgentView { brains: self, stage, agent, context, draws: &mut draws };
         let value = run_program(&self.scenario.code, program, &mut view);
         self.brains[agent as usize].draws = draws;
-        value != 0.0
+        value
     }
 
     pub(super) fn action(&self, number: u32) -> CompiledAction {

@@ -31,13 +31,11 @@ impl AgentBrains {
     ) -> Result<bool> {
         let (ActionClaim::Take(thing) | ActionClaim::Put(thing)) = claims else { return Ok(false) };
         if self.brains[agent as usize].phase == ActionPhase::Standing {
-            return match stage.is_handling_over(agent, thing) {
-                true => Ok(true),
-                false => {
-                    self.brains[agent as usize].again = self.now + POLL_S;
-                    Ok(false)
-                }
-            };
+            let is_over = stage.is_handling_over(agent, thing);
+            if !is_over {
+                self.brains[agent as usize].again = self.now + POLL_S;
+            }
+            return Ok(is_over);
         }
         let (puts, keeper) = (matches!(claims, ActionClaim::Put(_)), self.keepers[usize::from(thing)]);
         let full = self.keepers.iter().filter(|k| **k == agent).count() == HANDS;
@@ -133,8 +131,8 @@ impl AgentBrains {
         if brain.action == NONE || self.keepers.is_empty() {
             return;
         }
-        if let CompiledAction::Primitive { claims: ActionClaim::Take(thing) | ActionClaim::Put(thing), .. } =
-            self.action(brain.action)
+        if let CompiledAction::Primitive { claims, .. } = self.action(brain.action)
+            && let ActionClaim::Take(thing) | ActionClaim::Put(thing) = claims
             && self.keepers[usize::from(thing)] == agent
         {
             let was_at_it = is_done && brain.phase == ActionPhase::Standing;
@@ -142,9 +140,7 @@ impl AgentBrains {
             if !is_kept {
                 self.keepers[usize::from(thing)] = NONE;
             }
-            let takes =
-                matches!(self.action(brain.action), CompiledAction::Primitive { claims: ActionClaim::Take(_), .. });
-            if was_at_it && is_kept != takes {
+            if was_at_it && is_kept != matches!(claims, ActionClaim::Take(_)) {
                 self.report_miss(stage, agent);
             }
         }

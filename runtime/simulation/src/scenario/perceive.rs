@@ -49,10 +49,8 @@ impl<S: ScenarioStage> AgentView<'_, S> {
         let position = || self.stage.position(agent).unwrap_or_default();
         match of {
             Attribute::Value(v) => {
-                let tables = &brains.scenario.values;
-                f64::from(
-                    brains.feelings[m * tables.len() + usize::from(v)].value_at(&tables[usize::from(v)], brains.now),
-                )
+                let (v, tables) = (usize::from(v), &brains.scenario.values);
+                f64::from(brains.feelings[m * tables.len() + v].value_at(&tables[v], brains.now))
             }
             Attribute::X => f64::from(position().x),
             Attribute::Y => f64::from(position().y),

@@ -213,11 +213,7 @@ impl AgentBrains {
         for t in table.thresholds[0]..table.thresholds[1] {
             let bit = 1u32 << t;
             let (was, is) = (self.brains[m].passed & bit != 0, scenario.thresholds[usize::from(t)].is_passed(now));
-            if is {
-                self.brains[m].passed |= bit;
-            } else {
-                self.brains[m].passed &= !bit;
-            }
+            self.brains[m].passed = self.brains[m].passed & !bit | u32::from(is) << t;
             if is && !was {
                 self.push_stimulus(agent, trigger::EVENTS + scenario.events.len() as u16 + t, EventContext::default());
             }
@@ -276,15 +272,13 @@ impl AgentBrains {
     pub(super) fn circle_error(&self, agent: u32, trigger: u16) -> Error {
         let reason = self.brains[agent as usize].reason;
         let reason = if self.at_once.0 == self.now { ActionReason { rule: self.at_once.1, ..reason } } else { reason };
-        let rule = match reason {
-            ActionReason { rule, .. } if rule != NONE => {
-                format!("rule \"{}\"", self.scenario.rules[rule as usize].name)
-            }
-            ActionReason { edge, .. } if edge != NONE => {
-                let to = self.scenario.edges[edge as usize].to;
-                format!("an edge to `{}`", self.scenario.states[usize::from(to)].name)
-            }
-            _ => "no rule".into(),
+        let rule = if reason.rule != NONE {
+            format!("rule \"{}\"", self.scenario.rules[reason.rule as usize].name)
+        } else if reason.edge != NONE {
+            let to = self.scenario.edges[reason.edge as usize].to;
+            format!("an edge to `{}`", self.scenario.states[usize::from(to)].name)
+        } else {
+            "no rule".into()
         };
         let event = self.scenario.trigger_name(trigger);
         let why = format!(

@@ -301,18 +301,13 @@ impl Scenario {
     /// Name of a trigger.
     pub(super) fn trigger_name(&self, trigger: u16) -> String {
         let number = usize::from(trigger);
-        let events = trigger::NAMES.len();
-        if let Some(name) = trigger::NAMES.get(number) {
-            return (*name).into();
+        let events = self.names.events.0.iter().map(String::as_str);
+        if let Some(name) = trigger::NAMES.into_iter().chain(events).nth(number) {
+            return name.into();
         }
-        match self.names.events.0.get(number - events) {
-            Some(name) => name.clone(),
-            None => {
-                let t = &self.thresholds[number - events - self.events.len()];
-                let sign = if t.rises { '>' } else { '<' };
-                format!("{} {sign} {}", self.names.values.0[usize::from(t.value)], t.at)
-            }
-        }
+        let t = &self.thresholds[number - trigger::NAMES.len() - self.events.len()];
+        let sign = if t.rises { '>' } else { '<' };
+        format!("{} {sign} {}", self.names.values.0[usize::from(t.value)], t.at)
     }
 }
 
@@ -327,9 +322,6 @@ impl CompiledAction {
             }
             _ => return None,
         };
-        match amount {
-            ActionOperand::Amount(Amount::Number(mps)) => Some(mps as f32),
-            _ => None,
-        }
+        if let ActionOperand::Amount(Amount::Number(mps)) = amount { Some(mps as f32) } else { None }
     }
 }

@@ -268,12 +268,10 @@ impl Sparring {
             return Ok(());
         }
         let (c, characters) = (self.boxers.row(landing.opponent)?, self.boxers.characters());
-        match self.steps_away.best_step(config, characters.pose(c), characters.root(c), blow.direction) {
-            Some(segment) => match self.boxers.play_segment(landing.opponent, segment) {
-                Err(Error::Occupied { .. }) => Ok(()),
-                played => played,
-            },
-            None => Ok(()),
+        let step = self.steps_away.best_step(config, characters.pose(c), characters.root(c), blow.direction);
+        match step.map(|segment| self.boxers.play_segment(landing.opponent, segment)) {
+            None | Some(Err(Error::Occupied { .. })) => Ok(()),
+            Some(played) => played,
         }
     }
 
@@ -350,11 +348,9 @@ impl CharacterGroup for Sparring {
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
         self.state.touches[row / 2].forget_character(row % 2);
-        let moved = |p: Vec3| {
-            maths::rotate(maths::rotation_y(root.heading - old.heading), p - old.translation()) + root.translation()
-        };
+        let turn = maths::rotation_y(root.heading - old.heading);
         for at in [&mut self.state.heads[row ^ 1], &mut self.state.aims[row ^ 1]] {
-            *at = moved(*at);
+            *at = maths::rotate(turn, *at - old.translation()) + root.translation();
         }
         Ok(())
     }
@@ -367,19 +363,30 @@ impl CharacterGroup for Sparring {
         self.boxers.aim_all(&self.state.aims, &self.state.threats)?;
         self.boxers.step(dt_s, run)?;
         self.displace_limbs(Some(dt_s), run);
-        let (s, boxers, body, config) = (&mut self.state, &self.boxers, &self.body, &self.config);
-        let lead_s = self.lead_s;
+        let (s, body, config, lead_s) = (&mut self.state, &self.body, &self.config, self.lead_s);
+        let (characters, motion_set) = (self.boxers.characters(), self.boxers.motion_set());
         self.travels.resize(s.heads.len(), TravelPoints::default());
         let places = s.heads.chunks_mut(2 * PART).zip(s.aims.chunks_mut(2 * PART));
         let ahead = s.threats.chunks_mut(2 * PART).zip(self.travels.chunks_mut(2 * PART));
         let parts = s.pairs.chunks_mut(PART).zip(places).zip(ahead);
+        // Heads, coming blows and overlap of each pair in the new poses.
         run_each(run, parts.enumerate(), |(part, ((pairs, (heads, aims)), (threats, travels)))| {
             let places = heads.chunks_exact_mut(2).zip(aims.chunks_exact_mut(2));
             let ahead = threats.chunks_exact_mut(2).zip(travels.chunks_exact_mut(2));
             let of_pair = pairs.iter_mut().zip(places).zip(ahead);
             for (i, ((pair, (heads, aims)), (threats, travels))) in of_pair.enumerate() {
-                let to = PairObservation { index: part * PART + i, pair, heads, aims, threats, travels };
-                observe_pair(to, boxers, body, config, [dt_s, lead_s]);
+                let rows = [0, 1].map(|k| 2 * (part * PART + i) + k);
+                let poses = rows.map(|c| WorldPose::new(characters.pose(c), characters.root(c)));
+                for (k, opponent) in [1, 0].into_iter().enumerate() {
+                    let (character, centre, known) = (rows[opponent], body.head_centre(), &mut travels[k]);
+                    heads[k] = body.head_position(&poses[opponent]);
+                    let travel = characters.travel_of_point(motion_set, character, Joint::Head, centre, lead_s, known);
+                    aims[k] = heads[k] + travel;
+                    let next = characters.next_blow(motion_set, character);
+                    threats[k] = next.map_or(NO_THREAT, |(b, due_s)| Vec3::new(b.point.x, due_s, b.point.z));
+                }
+                let contacts = rows.map(|c| characters.contacts(c));
+                pair.measure_overlap(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
             }
         });
         self.resolve_blows(dt_s)
@@ -437,43 +444,4 @@ fn usual_lead_s(motion_set: &MotionSet) -> f32 {
     let mut frames: Vec<u32> = starts.enumerate().filter_map(to_first).collect();
     frames.sort_unstable();
     frames.get(frames.len() / 2).map_or(0.0, |&f| f as f32 / motion_set.rate_hz)
-}
-
-/// Outputs of the observation of one pair after a step.
-struct PairObservation<'a> {
-    index: usize,
-    pair: &'a mut OpponentPair,
-    /// (2)
-    heads: &'a mut [Vec3],
-    /// (2)
-    aims: &'a mut [Vec3],
-    /// (2)
-    threats: &'a mut [Vec3],
-    /// (2)
-    travels: &'a mut [TravelPoints],
-}
-
-/// Observes heads, coming blows and overlap of a pair in the poses of a step.
-fn observe_pair(
-    to: PairObservation<'_>,
-    boxers: &PolicyCharacters,
-    body: &SparringBody,
-    config: &SparringConfig,
-    [dt_s, lead_s]: [f32; 2],
-) {
-    let (characters, motion_set) = (boxers.characters(), boxers.motion_set());
-    let pair = [2 * to.index, 2 * to.index + 1];
-    let poses = pair.map(|c| WorldPose::new(characters.pose(c), characters.root(c)));
-    for (k, opponent) in [1, 0].into_iter().enumerate() {
-        to.heads[k] = body.head_position(&poses[opponent]);
-        let (character, centre, known) = (pair[opponent], body.head_centre(), &mut to.travels[k]);
-        let travel = characters.travel_of_point(motion_set, character, Joint::Head, centre, lead_s, known);
-        to.aims[k] = to.heads[k] + travel;
-        to.threats[k] = match characters.next_blow(motion_set, pair[opponent]) {
-            Some((blow, due_s)) => Vec3::new(blow.point.x, due_s, blow.point.z),
-            None => NO_THREAT,
-        };
-    }
-    let contacts = pair.map(|c| characters.contacts(c));
-    to.pair.measure_overlap(body, [&poses[0], &poses[1]], contacts, &config.separation, dt_s);
 }

@@ -92,15 +92,8 @@ pub struct SparringConfig {
 impl SparringConfig {
     /// Content hash, without the settings of the characters' motion.
     pub(super) fn hash(&self) -> u128 {
-        let numbers = (
-            self.body,
-            self.reach_m,
-            self.strike_path_m,
-            self.push_m_per_mps,
-            self.separation,
-            self.touch,
-            self.stagger,
-        );
+        let Self { characters: _, body, reach_m, strike_path_m, push_m_per_mps, separation, touch, stagger } = self;
+        let numbers = (body, reach_m, strike_path_m, push_m_per_mps, separation, touch, stagger);
         Hash128::hash_bytes(format!("{numbers:?}").as_bytes())
     }
 

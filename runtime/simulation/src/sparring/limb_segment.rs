@@ -155,14 +155,9 @@ pub(super) fn separate_segments(
 
 /// Rotation about the root of an arm that brings its forearm out of a fixed capsule; `None` where they do not
 /// overlap.
-pub(super) fn swing_rotation(
-    root: Vec3,
-    ends: [Vec3; 2],
-    shape: &LimbShape,
-    capsule: &Capsule,
-    give_m: f32,
-) -> Option<Quat> {
-    let segment = LimbSegment { ends, foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
+pub(super) fn swing_rotation(joints: [Vec3; 3], shape: &LimbShape, capsule: &Capsule, give_m: f32) -> Option<Quat> {
+    let [root, middle, end] = joints;
+    let segment = LimbSegment { ends: [middle, end], foot: Vec3::ZERO, freedom: LimbFreedom::Free, moved: false };
     let (at, _, by) = penetration(segment.axis(shape), capsule.ends, shape.radius + capsule.radius - give_m)?;
     Some(shortest_arc(at - root, at + by - root))
 }
@@ -198,16 +193,11 @@ fn are_surely_apart([a0, a1]: [Vec3; 2], [b0, b1]: [Vec3; 2], limit_m: f32) -> b
     gap > 0.0 && gap * gap >= 4.0 * limit_m * limit_m * square
 }
 
-/// Positions of middle and end as near to `ends` as a limb of these lengths can reach (m).
+/// Positions of middle and end as near to those of `joints` as a limb of these lengths can reach (m).
 ///
 /// - `out`: direction in which a straight limb bends; `soft`: share of that bend (0 to 1).
-pub(super) fn solve_two_bones(
-    shoulder: Vec3,
-    [elbow, wrist]: [Vec3; 2],
-    shape: &LimbShape,
-    out: Vec3,
-    soft: f32,
-) -> [Vec3; 2] {
+pub(super) fn solve_two_bones(joints: [Vec3; 3], shape: &LimbShape, out: Vec3, soft: f32) -> [Vec3; 2] {
+    let [shoulder, elbow, wrist] = joints;
     let [l1, l2] = shape.lengths;
     let offset = wrist - shoulder;
     let direction = offset.normalize_or(Vec3::NEG_Y);

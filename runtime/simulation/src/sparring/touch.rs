@@ -56,8 +56,17 @@ const FEET_APART_M: f32 = 0.6;
 /// Parent joint of each limb.
 const PARENTS: [Joint; NUM_LIMBS] = [Joint::LeftClavicle, Joint::RightClavicle, Joint::Hips, Joint::Hips];
 
+/// Shapes of the limbs of a character.
+type LimbShapes = [LimbShape; NUM_LIMBS];
+
+/// Freedoms of the limbs of two characters.
+type LimbFreedoms = [[LimbFreedom; NUM_LIMBS]; 2];
+
+/// Root, middle and end of each limb of a character, in the world (m).
+type LimbJoints = [[Vec3; 3]; NUM_LIMBS];
+
 /// Root, middle and end of each limb of two characters, in the world (m).
-type LimbPositions = [[[Vec3; 3]; NUM_LIMBS]; 2];
+type LimbPositions = [LimbJoints; 2];
 
 impl TouchConfig {
     pub(super) fn check(&self) -> Result<()> {
@@ -98,16 +107,15 @@ impl LimbOffset {
     /// - `before`: angle at the elbow or knee at the last step (rad).
     /// - `out`: see [`solve_two_bones`].
     fn keep_lengths(&mut self, shape: &LimbShape, before: f32, most: f32, out: Vec3) {
-        let [shoulder, elbow, wrist] = self.displaced_positions();
-        let soft = self.bend_share();
-        let mut ends = solve_two_bones(shoulder, [elbow, wrist], shape, out, soft);
+        let (joints, soft) = (self.displaced_positions(), self.bend_share());
+        let (shoulder, mut ends) = (joints[0], solve_two_bones(joints, shape, out, soft));
         let angle = elbow_angle([shoulder, ends[0], ends[1]]);
         let slow = angle.clamp(before - most, before + most);
         if slow != angle {
             let [l1, l2] = shape.lengths;
             let distance = (l1 * l1 + l2 * l2 - 2.0 * l1 * l2 * maths::cos(slow)).max(0.0).sqrt();
             let wrist = shoulder + (ends[1] - shoulder).normalize_or_zero() * distance;
-            ends = solve_two_bones(shoulder, [ends[0], wrist], shape, out, soft);
+            ends = solve_two_bones([shoulder, ends[0], wrist], shape, out, soft);
         }
         self.off = [ends[0] - self.was[1], ends[1] - self.was[2]];
     }
@@ -117,7 +125,7 @@ impl LimbOffset {
         let mut num_clear = 0;
         for capsule in core.iter().cycle().take(SWINGS * core.len()) {
             let [root, middle, end] = self.displaced_positions();
-            let Some(turn) = swing_rotation(root, [middle, end], shape, capsule, give_m) else {
+            let Some(turn) = swing_rotation([root, middle, end], shape, capsule, give_m) else {
                 num_clear += 1;
                 // A limb that has left all capsules where it is now leaves them in later rounds too.
                 if num_clear == core.len() {
@@ -142,7 +150,7 @@ pub(crate) struct LimbTouch {
 }
 
 /// Shapes of a skeleton's limbs, in the order of [`LIMBS`].
-pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &SparringBody) -> [LimbShape; NUM_LIMBS] {
+pub(crate) fn limb_shapes(skeleton: &Skeleton, body: &SparringBody) -> LimbShapes {
     std::array::from_fn(|l| {
         let [root, middle, end] = LIMBS[l];
         let lengths = [middle, end].map(|j| skeleton.offsets[j.index()].length().max(LEAST_M));
@@ -174,7 +182,7 @@ impl LimbTouch {
     pub fn solve_displacements(
         &mut self,
         body: &SparringBody,
-        shapes: &[LimbShape; NUM_LIMBS],
+        shapes: &LimbShapes,
         poses: &[WorldPose<'_>; 2],
         contacts: [Contacts; 2],
         config: &TouchConfig,
@@ -241,13 +249,7 @@ impl LimbTouch {
     }
 
     /// True where any limb is displaced, or so near to the opponent's trunk or limbs that it could overlap them.
-    fn may_touch(
-        &self,
-        shapes: &[LimbShape; NUM_LIMBS],
-        now: &LimbPositions,
-        ways: &[[LimbFreedom; NUM_LIMBS]; 2],
-        hips: &[Vec3; 2],
-    ) -> bool {
+    fn may_touch(&self, shapes: &LimbShapes, now: &LimbPositions, ways: &LimbFreedoms, hips: &[Vec3; 2]) -> bool {
         /// Largest distance of a core, an arm with its fist there, or a thigh from the vertical axis over the hips (m).
         const WIDE: f32 = 0.45;
         let kicks = |ways: &[LimbFreedom; NUM_LIMBS]| ways[LEGS..].contains(&LimbFreedom::Free);
@@ -287,7 +289,7 @@ impl LimbTouch {
                 let mut ends = [0, 1].map(|i| b[i + 1] + limb.off[i]);
                 if limb.is_displaced() {
                     // A fading displacement does not keep the lengths of bones: the elbow has to be found again.
-                    ends = solve_two_bones(b[0], ends, &shapes[l], out[k][l], limb.bend_share());
+                    ends = solve_two_bones([b[0], ends[0], ends[1]], &shapes[l], out[k][l], limb.bend_share());
                 }
                 let foot = if l < LEGS { Vec3::ZERO } else { scene.toes[k][l - LEGS] - now[k][l][2] };
                 LimbSegment { ends, foot, freedom: ways[k][l], moved: false }
@@ -298,7 +300,10 @@ impl LimbTouch {
         for (k, l) in [0, 1].into_iter().flat_map(|k| free(k).map(move |l| (k, l))) {
             let first = if l < LEGS { FOR_ARMS } else { 0 };
             let upper = BoundingBall::around_segment([base[k][l][0], segments[k][l].ends[0]], shapes[l].upper_radius);
-            near[k][l] = NearObstacles::find_near(&balls[k][l], &upper, &scene.obstacle_balls[k ^ 1], first);
+            for (i, ball) in scene.obstacle_balls[k ^ 1].iter().enumerate().skip(first) {
+                near[k][l].fore |= u32::from(balls[k][l].is_near(ball)) << i;
+                near[k][l].upper |= u32::from(upper.is_near(ball)) << i;
+            }
         }
         // Arms and kicking legs can touch each other; legs that step or carry weight can touch legs alone.
         let meet = |a: usize, b: usize| {
@@ -331,7 +336,8 @@ impl LimbTouch {
             }
             for k in 0..2 {
                 for (l, segment) in segments[k].iter_mut().enumerate().filter(|(_, segment)| segment.moved) {
-                    segment.ends = solve_two_bones(base[k][l][0], segment.ends, &shapes[l], out[k][l], 1.0);
+                    let joints = [base[k][l][0], segment.ends[0], segment.ends[1]];
+                    segment.ends = solve_two_bones(joints, &shapes[l], out[k][l], 1.0);
                 }
             }
         }
@@ -384,19 +390,19 @@ impl LimbTouch {
 
 /// Inputs of the displacement of two characters' limbs.
 struct TouchScene<'a> {
-    shapes: &'a [LimbShape; NUM_LIMBS],
+    shapes: &'a LimbShapes,
     /// Obstacles that each of the two is for the other one, and balls around them.
     obstacles: &'a [[Capsule; NUM_OBSTACLES]; 2],
     obstacle_balls: &'a [[BoundingBall; NUM_OBSTACLES]; 2],
     now: &'a LimbPositions,
     toes: &'a [[Vec3; 2]; 2],
-    freedoms: &'a [[LimbFreedom; NUM_LIMBS]; 2],
+    freedoms: &'a LimbFreedoms,
     /// Depth to which flesh gives way (m).
     give_m: f32,
 }
 
 /// Freedom of each limb of a character, by its contacts and the heights of its ankles.
-fn limb_freedoms(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [LimbFreedom; NUM_LIMBS] {
+fn limb_freedoms(now: &LimbJoints, contacts: Contacts) -> [LimbFreedom; NUM_LIMBS] {
     let ankles = [0, 1].map(|k| now[LEGS + k][2].y);
     std::array::from_fn(|l| match l {
         0..LEGS => LimbFreedom::Free,
@@ -407,7 +413,7 @@ fn limb_freedoms(now: &[[Vec3; 3]; NUM_LIMBS], contacts: Contacts) -> [LimbFreed
 }
 
 /// Directions in which straight limbs bend: elbows outwards and down, knees ahead.
-fn bend_directions(limbs: &[[Vec3; 3]; NUM_LIMBS]) -> [Vec3; NUM_LIMBS] {
+fn bend_directions(limbs: &LimbJoints) -> [Vec3; NUM_LIMBS] {
     let across = |l: usize| (limbs[l][0] - limbs[l + 1][0]).normalize_or_zero();
     let (shoulders, ahead) = (across(0), across(LEGS).cross(Vec3::Y));
     [shoulders - Vec3::Y, -shoulders - Vec3::Y, ahead, ahead]
@@ -418,12 +424,8 @@ const NUM_OBSTACLES: usize = FOR_UPPER + NUM_CORE;
 const FOR_ARMS: usize = 2;
 const FOR_UPPER: usize = FOR_ARMS + LEGS;
 
-fn limb_obstacles(
-    limbs: &[[Vec3; 3]; NUM_LIMBS],
-    shapes: &[LimbShape; NUM_LIMBS],
-    core: &[Capsule; NUM_CORE],
-) -> [Capsule; NUM_OBSTACLES] {
-    let upper = |l: usize| Capsule { ends: [limbs[l][0], limbs[l][1]], radius: shapes[l].upper_radius };
+fn limb_obstacles(now: &LimbJoints, shapes: &LimbShapes, core: &[Capsule; NUM_CORE]) -> [Capsule; NUM_OBSTACLES] {
+    let upper = |l: usize| Capsule { ends: [now[l][0], now[l][1]], radius: shapes[l].upper_radius };
     std::array::from_fn(|i| match i {
         0..FOR_ARMS => upper(LEGS + i),
         FOR_ARMS..FOR_UPPER => upper(i - FOR_ARMS),
@@ -436,22 +438,4 @@ fn limb_obstacles(
 struct NearObstacles {
     fore: u32,
     upper: u32,
-}
-
-impl NearObstacles {
-    /// - `fore`, `upper`: balls around the two bones of the limb.
-    /// - `first`: number of the first obstacle that is tested.
-    fn find_near(
-        fore: &BoundingBall,
-        upper: &BoundingBall,
-        obstacles: &[BoundingBall; NUM_OBSTACLES],
-        first: usize,
-    ) -> Self {
-        let mut near = Self::default();
-        for (i, ball) in obstacles.iter().enumerate().skip(first) {
-            near.fore |= u32::from(fore.is_near(ball)) << i;
-            near.upper |= u32::from(upper.is_near(ball)) << i;
-        }
-        near
-    }
 }

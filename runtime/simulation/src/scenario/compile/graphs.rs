@@ -27,7 +27,7 @@ impl ScenarioCompiler<'_> {
         }
         for (name, graph) in &scene.graphs {
             let key = format!("graphs.{name}.start");
-            let start = self.state_number(name, graph, &graph.start, &key)?;
+            let start = self.state_number(name, &graph.start, &key)?;
             self.graph_starts.insert(name.clone(), start);
         }
         for (of, (name, graph)) in (0..).zip(&scene.graphs) {
@@ -63,7 +63,7 @@ impl ScenarioCompiler<'_> {
             let mut all = Vec::with_capacity(graph.edges.len());
             for (i, edge) in graph.edges.iter().enumerate() {
                 let key = format!("graphs.{name}.edges[{i}]");
-                let number = |state: &String, of: &str| self.state_number(name, graph, state, &format!("{key}.{of}"));
+                let number = |state: &String, of: &str| self.state_number(name, state, &format!("{key}.{of}"));
                 let from = edge.from.as_ref().map(|from| number(from, "from")).transpose()?;
                 let to = number(&edge.to, "to")? as u16;
                 let trigger = self.trigger_number(&edge.on, &format!("{key}.on"))?;
@@ -121,17 +121,11 @@ impl ScenarioCompiler<'_> {
         compile_fault(format!("graphs.{name}.states.{state}"), why)
     }
 
-    pub(super) fn state_number(
-        &self,
-        name: &str,
-        graph: &StateGraphConfig,
-        state: &str,
-        key: &str,
-    ) -> CompileResult<u32> {
+    pub(super) fn state_number(&self, name: &str, state: &str, key: &str) -> CompileResult<u32> {
         if let Some(&number) = self.state_numbers.get(&(name.to_string(), state.to_string())) {
             return Ok(number);
         }
-        let known: Vec<&str> = graph.states.keys().map(String::as_str).collect();
+        let known: Vec<&str> = self.scene.graphs[name].states.keys().map(String::as_str).collect();
         let help = did_you_mean(state, known.iter().copied());
         compile_fault(key, format!("the graph has no state `{state}`: it has {}.{help}", known.join(", ")))
     }

@@ -248,15 +248,11 @@ impl ExpressionCompiler<'_> {
             }
             ExpressionTree::Word(word) => self.compile_word(word, node.at),
             ExpressionTree::Call(name, operands) => self.compile_call(name, operands, node.at),
-            ExpressionTree::Unary("-", of) => {
-                self.compile_expected(of, Type::Number)?;
-                self.code.push(Op::Negate);
-                Ok(Type::Number)
-            }
-            ExpressionTree::Unary(_, of) => {
-                self.compile_expected(of, Type::Truth)?;
-                self.code.push(Op::Not);
-                Ok(Type::Truth)
+            ExpressionTree::Unary(operator, of) => {
+                let (sort, op) = if *operator == "-" { (Type::Number, Op::Negate) } else { (Type::Truth, Op::Not) };
+                self.compile_expected(of, sort)?;
+                self.code.push(op);
+                Ok(sort)
             }
             ExpressionTree::Binary(operator, a, b) => self.compile_binary(operator, a, b, node.at),
         }
