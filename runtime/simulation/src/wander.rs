@@ -68,10 +68,10 @@ impl Wanderers {
                 (first..first + config.count).filter(|c| c % config.spaces.len() == t).map(|c| c as u64).collect();
             let mut wanders: Vec<RandomPath> = numbers.iter().map(|&c| RandomPath::new(&paths, seed, c)).collect();
             let controls: Vec<Control> = wanders.iter_mut().map(|p| p.step(&paths, 0.0)).collect();
-            let start = |(&c, control): (&u64, &Control)| WalkerStart {
-                body: c as usize % bodies.len(),
-                root: control_root(control),
-                phase: (c as f32 * 0.381_966).fract(),
+            let start = |(&c, control): (&u64, &Control)| {
+                let (at, heading) = (control.position.unwrap_or_default(), control.heading.unwrap_or(0.0));
+                let (body, phase) = (c as usize % bodies.len(), (c as f32 * 0.381_966).fract());
+                WalkerStart { body, root: Planar { x: at.x, z: at.y, heading }, phase }
             };
             let starts = numbers.iter().zip(&controls).map(start);
             let made = Walkers::with_capacity(space, &bodies, WalkersConfig::default(), numbers.len());
@@ -183,12 +183,6 @@ impl MotionKind for Wanderers {
         let (walkers, w) = self.walkers_of(number);
         Some(walkers.soles(w))
     }
-}
-
-/// Root of a control.
-fn control_root(control: &Control) -> Planar {
-    let at = control.position.unwrap_or_default();
-    Planar { x: at.x, z: at.y, heading: control.heading.unwrap_or(0.0) }
 }
 
 /// Hills under a square of paths; level ground where `hills_m` is 0.

@@ -82,11 +82,7 @@ impl AgentBrains {
         brain.context = brain.resumed_context;
         brain.action = resumed;
         if resumed == NONE {
-            return if brain.states[0] == NO_NUMBER && brain.states[1] == NO_NUMBER && brain.states[2] == NO_NUMBER {
-                stage.resume_route(agent)
-            } else {
-                Ok(())
-            };
+            return if brain.states == [NO_NUMBER; 3] { stage.resume_route(agent) } else { Ok(()) };
         }
         self.enter_action(stage, agent, resumed)
     }

@@ -165,11 +165,6 @@ impl AgentBrain {
             reason: ActionReason { time_s: 0.0, trigger: 0, rule: NONE, edge: NONE, other: NONE, place: NO_NUMBER },
         }
     }
-
-    /// Next time at which it has to act by itself (s).
-    pub(super) fn next_wake_s(&self) -> f64 {
-        self.until.min(self.again).min(self.most).min(self.timer).min(self.crossing_at)
-    }
 }
 
 /// A value of one agent: exact between two events.

@@ -222,9 +222,9 @@ impl AgentBrains {
             if !brain.is_there {
                 continue;
             }
-            let next = brain.next_wake_s();
+            let wake_s = brain.until.min(brain.again).min(brain.most).min(brain.timer).min(brain.crossing_at);
             let (sends, receives) = self.senses_of(agent);
-            stage.set_timer(agent, Some(next).filter(|n| n.is_finite()))?;
+            stage.set_timer(agent, Some(wake_s).filter(|t| t.is_finite()))?;
             stage.set_senses(agent, sends, receives)?;
         }
         self.touched.clear();

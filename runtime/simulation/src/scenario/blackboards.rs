@@ -93,14 +93,11 @@ impl Blackboards {
         let level = level.min(self.levels - 1);
         let cell = self.cell(at, level);
         let bucket = bucket(level, cell);
-        let mut number = self.first[bucket];
-        while number != NONE {
-            let post = &mut self.posts[number as usize];
-            if (post.event, post.level, post.cell) == (event, level, cell) {
-                post.note = note;
-                return;
-            }
-            number = post.next;
+        let is_same = |p: &CellPost| (p.event, p.level, p.cell) == (event, level, cell);
+        let known = self.posts_of(bucket).find(|n| is_same(&self.posts[*n]));
+        if let Some(number) = known {
+            self.posts[number].note = note;
+            return;
         }
         let place = (self.count % POSTS as u64) as usize;
         self.count += 1;
@@ -118,19 +115,18 @@ impl Blackboards {
     fn unlink_post(&mut self, number: u32) {
         let old = self.posts[number as usize];
         let bucket = bucket(old.level, old.cell);
+        let before = self.posts_of(bucket).find(|n| self.posts[*n].next == number);
         if self.first[bucket] == number {
             self.first[bucket] = old.next;
-            return;
+        } else if let Some(before) = before {
+            self.posts[before].next = old.next;
         }
-        let mut at = self.first[bucket];
-        while at != NONE {
-            let next = self.posts[at as usize].next;
-            if next == number {
-                self.posts[at as usize].next = old.next;
-                return;
-            }
-            at = next;
-        }
+    }
+
+    /// Numbers of the posts in the list of a bucket.
+    fn posts_of(&self, bucket: usize) -> impl Iterator<Item = usize> + '_ {
+        let next = |number: &usize| Some(self.posts.get(*number)?.next as usize);
+        std::iter::successors(Some(self.first[bucket] as usize), next).take_while(|number| *number != NONE as usize)
     }
 
     /// Events on the global blackboard, as bits.
@@ -146,13 +142,10 @@ impl Blackboards {
         }
         for level in 0..self.levels {
             let cell = self.cell(at, level);
-            let mut number = self.first[bucket(level, cell)];
-            while number != NONE {
-                let post = &self.posts[number as usize];
+            for post in self.posts_of(bucket(level, cell)).map(|number| &self.posts[number]) {
                 if (post.level, post.cell) == (level, cell) && now <= post.note.until {
                     news |= 1 << post.event;
                 }
-                number = post.next;
             }
         }
         news

@@ -113,7 +113,7 @@ pub(super) struct Threshold {
     pub rises: bool,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct EventTable {
     pub schedule: Schedule,
     /// Predicate of the agents to which it happens; all where absent.
@@ -130,8 +130,9 @@ pub(super) struct EventTable {
 }
 
 /// Schedule of an event.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Schedule {
+    #[default]
     Never,
     At(f64),
     Between(f64, f64),
@@ -160,7 +161,7 @@ pub(super) struct SlotTable {
     pub place: u16,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct RuleTable {
     pub name: String,
     /// Groups that it is for, as bits.

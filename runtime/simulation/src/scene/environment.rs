@@ -78,10 +78,7 @@ pub enum SpaceConfig {
 impl SpaceConfig {
     /// Number of coordinates of a point.
     pub fn dimensions(self) -> usize {
-        match self {
-            Self::Ground => 2,
-            Self::Air => 3,
-        }
+        if self == Self::Ground { 2 } else { 3 }
     }
 }
 

@@ -141,21 +141,13 @@ impl ObstacleConfig {
     }
 
     pub(super) fn stretch(&mut self, by: f32) {
-        if let Some(d) = &mut self.disc {
-            scale_points(&mut [&mut d.centre], by);
-        }
-        if let Some(m) = &mut self.mover {
-            m.path.iter_mut().for_each(|w| scale_points(&mut [&mut w.at], by));
-        }
-        if let Some(w) = &mut self.wall {
-            w.points.iter_mut().for_each(|p| scale_points(&mut [p], by));
-        }
-        if let Some(p) = &mut self.polygon {
-            p.corners.iter_mut().for_each(|c| scale_points(&mut [c], by));
-        }
-        if let Some(b) = &mut self.solid_box {
-            scale_points(&mut [&mut b.from, &mut b.to], by);
-        }
+        let Self { disc, mover, wall, polygon, solid_box, .. } = self;
+        let centres = disc.iter_mut().map(|d| &mut d.centre);
+        let paths = mover.iter_mut().flat_map(|m| &mut m.path).map(|w| &mut w.at);
+        let walls = wall.iter_mut().flat_map(|w| &mut w.points);
+        let corners = polygon.iter_mut().flat_map(|p| &mut p.corners);
+        let ends = solid_box.iter_mut().flat_map(|b| [&mut b.from, &mut b.to]);
+        centres.chain(paths).chain(walls).chain(corners).chain(ends).for_each(|p| scale_points(&mut [p], by));
     }
 
     /// Multiplies its radius.

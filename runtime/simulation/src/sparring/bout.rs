@@ -1,12 +1,12 @@
 //! Pairs of characters of one bundle.
 
-use super::body::{SparringBody, WorldPose};
+use super::body::{SparringBody, StruckPart, WorldPose};
 use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{BlowLanding, find_struck_capsule};
 use super::limb_segment::LimbShape;
 use super::pair::OpponentPair;
 use super::snapshot;
-use super::stagger::{StepsAway, is_staggering_part};
+use super::stagger::StepsAway;
 use super::tally::{BlowOutcome, BlowTally};
 use super::touch::{LimbTouch, NUM_LIMBS, limb_shapes};
 use glam::Vec3;
@@ -264,7 +264,7 @@ impl Sparring {
     /// Makes a character that is struck hard step away, where the ground is free.
     fn step_away(&mut self, landing: &BlowLanding) -> Result<()> {
         let (blow, config) = (&landing.blow, &self.config.stagger);
-        if blow.force < config.force || !is_staggering_part(landing.part) {
+        if blow.force < config.force || matches!(landing.part, StruckPart::Pelvis | StruckPart::Arm | StruckPart::Leg) {
             return Ok(());
         }
         let (c, characters) = (self.boxers.row(landing.opponent)?, self.boxers.characters());

@@ -67,25 +67,13 @@ impl StepsAway {
         let local = maths::rotate(root.rotation().conjugate(), direction);
         let along = Vec2::new(local.x, local.z).try_normalize()?;
         let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
-        let mut best: Option<(f32, u32)> = None;
-        for step in &self.0 {
+        let steps = self.0.iter().filter_map(|step| {
             let straight = step.direction.dot(along);
-            if straight < ASIDE {
-                continue;
-            }
-            let off = looks.iter().zip(&step.joint_positions).map(|(a, b)| a.distance(*b)).sum::<f32>()
-                / COMPARED_JOINTS.len() as f32;
-            let cost = off + STRAIGHT_M * (1.0 - straight);
-            if off <= config.alike_m && best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, step.segment));
-            }
-        }
-        best.map(|(_, segment)| segment)
+            let sum: f32 = looks.iter().zip(&step.joint_positions).map(|(a, b)| a.distance(*b)).sum();
+            let off = sum / COMPARED_JOINTS.len() as f32;
+            let is_fit = straight >= ASIDE && off <= config.alike_m;
+            is_fit.then_some((off + STRAIGHT_M * (1.0 - straight), step.segment))
+        });
+        steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, segment)| segment)
     }
-}
-
-/// True for a part at which a hard blow makes the character step away.
-pub(crate) fn is_staggering_part(part: super::StruckPart) -> bool {
-    use super::StruckPart::*;
-    matches!(part, Head | Neck | Trunk)
 }

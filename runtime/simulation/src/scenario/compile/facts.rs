@@ -180,16 +180,9 @@ impl ScenarioCompiler<'_> {
                     who?
                 }
             };
-            self.out.events.push(EventTable {
-                schedule: Schedule::At(happening.time_s),
-                who,
-                nobody: false,
-                channel: happening.passed_on.then_some(0),
-                posted: false,
-                fresh_s: f64::INFINITY,
-                doors: Vec::new(),
-                condition: None,
-            });
+            let (schedule, channel) = (Schedule::At(happening.time_s), happening.passed_on.then_some(0));
+            let table = EventTable { schedule, who, channel, fresh_s: f64::INFINITY, ..EventTable::default() };
+            self.out.events.push(table);
         }
         for event in &mut self.out.events {
             if event.channel.is_some() {
@@ -226,16 +219,9 @@ impl ScenarioCompiler<'_> {
                 doors.push((self.name_number(NameKind::Door, name, &format!("{key}.{word}[{d}]"))?, open));
             }
         }
-        Ok(EventTable {
-            doors,
-            schedule,
-            who,
-            nobody: event.nobody,
-            channel: event.passed_on.then_some(0),
-            posted: event.posted,
-            fresh_s: event.fresh_s.unwrap_or(f64::INFINITY),
-            condition,
-        })
+        let (nobody, posted, channel) = (event.nobody, event.posted, event.passed_on.then_some(0));
+        let fresh_s = event.fresh_s.unwrap_or(f64::INFINITY);
+        Ok(EventTable { schedule, who, nobody, channel, posted, fresh_s, doors, condition })
     }
 
     pub(super) fn compile_relations(&mut self) -> CompileResult<()> {

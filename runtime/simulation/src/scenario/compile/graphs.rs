@@ -132,15 +132,17 @@ impl ScenarioCompiler<'_> {
 
     /// Start state of a graph of a lower level.
     pub(super) fn lower_graph_start(&self, name: &str, level: LevelConfig, key: &str) -> CompileResult<u32> {
-        let Some(graph) = self.scene.graphs.get(name) else {
-            let help = did_you_mean(name, self.scene.graphs.keys().map(String::as_str));
-            return compile_fault(key, format!("there is no graph `{name}`.{help}"));
-        };
+        let Some(graph) = self.scene.graphs.get(name) else { return self.no_graph_fault(name, key) };
         if graph.level <= level {
             let why = format!("expected a graph of a lower level: `{name}` is {:?}", graph.level);
             return compile_fault(key, why.to_lowercase());
         }
         Ok(self.graph_starts[name])
+    }
+
+    pub(super) fn no_graph_fault<T>(&self, name: &str, key: &str) -> CompileResult<T> {
+        let help = did_you_mean(name, self.scene.graphs.keys().map(String::as_str));
+        compile_fault(key, format!("there is no graph `{name}`.{help}"))
     }
 
     pub(super) fn compile_rules(&mut self) -> CompileResult<()> {
@@ -192,17 +194,9 @@ impl ScenarioCompiler<'_> {
         for i in 0..self.scene.happenings.len() {
             let actions = self.out.actions.len() as u32;
             self.out.actions.extend([CompiledAction::Happening(i as u16), CompiledAction::End]);
-            self.out.rules.push(RuleTable {
-                name: format!("happenings[{i}]"),
-                who: u64::MAX,
-                when: None,
-                probability: 1.0,
-                actions,
-                is_instant: true,
-                priority: 0,
-                pause_s: 0.0,
-                pause: 0,
-            });
+            let (name, who, probability) = (format!("happenings[{i}]"), u64::MAX, 1.0);
+            let rule = RuleTable { name, who, probability, actions, is_instant: true, ..RuleTable::default() };
+            self.out.rules.push(rule);
             triggers.push(trigger::EVENTS + (self.scene.events.len() + i) as u16);
         }
     }

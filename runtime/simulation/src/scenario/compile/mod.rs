@@ -14,7 +14,6 @@ use crate::scene::{Scene, check_point};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use throng_base::Result;
-use throng_base::text::did_you_mean;
 
 /// Most events, groups, and places that are entered once, each of which is a bit.
 const MOST_BITS: usize = 64;
@@ -99,20 +98,16 @@ impl<'a> ScenarioCompiler<'a> {
             Ok(NameList(all.into_iter().cloned().collect()))
         };
         let of_agents: Vec<_> = scene.groups.iter().enumerate().filter(|(_, g)| g.is_of_agents()).collect();
-        let mut kinds: Vec<String> = scene.places.iter().map(|p| p.kind.clone()).collect();
-        kinds.sort();
-        kinds.dedup();
-        let mut states: Vec<String> = scene.graphs.values().flat_map(|g| g.states.keys().cloned()).collect();
-        states.sort();
-        states.dedup();
+        let kinds: BTreeSet<&String> = scene.places.iter().map(|p| &p.kind).collect();
+        let states: BTreeSet<&String> = scene.graphs.values().flat_map(|g| g.states.keys()).collect();
         let mut events: Vec<&String> = scene.events.iter().map(|e| &e.name).collect();
         let happenings: Vec<String> = (0..scene.happenings.len()).map(|i| format!("happening {i}")).collect();
         events.extend(&happenings);
         let words = ScenarioVocabulary {
             groups: NameList(of_agents.iter().map(|(g, group)| group.title(*g)).collect()),
-            states: NameList(states),
+            states: NameList(states.into_iter().cloned().collect()),
             places: names("places", scene.places.iter().map(|p| &p.name).collect())?,
-            kinds: NameList(kinds),
+            kinds: NameList(kinds.into_iter().cloned().collect()),
             events: names("events", events)?,
             values: NameList(scene.values.keys().cloned().collect()),
             doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
@@ -195,10 +190,7 @@ impl<'a> ScenarioCompiler<'a> {
             let number = self.out.groups[g].number;
             let Some(graph) = &self.scene.groups[number].graph else { continue };
             let key = format!("groups[{number}].graph");
-            let Some(&start) = self.graph_starts.get(graph) else {
-                let help = did_you_mean(graph, self.scene.graphs.keys().map(String::as_str));
-                return compile_fault(key, format!("there is no graph `{graph}`.{help}"));
-            };
+            let Some(&start) = self.graph_starts.get(graph) else { return self.no_graph_fault(graph, &key) };
             self.out.groups[g].start = start;
         }
         Ok(())

@@ -404,10 +404,11 @@ impl ExpressionCompiler<'_> {
         if operands.len() != count {
             return ExpressionFault::new(at, format!("expected `{form}`, found {} operands", operands.len()));
         }
-        let who = |spot: SpotName, node: &ExpressionNode| match spot {
+        let spot = |of: usize| self.compile_spot(&operands[of]);
+        let who = |of: usize| match spot(of)? {
             SpotName::Me => Ok(Subject::Me),
             SpotName::Other => Ok(Subject::Other),
-            _ => ExpressionFault::new(node.at, "expected `me` or `other`"),
+            _ => ExpressionFault::new(operands[of].at, "expected `me` or `other`"),
         };
         let named_at = |sort: NameKind, of: usize| match &operands[of].tree {
             ExpressionTree::Text(name) => self.number_of(sort, name, operands[of].at).map(|n| n as u16),
@@ -415,19 +416,13 @@ impl ExpressionCompiler<'_> {
         };
         let named = |sort: NameKind| named_at(sort, 0);
         let load = match name {
-            "distance" => Load::Distance(self.compile_spot(&operands[0])?, self.compile_spot(&operands[1])?),
-            "friendship" => {
-                let of = |node: &ExpressionNode| who(self.compile_spot(node)?, node);
-                Load::Friendship(of(&operands[0])?, of(&operands[1])?)
-            }
-            "curiosity" => {
-                let me = who(self.compile_spot(&operands[0])?, &operands[0])?;
-                Load::Curiosity(me, self.compile_spot(&operands[1])?)
-            }
+            "distance" => Load::Distance(spot(0)?, spot(1)?),
+            "friendship" => Load::Friendship(who(0)?, who(1)?),
+            "curiosity" => Load::Curiosity(who(0)?, spot(1)?),
             "count" => Load::Count(named(NameKind::Group)?),
             "open" => Load::Open(named(NameKind::Door)?),
             "taken" => Load::Taken(named(NameKind::Thing)?),
-            "holds" => Load::Holds(who(self.compile_spot(&operands[0])?, &operands[0])?, named_at(NameKind::Thing, 1)?),
+            "holds" => Load::Holds(who(0)?, named_at(NameKind::Thing, 1)?),
             "free" => Load::Place(SpotName::Place(named(NameKind::Place)?), PlaceAttribute::Free),
             "held" => Load::Place(SpotName::Place(named(NameKind::Place)?), PlaceAttribute::Held),
             "size" => {

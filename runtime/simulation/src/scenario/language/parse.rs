@@ -193,8 +193,7 @@ impl<'a> Parser<'a> {
         loop {
             out.push(self.parse_level(0)?);
             if !self.take_token(",") {
-                self.expect_closing(end)?;
-                return Ok(out);
+                return self.expect_closing(end).map(|()| out);
             }
         }
     }
