@@ -136,7 +136,13 @@ impl<V: Space> Engine<V> {
             windows.items.push(WindowEvent { time, agent, partner, level: 0, order });
         }
         let done = if windows.items.len() < FEWEST {
-            self.run_one_by_one(&windows.items)
+            windows.items.iter().try_for_each(|item| {
+                if self.is_due(item.agent, item.time) {
+                    self.now = item.time;
+                    self.process_event(item.agent)?;
+                }
+                Ok(())
+            })
         } else {
             self.sort_by_level(windows);
             let items = std::mem::take(&mut windows.items);
@@ -169,16 +175,6 @@ impl<V: Space> Engine<V> {
                 self.queue.set(agent, time);
             }
         }
-    }
-
-    fn run_one_by_one(&mut self, items: &[WindowEvent]) -> Result<()> {
-        for item in items {
-            if self.is_due(item.agent, item.time) {
-                self.now = item.time;
-                self.process_event(item.agent)?;
-            }
-        }
-        Ok(())
     }
 
     /// Assigns every event its level, and sorts the events by it.

@@ -108,7 +108,28 @@ impl WorldPlanner {
         out: &mut [WorldStep],
     ) -> Option<WorldPlan> {
         let plan = self.plan_soon(graph, from, target, out)?;
-        self.prove(graph, from, target, plan, out)
+        let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
+        let least_frames = plan.least_frames.max(enough.ceil() as u32);
+        if plan.least_frames as f32 >= enough {
+            return Some(plan);
+        }
+        // Proves that no path takes so much less, or finds the fastest one. All nodes are opened through which such a
+        // path might lead, and no others: of A* with estimates weighted by as much as the first path may be worse (Pohl
+        // 1970), they would only be a part (Thayer and Ruml 2008).
+        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
+        if self.upper.limit < enough {
+            self.upper.run(graph, target, from, enough);
+            opened_instances += self.upper.opened;
+        }
+        let (upper, toll) = (&mut self.upper, &|_: u32| 0.0);
+        let mut path = TowardsTarget { graph, hierarchy, target, greed: 1.0, limit: enough, upper, toll };
+        let found = self.nodes.search(graph, from, &mut path, usize::MAX);
+        opened_nodes += self.nodes.opened;
+        let SearchResult::Path(path) = found else {
+            return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
+        };
+        let plan = self.report(graph, path, out);
+        Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Finds a path in less time, which may be worse. [`WorldPlan::least_frames`] bounds by how much.
@@ -182,39 +203,6 @@ impl WorldPlanner {
             }
             wide = cost;
         }
-    }
-
-    /// Proves that no path takes so much less than one that was just found, or finds the fastest one.
-    ///
-    /// All nodes are opened through which such a path might lead, and no others: of A* with estimates weighted by as
-    /// much as that path may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
-    fn prove(
-        &mut self,
-        graph: &WorldGraph,
-        from: WorldNode,
-        target: PlanTarget,
-        plan: WorldPlan,
-        out: &mut [WorldStep],
-    ) -> Option<WorldPlan> {
-        let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
-        let least_frames = plan.least_frames.max(enough.ceil() as u32);
-        if plan.least_frames as f32 >= enough {
-            return Some(plan);
-        }
-        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
-        if self.upper.limit < enough {
-            self.upper.run(graph, target, from, enough);
-            opened_instances += self.upper.opened;
-        }
-        let (upper, toll) = (&mut self.upper, &|_: u32| 0.0);
-        let mut path = TowardsTarget { graph, hierarchy, target, greed: 1.0, limit: enough, upper, toll };
-        let found = self.nodes.search(graph, from, &mut path, usize::MAX);
-        opened_nodes += self.nodes.opened;
-        let SearchResult::Path(path) = found else {
-            return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
-        };
-        let plan = self.report(graph, path, out);
-        Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Writes the steps of a path that was found.

@@ -303,15 +303,11 @@ impl UpperSearch {
 
     /// Cost from a cell of a cluster by one of its exits.
     fn through(&self, hierarchy: &PathHierarchy, cluster: u32, cell: u32) -> f32 {
-        let (costs_in, first) =
-            (hierarchy.costs_in(cluster), hierarchy.entrances.len() + hierarchy.exits_of(cluster).start as usize);
-        let mut least = f32::INFINITY;
-        for k in 0..hierarchy.exits_of(cluster).len() {
-            if self.stamps[first + k] == self.stamp {
-                least = least.min(self.costs[first + k] + costs_in.to_exit(k as u32, cell));
-            }
-        }
-        least
+        let (costs_in, exits) = (hierarchy.costs_in(cluster), hierarchy.exits_of(cluster));
+        let first = hierarchy.entrances.len() + exits.start as usize;
+        let reached = (0..exits.len()).filter(|k| self.stamps[first + k] == self.stamp);
+        let costs = reached.map(|k| self.costs[first + k] + costs_in.to_exit(k as u32, cell));
+        costs.fold(f32::INFINITY, f32::min)
     }
 
     /// Best entrances from a tile.
