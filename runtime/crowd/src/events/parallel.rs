@@ -36,7 +36,7 @@ struct WindowEvent {
 }
 
 /// Memory of windows; taken when the first one is.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct EventWindows<V> {
     items: Vec<WindowEvent>,
     /// Deciding agent of each event of a level.
@@ -53,22 +53,7 @@ pub(crate) struct EventWindows<V> {
     left: Vec<(u32, u32)>,
 }
 
-impl<V> Default for EventWindows<V> {
-    fn default() -> Self {
-        Self {
-            items: Vec::new(),
-            who: Vec::new(),
-            partners: Vec::new(),
-            parts: Vec::new(),
-            levels: Vec::new(),
-            base: 0,
-            events: Vec::new(),
-            left: Vec::new(),
-        }
-    }
-}
-
-impl<V> Clone for EventWindows<V> {
+impl<V: Space> Clone for EventWindows<V> {
     /// Windows keep nothing from one to the next: a copy takes memory of its own when it needs it.
     fn clone(&self) -> Self {
         Self::default()

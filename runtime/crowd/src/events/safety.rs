@@ -3,7 +3,7 @@
 use super::decide::{AgentState, Decider, DecisionScratch};
 use crate::Space;
 use crate::safety::reach::PlanReach;
-use crate::safety::rule::{PlanCandidate, SafetyViolation, lever, violation_of_region, violation_of_solid};
+use crate::safety::rule::{PlanCandidate, SafetyViolation, lever};
 use crate::space::plan::MotionPlan;
 use throng_base::thresholds::GIVING_WAY_MPS;
 
@@ -104,7 +104,7 @@ impl<V: Space> Decider<'_, V> {
         near: &[u32],
         scratch: &DecisionScratch<V>,
     ) -> Option<SafetyViolation<V>> {
-        let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
+        let solids = near.iter().filter_map(|&s| candidate.violation_of_solid(&self.scenery.solids[s as usize]));
         let held = self.worst_region_violation(candidate);
         let all = scratch.others.worst_violation(candidate).into_iter().chain(solids).chain(held);
         all.reduce(|a, b| if b.depth > a.depth { b } else { a })
@@ -117,7 +117,7 @@ impl<V: Space> Decider<'_, V> {
         }
         let mut worst: Option<SafetyViolation<V>> = None;
         self.external_obstacles.visit_reserved_near(&candidate.bounds(), |ground| {
-            let found = violation_of_region(candidate, ground);
+            let found = candidate.violation_of_region(ground);
             if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
                 worst = Some(v);
             }

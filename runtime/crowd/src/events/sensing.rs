@@ -96,9 +96,8 @@ impl<V: Space> Engine<V> {
             });
         }
         if sense.cells && sensors.senses.cell_m > 0.0 {
-            let cell = |at: V| sensors.cell_at(at);
-            if let Some(at) = leaves_cell(&plan, cell, sensors.senses.cell_m, now, plan.end) {
-                let (from, to) = (cell(plan.motion_at(now).0), cell(plan.motion_at(at).0));
+            if let Some(at) = leaves_cell(&plan, sensors, now) {
+                let [from, to] = [now, at].map(|time| sensors.cell_at(plan.motion_at(time).0));
                 take(at, 2, SensedEvent::Crossed { by: [0, 1].map(|i| (to[i] - from[i]) as i16) });
             }
         }

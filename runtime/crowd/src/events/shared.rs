@@ -24,7 +24,7 @@ const TOUCH_M: f32 = 1e-4;
 
 /// A part of a crowd, as one rank has it.
 #[derive(Debug)]
-pub(crate) struct SharedEngine<V> {
+pub(crate) struct SharedEngine<V: Space> {
     engine: Engine<V>,
     /// Axis along which stripes follow each other.
     axis: usize,

@@ -6,7 +6,7 @@ use crate::events::engine::Engine;
 use crate::routes::order::{AgentOrder, OrderDestination};
 use crate::routes::path::{RouteCursor, RoutePath};
 use crate::safety::nearby_plans::find_violation;
-use crate::safety::rule::{MARGIN, PlanCandidate, clearance, violation_of_solid};
+use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
 use crate::scenery::{CrowdScenery, Door, check_agent};
 use crate::space::plan::MotionPlan;
 use crate::steering::filter::VelocityFilter;
@@ -107,7 +107,7 @@ impl<V: Space> Engine<V> {
             });
         });
         for &s in self.scenery.solids_near(self.cells.number(at)) {
-            if violation_of_solid(&candidate, &self.scenery.solids[s as usize]).is_some() {
+            if candidate.violation_of_solid(&self.scenery.solids[s as usize]).is_some() {
                 let obstacle = self.scenery.owners[s as usize] as usize;
                 error = Some(CrowdError::Inside { agent: id, obstacle });
             }

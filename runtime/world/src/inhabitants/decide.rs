@@ -7,7 +7,7 @@ use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::Purpose;
 use super::reservations::EXTERNAL_HOLDER;
 use super::{InhabitantEvent, Inhabitants, schedule};
-use crate::plan::{PlanTarget, SearchResult};
+use crate::plan::{PlanTarget, SearchResult, TOLL_TRIES};
 use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
 use throng_base::thresholds::WALK_SPEED_MPS;
@@ -99,7 +99,7 @@ impl Inhabitants {
                 };
                 if impatient { stays.max(TOLL) } else { stays }
             };
-            match self.planner.plan_around(graph, from, target, toll, self.paths.step_buffer(c)) {
+            match self.planner.plan_around(graph, from, target, &toll, &TOLL_TRIES, self.paths.step_buffer(c)) {
                 Some(plan) => {
                     self.paths.set(c, from, plan);
                     let steps = self.paths.steps_of(c).iter().map(|s| Some(s.to.instance));

@@ -140,19 +140,7 @@ impl WorldPlanner {
         target: PlanTarget,
         out: &mut [WorldStep],
     ) -> Option<WorldPlan> {
-        self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
-    }
-
-    /// Finds a path as [`WorldPlanner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
-    pub(crate) fn plan_around(
-        &mut self,
-        graph: &WorldGraph,
-        from: WorldNode,
-        target: PlanTarget,
-        toll: impl Fn(u32) -> f32,
-        out: &mut [WorldStep],
-    ) -> Option<WorldPlan> {
-        self.find(graph, from, target, &toll, &TRIES, out)
+        self.plan_around(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }
 
     /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
@@ -162,8 +150,10 @@ impl WorldPlanner {
         leads.then(|| self.upper.estimate(graph.hierarchy(), from).min(self.upper.limit))
     }
 
-    /// Finds a path, with the weight of estimates and the most opened nodes that `tries` give.
-    fn find(
+    /// Finds a path as [`WorldPlanner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
+    ///
+    /// - `tries`: weights of estimates, each with the most opened nodes; see [`TOLL_TRIES`].
+    pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph,
         from: WorldNode,
@@ -226,7 +216,7 @@ impl WorldPlanner {
 /// Weight of estimates in the search for a first path (weighted A*, Pohl 1970).
 const HASTE: f32 = 1.12;
 /// Weights of estimates and most opened nodes where there are tolls, which estimates ignore.
-const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
+pub(crate) const TOLL_TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
 
 /// The lower layer's space: everything, towards the target.
 struct TowardsTarget<'a, T> {
