@@ -55,28 +55,19 @@ impl<V: Space> Decider<'_, V> {
                 length = (0.5 * length).max(shortest);
                 continue;
             }
-            match self.worst_violation(&candidate, near, scratch) {
-                None => return Some(candidate.plan),
-                Some(worst) => {
-                    // Slides along what is in the way.
-                    a = candidate.plan.acceleration
-                        + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
-                    if attempt > 0 {
-                        length = (steering.retry_length * length).max(shortest);
-                    }
-                }
+            let Some(worst) = self.worst_violation(&candidate, near, scratch) else { return Some(candidate.plan) };
+            // Slides along what is in the way.
+            a = candidate.plan.acceleration + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
+            if attempt > 0 {
+                length = (steering.retry_length * length).max(shortest);
             }
         }
         let stop = fresh.velocity * -shortest.recip();
-        for share in [0.5, 1.0] {
-            let candidate = self.candidate(fresh, stop * share, aim.fastest, shortest);
-            let is_safe =
-                candidate.stays_within(region.0, region.1) && self.worst_violation(&candidate, near, scratch).is_none();
-            if is_safe {
-                return Some(candidate.plan);
-            }
-        }
-        None
+        let mut slower = [0.5, 1.0].into_iter().map(|share| self.candidate(fresh, stop * share, aim.fastest, shortest));
+        let is_safe = |candidate: &PlanCandidate<V>| {
+            candidate.stays_within(region.0, region.1) && self.worst_violation(candidate, near, scratch).is_none()
+        };
+        slower.find(is_safe).map(|candidate| candidate.plan)
     }
 
     /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
