@@ -453,6 +453,6 @@ impl Crowd {
 
     /// Action of agents at the end of a route.
     pub fn at_end(&self, route: usize) -> Option<AtEnd> {
-        each!(&self.engine, e => e.at_end(route))
+        each!(&self.engine, e => e.scenery.paths.get(route).map(|path| path.route.at_end))
     }
 }

@@ -253,10 +253,8 @@ impl<V: Space> CrowdScenery<V> {
     /// A subgoal is in no obstacle, be it an open one.
     pub fn check_goal(&self, route: usize, subgoal: usize, goal: V) -> Result<()> {
         let mut obstacles = self.obstacles.iter().zip(&self.ranges);
-        match obstacles.position(|(body, range)| is_in_solid(goal, body, &self.solids[range.clone()])) {
-            Some(obstacle) => Err(CrowdError::Goal { route, subgoal, obstacle }),
-            None => Ok(()),
-        }
+        let held = obstacles.position(|(body, range)| is_in_solid(goal, body, &self.solids[range.clone()]));
+        held.map_or(Ok(()), |obstacle| Err(CrowdError::Goal { route, subgoal, obstacle }))
     }
 
     /// True for an obstacle that is open.

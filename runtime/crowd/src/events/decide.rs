@@ -154,11 +154,19 @@ impl<V: Space> Decider<'_, V> {
         let fresh = MotionPlan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
         self.look_around(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
-        let near = self.scenery.solids_near(state.cell);
         let sees_external_obstacles = self.sees_external_obstacles(&walker, scratch);
-        let forces = self.forces_from(agent, &walker, &state, near, scratch);
-        let slow = self.scenery.steering.slow_mps;
-        let soon = 2.0 * self.scenery.fields[state.field as usize].relaxation_s;
+        let CrowdScenery { fields, solids, interests, steering, .. } = self.scenery;
+        let (near, walls) = (self.scenery.solids_near(state.cell), self.scenery.walls_seen(state.cell));
+        let around =
+            ForceSurroundings { seen: &scratch.seen, solids, near, walls, grid: self.grid, interests, steering };
+        let mut forces = sum_forces(&walker, &fields[state.field as usize], &around);
+        forces.interaction += self.relationships.interest_acceleration(agent, position, |id| {
+            let other = &self.states[id.index()];
+            let is_there = other.cell != NONE && other.generation == id.generation;
+            is_there.then(|| self.cells.plan(id.index).motion_at(self.time).0)
+        });
+        let slow = steering.slow_mps;
+        let soon = 2.0 * fields[state.field as usize].relaxation_s;
         let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
         let longest = if slows { soon } else { f32::INFINITY };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
@@ -173,7 +181,8 @@ impl<V: Space> Decider<'_, V> {
         let DesiredMotion { mut state, fresh, acceleration, region, meeting, longest, .. } =
             self.desired_motion(agent, Some(scheme), scratch);
         let near = self.scenery.solids_near(state.cell);
-        let (cause, length) = scheme.first_event(self, &fresh, &meeting, near);
+        let first = scheme.lists.map_or(meeting.first, |lists| lists.first_meeting(self, &fresh));
+        let (cause, length) = self.first_obstacle(&meeting.bound, near, first);
         let (cause, length) = if length > longest { (Cause::Region, longest) } else { (cause, length) };
         let length = length.max(self.scenery.interval);
         // A plan longer than the relaxation time reaches the desired velocity and does not pass it.
@@ -206,26 +215,6 @@ impl<V: Space> Decider<'_, V> {
         let struck_by = self.striking_obstacle(&plan);
         state.is_struck = struck_by != NONE;
         Some(Decision { plan, state, leaves, struck_by })
-    }
-
-    fn forces_from(
-        &self,
-        agent: u32,
-        walker: &SteeredAgent<V>,
-        state: &AgentState<V>,
-        near: &[u32],
-        scratch: &DecisionScratch<V>,
-    ) -> Forces<V> {
-        let CrowdScenery { fields, solids, interests, steering, .. } = self.scenery;
-        let (seen, walls, grid) = (&scratch.seen, self.scenery.walls_seen(state.cell), self.grid);
-        let around = ForceSurroundings { seen, solids, near, walls, grid, interests, steering };
-        let mut f = sum_forces(walker, &fields[state.field as usize], &around);
-        f.interaction += self.relationships.interest_acceleration(agent, walker.position, |id| {
-            let state = &self.states[id.index()];
-            let is_there = state.cell != NONE && state.generation == id.generation;
-            is_there.then(|| self.cells.plan(id.index).motion_at(self.time).0)
-        });
-        f
     }
 
     /// The forces on an agent now.

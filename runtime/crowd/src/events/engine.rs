@@ -15,7 +15,7 @@ use crate::space::cells::CellGrid;
 use crate::space::plan::MotionPlan;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::relationships::RelationshipTable;
-use crate::{AtEnd, CrowdSetup, Id, NONE, Scheme, Sense, Space};
+use crate::{CrowdSetup, Id, NONE, Scheme, Sense, Space};
 use throng_base::ground::ExternalObstacles;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
@@ -27,7 +27,7 @@ const FULL: usize = 1024;
 
 /// A crowd in two or three dimensions. See [`crate::Crowd`].
 #[derive(Clone, Debug)]
-pub(crate) struct Engine<V> {
+pub(crate) struct Engine<V: Space> {
     pub scenery: CrowdScenery<V>,
     pub cells: CellGrid<V>,
     pub states: Vec<AgentState<V>>,
@@ -378,10 +378,5 @@ impl<V: Space> Engine<V> {
             most: storm.most.into(),
             seconds: storm.seconds,
         })
-    }
-
-    /// See [`AtEnd`]: what an agent of a route does at its end.
-    pub fn at_end(&self, route: usize) -> Option<AtEnd> {
-        self.scenery.paths.get(route).map(|s| s.route.at_end)
     }
 }

@@ -36,7 +36,7 @@ struct WindowEvent {
 }
 
 /// Memory of windows; taken when the first one is.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct EventWindows<V> {
     items: Vec<WindowEvent>,
     /// Deciding agent of each event of a level.
@@ -53,22 +53,7 @@ pub(crate) struct EventWindows<V> {
     left: Vec<(u32, u32)>,
 }
 
-impl<V> Default for EventWindows<V> {
-    fn default() -> Self {
-        Self {
-            items: Vec::new(),
-            who: Vec::new(),
-            partners: Vec::new(),
-            parts: Vec::new(),
-            levels: Vec::new(),
-            base: 0,
-            events: Vec::new(),
-            left: Vec::new(),
-        }
-    }
-}
-
-impl<V> Clone for EventWindows<V> {
+impl<V: Space> Clone for EventWindows<V> {
     /// Windows keep nothing from one to the next: a copy takes memory of its own when it needs it.
     fn clone(&self) -> Self {
         Self::default()
@@ -136,7 +121,13 @@ impl<V: Space> Engine<V> {
             windows.items.push(WindowEvent { time, agent, partner, level: 0, order });
         }
         let done = if windows.items.len() < FEWEST {
-            self.run_one_by_one(&windows.items)
+            windows.items.iter().try_for_each(|item| {
+                if self.is_due(item.agent, item.time) {
+                    self.now = item.time;
+                    self.process_event(item.agent)?;
+                }
+                Ok(())
+            })
         } else {
             self.sort_by_level(windows);
             let items = std::mem::take(&mut windows.items);
@@ -169,16 +160,6 @@ impl<V: Space> Engine<V> {
                 self.queue.set(agent, time);
             }
         }
-    }
-
-    fn run_one_by_one(&mut self, items: &[WindowEvent]) -> Result<()> {
-        for item in items {
-            if self.is_due(item.agent, item.time) {
-                self.now = item.time;
-                self.process_event(item.agent)?;
-            }
-        }
-        Ok(())
     }
 
     /// Assigns every event its level, and sorts the events by it.

@@ -3,7 +3,7 @@
 use super::decide::{AgentState, Decider, DecisionScratch};
 use crate::Space;
 use crate::safety::reach::PlanReach;
-use crate::safety::rule::{PlanCandidate, SafetyViolation, lever, violation_of_region, violation_of_solid};
+use crate::safety::rule::{PlanCandidate, SafetyViolation, lever};
 use crate::space::plan::MotionPlan;
 use throng_base::thresholds::GIVING_WAY_MPS;
 
@@ -55,28 +55,19 @@ impl<V: Space> Decider<'_, V> {
                 length = (0.5 * length).max(shortest);
                 continue;
             }
-            match self.worst_violation(&candidate, near, scratch) {
-                None => return Some(candidate.plan),
-                Some(worst) => {
-                    // Slides along what is in the way.
-                    a = candidate.plan.acceleration
-                        + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
-                    if attempt > 0 {
-                        length = (steering.retry_length * length).max(shortest);
-                    }
-                }
+            let Some(worst) = self.worst_violation(&candidate, near, scratch) else { return Some(candidate.plan) };
+            // Slides along what is in the way.
+            a = candidate.plan.acceleration + worst.away * (worst.depth * steering.push_factor / lever(&candidate));
+            if attempt > 0 {
+                length = (steering.retry_length * length).max(shortest);
             }
         }
         let stop = fresh.velocity * -shortest.recip();
-        for share in [0.5, 1.0] {
-            let candidate = self.candidate(fresh, stop * share, aim.fastest, shortest);
-            let is_safe =
-                candidate.stays_within(region.0, region.1) && self.worst_violation(&candidate, near, scratch).is_none();
-            if is_safe {
-                return Some(candidate.plan);
-            }
-        }
-        None
+        let mut slower = [0.5, 1.0].into_iter().map(|share| self.candidate(fresh, stop * share, aim.fastest, shortest));
+        let is_safe = |candidate: &PlanCandidate<V>| {
+            candidate.stays_within(region.0, region.1) && self.worst_violation(candidate, near, scratch).is_none()
+        };
+        slower.find(is_safe).map(|candidate| candidate.plan)
     }
 
     /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
@@ -104,7 +95,7 @@ impl<V: Space> Decider<'_, V> {
         near: &[u32],
         scratch: &DecisionScratch<V>,
     ) -> Option<SafetyViolation<V>> {
-        let solids = near.iter().filter_map(|&s| violation_of_solid(candidate, &self.scenery.solids[s as usize]));
+        let solids = near.iter().filter_map(|&s| candidate.violation_of_solid(&self.scenery.solids[s as usize]));
         let held = self.worst_region_violation(candidate);
         let all = scratch.others.worst_violation(candidate).into_iter().chain(solids).chain(held);
         all.reduce(|a, b| if b.depth > a.depth { b } else { a })
@@ -117,7 +108,7 @@ impl<V: Space> Decider<'_, V> {
         }
         let mut worst: Option<SafetyViolation<V>> = None;
         self.external_obstacles.visit_reserved_near(&candidate.bounds(), |ground| {
-            let found = violation_of_region(candidate, ground);
+            let found = candidate.violation_of_region(ground);
             if let Some(v) = found.filter(|v| worst.is_none_or(|w| v.depth > w.depth)) {
                 worst = Some(v);
             }

@@ -1,7 +1,7 @@
 //! Schedule of an agent's next event: the scheme of Kim, Kim and Shin (2003b), and the interface of others.
 
 use crate::Space;
-use crate::events::decide::{Cause, Decider};
+use crate::events::decide::Cause;
 use crate::events::occupancy::Occupancy;
 use crate::safety::bound::{Bound, time_until_gone_lanes};
 use crate::space::batch::set_bits;
@@ -20,26 +20,6 @@ pub(crate) struct SchemeRef<'a> {
 /// The scheme of Kim, Kim and Shin (2003b), section 2.1: a bound stays in the region around the cell it is registered
 /// in, so that it can only meet agents registered in neighbouring cells.
 pub(crate) const REGISTRATION: SchemeRef<'static> = SchemeRef { lists: None };
-
-impl SchemeRef<'_> {
-    /// First contact of a new plan's bound: its cause and its time.
-    ///
-    /// - `meeting`: result of the neighbour query.
-    #[inline]
-    pub fn first_event<V: Space>(
-        self,
-        at: &Decider<'_, V>,
-        fresh: &MotionPlan<V>,
-        meeting: &FirstContact<V>,
-        near: &[u32],
-    ) -> (Cause, f32) {
-        let first = match self.lists {
-            None => meeting.first,
-            Some(lists) => lists.first_meeting(at, fresh),
-        };
-        at.first_obstacle(&meeting.bound, near, first)
-    }
-}
 
 /// First contact of an agent's bound with that of a neighbour. At an event all positions are known, so that all bounds
 /// are taken as made then: a contact is never found late, and later than with old bounds.

@@ -6,7 +6,6 @@ use crate::senses::crossing::{first_change, is_near, leaves_cell};
 use crate::senses::{Sense, SensedEvent, SensingState, swept_bounds};
 use crate::space::plan::MotionPlan;
 use crate::{CrowdEventKind, Id, NONE, Space};
-use throng_geometry::Bounds2d;
 
 impl<V: Space> Engine<V> {
     /// Sets the senses of an agent.
@@ -97,9 +96,8 @@ impl<V: Space> Engine<V> {
             });
         }
         if sense.cells && sensors.senses.cell_m > 0.0 {
-            let cell = |at: V| sensors.cell_at(at);
-            if let Some(at) = leaves_cell(&plan, cell, sensors.senses.cell_m, now, plan.end) {
-                let (from, to) = (cell(plan.motion_at(now).0), cell(plan.motion_at(at).0));
+            if let Some(at) = leaves_cell(&plan, sensors, now) {
+                let [from, to] = [now, at].map(|time| sensors.cell_at(plan.motion_at(time).0));
                 take(at, 2, SensedEvent::Crossed { by: [0, 1].map(|i| (to[i] - from[i]) as i16) });
             }
         }
@@ -136,8 +134,7 @@ impl<V: Space> Engine<V> {
         let meet_m = self.sensors.senses.meet_m;
         let theirs = self.cells.plan(other);
         let until = plan.end.min(theirs.end);
-        let mut near = is_near(plan, &theirs, meet_m, now);
-        let mut from = now;
+        let near = is_near(plan, &theirs, meet_m, now);
         if near && at_once {
             let (own, its) = (&self.sensors.states[plan.index as usize], &self.sensors.states[other as usize]);
             let is_new = own.changed.0 == now && own.last.is_none_or(|last| other > last);
@@ -146,13 +143,8 @@ impl<V: Space> Engine<V> {
             }
         }
         // Apart first, and then together again.
-        loop {
-            from = first_change(plan, &theirs, meet_m, from, until, near)?;
-            near = !near;
-            if near {
-                return Some(from);
-            }
-        }
+        let apart = if near { first_change(plan, &theirs, meet_m, now, until, true)? } else { now };
+        first_change(plan, &theirs, meet_m, apart, until, false)
     }
 
     /// An entry of the queue that is no event of the engine: what an agent senses, or its timer.
@@ -207,8 +199,7 @@ impl<V: Space> Engine<V> {
             }
             if (own.sense.sends | own.sense.receives) != 0 && self.sensors.senses.meet_m > 0.0 {
                 let plan = self.cells.plan(agent);
-                let bounds: Bounds2d = swept_bounds(&plan, plan.start);
-                self.sensors.boxes.set(agent as usize, bounds);
+                self.sensors.boxes.set(agent as usize, swept_bounds(&plan, plan.start));
             }
             self.queue_senses(agent);
         }

@@ -24,7 +24,7 @@ const TOUCH_M: f32 = 1e-4;
 
 /// A part of a crowd, as one rank has it.
 #[derive(Debug)]
-pub(crate) struct SharedEngine<V> {
+pub(crate) struct SharedEngine<V: Space> {
     engine: Engine<V>,
     /// Axis along which stripes follow each other.
     axis: usize,
@@ -148,9 +148,9 @@ impl<V: Space> SharedEngine<V> {
         if rank > 0 {
             engine.counts = EventCounts::default();
         }
-        let waits = vec![0; engine.cells.num_cells];
-        let (num_free, left) = (engine.free.len(), Vec::new());
         let mut shared = Self {
+            num_free: engine.free.len(),
+            waits: vec![0; engine.cells.num_cells],
             engine,
             axis,
             owner,
@@ -158,9 +158,7 @@ impl<V: Space> SharedEngine<V> {
             reached,
             rank,
             handed_over: 0,
-            num_free,
-            departed: left,
-            waits,
+            departed: Vec::new(),
             pass: 0,
         };
         for agent in 0..shared.engine.states.len() as u32 {

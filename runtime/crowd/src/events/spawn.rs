@@ -6,7 +6,7 @@ use crate::events::engine::Engine;
 use crate::routes::order::{AgentOrder, OrderDestination};
 use crate::routes::path::{RouteCursor, RoutePath};
 use crate::safety::nearby_plans::find_violation;
-use crate::safety::rule::{MARGIN, PlanCandidate, clearance, violation_of_solid};
+use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
 use crate::scenery::{CrowdScenery, Door, check_agent};
 use crate::space::plan::MotionPlan;
 use crate::steering::filter::VelocityFilter;
@@ -31,10 +31,7 @@ impl<V: Space> Engine<V> {
         let plan = self.standing_plan(index, agent.position, agent.velocity, agent.radius, agent.acceleration);
         self.scenery.check_place(id, agent.position)?;
         self.check_clearance(id, &plan)?;
-        let route = match agent.route {
-            Some(route) => route,
-            None => self.stay_at(index, agent.position),
-        };
+        let route = agent.route.unwrap_or_else(|| self.stay_at(index, agent.position));
         self.free.pop();
         let cursor = self.begin_route(route, agent.position, agent.radius);
         self.states[index as usize] = AgentState {
@@ -110,7 +107,7 @@ impl<V: Space> Engine<V> {
             });
         });
         for &s in self.scenery.solids_near(self.cells.number(at)) {
-            if violation_of_solid(&candidate, &self.scenery.solids[s as usize]).is_some() {
+            if candidate.violation_of_solid(&self.scenery.solids[s as usize]).is_some() {
                 let obstacle = self.scenery.owners[s as usize] as usize;
                 error = Some(CrowdError::Inside { agent: id, obstacle });
             }
@@ -210,12 +207,9 @@ impl<V: Space> Engine<V> {
                 self.set_own_route(id.index, &route)?
             }
         };
-        if !matches!(order.destination, OrderDestination::Route(_)) {
-            // The agent begins this route, whatever its previous one.
-            self.states[id.index()].route = NONE;
-        }
         let kept = self.states[id.index()];
-        let is_on_it = kept.route == number as u32;
+        // The agent begins a route of its own anew, whatever its previous one.
+        let is_on_it = matches!(order.destination, OrderDestination::Route(_)) && kept.route == number as u32;
         let cursor = if is_on_it { kept.cursor } else { self.begin_route(number, position, plan.radius) };
         let left = self.scenery.paths[number].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];

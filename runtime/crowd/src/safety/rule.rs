@@ -112,58 +112,56 @@ impl<V: Space> PlanCandidate<V> {
         self.reserved_region().bounds()
     }
 
+    /// Violation of the rule between a plan and a region that an external obstacle reserves; `None` if there is none. An
+    /// agent inside such a region already, because an obstacle that never yields has come, may leave it.
+    pub fn violation_of_region(&self, ground: &Capsule2d) -> Option<SafetyViolation<V>> {
+        let Capsule2d { from, to, radius_m } = *ground;
+        let solid = ConvexSolid::Capsule { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
+        let (away, distance) = solid.direction_and_distance(self.now.0);
+        if distance < self.plan.radius {
+            let gained = solid.direction_and_distance(self.end.1).1 - distance;
+            return (gained < 0.0).then_some(SafetyViolation { away, depth: -gained });
+        }
+        self.violation_of_solid(&solid)
+    }
+
+    /// Violation of the rule between a plan and a solid that stands; `None` if it holds.
+    #[inline]
+    pub fn violation_of_solid(&self, solid: &ConvexSolid<V>) -> Option<SafetyViolation<V>> {
+        let bend = 0.125 * self.length * self.length;
+        let mut best: Option<SafetyViolation<V>> = None;
+        for x in [self.end.1, self.now.0] {
+            let (n, distance) = solid.direction_and_distance(x);
+            if distance <= 0.0 {
+                continue;
+            }
+            let (now, end) = (least(self.now, n), least(self.end, n));
+            let apart = now.min(end) - solid.reach(n);
+            // An agent that only moves away from it may, see `nearby_plans.rs`.
+            let margin = if end >= now { 0.0 } else { MARGIN };
+            let room =
+                if self.is_straight { 0.0 } else { bend * (2.0 * n.dot(self.plan.acceleration).max(0.0) + self.curve) };
+            let violation = self.plan.radius + margin + room - apart;
+            if violation <= 0.0 {
+                return None;
+            }
+            if best.is_none_or(|b| violation < b.depth) {
+                best = Some(SafetyViolation { away: n, depth: violation });
+            }
+        }
+        best.or(Some(SafetyViolation { away: self.plan.velocity.unit_and_length().0 * -1.0, depth: self.plan.radius }))
+    }
+
     /// Largest distance of the ends of its stop region from the lines between their positions now and at its end (m).
     fn swerve(&self) -> f32 {
         self.length * self.length * (0.25 * self.plan.acceleration.length() + 0.125 * self.curve)
     }
 }
 
-/// Violation of the rule between a plan and a region that an external obstacle reserves; `None` if there is none. An
-/// agent inside such a region already, because an obstacle that never yields has come, may leave it.
-pub(crate) fn violation_of_region<V: Space>(me: &PlanCandidate<V>, ground: &Capsule2d) -> Option<SafetyViolation<V>> {
-    let Capsule2d { from, to, radius_m } = *ground;
-    let solid = ConvexSolid::Capsule { from: V::over_ground(from), to: V::over_ground(to), radius: radius_m };
-    let (away, distance) = solid.direction_and_distance(me.now.0);
-    if distance < me.plan.radius {
-        let gained = solid.direction_and_distance(me.end.1).1 - distance;
-        return (gained < 0.0).then_some(SafetyViolation { away, depth: -gained });
-    }
-    violation_of_solid(me, &solid)
-}
-
 /// Smallest extent of a stop region along a direction.
 #[inline]
 fn least<V: Space>(ends: (V, V), along: V) -> f32 {
     along.dot(ends.0).min(along.dot(ends.1))
-}
-
-/// Violation of the rule between a plan and a solid that stands; `None` if it holds.
-#[inline]
-pub(crate) fn violation_of_solid<V: Space>(
-    me: &PlanCandidate<V>,
-    solid: &ConvexSolid<V>,
-) -> Option<SafetyViolation<V>> {
-    let bend = 0.125 * me.length * me.length;
-    let mut best: Option<SafetyViolation<V>> = None;
-    for x in [me.end.1, me.now.0] {
-        let (n, distance) = solid.direction_and_distance(x);
-        if distance <= 0.0 {
-            continue;
-        }
-        let (now, end) = (least(me.now, n), least(me.end, n));
-        let apart = now.min(end) - solid.reach(n);
-        // An agent that only moves away from it may, see `nearby_plans.rs`.
-        let margin = if end >= now { 0.0 } else { MARGIN };
-        let room = if me.is_straight { 0.0 } else { bend * (2.0 * n.dot(me.plan.acceleration).max(0.0) + me.curve) };
-        let violation = me.plan.radius + margin + room - apart;
-        if violation <= 0.0 {
-            return None;
-        }
-        if best.is_none_or(|b| violation < b.depth) {
-            best = Some(SafetyViolation { away: n, depth: violation });
-        }
-    }
-    best.or(Some(SafetyViolation { away: me.plan.velocity.unit_and_length().0 * -1.0, depth: me.plan.radius }))
 }
 
 /// Smallest displacement of the far end of the stop region at the end of a plan by a change of the acceleration by 1
@@ -319,7 +317,7 @@ mod tests {
         fn stop_regions_stay_out_of_solids(me in plan::<Vec2>(0), from in [-3.0f32..3.0, -3.0f32..3.0], to in [-3.0f32..3.0, -3.0f32..3.0]) {
             let (from, to) = (Vec2::from_array(from), Vec2::from_array(to));
             for solid in [ConvexSolid::Capsule { from, to, radius: 0.1 }, ConvexSolid::Box { min: from.min(to), max: from.max(to) }] {
-                if violation_of_solid(&PlanCandidate::new(me), &solid).is_some() {
+                if PlanCandidate::new(me).violation_of_solid(&solid).is_some() {
                     continue;
                 }
                 for i in 0..=100 {
@@ -381,7 +379,7 @@ mod tests {
             let plan = MotionPlan { start: 100.0, moving: f32::INFINITY, acceleration: a, ..still(0, 0.0) };
             let candidate = PlanCandidate::new(plan);
             assert_eq!(find_violation(&candidate, &other).is_none(), may, "{a}");
-            assert_eq!(violation_of_solid(&candidate, &wall).is_none(), may, "{a}");
+            assert_eq!(candidate.violation_of_solid(&wall).is_none(), may, "{a}");
         }
     }
 }

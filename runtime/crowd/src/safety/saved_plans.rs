@@ -6,7 +6,7 @@
 
 use crate::Space;
 use crate::safety::nearby_plans::find_violation;
-use crate::safety::rule::{MARGIN, PlanCandidate, clearance, violation_of_solid};
+use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
 use crate::space::plan::MotionPlan;
 use crate::space::solid::ConvexSolid;
 
@@ -74,7 +74,7 @@ pub(crate) fn are_apart<V: Space>(a: &MotionPlan<V>, b: &MotionPlan<V>, now: f64
 
 /// True where an agent never is in a solid, from a time on and until it has acted again and come to rest.
 pub(crate) fn is_clear_of<V: Space>(plan: &MotionPlan<V>, solid: &ConvexSolid<V>, now: f64) -> bool {
-    if violation_of_solid(&PlanCandidate::new(plan_from(plan, now)), solid).is_none() {
+    if PlanCandidate::new(plan_from(plan, now)).violation_of_solid(solid).is_none() {
         return true;
     }
     let least = -rounding(plan);

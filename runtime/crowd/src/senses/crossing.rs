@@ -2,6 +2,7 @@
 //! crossing is missed.
 
 use crate::Space;
+use crate::senses::Sensors;
 use crate::space::plan::MotionPlan;
 
 /// Shortest advance (s). What dips below a distance for less is less deep than rounding is.
@@ -59,17 +60,12 @@ fn bisect_change(mut before: f64, mut after: f64, is_before: impl Fn(f64) -> boo
     after
 }
 
-/// The first time after `from`, and not after `until`, at which a plan leaves the square cell that it is in at `from`.
-pub(crate) fn leaves_cell<V: Space>(
-    plan: &MotionPlan<V>,
-    cell: impl Fn(V) -> [i32; 2],
-    side: f32,
-    from: f64,
-    until: f64,
-) -> Option<f64> {
-    let here = cell(plan.motion_at(from).0);
+/// The first time after `from`, and not after its end, at which a plan leaves the square cell that it is in at `from`.
+pub(crate) fn leaves_cell<V: Space>(plan: &MotionPlan<V>, sensors: &Sensors<V>, from: f64) -> Option<f64> {
+    let (cell, side) = (|time: f64| sensors.cell_at(plan.motion_at(time).0), sensors.senses.cell_m);
+    let here = cell(from);
     let mut at = from;
-    let end = until.min(plan.start + f64::from(plan.moving)).max(from);
+    let end = plan.end.min(plan.start + f64::from(plan.moving)).max(from);
     let fastest = plan.motion_at(from).1.length().max(plan.motion_at(end - 1e-9 * (1.0 + end.abs())).1.length()) + 1e-6;
     while at < end {
         let place = plan.motion_at(at).0.on_ground();
@@ -77,8 +73,8 @@ pub(crate) fn leaves_cell<V: Space>(
         let gap = (place - low).min(low + side - place).min_element();
         let before = at;
         at = (at + f64::from(gap.max(0.0) / fastest).max(LEAST_S)).min(end);
-        if cell(plan.motion_at(at).0) != here {
-            return Some(bisect_change(before, at, |time| cell(plan.motion_at(time).0) == here));
+        if cell(at) != here {
+            return Some(bisect_change(before, at, |time| cell(time) == here));
         }
     }
     None

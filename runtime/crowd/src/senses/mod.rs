@@ -163,11 +163,7 @@ impl<V: Space> Sensors<V> {
 
     /// States of agents that sense anything or have a timer, for snapshots.
     pub fn saved(&self) -> Vec<(u32, SensingState)> {
-        (0u32..)
-            .zip(&self.states)
-            .filter(|(_, own)| **own != SensingState::default())
-            .map(|(m, own)| (m, *own))
-            .collect()
+        (0..).zip(self.states.iter().copied()).filter(|(_, own)| *own != SensingState::default()).collect()
     }
 
     /// True for what a snapshot of this crowd may hold.

@@ -154,9 +154,7 @@ impl<V: Space> RelationshipTable<V> {
     /// - `place`: where another agent is, as long as it is in the crowd.
     pub fn interest_acceleration(&self, agent: u32, position: V, place: impl Fn(Id) -> Option<V>) -> V {
         let mut pull = V::default();
-        for interest in
-            self.relationships_of(agent).iter().flat_map(|relationship| relationship.interests.iter().flatten())
-        {
+        for interest in self.relationships_of(agent).iter().flat_map(|own| own.interests.iter().flatten()) {
             let at = match interest.at {
                 InterestLocation::Place(at) => Some(at),
                 InterestLocation::Agent(id) => place(id),
@@ -170,11 +168,7 @@ impl<V: Space> RelationshipTable<V> {
 
     /// Relationships of agents that have any, for snapshots.
     pub fn saved(&self) -> Vec<(u32, AgentRelationships<V>)> {
-        (0u32..)
-            .zip(&self.agents)
-            .filter(|(_, relationship)| **relationship != AgentRelationships::NONE)
-            .map(|(m, relationship)| (m, *relationship))
-            .collect()
+        (0..).zip(self.agents.iter().copied()).filter(|(_, own)| *own != AgentRelationships::NONE).collect()
     }
 
     /// Restores the relationships of a snapshot.

@@ -54,12 +54,7 @@ impl<'a, V: Space> DirectionalSight<'a, V> {
     #[inline]
     pub fn looking_along(ahead: V, speed: f32, horizon: f32, steering: &'a SteeringConfig) -> Self {
         let directions = ahead.fan();
-        let mut axes = [[0.0; DIRECTIONS]; 3];
-        for (i, d) in directions.iter().enumerate() {
-            for (axis, c) in axes.iter_mut().zip(d.coordinates()) {
-                axis[i] = c;
-            }
-        }
+        let axes = [0, 1, 2].map(|axis| directions.map(|d| d.coordinates()[axis]));
         Self { steering, directions, axes, speed, horizon, free: [NEVER; DIRECTIONS], open: [1.0; DIRECTIONS] }
     }
 

@@ -204,10 +204,8 @@ impl WorldGraph {
 
     /// True where motion with a tag begins at a node inside of an instance, and a character may stay there.
     pub fn can_begin_tag(&self, node: WorldNode, tag: u16) -> bool {
-        let cell = self.cell(node);
-        let mut links = cell.first_link..cell.first_link + cell.num_links;
-        let shows = |l| self.links(node.instance)[l as usize].tag == tag && self.step_along(node.instance, l).is_some();
-        self.is_safe(node) && cell.edge == NONE && links.any(shows)
+        let shows = |step| self.link(&step).is_some_and(|l| l.tag == tag);
+        self.is_safe(node) && self.cell(node).edge == NONE && self.whole_link_steps(node).any(shows)
     }
 
     /// Units that are held in an instance (instance < num_instances).

@@ -162,6 +162,12 @@ impl WorldGraph {
         alone.filter_map(|l| part.step_along(self, from.instance, l)).for_each(&mut visit);
     }
 
+    /// Steps along whole links from a node, those of two characters among them.
+    pub(crate) fn whole_link_steps(&self, from: WorldNode) -> impl Iterator<Item = WorldStep> + '_ {
+        let cell = self.cell(from);
+        (cell.first_link..cell.first_link + cell.num_links).filter_map(move |l| self.step_along(from.instance, l))
+    }
+
     /// The step that plays a whole link, where the link and the node it leads to are enabled.
     pub(crate) fn step_along(&self, instance: u32, link: u32) -> Option<WorldStep> {
         InstanceSteps::of_instance(self, instance).step_along(self, instance, link)

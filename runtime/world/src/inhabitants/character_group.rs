@@ -1,6 +1,5 @@
 //! Inhabitants as a character group: they enter, leave, take orders, are saved and loaded.
 
-use super::reservations::EXTERNAL_HOLDER;
 use super::targets::check_place;
 use super::{InhabitantActivity, InhabitantGoal, InhabitantMemory, Inhabitants, schedule};
 use crate::plan::PlanTarget;
@@ -43,13 +42,10 @@ impl Inhabitants {
 
     /// Checks that all units of an instance are free.
     fn check_free(&self, graph: &WorldGraph, who: Id, c: u32, instance: u32) -> Result<()> {
-        match self.reservations.other_holder(graph, instance, c) {
-            None => Ok(()),
-            Some(EXTERNAL_HOLDER) => {
-                Err(Error::Occupied { who, by: "somebody who does not live in this world".into() })
-            }
-            Some(other) => Err(Error::Occupied { who, by: self.roster.ids()[other as usize].to_string() }),
-        }
+        let Some(other) = self.reservations.other_holder(graph, instance, c) else { return Ok(()) };
+        // External obstacles have no id here.
+        let by = self.roster.ids().get(other as usize).map(Id::to_string);
+        Err(Error::Occupied { who, by: by.unwrap_or_else(|| "somebody who does not live in this world".into()) })
     }
 
     /// Free place to stay nearest to a point that a character is moved to; of several at one place, the one with the

@@ -7,7 +7,7 @@ use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::Purpose;
 use super::reservations::EXTERNAL_HOLDER;
 use super::{InhabitantEvent, Inhabitants, schedule};
-use crate::plan::{PlanTarget, SearchResult};
+use crate::plan::{PlanTarget, SearchResult, TOLL_TRIES};
 use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
 use throng_base::thresholds::WALK_SPEED_MPS;
@@ -99,7 +99,7 @@ impl Inhabitants {
                 };
                 if impatient { stays.max(TOLL) } else { stays }
             };
-            match self.planner.plan_around(graph, from, target, toll, self.paths.step_buffer(c)) {
+            match self.planner.plan_around(graph, from, target, &toll, &TOLL_TRIES, self.paths.step_buffer(c)) {
                 Some(plan) => {
                     self.paths.set(c, from, plan);
                     let steps = self.paths.steps_of(c).iter().map(|s| Some(s.to.instance));
@@ -131,7 +131,10 @@ impl Inhabitants {
             self.states[c].detour -= 1;
             self.states[c].activity = InhabitantActivity::Detour;
             if self.states[c].detour == 0 {
-                self.pause_after_detour(c);
+                // A pause, so that others have time to pass.
+                let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
+                let pause_s = self.draw_random(c) * longest_s;
+                self.states[c].until_s = self.time_s + f64::from(pause_s);
             }
             // A step aside to rest is not counted.
             let at = self.states[c].at;
@@ -333,13 +336,6 @@ impl Inhabitants {
             self.paths.request_path(c);
         }
         turned
-    }
-
-    /// Waits after a detour, so that others have time to pass.
-    fn pause_after_detour(&mut self, c: usize) {
-        let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
-        let pause_s = self.draw_random(c) * longest_s;
-        self.states[c].until_s = self.time_s + f64::from(pause_s);
     }
 
     /// Character that holds a unit which the next steps of a character's path need.

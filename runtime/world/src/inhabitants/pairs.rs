@@ -388,18 +388,13 @@ impl Inhabitants {
                 let entered = offer.entry_step(side).to_offset;
                 Some(Some(self.count_pair_step(c, WorldStep { from_offset: entered, ..whole })))
             }
-            MeetingStage::Together => Some(self.continue_together(graph, c, m, &offer)),
+            MeetingStage::Together => Some(self.continue_together(graph, c, m)),
         }
     }
 
     /// Continues after one round: with another one that begins where this one ended, or at the end of the action.
-    fn continue_together(
-        &mut self,
-        graph: &WorldGraph,
-        c: usize,
-        m: PairMeeting,
-        offer: &PairOffer,
-    ) -> Option<WorldStep> {
+    fn continue_together(&mut self, graph: &WorldGraph, c: usize, m: PairMeeting) -> Option<WorldStep> {
+        let offer = self.pair_offers[m.offer as usize];
         let InhabitantGoal::Meet { seconds, .. } = self.states[c].goal else { return self.rest_step(graph, c) };
         let fits = |o: &PairOffer| o.tag == offer.tag && o.starts == offer.ends;
         let num = self.pair_offers.iter().filter(|o| fits(o)).count();

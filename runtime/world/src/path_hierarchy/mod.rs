@@ -292,7 +292,14 @@ impl PathHierarchy {
             }));
         }
         self.cluster_costs = each(&kinds, |outline, search| ClusterCosts::new(outline, search));
-        let mut goals = entrance_cells(graph, &kinds, &self.cluster_costs);
+        // Patches with the cells that entrances of clusters begin in.
+        let mut goals = BTreeSet::new();
+        for (outline, costs_in) in kinds.iter().zip(&self.cluster_costs) {
+            for (beyond, cells) in &costs_in.entrances {
+                let Some(tile) = outline.adjacent_parts[*beyond as usize].tile() else { continue };
+                goals.insert((graph.instance(tile).patch, cells.clone()));
+            }
+        }
         let planes = (0u32..).zip(&self.planes).filter_map(|(patch, plane)| Some((patch, plane.as_ref()?)));
         goals.extend(planes.flat_map(|(patch, p)| p.is_rest_goal().into_iter().map(move |r| (patch, r))));
         add_goals(&mut self.planes, goals);
@@ -333,22 +340,6 @@ impl PathHierarchy {
             }
         }
     }
-}
-
-/// Patches with the cells that entrances of clusters begin in.
-fn entrance_cells(
-    graph: &WorldGraph,
-    outlines: &[&ClusterOutline<'_>],
-    cluster_costs: &[ClusterCosts],
-) -> BTreeSet<(u32, Vec<CellCost>)> {
-    let mut goals = BTreeSet::new();
-    for (outline, costs_in) in outlines.iter().zip(cluster_costs) {
-        for (beyond, cells) in &costs_in.entrances {
-            let Some(tile) = outline.adjacent_parts[*beyond as usize].tile() else { continue };
-            goals.insert((graph.instance(tile).patch, cells.clone()));
-        }
-    }
-    goals
 }
 
 /// Adds cells of patches to the goals of their planes.

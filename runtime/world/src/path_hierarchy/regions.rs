@@ -11,15 +11,12 @@ const FULL: f32 = 0.95;
 
 /// Parts places into regions: all of them into one, or into rectangles, the largest first (copies).
 pub(super) fn part_into_regions(mut places: BTreeSet<[i32; 2]>) -> Vec<Vec<[i32; 2]>> {
-    let mut out = Vec::new();
     if is_full(&places) {
-        out.push(places.into_iter().collect());
-        return out;
+        return vec![places.into_iter().collect()];
     }
+    let mut out = Vec::new();
     while let Some(region) = largest(&places) {
-        region.iter().for_each(|place| {
-            places.remove(place);
-        });
+        region.iter().for_each(|place| _ = places.remove(place));
         out.push(region);
     }
     out

@@ -108,7 +108,28 @@ impl WorldPlanner {
         out: &mut [WorldStep],
     ) -> Option<WorldPlan> {
         let plan = self.plan_soon(graph, from, target, out)?;
-        self.prove(graph, from, target, plan, out)
+        let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
+        let least_frames = plan.least_frames.max(enough.ceil() as u32);
+        if plan.least_frames as f32 >= enough {
+            return Some(plan);
+        }
+        // Proves that no path takes so much less, or finds the fastest one. All nodes are opened through which such a
+        // path might lead, and no others: of A* with estimates weighted by as much as the first path may be worse (Pohl
+        // 1970), they would only be a part (Thayer and Ruml 2008).
+        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
+        if self.upper.limit < enough {
+            self.upper.run(graph, target, from, enough);
+            opened_instances += self.upper.opened;
+        }
+        let (upper, toll) = (&mut self.upper, &|_: u32| 0.0);
+        let mut path = TowardsTarget { graph, hierarchy, target, greed: 1.0, limit: enough, upper, toll };
+        let found = self.nodes.search(graph, from, &mut path, usize::MAX);
+        opened_nodes += self.nodes.opened;
+        let SearchResult::Path(path) = found else {
+            return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
+        };
+        let plan = self.report(graph, path, out);
+        Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
     }
 
     /// Finds a path in less time, which may be worse. [`WorldPlan::least_frames`] bounds by how much.
@@ -119,19 +140,7 @@ impl WorldPlanner {
         target: PlanTarget,
         out: &mut [WorldStep],
     ) -> Option<WorldPlan> {
-        self.find(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
-    }
-
-    /// Finds a path as [`WorldPlanner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
-    pub(crate) fn plan_around(
-        &mut self,
-        graph: &WorldGraph,
-        from: WorldNode,
-        target: PlanTarget,
-        toll: impl Fn(u32) -> f32,
-        out: &mut [WorldStep],
-    ) -> Option<WorldPlan> {
-        self.find(graph, from, target, &toll, &TRIES, out)
+        self.plan_around(graph, from, target, &|_| 0.0, &[(HASTE, usize::MAX)], out)
     }
 
     /// Lower bound of the time of the path from a node to a target, from the tables of the world (frames); `None` where
@@ -141,8 +150,10 @@ impl WorldPlanner {
         leads.then(|| self.upper.estimate(graph.hierarchy(), from).min(self.upper.limit))
     }
 
-    /// Finds a path, with the weight of estimates and the most opened nodes that `tries` give.
-    fn find(
+    /// Finds a path as [`WorldPlanner::plan_soon`] does, with a toll for entering instances, which counts as time (frames).
+    ///
+    /// - `tries`: weights of estimates, each with the most opened nodes; see [`TOLL_TRIES`].
+    pub(crate) fn plan_around(
         &mut self,
         graph: &WorldGraph,
         from: WorldNode,
@@ -184,39 +195,6 @@ impl WorldPlanner {
         }
     }
 
-    /// Proves that no path takes so much less than one that was just found, or finds the fastest one.
-    ///
-    /// All nodes are opened through which such a path might lead, and no others: of A* with estimates weighted by as
-    /// much as that path may be worse (Pohl 1970), they would only be a part (Thayer and Ruml 2008).
-    fn prove(
-        &mut self,
-        graph: &WorldGraph,
-        from: WorldNode,
-        target: PlanTarget,
-        plan: WorldPlan,
-        out: &mut [WorldStep],
-    ) -> Option<WorldPlan> {
-        let (hierarchy, enough) = (graph.hierarchy(), plan.num_frames as f32 / WORST);
-        let least_frames = plan.least_frames.max(enough.ceil() as u32);
-        if plan.least_frames as f32 >= enough {
-            return Some(plan);
-        }
-        let (mut opened_instances, mut opened_nodes) = (plan.opened_instances, plan.opened_nodes);
-        if self.upper.limit < enough {
-            self.upper.run(graph, target, from, enough);
-            opened_instances += self.upper.opened;
-        }
-        let (upper, toll) = (&mut self.upper, &|_: u32| 0.0);
-        let mut path = TowardsTarget { graph, hierarchy, target, greed: 1.0, limit: enough, upper, toll };
-        let found = self.nodes.search(graph, from, &mut path, usize::MAX);
-        opened_nodes += self.nodes.opened;
-        let SearchResult::Path(path) = found else {
-            return Some(WorldPlan { opened_nodes, opened_instances, least_frames, ..plan });
-        };
-        let plan = self.report(graph, path, out);
-        Some(WorldPlan { opened_nodes, opened_instances, least_frames: plan.num_frames, ..plan })
-    }
-
     /// Writes the steps of a path that was found.
     fn report(&mut self, graph: &WorldGraph, path: u32, out: &mut [WorldStep]) -> WorldPlan {
         let mut plan = WorldPlan::default();
@@ -238,7 +216,7 @@ impl WorldPlanner {
 /// Weight of estimates in the search for a first path (weighted A*, Pohl 1970).
 const HASTE: f32 = 1.12;
 /// Weights of estimates and most opened nodes where there are tolls, which estimates ignore.
-const TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
+pub(crate) const TOLL_TRIES: [(f32, usize); 3] = [(HASTE, 4000), (1.5, 10000), (3.0, usize::MAX)];
 
 /// The lower layer's space: everything, towards the target.
 struct TowardsTarget<'a, T> {

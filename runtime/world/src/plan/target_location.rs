@@ -49,10 +49,8 @@ impl TargetLocation {
         if let Some((cluster, first)) = hierarchy.cluster(instance) {
             self.cluster = Some(cluster);
             self.inside.begin(cluster, nodes().map(|n| first + n.cell));
-            for entrance in 0..hierarchy.entrances_of(cluster).len() as u32 {
-                let cost = self.inside.cost_from(hierarchy, entrance);
-                self.from_entrance.push(cost);
-            }
+            let entrances = 0..hierarchy.entrances_of(cluster).len() as u32;
+            self.from_entrance.extend(entrances.map(|entrance| self.inside.cost_from(hierarchy, entrance)));
             return true;
         }
         let Some((_, plane)) = hierarchy.region_and_plane(instance) else { return false };

@@ -82,7 +82,13 @@ impl UpperSearch {
         let mut least = self.end.cost(hierarchy, from);
         let limit = |least: f32| most.max(least * BESIDE + BESIDE_FRAMES);
         self.limit = limit(least);
-        self.reach_from_end(hierarchy);
+        if let Some(cluster) = self.end.cluster {
+            for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
+                self.reach(hierarchy, entrance, self.end.from_entrance[k]);
+            }
+        } else if let Some(region) = hierarchy.floors.region(self.end.instance) {
+            self.reach_end(hierarchy, region);
+        }
         while let Some((key, state)) = self.heap.pop() {
             self.limit = limit(least);
             if key > self.limit {
@@ -145,16 +151,6 @@ impl UpperSearch {
         }
     }
 
-    fn reach_from_end(&mut self, hierarchy: &PathHierarchy) {
-        if let Some(cluster) = self.end.cluster {
-            for (k, entrance) in hierarchy.entrances_of(cluster).enumerate() {
-                self.reach(hierarchy, entrance, self.end.from_entrance[k]);
-            }
-        } else if let Some(region) = hierarchy.floors.region(self.end.instance) {
-            self.reach_end(hierarchy, region);
-        }
-    }
-
     /// Reaches all states that lead to the target's region.
     fn reach_end(&mut self, hierarchy: &PathHierarchy, region: u32) {
         let instance = self.end.instance;
@@ -213,16 +209,12 @@ impl UpperSearch {
         }
     }
 
-    /// True where a state is known to cost no more.
-    fn is_known(&self, state: u32, cost: f32) -> bool {
-        self.stamps[state as usize] == self.stamp && self.costs[state as usize] <= cost
-    }
-
     fn reach(&mut self, hierarchy: &PathHierarchy, state: u32, cost: f32) {
-        if cost == f32::INFINITY || self.is_known(state, cost) {
+        let s = state as usize;
+        let is_known = self.stamps[s] == self.stamp && self.costs[s] <= cost;
+        if cost == f32::INFINITY || is_known {
             return;
         }
-        let s = state as usize;
         self.stamps[s] = self.stamp;
         self.costs[s] = cost;
         if let Some(place) = hierarchy.region_costs.place(state) {
@@ -271,11 +263,6 @@ impl UpperSearch {
         }
     }
 
-    /// First entrance from a region.
-    fn first_of(&self, region: u32) -> u32 {
-        if self.chain_stamps[region as usize] == self.stamp { self.chains[region as usize][0] } else { NONE }
-    }
-
     fn open_exit(&mut self, hierarchy: &PathHierarchy, out: u32, cost: f32) {
         let cluster = hierarchy.exits[out as usize].cluster;
         let number = out - hierarchy.exits_of(cluster).start;
@@ -303,22 +290,19 @@ impl UpperSearch {
 
     /// Cost from a cell of a cluster by one of its exits.
     fn through(&self, hierarchy: &PathHierarchy, cluster: u32, cell: u32) -> f32 {
-        let (costs_in, first) =
-            (hierarchy.costs_in(cluster), hierarchy.entrances.len() + hierarchy.exits_of(cluster).start as usize);
-        let mut least = f32::INFINITY;
-        for k in 0..hierarchy.exits_of(cluster).len() {
-            if self.stamps[first + k] == self.stamp {
-                least = least.min(self.costs[first + k] + costs_in.to_exit(k as u32, cell));
-            }
-        }
-        least
+        let (costs_in, exits) = (hierarchy.costs_in(cluster), hierarchy.exits_of(cluster));
+        let first = hierarchy.entrances.len() + exits.start as usize;
+        let reached = (0..exits.len()).filter(|k| self.stamps[first + k] == self.stamp);
+        let costs = reached.map(|k| self.costs[first + k] + costs_in.to_exit(k as u32, cell));
+        costs.fold(f32::INFINITY, f32::min)
     }
 
     /// Best entrances from a tile.
     fn find_next_entrances(&mut self, hierarchy: &PathHierarchy, tile: u32) {
         let mut found = NextEntrances::new(self.stamp);
         let Some((region, plane)) = hierarchy.region_and_plane(tile) else { return };
-        let mut state = self.first_of(region);
+        let r = region as usize;
+        let mut state = if self.chain_stamps[r] == self.stamp { self.chains[r][0] } else { NONE };
         while state != NONE {
             if let Some((_, to, goal)) = hierarchy.entrances[state as usize].tile() {
                 let lookup = plane.lookup(goal, hierarchy.floors.offset(tile, to));

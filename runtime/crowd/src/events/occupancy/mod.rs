@@ -168,16 +168,14 @@ impl Occupancy {
         let Crossing { after, axis, is_upper, enters } = o.crossing;
         let axis = axis as usize;
         let (mut low, mut high) = (o.low, o.high);
+        let (face, outward) = if is_upper { (&mut o.high[axis], 1) } else { (&mut o.low[axis], -1) };
+        let changed = if enters { *face + outward } else { *face };
+        *face = if enters { changed } else { changed - outward };
+        (low[axis], high[axis]) = (changed, changed);
         if enters {
-            let to = if is_upper { high[axis] + 1 } else { low[axis] - 1 };
-            (low[axis], high[axis]) = (to, to);
             each_cell(low, high, |at| self.link(cells, plan.index, at));
-            if is_upper { o.high[axis] = to } else { o.low[axis] = to }
         } else {
-            let from = if is_upper { high[axis] } else { low[axis] };
-            (low[axis], high[axis]) = (from, from);
             each_cell(low, high, |at| self.unlink(cells, plan.index, at));
-            if is_upper { o.high[axis] -= 1 } else { o.low[axis] += 1 }
         }
         o.crossing = next_crossing(cells.side, plan, o.low, o.high, after);
         self.occupants[plan.index as usize] = o;

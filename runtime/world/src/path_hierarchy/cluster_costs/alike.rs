@@ -50,10 +50,8 @@ impl AlikePlaces {
     /// Least cost to an exit, from the costs of all places and what these have more.
     fn least_to_exit(&self, costs: &[u16], more: u16) -> i32 {
         let known = self.places.iter().filter(|p| costs[p.0 as usize] != UNREACHED);
-        known
-            .map(|&(n, part)| i32::from(costs[n as usize]) - i32::from(more) - i32::from(part))
-            .min()
-            .unwrap_or(i32::MAX)
+        let beyond = known.map(|&(n, part)| i32::from(costs[n as usize]) - i32::from(more) - i32::from(part));
+        beyond.min().unwrap_or(i32::MAX)
     }
 }
 

@@ -90,21 +90,17 @@ impl<'p, 'a> ClusterEdges<'p, 'a> {
     }
 
     fn add_block_cell(&mut self, node: WorldNode, from: u32) {
-        let (graph, cell, linked) = (self.outline.graph, self.outline.graph.cell(node), self.linked(node));
+        let (graph, linked) = (self.outline.graph, self.linked(node));
         self.arcs.push((from, linked, 0));
-        for link in cell.first_link..cell.first_link + cell.num_links {
-            if let Some(step) = graph.step_along(node.instance, link) {
-                self.arcs.push((linked, self.cell(step.to), step.num_frames() as u16));
-            }
+        for step in graph.whole_link_steps(node) {
+            self.arcs.push((linked, self.cell(step.to), step.num_frames() as u16));
         }
         graph.for_each_crossing(node, |_, crossing| match crossing {
             JointCrossing::Link(s) => self.add_exit(from, s.instance, s.to, s.num_frames() as u16),
             JointCrossing::Cell(to) => match self.outline.adjacent_part(to.instance) {
                 None => self.arcs.push((from, self.linked(to), 0)),
                 Some(_) => {
-                    let cell = graph.cell(to);
-                    let links = cell.first_link..cell.first_link + cell.num_links;
-                    for s in links.filter_map(|l| graph.step_along(to.instance, l)) {
+                    for s in graph.whole_link_steps(to) {
                         self.add_exit(from, s.instance, s.to, s.num_frames() as u16);
                     }
                 }
@@ -148,10 +144,11 @@ impl<'p, 'a> ClusterEdges<'p, 'a> {
         }
     }
 
-    /// Node of a cell that an entrance begins at.
-    fn entrance(&mut self, beyond: u32, class: u32, cell: u32) -> u32 {
+    /// Adds a step into the cluster, from the start of an entrance: the part of the world beyond, the class and the cell.
+    fn add_entrance(&mut self, start: (u32, u32, u32), to: WorldNode, frames: u16) {
         let next = self.entrances.len() as u32;
-        2 * self.outline.num_cells + *self.entrances.entry((beyond, class, cell)).or_insert(next)
+        let from = 2 * self.outline.num_cells + *self.entrances.entry(start).or_insert(next);
+        self.arcs.push((from, self.cell(to), frames));
     }
 
     /// Adds the steps into the cluster from an instance beyond.
@@ -173,8 +170,7 @@ impl<'p, 'a> ClusterEdges<'p, 'a> {
                     if graph.is_enabled(to) {
                         // What leads here from another cluster is counted there.
                         let frames = if tile { j.a_offset as u16 } else { 0 };
-                        let arc = (self.entrance(k, class, links[j.a as usize].from), self.cell(to), frames);
-                        self.arcs.push(arc);
+                        self.add_entrance((k, class, links[j.a as usize].from), to, frames);
                     }
                 }
                 (false, true) => {
@@ -182,17 +178,13 @@ impl<'p, 'a> ClusterEdges<'p, 'a> {
                     if let Some(to) =
                         graph.end_node(instance, l).filter(|to| outline.adjacent_part(to.instance).is_none())
                     {
-                        let arc = (self.entrance(k, 0, NONE), self.cell(to), 0);
-                        self.arcs.push(arc);
+                        self.add_entrance((k, 0, NONE), to, 0);
                     }
                 }
                 (_, false) => {
                     let to = WorldNode { instance, cell: if to_b { j.b } else { j.a } };
-                    let cell = graph.cell(to);
-                    let links = cell.first_link..cell.first_link + cell.num_links;
-                    for s in links.filter(|_| graph.is_enabled(to)).filter_map(|l| graph.step_along(instance, l)) {
-                        let arc = (self.entrance(k, 0, NONE), self.cell(s.to), 0);
-                        self.arcs.push(arc);
+                    for s in graph.whole_link_steps(to).filter(|_| graph.is_enabled(to)) {
+                        self.add_entrance((k, 0, NONE), s.to, 0);
                     }
                 }
             }
