@@ -76,19 +76,12 @@ impl InferReport {
     }
 
     /// Measures how well the clips agree with the geometry.
-    pub fn measure(
-        &mut self,
-        clips: &[&Clip],
-        skeleton: &Skeleton,
-        geometry: &PlacedGeometry,
-        contacts: &ContactConfig,
-        touch: &GeometryTouchConfig,
-    ) {
-        let body = BodySpheres::new(skeleton);
+    pub fn measure(&mut self, clips: &[&Clip], skeleton: &Skeleton, geometry: &PlacedGeometry) {
+        let (body, touch) = (BodySpheres::new(skeleton), GeometryTouchConfig::default());
         let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
         for clip in clips {
             let mut annotated = (*clip).clone();
-            annotate_in(&mut annotated, skeleton, geometry, contacts, touch);
+            annotate_in(&mut annotated, skeleton, geometry, &ContactConfig::default(), &touch);
             for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
                 frames += 1;
                 planted += usize::from(annotated.contacts[f] != Contacts::NONE);

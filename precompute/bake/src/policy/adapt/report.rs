@@ -149,7 +149,8 @@ impl RandomQueries {
             let (own, rest) = finest.split_at(scores.len());
             finest = rest;
             let most = own.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            let loss = f64::from(most - own[first_best(scores)]);
+            let first_best = (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best });
+            let loss = f64::from(most - own[first_best]);
             changed += u32::from(loss > 0.0);
             (lost, sum) = (lost + loss, sum + f64::from(most.abs()));
         }
@@ -180,9 +181,4 @@ fn first_actions(solution: &Solution) -> Vec<u8> {
 fn score<'a>(table: &PolicyTable, (state, target): (u32, Vec3), buffer: &'a mut [f32; MAX_ACTIONS]) -> &'a [f32] {
     let n = table.action_scores(state, target, buffer).expect("the state exists and the target is finite");
     &buffer[..n]
-}
-
-/// Index of the first of the best scores.
-fn first_best(scores: &[f32]) -> usize {
-    (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best })
 }
