@@ -49,9 +49,9 @@ pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Re
     let contacts = ContactConfig::default();
     let places: Vec<_> = clips.iter().flat_map(|c| places::find_touches(c, skeleton, &contacts)).collect();
     let hands: Vec<_> = places.iter().filter(|p| p.kind == TouchKind::Hand).copied().collect();
-    let others: Vec<_> = places.iter().filter(|p| p.kind != TouchKind::Hand).copied().collect();
-    let mut plates = plates::find_plates(&others);
+    let mut plates = plates::find_plates(&places);
     let mut bars = bars::find_bars(&hands);
+    // Pieces that a body passes through are dropped.
     let flat = plates.iter().map(|p| (p.piece(), p.held_s));
     let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
     let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
@@ -67,7 +67,7 @@ pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Re
     }
     let (units, place) = assemble(&plates, &bars);
     let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
-    let report = InferReport::from_places(&others, &hands, &plates, &bars);
+    let report = InferReport::from_places(&places, &plates, &bars);
     let mut inferred = InferredEnvironment { units, environment, report };
     inferred.report.dismissed = standing.iter().filter(|s| !**s).count();
     inferred.report.units = inferred.units.units.len();

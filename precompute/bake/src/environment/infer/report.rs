@@ -47,14 +47,10 @@ pub struct InferReport {
 
 impl InferReport {
     /// Counts and residuals.
-    pub fn from_places(
-        others: &[InferredTouch],
-        hands: &[InferredTouch],
-        plates: &[InferredPlate],
-        bars: &[InferredBar],
-    ) -> Self {
-        let count = |kind: TouchKind| others.iter().filter(|t| t.kind == kind).count();
-        let ground = || others.iter().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
+    pub fn from_places(places: &[InferredTouch], plates: &[InferredPlate], bars: &[InferredBar]) -> Self {
+        let count = |kind: TouchKind| places.iter().filter(|t| t.kind == kind).count();
+        let others = || places.iter().filter(|t| t.kind != TouchKind::Hand);
+        let ground = || others().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
         let of_plate = |p: &InferredPlate| p.heights.iter().map(|h| (h - p.height).abs()).collect::<Vec<_>>();
         let off: Vec<f32> =
             ground().chain(plates.iter().flat_map(of_plate)).chain(bars.iter().flat_map(|b| b.off.clone())).collect();
@@ -62,8 +58,8 @@ impl InferReport {
         Self {
             foot_places: count(TouchKind::Foot),
             seat_places: count(TouchKind::Seat),
-            hand_places: hands.len(),
-            hands_unexplained: hands.len() - bars.iter().map(|b| b.off.len()).sum::<usize>(),
+            hand_places: count(TouchKind::Hand),
+            hands_unexplained: count(TouchKind::Hand) - bars.iter().map(|b| b.off.len()).sum::<usize>(),
             on_ground: ground().count(),
             plates: plates.len(),
             plates_of_one: plates.iter().filter(|p| p.heights.len() == 1).count(),
