@@ -223,7 +223,7 @@ fn realise(table: &PolicyTable, pairs: &[PolicySituation], found: &[BestSequence
 mod tests {
     use super::*;
     use throng_bake::policy::made_up::SyntheticProblem;
-    use throng_bake::policy::{Approach, PolicyConfig, solve_behaviours};
+    use throng_bake::policy::{Approach, PolicyConfig, PolicySolver};
     use throng_core::base::SingleRank;
     use throng_motion::progress::Silent;
 
@@ -231,7 +231,8 @@ mod tests {
     fn solved(small: &SyntheticProblem, behaviour: &Approach) -> PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
-        let tables = solve_behaviours(small.model(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank);
+        let tables = PolicySolver { model: &small.model(), cfg: &cfg, progress: &Silent, comm: &SingleRank }
+            .solve_all(&[behaviour], &mut rng);
         tables.expect("it converges").table(0).expect("sound tables")
     }
 

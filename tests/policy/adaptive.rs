@@ -12,8 +12,8 @@ use throng_core::policy::{
 use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
     ActionModel, AdaptiveConfig, Approach, BehaviourKind, BehaviourSpec, GridConfig, PolicyBehaviour,
-    PolicyBehaviourConfig, PolicyConfig, PolicyTables, SegmentHit, SegmentMotion, Solution, ThrowPunches, adapt, bake,
-    solve_behaviours, value_iteration,
+    PolicyBehaviourConfig, PolicyConfig, PolicySolver, PolicyTables, SegmentHit, SegmentMotion, Solution, ThrowPunches,
+    adapt, bake,
 };
 use throng_precompute::progress::Silent;
 
@@ -52,14 +52,17 @@ fn blows(rng: &mut Pcg64) -> (ActionModel, Hit, TargetGrid) {
 /// The policy on the finest grid everywhere.
 fn finest(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> Solution {
     let cfg = PolicyConfig::default();
-    let mut solution = value_iteration(model, behaviour, &cfg, &Silent, &SingleRank).expect("it converges");
+    let mut solution = PolicySolver { model, cfg: &cfg, progress: &Silent, comm: &SingleRank }
+        .value_iteration(behaviour)
+        .expect("it converges");
     bake(model, &mut solution, &cfg, &SingleRank).expect("it converges");
     solution
 }
 
 fn tables(model: &ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let cfg = PolicyConfig { compare_samples: 500, ..PolicyConfig::default() };
-    solve_behaviours(model.clone(), &[behaviour], &cfg, &mut Pcg64::seed_from_u64(3), &Silent, &SingleRank)
+    PolicySolver { model, cfg: &cfg, progress: &Silent, comm: &SingleRank }
+        .solve_all(&[behaviour], &mut Pcg64::seed_from_u64(3))
         .expect("it converges")
 }
 
@@ -196,7 +199,9 @@ fn the_report_says_what_the_values_say() {
     let cfg = PolicyConfig { compare_samples: 20_000, ..PolicyConfig::default() };
     let solve = |behaviour: &dyn PolicyBehaviour| {
         let mut rng = Pcg64::seed_from_u64(3);
-        solve_behaviours(model.clone(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank).expect("it converges")
+        PolicySolver { model: &model, cfg: &cfg, progress: &Silent, comm: &SingleRank }
+            .solve_all(&[behaviour], &mut rng)
+            .expect("it converges")
     };
     let compact = solve(&Compact { behaviour: &hit, grid, adaptive });
     let whole = solve(&Compact { behaviour: &hit, grid, adaptive: None });

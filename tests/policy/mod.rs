@@ -14,8 +14,8 @@ use throng_core::base::SingleRank;
 use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
-    ActionModel, Approach, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, RewardForm, bake,
-    solve_behaviours, value_iteration,
+    ActionModel, Approach, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, PolicySolver, RewardForm,
+    bake,
 };
 use throng_precompute::progress::Silent;
 
@@ -203,7 +203,9 @@ fn weighted_behaviours_are_the_weighted_sum_of_their_scores() {
     let blows = (0..model.segments.len()).map(|s| (s, 2, grid.cell_centre(s), 1.0)).collect();
     let hit = Hit { discount: 0.95, blows, radius: 0.5, transition_cost: 4.0 };
     let cfg = PolicyConfig::default();
-    let tables = solve_behaviours(model, &[&come, &hit], &cfg, &mut rng, &Silent, &SingleRank).expect("it converges");
+    let tables = PolicySolver { model: &model, cfg: &cfg, progress: &Silent, comm: &SingleRank }
+        .solve_all(&[&come, &hit], &mut rng)
+        .expect("it converges");
     let policies = [tables.table(0).expect("sound tables"), tables.table(1).expect("sound tables")];
     let (states, weights, none) = ([3u32, 3], [0.3, 0.3], [2.0, 0.0]);
     let targets = [[Vec3::new(0.5, 1.0, 2.0); 2], [Vec3::new(0.2, 1.35, 0.8); 2]];
@@ -226,11 +228,15 @@ fn sweeps_that_do_not_suffice_are_an_error_with_the_residual() {
     let problem = SyntheticProblem { states: 10, actions: 5, rings: 8, angles: 9, seed: 2 };
     let cfg = PolicyConfig { max_sweeps: 1, ..PolicyConfig::default() };
     let behaviour = problem.behaviour().expect("a valid behaviour");
-    let message =
-        value_iteration(&problem.model(), &behaviour, &cfg, &Silent, &SingleRank).expect_err("too few").to_string();
+    let message = PolicySolver { model: &problem.model(), cfg: &cfg, progress: &Silent, comm: &SingleRank }
+        .value_iteration(&behaviour)
+        .expect_err("too few")
+        .to_string();
     assert!(message.contains("after 1 sweeps") && message.contains("max_sweeps"), "{message}");
     let mut solution =
-        value_iteration(&problem.model(), &behaviour, &PolicyConfig::default(), &Silent, &SingleRank).expect("enough");
+        PolicySolver { model: &problem.model(), cfg: &PolicyConfig::default(), progress: &Silent, comm: &SingleRank }
+            .value_iteration(&behaviour)
+            .expect("enough");
     assert!(
         bake(&problem.model(), &mut solution, &PolicyConfig { choices: 5, ..PolicyConfig::default() }, &SingleRank)
             .is_err()

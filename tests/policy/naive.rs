@@ -8,7 +8,7 @@ use throng_core::base::SingleRank;
 use throng_core::policy::{COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_precompute::policy::{
     ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig,
-    PolicyTables, RewardForm, SegmentMotion, segment_records, solve_behaviours,
+    PolicySolver, PolicyTables, RewardForm, SegmentMotion, segment_records,
 };
 use throng_precompute::progress::Silent;
 
@@ -231,7 +231,8 @@ impl<'a> Naive<'a> {
 }
 
 pub fn solved(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> PolicyTables {
-    solve_behaviours(model.clone(), &[behaviour], cfg, &mut Pcg64::seed_from_u64(3), &Silent, &SingleRank)
+    PolicySolver { model, cfg, progress: &Silent, comm: &SingleRank }
+        .solve_all(&[behaviour], &mut Pcg64::seed_from_u64(3))
         .expect("it converges")
 }
 

@@ -26,7 +26,7 @@ const BUNDLE: &str = ".throng";
 
 /// Hash of everything an output depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CacheKey(u128);
+pub struct CacheKey(pub(crate) u128);
 
 impl CacheKey {
     /// Key of a stage's output: its name, its config and the keys of all its inputs.
@@ -38,11 +38,6 @@ impl CacheKey {
             .map_err(|e| BuildError::Format(format!("the config of stage {stage} cannot be encoded: {e}")))?;
         let inputs: Vec<u8> = inputs.iter().flat_map(|k| k.0.to_le_bytes()).collect();
         Ok(Self::hash([EPOCH.as_bytes(), stage.as_bytes(), &inputs, &config]))
-    }
-
-    /// The hash as a number.
-    pub(crate) fn as_u128(self) -> u128 {
-        self.0
     }
 
     fn hash<'a>(parts: impl IntoIterator<Item = &'a [u8]>) -> Self {

@@ -56,7 +56,7 @@ impl<'a> MotionStages<'a> {
         self.bake_together()?;
         let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
             self.read_all(self.streams_motion())?;
-        let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, self.shares_poses().then(|| s.comm()), p))?;
+        let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, self.shares_poses().then(|| s.comm), p))?;
         if let Some(units) = units {
             s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
         }
@@ -66,7 +66,7 @@ impl<'a> MotionStages<'a> {
 
     /// True if several processes stream the motion of files from the cache, so that none needs memory for all of it.
     fn streams_motion(&self) -> bool {
-        self.s.comm().num_ranks() > 1 && self.s.cache().is_on() && self.cfg.synth.is_none()
+        self.s.comm.num_ranks() > 1 && self.s.cache.is_on() && self.cfg.synth.is_none()
     }
 
     /// True if each of several processes keeps only the poses of its share of the clips. Blend spaces, activities and
@@ -82,7 +82,7 @@ impl<'a> MotionStages<'a> {
     fn read_all(&self, lends: bool) -> Result<ReadMotion<'a>> {
         let Self { cfg, parts, from, s } = *self;
         let files = from.file_keys(&cfg.import);
-        let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache()));
+        let streamed = lends.then(|| StreamedMotion::new(from.file_keys(&cfg.import), s.cache));
         let ((mut raw, files_kept), sidecars) = s.run("import", |p| match &cfg.synth {
             Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
             None => Ok((self.read_files(&files, streamed.as_ref(), p)?, BTreeMap::new())),
@@ -109,7 +109,7 @@ impl<'a> MotionStages<'a> {
         let sidecars = sidecars.into_iter().chain(cfg.clips.clone()).collect();
         let marks = Sidecars::collect(&raw, &plan.names, &sidecars)?;
         let sources = raw.clips.iter().map(|c| from.seen_from_base(&c.clip.path).display().to_string()).collect();
-        let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache(), streamed };
+        let maker = ClipMaker { cfg, plan, marks, keys, sources, cache: s.cache, streamed };
         Ok(ReadMotion { raw: raw.clips, maker, skipped, performers, files_kept, warnings })
     }
 
@@ -123,7 +123,7 @@ impl<'a> MotionStages<'a> {
         streamed: Option<&StreamedMotion<'_>>,
         p: &dyn Progress,
     ) -> Result<(ImportedSet, usize)> {
-        let (kept, cache) = (AtomicUsize::new(0), self.s.cache());
+        let (kept, cache) = (AtomicUsize::new(0), self.s.cache);
         let reader = |file: &MotionFile, read: &dyn Fn() -> ClipsResult| {
             let Ok(key) = keys.key_of(&file.path) else { return read() };
             let (mut imported, was_kept) = cache.load_or_make("import", key, || keys.read_file(&file.path, read))?;
@@ -174,7 +174,7 @@ impl<'a> MotionStages<'a> {
             let floor = match measured.iter().map(|&i| keys[i]).collect::<Option<Vec<CacheKey>>>() {
                 Some(keys) => {
                     let key = CacheKey::for_stage("floor", &keys, &plan.basis(measured[0]))?;
-                    self.s.cache().load_or_make("floor", key, find)?.0
+                    self.s.cache.load_or_make("floor", key, find)?.0
                 }
                 None => find()?,
             };

@@ -286,7 +286,7 @@ impl PartBaker<'_> {
                 continue;
             }
             let solved = s.stage("policy", &[key], &(&cfg.policy, some, cfg.seed), |p| {
-                policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm())
+                policy::solve(clips, graph, some, &cfg.policy, &mut Pcg64::seed_from_u64(cfg.seed), p, s.comm)
             });
             all.extend(self.attempts.accept(part, solved)?.into_iter().flat_map(|solved| solved.value.policies));
         }

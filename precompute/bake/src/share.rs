@@ -32,8 +32,15 @@ fn gather_owned<T: Serialize + DeserializeOwned>(
     if comm.num_ranks() == 1 {
         return Ok(own);
     }
+    let config = bincode::config::standard().with_fixed_int_encoding();
+    let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
+    drop(own);
+    let read = |(rank, bytes): (usize, Vec<u8>)| match bincode::serde::decode_from_slice(&bytes, config) {
+        Ok((hand, _)) => Ok(Vec::into_iter(hand)),
+        Err(_) => Err(unexpected_message(rank)),
+    };
+    let mut hands = comm.all_gather(&message)?.into_iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
     let count = owners.len();
-    let mut hands: Vec<_> = gather_bytes(comm, own)?.into_iter().map(Vec::into_iter).collect();
     let all: Vec<T> = owners.map_while(|rank| hands[rank].next()).collect();
     if all.len() == count { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
 }
@@ -150,18 +157,6 @@ pub(crate) fn sort_by_owner<T: Send + Serialize + DeserializeOwned>(
 ) -> Result<Vec<T>> {
     let own: Vec<usize> = (0..owners.len()).filter(|&n| owners[n] == comm.rank()).collect();
     gather_owned(comm, own.into_par_iter().map(work).collect(), owners.iter().copied())
-}
-
-/// Gathers serialized values of all ranks, in the order of ranks.
-fn gather_bytes<T: Serialize + DeserializeOwned>(comm: &dyn Comm, own: Vec<T>) -> Result<Vec<Vec<T>>> {
-    let config = bincode::config::standard().with_fixed_int_encoding();
-    let message = bincode::serde::encode_to_vec(&own, config).map_err(|e| BuildError::Format(e.to_string()))?;
-    drop(own);
-    let read = |(rank, bytes): (usize, Vec<u8>)| match bincode::serde::decode_from_slice(&bytes, config) {
-        Ok((hand, _)) => Ok(hand),
-        Err(_) => Err(unexpected_message(rank).into()),
-    };
-    comm.all_gather(&message)?.into_iter().enumerate().map(read).collect()
 }
 
 /// Most bytes that the first rank receives at once.

@@ -115,9 +115,11 @@ impl<T> Deref for StageOutput<T> {
 
 /// A running build.
 pub struct Stages<'a> {
-    cache: &'a Cache,
+    /// The cache, for outputs stored file by file.
+    pub(crate) cache: &'a Cache,
     progress: &'a dyn Progress,
-    comm: &'a dyn Comm,
+    /// Processes that build together.
+    pub(crate) comm: &'a dyn Comm,
     begin: Instant,
     timing: RefCell<BuildTiming>,
     warnings: RefCell<Warnings>,
@@ -203,16 +205,6 @@ impl<'a> Stages<'a> {
             self.progress.stage_kept(name);
         }
         Ok(StageOutput { key, value })
-    }
-
-    /// Processes that build together.
-    pub fn comm(&self) -> &'a dyn Comm {
-        self.comm
-    }
-
-    /// The cache, for outputs stored file by file.
-    pub fn cache(&self) -> &'a Cache {
-        self.cache
     }
 
     /// Ends the build: returns its costs, and warnings about the build itself.

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use throng_bake::policy::made_up::SyntheticProblem;
 use throng_bake::policy::{
     ActionModel, ActionSelection, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig,
-    PolicyConfig, PolicyTables, SegmentMotion, collect_rewards, segment_records, solve_behaviours,
+    PolicyConfig, PolicySolver, PolicyTables, SegmentMotion, collect_rewards, segment_records,
 };
 use throng_core::Planar;
 use throng_core::base::SingleRank;
@@ -35,7 +35,9 @@ impl PolicyBehaviour for Blows {
 fn solved(model: ActionModel, behaviour: &dyn PolicyBehaviour) -> PolicyTables {
     let mut rng = Pcg64::seed_from_u64(1);
     let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
-    solve_behaviours(model, &[behaviour], &cfg, &mut rng, &Silent, &SingleRank).expect("it converges")
+    PolicySolver { model: &model, cfg: &cfg, progress: &Silent, comm: &SingleRank }
+        .solve_all(&[behaviour], &mut rng)
+        .expect("it converges")
 }
 
 fn made_up(seed: u64) -> (PolicyTables, PolicyTables) {

@@ -1,7 +1,7 @@
 //! Classes of frames that may share a group as far as contacts go.
 
 use std::collections::BTreeMap;
-use throng_motion::clip::{Clip, ClipSet};
+use throng_motion::clip::ClipSet;
 
 /// Contact states of a frame with its neighbours: previous, this, next.
 pub(super) type ContactStates = [u8; 3];
@@ -15,13 +15,9 @@ pub(super) fn classes_of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Ve
         for run in clip.usable_ranges() {
             for f in run.clone() {
                 let neighbours = [f.max(run.start + 1) - 1, f, (f + 1).min(run.end - 1)];
-                classes.entry(contact_states(clip, neighbours)).or_default().push(start + f as u32);
+                classes.entry(neighbours.map(|f| clip.contacts[f].0)).or_default().push(start + f as u32);
             }
         }
     }
     classes
-}
-
-fn contact_states(clip: &Clip, frames: [usize; 3]) -> ContactStates {
-    frames.map(|f| clip.contacts[f].0)
 }

@@ -1,7 +1,7 @@
 //! Which units a pose belongs to (Lee, Choi and Lee 2006, section 4).
 
 use super::PlacedGeometry;
-use super::touch::{GeometryTouchConfig, PARTS, SkinPoints};
+use super::touch::{GeometryTouchConfig, PARTS, SkinPoint, SkinPoints};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
@@ -32,29 +32,17 @@ impl UnitMembership {
         environment: &PlacedGeometry,
     ) -> Vec<usize> {
         let hips = transforms[Joint::Hips.index()].0;
+        let touches = |part: usize, u: usize| {
+            let [_, off] = self.probes.limits(part, &self.touch);
+            let near = |p: &SkinPoint| environment.nearest_of_unit(u, p.position(transforms), off + p.radius).is_some();
+            self.probes.points_of(part).iter().any(near)
+        };
+        let planted: Vec<usize> = (0..PARTS.len()).filter(|&part| contacts.any(PARTS[part])).collect();
         let is_in = |&u: &usize| {
-            let at = environment.placement(u);
-            environment.geometry(u).region.contains(at.inverse_transform_point(hips))
-                || self.touches(transforms, contacts, environment, u)
+            let at = environment.placement(u).inverse_transform_point(hips);
+            environment.geometry(u).region.contains(at) || planted.iter().any(|&part| touches(part, u))
         };
         (0..environment.units.len()).filter(is_in).collect()
-    }
-
-    fn touches(
-        &self,
-        transforms: &[(Vec3, Quat); NUM_JOINTS],
-        contacts: Contacts,
-        environment: &PlacedGeometry,
-        unit: usize,
-    ) -> bool {
-        let planted = PARTS.into_iter().enumerate().filter(|(_, bit)| contacts.any(*bit));
-        planted.into_iter().any(|(part, _)| {
-            let [_, off] = self.probes.limits(part, &self.touch);
-            let near = |p: &super::touch::SkinPoint| {
-                environment.nearest_of_unit(unit, p.position(transforms), off + p.radius).is_some()
-            };
-            self.probes.points_of(part).iter().any(near)
-        })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::PlacedGeometry;
 use super::placed::TouchedSurface;
-use super::touch::{GeometryTouchConfig, PARTS, SkinPoints};
+use super::touch::{GeometryTouchConfig, PARTS, SkinPoint, SkinPoints};
 use glam::Vec3;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::annotate::ContactConfig;
@@ -39,19 +39,19 @@ pub fn annotate_in(
     let mut lowest = vec![f32::INFINITY; transforms.len()];
     for (part, bit) in PARTS.into_iter().enumerate() {
         let [on, off] = probes.limits(part, touch);
-        let track = PartTrack::new(&probes, part, &transforms, clip.rate_hz, environment, off);
+        let moments = sample_part(&probes, part, &transforms, clip.rate_hz, environment, off);
         let below = |f: usize, distance: f32, speed: f32| {
             let limit = speed * probes.scale + if part == SEAT { 0.0 } else { contacts.speed_share * pace[f] };
-            track.moments[f].is_some_and(|m| m.distance < distance && m.speed < limit)
+            moments[f].is_some_and(|m| m.distance < distance && m.speed < limit)
         };
         let weak: Vec<bool> = (0..transforms.len()).map(|f| below(f, off, contacts.speed_off)).collect();
         let strong: Vec<bool> = (0..transforms.len()).map(|f| below(f, on, contacts.speed_on)).collect();
         let mut planted = hysteresis(&weak, &strong, frames(contacts.min_duration), frames(contacts.max_gap));
         let vertical = contacts.vertical_speed_off * probes.scale;
-        trim(&mut planted, |f| part >= 4 || track.moments[f].is_some_and(|m| m.vertical_speed < vertical));
+        trim(&mut planted, |f| part >= 4 || moments[f].is_some_and(|m| m.vertical_speed < vertical));
         for f in (0..planted.len()).filter(|&f| planted[f]) {
             clip.contacts[f].insert(bit);
-            if let Some(m) = track.moments[f] {
+            if let Some(m) = moments[f] {
                 lowest[f] = lowest[f].min(m.height);
             }
         }
@@ -72,12 +72,6 @@ fn hold_values(lowest: &[f32]) -> Vec<f32> {
     if all.iter().all(|h| *h == 0.0) { Vec::new() } else { all }
 }
 
-/// Motion of one part relative to nearby surfaces.
-struct PartTrack {
-    /// Sample at each frame; `None` with no surface near (num_frames).
-    moments: Vec<Option<PartSample>>,
-}
-
 /// Sample of a part near a surface.
 #[derive(Clone, Copy)]
 struct PartSample {
@@ -91,32 +85,32 @@ struct PartSample {
     height: f32,
 }
 
-impl PartTrack {
-    fn new(
-        probes: &SkinPoints,
-        part: usize,
-        transforms: &[[(Vec3, glam::Quat); throng_core::NUM_JOINTS]],
-        rate_hz: f64,
-        environment: &PlacedGeometry,
-        limit: f32,
-    ) -> Self {
-        let tracks: Vec<Vec<Vec3>> =
-            probes.points_of(part).iter().map(|p| transforms.iter().map(|t| p.position(t)).collect()).collect();
-        let velocities: Vec<Vec<Vec3>> = tracks.iter().map(|t| velocities(t, rate_hz)).collect();
-        let at = |f: usize| {
-            let mut near: Option<(usize, TouchedSurface)> = None;
-            for (k, probe) in probes.points_of(part).iter().enumerate() {
-                let within = near.map_or(limit, |n| n.1.distance);
-                let Some(t) = environment.nearest(tracks[k][f], within + probe.radius) else { continue };
-                near = Some((k, TouchedSurface { distance: t.distance - probe.radius, ..t }));
-            }
-            let (k, touched) = near?;
-            let v = velocities[k][f];
-            let speed = if part == SEAT { v.dot(touched.normal).abs() } else { v.length() };
-            Some(PartSample { distance: touched.distance, speed, vertical_speed: v.y.abs(), height: touched.point.y })
-        };
-        Self { moments: (0..transforms.len()).map(at).collect() }
-    }
+/// Motion of one part relative to nearby surfaces; `None` with no surface near (num_frames).
+fn sample_part(
+    probes: &SkinPoints,
+    part: usize,
+    transforms: &[[(Vec3, glam::Quat); throng_core::NUM_JOINTS]],
+    rate_hz: f64,
+    environment: &PlacedGeometry,
+    limit: f32,
+) -> Vec<Option<PartSample>> {
+    let points = probes.points_of(part);
+    let positions = |p: &SkinPoint| transforms.iter().map(|t| p.position(t)).collect();
+    let tracks: Vec<Vec<Vec3>> = points.iter().map(positions).collect();
+    let velocities: Vec<Vec<Vec3>> = tracks.iter().map(|t| velocities(t, rate_hz)).collect();
+    let at = |f: usize| {
+        let mut near: Option<(usize, TouchedSurface)> = None;
+        for (k, probe) in points.iter().enumerate() {
+            let within = near.map_or(limit, |n| n.1.distance);
+            let Some(t) = environment.nearest(tracks[k][f], within + probe.radius) else { continue };
+            near = Some((k, TouchedSurface { distance: t.distance - probe.radius, ..t }));
+        }
+        let (k, touched) = near?;
+        let v = velocities[k][f];
+        let speed = if part == SEAT { v.dot(touched.normal).abs() } else { v.length() };
+        Some(PartSample { distance: touched.distance, speed, vertical_speed: v.y.abs(), height: touched.point.y })
+    };
+    (0..transforms.len()).map(at).collect()
 }
 
 /// Velocity at each frame by central differences, one-sided at the ends (m/s).

@@ -11,7 +11,7 @@ mod plates;
 mod report;
 
 use super::placed::PlacedGeometry;
-use super::{EnvironmentFile, GeometryTouchConfig, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries};
+use super::{EnvironmentFile, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries};
 use bars::InferredBar;
 use glam::Vec3;
 use places::TouchKind;
@@ -49,10 +49,15 @@ pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Re
     let contacts = ContactConfig::default();
     let places: Vec<_> = clips.iter().flat_map(|c| places::find_touches(c, skeleton, &contacts)).collect();
     let hands: Vec<_> = places.iter().filter(|p| p.kind == TouchKind::Hand).copied().collect();
-    let others: Vec<_> = places.iter().filter(|p| p.kind != TouchKind::Hand).copied().collect();
-    let mut plates = plates::find_plates(&others);
+    let mut plates = plates::find_plates(&places);
     let mut bars = bars::find_bars(&hands);
-    let dismissed = dismiss(&mut plates, &mut bars, clips, skeleton)?;
+    // Pieces that a body passes through are dropped.
+    let flat = plates.iter().map(|p| (p.piece(), p.held_s));
+    let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
+    let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
+    let mut stands = standing.iter().copied();
+    plates.retain(|_| stands.next().unwrap_or(true));
+    bars.retain(|_| stands.next().unwrap_or(true));
     if plates.is_empty() && bars.is_empty() {
         return Err(BuildError::Stage {
             stage: "environment",
@@ -62,32 +67,13 @@ pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Re
     }
     let (units, place) = assemble(&plates, &bars);
     let environment = EnvironmentFile { name: name.to_owned(), place, ..EnvironmentFile::default() };
-    let report = InferReport::from_places(&others, &hands, &plates, &bars);
+    let report = InferReport::from_places(&places, &plates, &bars);
     let mut inferred = InferredEnvironment { units, environment, report };
-    inferred.report.dismissed = dismissed;
+    inferred.report.dismissed = standing.iter().filter(|s| !**s).count();
     inferred.report.units = inferred.units.units.len();
     let geometry = inferred.geometry()?;
-    inferred.report.measure(clips, skeleton, &geometry, &contacts, &GeometryTouchConfig::default());
+    inferred.report.measure(clips, skeleton, &geometry);
     Ok(inferred)
-}
-
-/// Removes the pieces that a body passes through, and returns their number.
-///
-/// # Errors
-/// As [`clear::standing`].
-fn dismiss(
-    plates: &mut Vec<InferredPlate>,
-    bars: &mut Vec<InferredBar>,
-    clips: &[&Clip],
-    skeleton: &Skeleton,
-) -> Result<usize> {
-    let flat = plates.iter().map(|p| (p.piece(), p.held_s));
-    let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
-    let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
-    let mut stands = standing.iter().copied();
-    plates.retain(|_| stands.next().unwrap_or(true));
-    bars.retain(|_| stands.next().unwrap_or(true));
-    Ok(standing.iter().filter(|s| !**s).count())
 }
 
 impl InferredEnvironment {
@@ -112,7 +98,8 @@ fn assemble(plates: &[InferredPlate], bars: &[InferredBar]) -> (UnitSet, Vec<Pla
     let mut place = Vec::new();
     for group in group_pieces(&pieces) {
         let bounds = group.iter().fold(BoundingBox::EMPTY, |b, &i| b.union(pieces[i].1));
-        let origin = round_to_cm(bounds.centre().with_y(0.0));
+        // In whole centimetres.
+        let origin = (bounds.centre().with_y(0.0) * 100.0).round() / 100.0;
         let name = format!("structure_{}", set.units.len() + 1);
         let at = origin.to_array();
         place.push(PlacementPattern { unit: name.clone(), at, heading_deg: 0.0, repeat: [1; 3], step: [[0.0; 3]; 3] });
@@ -151,10 +138,6 @@ fn move_shape(shape: &UnitShape, by: Vec3) -> UnitShape {
 /// Files are read by people, so they hold no more digits than were measured.
 fn round_to_mm(p: Vec3) -> Vec3 {
     (p * 1000.0).round() / 1000.0
-}
-
-fn round_to_cm(p: Vec3) -> Vec3 {
-    (p * 100.0).round() / 100.0
 }
 
 #[cfg(test)]

@@ -71,7 +71,8 @@ pub(super) fn largest_component(graph: &EventGraph, most_frames: u32, comm: &dyn
     let of_all = |of_one: &dyn Fn(usize) -> u8| gather_each(comm, num_events, own.iter().map(|&i| of_one(i)).collect());
     let leads_to_itself = of_all(&|i| u8::from(graph.targets(i).any(|n| n == i)))?;
     let is_alone = comm.num_ranks() == 1;
-    let best = || gather_rows(comm, num_events, own.iter().map(|&i| best_links(&graph.links[i])).collect());
+    let few = |&i: &usize| graph.links[i].iter().take(KNOWN).copied().collect();
+    let best = || gather_rows(comm, num_events, own.iter().map(few).collect());
     let best = if is_alone { Cow::Borrowed(&graph.links) } else { Cow::Owned(best()?) };
     let mut alive = vec![true; num_events];
     loop {
@@ -124,10 +125,6 @@ fn successor_event(next: &[Option<usize>], links: &[Vec<TransitionLink>], i: usi
 
 /// Number of best links of each event known to all ranks: they connect nearly everything.
 const KNOWN: usize = 8;
-
-fn best_links(links: &[TransitionLink]) -> Vec<TransitionLink> {
-    links[..links.len().min(KNOWN)].to_vec()
-}
 
 /// Components by all links, from those by the few links known to all ranks: ranks exchange the edges between
 /// components.

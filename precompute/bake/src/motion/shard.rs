@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use throng_base::{Comm, SingleRank};
+use throng_base::SingleRank;
 use throng_motion::error::{BuildError, ImportError, Result};
 use throng_motion::import::{self, ClipsResult, MotionFile};
 use throng_motion::progress::Progress;
@@ -24,14 +24,9 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Shard of a rank.
-    fn of_rank(comm: &dyn Comm) -> Self {
-        Self { index: comm.rank() as u32, count: comm.num_ranks() as u32 }
-    }
-
     /// True if the file or clip of a key belongs to this shard.
     fn owns(self, key: CacheKey) -> bool {
-        key.as_u128() % u128::from(self.count) == u128::from(self.index)
+        key.0 % u128::from(self.count) == u128::from(self.index)
     }
 }
 
@@ -106,13 +101,13 @@ impl MotionStages<'_> {
     /// # Errors
     /// As [`bake_shard`].
     pub(super) fn bake_together(&self) -> Result<()> {
-        let comm = self.s.comm();
-        if comm.num_ranks() == 1 || self.cfg.synth.is_some() || !self.s.cache().is_on() {
+        let comm = self.s.comm;
+        if comm.num_ranks() == 1 || self.cfg.synth.is_some() || !self.s.cache.is_on() {
             return Ok(());
         }
         // Files first, then clips, which need the files of all.
         for _ in 0..2 {
-            self.bake_files(Shard::of_rank(comm))?;
+            self.bake_files(Shard { index: comm.rank() as u32, count: comm.num_ranks() as u32 })?;
             comm.barrier()?;
         }
         Ok(())
@@ -139,14 +134,14 @@ impl MotionStages<'_> {
             })?;
             report.warnings = warnings.messages;
         }
-        self.s.cache().finish_batch();
+        self.s.cache.finish_batch();
         report.done = report.missing == 0;
         Ok(report)
     }
 
     /// Reads the files of a shard that are missing in the cache.
     fn read_shard(&self, shard: Shard, p: &dyn Progress) -> Result<ShardReport> {
-        let (keys, cache) = (self.from.file_keys(&self.cfg.import), self.s.cache());
+        let (keys, cache) = (self.from.file_keys(&self.cfg.import), self.s.cache);
         let [files, own_files, read, missing] = [const { AtomicUsize::new(0) }; 4];
         let count = |n: &AtomicUsize, is_one: bool| _ = n.fetch_add(usize::from(is_one), Ordering::Relaxed);
         // Only one file is held in memory at a time.

@@ -3,7 +3,7 @@
 use super::behaviour::Approach;
 use super::config::{GridConfig, PolicyBehaviourConfig, PolicyConfig};
 use super::model::{ActionModel, SegmentMotion};
-use super::solve::{Solution, value_iteration};
+use super::solve::{PolicySolver, Solution};
 use glam::Vec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -77,8 +77,8 @@ impl SyntheticProblem {
     pub(crate) fn solve_timed(&self, behaviour: &Approach) -> throng_core::policy::PolicyTable {
         let cfg = PolicyConfig { compare_samples: 1, ..PolicyConfig::default() };
         let mut rng = Pcg64::seed_from_u64(1);
-        let tables = super::solve_behaviours(self.model(), &[behaviour], &cfg, &mut rng, &Silent, &SingleRank);
-        tables.expect("it converges").table(0).expect("sound tables")
+        let solver = PolicySolver { model: &self.model(), cfg: &cfg, progress: &Silent, comm: &SingleRank };
+        solver.solve_all(&[behaviour], &mut rng).expect("it converges").table(0).expect("sound tables")
     }
 
     /// States and actions: random ends, 4 to 30 frames, 0.2 to 1.2 m along an arc of up to one radian.
@@ -123,7 +123,7 @@ impl SyntheticProblem {
     /// Solves the problem on the current rayon pool, with measurements.
     ///
     /// # Errors
-    /// As [`value_iteration`].
+    /// As [`PolicySolver::value_iteration`].
     pub fn measure(&self, epsilon: f64) -> Result<SolveMeasurements> {
         let model = self.model();
         let s = self.solve(&model, epsilon)?;
@@ -143,9 +143,9 @@ impl SyntheticProblem {
     /// Solves the problem on the current rayon pool.
     ///
     /// # Errors
-    /// As [`value_iteration`].
+    /// As [`PolicySolver::value_iteration`].
     pub fn solve(&self, model: &ActionModel, epsilon: f64) -> Result<Solution> {
         let cfg = PolicyConfig { epsilon, ..PolicyConfig::default() };
-        value_iteration(model, &self.behaviour()?, &cfg, &Silent, &SingleRank)
+        PolicySolver { model, cfg: &cfg, progress: &Silent, comm: &SingleRank }.value_iteration(&self.behaviour()?)
     }
 }

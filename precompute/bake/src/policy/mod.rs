@@ -28,6 +28,6 @@ pub use config::{
 pub use export::write_csv;
 pub use follow::{ActionSelection, PlayedAction, PolicySituation, collect_rewards, play};
 pub use model::{ActionModel, SegmentMotion};
-pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve, solve_behaviours};
+pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
-pub use solve::{Solution, tolerance, value_iteration};
+pub use solve::{PolicySolver, Solution, tolerance};

@@ -7,7 +7,7 @@ use super::compare::{Comparison, compare};
 use super::config::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
 use super::model::ActionModel;
 use super::promise::{Promise, promise};
-use super::solve::{Solution, value_iteration};
+use super::solve::{PolicySolver, Solution};
 use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use rand_pcg::Pcg64;
@@ -142,7 +142,7 @@ pub fn solve(
     let one = |(i, b)| make(b).map_err(|e| e.within_key(&format!("behaviours[{i}]")));
     let made: Vec<Box<dyn PolicyBehaviour>> = behaviours.iter().enumerate().map(one).collect::<Result<_>>()?;
     let made: Vec<&dyn PolicyBehaviour> = made.iter().map(|b| &**b).collect();
-    solve_behaviours(model, &made, cfg, rng, progress, comm)
+    PolicySolver { model: &model, cfg, progress, comm }.solve_all(&made, rng)
 }
 
 /// Centre of hits over ground, in the character's frame: their median distance, in the middle of their directions. The
@@ -156,71 +156,62 @@ fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
     Some(direction.try_normalize().unwrap_or(Vec2::Y) * *distances.get(distances.len() / 2)?)
 }
 
-/// Solves any behaviours over a model.
-///
-/// # Errors
-/// As [`solve`].
-pub fn solve_behaviours(
-    model: ActionModel,
-    behaviours: &[&dyn PolicyBehaviour],
-    cfg: &PolicyConfig,
-    rng: &mut Pcg64,
-    progress: &dyn Progress,
-    comm: &dyn Comm,
-) -> Result<PolicyTables> {
-    let mut policies: Vec<RawPolicy> = Vec::new();
-    for (i, &behaviour) in behaviours.iter().enumerate() {
-        let key = format!("behaviours[{i}]");
-        if policies.iter().any(|p| p.name == behaviour.spec().name) {
-            let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
-            return Err(BuildError::key("name", why).within_key(&key));
+impl PolicySolver<'_> {
+    /// Solves any behaviours.
+    ///
+    /// - `rng`: as for [`solve`].
+    ///
+    /// # Errors
+    /// As [`solve`].
+    pub fn solve_all(&self, behaviours: &[&dyn PolicyBehaviour], rng: &mut Pcg64) -> Result<PolicyTables> {
+        let mut policies: Vec<RawPolicy> = Vec::new();
+        for (i, &behaviour) in behaviours.iter().enumerate() {
+            let key = format!("behaviours[{i}]");
+            if policies.iter().any(|p| p.name == behaviour.spec().name) {
+                let why = format!("\"{}\" is there twice; give each its own name", behaviour.spec().name);
+                return Err(BuildError::key("name", why).within_key(&key));
+            }
+            policies.push(self.solve_one(behaviour, rng).map_err(|e| e.within_key(&key))?);
         }
-        policies.push(solve_one(&model, behaviour, cfg, rng, progress, comm).map_err(|e| e.within_key(&key))?);
+        let ActionModel { action_offsets, action_segments, action_errors, .. } = self.model.clone();
+        Ok(PolicyTables { action_offsets, action_segments, action_errors, policies })
     }
-    let ActionModel { action_offsets, action_segments, action_errors, .. } = model;
-    Ok(PolicyTables { action_offsets, action_segments, action_errors, policies })
-}
 
-fn solve_one(
-    model: &ActionModel,
-    behaviour: &dyn PolicyBehaviour,
-    cfg: &PolicyConfig,
-    rng: &mut Pcg64,
-    progress: &dyn Progress,
-    comm: &dyn Comm,
-) -> Result<RawPolicy> {
-    let begin = Instant::now();
-    let mut solution = value_iteration(model, behaviour, cfg, progress, comm)?;
-    let mut best = bake(model, &mut solution, cfg, comm)?;
-    behaviour.check_values(&solution.values)?;
-    let mut adaptive = None;
-    if let Some(config) = behaviour.spec().adaptive {
-        let finest = solution;
-        solution = adapt(model, &finest, behaviour, &config)?;
-        best = best_actions(model, &mut solution, cfg.choices)?;
-        adaptive = Some(AdaptiveReport::new(model, behaviour, &finest, &solution, cfg, rng)?);
+    fn solve_one(&self, behaviour: &dyn PolicyBehaviour, rng: &mut Pcg64) -> Result<RawPolicy> {
+        let Self { model, cfg, comm, .. } = *self;
+        let begin = Instant::now();
+        let mut solution = self.value_iteration(behaviour)?;
+        let mut best = bake(model, &mut solution, cfg, comm)?;
+        behaviour.check_values(&solution.values)?;
+        let mut adaptive = None;
+        if let Some(config) = behaviour.spec().adaptive {
+            let finest = solution;
+            solution = adapt(model, &finest, behaviour, &config)?;
+            best = best_actions(model, &mut solution, cfg.choices)?;
+            adaptive = Some(AdaptiveReport::new(self, behaviour, &finest, &solution, rng)?);
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        let table = solution.table(model, &best)?;
+        let comparison = compare(&table, cfg.compare_samples, rng);
+        let BehaviourSpec { name, grid, discount, .. } = behaviour.spec();
+        let Solution { record, segments, paths, state_grids, values, residual, .. } = solution;
+        let value_bytes = size_of_val(&*values);
+        let record_bytes = size_of_val(&*segments) + size_of_val(&*paths) + size_of_val(&*state_grids);
+        let report = PolicyReport {
+            name: name.to_owned(),
+            cells: grid.num_cells(),
+            pairs: solution.num_pairs,
+            sweeps: solution.num_sweeps,
+            greedy_sweeps: solution.num_greedy_sweeps,
+            residual,
+            error_bound: f64::from(residual) / (1.0 - discount.powi(model.least_frames() as i32)),
+            value_bytes,
+            bytes: value_bytes + best.len() + record_bytes,
+            seconds,
+            comparison,
+            promise: promise(&table, name),
+            adaptive,
+        };
+        Ok(RawPolicy { name: name.into(), record, segments, paths, state_grids, values, best, report })
     }
-    let seconds = begin.elapsed().as_secs_f64();
-    let table = solution.table(model, &best)?;
-    let comparison = compare(&table, cfg.compare_samples, rng);
-    let BehaviourSpec { name, grid, discount, .. } = behaviour.spec();
-    let Solution { record, segments, paths, state_grids, values, residual, .. } = solution;
-    let value_bytes = size_of_val(&*values);
-    let record_bytes = size_of_val(&*segments) + size_of_val(&*paths) + size_of_val(&*state_grids);
-    let report = PolicyReport {
-        name: name.to_owned(),
-        cells: grid.num_cells(),
-        pairs: solution.num_pairs,
-        sweeps: solution.num_sweeps,
-        greedy_sweeps: solution.num_greedy_sweeps,
-        residual,
-        error_bound: f64::from(residual) / (1.0 - discount.powi(model.least_frames() as i32)),
-        value_bytes,
-        bytes: value_bytes + best.len() + record_bytes,
-        seconds,
-        comparison,
-        promise: promise(&table, name),
-        adaptive,
-    };
-    Ok(RawPolicy { name: name.into(), record, segments, paths, state_grids, values, best, report })
 }

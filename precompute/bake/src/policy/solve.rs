@@ -49,61 +49,102 @@ pub fn tolerance(epsilon: f64, discount: f64, least_frames: u32) -> f64 {
     epsilon * (1.0 - discount.powi(least_frames as i32))
 }
 
-/// Solves for the optimal values of a behaviour.
-///
-/// Modified policy iteration: a full sweep over all actions finds the greedy policy, sweeps over that policy only bring
-/// its values near convergence, and so on until a full sweep changes nothing by more than [`tolerance`]. All sweeps
-/// read old values and write new ones, so the result does not depend on the number of threads.
-///
-/// In a space-time grid, values stay 0 here.
-///
-/// - `comm`: processes that solve together: each backs up a block of the states, and all have all values after every
-///   sweep. The values are those of one process.
-///
-/// # Errors
-/// [`BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
-/// [`BuildError::Stopped`]; [`throng_base::Error::Rank`].
-///
-/// # Source
-/// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
-/// of random updates.
-pub fn value_iteration(
-    model: &ActionModel,
-    behaviour: &dyn PolicyBehaviour,
-    cfg: &PolicyConfig,
-    progress: &dyn Progress,
-    comm: &dyn Comm,
-) -> Result<Solution> {
-    let begin = Instant::now();
-    check_size(model, behaviour, cfg)?;
-    let mut solution = blank_table(model, behaviour, cfg)?;
-    if behaviour.spec().grid.is_space_time() {
-        // Every action leaves less time: the few true sweeps of the bake suffice.
-        return Ok(solution);
+/// Solver of behaviours over the actions of a motion graph.
+#[derive(Clone, Copy)]
+pub struct PolicySolver<'a> {
+    /// Actions of all states.
+    pub model: &'a ActionModel,
+    /// Precision, and limits of the work.
+    pub cfg: &'a PolicyConfig,
+    /// Progress of the sweeps.
+    pub progress: &'a dyn Progress,
+    /// Processes that solve together: each backs up a block of the states, and all have all values after every sweep.
+    /// The values are those of one process.
+    pub comm: &'a dyn Comm,
+}
+
+impl PolicySolver<'_> {
+    /// Solves for the optimal values of a behaviour.
+    ///
+    /// Modified policy iteration: a full sweep over all actions finds the greedy policy, sweeps over that policy only bring
+    /// its values near convergence, and so on until a full sweep changes nothing by more than [`tolerance`]. All sweeps
+    /// read old values and write new ones, so the result does not depend on the number of threads.
+    ///
+    /// In a space-time grid, values stay 0 here.
+    ///
+    /// # Errors
+    /// [`BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
+    /// [`BuildError::Stopped`]; [`throng_base::Error::Rank`].
+    ///
+    /// # Source
+    /// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
+    /// of random updates.
+    pub fn value_iteration(&self, behaviour: &dyn PolicyBehaviour) -> Result<Solution> {
+        let Self { model, cfg, comm, .. } = *self;
+        let begin = Instant::now();
+        check_size(model, behaviour, cfg)?;
+        let mut solution = blank_table(model, behaviour, cfg)?;
+        if behaviour.spec().grid.is_space_time() {
+            // Every action leaves less time: the few true sweeps of the bake suffice.
+            return Ok(solution);
+        }
+        let shape = RowShape::new(&behaviour.spec().grid);
+        let best = vec![0; solution.values.len()];
+        let own = comm.own_range(model.num_states());
+        let pairs =
+            BackupPairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
+        let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, own);
+        solution.bytes_per_sweep = sweeper.bytes_per_sweep();
+        solution.setup_s = begin.elapsed().as_secs_f64();
+        let begin = Instant::now();
+        let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
+        let values = self.iterate(&mut sweeper, tolerance, &mut solution)?;
+        solution.sweep_s = begin.elapsed().as_secs_f64();
+        drop(sweeper);
+        if solution.residual > tolerance {
+            let (residual, sweeps) = (solution.residual, solution.num_sweeps);
+            let message = format!(
+                "behaviour \"{}\": a sweep still changes values by {residual:e} after {sweeps} sweeps, wanted {tolerance:e}",
+                behaviour.spec().name
+            );
+            return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+        }
+        let cells = values.chunks_exact(shape.stride()).flat_map(|ring| &ring[..shape.angles]);
+        solution.values.iter_mut().zip(cells).for_each(|(out, &v)| *out = v);
+        Ok(solution)
     }
-    let shape = RowShape::new(&behaviour.spec().grid);
-    let best = vec![0; solution.values.len()];
-    let own = comm.own_range(model.num_states());
-    let pairs = BackupPairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
-    let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, own);
-    solution.bytes_per_sweep = sweeper.bytes_per_sweep();
-    solution.setup_s = begin.elapsed().as_secs_f64();
-    let begin = Instant::now();
-    let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
-    let values = iterate(&mut sweeper, tolerance, cfg.max_sweeps, &mut solution, progress, comm)?;
-    solution.sweep_s = begin.elapsed().as_secs_f64();
-    drop(sweeper);
-    if solution.residual > tolerance {
-        let (residual, sweeps) = (solution.residual, solution.num_sweeps);
-        let message = format!(
-            "behaviour \"{}\": a sweep still changes values by {residual:e} after {sweeps} sweeps, wanted {tolerance:e}",
-            behaviour.spec().name
-        );
-        return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+
+    /// Alternates full sweeps and sweeps over the greedy policy. Returns the values measured by the last full sweep.
+    fn iterate(&self, sweeper: &mut Sweeper, tolerance: f32, solution: &mut Solution) -> Result<Vec<f32>> {
+        let Self { cfg, progress, comm, .. } = *self;
+        let mut values = vec![0.0; sweeper.num_values()];
+        let (mut next, row) = (vec![0.0; sweeper.num_own_values()], sweeper.value_row());
+        let largest = |change: f32| comm.max(f64::from(change)).map(|most| most as f32);
+        progress.begin("policy", 0, "sweeps");
+        loop {
+            let residual = largest(sweeper.full(&values, &mut next))?;
+            solution.num_sweeps += 1;
+            solution.residual = residual;
+            progress.advance(1);
+            if residual <= tolerance || solution.num_sweeps >= cfg.max_sweeps || residual.is_nan() {
+                break;
+            }
+            share_rows(comm, row, &mut next, &mut values)?;
+            // Far from convergence the greedy policy will change anyway; near it, the rest must be below the tolerance.
+            let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
+            for _ in 0..MAX_GREEDY_SWEEPS {
+                progress.check()?;
+                let change = largest(sweeper.greedy(&values, &mut next))?;
+                share_rows(comm, row, &mut next, &mut values)?;
+                solution.num_greedy_sweeps += 1;
+                if change <= enough {
+                    break;
+                }
+            }
+        }
+        progress.end();
+        Ok(values)
     }
-    let cells = values.chunks_exact(shape.stride()).flat_map(|ring| &ring[..shape.angles]);
-    solution.values.iter_mut().zip(cells).for_each(|(out, &v)| *out = v);
-    Ok(solution)
 }
 
 /// Refuses grids with too many cells or too much memory.
@@ -136,44 +177,6 @@ const MAX_BYTES: f64 = 12e9;
 
 /// Spare lanes that keep the corners of the last cell within 16 bits.
 const LANES_TO_SPARE: usize = 2;
-
-/// Alternates full sweeps and sweeps over the greedy policy. Returns the values measured by the last full sweep.
-fn iterate(
-    sweeper: &mut Sweeper,
-    tolerance: f32,
-    max_sweeps: u32,
-    solution: &mut Solution,
-    progress: &dyn Progress,
-    comm: &dyn Comm,
-) -> Result<Vec<f32>> {
-    let mut values = vec![0.0; sweeper.num_values()];
-    let (mut next, row) = (vec![0.0; sweeper.num_own_values()], sweeper.value_row());
-    let largest = |change: f32| comm.max(f64::from(change)).map(|most| most as f32);
-    progress.begin("policy", 0, "sweeps");
-    loop {
-        let residual = largest(sweeper.full(&values, &mut next))?;
-        solution.num_sweeps += 1;
-        solution.residual = residual;
-        progress.advance(1);
-        if residual <= tolerance || solution.num_sweeps >= max_sweeps || residual.is_nan() {
-            break;
-        }
-        share_rows(comm, row, &mut next, &mut values)?;
-        // Far from convergence the greedy policy will change anyway; near it, the rest must be below the tolerance.
-        let enough = (residual * GREEDY_PRECISION).max(tolerance * GREEDY_TOLERANCE);
-        for _ in 0..MAX_GREEDY_SWEEPS {
-            progress.check()?;
-            let change = largest(sweeper.greedy(&values, &mut next))?;
-            share_rows(comm, row, &mut next, &mut values)?;
-            solution.num_greedy_sweeps += 1;
-            if change <= enough {
-                break;
-            }
-        }
-    }
-    progress.end();
-    Ok(values)
-}
 
 /// Share of the full sweep's change at which greedy sweeps stop.
 const GREEDY_PRECISION: f32 = 0.02;

@@ -90,17 +90,14 @@ impl<'a> Sweeper<'a> {
                 },
             );
         });
-        let view = BackupView { pairs, model, shared_rows, shared, values };
+        let first_action = model.action_offsets[own.start] as usize;
+        let view = BackupView { pairs, model, left, first_action, shared_rows, shared, values };
         let rows = next.par_chunks_mut(shape.value_row()).zip(greedy.par_chunks_mut(shape.heights * row));
         rows.enumerate()
             .map_init(SweepScratch::default, |scratch, (n, (next, greedy))| {
-                let state = own.start + n;
-                let first = model.action_offsets[own.start] as usize;
-                let actions = model.actions_of(state..state + 1);
-                let left = &left[actions.start - first..actions.end - first];
                 vectorize(
                     #[inline(always)]
-                    || view.state(state, left, next, greedy, scratch),
+                    || view.state(own.start + n, next, greedy, scratch),
                 )
             })
             .reduce(|| 0.0, f32::max)
@@ -138,6 +135,10 @@ impl<'a> Sweeper<'a> {
 struct BackupView<'a> {
     pairs: &'a BackupPairs,
     model: &'a ActionModel,
+    /// Factor that the transition of each own action leaves of its backup.
+    left: &'a [f32],
+    /// Number of the first of these actions.
+    first_action: usize,
     shared_rows: &'a [u32],
     shared: &'a [f32],
     values: &'a [f32],
@@ -145,20 +146,13 @@ struct BackupView<'a> {
 
 impl BackupView<'_> {
     /// Backs up one state over all its actions. Returns the largest change.
-    ///
-    /// - `left`: factor that the transition of each action leaves of its backup.
     #[inline(always)]
-    fn state(
-        &self,
-        state: usize,
-        left: &[f32],
-        next: &mut [f32],
-        greedy: &mut [BackupPair],
-        scratch: &mut SweepScratch,
-    ) -> f32 {
+    fn state(&self, state: usize, next: &mut [f32], greedy: &mut [BackupPair], scratch: &mut SweepScratch) -> f32 {
         let shape = self.pairs.shape;
         let (row, plane) = (shape.row(), shape.value_plane());
         let segments = self.model.segments_of(state..state + 1);
+        let actions = self.model.actions_of(state..state + 1);
+        let left = &self.left[actions.start - self.first_action..actions.end - self.first_action];
         scratch.backup.resize(row, 0.0);
         scratch.action.resize(row, 0);
         let old = &self.values[state * shape.value_row()..][..shape.value_row()];

@@ -57,11 +57,8 @@ pub fn find_bars(places: &[InferredTouch]) -> Vec<InferredBar> {
     while let Some(chosen) = best_line(&left) {
         let held: Vec<InferredTouch> = chosen.iter().map(|&i| left[i]).collect();
         bars.push(fit_line(&held));
-        let mut number = 0;
-        left.retain(|_| {
-            number += 1;
-            !chosen.contains(&(number - 1))
-        });
+        let mut number = 0..;
+        left.retain(|_| number.next().is_none_or(|i| !chosen.contains(&i)));
     }
     while let Some(first) = left.first().copied() {
         let together: Vec<InferredTouch> =

@@ -47,14 +47,10 @@ pub struct InferReport {
 
 impl InferReport {
     /// Counts and residuals.
-    pub fn from_places(
-        others: &[InferredTouch],
-        hands: &[InferredTouch],
-        plates: &[InferredPlate],
-        bars: &[InferredBar],
-    ) -> Self {
-        let count = |kind: TouchKind| others.iter().filter(|t| t.kind == kind).count();
-        let ground = || others.iter().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
+    pub fn from_places(places: &[InferredTouch], plates: &[InferredPlate], bars: &[InferredBar]) -> Self {
+        let count = |kind: TouchKind| places.iter().filter(|t| t.kind == kind).count();
+        let others = || places.iter().filter(|t| t.kind != TouchKind::Hand);
+        let ground = || others().map(|t| t.point.y.abs()).filter(|y| *y <= ON_GROUND);
         let of_plate = |p: &InferredPlate| p.heights.iter().map(|h| (h - p.height).abs()).collect::<Vec<_>>();
         let off: Vec<f32> =
             ground().chain(plates.iter().flat_map(of_plate)).chain(bars.iter().flat_map(|b| b.off.clone())).collect();
@@ -62,8 +58,8 @@ impl InferReport {
         Self {
             foot_places: count(TouchKind::Foot),
             seat_places: count(TouchKind::Seat),
-            hand_places: hands.len(),
-            hands_unexplained: hands.len() - bars.iter().map(|b| b.off.len()).sum::<usize>(),
+            hand_places: count(TouchKind::Hand),
+            hands_unexplained: count(TouchKind::Hand) - bars.iter().map(|b| b.off.len()).sum::<usize>(),
             on_ground: ground().count(),
             plates: plates.len(),
             plates_of_one: plates.iter().filter(|p| p.heights.len() == 1).count(),
@@ -76,19 +72,12 @@ impl InferReport {
     }
 
     /// Measures how well the clips agree with the geometry.
-    pub fn measure(
-        &mut self,
-        clips: &[&Clip],
-        skeleton: &Skeleton,
-        geometry: &PlacedGeometry,
-        contacts: &ContactConfig,
-        touch: &GeometryTouchConfig,
-    ) {
-        let body = BodySpheres::new(skeleton);
+    pub fn measure(&mut self, clips: &[&Clip], skeleton: &Skeleton, geometry: &PlacedGeometry) {
+        let (body, touch) = (BodySpheres::new(skeleton), GeometryTouchConfig::default());
         let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
         for clip in clips {
             let mut annotated = (*clip).clone();
-            annotate_in(&mut annotated, skeleton, geometry, contacts, touch);
+            annotate_in(&mut annotated, skeleton, geometry, &ContactConfig::default(), &touch);
             for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
                 frames += 1;
                 planted += usize::from(annotated.contacts[f] != Contacts::NONE);

@@ -63,7 +63,7 @@ fn plates_lie_where_feet_stood() {
     let unit = PlacedUnit { unit: 0, placement: Placement::new(at[0], at[1], at[2], 0.0) };
     let environment = Environment { name: String::new(), units: vec![unit] };
     let geometry = PlacedGeometry::new(&environment, &geometries(&found.units).unwrap());
-    let cfg = (ContactConfig::default(), GeometryTouchConfig::default());
+    let cfg = (ContactConfig::default(), crate::environment::GeometryTouchConfig::default());
     super::super::annotate_in(&mut annotated, &Skeleton::default(), &geometry, &cfg.0, &cfg.1);
     for (k, height) in [0.0, 0.25, 0.5, 0.5, 0.0].into_iter().enumerate() {
         assert!((annotated.support[39 * k + 15] - height).abs() < 0.01, "{k}: {}", annotated.support[39 * k + 15]);

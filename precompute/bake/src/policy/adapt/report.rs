@@ -2,9 +2,8 @@
 
 use super::super::behaviour::PolicyBehaviour;
 use super::super::compare::random_target;
-use super::super::config::PolicyConfig;
 use super::super::model::ActionModel;
-use super::super::solve::{Solution, value_iteration};
+use super::super::solve::{PolicySolver, Solution};
 use super::fit::GridShapes;
 use super::on_grid::RegriddedBehaviour;
 use super::{bytes_per_cell, solution_bytes, with_shapes};
@@ -61,18 +60,18 @@ impl AdaptiveReport {
     /// # Errors
     /// [`throng_motion::error::BuildError::Stage`] if the uniform grid's values do not converge.
     pub(in crate::policy) fn new(
-        model: &ActionModel,
+        solver: &PolicySolver<'_>,
         behaviour: &dyn PolicyBehaviour,
         finest: &Solution,
         adapted: &Solution,
-        cfg: &PolicyConfig,
         rng: &mut Pcg64,
     ) -> Result<Self> {
-        let grid = behaviour.spec().grid;
+        let (grid, model, cfg) = (behaviour.spec().grid, solver.model, solver.cfg);
         let num_states = model.num_states().max(1);
         let counts = uniform_counts(&grid, solution_bytes(adapted).div_ceil(bytes_per_cell(adapted) * num_states));
         let uniform = RegriddedBehaviour { behaviour, grid: grid.with_counts(counts) };
-        let mut uniform = value_iteration(model, &uniform, cfg, &Silent, &SingleRank)?;
+        let alone = PolicySolver { progress: &Silent, comm: &SingleRank, ..*solver };
+        let mut uniform = alone.value_iteration(&uniform)?;
         uniform.record.num_choices = finest.record.num_choices;
         let fitted = with_shapes(finest, &GridShapes::single(&grid, counts), &vec![0; num_states]);
         let queries = RandomQueries::new(model, finest, cfg.compare_samples, rng)?;
@@ -149,7 +148,8 @@ impl RandomQueries {
             let (own, rest) = finest.split_at(scores.len());
             finest = rest;
             let most = own.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-            let loss = f64::from(most - own[first_best(scores)]);
+            let first_best = (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best });
+            let loss = f64::from(most - own[first_best]);
             changed += u32::from(loss > 0.0);
             (lost, sum) = (lost + loss, sum + f64::from(most.abs()));
         }
@@ -180,9 +180,4 @@ fn first_actions(solution: &Solution) -> Vec<u8> {
 fn score<'a>(table: &PolicyTable, (state, target): (u32, Vec3), buffer: &'a mut [f32; MAX_ACTIONS]) -> &'a [f32] {
     let n = table.action_scores(state, target, buffer).expect("the state exists and the target is finite");
     &buffer[..n]
-}
-
-/// Index of the first of the best scores.
-fn first_best(scores: &[f32]) -> usize {
-    (0..scores.len()).fold(0, |best, a| if scores[a] > scores[best] { a } else { best })
 }

@@ -13,8 +13,8 @@ use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
+use throng_core::Joint;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
-use throng_core::{Joint, Skeleton};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result};
 
@@ -72,7 +72,8 @@ impl Evade {
 /// Path of a joint over every segment (num_segments).
 fn joint_paths(clips: &ClipSet, graph: &RawMotionGraph, joint: Joint, comm: &dyn Comm) -> Result<Vec<PathRecord>> {
     let starts = clips.frame_starts();
-    let offset = guarded_offset(&clips.skeleton, joint);
+    // To the middle of the head.
+    let offset = if joint == Joint::Head { 0.5 * clips.skeleton.tips[0] } else { Vec3::ZERO };
     let clip_of = |s: &crate::graph::GraphSegment| starts.partition_point(|&f| f <= s.start.0) - 1;
     let path = |n: usize| {
         let s = &graph.segments[n];
@@ -100,11 +101,6 @@ fn joint_paths(clips: &ClipSet, graph: &RawMotionGraph, joint: Joint, comm: &dyn
 /// A path, serialized between ranks.
 #[derive(Serialize, Deserialize)]
 struct SentPath(#[serde(with = "throng_motion::pod::one")] PathRecord);
-
-/// Offset of the guarded point from the joint: to the middle of the head, else zero (m).
-fn guarded_offset(skeleton: &Skeleton, joint: Joint) -> Vec3 {
-    if joint == Joint::Head { 0.5 * skeleton.tips[0] } else { Vec3::ZERO }
-}
 
 /// Median height of the point at the starts of segments (m).
 fn median_height(paths: &[PathRecord]) -> f64 {

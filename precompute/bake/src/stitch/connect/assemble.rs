@@ -1,9 +1,6 @@
 //! Writes the remaining world: bits of cells in the component, and the tables it needs.
 
-use super::crossing::CrossingJoints;
-use super::joined::JoinedGraph;
 use super::prepare::ChangedWorld;
-use super::remains::WorldRemains;
 use super::stitch_result::StitchResult;
 use crate::environment::Environment;
 use crate::stitch::place::relation::RelativePlacement;
@@ -74,9 +71,7 @@ fn write_instances(made: &StitchResult, past: Option<(ChangedWorld<'_>, &[u32])>
 /// Writes the needed joint tables, bits of joints, adjacencies.
 fn write_joints(made: &StitchResult, world: &mut WorldData) {
     let StitchResult { patches: placed, joined, remains, .. } = made;
-    let used: Vec<bool> = used_crossings(joined, remains);
-    let of_used = joined.crossings.iter().zip(&used).filter(|(_, used)| **used).map(|(crossing, _)| crossing.as_ref());
-    let numbers = tables(of_used, world);
+    let numbers = write_tables(made, world);
     let table_of: Vec<u32> =
         joined.crossings.iter().map(|c| numbers.get(&c.relation).copied().unwrap_or(NONE)).collect();
     let mut pool = WordPool::new(std::mem::take(&mut world.joint_words));
@@ -104,23 +99,17 @@ fn write_joints(made: &StitchResult, world: &mut WorldData) {
     world.joint_words = pool.words;
 }
 
-/// True for each crossing with remaining joints.
-fn used_crossings(joined: &JoinedGraph, remains: &WorldRemains) -> Vec<bool> {
-    let mut used = vec![false; joined.crossings.len()];
+/// Writes the tables of crossings with remaining joints, by their relations, and numbers them.
+fn write_tables(made: &StitchResult, world: &mut WorldData) -> HashMap<RelativePlacement, u32> {
+    let StitchResult { joined, remains, .. } = made;
+    let mut is_used = vec![false; joined.crossings.len()];
     for (&crossing, &left) in joined.crossing_of.iter().zip(&remains.remaining_of) {
         if crossing != NONE && remains.remaining[left as usize].count > 0 {
-            used[crossing as usize] = true;
+            is_used[crossing as usize] = true;
         }
     }
-    used
-}
-
-/// Writes joint tables, by their relations, and numbers them.
-fn tables<'j>(
-    crossings: impl Iterator<Item = &'j CrossingJoints>,
-    world: &mut WorldData,
-) -> HashMap<RelativePlacement, u32> {
-    let by_relation: BTreeMap<_, _> = crossings.map(|c| (c.relation, &c.table)).collect();
+    let used = joined.crossings.iter().zip(&is_used).filter(|(_, is_used)| **is_used);
+    let by_relation: BTreeMap<_, _> = used.map(|(c, _)| (c.relation, &c.table)).collect();
     world.tables.clear();
     world.joints.clear();
     world.joints_by_b.clear();

@@ -35,6 +35,9 @@ pub(in crate::stitch) struct Stitcher<'a> {
     pub found: StitchCache,
 }
 
+/// Masks of obstacles, by the relation of the patch and the obstacle.
+type KnownMasks = HashMap<RelativePlacement, Arc<ObstacleMask>>;
+
 /// Results that depend on patches only, and tables of the last world.
 #[derive(Default)]
 pub(in crate::stitch) struct StitchCache {
@@ -44,7 +47,7 @@ pub(in crate::stitch) struct StitchCache {
     bodies: OnceLock<FrameBodies>,
     fields: Vec<OnceLock<DistanceField>>,
     tables: HashMap<RelativePlacement, Arc<JointTable>>,
-    masks: HashMap<RelativePlacement, Arc<ObstacleMask>>,
+    masks: KnownMasks,
     /// Relations of tables and of masks that may be unused.
     stale: [Vec<RelativePlacement>; 2],
     /// Unobstructed motion of patches, by their surroundings.
@@ -314,11 +317,7 @@ impl<'a> Stitcher<'a> {
     }
 
     /// - `before`: masks of the world before the change.
-    fn mask(
-        &self,
-        relation: &RelativePlacement,
-        before: &HashMap<RelativePlacement, Arc<ObstacleMask>>,
-    ) -> ObstacleMask {
+    fn mask(&self, relation: &RelativePlacement, before: &KnownMasks) -> ObstacleMask {
         let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));
         let shift = |r: &RelativePlacement| MotionObstacle::greatest_shift(unit, r.placement(), at);

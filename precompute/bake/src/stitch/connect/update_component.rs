@@ -49,7 +49,7 @@ pub(in crate::stitch) fn update_component(before: &PriorGraph<'_>, graph: &Joine
         rings = near;
         let mut around = region.clone();
         (0..beyond).for_each(|_| around.grow_ring(before, graph));
-        if around.num_after() * SHARE > graph.parts.len() {
+        if around.after.iter().filter(|is_in| **is_in).count() * SHARE > graph.parts.len() {
             return None;
         }
         let apart = around.independent_parts(before, graph);
@@ -137,10 +137,6 @@ impl ChangedRegion {
     fn intersection(&self, other: &Self) -> Self {
         let both = |a: &[bool], b: &[bool]| a.iter().zip(b).map(|(a, b)| *a && *b).collect();
         Self { before: both(&self.before, &other.before), after: both(&self.after, &other.after) }
-    }
-
-    fn num_after(&self) -> usize {
-        self.after.iter().filter(|is_in| **is_in).count()
     }
 }
 
