@@ -30,12 +30,9 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::
     }
     let done = replace(path, write, |file| file.sync_all())?;
     // The name is on the disk when the folder is. Not every file system can be asked for that.
+    const NOT_ASKED: [ErrorKind; 3] = [ErrorKind::InvalidInput, ErrorKind::Unsupported, ErrorKind::PermissionDenied];
     match sync_folder(folder_of(&done)) {
-        Err(e)
-            if !matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied) =>
-        {
-            Err(BuildError::Io { path: path.to_path_buf(), source: e })
-        }
+        Err(source) if !NOT_ASKED.contains(&source.kind()) => Err(BuildError::Io { path: path.to_path_buf(), source }),
         _ => Ok(()),
     }
 }
