@@ -30,12 +30,9 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> std::
     }
     let done = replace(path, write, |file| file.sync_all())?;
     // The name is on the disk when the folder is. Not every file system can be asked for that.
+    const NOT_ASKED: [ErrorKind; 3] = [ErrorKind::InvalidInput, ErrorKind::Unsupported, ErrorKind::PermissionDenied];
     match sync_folder(folder_of(&done)) {
-        Err(e)
-            if !matches!(e.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied) =>
-        {
-            Err(BuildError::Io { path: path.to_path_buf(), source: e })
-        }
+        Err(source) if !NOT_ASKED.contains(&source.kind()) => Err(BuildError::Io { path: path.to_path_buf(), source }),
         _ => Ok(()),
     }
 }
@@ -59,11 +56,7 @@ fn replace(
     let io = |source| BuildError::Io { path: path.to_path_buf(), source };
     let real = resolve_links(path).map_err(io)?;
     let folder = folder_of(&real);
-    let in_folder = |e: std::io::Error| {
-        let why = format!("the folder {} takes no file: {}", folder.display(), plain_message(&e));
-        io(std::io::Error::new(e.kind(), why))
-    };
-    let mut file = temporary(folder).map_err(in_folder)?;
+    let mut file = temporary(folder).map_err(|e| io(without_file(folder, &e)))?;
     {
         let mut buffered = BufWriter::new(file.as_file_mut());
         write(&mut buffered).map_err(io)?;
@@ -74,9 +67,12 @@ fn replace(
     Ok(real)
 }
 
-/// The system's message, without the temporary name.
-fn plain_message(e: &std::io::Error) -> String {
-    e.raw_os_error().map_or_else(|| e.kind().to_string(), |code| std::io::Error::from_raw_os_error(code).to_string())
+/// The error of a folder that takes no file: with the system's message, without the temporary name.
+fn without_file(folder: &Path, e: &std::io::Error) -> std::io::Error {
+    let plain = e
+        .raw_os_error()
+        .map_or_else(|| e.kind().to_string(), |code| std::io::Error::from_raw_os_error(code).to_string());
+    std::io::Error::new(e.kind(), format!("the folder {} takes no file: {plain}", folder.display()))
 }
 
 /// A new file that is locked, with the permissions that new files have (the umask).
@@ -160,8 +156,8 @@ pub fn remove(path: &Path) -> Result<()> {
 /// # Errors
 /// [`BuildError::Io`] where the path is a folder or a device, or its folder is not there or takes no file.
 pub fn check_target(path: &Path) -> Result<()> {
-    let fail =
-        |kind, what: String| Err(BuildError::Io { path: path.to_path_buf(), source: std::io::Error::new(kind, what) });
+    let io = |source| BuildError::Io { path: path.to_path_buf(), source };
+    let fail = |kind, what: String| Err(io(std::io::Error::new(kind, what)));
     // The file takes the place of what was there: that must not be a device or a pipe. Asked once, as others may remove it
     // meanwhile.
     match std::fs::metadata(path) {
@@ -171,15 +167,12 @@ pub fn check_target(path: &Path) -> Result<()> {
         }
         _ => {}
     }
-    let real = resolve_links(path).map_err(|source| BuildError::Io { path: path.to_path_buf(), source })?;
+    let real = resolve_links(path).map_err(io)?;
     let folder = folder_of(&real);
     if !folder.is_dir() {
         return fail(ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
     }
-    match new_file(folder) {
-        Ok(_) => Ok(()),
-        Err(e) => fail(e.kind(), format!("the folder {} takes no file: {}", folder.display(), plain_message(&e))),
-    }
+    new_file(folder).map(|_| ()).map_err(|e| io(without_file(folder, &e)))
 }
 
 /// Checks as [`check_target`] does each of several files to write; none may be a file that is read, or another one of them.

@@ -208,24 +208,18 @@ impl Sidecar {
 }
 
 impl Sidecars {
-    /// Adds a clip's sidecar. `source_rate_hz` is the rate of the clip's file, `file` that of the sidecar; none for an entry
+    /// Adds the sidecar of the clip `name`. `source_rate_hz` is the rate of the clip's file, `file` that of the sidecar; none for an entry
     /// of the config's table `clips`.
     ///
     /// # Errors
     /// [`BuildError::Key`] for ranges that end before they start, or joints that do not exist.
-    pub fn insert(
-        &mut self,
-        clip_name: &str,
-        sidecar: Sidecar,
-        source_rate_hz: f64,
-        file: Option<&Path>,
-    ) -> Result<()> {
+    pub fn insert(&mut self, name: &str, sidecar: Sidecar, source_rate_hz: f64, file: Option<&Path>) -> Result<()> {
         sidecar.check().map_err(|e| match file {
             Some(file) => e.in_file(file),
-            None => e.within_key(&format!("clips.{clip_name}")),
+            None => e.within_key(&format!("clips.{name}")),
         })?;
         let file = file.map(Path::to_path_buf);
-        self.entries.insert(clip_name.into(), SidecarEntry { sidecar, source_rate_hz, file });
+        self.entries.insert(name.into(), SidecarEntry { sidecar, source_rate_hz, file });
         Ok(())
     }
 

@@ -99,8 +99,16 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
             continue;
         }
         if word[0].is_ascii_digit() && scan.at_line_end() {
-            let next = begin_block(scan, mark, block.take(), asf, &mut sink)?;
-            block = Some(next);
+            let number = frame_number(scan, mark, block.as_ref())?;
+            let (given, index) = match block.take() {
+                None => (vec![0; asf.joints.len()], 1),
+                Some(previous) => {
+                    previous.finish(scan, asf, &mut sink)?;
+                    (previous.given, previous.index + 1)
+                }
+            };
+            sink.begin_frame();
+            block = Some(AmcFrame { number, mark, given, count: 0, index });
             continue;
         }
         let Some(b) = &mut block else {
@@ -114,7 +122,11 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
             order.push(joint);
         }
         b.take_joint(scan, mark, joint)?;
-        read_joint(scan, &asf.details[joint], joint, scale, &mut sink)?;
+        let detail = &asf.details[joint];
+        let (t, r) = read_joint(scan, detail, scale)?;
+        let root = sink.is_root(joint);
+        sink.translations[joint] += if root { t } else { detail.axis * t };
+        sink.rotations[joint] = detail.axis * r * detail.axis.conjugate();
     }
     match block {
         Some(b) => b.finish(scan, asf, &mut sink)?,
@@ -123,28 +135,17 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
     Ok(sink)
 }
 
-fn begin_block(
-    scan: &Scanner,
-    mark: TextPosition,
-    previous: Option<AmcFrame>,
-    asf: &Asf,
-    sink: &mut FrameSink,
-) -> Result<AmcFrame, ImportError> {
+/// Reads the number of a frame, which follows that of the previous one.
+fn frame_number(scan: &Scanner, mark: TextPosition, previous: Option<&AmcFrame>) -> Result<u64, ImportError> {
     let mut here = scan.cursor_at(mark);
     let Some(number) = here.word().and_then(parse_count) else {
         return Err(scan.error(mark, "a frame number", HELP));
     };
-    let Some(p) = previous else {
-        sink.begin_frame();
-        return Ok(AmcFrame { number, mark, given: vec![0; asf.joints.len()], count: 0, index: 1 });
-    };
-    if p.number.checked_add(1) != Some(number) {
+    if let Some(p) = previous.filter(|p| p.number.checked_add(1) != Some(number)) {
         let help = "Frames are missing or out of order: restore them, or number them without gaps.";
         return Err(scan.error(mark, &format!("frame {}", p.number.saturating_add(1)), help));
     }
-    p.finish(scan, asf, sink)?;
-    sink.begin_frame();
-    Ok(AmcFrame { number, mark, given: p.given, count: 0, index: p.index + 1 })
+    Ok(number)
 }
 
 impl AmcFrame {
@@ -173,13 +174,8 @@ impl AmcFrame {
     }
 }
 
-fn read_joint(
-    scan: &mut Scanner,
-    detail: &AsfJoint,
-    joint: usize,
-    scale: f64,
-    sink: &mut FrameSink,
-) -> Result<(), ImportError> {
+/// Reads the translation and the rotation of a joint along its axes.
+fn read_joint(scan: &mut Scanner, detail: &AsfJoint, scale: f64) -> Result<(DVec3, DQuat), ImportError> {
     let (mut t, mut r) = (DVec3::ZERO, DQuat::IDENTITY);
     for dof in &detail.dofs {
         let mark = scan.position();
@@ -194,10 +190,7 @@ fn read_joint(
     if !scan.at_line_end() {
         return Err(wrong_count(scan, scan.position(), detail));
     }
-    let root = sink.is_root(joint);
-    sink.translations[joint] += if root { t } else { detail.axis * t };
-    sink.rotations[joint] = detail.axis * r * detail.axis.conjugate();
-    Ok(())
+    Ok((t, r))
 }
 
 #[cold]

@@ -121,11 +121,9 @@ impl<'a> AsfReader<'a> {
 
     /// Skips lines up to the next one that starts with a colon.
     fn skip_section(&mut self) {
-        loop {
+        self.scan.next_line();
+        while self.next_entry() {
             self.scan.next_line();
-            if !self.next_entry() {
-                return;
-            }
         }
     }
 

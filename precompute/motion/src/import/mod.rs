@@ -357,7 +357,6 @@ pub fn interpret(
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);
     roles.warnings.iter().for_each(|warning| warnings.push(format!("{}: {warning}", clip.path.display())));
-    let forward = config.forward;
     Ok(ImportedClip {
         clip,
         roles,
@@ -365,7 +364,7 @@ pub fn interpret(
         metres_per_unit,
         up,
         facing,
-        forward,
+        forward: config.forward,
         height,
         glitches,
         findings,

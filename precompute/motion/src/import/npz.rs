@@ -29,10 +29,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let trans = arrays.get("trans").map_err(fail)?;
     let poses = poses(&mut arrays).map_err(fail)?;
     let frames = trans.rows(3).map_err(|e| fail(format!("`trans`: {e}")))?;
-    let width = poses.iter().map(|p| p.width).fold(0, usize::saturating_add);
-    if poses.iter().any(|p| p.array.shape.first() != Some(&frames))
-        || !(3 * NUM_JOINTS..=3 * MAX_JOINTS).contains(&width)
-    {
+    let width = poses.iter().map(|p| p.shape[1]).fold(0, usize::saturating_add);
+    if poses.iter().any(|p| p.shape.first() != Some(&frames)) || !(3 * NUM_JOINTS..=3 * MAX_JOINTS).contains(&width) {
         let message =
             format!("expected {frames} rows of {} numbers or more of poses, found {width} a row", 3 * NUM_JOINTS);
         return Err(fail(message));
@@ -43,7 +41,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
     let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::counted_bytes(path, bytes.len())));
     for frame in 0..frames {
-        let numbers: Vec<f64> = poses.iter().flat_map(|p| p.array.row(frame, p.width)).take(3 * NUM_JOINTS).collect();
+        let numbers: Vec<f64> = poses.iter().flat_map(|p| p.row(frame, p.shape[1])).take(3 * NUM_JOINTS).collect();
         let offset: Vec<f64> = trans.row(frame, 3).collect();
         if numbers.iter().chain(&offset).any(|v| !v.is_finite() || v.abs() > 1e6) {
             return Err(fail(format!("frame {frame}: expected numbers, found one that is none or too large")));
@@ -66,26 +64,21 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     Ok(SourceClip { clip, declared_metres_per_unit: Some(1.0), findings, warnings: Warnings::default() })
 }
 
-/// An array of turns, and its number of columns.
-struct Turns {
-    array: NpyArray,
-    width: usize,
-}
-
-/// `poses`, or the arrays into which newer files part it.
-fn poses(arrays: &mut NpzArrays<'_>) -> Result<Vec<Turns>, String> {
+/// `poses`, or the arrays into which newer files part it: tables of turns.
+fn poses(arrays: &mut NpzArrays<'_>) -> Result<Vec<NpyArray>, String> {
     let parted = !arrays.has("poses") && arrays.has("pose_body");
-    let mut of = |name: &str| -> Result<Turns, String> {
+    let mut of = |name: &str| -> Result<NpyArray, String> {
         let array = arrays.get(name)?;
-        let width = array.shape.get(1).copied().filter(|_| array.shape.len() == 2);
-        let width = width.ok_or_else(|| format!("`{name}`: expected a table, found the shape {:?}", array.shape))?;
-        Ok(Turns { array, width })
+        match array.shape[..] {
+            [_, _] => Ok(array),
+            _ => Err(format!("`{name}`: expected a table, found the shape {:?}", array.shape)),
+        }
     };
     if !parted {
         return Ok(vec![of("poses")?]);
     }
     let (root, body) = (of("root_orient")?, of("pose_body")?);
-    match root.width {
+    match root.shape[1] {
         3 => Ok(vec![root, body]),
         other => Err(format!("`root_orient`: expected a table of 3 columns, found {other}")),
     }

@@ -77,12 +77,7 @@ fn stands_on_fours(at: impl Fn(Joint) -> Option<Vec3>) -> Option<bool> {
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the height or the joint.
-pub(super) fn check_size(
-    clip: &RawClip,
-    roles: &RoleMap,
-    metres_per_unit: f64,
-    is_meant: bool,
-) -> Result<(), ImportError> {
+pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_meant: bool) -> Result<(), ImportError> {
     use Joint::*;
     let world = clip.world(0);
     for (thigh, shin, foot) in [(LeftThigh, LeftShin, LeftFoot), (RightThigh, RightShin, RightFoot)] {
@@ -120,10 +115,10 @@ pub(super) fn check_size(
 ///
 /// # Errors
 /// [`ImportError::Content`] naming the frame and how far it is.
-pub(super) fn check_place(
+pub fn check_place<I: IntoIterator<Item = usize>>(
     clip: &RawClip,
     roles: &RoleMap,
-    frames: impl IntoIterator<Item = usize>,
+    frames: I,
 ) -> Result<(), ImportError> {
     let Some(hips) = roles.get(Joint::Hips) else { return Ok(()) };
     let away = |frame: usize| (frame, clip.world_of(hips, frame).0.length());

@@ -50,15 +50,12 @@ pub struct RestPose {
 pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Forward>) -> (RestPose, f32) {
     let world = rest_world(clip);
     match stance(&world, roles) {
-        Ok(stance) => {
-            let heading = forward.map_or(stance.heading, Forward::heading);
+        Ok((stance, heading)) => {
+            let heading = forward.map_or(heading, Forward::heading);
             let given = if forward.is_some() { " (given in the config)" } else { "" };
-            let sentence = format!(
-                "{}; it faces a heading of {:.0} degrees{given}.",
-                stance.sentence,
-                heading.to_degrees().round() + 0.0
-            );
-            (RestPose { kind: stance.kind, sentence }, heading)
+            let degrees = heading.to_degrees().round() + 0.0;
+            let sentence = format!("{}; it faces a heading of {degrees:.0} degrees{given}.", stance.sentence);
+            (RestPose { sentence, ..stance }, heading)
         }
         Err(why) => {
             let sentence =
@@ -66,14 +63,6 @@ pub(super) fn find_rest_pose(clip: &RawClip, roles: &RoleMap, forward: Option<Fo
             (RestPose { kind: RestPoseKind::Other, sentence }, 0.0)
         }
     }
-}
-
-/// A zero pose that is a standing body.
-struct RestStance {
-    kind: RestPoseKind,
-    /// Heading once upright (rad).
-    heading: f32,
-    sentence: String,
 }
 
 /// The body's own up and left axes in a pose.
@@ -86,8 +75,8 @@ fn body_axes(world: &[(Vec3, Quat)], roles: &RoleMap) -> Option<(Vec3, Vec3)> {
     Some((up, (across - up * across.dot(up)).try_normalize()?))
 }
 
-/// The stance of the zero pose, or the reason why it is none.
-fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<RestStance, String> {
+/// The stance of the zero pose and its heading once upright (rad), or the reason why it is none.
+fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<(RestPose, f32), String> {
     use Joint::*;
     let (up, left) = body_axes(world, roles).ok_or("its hips, thighs and head are in one line")?;
     let vertical = nearest_axis(up);
@@ -119,11 +108,8 @@ fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<RestStance, String>
         if degrees.abs() <= 20.0 { (RestPoseKind::TPose, "a T-pose") } else { (RestPoseKind::APose, "an A-pose") };
     let upright = Quat::from_rotation_arc(nearest_axis(up), Vec3::Y);
     let ahead = (upright * left).cross(Vec3::Y);
-    Ok(RestStance {
-        kind,
-        heading: snap_heading(ahead.x.atan2(ahead.z)),
-        sentence: format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees.round() + 0.0),
-    })
+    let sentence = format!("The rest pose is {name}: legs down, arms {:.0} degrees above level", degrees.round() + 0.0);
+    Ok((RestPose { kind, sentence }, snap_heading(ahead.x.atan2(ahead.z))))
 }
 
 /// The axis, or its opposite, that points most along a vector.

@@ -8,7 +8,7 @@ use super::transfer::{RetargetedMotion, transfer_motion};
 use super::{Proportions, RetargetConfig, check_legs, check_roles, ground, group_by_skeleton, proportions};
 use crate::clip::{Clip, Exclusion, ExclusionReason};
 use crate::error::{Result, Warnings};
-use crate::import::{Glitch, GlitchTreatment, ImportedClip};
+use crate::import::{GlitchTreatment, ImportedClip};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -234,12 +234,8 @@ impl RetargetPlan {
 /// Excludes the frames of glitches that are cut.
 pub(super) fn leave_out_glitches(clip: &mut Clip, imported: &ImportedClip) {
     let n = clip.num_frames();
-    clip.excluded =
-        imported.glitches.iter().filter(|g| g.treated == GlitchTreatment::Cut).map(|g| exclusion(g, n)).collect();
-}
-
-/// The frames of a glitch and those next to it: at another rate, frames in between are made of both.
-fn exclusion(glitch: &Glitch, num_frames: usize) -> Exclusion {
-    let range = glitch.frames.start.saturating_sub(1)..(glitch.frames.end + 1).min(num_frames);
-    Exclusion { range, reason: ExclusionReason::Glitch }
+    let cut = imported.glitches.iter().filter(|g| g.treated == GlitchTreatment::Cut).map(|g| &g.frames);
+    // The frames next to it, too: at another rate, frames in between are made of both.
+    let ranges = cut.map(|frames| frames.start.saturating_sub(1)..(frames.end + 1).min(n));
+    clip.excluded = ranges.map(|range| Exclusion { range, reason: ExclusionReason::Glitch }).collect();
 }

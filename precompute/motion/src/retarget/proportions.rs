@@ -32,17 +32,18 @@ pub fn source_skeleton(body: &SourceBody, a: &Alignment) -> Skeleton {
     };
     let tips = [tip(0, Joint::Head), tip(1, Joint::LeftToe), tip(2, Joint::RightToe)];
     let mut skeleton = Skeleton { offsets, tips };
-    skeleton.offsets[0] = Vec3::new(0.0, standing_height(&skeleton, default_toe_height() * scale), 0.0);
+    // Both feet stand: the toe joints are as high above their soles as the default skeleton's, on average.
+    let toe_height = default.rest_positions()[Joint::LeftToe.index()].y * scale;
+    let p = skeleton.rest_positions();
+    let height = toe_height - 0.5 * (p[Joint::LeftToe.index()].y + p[Joint::RightToe.index()].y);
+    skeleton.offsets[0] = Vec3::new(0.0, height, 0.0);
     skeleton
 }
 
 /// The first descendant the source has.
 fn next_present(body: &SourceBody, j: Joint) -> Option<Joint> {
-    Joint::ALL.into_iter().find(|&d| d > j && body.has(d) && descends(d, j))
-}
-
-fn descends(d: Joint, from: Joint) -> bool {
-    std::iter::successors(d.parent(), |p| p.parent()).any(|p| p == from)
+    let descends = |d: Joint| std::iter::successors(d.parent(), |p| p.parent()).any(|p| p == j);
+    Joint::ALL.into_iter().find(|&d| d > j && body.has(d) && descends(d))
 }
 
 /// Position of `j` along the way from `start` to `end` in the default skeleton (0 to 1).
@@ -52,15 +53,4 @@ fn share_along(default: &Skeleton, start: Joint, j: Joint, end: Joint) -> f32 {
         up.fold(0.0, |length, j| length + default.offsets[j.index()].length())
     };
     way(j) / way(end)
-}
-
-/// Height of the toe joint above the sole in the default skeleton (m).
-fn default_toe_height() -> f32 {
-    Skeleton::default().rest_positions()[Joint::LeftToe.index()].y
-}
-
-/// Height of the hips when both feet stand, the toe joints `toe_height` above the ground on average (m).
-fn standing_height(skeleton: &Skeleton, toe_height: f32) -> f32 {
-    let p = skeleton.rest_positions();
-    toe_height - 0.5 * (p[Joint::LeftToe.index()].y + p[Joint::RightToe.index()].y)
 }

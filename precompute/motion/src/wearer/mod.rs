@@ -105,7 +105,7 @@ impl Wearer {
 
     /// Names of joints that take a share of a twist.
     pub fn twists(&self) -> impl Iterator<Item = &str> {
-        let twists = self.moved.iter().filter(|m| m.twist().is_some());
+        let twists = self.moved.iter().filter(|m| m.is_twist());
         twists.map(|m| self.rig.clip.clip.joints[m.joint].name.as_str())
     }
 

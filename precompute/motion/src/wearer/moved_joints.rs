@@ -45,7 +45,7 @@ enum JointDrive {
 }
 
 /// A share of the twist of a limb.
-pub struct TwistShare {
+struct TwistShare {
     limb: Joint,
     /// The joint whose twist is shared.
     source: Joint,
@@ -64,12 +64,9 @@ impl MovedJoint {
         }
     }
 
-    /// Its share of a twist, if it has one.
-    pub fn twist(&self) -> Option<&TwistShare> {
-        match &self.drive {
-            JointDrive::Role(_) => None,
-            JointDrive::Twist(twist) => Some(twist),
-        }
+    /// True where it has a share of a twist.
+    pub fn is_twist(&self) -> bool {
+        matches!(self.drive, JointDrive::Twist(_))
     }
 }
 

@@ -6,6 +6,7 @@ use glam::{Mat4, Vec2, Vec3};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::ops::Range;
 
 /// Triangles, not lines or points.
 const TRIANGLES: u32 = 4;
@@ -142,7 +143,7 @@ impl FigureSurface {
         &mut self,
         reader: &AccessorReader<'_>,
         primitive: &GltfPrimitive,
-        joints: Option<std::ops::Range<usize>>,
+        joints: Option<Range<usize>>,
         start: usize,
     ) -> Result<(), String> {
         match primitive.mode.unwrap_or(TRIANGLES) {
@@ -227,11 +228,7 @@ impl FigureSurface {
 }
 
 /// Frames and weights of a corner, the strongest first.
-fn carrying_frames(
-    carriers: &[f32],
-    weights: &[f32],
-    joints: &std::ops::Range<usize>,
-) -> Result<([u16; 4], [f32; 4]), String> {
+fn carrying_frames(carriers: &[f32], weights: &[f32], joints: &Range<usize>) -> Result<([u16; 4], [f32; 4]), String> {
     let mut all: [(usize, f32); 4] = std::array::from_fn(|k| (carriers[k] as usize, weights[k].max(0.0)));
     all.sort_by(|a, b| b.1.total_cmp(&a.1));
     let sum: f32 = all.iter().map(|a| a.1).sum();

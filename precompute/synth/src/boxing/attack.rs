@@ -28,16 +28,9 @@ pub struct Attack {
 }
 
 impl Attack {
-    /// Adapts the posture of a technique, or a share of the way to it, to a height and a direction: low blows come from
-    /// low knees, long ones from a lean over the lead foot, and the trunk turns with the direction.
-    pub fn aim_posture(
-        &self,
-        technique: &Technique,
-        p: BoxingPosture,
-        height: f64,
-        azimuth: f64,
-        share: f64,
-    ) -> BoxingPosture {
+    /// Adapts the posture of a technique, or a share of the way to it, to a height and the direction: low blows come
+    /// from low knees, long ones from a lean over the lead foot, and the trunk turns with the direction.
+    pub fn aim_posture(&self, technique: &Technique, p: BoxingPosture, height: f64, share: f64) -> BoxingPosture {
         let lower = (1.3 - height).clamp(0.0, 0.2);
         let higher = (height - 1.55).clamp(0.0, 0.15);
         let lunge = self.reach.max(0.0) * if technique.load.is_none() { 1.0 } else { 0.5 };
@@ -46,8 +39,8 @@ impl Attack {
         BoxingPosture {
             flexion: (p.flexion + share * (4.0 * lower - 0.8 * higher)).max(0.36),
             pitch: p.pitch + share * (0.9 * lower + 0.48 * lunge - 0.12 * close - 0.4 * higher),
-            hips: p.hips + 0.5 * share * azimuth,
-            chest: p.chest + 0.8 * share * azimuth + 0.12 * share * lunge * onward,
+            hips: p.hips + 0.5 * share * self.azimuth,
+            chest: p.chest + 0.8 * share * self.azimuth + 0.12 * share * lunge * onward,
             weight: p.weight + 0.2 * share * lunge,
             shift: [0.0, 0.12 * share * lunge],
             ..p
@@ -106,7 +99,7 @@ mod tests {
         let technique = technique::technique_of(blow);
         let aimed = |reach: f64, height: f64| {
             let attack = Attack { azimuth: 0.0, reach, tempo: 1.0 };
-            attack.aim_posture(&technique, technique.strike, height, 0.0, 1.0)
+            attack.aim_posture(&technique, technique.strike, height, 1.0)
         };
         assert_eq!(aimed(0.0, 1.4), technique.strike);
         assert!(aimed(0.0, 1.15).flexion > technique.strike.flexion + 0.3);

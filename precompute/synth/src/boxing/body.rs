@@ -56,7 +56,11 @@ pub fn follow_script(script: &BoxingScript, skeleton: &Skeleton, samples: &Sampl
         p.heels[1] += 0.04 * r * beat;
     }
     let feet = feet(script, &postures, samples);
-    let mass = pendulum(&centre_of_pressure(script, &postures, &feet, samples), samples.dt);
+    let under = |f: &FootPose| ground_position(f.ankle.lerp(f.ball, 0.6));
+    let share = lead_foot_share(script, &postures, samples);
+    let pressure: Vec<DVec2> =
+        feet.iter().zip(share).map(|(f, s)| under(&f[0]) * s + under(&f[1]) * (1.0 - s)).collect();
+    let mass = pendulum(&pressure, samples.dt);
     let body = |(i, p): (usize, &BoxingPosture)| body_over_mass(p, facing[i], mass[i], feet[i], skeleton);
     let mut bodies: Vec<BoxerBody> = postures.iter().enumerate().map(body).collect();
     let height = hips_heights(&bodies, &postures, skeleton, samples);
@@ -92,22 +96,15 @@ fn lift_turning_heels(feet: &mut [[FootPose; 2]], i: usize, dt: f64) {
     }
 }
 
-/// Centre of pressure: under the standing foot while the other one flies, otherwise shared as in the posture.
-fn centre_of_pressure(
-    script: &BoxingScript,
-    postures: &[BoxingPosture],
-    feet: &[[FootPose; 2]],
-    samples: &Samples,
-) -> Vec<DVec2> {
+/// Share of the weight on the lead foot: all or nothing while a foot flies, otherwise as in the posture.
+fn lead_foot_share(script: &BoxingScript, postures: &[BoxingPosture], samples: &Samples) -> Vec<f64> {
     let share = |(&t, p): (&f64, &BoxingPosture)| match script.feet.each_ref().map(|foot| foot.flight(t).is_some()) {
         [true, _] => 0.0,
         [_, true] => 1.0,
         _ => p.weight,
     };
     let share: Vec<f64> = samples.times.iter().zip(postures).map(share).collect();
-    let share = smooth(&share, samples.count_within(0.02));
-    let under = |f: &FootPose| ground_position(f.ankle.lerp(f.ball, 0.6));
-    feet.iter().zip(share).map(|(f, s)| under(&f[0]) * s + under(&f[1]) * (1.0 - s)).collect()
+    smooth(&share, samples.count_within(0.02))
 }
 
 /// Body over its centre of mass, with the hips at height 0. The hips move back against the lean of the trunk.

@@ -43,13 +43,13 @@ pub fn follow_script(
     let arm = ArmShape { upper_arm: fore.length(), forearm: hand.length() };
     let hands = script.hands[side.index()].sample(samples, &BoxingHandPose::AHEAD, 0.02);
     let on_guard = |(body, hand): (&BoxerBody, &BoxingHandPose)| on_guard(side, body, hand, [clavicle, upper]);
-    let mut goals: Vec<ArmGoal> = bodies.iter().zip(&hands).map(on_guard).collect();
-    let guard: Vec<DVec3> = goals.iter().map(|g| g.wrist).collect();
+    let guard: Vec<ArmGoal> = bodies.iter().zip(&hands).map(on_guard).collect();
+    let mut goals = guard.clone();
     for strike in script.strikes.iter().filter(|s| s.blow.side() == side) {
-        let path = BlowPath::from_strike(strike, &goals, &guard, bodies, &arm, dt);
+        let path = BlowPath::from_strike(strike, &guard, bodies, &arm, dt);
         let (first, last) = (sample(strike.start, dt), sample(strike.back, dt) + 1);
         for (i, goal) in goals.iter_mut().enumerate().take(last).skip(first) {
-            goal.wrist = guard[i] + path.displacement_at(i as f64 * dt);
+            goal.wrist = guard[i].wrist + path.displacement_at(i as f64 * dt);
         }
     }
     goals
@@ -81,23 +81,17 @@ struct BlowPath {
 }
 
 impl BlowPath {
-    fn from_strike(
-        strike: &ScriptedBlow,
-        goals: &[ArmGoal],
-        guard: &[DVec3],
-        bodies: &[BoxerBody],
-        arm: &ArmShape,
-        dt: f64,
-    ) -> Self {
+    /// - `guard`: the arm without blows.
+    fn from_strike(strike: &ScriptedBlow, guard: &[ArmGoal], bodies: &[BoxerBody], arm: &ArmShape, dt: f64) -> Self {
         let technique = technique::technique_of(strike.blow);
-        let last = goals.len() - 1;
+        let last = guard.len() - 1;
         let [hit, longest] = [strike.hit, strike.longest].map(|t| sample(t, dt).min(last));
-        let aim = BlowAim::from_strike(strike, &technique, goals[hit].shoulder, bodies[hit].facing, arm);
-        let guard_velocity = (guard[(hit + 1).min(last)] - guard[hit.saturating_sub(1)]) / (2.0 * dt);
-        let target = goals[hit].shoulder + aim.to_target;
-        let end = goals[longest].shoulder + aim.wrist_at_end(strike.blow.punch, technique.follow, arm);
+        let aim = BlowAim::from_strike(strike, &technique, guard[hit].shoulder, bodies[hit].facing, arm);
+        let guard_velocity = (guard[(hit + 1).min(last)].wrist - guard[hit.saturating_sub(1)].wrist) / (2.0 * dt);
+        let target = guard[hit].shoulder + aim.to_target;
+        let end = guard[longest].shoulder + aim.wrist_at_end(strike.blow.punch, technique.follow, arm);
         let velocity = aim.velocity - guard_velocity;
-        Self { strike: *strike, hit: target - guard[hit], velocity, longest: end - guard[longest] }
+        Self { strike: *strike, hit: target - guard[hit].wrist, velocity, longest: end - guard[longest].wrist }
     }
 
     /// Displacement from the guard at `t` seconds (m).

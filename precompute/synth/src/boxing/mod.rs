@@ -26,10 +26,9 @@ use glam::DQuat;
 use plan::BoxingDealer;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use script::BoxingScript;
 use throng_core::planar::{twist_about_y, wrap_angle};
 use throng_core::{Joint, Skeleton};
-use throng_motion::clip::{Clip, ClipSet};
+use throng_motion::clip::ClipSet;
 
 /// Makes the `boxing` set: shadow-boxing with footwork in all directions, straights, hooks and uppercuts of both hands
 /// in combinations of two to four, slips, ducks, rolls, blocks and parries, on the default skeleton, with the true
@@ -45,30 +44,18 @@ pub fn boxing(cfg: &SynthConfig) -> ClipSet {
         let wanted = (cfg.minutes * 60.0 - seconds).min(cfg.clip_seconds * rng.random_range(0.7..1.4));
         let script = boxer.shadow_box(wanted, &skeleton, &mut rng);
         seconds += script.duration;
-        let name = format!("boxing_{:02}", clips.len());
-        clips.push(perform_script(name, &script, &skeleton, cfg, &mut rng));
+        let samples = Samples::for_clip(script.duration, cfg.rate_hz);
+        let rhythm = bounce_rhythm(script.duration, &samples, cfg.variation, &mut rng);
+        let bodies = body::follow_script(&script, &skeleton, &samples, &rhythm);
+        let arms = LateralSide::BOTH.map(|side| fist::follow_script(side, &script, &bodies, &samples, &skeleton));
+        let mut clip = frame::empty_clip(format!("boxing_{:02}", clips.len()), "boxing", cfg);
+        for i in samples.frames() {
+            frame::push_pose(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], &skeleton), &skeleton);
+        }
+        frame::add_tags(&mut clip, script.tags);
+        clips.push(clip);
     }
     ClipSet { skeleton, clips }
-}
-
-/// Makes a clip from a script.
-fn perform_script(
-    name: String,
-    script: &BoxingScript,
-    skeleton: &Skeleton,
-    cfg: &SynthConfig,
-    rng: &mut impl Rng,
-) -> Clip {
-    let samples = Samples::for_clip(script.duration, cfg.rate_hz);
-    let rhythm = bounce_rhythm(script.duration, &samples, cfg.variation, rng);
-    let bodies = body::follow_script(script, skeleton, &samples, &rhythm);
-    let arms = LateralSide::BOTH.map(|side| fist::follow_script(side, script, &bodies, &samples, skeleton));
-    let mut clip = frame::empty_clip(name, "boxing", cfg);
-    for i in samples.frames() {
-        frame::push_pose(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], skeleton), skeleton);
-    }
-    frame::add_tags(&mut clip, script.tags.iter().copied());
-    clip
 }
 
 /// Strength of the bouncing at every sample, which varies slowly.

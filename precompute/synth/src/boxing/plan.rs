@@ -169,7 +169,7 @@ impl BoxingDealer {
             reach: self.reaches.deal(rng),
             tempo: self.random_factor(0.1, rng),
         };
-        let mut hit = self.step_in(script, now, combination[0], &attack, rng);
+        let mut hit = self.step_in(script, now, combination[0], attack.reach, rng);
         script.body.hold(now);
         for (i, &blow) in combination.iter().enumerate() {
             if i > 0 {
@@ -187,20 +187,13 @@ impl BoxingDealer {
     /// Steps in before a long attack.
     ///
     /// - returns the time of the first hit.
-    fn step_in(
-        &self,
-        script: &mut BoxingScript,
-        now: f64,
-        first: HandPunch,
-        attack: &Attack,
-        rng: &mut impl Rng,
-    ) -> f64 {
+    fn step_in(&self, script: &mut BoxingScript, now: f64, first: HandPunch, reach: f64, rng: &mut impl Rng) -> f64 {
         let technique = technique::technique_of(first);
         let ready = technique.load.map_or(technique.extend, |(before, _)| technique.extend.max(before + 0.14));
-        if attack.reach < 0.3 {
+        if reach < 0.3 {
             return now + ready;
         }
-        let forward = 0.1 + 0.16 * attack.reach;
+        let forward = 0.1 + 0.16 * reach;
         let step = Shuffle { forward, aside: 0.0, turn: 0.0, tag: Some("step_in") };
         let start = now.max(script.feet_free);
         self.step(script, start, &step, rng);
@@ -224,7 +217,8 @@ impl BoxingDealer {
         let longest = hit + technique.braking(speed);
         let (start, back) = (hit - technique.extend, longest + technique.retract);
         let side = blow.side().index();
-        let aimed = |p: BoxingPosture, share: f64| attack.aim_posture(&technique, p, height, azimuth, share);
+        let attack = Attack { azimuth, ..*attack };
+        let aimed = |p: BoxingPosture, share: f64| attack.aim_posture(&technique, p, height, share);
         if let Some((before, load)) = technique.load {
             let before = if first { before } else { before.min(IN_BETWEEN) };
             script.body.push(hit - before, aimed(load, 0.5));

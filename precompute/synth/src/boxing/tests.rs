@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use throng_core::{Contacts, NUM_JOINTS};
 use throng_motion::annotate::{AnnotateConfig, Sidecars, annotate};
 use throng_motion::clip::ClipHit;
-use throng_motion::clip::ClipTag;
+use throng_motion::clip::{Clip, ClipTag};
 
 const BLOWS: [&str; 6] = ["left_jab", "right_straight", "left_hook", "right_hook", "left_uppercut", "right_uppercut"];
 

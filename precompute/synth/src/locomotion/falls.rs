@@ -2,8 +2,9 @@
 
 use super::super::side::LateralSide;
 use super::super::walk::roll::Footfall;
-use super::drive::Drive;
+use super::motion_set::LocomotionAct;
 use super::stride::Stride;
+use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::ops::Range;
 
@@ -23,14 +24,8 @@ impl AlternatingFootfalls {
     /// Generates steps that fill a time with a margin at both ends, beginning at a random phase.
     ///
     /// - `outward`: offset from the body's path, to the left and ahead (m).
-    pub fn generate(
-        drive: &Drive,
-        stride: &Stride,
-        outward: glam::DVec2,
-        time: Range<f64>,
-        variation: f64,
-        rng: &mut impl Rng,
-    ) -> Self {
+    pub fn generate(act: &LocomotionAct, outward: DVec2, time: Range<f64>, variation: f64, rng: &mut impl Rng) -> Self {
+        let (drive, stride) = (&act.drive, Stride::for_act(act));
         let mut out = Self { feet: [Vec::new(), Vec::new()], lands: Vec::new() };
         let first = time.start - stride.period * rng.random_range(3.0..5.0);
         let count = ((time.end - first) / stride.period).ceil() as usize + 4;
@@ -89,9 +84,8 @@ impl AlternatingFootfalls {
 #[cfg(test)]
 mod tests {
     use super::super::super::signal::interpolate;
-    use super::super::motion_set::{GaitKind, LocomotionAct};
+    use super::super::motion_set::GaitKind;
     use super::*;
-    use glam::DVec2;
     use rand::SeedableRng;
     use rand_pcg::Pcg64Mcg;
 
@@ -99,7 +93,7 @@ mod tests {
         let act = LocomotionAct::all().into_iter().find(|a| a.gait == gait).unwrap();
         let stride = Stride::for_act(&act);
         let mut rng = Pcg64Mcg::seed_from_u64(5);
-        (AlternatingFootfalls::generate(&act.drive, &stride, DVec2::ZERO, -1.0..6.0, variation, &mut rng), stride)
+        (AlternatingFootfalls::generate(&act, DVec2::ZERO, -1.0..6.0, variation, &mut rng), stride)
     }
 
     #[test]

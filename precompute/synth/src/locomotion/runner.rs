@@ -38,7 +38,7 @@ const ON_LEFT_LEG: f64 = 0.17;
 pub fn poses_of_running(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
     let stride = Stride::for_act(act);
     let outward = -act.drive.centripetal_acceleration() / GRAVITY * LEANING_HEIGHT;
-    let falls = AlternatingFootfalls::generate(&act.drive, &stride, outward, scene.time(), scene.variation, rng);
+    let falls = AlternatingFootfalls::generate(act, outward, scene.time(), scene.variation, rng);
     let bounce = Bounce { period: stride.period, contact: stride.stance };
     let mut body = RunnerBody { act, falls, bounce, level: 0.0 };
     let shape = FootShape::from_skeleton(&scene.skeleton);

@@ -28,8 +28,7 @@ const CALM: f64 = 0.3;
 pub fn poses_of_stepping(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
     // The feet are outside an arc by as much as the centre of mass falls towards its middle.
     let outward = -act.drive.centripetal_acceleration() / pendulum::FREQUENCY.powi(2);
-    let falls =
-        AlternatingFootfalls::generate(&act.drive, &Stride::for_act(act), outward, scene.time(), scene.variation, rng);
+    let falls = AlternatingFootfalls::generate(act, outward, scene.time(), scene.variation, rng);
     let load = falls.left_foot_load();
     let shape = FootShape::from_skeleton(&scene.skeleton);
     let feet = FootTrack::pair(shape, falls.feet, |_| 0.0);
@@ -43,11 +42,11 @@ pub fn poses_of_stepping(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl R
 pub fn poses_of_standing(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
     let stride = Stride::for_act(act);
     let shape = FootShape::from_skeleton(&scene.skeleton);
-    let feet = LateralSide::BOTH.map(|side| {
+    let falls = LateralSide::BOTH.map(|side| {
         let ankle = DVec2::new(0.5 * stride.width * side.sign(), 0.0);
-        let fall = Footfall::standing(scene.time().start, ankle, 0.0, stride.toe_out * side.sign());
-        FootTrack::new(side, shape, vec![fall], &[], |_| 0.0)
+        vec![Footfall::standing(scene.time().start, ankle, 0.0, stride.toe_out * side.sign())]
     });
+    let feet = FootTrack::pair(shape, falls, |_| 0.0);
     let ease = still::StandingEase::new(scene.variation, rng);
     let load = scene.samples.times.iter().map(|&t| (t, ease.left_foot_load(t))).collect();
     let steps = Footsteps { feet, load, duration: scene.time().end };

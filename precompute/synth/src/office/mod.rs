@@ -46,10 +46,21 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
     let mut rng = Pcg64Mcg::seed_from_u64(cfg.seed);
     let (mut visitor, mut stander) = (DeskVisitor::new(), Stander::new());
     let whole = cfg.minutes * 60.0;
-    let mut visits = |seconds: f64, rng: &mut Pcg64Mcg| visitor.visits(seconds, cfg.variation, rng);
-    let spent = fill_clips(&mut set, "office_desk", AT_DESK * whole, cfg, &mut rng, &mut visits);
-    let mut stands = |seconds: f64, rng: &mut Pcg64Mcg| stander.stand(seconds, cfg.variation, rng);
-    fill_clips(&mut set, "office_stand", whole - spent, cfg, &mut rng, &mut stands);
+    // Adds clips until they last `seconds`, at least one; returns their total length.
+    let mut fill = |name: &str, seconds: f64, write: &mut dyn FnMut(f64, &mut Pcg64Mcg) -> MotionScript| {
+        let (mut spent, mut number) = (0.0, 0);
+        while spent < seconds || number == 0 {
+            let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
+            let script = write(wanted, &mut rng);
+            spent += script.duration();
+            let name = format!("{name}_{number:02}");
+            set.clips.push(assemble::clip("office", name, &script, &set.skeleton, cfg, &mut rng));
+            number += 1;
+        }
+        spent
+    };
+    let spent = fill("office_desk", AT_DESK * whole, &mut |wanted, rng| visitor.visits(wanted, cfg.variation, rng));
+    fill("office_stand", whole - spent, &mut |wanted, rng| stander.stand(wanted, cfg.variation, rng));
     let times = (cfg.minutes / MINUTES_A_PAIR).round().clamp(1.0, 4.0) as usize;
     for (number, what) in (0..times).flat_map(|_| PairActivity::ALL).enumerate() {
         let scripts = pair_scripts(what, cfg.variation, &mut rng);
@@ -59,28 +70,6 @@ pub fn office(cfg: &SynthConfig) -> ClipSet {
         }
     }
     set
-}
-
-/// Adds clips until they last `seconds`, at least one.
-///
-/// - returns their total length (s).
-fn fill_clips(
-    set: &mut ClipSet,
-    name: &str,
-    seconds: f64,
-    cfg: &SynthConfig,
-    rng: &mut Pcg64Mcg,
-    write: &mut impl FnMut(f64, &mut Pcg64Mcg) -> MotionScript,
-) -> f64 {
-    let (mut spent, mut number) = (0.0, 0);
-    while spent < seconds || number == 0 {
-        let wanted = (seconds - spent).min(cfg.clip_seconds * rng.random_range(0.85..1.1));
-        let script = write(wanted, rng);
-        spent += script.duration();
-        set.clips.push(assemble::clip("office", format!("{name}_{number:02}"), &script, &set.skeleton, cfg, rng));
-        number += 1;
-    }
-    spent
 }
 
 #[cfg(test)]

@@ -82,7 +82,9 @@ impl DeskVisitor {
             let left = seconds - script.now - 17.0;
             self.walk_to_chair(&mut script, rng);
             let work = if left < 32.0 { left } else { rng.random_range(10.0..left.min(34.0)) };
-            self.sit_and_work(&mut script, work.clamp(6.0, 40.0), rng);
+            let [begin, end] = take_seat(&mut script, true, rng);
+            script.tags.push(("sit_down", begin, end));
+            self.worker.work(&mut script, end, end + work.clamp(6.0, 40.0), rng);
             self.walk_away(&mut script, rng);
             if seconds - script.now < 16.0 {
                 let end = script.now;
@@ -130,13 +132,6 @@ impl DeskVisitor {
         script.side_step(to, path, rng);
         script.tag("walk", began);
         script.wait_until(script.now + rng.random_range(0.05..0.4));
-    }
-
-    /// Sits down, works, and prepares to stand up again.
-    fn sit_and_work(&mut self, script: &mut MotionScript, work: f64, rng: &mut impl Rng) {
-        let [begin, end] = take_seat(script, true, rng);
-        script.tags.push(("sit_down", begin, end));
-        self.worker.work(script, end, end + work, rng);
     }
 
     /// Stands up, gets out from between chair and desk, and walks away.

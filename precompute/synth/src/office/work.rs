@@ -90,11 +90,6 @@ pub fn over_desk_edge(aside: f64) -> KeyedHandPose {
     }
 }
 
-/// Left hand over the keyboard.
-fn keyboard_pose() -> KeyedHandPose {
-    KeyedHandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..over_desk_edge(0.0) }
-}
-
 /// Moves one foot a little under the desk.
 fn move_foot(script: &mut MotionScript, t: f64, rng: &mut impl Rng) {
     script.wait_until(t);
@@ -174,8 +169,9 @@ fn watch_screen(script: &mut MotionScript, from: f64, to: f64, [yaw, pitch]: [f6
 fn type_text(script: &mut MotionScript, from: f64, to: f64, rng: &mut impl Rng) {
     sit(script, from, 1.1, 0.18, 0.0, rng);
     watch_screen(script, from, to, [0.0, 0.2], rng);
+    let keyboard = KeyedHandPose { room: DVec3::new(0.11, WRIST + 0.012, 0.515), flex: -0.05, ..over_desk_edge(0.0) };
     for side in LateralSide::BOTH {
-        let home = mirrored_for_side(side, keyboard_pose());
+        let home = mirrored_for_side(side, keyboard);
         let mut t = hand_to_desk(script, side, from, home, rng);
         let touched = t;
         while t < to - 0.4 {

@@ -16,7 +16,8 @@ mod slide;
 use super::SynthConfig;
 use super::foot::FootShape;
 use super::frame::{self, Samples};
-use super::walk::{assemble, footsteps};
+use super::walk::assemble::ClipSignals;
+use super::walk::footsteps;
 use moment::{BodyMoment, crossfade};
 use plan::{GymVisitor, VisitLeg};
 use rand::{Rng, RngExt, SeedableRng};
@@ -62,14 +63,9 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
     for (i, leg) in legs.iter().enumerate() {
         let overlap = if i == 0 { 0 } else { grid.count_within(OVERLAP) };
         let begin = moments.len().saturating_sub(overlap) as f64 * grid.dt;
-        let mut mark = |name, from: f64, to: f64| marks.push((name, begin + from, begin + to));
-        let next = match (&walks[i], leg) {
-            (Some((walk, stairs)), _) => {
-                stairs.iter().for_each(|(from, to)| mark("stairs", *from, *to));
-                walk.clone()
-            }
-            (None, leg) => act_moments(leg, [&walks[i - 1], &walks[i + 1]], skeleton, grid.dt, &mut mark, rng),
-        };
+        let act = || act_moments(leg, [&walks[i - 1], &walks[i + 1]], skeleton, grid.dt, rng);
+        let (next, spans) = walks[i].clone().unwrap_or_else(act);
+        marks.extend(spans.into_iter().map(|(name, from, to)| (name, begin + from, begin + to)));
         crossfade(&mut moments, next, overlap);
     }
     let mut clip = frame::empty_clip(name, "playground", cfg);
@@ -84,23 +80,23 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
     clip
 }
 
-/// Moments of a walk, and the times on stairs.
-type WalkMoments = (Vec<BodyMoment>, Vec<(f64, f64)>);
+/// Moments of a leg, and the spans of its tags: name, begin and end (s).
+type LegMoments = (Vec<BodyMoment>, Vec<(&'static str, f64, f64)>);
 
 /// Moments of a leg, if it is a walk.
-fn walk_leg(leg: &VisitLeg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<WalkMoments> {
+fn walk_leg(leg: &VisitLeg, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Option<LegMoments> {
     let VisitLeg::Walk(route) = leg else { return None };
     let shape = FootShape::from_skeleton(skeleton);
     let last = rng.random_range(0.9..1.7);
     let steps = footsteps::place_footsteps(shape, route.start, &route.walk.steps, last, gym::ground, rng);
     // Whole tenths of a second, so that the next motion begins at the same time at every rate.
     let samples = Samples::for_clip((10.0 * steps.duration).floor() / 10.0 + 1e-6, cfg.rate_hz);
-    let poses = assemble::poses(&steps, skeleton, &samples, cfg.variation, rng);
-    Some((poses.into_iter().map(BodyMoment::upright).collect(), stair_intervals(route)))
+    let signals = ClipSignals::new(&steps, skeleton, &samples, cfg.variation, rng, |_, _| {}, |_| {});
+    Some(((0..samples.times.len()).map(|i| BodyMoment::upright(signals.pose(i))).collect(), stair_spans(route)))
 }
 
-/// Times of a walk on stairs (s).
-fn stair_intervals(route: &WalkRoute) -> Vec<(f64, f64)> {
+/// Times of a walk on stairs, with their tag (s).
+fn stair_spans(route: &WalkRoute) -> Vec<(&'static str, f64, f64)> {
     let mut times = Vec::with_capacity(route.walk.steps.len());
     let mut last = 0.0;
     for step in &route.walk.steps {
@@ -108,34 +104,28 @@ fn stair_intervals(route: &WalkRoute) -> Vec<(f64, f64)> {
         times.push((lift, land));
         last = land;
     }
-    route.stairs.iter().map(|r| (times[r.start].0, times[r.end - 1].1)).collect()
+    route.stairs.iter().map(|r| ("stairs", times[r.start].0, times[r.end - 1].1)).collect()
 }
 
 /// Moments of a leg other than a walk, between two walks.
 fn act_moments(
     leg: &VisitLeg,
-    ends: [&Option<WalkMoments>; 2],
+    ends: [&Option<LegMoments>; 2],
     skeleton: &Skeleton,
     dt: f64,
-    mark: &mut impl FnMut(&'static str, f64, f64),
     rng: &mut impl Rng,
-) -> Vec<BodyMoment> {
-    let [Some((before, _)), Some((after, _))] = ends else { return Vec::new() };
-    let (Some(from), Some(to)) = (before.last(), after.first()) else { return Vec::new() };
+) -> LegMoments {
+    let [Some((before, _)), Some((after, _))] = ends else { return LegMoments::default() };
+    let (Some(from), Some(to)) = (before.last(), after.first()) else { return LegMoments::default() };
     let moments = match leg {
-        VisitLeg::Walk(_) => return Vec::new(),
+        VisitLeg::Walk(_) => return LegMoments::default(),
         VisitLeg::ClimbUp => ladder::climb(&from.body, &to.body, skeleton, dt, rng),
         // Climbing down is climbing up in reverse.
         VisitLeg::ClimbDown => ladder::climb(&to.body, &from.body, skeleton, dt, rng).into_iter().rev().collect(),
-        VisitLeg::Slide(course) => {
-            let descent = slide::descend(course, &from.body, &to.body, skeleton, dt, rng);
-            mark("sit", descent.sits.start, descent.sits.end);
-            mark("slide", descent.slides.start, descent.slides.end);
-            return descent.moments;
-        }
+        VisitLeg::Slide(course) => return slide::descend(course, [&from.body, &to.body], skeleton, dt, rng),
     };
-    mark("climb", OVERLAP, moments.len() as f64 * dt - OVERLAP);
-    moments
+    let end = moments.len() as f64 * dt - OVERLAP;
+    (moments, vec![("climb", OVERLAP, end)])
 }
 
 /// Tags of stretches at rest on both feet.

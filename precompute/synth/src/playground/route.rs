@@ -66,11 +66,6 @@ impl WalkRoute {
         self.walk.steps.iter().fold(0.0, |last, step| timing(step, last).1)
     }
 
-    /// Moves the path by the steps taken since `first`.
-    fn catch_up(&mut self, first: usize) {
-        self.at = self.stance_after(first);
-    }
-
     /// Stance after the steps since `first`.
     fn stance_after(&self, first: usize) -> FeetStance {
         self.walk.steps[first..].iter().fold(self.at, |at, step| at.after_step(step))
@@ -204,7 +199,7 @@ impl WalkRoute {
         self.walk.speed = 0.5;
         if rng.random_bool(0.5) {
             self.walk.stop(rng);
-            self.catch_up(end);
+            self.at = self.stance_after(end);
             self.walk.pause = rng.random_range(0.6..2.2);
         }
     }
@@ -216,7 +211,7 @@ impl WalkRoute {
         self.walk.pause = rng.random_range(0.2..0.8);
         self.walk.next = LateralSide::inside(angle);
         self.walk.turn_in_place(angle, rng);
-        self.catch_up(first);
+        self.at = self.stance_after(first);
     }
 
     /// Climbs stairs from their foot.
@@ -256,21 +251,17 @@ fn plans(from: FeetStance, goal: FeetStance, arrival: WalkEnding, length: f64) -
         let spot = LAST.map(|last| (bend, 0.45, WalkEnding::Stand, last, 0.12 + stop));
         walked.into_iter().chain(spot).chain([(bend, 0.45, WalkEnding::Stand, 0.0, stop)])
     };
-    let distance = (goal.at - from.at).length();
+    let offset = goal.at - from.at;
+    let distance = offset.length();
+    let towards = f64::from(wrap_angle((offset.x.atan2(offset.y) - from.heading) as f32));
     let (most, least) = ((distance / length) as usize + 4, ((distance / length) as usize).saturating_sub(5));
     BENDS.into_iter().flat_map(rates).flat_map(move |(bend, rate, arrival, last, cost)| {
-        let first = f64::from(wrap_angle((turn_towards(from, goal.at) + bend) as f32));
+        let first = f64::from(wrap_angle((towards + bend) as f32));
         let second = f64::from(wrap_angle((goal.heading - last - from.heading - first) as f32));
         let counts = (0..=most).flat_map(move |a| (0..=(most - a).min(6)).map(move |b| [a, b]));
         let likely = counts.filter(move |[a, b]| a + b >= least);
         likely.map(move |steps| ArrivalPlan { first, second, rate, steps, arrival, last, cost })
     })
-}
-
-/// Turn from a stance towards a place (rad).
-fn turn_towards(from: FeetStance, to: DVec2) -> f64 {
-    let offset = to - from.at;
-    f64::from(wrap_angle((offset.x.atan2(offset.y) - from.heading) as f32))
 }
 
 #[cfg(test)]

@@ -6,12 +6,12 @@ use super::super::side::{LateralSide, forward, ground_position, leftward};
 use super::super::signal::{PieceEnd, bump, quintic, smooth};
 use super::super::track::KeyTrack;
 use super::super::walk::footsteps::FeetStance;
+use super::LegMoments;
 use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::course::{SIDE_ASIDE, SIDE_HEIGHT, SlideCourse};
 use super::moment::{self, BodyMoment, ease_in_out, forward_direction, left_direction};
 use glam::DVec3;
 use rand::{Rng, RngExt};
-use std::ops::Range;
 use throng_core::{Contacts, Skeleton};
 
 /// Position before sitting down, relative to the upper edge (m).
@@ -47,16 +47,6 @@ pub fn stance_beyond(course: &SlideCourse) -> FeetStance {
     course.ground_stance(course.length() + BEYOND)
 }
 
-/// Motion down a slide, with its times.
-pub struct Descent {
-    /// Moments, at the requested spacing.
-    pub moments: Vec<BodyMoment>,
-    /// Time of sitting (s).
-    pub sits: Range<f64>,
-    /// Time of sliding (s).
-    pub slides: Range<f64>,
-}
-
 /// Times of the events on a slide (s).
 struct SlideTimes {
     /// Seat touches the deck.
@@ -88,21 +78,21 @@ struct SlideRide<'a> {
 
 /// Sits down, slides and gets up.
 ///
-/// - `from`, `to`: poses before and after.
+/// - `ends`: poses before and after.
+/// - returns moments `dt` seconds apart.
 pub fn descend(
     course: &SlideCourse,
-    from: &BodyPose,
-    to: &BodyPose,
+    ends: [&BodyPose; 2],
     skeleton: &Skeleton,
     dt: f64,
     rng: &mut impl Rng,
-) -> Descent {
-    let ride = plan_ride(course, from, to, rng);
+) -> LegMoments {
+    let ride = plan_ride(course, ends, rng);
     let samples = Samples::spaced(dt, ride.times.up + 0.6);
     let keyed = ride.body.sample(&samples, &[], 0.05);
-    let moments = samples.times.iter().zip(keyed).map(|(&t, keyed)| ride.moment_at(t, keyed, [from, to], skeleton));
+    let moments = samples.times.iter().zip(keyed).map(|(&t, keyed)| ride.moment_at(t, keyed, ends, skeleton));
     let t = &ride.times;
-    Descent { moments: moments.collect(), sits: 0.5..t.up, slides: t.scoot + 0.35..t.stop }
+    (moments.collect(), vec![("sit", 0.5, t.up), ("slide", t.scoot + 0.35, t.stop)])
 }
 
 /// Distances of the hips from the scoot until they rest, every [`STEP`] (m).
@@ -130,7 +120,7 @@ fn hips_along_slide(course: &SlideCourse, scoot: f64) -> Vec<f64> {
     smooth(&out, (0.045 / STEP) as usize)
 }
 
-fn plan_ride<'a>(course: &'a SlideCourse, from: &BodyPose, to: &BodyPose, rng: &mut impl Rng) -> SlideRide<'a> {
+fn plan_ride<'a>(course: &'a SlideCourse, ends: [&BodyPose; 2], rng: &mut impl Rng) -> SlideRide<'a> {
     let mut vary = |amount: f64| 1.0 + rng.random_range(-amount..amount);
     let seat = 1.95 * vary(0.08);
     let scoot = seat + 0.95 * vary(0.1);
@@ -152,7 +142,7 @@ fn plan_ride<'a>(course: &'a SlideCourse, from: &BodyPose, to: &BodyPose, rng: &
         rise,
         up: rise + rng.random_range(1.0..1.2),
     };
-    let body = carriages(course, from, to, &times, rng);
+    let body = carriages(course, ends, &times, rng);
     let hands = LateralSide::BOTH.map(|side| hand_track(side, course, &times));
     SlideRide { course, times, hips, hands, body, first }
 }
@@ -166,14 +156,9 @@ fn to_course_frame(course: &SlideCourse, origin: f64, p: DVec3) -> DVec3 {
 
 /// Keys of hips and trunk: down onto the deck, back during the slide, forward and up at the end. The first channel
 /// counts only before the scoot and after the stop.
-fn carriages(
-    course: &SlideCourse,
-    from: &BodyPose,
-    to: &BodyPose,
-    t: &SlideTimes,
-    rng: &mut impl Rng,
-) -> KeyTrack<Carriage> {
-    let (a, b) = (to_course_frame(course, BEFORE, from.root), to_course_frame(course, course.length(), to.root));
+fn carriages(course: &SlideCourse, ends: [&BodyPose; 2], t: &SlideTimes, rng: &mut impl Rng) -> KeyTrack<Carriage> {
+    let a = to_course_frame(course, BEFORE, ends[0].root);
+    let b = to_course_frame(course, course.length(), ends[1].root);
     let end = course.length() - REST;
     let key = |s: f64, up: f64, aside: f64, hips: f64, chest: f64, head: f64| Carriage {
         place: DVec3::new(s, up, aside),

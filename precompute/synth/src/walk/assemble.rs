@@ -26,24 +26,12 @@ pub struct ClipSignals {
 /// Makes a clip from its footsteps.
 pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthConfig, rng: &mut impl Rng) -> Clip {
     let samples = Samples::for_clip(steps.duration, cfg.rate_hz);
-    let poses = poses(steps, skeleton, &samples, cfg.variation, rng);
+    let signals = ClipSignals::new(steps, skeleton, &samples, cfg.variation, rng, |_, _| {}, |_| {});
     let mut clip = frame::empty_clip(name, "walk", cfg);
     for i in samples.frames() {
-        frame::push_pose(&mut clip, &poses[i], skeleton);
+        frame::push_pose(&mut clip, &signals.pose(i), skeleton);
     }
     clip
-}
-
-/// Poses of the walker at every sample.
-pub fn poses(
-    steps: &Footsteps,
-    skeleton: &Skeleton,
-    samples: &Samples,
-    variation: f64,
-    rng: &mut impl Rng,
-) -> Vec<BodyPose> {
-    let signals = ClipSignals::new(steps, skeleton, samples, variation, rng, |_, _| {}, |_| {});
-    (0..samples.times.len()).map(|i| signals.pose(i)).collect()
 }
 
 impl ClipSignals {

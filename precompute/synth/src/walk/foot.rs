@@ -38,34 +38,23 @@ const STAIR: f64 = 0.05;
 const PASSING: f64 = 0.105;
 
 impl FootTrack {
-    /// Both feet, which stand on their `falls` in turn.
-    pub fn pair(shape: FootShape, falls: [Vec<Footfall>; 2], ground: impl Fn(DVec2) -> f64) -> [Self; 2] {
-        let track = |side: LateralSide| {
-            Self::new(side, shape, falls[side.index()].clone(), &falls[side.other().index()], &ground)
-        };
-        LateralSide::BOTH.map(track)
-    }
-
-    /// A foot that stands on `falls` in turn and swings around the other foot's falls.
+    /// Both feet, each of which stands on its `falls` in turn and swings around the other one's.
     ///
     /// - `ground`: height anywhere on the path (m).
-    pub fn new(
-        side: LateralSide,
-        shape: FootShape,
-        falls: Vec<Footfall>,
-        other: &[Footfall],
-        ground: impl Fn(DVec2) -> f64,
-    ) -> Self {
-        let flights = vec![StepFlight::default(); falls.len().saturating_sub(1)];
-        let mut track = Self { side, shape, falls, flights };
-        for i in 0..track.flights.len() {
-            let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
-            let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
-            track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.sidestep(i, s));
-            track.flights[i].raise = track.lift_height(i);
-            track.flights[i].clear = track.clearance_height(i, &ground);
-        }
-        track
+    pub fn pair(shape: FootShape, falls: [Vec<Footfall>; 2], ground: impl Fn(DVec2) -> f64) -> [Self; 2] {
+        LateralSide::BOTH.map(|side| {
+            let (own, other) = (falls[side.index()].clone(), &falls[side.other().index()]);
+            let flights = vec![StepFlight::default(); own.len().saturating_sub(1)];
+            let mut track = Self { side, shape, falls: own, flights };
+            for i in 0..track.flights.len() {
+                let (lift, land) = (track.falls[i].lift, track.falls[i + 1].land);
+                let standing = other.iter().rev().find(|f| f.land <= 0.5 * (lift + land));
+                track.flights[i].detour = standing.map_or(DVec2::ZERO, |s| track.sidestep(i, s));
+                track.flights[i].raise = track.lift_height(i);
+                track.flights[i].clear = track.clearance_height(i, &ground);
+            }
+            track
+        })
     }
 
     /// The foot at `t` seconds.
@@ -176,7 +165,9 @@ mod tests {
     fn track() -> FootTrack {
         let falls = vec![fall(0.0, 0.7, DVec2::ZERO, 0.1), fall(1.1, 2.0, DVec2::new(-0.05, 1.3), 0.4)];
         let standing = fall(0.6, 1.2, DVec2::new(-0.02, 0.65), 0.0);
-        FootTrack::new(LateralSide::Left, FootShape::from_skeleton(&Skeleton::default()), falls, &[standing], |_| 0.0)
+        let [left, _] =
+            FootTrack::pair(FootShape::from_skeleton(&Skeleton::default()), [falls, vec![standing]], |_| 0.0);
+        left
     }
 
     #[test]

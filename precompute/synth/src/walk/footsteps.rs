@@ -115,9 +115,13 @@ fn falls_of(side: LateralSide, start: FeetStance, placed: &[PlacedStep]) -> Vec<
         let ahead = forward(step.heading);
         let other = placed[..k].iter().rev().find(|s| s.side != side);
         let other = other.map_or(start.ankle(side.other(), STANDING_WIDTH), |s| s.ankle);
-        let leave = falls.len() - 1;
-        let travel = (step.ankle - falls[leave].ankle).dot(forward(falls[leave].heading));
-        leave_with(&mut falls[leave], step, travel);
+        // The foot leaves its last footfall for this one.
+        if let Some(fall) = falls.last_mut() {
+            let travel = (step.ankle - fall.ankle).dot(forward(fall.heading));
+            fall.lift = step.lift;
+            fall.heel_off = (step.lift - 0.46 * step.shape.period).max(fall.flat + 0.02);
+            fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
+        }
         let reach = (step.ankle - other).dot(ahead);
         falls.push(Footfall {
             land: step.land,
@@ -141,14 +145,6 @@ fn step_on(falls: &mut [Footfall], shape: &FootShape, ground: &impl Fn(DVec2) ->
             falls[i].strike = -0.32;
         }
     }
-}
-
-/// Completes a footfall with its departure for the next step.
-fn leave_with(fall: &mut Footfall, step: &PlacedStep, travel: f64) {
-    fall.lift = step.lift;
-    let rise = 0.46 * step.shape.period;
-    fall.heel_off = (step.lift - rise).max(fall.flat + 0.02);
-    fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
 }
 
 /// Share of the left foot: 0 while it is in the air, 1 while the right one is, and in between linear, or standing on

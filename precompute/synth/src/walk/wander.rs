@@ -180,7 +180,8 @@ impl WalkSteps {
             left -= bend;
             // A small rest joins this step.
             let bend = if left.abs() < 0.08 { bend + std::mem::take(&mut left) } else { bend };
-            self.speed += (turn_speed(cruise, rate) - self.speed).clamp(-0.35, 0.3);
+            // Sharp turns are slower.
+            self.speed += (cruise.min(1.75 - 1.05 * rate) - self.speed).clamp(-0.35, 0.3);
             self.step(bend, WALKING_WIDTH, turning_step_at(self.speed, bend), rng);
         }
     }
@@ -221,11 +222,6 @@ impl WalkSteps {
 pub fn limit_turn(turn: f64, foot: LateralSide, most: f64) -> f64 {
     let most = most.min(if foot == LateralSide::inside(turn) { 0.9 } else { 0.55 });
     turn.clamp(-most, most)
-}
-
-/// Speed through a turn: slower in sharp ones.
-fn turn_speed(cruise: f64, rate: f64) -> f64 {
-    cruise.min(1.75 - 1.05 * rate)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Nodes, skins and animation of characters with plain bodies.
 
-use super::super::take::{PRESENCE_TRACK, Take, TakeActor, rotation_track, translation_track};
+use super::super::take::{PRESENCE_TRACK, Take, rotation_track, translation_track};
 use super::parts::{FLOAT, GlbParts, INDICES, UNSIGNED_BYTE, UNSIGNED_SHORT, VERTICES};
 use glam::{Mat4, Vec3};
 use serde_json::{Value, json};
@@ -20,7 +20,7 @@ pub fn plain_body_parts(take: &Take) -> GlbParts {
     let colour = json!({ "baseColorFactor": [0.55, 0.6, 0.68, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.8 });
     parts.push("materials", json!({ "name": "body", "pbrMetallicRoughness": colour }));
     let mut shared: Vec<SharedSkin> = Vec::new();
-    let add = |parts: &mut GlbParts, a: usize| add_figure(parts, &mut shared, &take.actors()[a], take.is_library());
+    let add = |parts: &mut GlbParts, a: usize| add_figure(parts, &mut shared, take, a);
     animate_actors(&mut parts, take, add, |parts, animation, a, nodes| add_motion(parts, animation, take, a, *nodes));
     parts
 }
@@ -57,18 +57,14 @@ pub fn animate_actors<F>(
 }
 
 /// Adds holder, joints and body; returns the holder and the hips, which the other joints follow.
-fn add_figure(
-    parts: &mut GlbParts,
-    shared: &mut Vec<SharedSkin>,
-    actor: &TakeActor,
-    is_library: bool,
-) -> (usize, usize) {
+fn add_figure(parts: &mut GlbParts, shared: &mut Vec<SharedSkin>, take: &Take, a: usize) -> (usize, usize) {
+    let actor = &take.actors()[a];
     let known = shared.iter().position(|s| s.skeleton == actor.skeleton).unwrap_or_else(|| {
         let one = add_shared_skin(parts, &actor.skeleton);
         shared.push(one);
         shared.len() - 1
     });
-    let name = if is_library { "figure" } else { actor.name.as_str() };
+    let name = if take.is_library() { "figure" } else { actor.name.as_str() };
     let holder = parts.push("nodes", json!({ "name": name }));
     let hips = holder + 1;
     for joint in Joint::ALL {

@@ -259,18 +259,17 @@ impl BodyTracks {
                     let near = turns[step.start - 1].apart(turns[b.start]) < 0.5 * step.distance;
                     near && b.start - step.start <= self.frames(MAX_FLIP)
                 });
-                match back {
-                    Some(back) => {
-                        let joints = path_to_role(clip, roles, *j);
-                        out.push(Glitch { joints, ..glitch(GlitchKind::Flip, step.start, back.start, what) });
-                        leaps.next();
-                    }
+                let joints = path_to_role(clip, roles, *j);
+                out.push(match back {
+                    Some(back) => Glitch { joints, ..glitch(GlitchKind::Flip, step.start, back.start, what) },
                     // No other joint hangs on it: its turn can be spread over a few frames.
                     None if carries_nothing(*j) => {
-                        let joints = path_to_role(clip, roles, *j);
-                        out.push(Glitch { joints, ..self.at_step(step.start, GlitchKind::Flip, what) });
+                        Glitch { joints, ..self.at_step(step.start, GlitchKind::Flip, what) }
                     }
-                    None => out.push(self.at_step(step.start, GlitchKind::Jump, what)),
+                    None => self.at_step(step.start, GlitchKind::Jump, what),
+                });
+                if back.is_some() {
+                    leaps.next();
                 }
             }
         }

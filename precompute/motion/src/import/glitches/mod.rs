@@ -123,12 +123,7 @@ const MANY_REPEATS: f64 = 0.25;
 
 /// Finds the glitches of a clip in metres and treats them as configured. Frames that are cut are bridged, too: a joint that is
 /// elsewhere for a frame must not move the ground of the whole clip.
-pub(super) fn treat_glitches(
-    clip: &mut RawClip,
-    roles: &RoleMap,
-    how: Glitches,
-    warnings: &mut Warnings,
-) -> Vec<Glitch> {
+pub fn treat_glitches(clip: &mut RawClip, roles: &RoleMap, how: Glitches, warnings: &mut Warnings) -> Vec<Glitch> {
     let mut all = find::find_glitches(clip, roles);
     if all.is_empty() {
         return all;

@@ -117,11 +117,6 @@ impl<'a, 'b> NodeTree<'a, 'b> {
         Some(a)
     }
 
-    /// Children that lead to joints.
-    fn children_leading_to(&self, node: usize, leads: &BTreeSet<usize>) -> Vec<usize> {
-        self.children[node].iter().copied().filter(|c| leads.contains(c)).collect()
-    }
-
     /// A node and all below it, parents first.
     fn subtree(&self, top: usize) -> Vec<usize> {
         let mut below = Vec::new();
@@ -144,8 +139,9 @@ impl<'a, 'b> NodeTree<'a, 'b> {
         }
         // A node that moves all of a skeleton and is no part of it, such as an armature, is above it.
         let mut top = top;
-        while let (false, [only]) = (carriers.contains(&top), &self.children_leading_to(top, &leads)[..]) {
-            top = *only;
+        let leading = |n: usize| self.children[n].iter().filter(|c| leads.contains(c)).collect::<Vec<_>>();
+        while let (false, [only]) = (carriers.contains(&top), &leading(top)[..]) {
+            top = **only;
         }
         let parent = |n: usize| self.scene.nodes[n].parent;
         let mut places = BTreeMap::new();

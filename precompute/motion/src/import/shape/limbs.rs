@@ -43,20 +43,17 @@ impl LimbPair {
 
     /// The side that the names give to the first of the two, where they agree.
     pub fn named_side(&self, tree: &SkeletonTree) -> Option<NamedSide> {
-        let votes = |side: usize| -> i32 { (0..3).map(|part| side_vote(tree, self.joint(part, side))).sum() };
+        let vote = |joint: usize| match tree.labels[joint].side {
+            Some(NamedSide::Left) => 1,
+            Some(NamedSide::Right) => -1,
+            None => 0,
+        };
+        let votes = |side: usize| -> i32 { (0..3).map(|part| vote(self.joint(part, side))).sum() };
         match votes(0) - votes(1) {
             2.. => Some(NamedSide::Left),
             ..=-2 => Some(NamedSide::Right),
             _ => None,
         }
-    }
-}
-
-fn side_vote(tree: &SkeletonTree, joint: usize) -> i32 {
-    match tree.labels[joint].side {
-        Some(NamedSide::Left) => 1,
-        Some(NamedSide::Right) => -1,
-        None => 0,
     }
 }
 
