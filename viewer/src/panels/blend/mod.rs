@@ -48,7 +48,6 @@ impl BlendPanelState {
 
 /// Input shared by all parts of the panel.
 struct BlendPanelInput<'a> {
-    number: usize,
     space: &'a BlendSpace,
     meta: &'a BlendMeta,
     blending: Blending,
@@ -90,7 +89,6 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
     let mut shown = shown.unwrap_or_else(|| MapAxes::default_for(space.axes())).checked(space.axes());
     let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
     let input = BlendPanelInput {
-        number: blending.space,
         space,
         meta: bundle.blend_meta(blending.space),
         blending,
@@ -121,10 +119,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
 /// The space, and the axes of the map.
 fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut MapAxes, input: &BlendPanelInput<'_>) {
     ui.horizontal_wrapped(|ui| {
-        let (spaces, mut number) = (bundle.blends(), input.number);
+        let (spaces, mut number) = (bundle.blends(), input.blending.space);
         let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
         choose(ui, "Space", Some(80.0), &mut number, names);
-        if number != input.number {
+        if number != input.blending.space {
             *wanted = carried_over(input, wanted, number, &spaces[number]);
         }
         if input.space.axes().len() > 2 {

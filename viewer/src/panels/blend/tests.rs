@@ -131,7 +131,6 @@ fn another_space_keeps_axes_of_the_same_kind() {
     let mut from = Blending::straight_walk(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);
     let input = BlendPanelInput {
-        number: 0,
         space,
         meta: bundle.blend_meta(0),
         blending: from,

@@ -116,7 +116,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &InstanceF
 }
 
 /// Name and number of a placed unit.
-fn unit(world: &WorldDocument, place: u32) -> String {
+pub fn unit(world: &WorldDocument, place: u32) -> String {
     let name = world.placed().get(place as usize).map_or("unit", |p| &world.unit(p.unit).name);
     format!("{name} {place}")
 }

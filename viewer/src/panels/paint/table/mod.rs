@@ -126,8 +126,8 @@ impl<'a> RowTable<'a> {
             for row in rows {
                 let (_, rect) = ui.allocate_space(vec2(width, row_height));
                 // A fixed number keeps the widget's identity, whatever else is shown.
-                let response = ui.interact(rect, id.with(row), Sense::CLICK);
-                let response = self.show_row(ui, row, response, &places, cell);
+                let response = ui.interact(rect, id.with(row), Sense::CLICK).on_hover_cursor(CursorIcon::PointingHand);
+                self.show_row(ui, row, &response, &places, cell);
                 if focused && self.click != RowClick::Selects && memory.cursor == Some(row) {
                     let stroke = Stroke::new(1.0, ui.visuals().selection.stroke.color);
                     ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
@@ -147,14 +147,7 @@ impl<'a> RowTable<'a> {
         out
     }
 
-    fn show_row(
-        &self,
-        ui: &Ui,
-        row: usize,
-        response: Response,
-        places: &[ColumnPlace],
-        cell: &mut CellContent<'_>,
-    ) -> Response {
+    fn show_row(&self, ui: &Ui, row: usize, response: &Response, places: &[ColumnPlace], cell: &mut CellContent<'_>) {
         let (rect, selected) = (response.rect, self.selected == Some(row));
         let name = cell(row, self.named_by).text;
         response.widget_info(|| match self.click {
@@ -173,7 +166,6 @@ impl<'a> RowTable<'a> {
             let is_number = self.columns[place.column].is_number;
             cell(row, place.column).paint(ui, place_rect(rect, place), is_number, selected);
         }
-        response.on_hover_cursor(CursorIcon::PointingHand)
     }
 }
 
