@@ -139,7 +139,7 @@ fn bracketed(kind: u32) -> String {
 fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state: &BlendPanelState, plane: &MapPlane) {
     let edge = visuals.extreme_bg_color;
     for (i, e) in input.space.examples().iter().enumerate() {
-        let (at, weight) = (plane.screen(&e.parameters), input.weights.get(i).copied().unwrap_or(0.0));
+        let (at, weight) = (plane.screen(&e.parameters), input.moment.weights.get(i).copied().unwrap_or(0.0));
         let depth = plane.depth(input.space.axes(), e, &input.blending.point);
         let strength = 1.0 - 0.8 * depth;
         let radius = DOT[0] + DOT[1] * weight.abs().min(1.2).sqrt();
@@ -160,7 +160,7 @@ fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state
 
 /// Draws the requested point as a cross-hair, and the blended point that approaches it.
 fn point(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plane: &MapPlane, wanted: &Blending) {
-    let (at, now) = (plane.screen(&wanted.point), plane.screen(input.now));
+    let (at, now) = (plane.screen(&wanted.point), plane.screen(&input.moment.point));
     let colour = ThemePalette::for_visuals(visuals).head;
     if at.distance(now) > 1.0 {
         painter.line_segment([now, at], Stroke::new(1.5, colour.gamma_multiply(0.6)));

@@ -134,9 +134,7 @@ fn another_space_keeps_axes_of_the_same_kind() {
         space,
         meta: bundle.blend_meta(0),
         blending: from,
-        weights: &[],
-        now: &from.point,
-        phase: 0.0,
+        moment: &BlendMoment { point: from.point, ..BlendMoment::default() },
         example: 0,
         document: 1,
     };

@@ -53,7 +53,7 @@ impl PolicyMapInput<'_> {
     }
 
     /// Centre of the grid over ground (m).
-    fn centre(&self) -> Vec2 {
+    pub fn centre(&self) -> Vec2 {
         Vec2::new(self.policy.centre().x, self.policy.centre().z)
     }
 }

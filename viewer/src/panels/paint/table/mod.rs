@@ -82,7 +82,7 @@ impl<'a> RowTable<'a> {
 
     /// Shows the table; `cell` is called with row and column of each visible cell.
     pub fn show(&self, ui: &mut Ui, mut cell: impl FnMut(usize, usize) -> TableCell) -> TableResponse {
-        let row_height = row_height(ui);
+        let row_height = ui.text_style_height(&TextStyle::Body) + 4.0;
         let all = ui.available_rect_before_wrap();
         let height = self.most_rows.map_or(all.height(), |most| row_height * (1 + most.min(self.num_rows)) as f32);
         let rect = Rect::from_min_size(all.min, vec2(all.width(), height));
@@ -167,11 +167,6 @@ impl<'a> RowTable<'a> {
             cell(row, place.column).paint(ui, place_rect(rect, place), is_number, selected);
         }
     }
-}
-
-/// Height of a row (points).
-fn row_height(ui: &Ui) -> f32 {
-    ui.text_style_height(&TextStyle::Body) + 4.0
 }
 
 /// Scroll offset that brings a row into view; none if it is visible.
