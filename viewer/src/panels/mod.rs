@@ -76,6 +76,12 @@ fn clip_frame(bundle: &OpenBundle, row: u32) -> (usize, u32) {
     (clip, row - bundle.tables().clips()[clip].first_frame)
 }
 
+/// Name of the clip of a frame row, and the time within it (row < number of frames).
+fn moment(bundle: &OpenBundle, row: u32) -> String {
+    let (clip, frame) = clip_frame(bundle, row);
+    format!("{} {:.2} s", bundle.clip_name(clip), frame as f32 / bundle.rate_hz())
+}
+
 /// Shows a segment from its first frame on.
 fn show_segment(bundle: &OpenBundle, segment: u32) -> ViewerCommand {
     let (clip, frame) = clip_frame(bundle, bundle.tables().graph().segments[segment as usize].start);

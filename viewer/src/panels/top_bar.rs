@@ -125,15 +125,6 @@ fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
     ui.menu_button("Colours", |ui| radios(ui, &mut s.colouring, Colouring::ALL));
     ui.menu_button("Motion file", |ui| radios(ui, &mut s.raw_view, RawView::ALL));
     ui.separator();
-    overlays(ui, &mut s);
-    ui.separator();
-    appearance(ui, &mut s);
-    if s != model.settings {
-        commands.push(ViewerCommand::Settings(Box::new(s)));
-    }
-}
-
-fn overlays(ui: &mut Ui, s: &mut ViewerSettings) {
     let o = &mut s.overlays;
     ui.checkbox(&mut o.contacts, "Contacts");
     ui.checkbox(&mut o.trails, "Trails of the roots");
@@ -143,6 +134,11 @@ fn overlays(ui: &mut Ui, s: &mut ViewerSettings) {
     ui.checkbox(&mut o.joint_axes, "Joint axes");
     ui.checkbox(&mut o.of_all, "Of all characters");
     ui.checkbox(&mut o.onion_skin, "Onion skin of clips");
+    ui.separator();
+    appearance(ui, &mut s);
+    if s != model.settings {
+        commands.push(ViewerCommand::Settings(Box::new(s)));
+    }
 }
 
 fn appearance(ui: &mut Ui, s: &mut ViewerSettings) {

@@ -80,7 +80,8 @@ pub fn number(v: f32) -> String {
     }
 }
 
-fn side(degrees: f32) -> &'static str {
+/// The side that a turn or a place lies at, positive to the left.
+pub fn side(degrees: f32) -> &'static str {
     if degrees > 0.0 { "left" } else { "right" }
 }
 

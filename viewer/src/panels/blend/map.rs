@@ -10,7 +10,6 @@ use eframe::egui::{
     Align2, Color32, EventFilter, FontId, Key, Modifiers, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke,
     StrokeKind, Ui, Visuals, pos2, vec2,
 };
-use throng_core::blend::axis;
 
 /// Room for the numbers at the left of the map, and below it (points).
 const LEFT: f32 = 38.0;
@@ -32,9 +31,11 @@ pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelStat
     let response = response.named(Role::Canvas, "Parameter space");
     let rect = Rect::from_min_max(all.min + vec2(LEFT, 8.0), all.max - vec2(10.0, BELOW));
     let plane = MapPlane::new(input.space.axes(), shown, rect);
-    state.move_point(&response, input, &plane, wanted);
+    state.move_point(&response, input, plane, wanted);
     let dark = ui.visuals().dark_mode;
-    let key = SurfaceKey::new(input.document, input.number, input.example, &wanted.point, plane, dark);
+    let (document, space, example) = (input.document, input.blending.space, input.example);
+    let through = plane.point_with(&wanted.point, 0.0, 0.0);
+    let key = SurfaceKey { document, space, example, through, plane, dark };
     if state.surface.as_ref().is_none_or(|s| s.key != key) {
         state.surface = Some(WeightSurface::new(key, input.space));
     }
@@ -50,13 +51,7 @@ pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelStat
 
 impl BlendPanelState {
     /// Moves the point by the mouse and the arrow keys.
-    fn move_point(
-        &mut self,
-        response: &Response,
-        input: &BlendPanelInput<'_>,
-        plane: &MapPlane,
-        wanted: &mut Blending,
-    ) {
+    fn move_point(&mut self, response: &Response, input: &BlendPanelInput<'_>, plane: MapPlane, wanted: &mut Blending) {
         let (axes, examples) = (input.space.axes(), input.space.examples());
         let pointed_at = |at: Pos2| plane.pointed_at(axes, examples, &wanted.point, at);
         self.hovered = response.hover_pos().filter(|_| !response.dragged()).and_then(pointed_at);
@@ -115,10 +110,9 @@ fn frame(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plan
         painter.text(pos2(rect.left() - 4.0, at.y), Align2::RIGHT_CENTER, short(v), font.clone(), weak);
     }
     let name = |a: usize| format!("{}{}", input.meta.axes[a], bracketed(input.space.axes()[a].kind));
-    let turns = [axis::GYRATION, axis::SIDE].contains(&input.space.axes()[plane.shown.across].kind);
     let below = vec2(0.0, 15.0);
     painter.text(rect.center_bottom() + below, Align2::CENTER_TOP, name(plane.shown.across), font.clone(), weak);
-    if turns {
+    if plane.turned {
         painter.text(rect.left_bottom() + below, Align2::LEFT_TOP, "left", font.clone(), weak);
         painter.text(rect.right_bottom() + below, Align2::RIGHT_TOP, "right", font.clone(), weak);
     }
@@ -145,7 +139,7 @@ fn bracketed(kind: u32) -> String {
 fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state: &BlendPanelState, plane: &MapPlane) {
     let edge = visuals.extreme_bg_color;
     for (i, e) in input.space.examples().iter().enumerate() {
-        let (at, weight) = (plane.screen(&e.parameters), input.weights.get(i).copied().unwrap_or(0.0));
+        let (at, weight) = (plane.screen(&e.parameters), input.moment.weights.get(i).copied().unwrap_or(0.0));
         let depth = plane.depth(input.space.axes(), e, &input.blending.point);
         let strength = 1.0 - 0.8 * depth;
         let radius = DOT[0] + DOT[1] * weight.abs().min(1.2).sqrt();
@@ -166,7 +160,7 @@ fn dots(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, state
 
 /// Draws the requested point as a cross-hair, and the blended point that approaches it.
 fn point(painter: &Painter, visuals: &Visuals, input: &BlendPanelInput<'_>, plane: &MapPlane, wanted: &Blending) {
-    let (at, now) = (plane.screen(&wanted.point), plane.screen(input.now));
+    let (at, now) = (plane.screen(&wanted.point), plane.screen(&input.moment.point));
     let colour = ThemePalette::for_visuals(visuals).head;
     if at.distance(now) > 1.0 {
         painter.line_segment([now, at], Stroke::new(1.5, colour.gamma_multiply(0.6)));

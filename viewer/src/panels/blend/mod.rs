@@ -11,11 +11,11 @@ use super::paint::{PanelWidget, choose, empty, no_bundle};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::model::Model;
-use crate::run::{BlendCompanions, Blending, LEGS, SIZES};
+use crate::run::{BlendCompanions, BlendMoment, Blending, LEGS, SIZES};
 use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;
-use throng_core::blend::{BlendSpace, ExampleRecord, MAX_AXES, axis};
+use throng_core::blend::{BlendSpace, ExampleRecord, axis};
 use throng_core::format::BlendMeta;
 
 /// View settings of the panel, and cached results.
@@ -48,16 +48,11 @@ impl BlendPanelState {
 
 /// Input shared by all parts of the panel.
 struct BlendPanelInput<'a> {
-    number: usize,
     space: &'a BlendSpace,
     meta: &'a BlendMeta,
     blending: Blending,
-    /// Weights at the moment shown (number of examples).
-    weights: &'a [f32],
-    /// The point at that moment.
-    now: &'a [f32; MAX_AXES],
-    /// Generic time at that moment.
-    phase: f32,
+    /// The moment shown: weights of the examples, the point, and generic time.
+    moment: &'a BlendMoment,
     /// Selected example.
     example: usize,
     /// Generation of the document.
@@ -90,13 +85,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
     let mut shown = shown.unwrap_or_else(|| MapAxes::default_for(space.axes())).checked(space.axes());
     let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
     let input = BlendPanelInput {
-        number: blending.space,
         space,
         meta: bundle.blend_meta(blending.space),
         blending,
-        weights: &moment.weights,
-        now: &moment.point,
-        phase: moment.phase,
+        moment,
         example: state.example.unwrap_or(strongest).min(space.examples().len() - 1),
         document: model.generation,
     };
@@ -121,10 +113,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
 /// The space, and the axes of the map.
 fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut MapAxes, input: &BlendPanelInput<'_>) {
     ui.horizontal_wrapped(|ui| {
-        let (spaces, mut number) = (bundle.blends(), input.number);
+        let (spaces, mut number) = (bundle.blends(), input.blending.space);
         let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
         choose(ui, "Space", Some(80.0), &mut number, names);
-        if number != input.number {
+        if number != input.blending.space {
             *wanted = carried_over(input, wanted, number, &spaces[number]);
         }
         if input.space.axes().len() > 2 {
@@ -225,27 +217,19 @@ fn slider(ui: &mut Ui, name: &str, hint: &str, value: &mut f32, [low, high]: [f3
 fn describe_example(ui: &mut Ui, input: &BlendPanelInput<'_>, example: usize) {
     let Some(e) = input.space.examples().get(example) else { return };
     ui.strong(input.meta.examples.get(example).map_or("", String::as_str));
-    for line in facts(e) {
-        ui.label(line);
-    }
-    let values = input.meta.axes.iter().zip(e.parameters).zip(input.space.axes());
-    let values = values.map(|((name, v), axis)| format!("{name} {v:.2}{}", unit(axis.kind)));
-    ui.weak(values.collect::<Vec<_>>().join(", "));
-    ui.label(format!("weight {:.3}", input.weights.get(example).copied().unwrap_or(0.0)));
-}
-
-/// Properties of an example, as text.
-fn facts(e: &ExampleRecord) -> Vec<String> {
     let [left, ahead] = e.velocity;
-    let mut lines = vec![format!("{:.2} m/s ahead, {:.2} m/s to the left", ahead, left)];
-    lines.push(match e.gyration {
+    ui.label(format!("{ahead:.2} m/s ahead, {left:.2} m/s to the left"));
+    ui.label(match e.gyration {
         g if g.abs() < 0.02 => "straight".to_owned(),
         g => format!("turns {} at {:.2} rad/s", if g > 0.0 { "left" } else { "right" }, g.abs()),
     });
     let kind = if e.flags & ExampleRecord::IS_STILL != 0 { "of standing" } else { "of two steps" };
     let mirrored = if e.flags & ExampleRecord::IS_MIRRORED != 0 { ", mirrored" } else { "" };
-    lines.push(format!("{:.2} s {kind}, {} frames from {}{mirrored}", e.duration_s, e.num_frames, e.first_frame));
-    lines
+    ui.label(format!("{:.2} s {kind}, {} frames from {}{mirrored}", e.duration_s, e.num_frames, e.first_frame));
+    let values = input.meta.axes.iter().zip(e.parameters).zip(input.space.axes());
+    let values = values.map(|((name, v), axis)| format!("{name} {v:.2}{}", unit(axis.kind)));
+    ui.weak(values.collect::<Vec<_>>().join(", "));
+    ui.label(format!("weight {:.3}", input.moment.weights.get(example).copied().unwrap_or(0.0)));
 }
 
 /// Colour of an example's weight, for dots and bars.

@@ -63,7 +63,7 @@ pub struct MapPlane {
     /// Part of the screen.
     pub rect: Rect,
     /// The axis across is mirrored: left is at the left, as in every view from above.
-    turned: bool,
+    pub turned: bool,
 }
 
 impl MapPlane {

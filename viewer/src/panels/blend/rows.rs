@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, input: &BlendPanelInput<'_>, state: &mut BlendPanelStat
         ui.colored_label(palette.right, "right foot");
         ui.checkbox(&mut state.all, "all").on_hover_text("Also examples of weight 0");
     });
-    let rows = order(input.weights, state.all);
+    let rows = order(&input.moment.weights, state.all);
     let short = short_names(&input.meta.examples);
     blend_row(ui, input);
     let mut hovered = None;
@@ -72,7 +72,7 @@ fn short_names(names: &[String]) -> Vec<String> {
 fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), BLEND_ROW), Sense::hover());
     let response = response.named(Role::Label, "Blend");
-    let mut weights = input.weights.to_vec();
+    let mut weights = input.moment.weights.to_vec();
     weights.resize(input.space.stride(), 0.0);
     let Ok(steps) = CycleContacts::from_blend(input.space, &weights) else { return };
     let (visuals, [name, bar, ..], painter) = (ui.visuals(), columns(rect), ui.painter());
@@ -80,8 +80,8 @@ fn blend_row(ui: &mut Ui, input: &BlendPanelInput<'_>) {
     let ink = visuals.strong_text_color();
     painter.text(pos2(name.min, rect.center().y), Align2::LEFT_CENTER, "blend", font.clone(), ink);
     let head = ThemePalette::for_visuals(visuals).head;
-    paint_number(painter, pos2(bar.max, rect.center().y), format!("{:.2}", input.phase), head);
-    chart(painter, visuals, rect, &steps, input.phase, ink);
+    paint_number(painter, pos2(bar.max, rect.center().y), format!("{:.2}", input.moment.phase), head);
+    chart(painter, visuals, rect, &steps, input.moment.phase, ink);
     response.on_hover_text("Generic time, and when the feet of the blend stand; its cycle lasts as the examples' do");
 }
 
@@ -95,11 +95,11 @@ fn example_row(ui: &Ui, input: &BlendPanelInput<'_>, e: usize, name: &str, rect:
     let within = Rect::from_x_y_ranges(names, rect.y_range());
     let (at, font) = (within.left_center(), FontId::proportional(12.0));
     ui.painter_at(within).text(at, Align2::LEFT_CENTER, name, font, visuals.text_color());
-    let weight = input.weights.get(e).copied().unwrap_or(0.0);
+    let weight = input.moment.weights.get(e).copied().unwrap_or(0.0);
     bar(&painter, visuals, Rect::from_x_y_ranges(bars, rect.y_range()), weight);
     let Some(example) = input.space.examples().get(e) else { return };
     let steps = CycleContacts::from_example(example);
-    chart(&painter, visuals, rect, &steps, input.phase, visuals.weak_text_color());
+    chart(&painter, visuals, rect, &steps, input.moment.phase, visuals.weak_text_color());
 }
 
 /// A weight: to the right from a line, negative ones to the left; the number beside it.

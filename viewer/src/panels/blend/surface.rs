@@ -20,28 +20,13 @@ pub struct SurfaceKey {
     pub space: usize,
     /// Example.
     pub example: usize,
-    /// Coordinates on the hidden axes; 0 on the shown ones.
+    /// A point that the surface goes through, at the low ends of the shown axes: moving it within the plane does not
+    /// change the picture.
     pub through: [f32; MAX_AXES],
     /// Map on the screen.
     pub plane: MapPlane,
     /// In the colours of the dark theme.
     pub dark: bool,
-}
-
-impl SurfaceKey {
-    /// The surface of an example through a point.
-    pub fn new(
-        document: u64,
-        space: usize,
-        example: usize,
-        point: &[f32; MAX_AXES],
-        plane: MapPlane,
-        dark: bool,
-    ) -> Self {
-        // Moving the point within the plane does not change the picture.
-        let through = plane.point_with(point, 0.0, 0.0);
-        Self { document, space, example, through, plane, dark }
-    }
 }
 
 /// The picture.
@@ -118,7 +103,9 @@ mod tests {
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(480.0, 480.0));
         let plane = MapPlane::new(space.axes(), MapAxes::default_for(space.axes()), rect);
         for example in [0, 7, 19] {
-            let surface = WeightSurface::new(SurfaceKey::new(1, 0, example, &[0.0; MAX_AXES], plane, true), space);
+            let through = plane.point_with(&[0.0; MAX_AXES], 0.0, 0.0);
+            let key = SurfaceKey { document: 1, space: 0, example, through, plane, dark: true };
+            let surface = WeightSurface::new(key, space);
             assert_eq!(surface.mesh.vertices.len(), (PIECES + 1) * (PIECES + 1));
             assert!(surface.range[1] > 0.8 && surface.range[0] > -0.5, "{:?}", surface.range);
             let near = |e: usize| {
@@ -136,7 +123,8 @@ mod tests {
         let axes = [0, 1, 3].map(|kind| throng_core::blend::AxisRecord { kind, num_knots: 2, low: 0.0, high: 1.0 });
         let plane = MapPlane::new(&axes, MapAxes { across: 0, up: Some(1) }, Rect::EVERYTHING);
         let key = |p: [f32; 3]| {
-            SurfaceKey::new(1, 0, 0, &std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), plane, true)
+            let through = plane.point_with(&std::array::from_fn(|a| p.get(a).copied().unwrap_or(0.0)), 0.0, 0.0);
+            SurfaceKey { document: 1, space: 0, example: 0, through, plane, dark: true }
         };
         assert!(key([0.1, 0.2, 0.5]) == key([0.9, 0.8, 0.5]));
         assert!(key([0.1, 0.2, 0.5]) != key([0.1, 0.2, 0.6]));

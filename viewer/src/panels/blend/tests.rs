@@ -131,13 +131,10 @@ fn another_space_keeps_axes_of_the_same_kind() {
     let mut from = Blending::straight_walk(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);
     let input = BlendPanelInput {
-        number: 0,
         space,
         meta: bundle.blend_meta(0),
         blending: from,
-        weights: &[],
-        now: &from.point,
-        phase: 0.0,
+        moment: &BlendMoment { point: from.point, ..BlendMoment::default() },
         example: 0,
         document: 1,
     };

@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, model: &Model, run: &CrowdRun, commands: &mut Commands)
     ui.horizontal_wrapped(|ui| {
         ui.label("of character");
         character_field(ui, c, run.config().characters, commands);
-        coordinates(ui, [("x", &mut to.x), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
+        coordinates(ui, &mut [("x", &mut to.x), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
     });
     ui.label(format!("{:.2} m away", (root.x - target.x).hypot(root.z - target.z)));
     if to != target {
@@ -40,7 +40,7 @@ pub fn hanging(ui: &mut Ui, who: usize, home: Vec3, commands: &mut Commands) {
     let mut to = home;
     ui.horizontal_wrapped(|ui| {
         ui.label("its target");
-        coordinates(ui, [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
+        coordinates(ui, &mut [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
     });
     if to != home {
         commands.push(ViewerCommand::Input(RunInput::Target { character: Some(who), to }));

@@ -61,15 +61,12 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
 }
 
 fn is_listed(entry: &BlackboardPost, blackboards: BlackboardFilter, cell: Option<BlackboardCell>) -> bool {
-    match (entry.cell.map(|c| BlackboardCell::from_cell(&c)), cell) {
-        (None, None) => true,
-        (None, Some(_)) => false,
-        (Some(of), Some(cell)) => of == cell,
-        (Some(of), None) => match blackboards {
-            BlackboardFilter::Nothing => false,
-            BlackboardFilter::All => true,
-            BlackboardFilter::Level(level) => of.level == level,
-        },
+    let of = entry.cell.map(|c| BlackboardCell::from_cell(&c));
+    match (cell, blackboards) {
+        (Some(_), _) => of == cell,
+        (None, BlackboardFilter::Nothing) => of.is_none(),
+        (None, BlackboardFilter::All) => true,
+        (None, BlackboardFilter::Level(level)) => of.is_none_or(|of| of.level == level),
     }
 }
 

@@ -5,6 +5,7 @@ use crate::panels::paint::TableSort;
 use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use throng_core::format::{ClipMeta, ClipRecord};
 
 /// Columns of the list, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,29 +67,27 @@ impl ClipCatalogue {
     pub fn from_bundle(bundle: &OpenBundle) -> Self {
         let played = played_rows(bundle);
         let graph = bundle.tables().graph();
-        let entries = bundle
-            .clips()
-            .map(|(record, meta)| {
-                let rows = record.first_frame..record.first_frame + record.num_frames;
-                let states = states_within(bundle, &rows);
-                let n = record.num_frames as f32;
-                let excluded = (0..record.num_frames).filter(|f| meta.excluded.iter().any(|e| e.1 <= *f && *f < e.2));
-                let kept = played[rows.start as usize..rows.end as usize].iter().filter(|p| **p).count();
-                let tags = tag_names(&meta.tags);
-                CatalogueClip {
-                    name: meta.name.clone(),
-                    mirrored: record.mirrored != 0,
-                    duration_s: f64::from(record.num_frames) / f64::from(bundle.rate_hz()),
-                    usable: 1.0 - excluded.count() as f32 / n,
-                    played: kept as f32 / n,
-                    actions: graph.action_offsets[states.end] - graph.action_offsets[states.start],
-                    states: states.len() as u32,
-                    haystack: format!("{}\n{}\n{tags}", meta.name, meta.source).to_lowercase(),
-                    tags,
-                }
-            })
-            .collect();
-        Self { entries }
+        let entry = |(record, meta): (&ClipRecord, &ClipMeta)| {
+            let rows = record.first_frame..record.first_frame + record.num_frames;
+            let states = states_within(bundle, &rows);
+            let n = record.num_frames as f32;
+            let excluded = (0..record.num_frames).filter(|f| meta.excluded.iter().any(|e| e.1 <= *f && *f < e.2));
+            let kept = played[rows.start as usize..rows.end as usize].iter().filter(|p| **p).count();
+            let tags: BTreeSet<&str> = meta.tags.iter().map(|t| t.0.as_str()).collect();
+            let tags = Vec::from_iter(tags).join(", ");
+            CatalogueClip {
+                name: meta.name.clone(),
+                mirrored: record.mirrored != 0,
+                duration_s: f64::from(record.num_frames) / f64::from(bundle.rate_hz()),
+                usable: 1.0 - excluded.count() as f32 / n,
+                played: kept as f32 / n,
+                actions: graph.action_offsets[states.end] - graph.action_offsets[states.start],
+                states: states.len() as u32,
+                haystack: format!("{}\n{}\n{tags}", meta.name, meta.source).to_lowercase(),
+                tags,
+            }
+        };
+        Self { entries: bundle.clips().map(entry).collect() }
     }
 
     /// Numbers of the clips that have every word of the query in name, tags or source, in the order asked for.
@@ -114,11 +113,6 @@ fn compare(a: &CatalogueClip, b: &CatalogueClip, field: ClipColumn) -> Ordering 
         ClipColumn::Actions => a.actions.cmp(&b.actions),
         ClipColumn::Tags => a.tags.cmp(&b.tags),
     }
-}
-
-fn tag_names(tags: &[(String, u32, u32)]) -> String {
-    let names: BTreeSet<&str> = tags.iter().map(|t| t.0.as_str()).collect();
-    Vec::from_iter(names).join(", ")
 }
 
 /// Numbers of the states whose frames lie in a range of rows.

@@ -4,6 +4,7 @@ use crate::panels::paint::paint_chain;
 use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Painter, Pos2, Stroke, Vec2, vec2};
 use glam::Vec3;
+use std::array::from_fn;
 use throng_core::body::Mat3x4;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 
@@ -35,15 +36,13 @@ impl PoseFigure {
     /// From joints in model space, above the planar root (NUM_JOINTS).
     pub fn new(skeleton: &Skeleton, joints: &[Mat3x4], contacts: Contacts) -> Self {
         let flat = |p: Vec3| vec2(p.z, p.y);
-        let mut out = Self { joints: [Vec2::ZERO; NUM_JOINTS], tips: [Vec2::ZERO; 3], contacts };
-        for (to, from) in out.joints.iter_mut().zip(joints) {
-            *to = flat(from.translation());
-        }
+        let joint = |j: usize| joints.get(j).map_or(Vec2::ZERO, |m| flat(m.translation()));
         let ends = [Joint::Head, Joint::LeftToe, Joint::RightToe].map(Joint::index);
-        for ((to, joint), tip) in out.tips.iter_mut().zip(ends).zip(skeleton.tips) {
-            *to = joints.get(joint).map_or(Vec2::ZERO, |m| flat(m.to_mat4().transform_point3(tip)));
-        }
-        out
+        let tip = |k: usize| {
+            let of = |m: &Mat3x4| flat(m.to_mat4().transform_point3(skeleton.tips[k]));
+            joints.get(ends[k]).map_or(Vec2::ZERO, of)
+        };
+        Self { joints: from_fn(joint), tips: from_fn(tip), contacts }
     }
 
     /// Paints it with its place on the ground at `foot`: the far, left side first.

@@ -96,8 +96,8 @@ fn header(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) {
     ui.horizontal(|ui| {
         let fit = Button::new("Fit").small();
         let hint = "Show all of the clip. Scroll to zoom, drag with the right button to move.";
-        if ui.add_enabled(view.is_zoomed(), fit).on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
-            view.show_all();
+        if ui.add_enabled(view.span.is_some(), fit).on_hover_text(hint).on_disabled_hover_text(hint).clicked() {
+            view.span = None;
         }
         ui.strong(&track.name);
         let here = format!("at {:.2} s, frame {}", scene.head as f32 / track.rate_hz, scene.head);

@@ -3,6 +3,7 @@
 use super::track::{StateMark, TimelineTrack};
 use crate::bundle::OpenBundle;
 use crate::panels::graph::links::{ActionLink, outgoing};
+use crate::panels::words::side;
 use throng_core::Planar;
 
 /// An action of a state.
@@ -62,7 +63,6 @@ impl OutgoingActions {
 
 /// Text of a displacement: metres ahead, metres to the side, the turn. Negligible parts are empty.
 pub fn displacement_texts(d: Planar) -> [String; 3] {
-    let side = |v: f32| if v > 0.0 { "left" } else { "right" };
     let turn = d.heading.to_degrees();
     [
         if d.z.abs() < 0.05 { String::new() } else { format!("{:.1} m", d.z) },

@@ -28,21 +28,11 @@ pub enum PoseSource<'a> {
     Raw(&'a RawMotion),
 }
 
-/// Which poses have been sampled.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct StripKey {
-    document: u64,
-    clip: usize,
-    first: u32,
-    last: u32,
-    step: u32,
-    head: u32,
-}
-
 /// Poses as they were last sampled.
 #[derive(Clone, Debug, Default)]
 pub struct TimelineStrip {
-    key: Option<StripKey>,
+    /// Document and clip of the poses.
+    shown: Option<(u64, usize)>,
     /// Frames and their poses; the one at the play head comes last.
     figures: Vec<(u32, PoseFigure)>,
 }
@@ -50,17 +40,13 @@ pub struct TimelineStrip {
 impl TimelineStrip {
     /// Paints the poses within the axis and the one at the play head.
     pub fn show(&mut self, ui: &Ui, rect: Rect, axis: &FrameAxis, scene: &TimelineInput<'_>) {
-        let (document, clip) = scene.key();
-        let (source, head) = (scene.source, scene.head);
         let step = step(DISTANCE * rect.height() / axis.points_per_frame());
         let seen = axis.seen();
         let (first, last) = (seen.start / step * step, seen.end.saturating_sub(1));
-        let key = StripKey { document, clip, first, last, step, head };
-        if self.key != Some(key) {
-            let mut frames: Vec<u32> = (first..=last).step_by(step as usize).collect();
-            frames.push(head);
-            self.figures = frames.iter().copied().zip(source.sample(&frames)).collect();
-            self.key = Some(key);
+        let frames: Vec<u32> = (first..=last).step_by(step as usize).chain([scene.head]).collect();
+        if self.shown != Some(scene.key()) || !self.figures.iter().map(|f| &f.0).eq(&frames) {
+            self.figures = frames.iter().copied().zip(scene.source.sample(&frames)).collect();
+            self.shown = Some(scene.key());
         }
         self.paint(ui, rect, axis);
     }

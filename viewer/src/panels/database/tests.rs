@@ -113,12 +113,12 @@ fn the_wheel_zooms_about_the_pointer_and_fit_shows_all_again() {
         source: MouseWheelSource::Wheel,
     });
     harness.run_steps(8);
-    assert!(harness.state().state.view.is_zoomed());
+    assert!(harness.state().state.view.span.is_some());
     click(&mut harness, at + vec2(1.0, 0.0));
     assert!((harness.state().model.player.frame - before).abs() <= 1.0);
     harness.get_by_label("Fit").click();
     harness.run_steps(2);
-    assert!(!harness.state().state.view.is_zoomed());
+    assert!(!harness.state().state.view.span.is_some());
 }
 
 #[test]

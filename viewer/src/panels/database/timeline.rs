@@ -42,7 +42,8 @@ impl TimelineInput<'_> {
 pub struct TimelineView {
     /// Document and clip that the part belongs to.
     shown: Option<(u64, usize)>,
-    span: Option<FrameSpan>,
+    /// The part; none for all of the clip.
+    pub span: Option<FrameSpan>,
     head: u32,
     strip: TimelineStrip,
 }
@@ -60,16 +61,6 @@ impl TimelineView {
             span = span.followed(scene.head as f32, n);
         }
         span
-    }
-
-    /// True where only a part is seen.
-    pub fn is_zoomed(&self) -> bool {
-        self.span.is_some()
-    }
-
-    /// Shows all of the clip.
-    pub fn show_all(&mut self) {
-        self.span = None;
     }
 }
 

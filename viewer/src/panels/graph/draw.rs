@@ -44,8 +44,12 @@ impl GraphDrawing<'_> {
         for lane in self.lanes() {
             self.paint_lane(ui, painter, lane, !focused.is_empty());
         }
-        for &state in &focused {
-            self.paint_played(ui, painter, graph, state);
+        // Segments that the actions of these states play.
+        for link in focused.iter().flat_map(|&state| outgoing(graph, state)) {
+            let rect = self.rect(self.layout.bar(link.segment));
+            if rect.intersects(self.scale.rect) {
+                painter.rect_filled(rect, 1.0, self.cost_colour(ui, link.error));
+            }
         }
         for &state in &focused {
             self.paint_links(ui, painter, graph, state);
@@ -100,19 +104,9 @@ impl GraphDrawing<'_> {
         }
     }
 
-    /// Segments that a state's actions play.
-    fn paint_played(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
-        for link in outgoing(graph, state) {
-            let rect = self.rect(self.layout.bar(link.segment));
-            if rect.intersects(self.scale.rect) {
-                painter.rect_filled(rect, 1.0, self.cost_colour(ui, link.error));
-            }
-        }
-    }
-
     fn paint_links(&self, ui: &Ui, painter: &Painter, graph: &MotionGraph, state: u32) {
         let incoming = ThemePalette::for_visuals(ui.visuals()).incoming.gamma_multiply(0.7);
-        for link in self.links.leading_to(state) {
+        for link in &self.links.incoming[state as usize] {
             self.paint_link(painter, link, Stroke::new(0.8, incoming));
         }
         for link in outgoing(graph, state) {

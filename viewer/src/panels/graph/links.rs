@@ -17,7 +17,7 @@ pub struct ActionLink {
 #[derive(Clone, Debug, Default)]
 pub struct ActionLinks {
     /// Actions that lead into each state, by the state that may take them (number of states).
-    incoming: Vec<Vec<ActionLink>>,
+    pub incoming: Vec<Vec<ActionLink>>,
     /// Actions that play each segment (number of segments).
     pub plays: Vec<u32>,
     /// The largest of them.
@@ -38,11 +38,6 @@ impl ActionLinks {
         let max_plays = plays.iter().copied().max().unwrap_or(0);
         let max_error = graph.action_errors.iter().copied().fold(0.0, f32::max);
         Self { incoming, plays, max_plays, max_error }
-    }
-
-    /// Actions that lead into a state, by the state that may take them (state < number of states).
-    pub fn leading_to(&self, state: u32) -> &[ActionLink] {
-        &self.incoming[state as usize]
     }
 }
 
@@ -68,7 +63,7 @@ mod tests {
             let leads = |l: &ActionLink| graph.segments[l.segment as usize].end == to;
             let searched: Vec<ActionLink> =
                 (0..graph.states.len() as u32).flat_map(|s| outgoing(graph, s)).filter(leads).collect();
-            assert_eq!(links.leading_to(to), searched);
+            assert_eq!(links.incoming[to as usize], searched);
             total += searched.len();
         }
         assert_eq!(total, graph.action_segments.len());

@@ -21,6 +21,9 @@ const COLUMNS: [TableColumn<'static>; 5] = [
     TableColumn::number("to", "State it leads to", 46.0).spare(3),
 ];
 
+/// The order of the rows at first: by error.
+const BY_ERROR: TableSort = TableSort { column: 3, descending: false };
+
 /// Width of the list (points).
 pub fn width() -> f32 {
     least_width(&COLUMNS) + 28.0
@@ -39,7 +42,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: u32, own: &mut GraphPanelState, c
         let show = ui.small_button("show").on_hover_text("Show this frame in the 3-D view");
         show.request(commands, ViewerCommand::ShowClip { clip, frame });
     });
-    let incoming = own.drawn.as_ref().map_or(0, |d| d.links.leading_to(state).len());
+    let incoming = own.drawn.as_ref().map_or(0, |d| d.links.incoming[state as usize].len());
     let follows = if model.selection.state.is_none() { "; follows the selected character" } else { "" };
     ui.weak(format!("{} actions, {incoming} lead here{follows}", graph.segments_of(state).len()));
     let player = model.selection.character.filter(|&c| model.document.chooser(c).is_some());
@@ -47,14 +50,12 @@ pub fn show(ui: &mut Ui, model: &Model, state: u32, own: &mut GraphPanelState, c
         Some(c) => ui.weak(format!("Click an action: character {c} plays it.")),
         None => ui.weak("No character is selected: a click shows the motion instead."),
     };
-    let rows = sorted(bundle, state, own.sort);
-    let table = RowTable {
-        click: RowClick::Does("Play"),
-        sort: Some(own.sort),
-        ..RowTable::new("actions", &COLUMNS, rows.len())
-    };
+    let sort = own.sort.unwrap_or(BY_ERROR);
+    let rows = sorted(bundle, state, sort);
+    let table =
+        RowTable { click: RowClick::Does("Play"), sort: Some(sort), ..RowTable::new("actions", &COLUMNS, rows.len()) };
     let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
-    own.sort = response.sort.unwrap_or(own.sort);
+    own.sort = response.sort.or(own.sort);
     if let Some(link) = response.chosen.and_then(|row| rows.get(row)) {
         // Without a character, the motion is shown instead.
         let play = |character| ViewerCommand::Input(RunInput::Play { character, segment: link.segment });

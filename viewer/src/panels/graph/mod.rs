@@ -34,11 +34,12 @@ struct DrawnGraph {
 }
 
 /// View settings of the graph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct GraphPanelState {
     drawn: Option<DrawnGraph>,
     view: GraphView,
-    sort: TableSort,
+    /// Order of the actions of a state; none until one was asked for.
+    sort: Option<TableSort>,
     search: String,
     follow: bool,
     /// Segment that stands out since the last frame.
@@ -47,23 +48,8 @@ pub struct GraphPanelState {
     hovered_action: Option<u32>,
     /// State that was under the pointer when the button was pressed.
     pressed: Option<u32>,
-    rect: Rect,
-}
-
-impl Default for GraphPanelState {
-    fn default() -> Self {
-        Self {
-            drawn: None,
-            view: GraphView::default(),
-            sort: TableSort { column: 3, descending: false },
-            search: String::new(),
-            follow: false,
-            marked: None,
-            hovered_action: None,
-            pressed: None,
-            rect: Rect::NOTHING,
-        }
-    }
+    /// Where the drawing was shown last.
+    rect: Option<Rect>,
 }
 
 /// Shows the motion graph of the open bundle.
@@ -74,7 +60,12 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &
     if bundle.tables().graph().states.is_empty() {
         return drop(ui.weak("This bundle has no motion graph."));
     }
-    state.prepare(bundle, model.generation);
+    if state.drawn.as_ref().is_none_or(|d| d.document != model.generation) {
+        let (document, tables) = (model.generation, bundle.tables());
+        let (links, facts) = (ActionLinks::new(tables.graph()), GraphFacts::new(tables));
+        state.drawn = Some(DrawnGraph { document, layout: GraphLayout::new(tables), links, facts });
+        state.view = GraphView::default();
+    }
     show_header(ui, bundle, state);
     state.marked = state.hovered_action.take();
     let looked_at = model.inspected_state().filter(|&s| (s as usize) < bundle.tables().graph().states.len());
@@ -86,19 +77,6 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut GraphPanelState, commands: &
         let side = side.shrink2(Vec2::new(8.0, 0.0));
         let builder = UiBuilder::new().max_rect(side).layout(UiLayout::top_down(Align::Min));
         ui.scope_builder(builder, |ui| list::show(ui, model, looked_at, state, commands));
-    }
-}
-
-impl GraphPanelState {
-    /// Computes the results that depend on the bundle alone.
-    fn prepare(&mut self, bundle: &OpenBundle, document: u64) {
-        if self.drawn.as_ref().is_some_and(|d| d.document == document) {
-            return;
-        }
-        let tables = bundle.tables();
-        let (links, facts) = (ActionLinks::new(tables.graph()), GraphFacts::new(tables));
-        self.drawn = Some(DrawnGraph { document, layout: GraphLayout::new(tables), links, facts });
-        self.view = GraphView::default();
     }
 }
 
@@ -114,8 +92,8 @@ fn show_header(ui: &mut Ui, bundle: &OpenBundle, state: &mut GraphPanelState) {
         ui.checkbox(follow, "Follow").on_hover_text("Keep the segment of the selected character in sight");
         let edit = TextEdit::singleline(search).id_salt("find clip").hint_text("find clip").desired_width(110.0);
         let searched = ui.add(edit).changed();
-        if searched && let Some(found) = find(bundle, &drawn.layout, search) {
-            view.show(&drawn.layout, *rect, found, AROUND_S);
+        if searched && let (Some(rect), Some(found)) = (*rect, find(bundle, &drawn.layout, search)) {
+            view.show(&drawn.layout, rect, found, AROUND_S);
         }
         ui.end_row();
         let dark = ui.visuals().dark_mode;
@@ -142,7 +120,7 @@ fn show_drawing(ui: &mut Ui, rect: Rect, model: &Model, state: &mut GraphPanelSt
     let response = ui.interact(rect, ui.scope_id().with("drawing"), Sense::click_and_drag());
     let response = response.named(Role::Canvas, "Motion graph");
     let (Some(bundle), Some(drawn)) = (model.document.bundle(), &state.drawn) else { return };
-    state.rect = rect;
+    state.rect = Some(rect);
     state.view.interact(ui, &drawn.layout, &response);
     let chooser = model.selection.character.and_then(|c| model.document.chooser(c));
     let playing = chooser.map(|c| c.characters.segment(c.number));
@@ -186,7 +164,7 @@ fn show_tooltip(response: Response, drawing: &GraphDrawing<'_>) {
             let standing = if record.standing != 0 { ", standing" } else { "" };
             ui.strong(format!("State {state}{standing}"));
             ui.label(format!("{} {frame}", bundle.clip_name(clip)));
-            let (out, into) = (graph.segments_of(state).len(), drawing.links.leading_to(state).len());
+            let (out, into) = (graph.segments_of(state).len(), drawing.links.incoming[state as usize].len());
             ui.label(format!("{out} actions, {into} lead here"));
         });
     } else if let Some(segment) = drawing.segment_at(point) {

@@ -33,7 +33,7 @@ fn place_of(h: &Harness<'_, Panel>, state: u32) -> Pos2 {
         bundle: p.model.document.bundle().unwrap(),
         layout: &drawn.layout,
         links: &drawn.links,
-        scale: p.state.view.scale(&drawn.layout, p.state.rect),
+        scale: p.state.view.scale(&drawn.layout, p.state.rect.unwrap()),
         selected: None,
         hovered: None,
         marked: None,
@@ -59,7 +59,7 @@ fn a_click_on_a_state_selects_it_and_one_beside_it_none() {
     click_at(&mut h, at);
     assert_eq!(h.state().commands, [ViewerCommand::SelectState(Some(5))]);
     h.state_mut().commands.clear();
-    let empty = h.state().state.rect.right_bottom() - Vec2::splat(3.0);
+    let empty = h.state().state.rect.unwrap().right_bottom() - Vec2::splat(3.0);
     click_at(&mut h, empty);
     assert_eq!(h.state().commands, [ViewerCommand::SelectState(None)]);
 }
@@ -69,7 +69,7 @@ fn a_click_selects_what_was_pressed_though_the_drawing_moves_before_the_release(
     let mut h = panel(|_| {});
     h.step();
     let at = place_of(&h, 5);
-    let top = h.state().state.rect.top();
+    let top = h.state().state.rect.unwrap().top();
     h.hover_at(at);
     h.step();
     let button =
@@ -79,7 +79,7 @@ fn a_click_selects_what_was_pressed_though_the_drawing_moves_before_the_release(
     // The header is wrapped into more lines.
     h.set_size(Vec2::new(420.0, 320.0));
     h.step();
-    assert!(h.state().state.rect.top() > top + 10.0);
+    assert!(h.state().state.rect.unwrap().top() > top + 10.0);
     h.event(button(false));
     h.step();
     assert_eq!(h.state().commands, [ViewerCommand::SelectState(Some(5))]);

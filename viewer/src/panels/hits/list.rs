@@ -3,6 +3,7 @@
 use super::HitsInput;
 use super::collection::{HitCollection, HitColumn, HitEntry, joint_name};
 use crate::bundle::OpenBundle;
+use crate::panels::moment;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort};
 use eframe::egui::Ui;
 
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, input: &HitsInput<'_>, sort: &mut TableSort, scrolls: b
 
 fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, field: HitColumn) -> TableCell {
     match field {
-        HitColumn::Moment => TableCell::new(moment(bundle, e)).ending(),
+        HitColumn::Moment => TableCell::new(moment(bundle, e.row)).ending(),
         HitColumn::Kind => TableCell::new(hits.kind(e.kind)),
         HitColumn::Limb => TableCell::new(joint_name(e.joint)),
         HitColumn::Force => TableCell::new(format!("{:.2}", e.force)).bar(e.force),
@@ -43,9 +44,4 @@ fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, field: HitColum
         HitColumn::Distance => TableCell::new(format!("{:.2}", e.distance())),
         HitColumn::Height => TableCell::new(format!("{:.2}", e.position.y)),
     }
-}
-
-/// Clip and time of a hit.
-pub fn moment(bundle: &OpenBundle, e: &HitEntry) -> String {
-    format!("{} {:.2} s", bundle.clip_name(e.clip), e.frame as f32 / bundle.rate_hz())
 }

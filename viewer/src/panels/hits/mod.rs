@@ -9,7 +9,7 @@ mod view;
 
 use super::paint::{PanelWidget, TableSort, choose, empty, legend, no_bundle};
 use super::policy::behaviour_name;
-use super::words;
+use super::{moment, words};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
@@ -272,7 +272,7 @@ fn show_tooltip(response: Response, bundle: &OpenBundle, hits: &HitCollection, e
         ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));
         let place = words::place(Vec2::new(e.position.x, e.position.z));
         ui.label(format!("{place}, {:.2} m high", e.position.y));
-        ui.label(format!("{}, frame {}", list::moment(bundle, e), e.frame));
+        ui.label(format!("{}, frame {}", moment(bundle, e.row), e.frame));
         ui.weak("A click shows the clip at this frame.");
     });
 }

@@ -61,11 +61,6 @@ pub fn hatch(painter: &Painter, rect: Rect, stroke: Stroke) {
 pub fn legend(ui: &mut Ui, [low, high]: [f32; 2], what: &str, colour: impl Fn(f32) -> Color32) {
     ui.label(format!("{what} {}", number(low)));
     let (rect, _) = ui.allocate_exact_size([70.0, 10.0].into(), Sense::hover());
-    ui.painter().add(Shape::mesh(bar(rect, colour)));
-    ui.label(number(high));
-}
-
-fn bar(rect: Rect, colour: impl Fn(f32) -> Color32) -> Mesh {
     const PARTS: usize = 18;
     let mut mesh = Mesh::default();
     for i in 0..=PARTS {
@@ -79,7 +74,8 @@ fn bar(rect: Rect, colour: impl Fn(f32) -> Color32) -> Mesh {
             mesh.add_triangle(k - 1, k, k + 1);
         }
     }
-    mesh
+    ui.painter().add(Shape::mesh(mesh));
+    ui.label(number(high));
 }
 
 /// A plot that shows all of its values from 0 on, cannot be moved, and tells what is under the pointer.

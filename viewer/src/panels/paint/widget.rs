@@ -45,16 +45,10 @@ pub fn choose<T: PartialEq>(
 /// Shows fields for coordinates with their names (m).
 ///
 /// - `limit`: largest coordinate of either sign (m); `speed`: change for a point that a field is dragged by (m).
-pub fn coordinates<const N: usize>(
-    ui: &mut Ui,
-    values: [(&str, &mut f32); N],
-    limit: f32,
-    speed: f64,
-    num_decimals: usize,
-) {
+pub fn coordinates(ui: &mut Ui, values: &mut [(&str, &mut f32)], limit: f32, speed: f64, num_decimals: usize) {
     for (name, value) in values {
-        ui.label(name);
-        let field = DragValue::new(value).range(-limit..=limit).speed(speed).update_while_editing(false);
+        ui.label(*name);
+        let field = DragValue::new(*value).range(-limit..=limit).speed(speed).update_while_editing(false);
         ui.add(field.suffix(" m").fixed_decimals(num_decimals));
     }
 }

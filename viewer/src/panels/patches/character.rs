@@ -1,6 +1,7 @@
 //! The selected inhabitant: its activity, its planned path, and its orders.
 
 use super::PatchesPanelState;
+use super::facts::unit;
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
@@ -88,15 +89,13 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
             }
             None => row("way", "no path is planned".into()),
         }
-        let name = |u: u32| world.placed().get(u as usize).map_or("unit", |p| &world.unit(p.unit).name);
-        let held: Vec<String> =
-            inhabitants.units_of(id).into_iter().flatten().map(|u| format!("{} {u}", name(u))).collect();
+        let held: Vec<String> = inhabitants.units_of(id).into_iter().flatten().map(|u| unit(world, u)).collect();
         row("holds", held.join(", "));
         if let Some(step) = path_steps.first().filter(|_| seen.activity == InhabitantActivity::Waiting) {
             let wanted = world.graph().resources(step.to.instance).iter();
             let others = wanted.filter_map(|&u| Some((u, inhabitants.holder(u).filter(|&h| h != id)?.index())));
             let text: Vec<String> =
-                others.map(|(u, holder)| format!("{} {u}, which {holder} holds", name(u))).collect();
+                others.map(|(u, holder)| format!("{}, which {holder} holds", unit(world, u))).collect();
             row("waits for", if text.is_empty() { "units farther along its path".into() } else { text.join("; ") });
         }
     });

@@ -64,7 +64,7 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Co
     let mut p = now;
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("{} {place}", world.unit(placed.unit).name));
-        coordinates(ui, [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)], 1e4, 0.0, 2);
+        coordinates(ui, &mut [("x", &mut p.x), ("y", &mut p.y), ("z", &mut p.z)], 1e4, 0.0, 2);
         let mut degrees = p.with_wrapped_heading().heading.to_degrees();
         let field = DragValue::new(&mut degrees).range(-180.0..=180.0).speed(0.0).update_while_editing(false);
         if ui.add(field.suffix("°").fixed_decimals(0)).changed() {

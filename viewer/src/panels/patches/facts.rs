@@ -4,10 +4,10 @@ use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::paint::{self, PanelWidget, RowClick, RowTable, TableCell, TableColumn};
-use crate::panels::{clip_frame, colour_of_view};
+use crate::panels::{colour_of_view, moment};
 use crate::stage::world::{DISABLED, ENABLED};
 use eframe::egui::{CollapsingHeader, ComboBox, Ui, vec2};
-use throng_core::patch::{CellRecord, LinkRecord};
+use throng_core::patch::CellRecord;
 use throng_precompute::stitch::{InstanceItem, RemovalReason};
 
 /// Columns of the list of disabled links.
@@ -116,7 +116,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &InstanceF
 }
 
 /// Name and number of a placed unit.
-fn unit(world: &WorldDocument, place: u32) -> String {
+pub fn unit(world: &WorldDocument, place: u32) -> String {
     let name = world.placed().get(place as usize).map_or("unit", |p| &world.unit(p.unit).name);
     format!("{name} {place}")
 }
@@ -160,7 +160,7 @@ pub fn show_links(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &Ins
                 let (number, link) = (out[row], &graph.links(facts.instance)[out[row]]);
                 match column {
                     0 => TableCell::new(number.to_string()),
-                    1 => TableCell::new(motion(world, link)).ending(),
+                    1 => TableCell::new(moment(world.bundle(), link.frame)).ending(),
                     2 => TableCell::new(link.num_frames.to_string()),
                     _ => TableCell::new(facts.links[number].map_or("", reason_text)),
                 }
@@ -169,11 +169,4 @@ pub fn show_links(ui: &mut Ui, model: &Model, world: &WorldDocument, facts: &Ins
             commands.extend(link.map(ViewerCommand::World));
         });
     });
-}
-
-/// Clip and time that a link begins at.
-fn motion(world: &WorldDocument, link: &LinkRecord) -> String {
-    let bundle = world.bundle();
-    let (clip, frame) = clip_frame(bundle, link.frame);
-    format!("{} {:.2} s", bundle.clip_name(clip), frame as f32 / bundle.rate_hz())
 }

@@ -5,6 +5,7 @@ mod edit;
 mod facts;
 
 use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
+use crate::document::WorldDocument;
 use crate::model::Model;
 use crate::panels::paint::PanelWidget;
 use eframe::egui::{Button, Ui};
@@ -37,7 +38,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
         ui.weak("Open a world of motion patches, or a scene in one: data/worlds/*.toml, data/scenes/*.toml.");
         return;
     };
-    tools(ui, model, state, commands);
+    tools(ui, model, world, state, commands);
     ui.separator();
     character::show(ui, model, world, state, commands);
     ui.separator();
@@ -62,7 +63,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
 }
 
 /// Choice of the tool.
-fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut Commands) {
+fn tools(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &PatchesPanelState, commands: &mut Commands) {
     let now = model.selection.world.tool;
     ui.horizontal_wrapped(|ui| {
         for (tool, name, tip) in [
@@ -76,7 +77,7 @@ fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut C
             label.request(commands, ViewerCommand::World(WorldCommand::Tool(tool)));
         }
         ui.separator();
-        history(ui, model, commands);
+        history(ui, world, commands);
     });
     let hint = match now {
         Tool::Select => "Click a character or a unit.",
@@ -88,12 +89,11 @@ fn tools(ui: &mut Ui, model: &Model, state: &PatchesPanelState, commands: &mut C
         Tool::Create(_) => "Click where the unit is to stand; Q, E turn it.",
     };
     ui.weak(hint);
-    outcome(ui, model, commands);
+    outcome(ui, world, commands);
 }
 
 /// Buttons that take changes back and make them again.
-fn history(ui: &mut Ui, model: &Model, commands: &mut Commands) {
-    let Some(world) = model.document.world() else { return };
+fn history(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
     for (text, change, tip, key, command) in [
         ("Undo", world.to_undo(), "Undo", "Ctrl+Z", WorldCommand::Undo),
         ("Redo", world.to_redo(), "Redo", "Ctrl+Shift+Z or Ctrl+Y", WorldCommand::Redo),
@@ -106,8 +106,7 @@ fn history(ui: &mut Ui, model: &Model, commands: &mut Commands) {
 }
 
 /// Result of the last edit.
-fn outcome(ui: &mut Ui, model: &Model, commands: &mut Commands) {
-    let Some(world) = model.document.world() else { return };
+fn outcome(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
     if let Some(working) = world.working() {
         ui.horizontal(|ui| {
             ui.spinner();

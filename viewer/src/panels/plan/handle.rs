@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanVi
     let now = place.position.as_vec3();
     let mut to = now;
     ui.horizontal_wrapped(|ui| {
-        coordinates(ui, [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], 1e3, 0.0, 3);
+        coordinates(ui, &mut [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], 1e3, 0.0, 3);
         // The position as in a task file.
         let at = task.task().written_position(handle).as_vec3();
         let text = format!("at = [{:.3}, {:.3}, {:.3}]", at.x, at.y, at.z);

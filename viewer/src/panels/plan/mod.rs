@@ -12,7 +12,7 @@ use crate::model::Model;
 use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use timeline::PlotDirection;
 
 /// Most motions that are planned at once.
@@ -116,7 +116,9 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
 }
 
 fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Commands) {
-    let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
+    // A clip in the current folder, called as the task.
+    let stem = task.path().file_stem().unwrap_or_default().to_string_lossy();
+    let file = state.file.get_or_insert_with(|| format!("{stem}.bvh"));
     let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
     let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);
     let file = state.task.get_or_insert_with(|| task.path().display().to_string());
@@ -133,10 +135,4 @@ fn written(ui: &mut Ui, file: &mut String, button: Button<'_>, tip: &str, is_on:
         (button.clicked() && !file.trim().is_empty()).then(|| PathBuf::from(file.trim()))
     })
     .inner
-}
-
-/// A clip in the current folder, called as the task.
-fn suggested(task: &Path) -> PathBuf {
-    let stem = task.file_stem().unwrap_or_default().to_string_lossy();
-    PathBuf::from(format!("{stem}.bvh"))
 }

@@ -6,6 +6,7 @@ use eframe::egui::vec2;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
+use std::path::Path;
 use throng_planner::task::Handle;
 
 fn panel() -> Harness<'static, Trial<PlanPanelState>> {

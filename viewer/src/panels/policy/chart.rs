@@ -103,15 +103,10 @@ impl PolicyChart {
         places.fold([more, more], |[low, high], p| [low.min(p), high.max(p)])
     }
 
-    /// True where heights stand for the time left.
-    pub fn is_space_time(&self) -> bool {
-        self.record.kind == KIND_SPACE_TIME
-    }
-
     /// Text of a plane's height or time.
     pub fn height_name(&self, index: u32) -> String {
         let h = self.height(index);
-        if self.is_space_time() { format!("{h:.2} s left") } else { format!("{h:.2} m high") }
+        if self.record.kind == KIND_SPACE_TIME { format!("{h:.2} s left") } else { format!("{h:.2} m high") }
     }
 
     /// The plane nearest to a height.

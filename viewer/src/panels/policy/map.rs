@@ -53,7 +53,7 @@ impl PolicyMapInput<'_> {
     }
 
     /// Centre of the grid over ground (m).
-    fn centre(&self) -> Vec2 {
+    pub fn centre(&self) -> Vec2 {
         Vec2::new(self.policy.centre().x, self.policy.centre().z)
     }
 }
@@ -123,15 +123,14 @@ fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, 
         ui.selectable_value(&mut own.smooth, true, "interpolated").on_hover_text("Values as the look-ahead reads them");
         ui.checkbox(&mut own.arrows, "best actions");
         if heights > 1 {
-            let chart = shown.chart();
-            let all = if chart.is_space_time() { "all times" } else { "all heights" };
+            let all = if shown.policy.grid().is_space_time() { "all times" } else { "all heights" };
             ui.checkbox(&mut own.slices, all).on_hover_text("Side by side, with the same colours");
         }
     });
     if heights > 1 && !own.slices {
         let chart = shown.chart();
         let mut slice = shown.slice;
-        let what = if chart.is_space_time() { "time" } else { "height" };
+        let what = if shown.policy.grid().is_space_time() { "time" } else { "height" };
         let slider = Slider::new(&mut slice, 0..=heights - 1).text(what);
         ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
         if slice != shown.slice {

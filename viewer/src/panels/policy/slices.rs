@@ -16,8 +16,7 @@ const GAP: f32 = 4.0;
 /// Shows the maps; a click shows one of them alone. Returns the least scale of their arrows.
 pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) -> f32 {
     let (chart, heights) = (shown.chart(), shown.policy.grid_of(shown.state).record().num_heights);
-    let centre = shown.policy.centre();
-    let [low, high] = chart.bounds(-glam::Vec2::new(centre.x, centre.z));
+    let [low, high] = chart.bounds(-shown.centre());
     let columns = ((ui.available_width() / LEAST) as u32).clamp(1, heights.min(6));
     let width = (ui.available_width() - GAP * (columns - 1) as f32) / columns as f32;
     let height = width * ((high.y - low.y) / (high.x - low.x)).clamp(0.4, 1.5) + TITLE;

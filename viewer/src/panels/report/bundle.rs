@@ -16,19 +16,14 @@ const COLUMNS: [TableColumn<'static>; 3] = [
 const ROWS: usize = 9;
 
 /// State of the list of source files.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct SourceListState {
-    sort: TableSort,
+    /// Order of the rows; none for that of the bundle.
+    sort: Option<TableSort>,
     copied: Option<usize>,
     /// Key of `rows`: document and order.
-    made_of: Option<(u64, TableSort)>,
+    made_of: Option<(u64, Option<TableSort>)>,
     rows: Vec<usize>,
-}
-
-impl Default for SourceListState {
-    fn default() -> Self {
-        Self { sort: TableSort::NONE, copied: None, made_of: None, rows: Vec::new() }
-    }
 }
 
 impl SourceListState {
@@ -40,9 +35,10 @@ impl SourceListState {
             self.copied = None;
         }
         self.rows = (0..sources.len()).collect();
+        let sort = self.sort.unwrap_or(TableSort::NONE);
         self.rows.sort_by(|&a, &b| {
             let (a, b) = (&sources[a], &sources[b]);
-            self.sort.directed(match self.sort.column {
+            sort.directed(match sort.column {
                 0 => a.path.cmp(&b.path),
                 1 => a.bytes.cmp(&b.bytes),
                 2 => a.hash.cmp(&b.hash),
@@ -86,7 +82,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
     let rows = &state.rows;
     let table = RowTable {
         selected: state.copied.and_then(|c| rows.iter().position(|r| *r == c)),
-        sort: Some(state.sort),
+        sort: state.sort.or(Some(TableSort::NONE)),
         most_rows: Some(ROWS),
         ..RowTable::new("sources", &COLUMNS, rows.len())
     };
@@ -103,7 +99,7 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut S
         ui.copy_text(format!("{} {:032x}", s.path, s.hash));
         state.copied = Some(source);
     }
-    state.sort = response.sort.unwrap_or(state.sort);
+    state.sort = response.sort.or(state.sort);
 }
 
 fn config(ui: &mut Ui, toml: &str) {
@@ -143,7 +139,7 @@ mod tests {
         let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
         let mut state = SourceListState::default();
         let mut rows = |sort| {
-            state.sort = sort;
+            state.sort = Some(sort);
             state.refresh(1, &all);
             state.rows.clone()
         };

@@ -62,8 +62,8 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     let all = [
         ("File", r.file.clone()),
         ("Format", format!("{format}, {} joints", r.joints)),
-        ("Motion", format!("{} frames at {:.4} Hz, {}", r.frames, RoundedNumber(r.rate_hz), time_text(r.duration_s))),
-        ("Unit", format!("{:.6} m", RoundedNumber(r.metres_per_unit))),
+        ("Motion", format!("{} frames at {} Hz, {}", r.frames, rounded(r.rate_hz, 4), time_text(r.duration_s))),
+        ("Unit", format!("{} m", rounded(r.metres_per_unit, 6))),
         ("Up axis", r.up.to_string()),
         ("Rest pose", format!("{rest}, faces {:.0}°", r.facing_deg)),
         ("Height", format!("{:.2} m", r.height_m)),
@@ -72,15 +72,10 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     facts(ui, "motion", all);
 }
 
-/// A number without superfluous digits.
-struct RoundedNumber(f64);
-
-impl std::fmt::Display for RoundedNumber {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let digits = f.precision().unwrap_or(2) as i32;
-        let unit = 10f64.powi(digits);
-        write!(f, "{}", (self.0 * unit).round() / unit)
-    }
+/// A number rounded to some digits after the point, which is shown without superfluous ones.
+fn rounded(number: f64, digits: i32) -> f64 {
+    let unit = 10f64.powi(digits);
+    (number * unit).round() / unit
 }
 
 fn contacts(ui: &mut Ui, r: &ClipReport) {
@@ -157,11 +152,11 @@ fn roles(ui: &mut Ui, r: &ClipReport) {
 
 #[cfg(test)]
 mod tests {
-    use super::RoundedNumber;
+    use super::rounded;
 
     #[test]
     fn numbers_have_no_needless_digits() {
-        assert_eq!(format!("{:.4}", RoundedNumber(30.000_003)), "30");
-        assert_eq!(format!("{:.4}", RoundedNumber(119.88)), "119.88");
+        assert_eq!(rounded(30.000_003, 4).to_string(), "30");
+        assert_eq!(rounded(119.88, 4).to_string(), "119.88");
     }
 }

@@ -19,11 +19,11 @@ pub fn show(ui: &mut Ui, dialog: &mut Option<SystemDialog>) {
         ui.add(Label::new(RichText::new(what).weak()).wrap());
         ui.add_space(6.0);
         ui.horizontal_wrapped(|ui| {
-            if ui.button("Choose a folder…").clicked() {
-                *dialog = Some(SystemDialog::Folder);
-            }
-            if ui.button("Choose files…").clicked() {
-                *dialog = Some(SystemDialog::Files);
+            for (text, kind) in [("Choose a folder…", SystemDialog::Folder), ("Choose files…", SystemDialog::Files)]
+            {
+                if ui.button(text).clicked() {
+                    *dialog = Some(kind);
+                }
             }
         });
     });

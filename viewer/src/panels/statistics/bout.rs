@@ -41,18 +41,13 @@ pub fn show(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
                 }
             }
         });
-        hits_a_minute(ui, &history, n);
+        key(ui, &format!("hits a minute and character, over {WINDOW_S:.0} s"), COLOURS[1]);
+        let (steps, values) = (history.iter().map(|h| h.0), windowed(&history, n));
+        plot("hits", "").show(ui, |p| p.line(line("hits a minute", COLOURS[1], smooth(steps, &values))));
         if f.penetration_m.is_some() {
             penetration(ui, &history);
         }
     });
-}
-
-fn hits_a_minute(ui: &mut Ui, history: &[(u32, BoutFigures)], characters: usize) {
-    key(ui, &format!("hits a minute and character, over {WINDOW_S:.0} s"), COLOURS[1]);
-    let values = windowed(history, characters);
-    let steps = history.iter().map(|h| h.0);
-    plot("hits", "").show(ui, |p| p.line(line("hits a minute", COLOURS[1], smooth(steps, &values))));
 }
 
 /// Hits a minute over the last [`WINDOW_S`], or since the start where that is less, at every step.

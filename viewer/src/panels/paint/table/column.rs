@@ -58,13 +58,12 @@ pub(super) fn places(columns: &[TableColumn<'_>], width: f32) -> Vec<ColumnPlace
     let shares: f32 = kept.iter().map(|&c| columns[c].grows).sum();
     let rest = if shares > 0.0 { (width - least).max(0.0) / shares } else { 0.0 };
     let mut x = 0.0;
-    kept.into_iter()
-        .map(|column| {
-            let from = x;
-            x += columns[column].width + columns[column].grows * rest;
-            ColumnPlace { column, x: from..x }
-        })
-        .collect()
+    let place = |column: usize| {
+        let from = x;
+        x += columns[column].width + columns[column].grows * rest;
+        ColumnPlace { column, x: from..x }
+    };
+    kept.into_iter().map(place).collect()
 }
 
 /// Numbers of the columns that fit.

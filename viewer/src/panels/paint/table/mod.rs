@@ -82,7 +82,7 @@ impl<'a> RowTable<'a> {
 
     /// Shows the table; `cell` is called with row and column of each visible cell.
     pub fn show(&self, ui: &mut Ui, mut cell: impl FnMut(usize, usize) -> TableCell) -> TableResponse {
-        let row_height = row_height(ui);
+        let row_height = ui.text_style_height(&TextStyle::Body) + 4.0;
         let all = ui.available_rect_before_wrap();
         let height = self.most_rows.map_or(all.height(), |most| row_height * (1 + most.min(self.num_rows)) as f32);
         let rect = Rect::from_min_size(all.min, vec2(all.width(), height));
@@ -126,8 +126,8 @@ impl<'a> RowTable<'a> {
             for row in rows {
                 let (_, rect) = ui.allocate_space(vec2(width, row_height));
                 // A fixed number keeps the widget's identity, whatever else is shown.
-                let response = ui.interact(rect, id.with(row), Sense::CLICK);
-                let response = self.show_row(ui, row, response, &places, cell);
+                let response = ui.interact(rect, id.with(row), Sense::CLICK).on_hover_cursor(CursorIcon::PointingHand);
+                self.show_row(ui, row, &response, &places, cell);
                 if focused && self.click != RowClick::Selects && memory.cursor == Some(row) {
                     let stroke = Stroke::new(1.0, ui.visuals().selection.stroke.color);
                     ui.painter().rect_stroke(rect, 3.0, stroke, StrokeKind::Inside);
@@ -147,14 +147,7 @@ impl<'a> RowTable<'a> {
         out
     }
 
-    fn show_row(
-        &self,
-        ui: &Ui,
-        row: usize,
-        response: Response,
-        places: &[ColumnPlace],
-        cell: &mut CellContent<'_>,
-    ) -> Response {
+    fn show_row(&self, ui: &Ui, row: usize, response: &Response, places: &[ColumnPlace], cell: &mut CellContent<'_>) {
         let (rect, selected) = (response.rect, self.selected == Some(row));
         let name = cell(row, self.named_by).text;
         response.widget_info(|| match self.click {
@@ -173,13 +166,7 @@ impl<'a> RowTable<'a> {
             let is_number = self.columns[place.column].is_number;
             cell(row, place.column).paint(ui, place_rect(rect, place), is_number, selected);
         }
-        response.on_hover_cursor(CursorIcon::PointingHand)
     }
-}
-
-/// Height of a row (points).
-fn row_height(ui: &Ui) -> f32 {
-    ui.text_style_height(&TextStyle::Body) + 4.0
 }
 
 /// Scroll offset that brings a row into view; none if it is visible.
