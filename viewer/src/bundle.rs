@@ -13,7 +13,8 @@ pub struct OpenBundle {
     path: PathBuf,
     tables: Bundle,
     motion_set: MotionSet,
-    blends: Vec<BlendSpace>,
+    /// The blend spaces.
+    pub blends: Vec<BlendSpace>,
     rows: OnceLock<Arc<[Mat3x4]>>,
 }
 
@@ -38,13 +39,8 @@ impl OpenBundle {
         })?;
         let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
         let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            motion_set: MotionSet::new(&tables),
-            blends,
-            tables,
-            rows: OnceLock::new(),
-        })
+        let (path, motion_set) = (path.to_path_buf(), MotionSet::new(&tables));
+        Ok(Self { path, motion_set, blends, tables, rows: OnceLock::new() })
     }
 
     /// The file.
@@ -74,18 +70,13 @@ impl OpenBundle {
         })
     }
 
-    /// The blend spaces.
-    pub fn blends(&self) -> &[BlendSpace] {
-        &self.blends
-    }
-
     /// A blend space.
     ///
     /// # Errors
     /// [`Error::Index`] for one that does not exist.
     pub fn blend(&self, number: usize) -> Result<&BlendSpace, Error> {
-        let limit = self.blends().len();
-        self.blends().get(number).ok_or(Error::Index { what: "blend space", who: None, got: number, limit })
+        let limit = self.blends.len();
+        self.blends.get(number).ok_or(Error::Index { what: "blend space", who: None, got: number, limit })
     }
 
     /// Names of a blend space, its axes and its examples (number < number of spaces).

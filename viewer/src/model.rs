@@ -15,8 +15,7 @@ pub use steer::{Lags, UserSteering};
 use crate::command::{PlanViewOptions, SceneViewOptions, ViewStage, WorldSelection};
 use crate::document::{FileWatch, Loader, OngoingBuild, OpenDocument, OutfitLoader, ShownBuild, UserOutfit};
 use crate::render::{BodyStyle, OrbitCamera};
-use crate::settings::PanelKind;
-use crate::settings::{BODIES, ViewerSettings};
+use crate::settings::{BODIES, PanelKind, ViewerSettings};
 use eframe::egui;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -130,7 +129,7 @@ pub struct Model {
     steering: Option<UserSteering>,
     weights: Vec<f32>,
     /// Files of the open document, as requested.
-    asked: Vec<PathBuf>,
+    pub asked: Vec<PathBuf>,
     loader: Loader,
     watch: Option<FileWatch>,
     num_messages: u64,
@@ -160,11 +159,6 @@ impl Model {
             Some(ShownBuild::UnderWay { building, .. }) if building.has_begun() => Some(building),
             _ => None,
         }
-    }
-
-    /// Files of the open document, as requested.
-    pub fn asked(&self) -> &[PathBuf] {
-        &self.asked
     }
 
     /// Frames and rate of the clip shown (frames, Hz).
@@ -202,9 +196,9 @@ impl Model {
     /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
     /// soon.
     pub fn is_busy(&self) -> bool {
-        self.document.world().is_some_and(|w| w.working().is_some())
+        self.document.world().is_some_and(|w| w.working.is_some())
             || self.document.scene().is_some_and(|s| s.restarting().is_some())
-            || self.task().is_some_and(|t| t.planning().is_some())
+            || self.task().is_some_and(|t| t.planning.is_some())
     }
 
     /// Number of characters of the crowd or the world, or of agents of a scene.

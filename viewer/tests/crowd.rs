@@ -132,10 +132,10 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
     assert_eq!((now(&v), scene(&v).choice().seed, v.model().selection.character), (step, 8, Some(4)));
     assert!(!v.model().is_playing());
-    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    assert_eq!(scene(&v).run().spread.times(1)[0], 0.25);
     // The way there is recorded, too.
     v.apply(ViewerCommand::Seek(10));
-    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    assert_eq!(scene(&v).run().spread.times(1)[0], 0.25);
     v.apply(ViewerCommand::Play(true));
     // A new seed in the file counts.
     std::fs::write(&path, text.replace("seed = 3", "seed = 4")).expect("written over");

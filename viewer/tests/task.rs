@@ -15,7 +15,7 @@ fn file(name: &str) -> PathBuf {
 
 /// At rest, planned.
 fn planned(v: &mut Viewing) {
-    v.until("a motion", |v| v.model().task().is_some_and(|t| t.planning().is_none() && !t.motions().is_empty()));
+    v.until("a motion", |v| v.model().task().is_some_and(|t| t.planning.is_none() && !t.motions().is_empty()));
     v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(3);
 }
@@ -51,7 +51,7 @@ fn an_obstacle_is_dragged_and_the_limb_is_planned_anew() {
     let (from, to) = (v.on_screen(high), v.on_screen(high + Vec3::new(0.02, 0.0, 0.08)));
     drag(&mut v, from, to);
     assert_eq!(v.model().selection.plan.handle, Some(Handle::Thing(0)));
-    assert!(v.model().task().is_some_and(|t| t.is_changed() && t.planning().is_none()), "not before it is let go");
+    assert!(v.model().task().is_some_and(|t| t.is_changed() && t.planning.is_none()), "not before it is let go");
     v.press(to, false);
     planned(&mut v);
     let moved = at(&v).position.as_vec3() - was;
@@ -96,7 +96,7 @@ fn a_task_is_dropped_played_scrubbed_and_cancelled() {
     v.apply(ViewerCommand::Plan(PlanCommand::Cancel));
     v.harness.run_steps(3);
     let task = v.model().task().expect("a task");
-    assert!(task.planning().is_none() && *task.clip(0) == before);
+    assert!(task.planning.is_none() && *task.clip(0) == before);
     // The thing in the hand is where the hand is; it goes back where it lay where the clip is shown as it was.
     let cube = task.task().things.iter().position(|t| t.is_object).expect("a cube");
     let carried = task.place_of_thing(cube, 3.0);

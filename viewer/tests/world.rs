@@ -24,7 +24,7 @@ fn opened(file: &std::path::Path) -> Viewing {
 
 /// The world once more, when it has been stitched.
 fn stitched(v: &mut Viewing) {
-    v.until("the new world", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
+    v.until("the new world", |v| v.model().document.world().is_some_and(|w| w.working.is_none()));
     v.harness.run_steps(3);
 }
 
@@ -73,7 +73,7 @@ fn units_are_edited_and_characters_get_orders() {
     assert_eq!(num_units(&v), 11, "{:?}", v.model().messages);
     let p = v.model().document.world().expect("a world").placed()[10].placement;
     assert!((p.x - 8.4).abs() < 1e-3 && (p.z - 2.8).abs() < 1e-3, "{p:?}");
-    assert!(v.model().document.world().is_some_and(|w| w.edited().is_some()));
+    assert!(v.model().document.world().is_some_and(|w| w.edited.is_some()));
 
     // Delete removes it.
     tool(&mut v, Tool::Move);
@@ -107,7 +107,7 @@ fn units_are_edited_and_characters_get_orders() {
     v.apply(ViewerCommand::World(WorldCommand::Edit(change)));
     stitched(&mut v);
     assert_eq!(num_units(&v), 10);
-    let refused = v.model().document.world().and_then(|w| w.refused()).expect("a reason").reason.clone();
+    let refused = v.model().document.world().and_then(|w| w.refused.as_ref()).expect("a reason").reason.clone();
     assert!(refused.contains("ground"), "{refused}");
     let said = v.harness.get_all_by_label_contains(&refused).count();
     assert_eq!(said, 2, "in the view and in the panel");

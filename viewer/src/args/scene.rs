@@ -104,14 +104,11 @@ impl Args {
         if !self.panel.is_empty() {
             model.settings.side_panel = self.settings(ViewerSettings::default()).side_panel;
         }
-        match self.camera {
-            Some(view) => {
-                model.apply(ctx, ViewerCommand::Camera(view.camera));
-                if !view.is_placed {
-                    model.apply(ctx, ViewerCommand::FrameAll);
-                }
-            }
-            None => model.apply(ctx, ViewerCommand::FrameAll),
+        if let Some(view) = self.camera {
+            model.apply(ctx, ViewerCommand::Camera(view.camera));
+        }
+        if self.camera.is_none_or(|view| !view.is_placed) {
+            model.apply(ctx, ViewerCommand::FrameAll);
         }
         Ok(())
     }
@@ -134,7 +131,7 @@ impl Args {
             let example = "data/scenes/corridor.toml";
             return Err(format!("--engine {name}: engines are for scenes with agents, such as {example}"));
         }
-        if let Some(old) = model.document.world().map(|w| w.roamers())
+        if let Some(old) = model.document.world().map(|w| w.roamers)
             && (self.characters.is_some() || self.seed.is_some())
         {
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));

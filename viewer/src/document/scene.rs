@@ -115,7 +115,8 @@ pub struct SceneDocument {
     scene: Scene,
     choice: SceneChoice,
     run: SceneRun,
-    surroundings: SceneSurroundings,
+    /// Surroundings of the characters.
+    pub surroundings: SceneSurroundings,
     /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
     /// A new run that is prepared, and its settings.
@@ -230,11 +231,6 @@ impl SceneDocument {
     /// The run, mutable: to be played, stopped and rewound.
     pub fn run_mut(&mut self) -> &mut SceneRun {
         &mut self.run
-    }
-
-    /// Surroundings of the characters.
-    pub fn surroundings(&self) -> &SceneSurroundings {
-        &self.surroundings
     }
 
     /// A character that chooses by policies of the bundle, with all data of its choices; none for any other.

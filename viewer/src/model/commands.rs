@@ -76,7 +76,7 @@ impl Model {
             return self.apply_to_scene(ctx, SceneCommand::Restart(choice));
         }
         if let Some(world) = self.document.world() {
-            let old = world.roamers();
+            let old = world.roamers;
             return self.populate(old.characters, old.seed);
         }
         if self.shows_blend()
@@ -141,7 +141,7 @@ impl Model {
     fn watch_selected(&mut self) {
         let selected = self.selection.character;
         if let OpenDocument::Scene(scene) = &mut self.document {
-            scene.run_mut().watch(selected);
+            scene.run_mut().log.watch(selected);
         }
     }
 

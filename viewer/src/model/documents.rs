@@ -95,7 +95,7 @@ impl Model {
             self.stage = ViewStage::Crowd;
             self.views.clear();
             self.change_side_panel();
-            let are_discs = |s: &SceneDocument| !s.surroundings().in_the_air && s.bundle().is_none();
+            let are_discs = |s: &SceneDocument| !s.surroundings.in_the_air && s.bundle().is_none();
             if self.document.scene().is_some_and(are_discs) {
                 // From straight above, +X at the right.
                 (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);

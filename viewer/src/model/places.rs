@@ -74,7 +74,7 @@ fn task_points(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
 /// Corners of boxes around the units of a world, and its characters (m).
 fn world_points(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     let of_units = world.placed().iter().flat_map(|p| {
-        let b = world.kit().geometries[p.unit].bounds.mapped(|c| p.placement.transform_point(c));
+        let b = world.kit.geometries[p.unit].bounds.mapped(|c| p.placement.transform_point(c));
         [b.min, b.max]
     });
     of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
@@ -88,7 +88,7 @@ fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
         let route = agent_path(run.simulation(), who);
         [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
     });
-    let standing = Some(scene.surroundings()).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);
+    let standing = Some(&scene.surroundings).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);
     let ends = standing.into_iter().flat_map(|s| {
         let obstacles = s.obstacles.iter().flat_map(|o| match o {
             Obstacle::Wall { from, to, .. } => vec![*from, *to],

@@ -63,7 +63,7 @@ impl Model {
     pub(super) fn adopt_plan(&mut self, waits: bool) {
         let OpenDocument::Task(task) = &mut self.document else { return };
         if task.adopt_plan(waits)
-            && let Some(why) = task.refused()
+            && let Some(why) = &task.refused
         {
             let why = format!("Nothing was planned: {why}");
             self.complain(why);

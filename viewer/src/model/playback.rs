@@ -60,7 +60,7 @@ impl Model {
 
     /// True while a world is edited: time stands still, since all its characters will be put back where they are shown.
     fn waits_for_edit(&self) -> bool {
-        self.document.world().is_some_and(|w| w.working().is_some())
+        self.document.world().is_some_and(|w| w.working.is_some())
     }
 
     /// Advances by wall time; returns the number of steps taken.

@@ -293,7 +293,7 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
     let character = selected.filter(|&who| who < model.num_characters())?;
     match scene.run().simulation().locate(character).0 {
         AnyCharacterGroup::Patches(_) => {
-            let place = scene.surroundings().intersect_units(ray).or(ray.intersect_ground())?;
+            let place = scene.surroundings.intersect_units(ray).or(ray.intersect_ground())?;
             let goal = InhabitantGoal::GoNear { place, within_m: world::SENT_WITHIN_M };
             Some(RunInput::Goal { character, goal: Some(goal) })
         }

@@ -165,14 +165,11 @@ impl SceneRenderer {
 }
 
 fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &RenderTargets) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    let mask = wgpu::RenderPassColorAttachment { view: &targets.mask, depth_slice: None, resolve_target: None, ops };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("shadow mask"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.mask,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-        })],
+        color_attachments: &[Some(mask)],
         ..Default::default()
     })
 }

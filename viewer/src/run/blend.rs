@@ -62,7 +62,7 @@ impl BlendRun {
     /// # Errors
     /// A message where the tables do not fit together.
     pub fn new(bundle: &OpenBundle) -> Option<Result<Self, String>> {
-        let first = bundle.blends().first()?;
+        let first = bundle.blends.first()?;
         let run = Self::starting_at(bundle, Blending::straight_walk(0, first), Planar::IDENTITY, 0.0);
         Some(run.map_err(|e| e.to_string()))
     }
@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn a_point_is_walked_at_its_speed_and_turning_rate() {
         let (_paces, bundle, mut run) = open();
-        let [speed, turning] = [0, 1].map(|a| bundle.blends()[0].axes()[a]);
+        let [speed, turning] = [0, 1].map(|a| bundle.blends[0].axes()[a]);
         assert_eq!((speed.kind, turning.kind), (axis::SPEED, axis::GYRATION));
         let mut wanted = *run.blending();
         wanted.point[..2].copy_from_slice(&[1.2, 0.4]);
@@ -289,11 +289,11 @@ mod tests {
         let (steps, before) = (run.reel.head.shown_step(), run.moment().clone());
         run.reel.head.seek(3);
         let mut wanted = *run.blending();
-        wanted.point[0] = bundle.blends()[0].axes()[0].high + 5.0;
+        wanted.point[0] = bundle.blends[0].axes()[0].high + 5.0;
         run.blend(&bundle, wanted).unwrap();
         let now = run.moment();
         assert_eq!((run.reel.head.shown_step(), now.phase), (steps, before.phase));
-        assert_eq!(now.point[0], bundle.blends()[0].axes()[0].high, "clamped to the box");
+        assert_eq!(now.point[0], bundle.blends[0].axes()[0].high, "clamped to the box");
         assert!(now.poses != before.poses && now.weights != before.weights);
     }
 

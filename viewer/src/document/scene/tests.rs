@@ -44,7 +44,7 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
     let boxing = Boxing::new();
     let folder = boxing.bundle().parent().unwrap().to_path_buf();
     let mut document = open(&folder, GROUPS).unwrap();
-    assert!(document.bundle().is_some() && document.surroundings().obstacles.len() == 1);
+    assert!(document.bundle().is_some() && document.surroundings.obstacles.len() == 1);
     let mut frames = vec![seen(&document)];
     for _ in 0..200 {
         document.run_mut().step().unwrap();

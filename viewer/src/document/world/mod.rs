@@ -41,23 +41,30 @@ pub struct Roamers {
 pub struct WorldDocument {
     path: PathBuf,
     source: WorldSource,
-    roamers: Roamers,
-    kit: Arc<StitchKit>,
+    /// The inhabitants.
+    pub roamers: Roamers,
+    /// The bundle's units, decoded.
+    pub kit: Arc<StitchKit>,
     /// The editor; none while an edit is under way.
     workshop: Option<EditorThread>,
     walkable: Arc<WalkableWorld>,
     environment: Environment,
     geometry: PlacedGeometry,
-    report: StitchReport,
+    /// Report of stitching, or of the last edit.
+    pub report: StitchReport,
     /// A mesh of every unit of the bundle.
     pub meshes: Arc<[SolidMesh]>,
     run: WorldRun,
     made: EditHistory,
-    working: Option<EditInProgress>,
-    edited: Option<EditSummary>,
-    refused: Option<RefusedEdit>,
-    /// Grows with every edit.
-    revision: u64,
+    /// The edit under way. Time stands still meanwhile, since all inhabitants return to their shown positions
+    /// afterwards.
+    pub working: Option<EditInProgress>,
+    /// The last edit and its times.
+    pub edited: Option<EditSummary>,
+    /// The last edit, if it was refused.
+    pub refused: Option<RefusedEdit>,
+    /// Number of edits so far.
+    pub revision: u64,
 }
 
 impl fmt::Debug for WorldDocument {
@@ -77,24 +84,14 @@ impl WorldDocument {
         &self.walkable.bundle
     }
 
-    /// The inhabitants.
-    pub fn roamers(&self) -> Roamers {
-        self.roamers
-    }
-
-    /// The bundle's units, decoded.
-    pub fn kit(&self) -> &StitchKit {
-        &self.kit
-    }
-
     /// A unit object of the bundle (unit < number of units of the bundle).
     pub fn unit(&self, unit: usize) -> &UnitObject {
-        &self.kit().units.units[unit]
+        &self.kit.units.units[unit]
     }
 
     /// Library of units and patches for stitching.
     pub fn library(&self) -> Library<'_> {
-        self.kit().library(self.bundle().tables())
+        self.kit.library(self.bundle().tables())
     }
 
     /// The world as it can be walked.
@@ -110,21 +107,6 @@ impl WorldDocument {
     /// The inhabitants now.
     pub fn run(&self) -> &WorldRun {
         &self.run
-    }
-
-    /// Report of stitching, or of the last edit.
-    pub fn report(&self) -> &StitchReport {
-        &self.report
-    }
-
-    /// The last edit and its times.
-    pub fn edited(&self) -> Option<&EditSummary> {
-        self.edited.as_ref()
-    }
-
-    /// Number of edits so far.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// Name of an instance's patch (instance < number of instances).

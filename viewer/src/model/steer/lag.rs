@@ -73,11 +73,8 @@ impl Twin {
         if run.config().characters > MOST_CHARACTERS {
             return None;
         }
-        let is_shared = run.config().targets == TargetMode::Shared;
-        Some(Self {
-            who: TwinRun::Crowd { fork: Box::new(run.simulation.clone()), character, is_shared, held },
-            steps: 0,
-        })
+        let (fork, is_shared) = (Box::new(run.simulation.clone()), run.config().targets == TargetMode::Shared);
+        Some(Self { who: TwinRun::Crowd { fork, character, is_shared, held }, steps: 0 })
     }
 
     pub fn copy_blend(run: &BlendRun) -> Option<Self> {

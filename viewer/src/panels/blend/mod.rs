@@ -121,7 +121,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
 /// The space, and the axes of the map.
 fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut MapAxes, input: &BlendPanelInput<'_>) {
     ui.horizontal_wrapped(|ui| {
-        let (spaces, mut number) = (bundle.blends(), input.number);
+        let (spaces, mut number) = (&bundle.blends, input.number);
         let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
         choose(ui, "Space", Some(80.0), &mut number, names);
         if number != input.number {

@@ -32,8 +32,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut Crowd
     let filter = EventFilter { kinds: model.selection.scene.kinds, place: state.place, message: state.message };
     let now = run.simulation().time_s();
     let list = match state.only_selected {
-        true => run.log().last_of_watched(&filter, now, MOST),
-        false => run.log().last(&filter, now, MOST),
+        true => run.log.last_of_watched(&filter, now, MOST),
+        false => run.log.last(&filter, now, MOST),
     };
     if list.is_empty() {
         ui.weak(match (state.only_selected, model.selection.character) {

@@ -120,7 +120,7 @@ fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
     let scene = harness.state().model.document.scene().unwrap();
-    let last = scene.run().log().last(&EventFilter::of_kinds([true; AgentEventKind::COUNT]), f64::INFINITY, 1)[0];
+    let last = scene.run().log.last(&EventFilter::of_kinds([true; AgentEventKind::COUNT]), f64::INFINITY, 1)[0];
     let name = format!("Event {} {}", last.kind.name(), last.agent);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);

@@ -36,18 +36,18 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
         let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
-        let field = ui.add_enabled(world.working().is_none(), field);
+        let field = ui.add_enabled(world.working.is_none(), field);
         field.clone().on_hover_text("As many as there is room for, each on units of its own; restarts the world");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
-            let seed = world.roamers().seed;
+            let seed = world.roamers.seed;
             commands.push(ViewerCommand::World(WorldCommand::Populate { characters: n, seed }));
         }
         ui.label("characters");
         let states = &run.moment().states;
         let waiting = states.iter().filter(|m| m.activity == InhabitantActivity::Waiting).count();
         let done: u32 = states.iter().map(|m| m.num_fulfilled).sum();
-        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
+        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s);
         ui.weak(format!("{waiting} wait · {done} orders done")).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
@@ -67,7 +67,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
     let run = world.run();
     let seen = run.moment().states[c];
     let tags = &world.bundle().tables().meta().link_tags;
-    let (inhabitants, id) = (run.inhabitants(), run.id(c));
+    let (inhabitants, id) = (&run.inhabitants, run.id(c));
     facts(ui, "character", true, |row| {
         let mut row = |name: &str, value: String| row(name, "", value.into());
         row("is to", words::goal(seen.goal, tags));

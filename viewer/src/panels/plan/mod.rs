@@ -99,7 +99,7 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
         wanted.seed = (seed != own).then_some(seed);
         ui.checkbox(&mut wanted.replans, "after each drag").on_hover_text("Plan as soon as something was dragged");
     });
-    if let Some(planning) = task.planning() {
+    if let Some(planning) = &task.planning {
         let ([tried, total], motion) = planning.progress();
         ui.horizontal(|ui| {
             let tip = "Stop planning; the motions stay as they are";
@@ -107,7 +107,7 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
             ui.label(format!("motion {motion}: {tried} of {total}"));
             ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
         });
-    } else if let Some(why) = task.refused() {
+    } else if let Some(why) = &task.refused {
         ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
     } else if task.is_changed() {
         let colour = ThemePalette::for_visuals(ui.visuals()).warning;

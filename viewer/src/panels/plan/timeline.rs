@@ -144,7 +144,7 @@ impl TaskPlot<'_> {
             [low.min(v), high.max(v)]
         });
         if low > high {
-            let is_planning = self.task.planning().is_some();
+            let is_planning = self.task.planning.is_some();
             let text = if is_planning { "planning …" } else { "no search was needed, or none is shown" };
             let (font, weak) = (FontId::proportional(12.0), self.visuals.weak_text_color());
             self.painter.text(rect.center(), Align2::CENTER_CENTER, text, font, weak);

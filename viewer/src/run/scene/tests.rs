@@ -157,7 +157,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
 fn walkers_on_hills_are_played_and_rewound() {
     let paces = Paces::new();
     let mut document = open(&paces.scene(7, 0.5));
-    assert!(document.surroundings().has_hills && document.surroundings().meshes.len() == 3);
+    assert!(document.surroundings.has_hills && document.surroundings.meshes.len() == 3);
     let run = document.run_mut();
     steps(run, 90);
     let seen = poses(run);
@@ -173,20 +173,20 @@ fn agents_are_measured_and_their_events_logged() {
     let meeting = Meeting::new();
     let mut document = open(&meeting.scene(12));
     let run = document.run_mut();
-    run.watch(Some(3));
+    run.log.watch(Some(3));
     steps(run, 240);
     let figures = run.figures().agents.unwrap();
     assert!(figures.present == 24 && figures.overlaps == 0 && figures.progress_mps > 0.3, "{figures:?}");
     let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
-    let log = run.log();
+    let log = &run.log;
     let of_one = log.last_of_watched(&all, 9.0, 999);
     assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
     assert!(log.last(&all, 2.0, 99).iter().all(|h| h.time_s <= 2.0 && h.at.is_finite()));
-    assert!(log.rates().totals(9.0).iter().sum::<u64>() > 100);
+    assert!(log.rates.totals(9.0).iter().sum::<u64>() > 100);
     // What is told in the past drops what came after it.
     run.seek(120).unwrap();
     run.input(RunInput::Target { character: None, to: Vec3::ZERO }).unwrap();
-    assert!(run.log().last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
+    assert!(run.log.last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
     steps(run, 10);
     assert_eq!(run.head.recorded(), 0..=130);
 }
@@ -195,7 +195,7 @@ fn agents_are_measured_and_their_events_logged() {
 fn brains_of(run: &SceneRun) -> String {
     let brains = run.simulation().brains().unwrap();
     let of = |agent: usize| (brains.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
-    let known = |e| run.spread().times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
+    let known = |e| run.spread.times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
     let all: Vec<_> = (0..brains.len()).map(of).collect();
     format!("{all:?} {:?}", [0, 1].map(known))
 }
@@ -216,7 +216,7 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     }
     let brains = run.simulation().brains().unwrap();
     let sale = brains.event_names().iter().position(|e| e == "sale").unwrap();
-    let times = run.spread().times(sale);
+    let times = run.spread.times(sale);
     assert!(times.len() > 2 && times.is_sorted() && times[..2] == [1.0, 1.0], "{times:?}");
     assert_eq!(times.len(), brains.event_spreads()[sale].informed);
     // Whoever shops came there by the first edge, and all below is gone; who strolls, by none or the one back.
@@ -228,7 +228,7 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     assert_eq!(brains.states_of(shopping)[1], None);
     // What is listed is what is known.
     let kinds = AgentEventKind::all().map(|what| what == AgentEventKind::Learnt);
-    let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
+    let listed = run.log.last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
     assert_eq!(listed.len(), times.len());
     assert!(
         listed
@@ -243,15 +243,15 @@ fn an_event_in_the_past_changes_what_spreads_from_there_on() {
     let mut document = open(&market.scene(12));
     let run = document.run_mut();
     steps(run, 240);
-    let later = run.spread().times(1).len();
+    let later = run.spread.times(1).len();
     run.seek(30).unwrap();
     run.input(RunInput::Event("sale".into())).unwrap();
-    assert_eq!(run.spread().times(1), [0.5, 0.5]);
+    assert_eq!(run.spread.times(1), [0.5, 0.5]);
     let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
-    assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
+    assert!(run.log.last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
     let now = brains_of(run);
     steps(run, 100);
-    assert!(later >= 2 && run.spread().times(1).len() >= 2);
+    assert!(later >= 2 && run.spread.times(1).len() >= 2);
     run.seek(30).unwrap();
     assert!(brains_of(run) == now, "the input is repeated");
 }
