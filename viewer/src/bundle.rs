@@ -10,9 +10,11 @@ use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
 pub struct OpenBundle {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     tables: Bundle,
-    motion_set: MotionSet,
+    /// Views of the tables that a step of the simulation reads.
+    pub motion_set: MotionSet,
     /// The blend spaces.
     pub blends: Vec<BlendSpace>,
     rows: OnceLock<Arc<[Mat3x4]>>,
@@ -43,19 +45,9 @@ impl OpenBundle {
         Ok(Self { path, motion_set, blends, tables, rows: OnceLock::new() })
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The tables.
     pub fn tables(&self) -> &Bundle {
         &self.tables
-    }
-
-    /// Views of the tables that a step of the simulation reads.
-    pub fn motion_set(&self) -> &MotionSet {
-        &self.motion_set
     }
 
     /// Poses of all frame rows, made when they are first asked for: joints in model space (rows * NUM_JOINTS).

@@ -198,14 +198,14 @@ impl Model {
     pub fn is_busy(&self) -> bool {
         self.document.world().is_some_and(|w| w.working.is_some())
             || self.document.scene().is_some_and(|s| s.restarting().is_some())
-            || self.task().is_some_and(|t| t.planning.is_some())
+            || self.document.task().is_some_and(|t| t.planning.is_some())
     }
 
     /// Number of characters of the crowd or the world, or of agents of a scene.
     pub fn num_characters(&self) -> usize {
         match &self.document {
-            OpenDocument::World(w) => w.run().num_characters(),
-            OpenDocument::Scene(s) => s.run().simulation().num_characters(),
+            OpenDocument::World(w) => w.run.num_characters(),
+            OpenDocument::Scene(s) => s.run.simulation().num_characters(),
             document => document.crowd().map_or(0, |(_, run)| run.config().characters),
         }
     }
@@ -288,7 +288,7 @@ impl Model {
     /// Moves the camera with the selected character: always with the one of a clip or a blend, with one of many or of a
     /// task if that is switched on.
     fn follow(&mut self) {
-        let always = (self.shows_clip() && self.task().is_none()) || self.shows_blend();
+        let always = (self.shows_clip() && self.document.task().is_none()) || self.shows_blend();
         let place = if always || self.settings.follow { self.place_followed() } else { None };
         let Some(at) = place else {
             self.followed = None;

@@ -382,7 +382,7 @@ fn a_task_of_limbs() {
         let options = PlanViewOptions { num_motions: 2, ..v.model().selection.plan };
         v.apply(ViewerCommand::Plan(PlanCommand::SetOptions(options)));
         v.apply(ViewerCommand::Plan(PlanCommand::Plan));
-        v.until("two motions", |v| v.model().task().is_some_and(|t| t.motions().len() == 2));
+        v.until("two motions", |v| v.model().document.task().is_some_and(|t| t.motions().len() == 2));
         let mut v = rest(v);
         v.apply(ViewerCommand::Seek(51));
         v.harness.run_steps(4);

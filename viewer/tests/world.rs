@@ -121,12 +121,12 @@ fn units_are_edited_and_characters_get_orders() {
     let at = v.on_screen(Vec3::new(5.6, 0.0, 5.6));
     v.click(at);
     v.harness.run_steps(3);
-    let told = v.model().document.world().and_then(|w| w.run().order_of(0));
+    let told = v.model().document.world().and_then(|w| w.run.order_of(0));
     let Some(InhabitantGoal::GoNear { place, .. }) = told else { panic!("{told:?}") };
     assert!(place.distance(Vec3::new(5.6, 0.0, 5.6)) < 0.3, "{place}");
     v.harness.get_by_label("Roam").click();
     v.harness.run_steps(3);
-    assert_eq!(v.model().document.world().and_then(|w| w.run().order_of(0)), Some(InhabitantGoal::Roam));
+    assert_eq!(v.model().document.world().and_then(|w| w.run.order_of(0)), Some(InhabitantGoal::Roam));
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn who_is_steered_on_patches_is_sent_ahead() {
     for pressed in [Key::W, Key::A, Key::S, Key::D] {
         v.key(pressed, true);
         let world = v.model().document.world().expect("a world");
-        let (at, goal) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].goal);
+        let (at, goal) = (world.run.reel.moment().roots[0].translation(), world.run.reel.moment().states[0].goal);
         let [right, _, back] = v.model().settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize();
         let wanted = match pressed {

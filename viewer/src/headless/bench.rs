@@ -50,7 +50,7 @@ fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
         return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers.seed });
     }
     match model.document.scene() {
-        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice() })),
+        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice })),
         None => ViewerCommand::Configure(CrowdRunConfig { characters, ..model.settings.run }),
     }
 }

@@ -144,7 +144,7 @@ impl Model {
         let here = match &self.document {
             OpenDocument::World(_) => PanelKind::Patches,
             OpenDocument::Task(_) => PanelKind::Plan,
-            OpenDocument::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
+            OpenDocument::Scene(s) if s.scene.groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
             OpenDocument::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };

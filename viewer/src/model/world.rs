@@ -20,7 +20,7 @@ impl Model {
         let of_unit = || options.place.map(|p| world.instances_of(p).first().copied());
         let of_character = || {
             let c = self.selection.character?;
-            Some(world.run().moment().states.get(c)?.node.instance)
+            Some(world.run.reel.moment().states.get(c)?.node.instance)
         };
         let found = options.instance.or_else(|| of_unit().unwrap_or_else(of_character));
         found.filter(|&i| (i as usize) < world.graph().num_instances())

@@ -53,10 +53,10 @@ fn title(model: &Model) -> String {
         OpenDocument::World(w) => {
             let (units, instances) = (w.placed().len(), w.graph().num_instances());
             let edits = if w.revision > 0 { " · edited" } else { "" };
-            format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
+            format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run.num_characters())
         }
         OpenDocument::Scene(s) => {
-            let (groups, choice) = (s.run().simulation().groups().len(), s.choice());
+            let (groups, choice) = (s.run.simulation().groups().len(), s.choice);
             let engine = match choice.engine == Scheme::default() {
                 true => String::new(),
                 false => format!(" · engine {}", engine::name(choice.engine)),
@@ -70,7 +70,7 @@ fn title(model: &Model) -> String {
             format!("{name} · {} to do · {things} · {motions}{edits}", t.task().num_steps())
         }
         OpenDocument::Clip(c) => {
-            format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
+            format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.report.duration_s, c.report.rate_hz)
         }
     }
 }

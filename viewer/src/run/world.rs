@@ -91,14 +91,9 @@ impl WorldRun {
         self.orders[character]
     }
 
-    /// All of them at the step shown.
-    pub fn moment(&self) -> &InhabitantsMoment {
-        self.reel.moment()
-    }
-
     /// Hips of a character at the step shown (m, character < num_characters).
     pub fn hips(&self, character: usize) -> Vec3 {
-        let m = self.moment();
+        let m = self.reel.moment();
         world_position(m.roots[character], m.poses[character * NUM_JOINTS].translation())
     }
 

@@ -26,7 +26,7 @@ const ABOVE_M: f32 = 0.012;
 const MISSED_PX: f32 = 8.0;
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, palette: &StagePalette, dark: bool) {
-    let (run, selected) = (scene.run(), model.selection.character);
+    let (run, selected) = (&scene.run, model.selection.character);
     let simulation = run.simulation();
     let brush = Brush::new(model, scene, palette, dark);
     draw_surroundings(out, &scene.surroundings, &brush);
@@ -100,7 +100,7 @@ fn character(out: &mut StageLayout, simulation: &Simulation, who: usize, colour:
 
 /// Colour by the group, the clip or the speed; opponents differ, and inhabitants of worlds show their activity.
 fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize, palette: &StagePalette) -> Rgba {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
     let speed = || simulation.disc(who).map_or(0.0, |d| d.velocity.length());
     let by_desired = |desired: f32| by_speed(speed() / desired.max(1e-3));
@@ -158,7 +158,7 @@ fn things(out: &mut StageLayout, standing: &SceneSurroundings, simulation: &Simu
 
 /// The character whose disc or body a ray hits, or nearly hits.
 pub fn pick(scene: &SceneDocument, camera: &OrbitCamera, ray: &Ray, view: Vec2) -> Option<usize> {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let missed = |who: usize| {
         let (at, radius) = match simulation.disc(who) {
             Some(disc) => (disc.centre, disc.radius),

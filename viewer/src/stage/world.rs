@@ -58,7 +58,7 @@ pub fn colour_of(doing: InhabitantActivity) -> Rgba {
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
     units(out, model, world, palette, dark);
     inhabitants(out, model, world, palette);
-    if let Some(c) = model.selection.character.filter(|&c| c < world.run().num_characters()) {
+    if let Some(c) = model.selection.character.filter(|&c| c < world.run.num_characters()) {
         cues_of(out, model, world, c, palette);
     }
     if let Some(instance) = model.inspected_instance() {
@@ -127,7 +127,7 @@ fn outline(out: &mut StageLayout, bounds: BoundingBox, at: Placement, colour: Rg
 }
 
 fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette) {
-    let moment = world.run().moment();
+    let moment = world.run.reel.moment();
     let selected = model.selection.character;
     let colour = |c: usize| match model.settings.colouring {
         Colouring::Target => colour_of(moment.states[c].activity),
@@ -142,15 +142,15 @@ fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, pale
 
 /// Cues of the selected character: past positions, path, and reservations.
 fn cues_of(out: &mut StageLayout, model: &Model, world: &WorldDocument, c: usize, palette: &StagePalette) {
-    let run = world.run();
+    let run = &world.run;
     let o = model.settings.overlays;
     if o.trails {
         let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| p - Vec3::Y * 0.9).collect();
         out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
     }
     if o.joint_axes {
-        let pose = &run.moment().poses[c * throng_core::NUM_JOINTS..][..throng_core::NUM_JOINTS];
-        cues::joint_axes(&mut out.shapes, run.moment().roots[c], pose);
+        let pose = &run.reel.moment().poses[c * throng_core::NUM_JOINTS..][..throng_core::NUM_JOINTS];
+        cues::joint_axes(&mut out.shapes, run.reel.moment().roots[c], pose);
     }
     if !run.reel.head.is_live() {
         return;

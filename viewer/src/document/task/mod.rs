@@ -56,7 +56,8 @@ struct PlannedMotions {
 /// A task and the motions planned for it.
 #[derive(Debug)]
 pub struct TaskDocument {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     pub(super) sources: Arc<TaskSources>,
     /// Task as in the file, with later changes: walkers have no times yet.
     task: Task,
@@ -80,11 +81,6 @@ pub struct TaskDocument {
 }
 
 impl TaskDocument {
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The task with all changes; for walkers, with the times of the last plan.
     pub fn task(&self) -> &Task {
         let planned = self.motions.as_ref().filter(|_| !self.is_changed());
@@ -259,10 +255,8 @@ impl TaskDocument {
             return Err(format!("{}: expected a name that ends with .bvh", path.display()));
         }
         if let Some(v) = motion.outcome.recheck.violations.first() {
-            return Err(format!(
-                "Nothing was written: the check found at {:.3} s: {}. Try another seed.",
-                v.time_s, v.what
-            ));
+            let (time_s, fault) = (v.time_s, &v.what);
+            return Err(format!("Nothing was written: the check found at {time_s:.3} s: {fault}. Try another seed."));
         }
         let StagedTask { task, clips, .. } = &*motions.staged;
         plans::write_plan(task, clips, &motion.outcome, path, 0).map_err(|e| e.to_string())

@@ -71,7 +71,7 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
 pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Commands) {
     state.focus = false;
     if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
-        let bundle = bundle.path().display();
+        let bundle = bundle.path.display();
         return empty(ui, "This is a scene", &format!("Open its bundle to see its blend spaces: {bundle}"));
     }
     let Some((bundle, run)) = model.document.blend() else {
@@ -80,7 +80,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
             _ => return empty(ui, "There is no blend space", NO_SPACES),
         }
     };
-    let (blending, moment) = (*run.blending(), run.moment());
+    let (blending, moment) = (*run.blending(), run.reel.moment());
     let Ok(space) = bundle.blend(blending.space) else { return };
     let key = (model.generation, blending.space);
     let shown = state.shown.filter(|s| s.0 == key).map(|s| s.1);

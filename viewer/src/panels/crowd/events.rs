@@ -20,7 +20,7 @@ const KIND: f32 = 78.0;
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut CrowdPanelState, commands: &mut Commands) {
-    let run = scene.run();
+    let run = &scene.run;
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
     if let Some(brains) = run.simulation().brains() {
         ui.horizontal_wrapped(|ui| {
@@ -104,7 +104,7 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &AgentEvent, selected: Option<usiz
 /// Agent of the event, and the other party.
 fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
     let agent = super::agent_name(scene, h.agent);
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let brains = simulation.brains();
     let place = h.place.and_then(|p| brains?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
     let message = h.message.and_then(|e| brains?.event_names().get(e));

@@ -91,7 +91,7 @@ fn edit(change: UnitChange) -> ViewerCommand {
 
 fn save(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     ui.horizontal(|ui| {
-        let file = state.file.get_or_insert_with(|| suggested(world.path()).display().to_string());
+        let file = state.file.get_or_insert_with(|| suggested(&world.path).display().to_string());
         let button = ui.button("Save").on_hover_text("Write the world as a list of places");
         ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
         if button.clicked() && !file.trim().is_empty() {

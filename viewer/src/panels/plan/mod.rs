@@ -30,7 +30,7 @@ pub struct PlanPanelState {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Commands) {
-    let Some(task) = model.task() else {
+    let Some(task) = model.document.task() else {
         ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
         return;
     };
@@ -116,10 +116,10 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
 }
 
 fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Commands) {
-    let file = state.file.get_or_insert_with(|| suggested(task.path()).display().to_string());
+    let file = state.file.get_or_insert_with(|| suggested(&task.path).display().to_string());
     let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
     let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);
-    let file = state.task.get_or_insert_with(|| task.path().display().to_string());
+    let file = state.task.get_or_insert_with(|| task.path.display().to_string());
     let tip = "Write the task with things and places where they are; comments and all other numbers stay";
     let own = written(ui, file, Button::new("Save the task"), tip, true).map(PlanCommand::SaveTask);
     commands.extend(motion.into_iter().chain(own).map(ViewerCommand::Plan));

@@ -50,7 +50,7 @@ impl PlotDirection {
 
 /// Shows it; returns the frame that the play head is moved to by a click or a drag.
 pub fn show(ui: &mut Ui, model: &Model, along: &mut PlotDirection, wanted: &mut PlanViewOptions) -> Option<u32> {
-    let task = model.task()?;
+    let task = model.document.task()?;
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");
         ui.checkbox(&mut wanted.trees, "trees").on_hover_text("Where hands and feet are in the trees of the searches");

@@ -211,7 +211,7 @@ fn more_than_the_device_can_hold_is_an_error() {
 fn records_look_as_posed_characters_do() {
     let Some(mut renderer) = renderer() else { return };
     let bundle = OpenBundle::open(&golden_path()).expect("the golden bundle");
-    let (motion_set, skeleton) = (bundle.motion_set(), bundle.tables().skeleton());
+    let (motion_set, skeleton) = (&bundle.motion_set, bundle.tables().skeleton());
     let n = 40;
     let place = |i: usize| Planar::new((i % 8) as f32 - 3.5, 1.5 * (i / 8) as f32 - 3.0, 0.7 * i as f32);
     let starts: Vec<CharacterStart> = (0..n).map(|i| CharacterStart { root: place(i), state: 0 }).collect();
