@@ -10,10 +10,13 @@ use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
 pub struct OpenBundle {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     tables: Bundle,
-    motion_set: MotionSet,
-    blends: Vec<BlendSpace>,
+    /// Views of the tables that a step of the simulation reads.
+    pub motion_set: MotionSet,
+    /// The blend spaces.
+    pub blends: Vec<BlendSpace>,
     rows: OnceLock<Arc<[Mat3x4]>>,
 }
 
@@ -38,28 +41,13 @@ impl OpenBundle {
         })?;
         let blends = (0..tables.blends().spaces.len()).map(|space| BlendSpace::new(tables.blends(), space));
         let blends = blends.collect::<Result<_, _>>().map_err(|e| fail(&e))?;
-        Ok(Self {
-            path: path.to_path_buf(),
-            motion_set: MotionSet::new(&tables),
-            blends,
-            tables,
-            rows: OnceLock::new(),
-        })
-    }
-
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
+        let (path, motion_set) = (path.to_path_buf(), MotionSet::new(&tables));
+        Ok(Self { path, motion_set, blends, tables, rows: OnceLock::new() })
     }
 
     /// The tables.
     pub fn tables(&self) -> &Bundle {
         &self.tables
-    }
-
-    /// Views of the tables that a step of the simulation reads.
-    pub fn motion_set(&self) -> &MotionSet {
-        &self.motion_set
     }
 
     /// Poses of all frame rows, made when they are first asked for: joints in model space (rows * NUM_JOINTS).
@@ -74,18 +62,13 @@ impl OpenBundle {
         })
     }
 
-    /// The blend spaces.
-    pub fn blends(&self) -> &[BlendSpace] {
-        &self.blends
-    }
-
     /// A blend space.
     ///
     /// # Errors
     /// [`Error::Index`] for one that does not exist.
     pub fn blend(&self, number: usize) -> Result<&BlendSpace, Error> {
-        let limit = self.blends().len();
-        self.blends().get(number).ok_or(Error::Index { what: "blend space", who: None, got: number, limit })
+        let limit = self.blends.len();
+        self.blends.get(number).ok_or(Error::Index { what: "blend space", who: None, got: number, limit })
     }
 
     /// Names of a blend space, its axes and its examples (number < number of spaces).

@@ -12,8 +12,7 @@ pub use world::{Tool, UnitDraft, WorldCommand, WorldSelection};
 
 use crate::render::OrbitCamera;
 use crate::run::{Blending, CrowdRunConfig, RunInput};
-use crate::settings::PanelKind;
-use crate::settings::ViewerSettings;
+use crate::settings::{PanelKind, ViewerSettings};
 use std::path::PathBuf;
 
 /// Stage of a bundle: which of its contents the 3-D view shows.

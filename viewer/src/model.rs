@@ -15,8 +15,7 @@ pub use steer::{Lags, UserSteering};
 use crate::command::{PlanViewOptions, SceneViewOptions, ViewStage, WorldSelection};
 use crate::document::{FileWatch, Loader, OngoingBuild, OpenDocument, OutfitLoader, ShownBuild, UserOutfit};
 use crate::render::{BodyStyle, OrbitCamera};
-use crate::settings::PanelKind;
-use crate::settings::{BODIES, ViewerSettings};
+use crate::settings::{BODIES, PanelKind, ViewerSettings};
 use eframe::egui;
 use glam::Vec3;
 use std::path::PathBuf;
@@ -130,7 +129,7 @@ pub struct Model {
     steering: Option<UserSteering>,
     weights: Vec<f32>,
     /// Files of the open document, as requested.
-    asked: Vec<PathBuf>,
+    pub asked: Vec<PathBuf>,
     loader: Loader,
     watch: Option<FileWatch>,
     num_messages: u64,
@@ -160,11 +159,6 @@ impl Model {
             Some(ShownBuild::UnderWay { building, .. }) if building.has_begun() => Some(building),
             _ => None,
         }
-    }
-
-    /// Files of the open document, as requested.
-    pub fn asked(&self) -> &[PathBuf] {
-        &self.asked
     }
 
     /// Frames and rate of the clip shown (frames, Hz).
@@ -202,16 +196,16 @@ impl Model {
     /// True where something is still to be worked off while time stands still, so that the next frame has to be shown
     /// soon.
     pub fn is_busy(&self) -> bool {
-        self.document.world().is_some_and(|w| w.working().is_some())
+        self.document.world().is_some_and(|w| w.working.is_some())
             || self.document.scene().is_some_and(|s| s.restarting().is_some())
-            || self.task().is_some_and(|t| t.planning().is_some())
+            || self.document.task().is_some_and(|t| t.planning.is_some())
     }
 
     /// Number of characters of the crowd or the world, or of agents of a scene.
     pub fn num_characters(&self) -> usize {
         match &self.document {
-            OpenDocument::World(w) => w.run().num_characters(),
-            OpenDocument::Scene(s) => s.run().simulation().num_characters(),
+            OpenDocument::World(w) => w.run.num_characters(),
+            OpenDocument::Scene(s) => s.run.simulation().num_characters(),
             document => document.crowd().map_or(0, |(_, run)| run.config().characters),
         }
     }
@@ -294,7 +288,7 @@ impl Model {
     /// Moves the camera with the selected character: always with the one of a clip or a blend, with one of many or of a
     /// task if that is switched on.
     fn follow(&mut self) {
-        let always = (self.shows_clip() && self.task().is_none()) || self.shows_blend();
+        let always = (self.shows_clip() && self.document.task().is_none()) || self.shows_blend();
         let place = if always || self.settings.follow { self.place_followed() } else { None };
         let Some(at) = place else {
             self.followed = None;

@@ -20,7 +20,7 @@ fn scene(v: &Viewing) -> &SceneDocument {
 
 /// Where the first character's target hangs (m).
 fn home(v: &Viewing) -> Vec3 {
-    let AnyCharacterGroup::Policy(practice) = &scene(v).run().simulation().character_groups()[0] else {
+    let AnyCharacterGroup::Policy(practice) = &scene(v).run.simulation().character_groups()[0] else {
         panic!("no targets")
     };
     practice.practice().targets()[0].home
@@ -206,26 +206,26 @@ fn a_dropped_scene_runs_and_counts_its_blows() {
     v.until("the scene", |v| v.model().document.scene().is_some());
     assert_eq!(v.model().settings.opened[0][0].file_name(), Some("pairs.toml".as_ref()));
     v.apply(ViewerCommand::TogglePanel(PanelKind::Statistics));
-    let thrown = |v: &Viewing| scene(v).run().figures().bout.expect("figures of blows").blows.thrown;
+    let thrown = |v: &Viewing| scene(v).run.figures().bout.expect("figures of blows").blows.thrown;
     v.until("some blows", |v| thrown(v) > 3);
     v.harness.get_by_label("thrown");
     v.harness.get_by_label("blocked");
     v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(2);
-    let joints = |v: &Viewing| (0..4).map(|who| scene(v).run().simulation().joint_positions(who)).collect::<Vec<_>>();
-    let (last, seen) = (scene(&v).run().head.shown_step(), joints(&v));
+    let joints = |v: &Viewing| (0..4).map(|who| scene(v).run.simulation().joint_positions(who)).collect::<Vec<_>>();
+    let (last, seen) = (scene(&v).run.head.shown_step(), joints(&v));
     v.apply(ViewerCommand::Seek(0));
     assert_eq!(thrown(&v), 0);
     v.apply(ViewerCommand::Seek(last));
     assert!(joints(&v) == seen, "another bout after scrubbing back and on");
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
 
-    let choice = SceneChoice { characters: 8, ..scene(&v).choice() };
+    let choice = SceneChoice { characters: 8, ..scene(&v).choice };
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("eight boxers", |v| v.model().num_characters() == 8);
     v.apply(ViewerCommand::Restart);
     v.until("the start", |v| scene(v).num_runs == 2);
-    assert_eq!((v.model().num_characters(), scene(&v).run().head.shown_step()), (8, 0));
+    assert_eq!((v.model().num_characters(), scene(&v).run.head.shown_step()), (8, 0));
 }
 
 #[test]
@@ -299,12 +299,12 @@ fn who_is_steered_strikes_where_there_are_blows() {
     v.key(Key::X, true);
     v.harness.step();
     let (bundle, run) = v.model().document.crowd().expect("a crowd");
-    assert!(!bundle.motion_set().hits_of(run.characters().segment(0).0).is_empty());
+    assert!(!bundle.motion_set.hits_of(run.characters().segment(0).0).is_empty());
     let mut v = Viewing::of(&golden());
     v.key(Key::G, true);
     v.key(Key::X, true);
     v.harness.step();
-    let has_blows = !v.model().document.bundle().expect("a bundle").motion_set().hits().is_empty();
+    let has_blows = !v.model().document.bundle().expect("a bundle").motion_set.hits().is_empty();
     assert!(has_blows || v.model().messages.iter().any(|m| m.text.contains("No blow")));
 }
 

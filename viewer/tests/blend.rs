@@ -41,13 +41,13 @@ fn a_bundle_with_blend_spaces_only_opens_with_a_character_that_follows_the_point
     // Faster, and to the left, which is positive.
     assert!(after[0] > before[0] + 0.1 && after[1] > before[1] + 0.2, "{before:?} became {after:?}");
     let camera = v.model().settings.camera.target;
-    let (then, heading) = (run(&v).reel.head.shown_step(), run(&v).moment().roots[0].heading);
+    let (then, heading) = (run(&v).reel.head.shown_step(), run(&v).reel.moment().roots[0].heading);
     v.harness.run_steps(90);
     let steps = run(&v).reel.head.shown_step() - then;
-    let turned = run(&v).moment().roots[0].heading - heading;
+    let turned = run(&v).reel.moment().roots[0].heading - heading;
     let wanted = after[1] * steps as f32 / 60.0;
     assert!(steps > 60 && (turned - wanted).abs() < 0.25, "turned by {turned}, expected {wanted}");
-    assert!(run(&v).moment().point.iter().zip(after).all(|(a, b)| (a - b).abs() < 0.02));
+    assert!(run(&v).reel.moment().point.iter().zip(after).all(|(a, b)| (a - b).abs() < 0.02));
     assert!(v.model().settings.camera.target.distance(camera) > 0.5, "the camera stays behind");
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
 }
@@ -59,16 +59,16 @@ fn a_stopped_walk_rewinds_and_shows_another_blend_at_the_same_time() {
     v.harness.run_steps(60);
     v.harness.get_by_label("Pause").click();
     v.harness.run_steps(2);
-    let (last, seen) = (run(&v).reel.head.shown_step(), run(&v).moment().clone());
+    let (last, seen) = (run(&v).reel.head.shown_step(), run(&v).reel.moment().clone());
     v.apply(ViewerCommand::Step(-20));
     v.harness.run_steps(2);
-    assert!(run(&v).moment().poses != seen.poses);
+    assert!(run(&v).reel.moment().poses != seen.poses);
     v.apply(ViewerCommand::Seek(u32::MAX));
-    assert!(run(&v).reel.head.shown_step() == last && run(&v).moment().poses == seen.poses);
+    assert!(run(&v).reel.head.shown_step() == last && run(&v).reel.moment().poses == seen.poses);
 
     let (from, to) = (on_map(&v, 0.5, 0.5), on_map(&v, 0.5, 0.05));
     v.drag(from, to);
-    let now = run(&v).moment();
+    let now = run(&v).reel.moment();
     assert!(now.phase == seen.phase && now.poses != seen.poses && run(&v).reel.head.shown_step() == last);
     // The map has the keys now: arrows move the point, not time.
     let slow = blending(&v).point;
@@ -109,7 +109,7 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
     v.harness.run_steps(80);
     let now = |v: &Viewing| v.model().head().expect("a head").shown_step();
     let joints = |v: &Viewing| {
-        let simulation = v.model().document.scene().expect("a scene").run().simulation();
+        let simulation = v.model().document.scene().expect("a scene").run.simulation();
         (0..9).filter_map(|who| simulation.joint_positions(who)).flatten().collect::<Vec<_>>()
     };
     let (last, seen) = (now(&v), joints(&v));
@@ -125,7 +125,7 @@ fn a_scene_of_walkers_plays_rewinds_and_restarts() {
     v.apply(ViewerCommand::SelectCharacter(Some(4)));
     v.harness.run_steps(2);
     assert_eq!(v.model().selection.character, Some(4));
-    let choice = SceneChoice { characters: 3, seed: 5, ..v.model().document.scene().expect("a scene").choice() };
+    let choice = SceneChoice { characters: 3, seed: 5, ..v.model().document.scene().expect("a scene").choice };
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("three walkers", |v| v.model().num_characters() == 3);
     assert_eq!(v.model().selection.character, None);

@@ -16,12 +16,12 @@ fn scene(v: &Viewing) -> &SceneDocument {
 }
 
 fn now(v: &Viewing) -> u32 {
-    scene(v).run().head.shown_step()
+    scene(v).run.head.shown_step()
 }
 
 /// Places of all agents (m).
 fn places(v: &Viewing) -> Vec<Option<glam::Vec3>> {
-    (0..v.model().num_characters()).map(|who| scene(v).run().place(who)).collect()
+    (0..v.model().num_characters()).map(|who| scene(v).run.place(who)).collect()
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn a_scene_opens_plays_and_is_paused_stepped_and_rewound() {
     assert_eq!(now(&v), last);
 
     // A click on an agent selects it, and its forces are told.
-    let at = v.on_screen(scene(&v).run().place(7).expect("it is there"));
+    let at = v.on_screen(scene(&v).run.place(7).expect("it is there"));
     v.click(at);
     assert_eq!(v.model().selection.character, Some(7));
     v.harness.run_steps(2);
@@ -77,20 +77,20 @@ fn a_scene_restarts_with_other_numbers_and_is_saved() {
     v.apply(ViewerCommand::SelectCharacter(Some(20)));
     let file = meeting.folder().join("kept.state");
     v.apply(ViewerCommand::Scene(SceneCommand::Save(file.clone())));
-    let (hash, time_s) = (scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s());
+    let (hash, time_s) = (scene(&v).run.simulation().hash(), scene(&v).run.simulation().time_s());
 
-    let choice = SceneChoice { characters: 10, ..scene(&v).choice() };
+    let choice = SceneChoice { characters: 10, ..scene(&v).choice };
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("ten agents", |v| v.model().num_characters() == 10);
     assert_eq!((v.model().selection.character, now(&v), v.model().is_playing()), (None, 0, false));
     v.apply(ViewerCommand::Scene(SceneCommand::Restore(file)));
     v.until("those of before", |v| v.model().num_characters() == 24);
-    assert_eq!((scene(&v).run().simulation().hash(), scene(&v).run().simulation().time_s()), (hash, time_s));
+    assert_eq!((scene(&v).run.simulation().hash(), scene(&v).run.simulation().time_s()), (hash, time_s));
 
     let runs = scene(&v).num_runs;
     v.harness.key_press(Key::R);
     v.until("the start", |v| scene(v).num_runs > runs);
-    assert_eq!(scene(&v).run().simulation().time_s(), 0.0);
+    assert_eq!(scene(&v).run.simulation().time_s(), 0.0);
     // All panels have something to say of it.
     for panel in PANELS {
         v.apply(ViewerCommand::TogglePanel(panel.kind));
@@ -108,7 +108,7 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
     let market = Market::new();
     let path = market.scene(12);
     let mut v = Viewing::of(&path);
-    let choice = SceneChoice { seed: 8, ..scene(&v).choice() };
+    let choice = SceneChoice { seed: 8, ..scene(&v).choice };
     v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
     v.until("the other seed", |v| scene(v).num_runs == 1);
     v.until("a second", |v| now(v) >= 60);
@@ -130,16 +130,16 @@ fn a_scene_that_is_edited_goes_on_at_its_time_and_a_broken_one_leaves_the_old_on
         .expect("written over");
     v.until("the new version", |v| says(v, "was reloaded"));
     assert!(v.has_no_errors(), "{:?}", v.model().messages);
-    assert_eq!((now(&v), scene(&v).choice().seed, v.model().selection.character), (step, 8, Some(4)));
+    assert_eq!((now(&v), scene(&v).choice.seed, v.model().selection.character), (step, 8, Some(4)));
     assert!(!v.model().is_playing());
-    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    assert_eq!(scene(&v).run.spread.times(1)[0], 0.25);
     // The way there is recorded, too.
     v.apply(ViewerCommand::Seek(10));
-    assert_eq!(scene(&v).run().spread().times(1)[0], 0.25);
+    assert_eq!(scene(&v).run.spread.times(1)[0], 0.25);
     v.apply(ViewerCommand::Play(true));
     // A new seed in the file counts.
     std::fs::write(&path, text.replace("seed = 3", "seed = 4")).expect("written over");
-    v.until("the new seed", |v| scene(v).choice().seed == 4);
+    v.until("the new seed", |v| scene(v).choice.seed == 4);
 }
 
 #[test]
@@ -151,7 +151,7 @@ fn a_click_on_a_cell_with_a_board_reads_it_and_keeps_the_agent() {
     v.apply(ViewerCommand::SelectCharacter(Some(5)));
     v.apply(ViewerCommand::FrameAll);
     v.harness.run_steps(2);
-    let brains = scene(&v).run().simulation().brains().expect("agent brains");
+    let brains = scene(&v).run.simulation().brains().expect("agent brains");
     // A spot of a smallest cell with nobody near.
     let far = |p: &glam::Vec3| places(&v).into_iter().flatten().all(|a| a.distance(*p) > 0.9);
     let offsets: Vec<_> =

@@ -188,7 +188,7 @@ fn a_folder_that_was_dropped() {
     walk(&clips, 1.0);
     let mut v = Viewing::new(&Args { characters: Some(12), ..crowd() }, vec2(1280.0, 800.0));
     drop_files(&mut v, &[&clips]);
-    v.until("the bundle", |v| v.model().asked() == [clips.clone()]);
+    v.until("the bundle", |v| v.model().asked == [clips.clone()]);
     compare(&mut results, rest(v), "folder_dropped");
 }
 
@@ -270,7 +270,7 @@ fn world() {
     v.apply(ViewerCommand::World(WorldCommand::SelectPlace(Some(4))));
     let to = Placement::new(7.4, 0.0, 2.8, 0.0);
     v.apply(ViewerCommand::World(WorldCommand::Edit(UnitChange::Move { place: 4, to })));
-    v.until("an answer", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
+    v.until("an answer", |v| v.model().document.world().is_some_and(|w| w.working.is_none()));
     v.harness.run_steps(4);
     compare(&mut results, v, "panel_patches_refused");
 }
@@ -382,7 +382,7 @@ fn a_task_of_limbs() {
         let options = PlanViewOptions { num_motions: 2, ..v.model().selection.plan };
         v.apply(ViewerCommand::Plan(PlanCommand::SetOptions(options)));
         v.apply(ViewerCommand::Plan(PlanCommand::Plan));
-        v.until("two motions", |v| v.model().task().is_some_and(|t| t.motions().len() == 2));
+        v.until("two motions", |v| v.model().document.task().is_some_and(|t| t.motions().len() == 2));
         let mut v = rest(v);
         v.apply(ViewerCommand::Seek(51));
         v.harness.run_steps(4);

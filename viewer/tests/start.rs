@@ -60,7 +60,7 @@ fn a_dropped_folder_is_built_told_judged_and_run() {
     v.harness.get_by_label("Built walks");
     v.harness.get_by_label_contains("of the targets were reached");
     assert!(v.model().num_characters() > 0 && v.model().is_playing());
-    assert_eq!((v.model().asked(), &v.model().settings.opened[0]), (&[clips.clone()][..], &vec![clips.clone()]));
+    assert_eq!((&*v.model().asked, &v.model().settings.opened[0]), (&[clips.clone()][..], &vec![clips.clone()]));
 
     // It is there at once when it is opened again; what is not reached any more is told anew.
     v.apply(ViewerCommand::Close);

@@ -24,7 +24,7 @@ fn opened(file: &std::path::Path) -> Viewing {
 
 /// The world once more, when it has been stitched.
 fn stitched(v: &mut Viewing) {
-    v.until("the new world", |v| v.model().document.world().is_some_and(|w| w.working().is_none()));
+    v.until("the new world", |v| v.model().document.world().is_some_and(|w| w.working.is_none()));
     v.harness.run_steps(3);
 }
 
@@ -73,7 +73,7 @@ fn units_are_edited_and_characters_get_orders() {
     assert_eq!(num_units(&v), 11, "{:?}", v.model().messages);
     let p = v.model().document.world().expect("a world").placed()[10].placement;
     assert!((p.x - 8.4).abs() < 1e-3 && (p.z - 2.8).abs() < 1e-3, "{p:?}");
-    assert!(v.model().document.world().is_some_and(|w| w.edited().is_some()));
+    assert!(v.model().document.world().is_some_and(|w| w.edited.is_some()));
 
     // Delete removes it.
     tool(&mut v, Tool::Move);
@@ -107,7 +107,7 @@ fn units_are_edited_and_characters_get_orders() {
     v.apply(ViewerCommand::World(WorldCommand::Edit(change)));
     stitched(&mut v);
     assert_eq!(num_units(&v), 10);
-    let refused = v.model().document.world().and_then(|w| w.refused()).expect("a reason").reason.clone();
+    let refused = v.model().document.world().and_then(|w| w.refused.as_ref()).expect("a reason").reason.clone();
     assert!(refused.contains("ground"), "{refused}");
     let said = v.harness.get_all_by_label_contains(&refused).count();
     assert_eq!(said, 2, "in the view and in the panel");
@@ -121,12 +121,12 @@ fn units_are_edited_and_characters_get_orders() {
     let at = v.on_screen(Vec3::new(5.6, 0.0, 5.6));
     v.click(at);
     v.harness.run_steps(3);
-    let told = v.model().document.world().and_then(|w| w.run().order_of(0));
+    let told = v.model().document.world().and_then(|w| w.run.order_of(0));
     let Some(InhabitantGoal::GoNear { place, .. }) = told else { panic!("{told:?}") };
     assert!(place.distance(Vec3::new(5.6, 0.0, 5.6)) < 0.3, "{place}");
     v.harness.get_by_label("Roam").click();
     v.harness.run_steps(3);
-    assert_eq!(v.model().document.world().and_then(|w| w.run().order_of(0)), Some(InhabitantGoal::Roam));
+    assert_eq!(v.model().document.world().and_then(|w| w.run.order_of(0)), Some(InhabitantGoal::Roam));
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn who_is_steered_on_patches_is_sent_ahead() {
     for pressed in [Key::W, Key::A, Key::S, Key::D] {
         v.key(pressed, true);
         let world = v.model().document.world().expect("a world");
-        let (at, goal) = (world.run().moment().roots[0].translation(), world.run().moment().states[0].goal);
+        let (at, goal) = (world.run.reel.moment().roots[0].translation(), world.run.reel.moment().states[0].goal);
         let [right, _, back] = v.model().settings.camera.axes();
         let ahead = -back.with_y(0.0).normalize();
         let wanted = match pressed {

@@ -104,14 +104,11 @@ impl Args {
         if !self.panel.is_empty() {
             model.settings.side_panel = self.settings(ViewerSettings::default()).side_panel;
         }
-        match self.camera {
-            Some(view) => {
-                model.apply(ctx, ViewerCommand::Camera(view.camera));
-                if !view.is_placed {
-                    model.apply(ctx, ViewerCommand::FrameAll);
-                }
-            }
-            None => model.apply(ctx, ViewerCommand::FrameAll),
+        if let Some(view) = self.camera {
+            model.apply(ctx, ViewerCommand::Camera(view.camera));
+        }
+        if self.camera.is_none_or(|view| !view.is_placed) {
+            model.apply(ctx, ViewerCommand::FrameAll);
         }
         Ok(())
     }
@@ -119,13 +116,13 @@ impl Args {
     /// Gives a scene another number of characters, another seed and another engine.
     fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
         if let Some(scene) = model.document.scene() {
-            let old = scene.choice();
+            let old = scene.choice;
             let choice = SceneChoice {
                 characters: self.characters.unwrap_or(old.characters),
                 seed: self.seed.unwrap_or(old.seed),
                 engine: self.engine.unwrap_or(old.engine),
             };
-            let has_agents = scene.scene().groups.iter().any(|g| g.is_of_agents());
+            let has_agents = scene.scene.groups.iter().any(|g| g.is_of_agents());
             if has_agents || self.engine.is_none() {
                 return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
             }
@@ -134,7 +131,7 @@ impl Args {
             let example = "data/scenes/corridor.toml";
             return Err(format!("--engine {name}: engines are for scenes with agents, such as {example}"));
         }
-        if let Some(old) = model.document.world().map(|w| w.roamers())
+        if let Some(old) = model.document.world().map(|w| w.roamers)
             && (self.characters.is_some() || self.seed.is_some())
         {
             let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
@@ -161,7 +158,7 @@ impl Args {
 
 /// Number of the message of this name.
 fn find_message(model: &Model, wanted: &str) -> Result<usize, String> {
-    let brains = model.document.scene().and_then(|s| s.run().simulation().brains());
+    let brains = model.document.scene().and_then(|s| s.run.simulation().brains());
     let Some(brains) = brains.filter(|m| m.has_events()) else {
         return Err(format!("--message {wanted}: nothing happens here that is told; open a scene with `[[events]]`"));
     };
@@ -186,11 +183,8 @@ fn find_clip(model: &Model, wanted: &str) -> Result<usize, String> {
         [] => Err(format!("--clip {wanted}: no clip has that name; there are {}", some_of(&names))),
         _ => {
             let like: Vec<&str> = like.iter().map(|&c| names[c]).collect();
-            Err(format!(
-                "--clip {wanted}: {} clips have that in their names; choose one of: {}",
-                like.len(),
-                some_of(&like)
-            ))
+            let (count, some) = (like.len(), some_of(&like));
+            Err(format!("--clip {wanted}: {count} clips have that in their names; choose one of: {some}"))
         }
     }
 }

@@ -10,7 +10,8 @@ use throng_precompute::inspect::{self, ClipReport, InspectedClip};
 /// A motion file.
 #[derive(Debug)]
 pub struct RawMotion {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     /// The source's own joints.
     pub imported: ImportedClip,
     /// The clip on the database skeleton, as a build would use it.
@@ -30,11 +31,6 @@ impl RawMotion {
         Ok(Self { path: path.to_path_buf(), imported, clips, report })
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Frame of the clip of a build at a frame of the source.
     pub fn clip_frame(&self, source_frame: f32) -> usize {
         let Some(clip) = self.clips.clips.first() else { return 0 };
@@ -46,10 +42,5 @@ impl RawMotion {
     pub fn place(&self, source_frame: f32) -> Option<Vec3> {
         let clip = self.clips.clips.first()?;
         Some(clip.root_positions[self.clip_frame(source_frame)].with_y(0.0))
-    }
-
-    /// Length (s).
-    pub fn duration_s(&self) -> f64 {
-        self.report.duration_s
     }
 }

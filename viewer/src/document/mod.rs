@@ -67,11 +67,11 @@ impl OpenDocument {
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::Nothing => None,
-            Self::Bundle(b) => Some(b.bundle.path()),
-            Self::Clip(c) => Some(c.path()),
-            Self::World(w) => Some(w.path()),
-            Self::Scene(s) => Some(s.path()),
-            Self::Task(t) => Some(t.path()),
+            Self::Bundle(b) => Some(&b.bundle.path),
+            Self::Clip(c) => Some(&c.path),
+            Self::World(w) => Some(&w.path),
+            Self::Scene(s) => Some(&s.path),
+            Self::Task(t) => Some(&t.path),
         }
     }
 
@@ -80,8 +80,8 @@ impl OpenDocument {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
-            Self::World(w) => Some(&w.run().reel.head),
-            Self::Scene(s) => Some(&s.run().head),
+            Self::World(w) => Some(&w.run.reel.head),
+            Self::Scene(s) => Some(&s.run.head),
         }
     }
 
@@ -90,15 +90,15 @@ impl OpenDocument {
         match self {
             Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
             Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
-            Self::World(w) => Some(&mut w.run_mut().reel.head),
-            Self::Scene(s) => Some(&mut s.run_mut().head),
+            Self::World(w) => Some(&mut w.run.reel.head),
+            Self::Scene(s) => Some(&mut s.run.head),
         }
     }
 
     /// Further files that the document depends on.
     pub fn more_files(&self) -> Vec<PathBuf> {
         match self {
-            Self::World(w) => vec![w.bundle().path().to_path_buf()],
+            Self::World(w) => vec![w.bundle().path.clone()],
             Self::Scene(s) => s.more_files(),
             Self::Task(t) => t.sources.files.clone(),
             Self::Nothing | Self::Bundle(_) | Self::Clip(_) => Vec::new(),

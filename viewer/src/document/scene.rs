@@ -111,11 +111,16 @@ pub struct SceneUnit {
 /// A scene of groups that is open.
 #[derive(Debug)]
 pub struct SceneDocument {
-    path: PathBuf,
-    scene: Scene,
-    choice: SceneChoice,
-    run: SceneRun,
-    surroundings: SceneSurroundings,
+    /// The file.
+    pub path: PathBuf,
+    /// The scene as read from the file.
+    pub scene: Scene,
+    /// Settings of the present run.
+    pub choice: SceneChoice,
+    /// The characters and their record.
+    pub run: SceneRun,
+    /// Surroundings of the characters.
+    pub surroundings: SceneSurroundings,
     /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
     /// A new run that is prepared, and its settings.
@@ -186,21 +191,6 @@ impl SceneDocument {
         Ok(())
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// The scene as read from the file.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
-    /// Settings of the present run.
-    pub fn choice(&self) -> SceneChoice {
-        self.choice
-    }
-
     /// Settings of the run in preparation.
     pub fn restarting(&self) -> Option<SceneChoice> {
         self.restart.as_ref().map(|r| r.0)
@@ -220,21 +210,6 @@ impl SceneDocument {
             of_world.chain([self.scene.bundle_of(g).0]).flatten().filter(|f| f.exists()).map(Path::to_path_buf)
         });
         files.collect::<BTreeSet<_>>().into_iter().collect()
-    }
-
-    /// The characters and their record.
-    pub fn run(&self) -> &SceneRun {
-        &self.run
-    }
-
-    /// The run, mutable: to be played, stopped and rewound.
-    pub fn run_mut(&mut self) -> &mut SceneRun {
-        &mut self.run
-    }
-
-    /// Surroundings of the characters.
-    pub fn surroundings(&self) -> &SceneSurroundings {
-        &self.surroundings
     }
 
     /// A character that chooses by policies of the bundle, with all data of its choices; none for any other.

@@ -47,10 +47,10 @@ impl fmt::Display for BenchReport {
 /// Another number of characters, rounded up to pairs if the scene has pairs.
 fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
     if let Some(world) = model.document.world() {
-        return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers().seed });
+        return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers.seed });
     }
     match model.document.scene() {
-        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice() })),
+        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice })),
         None => ViewerCommand::Configure(CrowdRunConfig { characters, ..model.settings.run }),
     }
 }

@@ -35,7 +35,7 @@ impl Model {
                     run.input(input);
                     self.weights = run.weights().to_vec();
                 } else if let OpenDocument::Scene(scene) = &mut self.document
-                    && let Err(why) = scene.run_mut().input(input)
+                    && let Err(why) = scene.run.input(input)
                 {
                     self.complain(why.to_string());
                 }
@@ -72,11 +72,11 @@ impl Model {
 
     /// Restarts the run.
     fn restart(&mut self, ctx: &egui::Context) {
-        if let Some(choice) = self.document.scene().map(|s| s.choice()) {
+        if let Some(choice) = self.document.scene().map(|s| s.choice) {
             return self.apply_to_scene(ctx, SceneCommand::Restart(choice));
         }
         if let Some(world) = self.document.world() {
-            let old = world.roamers();
+            let old = world.roamers;
             return self.populate(old.characters, old.seed);
         }
         if self.shows_blend()
@@ -141,7 +141,7 @@ impl Model {
     fn watch_selected(&mut self) {
         let selected = self.selection.character;
         if let OpenDocument::Scene(scene) = &mut self.document {
-            scene.run_mut().watch(selected);
+            scene.run.log.watch(selected);
         }
     }
 

@@ -95,7 +95,7 @@ impl Model {
             self.stage = ViewStage::Crowd;
             self.views.clear();
             self.change_side_panel();
-            let are_discs = |s: &SceneDocument| !s.surroundings().in_the_air && s.bundle().is_none();
+            let are_discs = |s: &SceneDocument| !s.surroundings.in_the_air && s.bundle().is_none();
             if self.document.scene().is_some_and(are_discs) {
                 // From straight above, +X at the right.
                 (self.settings.camera.yaw, self.settings.camera.pitch) = (0.0, FRAC_PI_2);
@@ -144,7 +144,7 @@ impl Model {
         let here = match &self.document {
             OpenDocument::World(_) => PanelKind::Patches,
             OpenDocument::Task(_) => PanelKind::Plan,
-            OpenDocument::Scene(s) if s.scene().groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
+            OpenDocument::Scene(s) if s.scene.groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
             OpenDocument::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };

@@ -46,12 +46,12 @@ impl Model {
             document if self.shows_clip() => Some(document.bundle()?.planar(self.shown_row()?).translation()),
             OpenDocument::Nothing => None,
             OpenDocument::World(w) => {
-                let c = selected.filter(|&c| c < w.run().num_characters())?;
-                Some(w.run().hips(c).with_y(0.0))
+                let c = selected.filter(|&c| c < w.run.num_characters())?;
+                Some(w.run.hips(c).with_y(0.0))
             }
-            OpenDocument::Scene(s) => s.run().place(selected.filter(|&c| c < self.num_characters())?),
+            OpenDocument::Scene(s) => s.run.place(selected.filter(|&c| c < self.num_characters())?),
             OpenDocument::Bundle(b) if self.shows_blend() => {
-                Some(b.blend.as_ref()?.moment().roots.first()?.translation())
+                Some(b.blend.as_ref()?.reel.moment().roots.first()?.translation())
             }
             OpenDocument::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
         }
@@ -74,21 +74,21 @@ fn task_points(task: &TaskDocument) -> impl Iterator<Item = Vec3> {
 /// Corners of boxes around the units of a world, and its characters (m).
 fn world_points(world: &WorldDocument) -> impl Iterator<Item = Vec3> {
     let of_units = world.placed().iter().flat_map(|p| {
-        let b = world.kit().geometries[p.unit].bounds.mapped(|c| p.placement.transform_point(c));
+        let b = world.kit.geometries[p.unit].bounds.mapped(|c| p.placement.transform_point(c));
         [b.min, b.max]
     });
-    of_units.filter(|p| p.is_finite()).chain((0..world.run().num_characters()).map(|c| world.run().hips(c)))
+    of_units.filter(|p| p.is_finite()).chain((0..world.run.num_characters()).map(|c| world.run.hips(c)))
 }
 
 /// Positions of the characters of a scene, their targets, and both ends of the agents' routes; for agents with rules,
 /// also places, doors and surroundings, since they may be sent there (m).
 fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
-    let (run, all) = (scene.run(), 0..scene.run().simulation().num_characters());
+    let (run, all) = (&scene.run, 0..scene.run.simulation().num_characters());
     let points = all.flat_map(|who| {
         let route = agent_path(run.simulation(), who);
         [run.place(who), run.simulation().target(who), route.first().copied(), route.last().copied()]
     });
-    let standing = Some(scene.surroundings()).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);
+    let standing = Some(&scene.surroundings).filter(|s| run.simulation().brains().is_some() && !s.in_the_air);
     let ends = standing.into_iter().flat_map(|s| {
         let obstacles = s.obstacles.iter().flat_map(|o| match o {
             Obstacle::Wall { from, to, .. } => vec![*from, *to],
@@ -98,7 +98,7 @@ fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
         });
         s.doors.iter().flat_map(|d| d.ends).chain(obstacles)
     });
-    let places = scene.scene().places.iter().flat_map(|place| {
+    let places = scene.scene.places.iter().flat_map(|place| {
         let at = |p: &[f32]| Vec3::new(p[0], if p.len() > 2 { p[1] } else { 0.0 }, p[p.len() - 1]);
         let slots = place.slots.iter().map(|s| s.at.as_slice());
         let queue = place.queue.iter().flat_map(|q| q.points.iter().map(|p| p.as_slice()));

@@ -2,17 +2,12 @@
 
 use super::Model;
 use crate::command::PlanCommand;
-use crate::document::{OpenDocument, TaskDocument};
+use crate::document::OpenDocument;
 
 impl Model {
-    /// The task, where one is open.
-    pub fn task(&self) -> Option<&TaskDocument> {
-        self.document.task()
-    }
-
     /// Time of the task that is shown (s).
     pub fn task_time_s(&self) -> f64 {
-        let rate_hz = self.task().map_or(30.0, |t| t.frames().1);
+        let rate_hz = self.document.task().map_or(30.0, |t| t.frames().1);
         f64::from(self.player.frame.round() / rate_hz)
     }
 
@@ -38,7 +33,7 @@ impl Model {
             PlanCommand::SaveTask(path) => match task.save_task(&path) {
                 Ok(()) => {
                     // The written file has the shown state: its change is not a new version.
-                    if path == task.path() {
+                    if path == task.path {
                         self.watch_anew();
                     }
                     self.say(format!("Saved {}", path.display()));
@@ -63,7 +58,7 @@ impl Model {
     pub(super) fn adopt_plan(&mut self, waits: bool) {
         let OpenDocument::Task(task) = &mut self.document else { return };
         if task.adopt_plan(waits)
-            && let Some(why) = task.refused()
+            && let Some(why) = &task.refused
         {
             let why = format!("Nothing was planned: {why}");
             self.complain(why);

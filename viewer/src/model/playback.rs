@@ -32,7 +32,7 @@ impl Model {
         let (shows_blend, eye) = (self.shows_blend(), self.settings.camera.eye());
         match &mut self.document {
             OpenDocument::World(w) => w.step(),
-            OpenDocument::Scene(s) => s.run_mut().step(),
+            OpenDocument::Scene(s) => s.run.step(),
             OpenDocument::Bundle(b) => match (&mut b.blend, &mut b.run) {
                 (Some(blend), _) if shows_blend => blend.step(&b.bundle),
                 (_, Ok(run)) => {
@@ -50,7 +50,7 @@ impl Model {
         let shows_blend = self.shows_blend();
         match &mut self.document {
             OpenDocument::Bundle(b) if !shows_blend => b.run.as_mut().map_or(Ok(()), |run| run.seek(&b.bundle, step)),
-            OpenDocument::Scene(s) => s.run_mut().seek(step),
+            OpenDocument::Scene(s) => s.run.seek(step),
             _ => {
                 self.head_mut().into_iter().for_each(|head| head.seek(step));
                 Ok(())
@@ -60,7 +60,7 @@ impl Model {
 
     /// True while a world is edited: time stands still, since all its characters will be put back where they are shown.
     fn waits_for_edit(&self) -> bool {
-        self.document.world().is_some_and(|w| w.working().is_some())
+        self.document.world().is_some_and(|w| w.working.is_some())
     }
 
     /// Advances by wall time; returns the number of steps taken.

@@ -101,8 +101,8 @@ impl Model {
     /// Position and heading of the steered character (m, rad).
     fn steered_place(&self) -> Option<(Vec3, f32)> {
         let root = match &self.document {
-            OpenDocument::World(w) => *w.run().moment().roots.get(self.selection.character?)?,
-            OpenDocument::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.moment().roots.first()?,
+            OpenDocument::World(w) => *w.run.reel.moment().roots.get(self.selection.character?)?,
+            OpenDocument::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.reel.moment().roots.first()?,
             document => {
                 let characters = document.crowd()?.1.characters();
                 characters.root(self.selection.character.filter(|&c| c < characters.num_characters())?)
@@ -143,10 +143,8 @@ impl Model {
     /// Sends the steered character in the direction of the keys, or lets it stay if no direction is held down.
     fn send(&mut self, held: SteerInput) {
         let Some((at, _)) = self.steered_place().filter(|_| !self.shows_blend()) else { return };
-        let (direction, Some(character)) = (self.steer_direction(held).unwrap_or_default(), self.selection.character)
-        else {
-            return;
-        };
+        let Some(character) = self.selection.character else { return };
+        let direction = self.steer_direction(held).unwrap_or_default();
         if let OpenDocument::World(world) = &mut self.document {
             let Some(s) = &mut self.steering else { return };
             s.waited += 1;
@@ -194,7 +192,7 @@ impl Model {
     fn strike(&mut self) -> Result<(), String> {
         let none = "No blow is there to strike with: build the bundle with `hits`, from clips with blows.";
         let Some(character) = self.selection.character.filter(|_| self.steering.is_some()) else { return Ok(()) };
-        let Some((bundle, run)) = self.document.crowd_mut().filter(|c| !c.0.motion_set().hits().is_empty()) else {
+        let Some((bundle, run)) = self.document.crowd_mut().filter(|c| !c.0.motion_set.hits().is_empty()) else {
             return Err(none.into());
         };
         let (pose, rows) = (run.characters().pose(character), bundle.row_poses());
@@ -204,7 +202,7 @@ impl Model {
             pose.iter().zip(there).map(|(a, b)| a.translation().distance_squared(b.translation())).sum::<f32>()
         };
         let all = 0..bundle.tables().graph().segments.len() as u32;
-        let blows = all.filter(|&s| !bundle.motion_set().hits_of(s).is_empty());
+        let blows = all.filter(|&s| !bundle.motion_set.hits_of(s).is_empty());
         let segment = blows.min_by(|&a, &b| apart(a).total_cmp(&apart(b))).ok_or(none)?;
         run.input(RunInput::Play { character, segment });
         Ok(())
@@ -238,7 +236,7 @@ impl Model {
     /// Root and joints of the steered character, of a crowd or a blend.
     fn steered_pose(&self) -> Option<(Planar, &[Mat3x4])> {
         if let Some((_, blend)) = self.document.blend().filter(|_| self.shows_blend()) {
-            let moment = blend.moment();
+            let moment = blend.reel.moment();
             return Some((*moment.roots.first()?, moment.poses.get(..NUM_JOINTS)?));
         }
         let (characters, c) = (self.document.crowd()?.1.characters(), self.selection.character?);

@@ -20,7 +20,7 @@ impl Model {
         let of_unit = || options.place.map(|p| world.instances_of(p).first().copied());
         let of_character = || {
             let c = self.selection.character?;
-            Some(world.run().moment().states.get(c)?.node.instance)
+            Some(world.run.reel.moment().states.get(c)?.node.instance)
         };
         let found = options.instance.or_else(|| of_unit().unwrap_or_else(of_character));
         found.filter(|&i| (i as usize) < world.graph().num_instances())
@@ -32,7 +32,7 @@ impl Model {
         match command {
             WorldCommand::Tool(tool) => (options.tool, options.draft) = (tool, None),
             WorldCommand::SelectPlace(place) => {
-                world.forget_refused();
+                world.refused = None;
                 (options.place, options.instance, options.link) =
                     (place.filter(|&p| p < world.placed().len()), None, None);
             }
@@ -43,7 +43,7 @@ impl Model {
             WorldCommand::Edit(change) => self.edit(EditorOrder::Change(change)),
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
-            WorldCommand::ForgetRefused => world.forget_refused(),
+            WorldCommand::ForgetRefused => world.refused = None,
             WorldCommand::Order { character, goal } => {
                 if let Err(why) = world.give_order(character, goal) {
                     self.complain(format!("Character {character}: {why}"));

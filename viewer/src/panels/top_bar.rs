@@ -35,12 +35,12 @@ fn title(model: &Model) -> String {
         let (name, line) = (name_of(paths), model.building().and_then(|b| b.log().status.status_line()));
         return line.map_or_else(|| format!("Reading {name} …"), |line| format!("Building {name}: {line}"));
     }
-    let name = name_of(model.asked());
+    let name = name_of(&model.asked);
     match &model.document {
         OpenDocument::Nothing => "Nothing open".into(),
         OpenDocument::Bundle(b) => {
             let t = b.bundle.tables();
-            let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends().len());
+            let (clips, states, spaces) = (t.clips().len(), t.graph().states.len(), b.bundle.blends.len());
             let mut parts = vec![name, format!("{clips} clips")];
             if states > 0 || spaces == 0 {
                 parts.push(format!("{states} states · {} actions", t.graph().action_segments.len()));
@@ -52,11 +52,11 @@ fn title(model: &Model) -> String {
         }
         OpenDocument::World(w) => {
             let (units, instances) = (w.placed().len(), w.graph().num_instances());
-            let edits = if w.revision() > 0 { " · edited" } else { "" };
-            format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run().num_characters())
+            let edits = if w.revision > 0 { " · edited" } else { "" };
+            format!("{name} · {units} units · {instances} patches · {} characters{edits}", w.run.num_characters())
         }
         OpenDocument::Scene(s) => {
-            let (groups, choice) = (s.run().simulation().groups().len(), s.choice());
+            let (groups, choice) = (s.run.simulation().groups().len(), s.choice);
             let engine = match choice.engine == Scheme::default() {
                 true => String::new(),
                 false => format!(" · engine {}", engine::name(choice.engine)),
@@ -70,7 +70,7 @@ fn title(model: &Model) -> String {
             format!("{name} · {} to do · {things} · {motions}{edits}", t.task().num_steps())
         }
         OpenDocument::Clip(c) => {
-            format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.duration_s(), c.report.rate_hz)
+            format!("{name} · {} joints · {:.1} s at {} Hz", c.report.joints, c.report.duration_s, c.report.rate_hz)
         }
     }
 }

@@ -205,7 +205,7 @@ fn targets(model: &Model) -> MovableTargets {
         return MovableTargets { is_shared: run.config().targets == TargetMode::Shared, all };
     }
     let mut found = MovableTargets::default();
-    let Some(simulation) = model.shown_scene().map(|s| s.run().simulation()) else { return found };
+    let Some(simulation) = model.shown_scene().map(|s| s.run.simulation()) else { return found };
     for group in simulation.groups() {
         if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
             let targets = group.characters.clone().zip(p.practice().targets());
@@ -254,7 +254,7 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
     if !response.clicked() {
         return;
     }
-    if model.task().is_some() {
+    if model.document.task().is_some() {
         return task::click(model, &ray, size(rect), commands);
     }
     if let Some(world) = model.shown_world() {
@@ -291,9 +291,9 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
     }
     let scene = model.shown_scene()?;
     let character = selected.filter(|&who| who < model.num_characters())?;
-    match scene.run().simulation().locate(character).0 {
+    match scene.run.simulation().locate(character).0 {
         AnyCharacterGroup::Patches(_) => {
-            let place = scene.surroundings().intersect_units(ray).or(ray.intersect_ground())?;
+            let place = scene.surroundings.intersect_units(ray).or(ray.intersect_ground())?;
             let goal = InhabitantGoal::GoNear { place, within_m: world::SENT_WITHIN_M };
             Some(RunInput::Goal { character, goal: Some(goal) })
         }
@@ -313,7 +313,7 @@ fn show_value_tooltip(response: Response, model: &Model, layout: &StageLayout) {
     // Of cells behind each other, the nearest one.
     let depth = |c: &ValueCell| c.place.distance(eye);
     let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
-    let Some(policy) = bundle.motion_set().policy(model.selection.policy) else { return };
+    let Some(policy) = bundle.motion_set.policy(model.selection.policy) else { return };
     let (Some(&value), graph) = (policy.values_of(state).get(found.cell), bundle.tables().graph()) else { return };
     let best = usize::from(policy.best_of(state, found.cell)[0]);
     let Some(&segment) = graph.segments_of(state).get(best) else { return };

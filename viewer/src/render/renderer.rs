@@ -165,27 +165,22 @@ impl SceneRenderer {
 }
 
 fn mask_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &RenderTargets) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    let mask = wgpu::RenderPassColorAttachment { view: &targets.mask, depth_slice: None, resolve_target: None, ops };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("shadow mask"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.mask,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
-        })],
+        color_attachments: &[Some(mask)],
         ..Default::default()
     })
 }
 
 fn picture_pass<'e>(encoder: &'e mut wgpu::CommandEncoder, targets: &RenderTargets) -> wgpu::RenderPass<'e> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard };
+    let (view, resolve_target) = (&targets.colour, Some(&targets.resolved));
+    let colour = wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops };
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("picture"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.colour,
-            depth_slice: None,
-            resolve_target: Some(&targets.resolved),
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store: wgpu::StoreOp::Discard },
-        })],
+        color_attachments: &[Some(colour)],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &targets.depth,
             depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),

@@ -51,11 +51,6 @@ pub struct ShapeList {
 }
 
 impl ShapeList {
-    /// An empty list.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Removes all shapes and keeps their memory.
     pub fn clear(&mut self) {
         self.lines.clear();
@@ -159,7 +154,7 @@ mod tests {
 
     #[test]
     fn shapes_keep_what_they_were_given() {
-        let mut shapes = ShapeList::new();
+        let mut shapes = ShapeList::default();
         shapes.polyline(&[Vec3::ZERO, Vec3::X, Vec3::Y], 2.0, Rgba::WHITE);
         shapes.on_top(true).axes(Vec3::ONE, Quat::IDENTITY, 0.5, 1.0);
         shapes.arrow(Vec3::ZERO, Vec3::Z, 0.02, Rgba::WHITE);

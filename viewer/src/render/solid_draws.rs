@@ -109,12 +109,8 @@ impl SolidDraws {
             let mesh = group[0].mesh as usize;
             let (start, base_vertex) = self.starts[mesh];
             let next = first + group.len() as u32;
-            self.batches.push(SolidBatch {
-                indices: start..start + self.meshes[mesh].indices.len() as u32,
-                base_vertex,
-                instances: first..next,
-                is_ghost: is_ghost(group[0]),
-            });
+            let (indices, is_ghost) = (start..start + self.meshes[mesh].indices.len() as u32, is_ghost(group[0]));
+            self.batches.push(SolidBatch { indices, base_vertex, instances: first..next, is_ghost });
             first = next;
         }
         Ok(())

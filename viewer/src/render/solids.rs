@@ -130,16 +130,14 @@ impl SolidMesh {
         let back = turn.conjugate();
         let local = Ray { origin: back * (ray.origin - at), direction: back * ray.direction };
         let corner = |i: u32| Vec3::from(self.vertices[i as usize].position);
-        let met =
-            self.indices.chunks_exact(3).filter_map(|t| intersect_triangle(&local, &[0, 1, 2].map(|k| corner(t[k]))));
+        let met = self.indices.chunks_exact(3).filter_map(|triangle| {
+            let corners = [0, 1, 2].map(|k| corner(triangle[k]));
+            let RayCrossing { det, u, v, t } = ray_crossing(local.origin, local.direction, &corners);
+            // Hit from outside.
+            (det > 1e-12 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+        });
         met.min_by(f32::total_cmp)
     }
-}
-
-/// Distance along a ray to a triangle, hit from outside.
-fn intersect_triangle(ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
-    let RayCrossing { det, u, v, t } = ray_crossing(ray.origin, ray.direction, corners);
-    (det > 1e-12 && u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
 }
 
 #[cfg(test)]

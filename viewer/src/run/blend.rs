@@ -62,7 +62,7 @@ impl BlendRun {
     /// # Errors
     /// A message where the tables do not fit together.
     pub fn new(bundle: &OpenBundle) -> Option<Result<Self, String>> {
-        let first = bundle.blends().first()?;
+        let first = bundle.blends.first()?;
         let run = Self::starting_at(bundle, Blending::straight_walk(0, first), Planar::IDENTITY, 0.0);
         Some(run.map_err(|e| e.to_string()))
     }
@@ -100,11 +100,6 @@ impl BlendRun {
     /// Skeletons of the walking characters, the selected one first.
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = &Skeleton> {
         self.people.iter().map(|p| &p.body)
-    }
-
-    /// All of them at the step shown.
-    pub fn moment(&self) -> &BlendMoment {
-        self.reel.moment()
     }
 
     /// Blends something else, or on another body, from here on; numbers out of range are limited.
@@ -250,15 +245,15 @@ mod tests {
     #[test]
     fn a_point_is_walked_at_its_speed_and_turning_rate() {
         let (_paces, bundle, mut run) = open();
-        let [speed, turning] = [0, 1].map(|a| bundle.blends()[0].axes()[a]);
+        let [speed, turning] = [0, 1].map(|a| bundle.blends[0].axes()[a]);
         assert_eq!((speed.kind, turning.kind), (axis::SPEED, axis::GYRATION));
         let mut wanted = *run.blending();
         wanted.point[..2].copy_from_slice(&[1.2, 0.4]);
         run.blend(&bundle, wanted).unwrap();
         walk(&mut run, &bundle, 2.0);
-        let before = run.moment().clone();
+        let before = run.reel.moment().clone();
         walk(&mut run, &bundle, 1.0);
-        let now = run.moment();
+        let now = run.reel.moment();
         let turned = now.roots[0].heading - before.roots[0].heading;
         assert!((turned - 0.4).abs() < 0.02, "turned by {turned} rad in a second");
         // The chord of the arc.
@@ -274,11 +269,11 @@ mod tests {
         let small = Blending { size: 0.7, ..*run.blending() };
         run.blend(&bundle, small).unwrap();
         walk(&mut run, &bundle, 1.0);
-        let before = run.moment().roots[0];
+        let before = run.reel.moment().roots[0];
         walk(&mut run, &bundle, 1.0);
-        let distance = (run.moment().roots[0].z - before.z) / run.blending().point[0];
+        let distance = (run.reel.moment().roots[0].z - before.z) / run.blending().point[0];
         assert!((distance - 0.7f32.sqrt()).abs() < 0.02, "{distance}");
-        let hips = run.moment().poses[0].translation().y;
+        let hips = run.reel.moment().poses[0].translation().y;
         assert!((hips / bundle.tables().skeleton().offsets[0].y - 0.7).abs() < 0.05, "hips at {hips} m");
     }
 
@@ -286,14 +281,14 @@ mod tests {
     fn a_point_moved_while_time_stands_is_shown_at_the_same_generic_time() {
         let (_paces, bundle, mut run) = open();
         walk(&mut run, &bundle, 1.5);
-        let (steps, before) = (run.reel.head.shown_step(), run.moment().clone());
+        let (steps, before) = (run.reel.head.shown_step(), run.reel.moment().clone());
         run.reel.head.seek(3);
         let mut wanted = *run.blending();
-        wanted.point[0] = bundle.blends()[0].axes()[0].high + 5.0;
+        wanted.point[0] = bundle.blends[0].axes()[0].high + 5.0;
         run.blend(&bundle, wanted).unwrap();
-        let now = run.moment();
+        let now = run.reel.moment();
         assert_eq!((run.reel.head.shown_step(), now.phase), (steps, before.phase));
-        assert_eq!(now.point[0], bundle.blends()[0].axes()[0].high, "clamped to the box");
+        assert_eq!(now.point[0], bundle.blends[0].axes()[0].high, "clamped to the box");
         assert!(now.poses != before.poses && now.weights != before.weights);
     }
 
@@ -302,14 +297,14 @@ mod tests {
         let (_paces, bundle, mut run) = open();
         run.blend(&bundle, Blending { companions: BlendCompanions::Sizes, ..*run.blending() }).unwrap();
         walk(&mut run, &bundle, 2.0);
-        let m = run.moment();
+        let m = run.reel.moment();
         assert_eq!((m.roots.len(), m.poses.len(), run.bodies().len()), (3, 3 * NUM_JOINTS, 3));
         let hips = [0, 1, 2].map(|i| m.poses[i * NUM_JOINTS].translation().y);
         assert!(hips[1] < hips[0] && hips[0] < hips[2], "{hips:?}");
         assert!((m.roots[1].z - m.roots[0].z).abs() < 1e-4 && (m.roots[1].x - m.roots[0].x - BESIDE_M).abs() < 1e-4);
         run.blend(&bundle, Blending { companions: BlendCompanions::Retargeting, ..*run.blending() }).unwrap();
         walk(&mut run, &bundle, 0.5);
-        let m = run.moment();
+        let m = run.reel.moment();
         assert_eq!(m.roots.len(), 2);
         assert!(m.poses[..NUM_JOINTS] != m.poses[NUM_JOINTS..]);
     }
@@ -317,12 +312,12 @@ mod tests {
     #[test]
     fn a_walk_restarts() {
         let (_paces, bundle, mut run) = open();
-        let first = run.moment().clone();
+        let first = run.reel.moment().clone();
         walk(&mut run, &bundle, 1.0);
         run.reel.head.play(true);
         run.restart(&bundle).unwrap();
         assert!(run.reel.head.is_playing() && run.reel.head.shown_step() == 0);
-        assert!(run.moment().poses == first.poses && run.moment().roots == first.roots);
+        assert!(run.reel.moment().poses == first.poses && run.reel.moment().roots == first.roots);
         assert!(run.blend(&bundle, Blending { space: 99, ..*run.blending() }).is_err());
     }
 }

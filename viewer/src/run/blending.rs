@@ -85,7 +85,7 @@ mod tests {
     fn values_out_of_range_are_limited() {
         let paces = Paces::new();
         let bundle = OpenBundle::open(&paces.bundle()).unwrap();
-        let space = &bundle.blends()[0];
+        let space = &bundle.blends[0];
         let [speed, turning] = [0, 1].map(|a| space.axes()[a]);
         let good = Blending::straight_walk(0, space);
         assert_eq!(good.limited(space), good);

@@ -82,7 +82,7 @@ pub fn explain_choice(chooser: &PolicyChooser<'_>) -> Option<ChoiceReason> {
     let mut behaviours = Vec::new();
     let mut scores = vec![0.0; segments.len()];
     for (goal, &weight) in chooser.goals.iter().zip(c.weights.iter()) {
-        let table = bundle.motion_set().policy(goal.policy)?;
+        let table = bundle.motion_set.policy(goal.policy)?;
         let target = seen(chooser.chosen_subject_position(goal.subject));
         table.action_scores(choice.state, target, &mut scores).ok()?;
         let value = table.value(choice.state, target);
@@ -97,14 +97,7 @@ pub fn explain_choice(chooser: &PolicyChooser<'_>) -> Option<ChoiceReason> {
     candidates.sort_by(|a, b| b.score.total_cmp(&a.score).then(a.action.cmp(&b.action)));
     let played = chooser.characters.segment(chooser.number).0;
     let chosen = candidates.iter().position(|c| c.segment == played)?;
-    Some(ChoiceReason {
-        step: c.step,
-        state: choice.state,
-        root: choice.root,
-        target: c.target,
-        local_target: seen(c.target),
-        behaviours,
-        candidates,
-        chosen,
-    })
+    let (step, target, local_target) = (c.step, c.target, seen(c.target));
+    let (state, root) = (choice.state, choice.root);
+    Some(ChoiceReason { step, state, root, target, local_target, behaviours, candidates, chosen })
 }

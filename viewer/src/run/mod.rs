@@ -82,11 +82,6 @@ impl CrowdRun {
         &self.simulation.around.targets
     }
 
-    /// Goals that are weighed against each other.
-    pub fn goals(&self) -> &[RunGoal] {
-        &self.simulation.goals
-    }
-
     /// Weight of every goal (number of goals).
     pub fn weights(&self) -> &[f32] {
         &self.simulation.around.weights

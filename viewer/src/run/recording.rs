@@ -14,7 +14,7 @@ pub const TRAIL_EVERY: u32 = 12;
 const KEYFRAME_EVERY: u32 = 60;
 
 /// The record.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct CrowdRecording {
     /// Ascending by step; the first one is at or before the first step that can be shown.
     keyframes: VecDeque<CrowdKeyframe>,
@@ -30,13 +30,7 @@ pub(super) struct CrowdRecording {
 impl CrowdRecording {
     /// Recording of a run before its first step.
     pub fn new(start: CrowdKeyframe) -> Self {
-        Self {
-            keyframes: VecDeque::from([start]),
-            inputs: VecDeque::new(),
-            figures: VecDeque::new(),
-            first: 0,
-            trails: VecDeque::new(),
-        }
+        Self { keyframes: VecDeque::from([start]), ..Self::default() }
     }
 
     /// Steps that can be shown (a step has been taken).

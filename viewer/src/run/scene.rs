@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Instant;
 use throng_core::Result;
-use throng_crowd::CrowdEvent;
+use throng_crowd::{CrowdEvent, Space};
 use throng_simulation::agents::{SceneAgents, world_vector};
 use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
 
@@ -53,10 +53,10 @@ pub struct SceneRun {
     inputs: VecDeque<(u32, RunInput)>,
     /// Events of the recorded steps, with their steps.
     events: VecDeque<(u32, SimulationEvent)>,
-    /// All events of agents.
-    log: EventLog,
-    /// When agents came to know of messages.
-    spread: SpreadLog,
+    /// All events of agents, including recorded ones after the shown step.
+    pub log: EventLog,
+    /// Times at which agents learnt messages, including recorded ones after the shown step.
+    pub spread: SpreadLog,
     /// Blows, ascending by step.
     marks: VecDeque<BlowMark>,
     /// Figures of the recorded steps, without times of phases.
@@ -141,24 +141,9 @@ impl SceneRun {
         self.figures.iter().take_while(move |f| f.0 <= now).map(|(step, f)| (*step, f))
     }
 
-    /// All events of agents, including recorded ones after the shown step.
-    pub fn log(&self) -> &EventLog {
-        &self.log
-    }
-
-    /// Times at which agents learnt messages, including recorded ones after the shown step.
-    pub fn spread(&self) -> &SpreadLog {
-        &self.spread
-    }
-
     /// How an agent came to its state at a level, 0 for the highest; none for an agent without a brain (level < 3).
     pub fn entry(&self, who: usize, level: usize) -> Option<StateEntry> {
         Some(self.state.traces.get(who.checked_sub(self.first_agent?)?)?.entry_at(level))
-    }
-
-    /// Keeps the events of another agent apart from now on.
-    pub fn watch(&mut self, who: Option<usize>) {
-        self.log.watch(who);
     }
 
     /// Number of characters that are there.
@@ -316,10 +301,11 @@ impl SceneRun {
     /// Writes the events of agents into the log, with where they happened.
     fn log_events(&mut self) {
         let Some(first) = self.first_agent else { return };
+        let last = self.trails.back().map_or(&[][..], |t| &t.1);
         for group in self.state.simulation.character_groups() {
             match group {
-                AnyCharacterGroup::Ground(agents) => log_engine_events(&mut self.log, first, agents, &self.trails),
-                AnyCharacterGroup::Air(agents) => log_engine_events(&mut self.log, first, agents, &self.trails),
+                AnyCharacterGroup::Ground(agents) => log_engine_events(&mut self.log, first, agents, last),
+                AnyCharacterGroup::Air(agents) => log_engine_events(&mut self.log, first, agents, last),
                 _ => {}
             }
         }
@@ -359,15 +345,11 @@ impl SceneRun {
 }
 
 /// Writes the events of the last step into a log.
-fn log_engine_events<V: throng_crowd::Space>(
-    log: &mut EventLog,
-    first: usize,
-    agents: &SceneAgents<V>,
-    trails: &VecDeque<(u32, Vec<Option<Vec3>>)>,
-) {
+///
+/// - `last`: places of all characters at the end of their trails; `None` for one that has left (m).
+fn log_engine_events<V: Space>(log: &mut EventLog, first: usize, agents: &SceneAgents<V>, last: &[Option<Vec3>]) {
     let place = |agent: usize, event: &CrowdEvent| {
-        let last = || *trails.back()?.1.get(first + agent)?;
-        agents.position(agent, event.time).map(world_vector).or_else(last)
+        agents.position(agent, event.time).map(world_vector).or_else(|| *last.get(first + agent)?)
     };
     for event in agents.engine_events() {
         let named = AgentEventKind::from_engine_event(&event.kind, |id| agents.agent_of(id));

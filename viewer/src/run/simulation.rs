@@ -120,7 +120,7 @@ pub struct CrowdSimulation {
     pub(super) config: CrowdRunConfig,
     pub(crate) characters: Characters,
     /// Goals that are weighed (number of weights).
-    pub(super) goals: Vec<RunGoal>,
+    pub(crate) goals: Vec<RunGoal>,
     pub(super) around: RunSurroundings,
     /// Position of the eye, x and z (m). Only the number of fully posed characters depends on it.
     pub(crate) eye: Vec2,
@@ -133,7 +133,7 @@ impl CrowdSimulation {
     /// - `weights`: of the first behaviours, which are weighed.
     pub(super) fn new(bundle: &OpenBundle, config: CrowdRunConfig, weights: Vec<f32>) -> Result<Self> {
         let (starts, targets) = scatter(&config, &trial::start_states(bundle.tables(), &config.characters()));
-        let characters = Characters::new(bundle.motion_set(), config.characters(), &starts)?;
+        let characters = Characters::new(&bundle.motion_set, config.characters(), &starts)?;
         let goals = (0..weights.len()).map(|policy| RunGoal { policy, subject: GoalSubject::Target }).collect();
         let n = config.characters;
         let (reached, choices) = (vec![0; n], ChoiceRecord::new(n));
@@ -146,7 +146,7 @@ impl CrowdSimulation {
     }
 
     pub(super) fn restore(&mut self, bundle: &OpenBundle, keyframe: &CrowdKeyframe) -> Result<()> {
-        self.characters.restore(bundle.motion_set(), &keyframe.characters)?;
+        self.characters.restore(&bundle.motion_set, &keyframe.characters)?;
         self.around.clone_from(&keyframe.around);
         self.slip.forget_step();
         Ok(())
@@ -157,7 +157,7 @@ impl CrowdSimulation {
         match input {
             RunInput::Target { character, to } => self.move_target(*character, *to),
             RunInput::Weights { weights, .. } => self.around.weights = weights.as_slice().into(),
-            RunInput::Play { character, segment } => self.characters.play(bundle.motion_set(), *character, *segment)?,
+            RunInput::Play { character, segment } => self.characters.play(&bundle.motion_set, *character, *segment)?,
             RunInput::Goal { .. } | RunInput::Event(_) => {}
         }
         Ok(())
@@ -196,7 +196,7 @@ impl CrowdSimulation {
     }
 
     fn move_characters(&mut self, bundle: &OpenBundle, dt: f32) -> Result<()> {
-        let (motion_set, a) = (bundle.motion_set(), &self.around);
+        let (motion_set, a) = (&bundle.motion_set, &self.around);
         if self.characters.num_characters() > MOST_POSED {
             self.characters.set_detail(Some(Detail { eye: self.eye, full_m: FULL_M, posed_m: POSED_M }))?;
         }

@@ -30,13 +30,14 @@ pub struct InhabitantsMoment {
 /// Characters in a world, with a record of their poses.
 #[derive(Clone, Debug)]
 pub struct WorldRun {
-    inhabitants: Inhabitants,
+    /// The present characters, with their paths and reservations.
+    pub inhabitants: Inhabitants,
     /// Order of each character; all others roam.
     orders: Vec<Option<InhabitantGoal>>,
     /// All of them at the recorded steps.
     pub reel: Reel<InhabitantsMoment>,
     /// Wall time of the last step (s).
-    step_s: f64,
+    pub step_s: f64,
 }
 
 impl WorldRun {
@@ -90,20 +91,10 @@ impl WorldRun {
         self.orders[character]
     }
 
-    /// All of them at the step shown.
-    pub fn moment(&self) -> &InhabitantsMoment {
-        self.reel.moment()
-    }
-
     /// Hips of a character at the step shown (m, character < num_characters).
     pub fn hips(&self, character: usize) -> Vec3 {
-        let m = self.moment();
+        let m = self.reel.moment();
         world_position(m.roots[character], m.poses[character * NUM_JOINTS].translation())
-    }
-
-    /// The present characters, with their paths and reservations.
-    pub fn inhabitants(&self) -> &Inhabitants {
-        &self.inhabitants
     }
 
     /// Name of a character; none leaves (character < num_characters).
@@ -119,11 +110,6 @@ impl WorldRun {
     /// Past positions of the hips during the last `seconds`, at intervals (m).
     pub fn trail(&self, character: usize, seconds: f32) -> impl Iterator<Item = Vec3> {
         self.reel.moments_before(seconds, TRAIL_EVERY).map(move |m| m.place(character))
-    }
-
-    /// Wall time of the last step (s).
-    pub fn step_s(&self) -> f64 {
-        self.step_s
     }
 }
 

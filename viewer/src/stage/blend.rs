@@ -16,16 +16,13 @@ const TRAIL_EVERY: u32 = 4;
 const ABOVE_M: f32 = 0.012;
 
 pub(super) fn lay_out(out: &mut StageLayout, o: Overlays, bundle: &OpenBundle, run: &BlendRun, palette: &StagePalette) {
-    let moment = run.moment();
+    let moment = run.reel.moment();
     let database = bundle.tables().skeleton();
     for (i, (body, &root)) in run.bodies().zip(&moment.roots).enumerate() {
-        let stretch = body::stretch(database, body);
-        body::push_stretched(&mut out.poses, &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS], &stretch);
+        let pose = &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS];
+        body::push_stretched(&mut out.poses, pose, &body::stretch(database, body));
         let colour = colour(run.blending().companions, i, palette);
         out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
-    }
-    for (i, &root) in moment.roots.iter().enumerate() {
-        let pose = &moment.poses[i * NUM_JOINTS..][..NUM_JOINTS];
         if o.trails {
             trail(out, run, i, palette);
         }
@@ -47,7 +44,7 @@ fn trail(out: &mut StageLayout, run: &BlendRun, person: usize, palette: &StagePa
     let at = |m: &BlendMoment| m.roots.get(person).map(|r| r.translation().with_y(ABOVE_M));
     let points: Vec<Vec3> = run.reel.moments_before(TRAIL_S, TRAIL_EVERY).filter_map(at).collect();
     cues::trail(&mut out.shapes, &points, 2.0, palette.middle.alpha(0.7));
-    let root = run.moment().roots.get(person).copied().unwrap_or(Planar::IDENTITY);
+    let root = run.reel.moment().roots.get(person).copied().unwrap_or(Planar::IDENTITY);
     let foot = root.translation().with_y(ABOVE_M);
     let ahead = root.rotation() * Vec3::Z;
     out.shapes.arrow(foot + ahead * 0.35, foot + ahead * 0.6, 0.012, palette.slow);

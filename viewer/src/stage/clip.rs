@@ -35,7 +35,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, bundle: &OpenBundle,
         }
     }
     out.poses.resize(frames.len() * NUM_JOINTS, Mat3x4::default());
-    let job = SampleJob { motion_set: bundle.motion_set(), frames: &frames, ratios: &ratios, matrices: &mut out.poses };
+    let job = SampleJob { motion_set: &bundle.motion_set, frames: &frames, ratios: &ratios, matrices: &mut out.poses };
     if job.run().is_err() {
         out.poses.clear();
         return;

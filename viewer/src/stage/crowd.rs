@@ -43,9 +43,11 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, palette: &StagePalet
     }
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for c in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
-        let is_selected = selected == Some(c);
         if o.trails {
-            trail(out, run, c, is_selected, palette);
+            let is_selected = selected == Some(c);
+            let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| Vec3::new(p.x, 0.012, p.y)).collect();
+            let (width, colour) = if is_selected { (3.0, palette.selected) } else { (1.5, palette.middle.alpha(0.45)) };
+            cues::trail(&mut out.shapes, &points, width, colour);
         }
         if let Some(chooser) = run.chooser(bundle, c).filter(|_| o.trajectory) {
             trajectory(out, &chooser, palette);
@@ -85,12 +87,6 @@ pub(super) fn colour_of_segment(chooser: &PolicyChooser<'_>, colouring: Colourin
     let metres = s.displacement[0].hypot(s.displacement[1]);
     let speed = metres / s.num_frames as f32 * chooser.bundle.rate_hz();
     palette.slow.mix(palette.fast, (speed / RUN_SPEED_MPS).min(1.0))
-}
-
-fn trail(out: &mut StageLayout, run: &CrowdRun, c: usize, is_selected: bool, palette: &StagePalette) {
-    let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| Vec3::new(p.x, 0.012, p.y)).collect();
-    let (width, colour) = if is_selected { (3.0, palette.selected) } else { (1.5, palette.middle.alpha(0.45)) };
-    cues::trail(&mut out.shapes, &points, width, colour);
 }
 
 /// Draws the ground path of the rest of the segment, and the final heading.

@@ -146,7 +146,7 @@ impl StageLayout {
             return &self.varied;
         }
         if let Some(world) = model.shown_world() {
-            return &world.run().moment().poses;
+            return &world.run.reel.moment().poses;
         }
         match model.shown_crowd() {
             Some((_, run)) if self.rows.is_none() => run.characters().model_matrices(),
@@ -196,7 +196,7 @@ mod tests {
         model.selection.character = Some(3);
         layout.lay_out(&model, true);
         let (bundle, run) = model.document.crowd().unwrap();
-        let policy = bundle.motion_set().policy(0).unwrap();
+        let policy = bundle.motion_set.policy(0).unwrap();
         let choice = run.characters().last_choice(3).unwrap();
         assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
         for c in &layout.cells {

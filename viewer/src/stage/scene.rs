@@ -26,17 +26,17 @@ const ABOVE_M: f32 = 0.012;
 const MISSED_PX: f32 = 8.0;
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocument, palette: &StagePalette, dark: bool) {
-    let (run, selected) = (scene.run(), model.selection.character);
+    let (run, selected) = (&scene.run, model.selection.character);
     let simulation = run.simulation();
     let brush = Brush::new(model, scene, palette, dark);
-    draw_surroundings(out, scene.surroundings(), &brush);
-    doors(out, scene.surroundings(), simulation, &brush);
-    things(out, scene.surroundings(), simulation, &brush);
-    obstacles::lay_out(&mut out.shapes, scene.surroundings(), simulation.time_s(), &brush);
+    draw_surroundings(out, &scene.surroundings, &brush);
+    doors(out, &scene.surroundings, simulation, &brush);
+    things(out, &scene.surroundings, simulation, &brush);
+    obstacles::lay_out(&mut out.shapes, &scene.surroundings, simulation.time_s(), &brush);
     agents::lay_out_blackboards(&mut out.shapes, simulation, &brush);
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone() {
-            let colour = match by_message(simulation, who, &brush) {
+            let colour = match by_message(simulation, who, brush.options.message) {
                 Some((brains, agent, event)) => agents::colour_by_message(brains, agent, event, &brush),
                 None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, g, who, palette)),
             };
@@ -47,7 +47,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     agents::lay_out(out, run, &brush);
     let mut o = model.settings.overlays;
     // On hills, marks on level ground would be hidden.
-    o.contacts &= !scene.surroundings().has_hills;
+    o.contacts &= !scene.surroundings.has_hills;
     if let Some(chooser) = selected.and_then(|who| scene.chooser(who)).filter(|_| o.values) {
         values::lay_out(out, model, &chooser, palette);
     }
@@ -55,7 +55,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for who in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
         if o.trails {
-            let lift = if scene.surroundings().in_the_air { 0.0 } else { ABOVE_M };
+            let lift = if scene.surroundings.in_the_air { 0.0 } else { ABOVE_M };
             let points: Vec<Vec3> = run.trail(who, TRAIL_S).map(|p| p + Vec3::Y * lift).collect();
             let colour = if selected == Some(who) { palette.selected } else { palette.middle.alpha(0.5) };
             cues::trail(&mut out.shapes, &points, 2.0, colour);
@@ -71,12 +71,8 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
 
 /// Agent brains, number of an agent, and number of the message, if the agent is coloured by its knowledge of a
 /// message.
-fn by_message<'a>(
-    simulation: &'a Simulation,
-    who: usize,
-    brush: &Brush<'_>,
-) -> Option<(&'a AgentBrains, usize, usize)> {
-    let event = brush.options.message?;
+fn by_message(simulation: &Simulation, who: usize, event: Option<usize>) -> Option<(&AgentBrains, usize, usize)> {
+    let event = event?;
     let brains = simulation.brains().filter(|m| event < m.event_names().len())?;
     let agent = who.checked_sub(first_agent(simulation)?).filter(|a| *a < brains.len())?;
     Some((brains, agent, event))
@@ -104,7 +100,7 @@ fn character(out: &mut StageLayout, simulation: &Simulation, who: usize, colour:
 
 /// Colour by the group, the clip or the speed; opponents differ, and inhabitants of worlds show their activity.
 fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize, palette: &StagePalette) -> Rgba {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let by_speed = |share: f32| palette.slow.mix(palette.fast, share.min(1.0));
     let speed = || simulation.disc(who).map_or(0.0, |d| d.velocity.length());
     let by_desired = |desired: f32| by_speed(speed() / desired.max(1e-3));
@@ -162,7 +158,7 @@ fn things(out: &mut StageLayout, standing: &SceneSurroundings, simulation: &Simu
 
 /// The character whose disc or body a ray hits, or nearly hits.
 pub fn pick(scene: &SceneDocument, camera: &OrbitCamera, ray: &Ray, view: Vec2) -> Option<usize> {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let missed = |who: usize| {
         let (at, radius) = match simulation.disc(who) {
             Some(disc) => (disc.centre, disc.radius),

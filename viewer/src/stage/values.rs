@@ -29,7 +29,7 @@ pub struct ValueCell {
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, chooser: &PolicyChooser<'_>, palette: &StagePalette) {
     let (characters, c) = (chooser.characters, chooser.number);
     let Some(state) = model.inspected_state() else { return };
-    let Some(policy) = chooser.bundle.motion_set().policy(model.selection.policy) else { return };
+    let Some(policy) = chooser.bundle.motion_set.policy(model.selection.policy) else { return };
     if state as usize >= policy.actions().num_states() {
         return;
     }

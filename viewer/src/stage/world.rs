@@ -58,7 +58,7 @@ pub fn colour_of(doing: InhabitantActivity) -> Rgba {
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
     units(out, model, world, palette, dark);
     inhabitants(out, model, world, palette);
-    if let Some(c) = model.selection.character.filter(|&c| c < world.run().num_characters()) {
+    if let Some(c) = model.selection.character.filter(|&c| c < world.run.num_characters()) {
         cues_of(out, model, world, c, palette);
     }
     if let Some(instance) = model.inspected_instance() {
@@ -69,7 +69,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocumen
 fn units(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
     let options = &model.selection.world;
     let dragged = options.place.filter(|_| options.draft.is_some() && options.tool == Tool::Move);
-    let moved = dragged.or(world.working().and_then(|w| w.place()));
+    let moved = dragged.or(world.working.as_ref().and_then(|w| w.place()));
     let placed = world.placed().iter().enumerate();
     out.solids.instances.extend(placed.map(|(i, p)| {
         let unit = world.unit(p.unit);
@@ -78,19 +78,19 @@ fn units(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &
         SolidInstance::upright(p.unit as u32, p.placement, colour)
     }));
     if let Some(p) = options.place.and_then(|p| world.placed().get(p)) {
-        outline(out, world.kit().geometries[p.unit].bounds, p.placement, palette.selected);
+        outline(out, world.kit.geometries[p.unit].bounds, p.placement, palette.selected);
     }
     let draft = options.draft.map(|d| PlacedUnit { unit: d.unit, placement: d.at });
-    if let Some(draft) = draft.as_ref().or(world.working().and_then(|w| w.at.as_ref())) {
+    if let Some(draft) = draft.as_ref().or(world.working.as_ref().and_then(|w| w.at.as_ref())) {
         ghost(out, world, draft, palette.selected);
-    } else if let Some(refused) = world.refused().and_then(|r| r.at.as_ref()) {
+    } else if let Some(refused) = world.refused.as_ref().and_then(|r| r.at.as_ref()) {
         ghost(out, world, refused, DISABLED);
     }
 }
 
 /// A unit that is not placed yet, with its heading.
 fn ghost(out: &mut StageLayout, world: &WorldDocument, unit: &PlacedUnit, colour: Rgba) {
-    let Some(geometry) = world.kit().geometries.get(unit.unit) else { return };
+    let Some(geometry) = world.kit.geometries.get(unit.unit) else { return };
     let at = unit.placement;
     out.solids.instances.push(SolidInstance::upright(unit.unit as u32, at, colour.alpha(0.6)));
     outline(out, geometry.bounds, at, colour);
@@ -127,41 +127,39 @@ fn outline(out: &mut StageLayout, bounds: BoundingBox, at: Placement, colour: Rg
 }
 
 fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette) {
-    let moment = world.run().moment();
+    let moment = world.run.reel.moment();
     let selected = model.selection.character;
     let colour = |c: usize| match model.settings.colouring {
         Colouring::Target => colour_of(moment.states[c].activity),
         Colouring::Clip => cues::category(moment.states[c].node.instance as usize),
         Colouring::Speed | Colouring::Plain => palette.plain,
     };
-    out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| CharacterInstance {
-        root,
-        colour: colour(c),
-        is_selected: selected == Some(c),
-        look: 0,
+    out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| {
+        let is_selected = selected == Some(c);
+        CharacterInstance { root, colour: colour(c), is_selected, look: 0 }
     }));
 }
 
 /// Cues of the selected character: past positions, path, and reservations.
 fn cues_of(out: &mut StageLayout, model: &Model, world: &WorldDocument, c: usize, palette: &StagePalette) {
-    let run = world.run();
+    let run = &world.run;
     let o = model.settings.overlays;
     if o.trails {
         let points: Vec<Vec3> = run.trail(c, TRAIL_S).map(|p| p - Vec3::Y * 0.9).collect();
         out.shapes.polyline(&points, 2.0, palette.selected.alpha(0.7));
     }
     if o.joint_axes {
-        let pose = &run.moment().poses[c * throng_core::NUM_JOINTS..][..throng_core::NUM_JOINTS];
-        cues::joint_axes(&mut out.shapes, run.moment().roots[c], pose);
+        let pose = &run.reel.moment().poses[c * throng_core::NUM_JOINTS..][..throng_core::NUM_JOINTS];
+        cues::joint_axes(&mut out.shapes, run.reel.moment().roots[c], pose);
     }
     if !run.reel.head.is_live() {
         return;
     }
-    let inhabitants = run.inhabitants();
+    let inhabitants = &run.inhabitants;
     let id = run.id(c);
     for unit in inhabitants.units_of(id).into_iter().flatten() {
         if let Some(p) = world.placed().get(unit as usize) {
-            let bounds = world.kit().geometries[p.unit].bounds;
+            let bounds = world.kit.geometries[p.unit].bounds;
             outline(out, bounds, p.placement, palette.selected.alpha(0.35));
         }
     }
@@ -193,11 +191,8 @@ fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: 
         for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
             let is_left = graph.is_link_enabled(instance, l as u32);
             let colour = if is_left { ENABLED.alpha(0.45) } else { DISABLED.alpha(0.25) };
-            let points: Vec<Vec3> = world
-                .link_path(instance, link, 0..=link.num_frames)
-                .iter()
-                .map(|r| r.translation() + Vec3::Y * ABOVE)
-                .collect();
+            let roots = world.link_path(instance, link, 0..=link.num_frames);
+            let points: Vec<Vec3> = roots.iter().map(|r| r.translation() + Vec3::Y * ABOVE).collect();
             out.shapes.polyline(&points, 1.0, colour);
         }
     }

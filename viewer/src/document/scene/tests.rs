@@ -33,7 +33,7 @@ fn open(folder: &Path, text: &str) -> Result<SceneDocument, String> {
 
 /// Places of all characters and joints of all bodies, as bits.
 fn seen(document: &SceneDocument) -> Vec<u32> {
-    let (run, all) = (document.run(), 0..document.run().simulation().num_characters());
+    let (run, all) = (&document.run, 0..document.run.simulation().num_characters());
     let joints = |who| run.simulation().joint_positions(who).into_iter().flatten();
     let points = all.flat_map(|who| run.place(who).into_iter().chain(joints(who)));
     points.flat_map(|p| p.to_array()).map(f32::to_bits).collect()
@@ -44,27 +44,27 @@ fn groups_of_all_kinds_are_played_rewound_and_restarted() {
     let boxing = Boxing::new();
     let folder = boxing.bundle().parent().unwrap().to_path_buf();
     let mut document = open(&folder, GROUPS).unwrap();
-    assert!(document.bundle().is_some() && document.surroundings().obstacles.len() == 1);
+    assert!(document.bundle().is_some() && document.surroundings.obstacles.len() == 1);
     let mut frames = vec![seen(&document)];
     for _ in 0..200 {
-        document.run_mut().step().unwrap();
+        document.run.step().unwrap();
         frames.push(seen(&document));
     }
-    assert!(frames[0] != frames[200] && document.run().trail(5, 1.0).count() > 8);
+    assert!(frames[0] != frames[200] && document.run.trail(5, 1.0).count() > 8);
     for step in [199, 60, 59, 130, 0, 200] {
-        document.run_mut().seek(step).unwrap();
-        assert_eq!(document.run().head.shown_step(), step);
+        document.run.seek(step).unwrap();
+        assert_eq!(document.run.head.shown_step(), step);
         assert!(seen(&document) == frames[step as usize], "step {step} looks as it did");
     }
-    document.run_mut().seek(150).unwrap();
-    let now_s = document.run().simulation().time_s();
-    assert!((now_s - 2.5).abs() < 1e-9 && document.run().events().all(|e| e.time_s <= now_s));
-    let choice = SceneChoice { characters: 20, seed: 9, ..document.choice() };
+    document.run.seek(150).unwrap();
+    let now_s = document.run.simulation().time_s();
+    assert!((now_s - 2.5).abs() < 1e-9 && document.run.events().all(|e| e.time_s <= now_s));
+    let choice = SceneChoice { characters: 20, seed: 9, ..document.choice };
     document.restart(choice, None, || {}).unwrap();
     assert_eq!(document.restarting(), Some(choice));
     assert!(document.adopt_restart(true).unwrap());
-    assert_eq!((document.choice(), document.run().simulation().num_characters()), (choice, 20));
-    assert_eq!(document.run().head.shown_step(), 0);
+    assert_eq!((document.choice, document.run.simulation().num_characters()), (choice, 20));
+    assert_eq!(document.run.head.shown_step(), 0);
     assert!(
         document.restart(SceneChoice { characters: 0, ..choice }, None, || {}).unwrap_err().contains("1 to 100000")
     );
@@ -79,15 +79,15 @@ fn a_saved_state_is_restored_and_anything_else_refused() {
     let mut document = quietly(|with| SceneDocument::open(&meeting.scene(12), with)).unwrap();
     assert!(document.bundle().is_none());
     let file = meeting.folder().join("a.state");
-    (0..90).for_each(|_| document.run_mut().step().unwrap());
+    (0..90).for_each(|_| document.run.step().unwrap());
     document.save(&file).unwrap();
     let at = seen(&document);
-    document.restart(SceneChoice { characters: 8, ..document.choice() }, None, || {}).unwrap();
+    document.restart(SceneChoice { characters: 8, ..document.choice }, None, || {}).unwrap();
     assert!(document.adopt_restart(true).unwrap());
-    assert_eq!(document.run().simulation().num_characters(), 8);
+    assert_eq!(document.run.simulation().num_characters(), 8);
     document.restore(&file, || {}).unwrap();
     assert!(document.adopt_restart(true).unwrap());
-    assert_eq!((document.choice().characters, document.run().head.shown_step(), document.num_runs), (24, 90, 2));
+    assert_eq!((document.choice.characters, document.run.head.shown_step(), document.num_runs), (24, 90, 2));
     assert!(seen(&document) == at);
     std::fs::write(&file, "something else").unwrap();
     let e = document.restore(&file, || {}).unwrap_err();
@@ -100,7 +100,7 @@ fn a_missing_bundle_of_bodies_is_built() {
     let path = paces.crowd(2);
     std::fs::remove_file(paces.bundle()).unwrap();
     let document = quietly(|with| SceneDocument::open(&path, with)).unwrap();
-    assert!(paces.bundle().exists() && document.run().simulation().pose(0).is_some());
+    assert!(paces.bundle().exists() && document.run.simulation().pose(0).is_some());
     std::fs::write(paces.bundle(), "no bundle").unwrap();
     let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
     assert!(e.contains("people.toml") && e.contains("paces.throng"), "{e}");

@@ -56,7 +56,8 @@ struct PlannedMotions {
 /// A task and the motions planned for it.
 #[derive(Debug)]
 pub struct TaskDocument {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     pub(super) sources: Arc<TaskSources>,
     /// Task as in the file, with later changes: walkers have no times yet.
     task: Task,
@@ -67,11 +68,12 @@ pub struct TaskDocument {
     motions: Option<PlannedMotions>,
     /// Motion that is shown; none shows the clip before planning.
     shown: Option<usize>,
-    planning: Option<Planning>,
+    /// The plan under way.
+    pub planning: Option<Planning>,
     /// State of the last plans, reused by the next ones.
     planners: Arc<Planners>,
     /// Why nothing could be planned at last.
-    refused: Option<String>,
+    pub refused: Option<String>,
     /// Grows with every change of the scene.
     revision: u64,
     /// That for which was planned.
@@ -79,17 +81,10 @@ pub struct TaskDocument {
 }
 
 impl TaskDocument {
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// The task with all changes; for walkers, with the times of the last plan.
     pub fn task(&self) -> &Task {
-        match (self.motions.as_ref(), self.is_changed()) {
-            (Some(motions), false) => &motions.staged.task,
-            _ => &self.staged.task,
-        }
+        let planned = self.motions.as_ref().filter(|_| !self.is_changed());
+        planned.map_or(&self.staged.task, |m| &m.staged.task)
     }
 
     /// The motions that were planned, of which each has a clip for each character; none before the first plan.
@@ -112,16 +107,6 @@ impl TaskDocument {
         self.shown = motion.filter(|i| *i < self.motions().len());
     }
 
-    /// The plan under way.
-    pub fn planning(&self) -> Option<&Planning> {
-        self.planning.as_ref()
-    }
-
-    /// Why nothing could be planned at last.
-    pub fn refused(&self) -> Option<&str> {
-        self.refused.as_deref()
-    }
-
     /// True if the scene was changed since the last plan.
     pub fn is_changed(&self) -> bool {
         self.revision != self.planned_revision
@@ -129,10 +114,7 @@ impl TaskDocument {
 
     /// Clips of all characters before planning, placed in the scene.
     pub fn clips_before(&self) -> &[Clip] {
-        match &self.motions {
-            Some(motions) => &motions.staged.placed,
-            None => &self.staged.placed,
-        }
+        self.motions.as_ref().map_or(&self.staged.placed, |m| &m.staged.placed)
     }
 
     /// The clip of a character that is shown (character < number of characters).
@@ -273,10 +255,8 @@ impl TaskDocument {
             return Err(format!("{}: expected a name that ends with .bvh", path.display()));
         }
         if let Some(v) = motion.outcome.recheck.violations.first() {
-            return Err(format!(
-                "Nothing was written: the check found at {:.3} s: {}. Try another seed.",
-                v.time_s, v.what
-            ));
+            let (time_s, fault) = (v.time_s, &v.what);
+            return Err(format!("Nothing was written: the check found at {time_s:.3} s: {fault}. Try another seed."));
         }
         let StagedTask { task, clips, .. } = &*motions.staged;
         plans::write_plan(task, clips, &motion.outcome, path, 0).map_err(|e| e.to_string())

@@ -70,22 +70,6 @@ impl EditInProgress {
 }
 
 impl WorldDocument {
-    /// The edit under way. Time stands still meanwhile, since all inhabitants return to their shown positions
-    /// afterwards.
-    pub fn working(&self) -> Option<&EditInProgress> {
-        self.working.as_ref()
-    }
-
-    /// The last edit, if it was refused.
-    pub fn refused(&self) -> Option<&RefusedEdit> {
-        self.refused.as_ref()
-    }
-
-    /// Forgets that an edit was refused.
-    pub fn forget_refused(&mut self) {
-        self.refused = None;
-    }
-
     /// The change that can be undone, in words.
     pub fn to_undo(&self) -> Option<&str> {
         self.made.last()
@@ -222,30 +206,25 @@ impl WorldDocument {
     }
 
     /// Shows another world; returns the place that came or was moved.
-    fn show(&mut self, new: StitchedWorld, what: String) -> Option<usize> {
+    fn show(&mut self, new: StitchedWorld, description: String) -> Option<usize> {
         let place = changed_place(&self.environment.units, &new.environment.units);
-        let lost = self.run.num_characters() - new.before.len();
+        let num_lost = self.run.num_characters() - new.before.len();
         let mut run = new.run;
         run.reel.head.play_like(&self.run.reel.head);
-        let mut free = 0;
+        let mut num_released = 0;
         for (character, &before) in new.before.iter().enumerate() {
             let Some(goal) = self.run.order_of(before) else { continue };
             // Instances and places have new numbers in the new world.
             let is_kept = !matches!(goal, InhabitantGoal::GoTo { .. } | InhabitantGoal::GoToPlace { .. });
             if !is_kept || run.give_order(character, Some(goal)).is_err() {
-                free += 1;
+                num_released += 1;
             }
         }
         (self.walkable, self.run, self.report) = (Arc::new(new.ground), run, new.report);
         (self.environment, self.geometry) = (new.environment, new.geometry);
         self.revision += 1;
-        self.edited = Some(EditSummary {
-            description: what,
-            stitch_s: new.stitch_s,
-            total_s: new.total_s,
-            num_lost: lost,
-            num_released: free,
-        });
+        let (stitch_s, total_s) = (new.stitch_s, new.total_s);
+        self.edited = Some(EditSummary { description, stitch_s, total_s, num_lost, num_released });
         place
     }
 
@@ -260,7 +239,7 @@ impl WorldDocument {
     }
 
     fn name_of(&self, change: UnitChange) -> &str {
-        let unit = self.edited_unit(EditorOrder::Change(change)).and_then(|p| self.kit().units.units.get(p.unit));
+        let unit = self.edited_unit(EditorOrder::Change(change)).and_then(|p| self.kit.units.units.get(p.unit));
         unit.map_or("a unit", |u| &u.name)
     }
 
@@ -278,7 +257,7 @@ impl WorldDocument {
     /// # Errors
     /// A message where it cannot be written.
     pub fn save(&self, path: &Path) -> Result<(), String> {
-        let changed = self.source.with_environment(&self.environment, &self.kit().units);
+        let changed = self.source.with_environment(&self.environment, &self.kit.units);
         changed.save(path).map_err(|e| e.to_string())
     }
 }

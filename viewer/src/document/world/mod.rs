@@ -17,12 +17,12 @@ use crate::run::WorldRun;
 use glam::Vec3;
 use orders::EditHistory;
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use throng_core::patch::{LinkRecord, Placement};
 use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitObject};
 use throng_precompute::stitch::{
-    InstanceItem, Library, RemovalExplanation, RemovalReason, StitchKit, StitchReport, WorldSource,
+    InstanceItem, RemovalExplanation, RemovalReason, StitchKit, StitchReport, WorldSource,
 };
 use throng_world::WorldGraph;
 use throng_world::inhabitants::InhabitantGoal;
@@ -39,25 +39,34 @@ pub struct Roamers {
 
 /// A world that is open.
 pub struct WorldDocument {
-    path: PathBuf,
+    /// The file.
+    pub path: PathBuf,
     source: WorldSource,
-    roamers: Roamers,
-    kit: Arc<StitchKit>,
+    /// The inhabitants.
+    pub roamers: Roamers,
+    /// The bundle's units, decoded.
+    pub kit: Arc<StitchKit>,
     /// The editor; none while an edit is under way.
     workshop: Option<EditorThread>,
     walkable: Arc<WalkableWorld>,
     environment: Environment,
     geometry: PlacedGeometry,
-    report: StitchReport,
+    /// Report of stitching, or of the last edit.
+    pub report: StitchReport,
     /// A mesh of every unit of the bundle.
     pub meshes: Arc<[SolidMesh]>,
-    run: WorldRun,
+    /// The inhabitants now.
+    pub run: WorldRun,
     made: EditHistory,
-    working: Option<EditInProgress>,
-    edited: Option<EditSummary>,
-    refused: Option<RefusedEdit>,
-    /// Grows with every edit.
-    revision: u64,
+    /// The edit under way. Time stands still meanwhile, since all inhabitants return to their shown positions
+    /// afterwards.
+    pub working: Option<EditInProgress>,
+    /// The last edit and its times.
+    pub edited: Option<EditSummary>,
+    /// The last edit, if it was refused.
+    pub refused: Option<RefusedEdit>,
+    /// Number of edits so far.
+    pub revision: u64,
 }
 
 impl fmt::Debug for WorldDocument {
@@ -67,34 +76,14 @@ impl fmt::Debug for WorldDocument {
 }
 
 impl WorldDocument {
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Bundle with the patches of the world.
     pub fn bundle(&self) -> &OpenBundle {
         &self.walkable.bundle
     }
 
-    /// The inhabitants.
-    pub fn roamers(&self) -> Roamers {
-        self.roamers
-    }
-
-    /// The bundle's units, decoded.
-    pub fn kit(&self) -> &StitchKit {
-        &self.kit
-    }
-
     /// A unit object of the bundle (unit < number of units of the bundle).
     pub fn unit(&self, unit: usize) -> &UnitObject {
-        &self.kit().units.units[unit]
-    }
-
-    /// Library of units and patches for stitching.
-    pub fn library(&self) -> Library<'_> {
-        self.kit().library(self.bundle().tables())
+        &self.kit.units.units[unit]
     }
 
     /// The world as it can be walked.
@@ -105,26 +94,6 @@ impl WorldDocument {
     /// Units with their placements.
     pub fn placed(&self) -> &[PlacedUnit] {
         &self.geometry.units
-    }
-
-    /// The inhabitants now.
-    pub fn run(&self) -> &WorldRun {
-        &self.run
-    }
-
-    /// Report of stitching, or of the last edit.
-    pub fn report(&self) -> &StitchReport {
-        &self.report
-    }
-
-    /// The last edit and its times.
-    pub fn edited(&self) -> Option<&EditSummary> {
-        self.edited.as_ref()
-    }
-
-    /// Number of edits so far.
-    pub fn revision(&self) -> u64 {
-        self.revision
     }
 
     /// Name of an instance's patch (instance < number of instances).
@@ -153,7 +122,8 @@ impl WorldDocument {
     pub fn link_path(&self, instance: u32, link: &LinkRecord, frames: std::ops::RangeInclusive<u16>) -> Vec<Placement> {
         let at = self.graph().instance(instance).placement;
         let (first, last) = (usize::from(*frames.start()), usize::from(*frames.end()));
-        let roots: Vec<Placement> = self.library().link_roots(link).map(|r| at.compose(r)).collect();
+        let library = self.kit.library(self.bundle().tables());
+        let roots: Vec<Placement> = library.link_roots(link).map(|r| at.compose(r)).collect();
         let last = last.min(roots.len().saturating_sub(1));
         // A few straight pieces are enough to show the path.
         let stride = ((last.saturating_sub(first)) / 6).max(1);
@@ -190,11 +160,6 @@ impl WorldDocument {
             return Ok(());
         }
         self.run.step()
-    }
-
-    /// The run, to be played, stopped and rewound.
-    pub fn run_mut(&mut self) -> &mut WorldRun {
-        &mut self.run
     }
 
     /// Gives a character an order; none lets it decide for itself.

@@ -73,11 +73,8 @@ impl Twin {
         if run.config().characters > MOST_CHARACTERS {
             return None;
         }
-        let is_shared = run.config().targets == TargetMode::Shared;
-        Some(Self {
-            who: TwinRun::Crowd { fork: Box::new(run.simulation.clone()), character, is_shared, held },
-            steps: 0,
-        })
+        let (fork, is_shared) = (Box::new(run.simulation.clone()), run.config().targets == TargetMode::Shared);
+        Some(Self { who: TwinRun::Crowd { fork, character, is_shared, held }, steps: 0 })
     }
 
     pub fn copy_blend(run: &BlendRun) -> Option<Self> {
@@ -114,7 +111,7 @@ impl Twin {
             TwinRun::Crowd { fork, character, .. } => {
                 (fork.characters.root(*character), fork.characters.pose(*character))
             }
-            TwinRun::Blend(run) => (run.moment().roots[0], &run.moment().poses[..NUM_JOINTS]),
+            TwinRun::Blend(run) => (run.reel.moment().roots[0], &run.reel.moment().poses[..NUM_JOINTS]),
         };
         let place = |root: Planar, m: &Mat3x4| root.rotation() * m.translation() + root.translation();
         let apart = seen.1.iter().zip(pose).map(|(a, b)| place(seen.0, a).distance(place(root, b)));

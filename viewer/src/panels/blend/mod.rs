@@ -66,7 +66,7 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
 pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Commands) {
     state.focus = false;
     if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
-        let bundle = bundle.path().display();
+        let bundle = bundle.path.display();
         return empty(ui, "This is a scene", &format!("Open its bundle to see its blend spaces: {bundle}"));
     }
     let Some((bundle, run)) = model.document.blend() else {
@@ -75,7 +75,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
             _ => return empty(ui, "There is no blend space", NO_SPACES),
         }
     };
-    let (blending, moment) = (*run.blending(), run.moment());
+    let (blending, moment) = (*run.blending(), run.reel.moment());
     let Ok(space) = bundle.blend(blending.space) else { return };
     let key = (model.generation, blending.space);
     let shown = state.shown.filter(|s| s.0 == key).map(|s| s.1);
@@ -113,7 +113,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
 /// The space, and the axes of the map.
 fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut MapAxes, input: &BlendPanelInput<'_>) {
     ui.horizontal_wrapped(|ui| {
-        let (spaces, mut number) = (bundle.blends(), input.blending.space);
+        let (spaces, mut number) = (&bundle.blends, input.blending.space);
         let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
         choose(ui, "Space", Some(80.0), &mut number, names);
         if number != input.blending.space {

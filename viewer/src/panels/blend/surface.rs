@@ -99,7 +99,7 @@ mod tests {
     fn the_surface_is_1_at_its_example_and_0_at_all_others() {
         let paces = Paces::new();
         let bundle = OpenBundle::open(&paces.bundle()).unwrap();
-        let space = &bundle.blends()[0];
+        let space = &bundle.blends[0];
         let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(480.0, 480.0));
         let plane = MapPlane::new(space.axes(), MapAxes::default_for(space.axes()), rect);
         for example in [0, 7, 19] {

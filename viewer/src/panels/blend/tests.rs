@@ -60,7 +60,7 @@ fn a_click_beside_the_examples_moves_the_point_and_one_on_an_example_shows_its_w
     let example = 7;
     let at = {
         let bundle = h.state().model.document.bundle().unwrap();
-        plane.screen(&bundle.blends()[0].examples()[example].parameters)
+        plane.screen(&bundle.blends[0].examples()[example].parameters)
     };
     click(&mut h, at);
     assert_eq!((h.state().state.example, blending(&h).point), (Some(example), wanted));
@@ -127,7 +127,7 @@ fn another_space_keeps_axes_of_the_same_kind() {
     use throng_core::blend::axis;
     let paces = Paces::new();
     let bundle = crate::bundle::OpenBundle::open(&paces.bundle()).unwrap();
-    let space = &bundle.blends()[0];
+    let space = &bundle.blends[0];
     let mut from = Blending::straight_walk(0, space);
     from.point[..2].copy_from_slice(&[1.0, -0.3]);
     let input = BlendPanelInput {

@@ -101,7 +101,7 @@ mod tests {
     fn the_blend_at_an_example_steps_as_the_example_does() {
         let paces = Paces::new();
         let bundle = OpenBundle::open(&paces.bundle()).unwrap();
-        let space = &bundle.blends()[0];
+        let space = &bundle.blends[0];
         for e in [0, 6, 13] {
             let mut weights = vec![0.0; space.stride()];
             weights[e] = 1.0;

@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ControlPanelState, commands:
     };
     let names = &document.bundle.tables().meta().behaviours;
     let weighed: Vec<&str> =
-        run.goals().iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
+        run.simulation.goals.iter().map(|g| names.get(g.policy).map_or("behaviour", String::as_str)).collect();
     behaviours(ui, &weighed, run.weights(), 0, commands);
     if names.len() > weighed.len() {
         ui.weak(format!("The first {} of {} behaviours can be weighed.", weighed.len(), names.len()));

@@ -28,18 +28,18 @@ pub struct SceneControlState {
 
 /// Shows the groups of a scene, its settings, and its last events.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Commands) {
-    ui.strong(format!("Scene {}", scene.scene().name));
+    ui.strong(format!("Scene {}", scene.scene.name));
     ui.weak("A change restarts the scene; the file is not changed.");
     scene_choice(ui, scene, &mut state.dragged, commands);
     saved(ui, scene, state, commands);
     ui.add_space(8.0);
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     groups(ui, simulation);
     ui.add_space(8.0);
     selected(ui, model, scene, commands);
     ui.add_space(8.0);
     ui.strong("Last events");
-    let mut events = scene.run().events().take(MAX_EVENTS).peekable();
+    let mut events = scene.run.events().take(MAX_EVENTS).peekable();
     if events.peek().is_none() {
         ui.weak("Nothing has happened yet.");
     }
@@ -51,7 +51,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut Scene
 
 /// Shows the selected character, and the orders that it can be given.
 fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let who = model.selection.character.filter(|&who| who < simulation.num_characters());
     ui.strong("Selected");
     let Some((who, text)) = who.and_then(|who| Some((who, words::character(simulation, who)?))) else {
@@ -79,11 +79,11 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
 }
 
 fn scene_choice(ui: &mut Ui, scene: &SceneDocument, dragged: &mut Option<SceneChoice>, commands: &mut Commands) {
-    let now = scene.restarting().unwrap_or(scene.choice());
+    let now = scene.restarting().unwrap_or(scene.choice);
     let mut wanted = dragged.unwrap_or(now);
     let mut is_dragged = false;
     Grid::new("choice").num_columns(2).spacing([8.0, 5.0]).show(ui, |ui| {
-        if scene.scene().groups.iter().any(|g| g.is_of_agents()) {
+        if scene.scene.groups.iter().any(|g| g.is_of_agents()) {
             ui.label("engine").on_hover_text("How the events of agents are found and scheduled");
             let combo = ComboBox::from_id_salt("engine").selected_text(engine::name(wanted.engine)).show_ui(ui, |ui| {
                 for &(name, scheme) in engine::ALL {
@@ -126,9 +126,9 @@ fn meaning(scheme: Scheme) -> &'static str {
 
 /// Saves the state at the step shown, and goes on from a saved one.
 fn saved(ui: &mut Ui, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Commands) {
-    if state.file.as_ref().is_none_or(|f| f.0 != scene.path()) {
-        let suggested = scene.path().with_extension("state");
-        state.file = Some((scene.path().to_path_buf(), suggested.display().to_string()));
+    if state.file.as_ref().is_none_or(|f| f.0 != scene.path) {
+        let suggested = scene.path.with_extension("state");
+        state.file = Some((scene.path.clone(), suggested.display().to_string()));
     }
     let Some((_, file)) = &mut state.file else { return };
     ui.horizontal(|ui| {

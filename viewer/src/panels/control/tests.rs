@@ -20,7 +20,7 @@ fn a_scene_is_restarted_saved_and_restored() {
         click(harness, at);
     };
     let time = |harness: &Harness<'static, Trial<ControlPanelState>>| {
-        harness.state().model.document.scene().unwrap().run().simulation().time_s()
+        harness.state().model.document.scene().unwrap().run.simulation().time_s()
     };
     press(&mut harness, "Save");
     assert!(meeting.folder().join("meeting.state").exists());

@@ -19,7 +19,7 @@ const BAR: f32 = 96.0;
 
 /// Shows the agent.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let (n, first) = (simulation.num_characters(), first_agent(simulation).unwrap_or(0));
     let Some(who) = model.selection.character.filter(|&who| who < n) else {
         ui.horizontal_wrapped(|ui| {
@@ -108,7 +108,7 @@ pub fn show_brain(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &Ag
     let Some(agent) = selected_brain(model, scene, brains) else {
         return drop(ui.weak("Select an agent."));
     };
-    let why = brains.explain(agent, scene.run().simulation().time_s());
+    let why = brains.explain(agent, scene.run.simulation().time_s());
     let because = &why.because;
     let by = match (&because.rule, &because.edge_to) {
         (Some(rule), _) => format!(", rule \"{rule}\""),

@@ -52,7 +52,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
                 // A click reads the blackboard of the entry, and selects its author.
                 if label.named(Role::Button, format!("Entry {text}")).clicked() {
                     commands.push(options_command(model, |l| l.cell = cell));
-                    let first = first_agent(scene.run().simulation()).unwrap_or(0);
+                    let first = first_agent(scene.run.simulation()).unwrap_or(0);
                     commands.extend(entry.by.map(|by| ViewerCommand::SelectCharacter(Some(first + by))));
                 }
             });
@@ -76,7 +76,7 @@ fn cell_text(cell: BlackboardCell) -> String {
 
 /// Text of an entry: content, author, time, and end.
 pub fn in_words(scene: &SceneDocument, brains: &AgentBrains, entry: &BlackboardPost) -> String {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let first = first_agent(simulation).unwrap_or(0);
     let by =
         entry.by.map_or_else(|| "as it happened".into(), |by| format!("by {}", super::agent_name(scene, first + by)));

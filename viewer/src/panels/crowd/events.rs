@@ -20,7 +20,7 @@ const KIND: f32 = 78.0;
 
 /// Shows the list.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut CrowdPanelState, commands: &mut Commands) {
-    let run = scene.run();
+    let run = &scene.run;
     ui.checkbox(&mut state.only_selected, "of the selected agent only");
     if let Some(brains) = run.simulation().brains() {
         ui.horizontal_wrapped(|ui| {
@@ -32,8 +32,8 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut Crowd
     let filter = EventFilter { kinds: model.selection.scene.kinds, place: state.place, message: state.message };
     let now = run.simulation().time_s();
     let list = match state.only_selected {
-        true => run.log().last_of_watched(&filter, now, MOST),
-        false => run.log().last(&filter, now, MOST),
+        true => run.log.last_of_watched(&filter, now, MOST),
+        false => run.log.last(&filter, now, MOST),
     };
     if list.is_empty() {
         ui.weak(match (state.only_selected, model.selection.character) {
@@ -104,7 +104,7 @@ fn row(ui: &mut Ui, scene: &SceneDocument, h: &AgentEvent, selected: Option<usiz
 /// Agent of the event, and the other party.
 fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
     let agent = super::agent_name(scene, h.agent);
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let brains = simulation.brains();
     let place = h.place.and_then(|p| brains?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
     let message = h.message.and_then(|e| brains?.event_names().get(e));

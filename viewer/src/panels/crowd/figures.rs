@@ -8,8 +8,8 @@ use throng_simulation::AnyCharacterGroup;
 
 /// Shows figures of the moment shown.
 pub fn show(ui: &mut Ui, scene: &SceneDocument) {
-    let simulation = scene.run().simulation();
-    let Some(f) = scene.run().figures().agents else { return };
+    let simulation = scene.run.simulation();
+    let Some(f) = scene.run.figures().agents else { return };
     let discs = (0..simulation.num_characters()).filter_map(|who| simulation.disc(who));
     let speed = discs.map(|d| f64::from(d.velocity.length())).sum::<f64>() / f.present.max(1) as f64;
     let speeds: Vec<f64> = simulation.character_groups().iter().flat_map(desired_speeds).collect();

@@ -52,9 +52,9 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
 
 /// Number of agents that know a message over time; the part after the shown time is faint.
 fn curve(ui: &mut Ui, scene: &SceneDocument, brains: &AgentBrains, event: usize) {
-    let run = scene.run();
+    let run = &scene.run;
     let (now, end) = (run.simulation().time_s(), f64::from(*run.head.recorded().end()) / f64::from(STEP_HZ));
-    let times = run.spread().times(event);
+    let times = run.spread.times(event);
     let known = times.partition_point(|t| *t <= now);
     ui.weak(format!("{} of {} know of {} at {now:.1} s", known, brains.len(), brains.event_names()[event]));
     let line = colour_of_view(colour_of_message(event));

@@ -34,11 +34,11 @@ const NO_SCENE: &str = "Scenes of agents need no bundle: data/scenes/corridor.to
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &mut Commands) {
-    let Some(scene) = model.document.scene().filter(|s| first_agent(s.run().simulation()).is_some()) else {
+    let Some(scene) = model.document.scene().filter(|s| first_agent(s.run.simulation()).is_some()) else {
         return empty(ui, "No scene with agents is open", NO_SCENE);
     };
     ui.horizontal_wrapped(|ui| {
-        for (g, group) in scene.run().simulation().groups().iter().enumerate() {
+        for (g, group) in scene.run.simulation().groups().iter().enumerate() {
             swatch(ui, colour_of_view(colour_of_group(g)));
             ui.label(&group.name);
         }
@@ -46,9 +46,9 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     overlays::show(ui, model, commands);
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
-    if let Some(brains) = scene.run().simulation().brains() {
+    if let Some(brains) = scene.run.simulation().brains() {
         section(ui, "What it has in mind", |ui| agent::show_brain(ui, model, scene, brains));
-        if !scene.run().simulation().scene().graphs.is_empty() {
+        if !scene.run.simulation().scene().graphs.is_empty() {
             section(ui, "State graphs", |ui| graphs::show(ui, model, scene, brains));
         }
         if brains.has_events() {
@@ -67,7 +67,7 @@ fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
 
 /// Number of the selected agent among those with brains; none without one.
 fn selected_brain(model: &Model, scene: &SceneDocument, brains: &AgentBrains) -> Option<usize> {
-    let first = first_agent(scene.run().simulation()).unwrap_or(0);
+    let first = first_agent(scene.run.simulation()).unwrap_or(0);
     model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len())
 }
 
@@ -79,7 +79,7 @@ fn swatch(ui: &mut Ui, colour: Color32) {
 
 /// Name of an agent, for people.
 fn agent_name(scene: &SceneDocument, agent: usize) -> String {
-    let groups = scene.run().simulation().groups();
+    let groups = scene.run.simulation().groups();
     match groups.iter().find(|g| g.characters.contains(&agent)) {
         Some(group) if groups.len() > 1 => format!("{agent} ({})", group.name),
         _ => agent.to_string(),

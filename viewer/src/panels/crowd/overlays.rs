@@ -54,6 +54,6 @@ fn scope_row(ui: &mut Ui, name: &str, tip: &str, scope: &mut OverlayScope) -> bo
 
 /// True where some agent has a body.
 fn has_bodies(model: &Model) -> bool {
-    let Some(simulation) = model.document.scene().map(|s| s.run().simulation()) else { return false };
+    let Some(simulation) = model.document.scene().map(|s| s.run.simulation()) else { return false };
     (0..simulation.num_characters()).any(|who| simulation.disc(who).is_some() && simulation.pose(who).is_some())
 }

@@ -20,9 +20,9 @@ const COLUMNS: usize = 3;
 
 /// Shows the plot and the key.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Commands) {
-    let (run, dark) = (scene.run(), ui.visuals().dark_mode);
+    let (run, dark) = (&scene.run, ui.visuals().dark_mode);
     let now = run.simulation().time_s();
-    let rates = run.log().rates();
+    let rates = &run.log.rates;
     ui.weak("Events of one agent in a second, over the last 10 s.");
     let before = rates.rates_until(now);
     let plot = fixed_plot("event rates", HEIGHT, |kind, s, rate| format!("{kind}\n{s:.1} s: {rate:.2} /s"))

@@ -78,7 +78,7 @@ fn graphs_messages_and_boards_of_a_market_are_shown() {
     assert!(harness.state().model.selection.scene.cell.is_some_and(|c| c.level == 1));
     // The agent that wrote it is selected.
     let writer = harness.state().model.selection.character.unwrap();
-    let brains = harness.state().model.document.scene().unwrap().run().simulation().brains().unwrap();
+    let brains = harness.state().model.document.scene().unwrap().run.simulation().brains().unwrap();
     assert!(brains.learnt_event(writer, 1).is_some());
     press(&mut harness, "Happen opening");
     let events = |h: &Harness<'static, Trial<CrowdPanelState>>| h.state().model.selection.scene.kinds;
@@ -120,7 +120,7 @@ fn a_click_on_an_event_selects_its_agent_and_shows_its_forces() {
     let mut harness = panel(&meeting, 90);
     assert!(harness.query_by_label("driving").is_none());
     let scene = harness.state().model.document.scene().unwrap();
-    let last = scene.run().log().last(&EventFilter::of_kinds([true; AgentEventKind::COUNT]), f64::INFINITY, 1)[0];
+    let last = scene.run.log.last(&EventFilter::of_kinds([true; AgentEventKind::COUNT]), f64::INFINITY, 1)[0];
     let name = format!("Event {} {}", last.kind.name(), last.agent);
     let at = harness.get_all_by_label(&name).next().unwrap().rect().center();
     click(&mut harness, at);

@@ -94,7 +94,7 @@ fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec
     let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
     let mut matrices = vec![Mat3x4::default(); rows.len() * NUM_JOINTS];
     let ratios = vec![0.0; rows.len()];
-    let motion_set = bundle.motion_set();
+    let motion_set = &bundle.motion_set;
     SampleJob { motion_set, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
     let figures = rows.iter().zip(matrices.chunks(NUM_JOINTS));
     Some(figures.map(|(r, m)| PoseFigure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())

@@ -23,7 +23,7 @@ impl PoseSilhouette {
     /// The pose of a frame; none if there is no such frame.
     pub fn sample_row(bundle: &OpenBundle, row: u32) -> Option<Self> {
         let mut matrices = [Mat3x4::default(); NUM_JOINTS];
-        let motion_set = bundle.motion_set();
+        let motion_set = &bundle.motion_set;
         SampleJob { motion_set, frames: &[row], ratios: &[0.0], matrices: &mut matrices }.run().ok()?;
         let ends = [Joint::Head, Joint::LeftToe, Joint::RightToe];
         let tip = |k: usize| matrices[ends[k].index()].to_mat4().transform_point3(bundle.tables().skeleton().tips[k]);

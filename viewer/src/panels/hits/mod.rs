@@ -212,7 +212,7 @@ fn summary(ui: &mut Ui, input: &HitsInput<'_>) {
 fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPanelState) -> Option<usize> {
     let &HitsInput { bundle, hits, shown, ranges, standing_out } = input;
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
-    let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set().policy(p));
+    let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set.policy(p));
     let edges = outlined.into_iter().flat_map(outline_points);
     let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
     let bounds = HitBounds::around(seen.iter().copied(), state.whole_body);

@@ -18,7 +18,7 @@ const PERFORM_S: f32 = 10.0;
 /// Shows the character that is selected.
 pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     population(ui, world, state, commands);
-    let run = world.run();
+    let run = &world.run;
     let Some(c) = model.selection.character.filter(|&c| c < run.num_characters()) else {
         let has_characters = run.num_characters() > 0;
         return offer_first_character(ui, "Click a character in the 3-D view, or", has_characters, commands);
@@ -33,22 +33,22 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
 }
 
 fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
-    let run = world.run();
+    let run = &world.run;
     ui.horizontal_wrapped(|ui| {
         let mut n = state.characters.unwrap_or(run.num_characters());
         let field = DragValue::new(&mut n).range(1..=20_000).update_while_editing(false);
-        let field = ui.add_enabled(world.working().is_none(), field);
+        let field = ui.add_enabled(world.working.is_none(), field);
         field.clone().on_hover_text("As many as there is room for, each on units of its own; restarts the world");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
-            let seed = world.roamers().seed;
+            let seed = world.roamers.seed;
             commands.push(ViewerCommand::World(WorldCommand::Populate { characters: n, seed }));
         }
         ui.label("characters");
-        let states = &run.moment().states;
+        let states = &run.reel.moment().states;
         let waiting = states.iter().filter(|m| m.activity == InhabitantActivity::Waiting).count();
         let done: u32 = states.iter().map(|m| m.num_fulfilled).sum();
-        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s());
+        let tip = format!("The last step of all of them took {:.2} ms", 1e3 * run.step_s);
         ui.weak(format!("{waiting} wait · {done} orders done")).on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
@@ -65,10 +65,10 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
 }
 
 fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
-    let run = world.run();
-    let seen = run.moment().states[c];
+    let run = &world.run;
+    let seen = run.reel.moment().states[c];
     let tags = &world.bundle().tables().meta().link_tags;
-    let (inhabitants, id) = (run.inhabitants(), run.id(c));
+    let (inhabitants, id) = (&run.inhabitants, run.id(c));
     facts(ui, "character", true, |row| {
         let mut row = |name: &str, value: String| row(name, "", value.into());
         row("is to", words::goal(seen.goal, tags));
@@ -106,7 +106,7 @@ fn show_orders(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut Patches
     ui.horizontal_wrapped(|ui| {
         let roam = ui.button("Roam").on_hover_text("Wander about until it gets another order");
         roam.request(commands, order(Some(InhabitantGoal::Roam)));
-        if world.run().order_of(c).is_some() {
+        if world.run.order_of(c).is_some() {
             let let_go = ui.button("Let go").on_hover_text("It decides for itself again, as the scene says");
             let_go.request(commands, order(None));
         }

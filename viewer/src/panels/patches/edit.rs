@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
     ui.strong("Units");
     create(ui, model, world, state, commands);
     selected(ui, model, world, commands);
-    if let Some(e) = world.edited() {
+    if let Some(e) = &world.edited {
         let lost = if e.num_lost > 0 { format!("; {} characters found no place", e.num_lost) } else { String::new() };
         let free = match e.num_released {
             0 => String::new(),
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
         let [total, stitch] = [e.total_s, e.stitch_s].map(|s| 1e3 * s);
         ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.description));
     }
-    let r = world.report();
+    let r = &world.report;
     ui.weak(format!(
         "{} patches, {} cells, {} transitions, {:.2} h of motion, {} kinds of joints",
         r.instances, r.cells, r.transitions, r.motion_hours, r.tables
@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
 }
 
 fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
-    let units = &world.kit().units.units;
+    let units = &world.kit.units.units;
     state.unit = state.unit.min(units.len().saturating_sub(1));
     ui.horizontal_wrapped(|ui| {
         ui.label("Create");
@@ -79,7 +79,7 @@ fn selected(ui: &mut Ui, model: &Model, world: &WorldDocument, commands: &mut Co
             let to = Placement { heading: p.heading + degrees.to_radians(), ..p }.with_wrapped_heading();
             ui.button(text).on_hover_text(tip).request(commands, edit(UnitChange::Move { place, to }));
         }
-        let remove = ui.add_enabled(world.working().is_none(), Button::new("Remove"));
+        let remove = ui.add_enabled(world.working.is_none(), Button::new("Remove"));
         let remove = remove.on_hover_text("Delete, while units are moved");
         remove.request(commands, edit(UnitChange::Remove { place }));
     });
@@ -91,7 +91,7 @@ fn edit(change: UnitChange) -> ViewerCommand {
 
 fn save(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState, commands: &mut Commands) {
     ui.horizontal(|ui| {
-        let file = state.file.get_or_insert_with(|| suggested(world.path()).display().to_string());
+        let file = state.file.get_or_insert_with(|| suggested(&world.path).display().to_string());
         let button = ui.button("Save").on_hover_text("Write the world as a list of places");
         ui.add(TextEdit::singleline(file).desired_width(f32::INFINITY));
         if button.clicked() && !file.trim().is_empty() {

@@ -45,10 +45,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, commands:
     match model.inspected_instance() {
         None => _ = ui.weak("Click a unit, or a character, to see the patch there."),
         Some(instance) => {
-            let key = (model.generation, world.revision(), instance);
+            let key = (model.generation, world.revision, instance);
             if state.facts.as_ref().is_none_or(|f| f.0 != key) {
                 // No reason is available while the world is stitched again.
-                let is_known = world.working().is_none();
+                let is_known = world.working.is_none();
                 state.facts = is_known.then(|| (key, InstanceFacts::count_cells(world, instance)));
             }
             if let Some((_, facts)) = &state.facts {
@@ -107,12 +107,12 @@ fn history(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
 
 /// Result of the last edit.
 fn outcome(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
-    if let Some(working) = world.working() {
+    if let Some(working) = &world.working {
         ui.horizontal(|ui| {
             ui.spinner();
             ui.label(format!("{} …", working.doing));
         });
-    } else if let Some(refused) = world.refused() {
+    } else if let Some(refused) = &world.refused {
         ui.horizontal_wrapped(|ui| {
             ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.reason));
             let close = ui.small_button("✖").on_hover_text("Close this message (Escape)");
@@ -127,9 +127,9 @@ fn show_reason(ui: &mut Ui, model: &Model, state: &mut PatchesPanelState, instan
     if link as usize >= world.graph().links(instance).len() {
         return;
     }
-    let key = (model.generation, world.revision(), instance, link);
+    let key = (model.generation, world.revision, instance, link);
     if state.why.as_ref().is_none_or(|w| w.0 != key) {
-        if world.working().is_some() {
+        if world.working.is_some() {
             return;
         }
         state.why = Some((key, world.full_reason(instance, InstanceItem::Link(link)).map(|w| w.message)));

@@ -30,7 +30,7 @@ pub struct PlanPanelState {
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &mut Commands) {
-    let Some(task) = model.task() else {
+    let Some(task) = model.document.task() else {
         ui.weak("Open a task of limbs: data/tasks/*.toml. Things and places can be dragged in the view then.");
         return;
     };
@@ -99,7 +99,7 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
         wanted.seed = (seed != own).then_some(seed);
         ui.checkbox(&mut wanted.replans, "after each drag").on_hover_text("Plan as soon as something was dragged");
     });
-    if let Some(planning) = task.planning() {
+    if let Some(planning) = &task.planning {
         let ([tried, total], motion) = planning.progress();
         ui.horizontal(|ui| {
             let tip = "Stop planning; the motions stay as they are";
@@ -107,7 +107,7 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
             ui.label(format!("motion {motion}: {tried} of {total}"));
             ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
         });
-    } else if let Some(why) = task.refused() {
+    } else if let Some(why) = &task.refused {
         ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
     } else if task.is_changed() {
         let colour = ThemePalette::for_visuals(ui.visuals()).warning;
@@ -117,11 +117,11 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
 
 fn save(ui: &mut Ui, task: &TaskDocument, state: &mut PlanPanelState, commands: &mut Commands) {
     // A clip in the current folder, called as the task.
-    let stem = task.path().file_stem().unwrap_or_default().to_string_lossy();
+    let stem = task.path.file_stem().unwrap_or_default().to_string_lossy();
     let file = state.file.get_or_insert_with(|| format!("{stem}.bvh"));
     let tip = "Write the motion that is shown, and who carries what beside it, as `throng plan` does";
     let motion = written(ui, file, Button::new("Save"), tip, task.shown_motion().is_some()).map(PlanCommand::Save);
-    let file = state.task.get_or_insert_with(|| task.path().display().to_string());
+    let file = state.task.get_or_insert_with(|| task.path.display().to_string());
     let tip = "Write the task with things and places where they are; comments and all other numbers stay";
     let own = written(ui, file, Button::new("Save the task"), tip, true).map(PlanCommand::SaveTask);
     commands.extend(motion.into_iter().chain(own).map(ViewerCommand::Plan));

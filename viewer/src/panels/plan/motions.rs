@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
         });
     }
     if task.motions().is_empty() {
-        ui.weak(if task.planning().is_some() { "The first one is planned …" } else { "None was planned yet." });
+        ui.weak(if task.planning.is_some() { "The first one is planned …" } else { "None was planned yet." });
     }
     if let Some(motion) = task.shown_motion() {
         figures(ui, motion);

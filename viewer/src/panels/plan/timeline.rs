@@ -50,7 +50,7 @@ impl PlotDirection {
 
 /// Shows it; returns the frame that the play head is moved to by a click or a drag.
 pub fn show(ui: &mut Ui, model: &Model, along: &mut PlotDirection, wanted: &mut PlanViewOptions) -> Option<u32> {
-    let task = model.task()?;
+    let task = model.document.task()?;
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");
         ui.checkbox(&mut wanted.trees, "trees").on_hover_text("Where hands and feet are in the trees of the searches");
@@ -144,7 +144,7 @@ impl TaskPlot<'_> {
             [low.min(v), high.max(v)]
         });
         if low > high {
-            let is_planning = self.task.planning().is_some();
+            let is_planning = self.task.planning.is_some();
             let text = if is_planning { "planning …" } else { "no search was needed, or none is shown" };
             let (font, weak) = (FontId::proportional(12.0), self.visuals.weak_text_color());
             self.painter.text(rect.center(), Align2::CENTER_CENTER, text, font, weak);

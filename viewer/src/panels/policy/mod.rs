@@ -58,7 +58,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: 
         return drop(ui.weak("Policies are part of a bundle; open one to see them."));
     };
     let number = model.selection.policy;
-    let Some(policy) = bundle.motion_set().policy(number) else {
+    let Some(policy) = bundle.motion_set.policy(number) else {
         return drop(ui.weak("This bundle has no behaviour. Build it from a config with `behaviours`."));
     };
     state.hovered_before = state.hovered.take();

@@ -125,7 +125,7 @@ fn all_heights_are_shown_with_the_same_colours_and_a_click_looks_at_one() {
         assert!(heats.iter().all(|k| k.range == heats[0].range));
         assert!(heats.windows(2).all(|k| k[0].key.height + 1 == k[1].key.height));
         let bundle = h.state().model.document.bundle().unwrap();
-        let label = chart::PolicyChart::new(&bundle.motion_set().policy(policy).unwrap().grid_of(0)).height_name(1);
+        let label = chart::PolicyChart::new(&bundle.motion_set.policy(policy).unwrap().grid_of(0)).height_name(1);
         assert!(label.ends_with(name), "{label}");
         h.get_by_label(&format!("Values {label}")).click();
         h.run_steps(2);

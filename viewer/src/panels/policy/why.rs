@@ -73,7 +73,7 @@ fn behaviours(ui: &mut Ui, bundle: &OpenBundle, why: &ChoiceReason) {
         let name = behaviour_name(bundle, b.policy);
         if b.is_active {
             ui.weak(format!("{name}: weight {:.2}, value of the state {}", b.weight, words::number(b.value)));
-        } else if let Some(policy) = bundle.motion_set().policy(b.policy) {
+        } else if let Some(policy) = bundle.motion_set.policy(b.policy) {
             ui.label(format!("{name}: not active, it does not count: {}", story::inactivity(policy.region(), b)));
         }
     }

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Sourc
         let mirrored = bundle.clips().filter(|c| c.0.mirrored != 0).count();
         let kept = 100.0 * meta.frames_kept as f64 / meta.frames_in.max(1) as f64;
         let all = [
-            ("File", bundle.path().display().to_string()),
+            ("File", bundle.path.display().to_string()),
             ("Name", meta.name.clone()),
             ("Written by", meta.generator.clone()),
             ("Rate", format!("{} Hz", meta.rate_hz)),

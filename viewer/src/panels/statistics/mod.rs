@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, model: &Model) {
         at_target(ui, run);
     }
     if let Some(scene) = model.document.scene() {
-        show_scene(ui, scene.run());
+        show_scene(ui, &scene.run);
     }
     frame_times(ui, model);
     match model.document.bundle() {

@@ -10,14 +10,14 @@ use eframe::egui::Response;
 
 /// The smallest cell with an entry where a ray meets the ground.
 fn pick_cell(model: &Model, ray: &Ray) -> Option<BlackboardCell> {
-    let brains = model.shown_scene()?.run().simulation().brains()?;
+    let brains = model.shown_scene()?.run.simulation().brains()?;
     cell_at(brains, &model.selection.scene, ray.intersect_ground()?)
 }
 
 /// Shows a tooltip with the entries of the blackboard under the pointer.
 pub fn show_tooltip(response: Response, model: &Model) {
     let Some(scene) = model.shown_scene() else { return };
-    let Some(brains) = scene.run().simulation().brains() else { return };
+    let Some(brains) = scene.run.simulation().brains() else { return };
     let cell = response.hover_pos().and_then(|at| pick_cell(model, &ray_at(model, response.rect, at)));
     let Some(cell) = cell else { return };
     response.on_hover_ui_at_pointer(|ui| {

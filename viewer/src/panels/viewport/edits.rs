@@ -16,14 +16,14 @@ const BESIDE: f32 = 14.0;
 /// Shows the edit under way, or why the last edit was refused.
 pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Commands) {
     let Some(world) = model.shown_world() else { return };
-    if let Some(working) = world.working() {
+    if let Some(working) = &world.working {
         note(ui, rect, place(model, world, working.at.as_ref(), rect), |ui| {
             ui.horizontal(|ui| {
                 ui.spinner();
                 ui.label(format!("{} …", working.doing));
             });
         });
-    } else if let Some(refused) = world.refused() {
+    } else if let Some(refused) = &world.refused {
         note(ui, rect, place(model, world, refused.at.as_ref(), rect), |ui| {
             ui.horizontal(|ui| {
                 ui.colored_label(ui.visuals().error_fg_color, "The world is unchanged");
@@ -38,7 +38,7 @@ pub fn show(ui: &Ui, rect: Rect, model: &Model, commands: &mut Commands) {
 /// Screen position of the upper end of a unit; none if it is not in view.
 fn place(model: &Model, world: &WorldDocument, unit: Option<&PlacedUnit>, rect: Rect) -> Option<Pos2> {
     let unit = unit?;
-    let bounds = world.kit().geometries.get(unit.unit)?.bounds;
+    let bounds = world.kit.geometries.get(unit.unit)?.bounds;
     let top = if bounds.is_empty() { glam::Vec3::ZERO } else { bounds.centre().with_y(bounds.max.y) };
     let at = model.settings.camera.project(unit.placement.transform_point(top), size(rect))?;
     let at = rect.min + vec2(at.x, at.y);

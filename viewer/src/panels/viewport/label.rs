@@ -19,14 +19,14 @@ fn describe(model: &Model) -> Option<String> {
     }
     if let Some(world) = model.document.world() {
         let c = model.selection.character?;
-        let state = world.run().moment().states.get(c)?;
+        let state = world.run.reel.moment().states.get(c)?;
         let tags = &world.bundle().tables().meta().link_tags;
         let patch = world.patch_name(state.node.instance);
         let (activity, goal) = (words::inhabitant_activity(state), words::goal(state.goal, tags));
         return Some(format!("character {c} · {activity} · {goal} · on {patch}"));
     }
     if let Some(scene) = model.document.scene() {
-        return words::character(scene.run().simulation(), model.selection.character?);
+        return words::character(scene.run.simulation(), model.selection.character?);
     }
     if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
         let b = run.blending();

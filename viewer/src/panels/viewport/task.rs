@@ -24,12 +24,12 @@ pub struct DraggedThing {
 fn pick_handle(model: &Model, ray: &Ray, view: Vec2) -> Option<(Handle, Vec3)> {
     let camera = model.settings.camera;
     let radius = |at: Vec3| GRAB / camera.pixels_per_metre(at.distance(camera.eye()), view.y);
-    model.task()?.pick(ray, model.task_time_s(), radius)
+    model.document.task()?.pick(ray, model.task_time_s(), radius)
 }
 
 /// Drags things; true while one is dragged.
 pub fn drag(response: &Response, model: &Model, held: &mut Option<DraggedThing>, commands: &mut Commands) -> bool {
-    if model.task().is_none() {
+    if model.document.task().is_none() {
         *held = None;
         return false;
     }

@@ -43,7 +43,7 @@ pub fn drag(response: &Response, model: &Model, dragged: &mut Option<DraggedUnit
         return false;
     };
     if response.drag_started_by(PointerButton::Primary)
-        && world.working().is_none()
+        && world.working.is_none()
         && !ctx.input(|i| i.modifiers.shift)
         && let Some(at) = ctx.input(|i| i.pointer.press_origin())
         && let Some((Some(place), met)) = world.pick(&ray(at))
@@ -106,7 +106,7 @@ pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Commands) 
         commands.push(ViewerCommand::World(WorldCommand::Edit(UnitChange::Move { place, to })));
     }
     let is_asked = || !ui.ctx().text_edit_focused() && ui.input(|i| i.key_pressed(Key::Delete));
-    if world.working().is_none() && is_asked() {
+    if world.working.is_none() && is_asked() {
         commands.push(ViewerCommand::World(WorldCommand::Edit(UnitChange::Remove { place })));
     }
 }
@@ -114,7 +114,7 @@ pub fn keys(ui: &Ui, model: &Model, is_dragging: bool, commands: &mut Commands) 
 /// Shows the unit that a click would place.
 pub fn hover(ui: &Ui, model: &Model, ray: Option<Ray>, heading: &mut f32, commands: &mut Commands) {
     let (Some(world), Tool::Create(unit)) = (model.shown_world(), model.selection.world.tool) else { return };
-    if unit >= world.kit().units.units.len() {
+    if unit >= world.kit.units.units.len() {
         return;
     }
     *heading += turned(ui);

@@ -40,13 +40,8 @@ fn limbs(skeleton: &Skeleton) -> Vec<LimbCapsule> {
     // The face.
     let top = skeleton.tips[0].length().clamp(0.05, 0.6);
     let eye = |x: f32| rest[Joint::Head.index()] + Vec3::new(x * top, 0.42 * top, 0.42 * top);
-    limbs.push(LimbCapsule {
-        joint: Joint::Head,
-        from: eye(0.18),
-        to: eye(-0.18),
-        radius: 0.029 * BodyVolume::scale(skeleton),
-        part: SurfacePart::Visor,
-    });
+    let (radius, part) = (0.029 * BodyVolume::scale(skeleton), SurfacePart::Visor);
+    limbs.push(LimbCapsule { joint: Joint::Head, from: eye(0.18), to: eye(-0.18), radius, part });
     limbs
 }
 

@@ -52,7 +52,7 @@ impl Picture {
         instances: &[CharacterInstance],
         camera: &OrbitCamera,
     ) -> (Self, [usize; LEVELS]) {
-        let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::new());
+        let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::default());
         let solids = &Solids::default();
         let (records, rows) = (&[], None);
         let uploaded = renderer.upload(&SceneFrame {
@@ -183,7 +183,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
 #[test]
 fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let Some(mut renderer) = renderer() else { return };
-    let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::new());
+    let (skeleton, shapes) = (&Skeleton::default(), &ShapeList::default());
     let (palette, instances) = (&standing(skeleton, 0.0)[1..], &[at_origin(Rgba::WHITE)]);
     let solids = &Solids::default();
     let (body, records, rows) = (BodyStyle::Mannequin, &[] as &[RecordInstance], None);
@@ -211,7 +211,7 @@ fn more_than_the_device_can_hold_is_an_error() {
 fn records_look_as_posed_characters_do() {
     let Some(mut renderer) = renderer() else { return };
     let bundle = OpenBundle::open(&golden_path()).expect("the golden bundle");
-    let (motion_set, skeleton) = (bundle.motion_set(), bundle.tables().skeleton());
+    let (motion_set, skeleton) = (&bundle.motion_set, bundle.tables().skeleton());
     let n = 40;
     let place = |i: usize| Planar::new((i % 8) as f32 - 3.5, 1.5 * (i / 8) as f32 - 3.0, 0.7 * i as f32);
     let starts: Vec<CharacterStart> = (0..n).map(|i| CharacterStart { root: place(i), state: 0 }).collect();
@@ -222,7 +222,7 @@ fn records_look_as_posed_characters_do() {
     let mut people = People::new(motion_set, config, &starts).expect("starts exist");
     let orders: Vec<PolicyOrder> = (0..n).map(|i| PolicyOrder::towards(0, place(i * 7 % n).translation())).collect();
     let camera = OrbitCamera { distance: 12.0, pitch: 0.4, ..OrbitCamera::default() };
-    let (shapes, solids, body) = (&ShapeList::new(), &Solids::default(), BodyStyle::Mannequin);
+    let (shapes, solids, body) = (&ShapeList::default(), &Solids::default(), BodyStyle::Mannequin);
     let colour = Rgba::hex(0xd0a020);
     // Shares of the pixels of bodies that differ: of those whom no transition fades in, and of all.
     let mut worst = [0.0f32; 2];
@@ -260,7 +260,7 @@ fn records_look_as_posed_characters_do() {
 #[test]
 fn rows_that_there_are_not_are_refused() {
     let Some(mut renderer) = renderer() else { return };
-    let (skeleton, shapes, solids) = (&Skeleton::default(), &ShapeList::new(), &Solids::default());
+    let (skeleton, shapes, solids) = (&Skeleton::default(), &ShapeList::default(), &Solids::default());
     let rows: Arc<[Mat3x4]> = vec![Mat3x4::default(); 3 * NUM_JOINTS].into();
     let record = |row_b| RecordInstance {
         instance: PoseInstance { row_b, ..PoseInstance::default() },

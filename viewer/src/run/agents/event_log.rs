@@ -91,8 +91,9 @@ impl EventFilter {
         Self { kinds, place: None, message: None }
     }
 
-    fn matches_event(&self, h: &AgentEvent) -> bool {
-        self.kinds[h.kind.number()]
+    fn matches_until(&self, until_s: f64, h: &AgentEvent) -> bool {
+        h.time_s <= until_s
+            && self.kinds[h.kind.number()]
             && self.place.is_none_or(|p| h.place == Some(p))
             && self.message.is_none_or(|m| h.message == Some(m))
     }
@@ -225,7 +226,8 @@ pub struct EventLog {
     watched: Option<usize>,
     of_watched: VecDeque<AgentEvent>,
     totals: [u64; AgentEventKind::COUNT],
-    rates: EventRates,
+    /// Event rates: numbers of events of every kind over time.
+    pub rates: EventRates,
 }
 
 impl EventLog {
@@ -260,17 +262,12 @@ impl EventLog {
         self.totals = self.rates.forget_after(time_s);
     }
 
-    /// Event rates: numbers of events of every kind over time.
-    pub fn rates(&self) -> &EventRates {
-        &self.rates
-    }
-
     /// The last events that a filter accepts until a time, the latest first.
     pub fn last(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<AgentEvent> {
         let kinds = self.kinds.iter().zip(filter.kinds).filter(|k| k.1);
-        let is_shown = |h: &&AgentEvent| h.time_s <= until_s && filter.matches_event(h);
-        let of_kind =
-            |k: &VecDeque<AgentEvent>| k.iter().rev().filter(is_shown).take(most).copied().collect::<Vec<_>>();
+        let of_kind = |k: &VecDeque<AgentEvent>| {
+            k.iter().rev().filter(|h| filter.matches_until(until_s, h)).take(most).copied().collect::<Vec<_>>()
+        };
         let mut all: Vec<AgentEvent> = kinds.flat_map(|(k, _)| of_kind(k)).collect();
         // Events of one agent at the same time stay in order.
         all.sort_by(|a, b| b.time_s.total_cmp(&a.time_s));
@@ -280,8 +277,7 @@ impl EventLog {
 
     /// The last events of the watched agent that a filter accepts, the latest first.
     pub fn last_of_watched(&self, filter: &EventFilter, until_s: f64, most: usize) -> Vec<AgentEvent> {
-        let is_shown = |h: &&AgentEvent| h.time_s <= until_s && filter.matches_event(h);
-        self.of_watched.iter().rev().filter(is_shown).take(most).copied().collect()
+        self.of_watched.iter().rev().filter(|h| filter.matches_until(until_s, h)).take(most).copied().collect()
     }
 }
 

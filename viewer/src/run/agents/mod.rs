@@ -12,5 +12,3 @@ pub use rates::{EventRates, WINDOW_S};
 pub use spread::SpreadLog;
 pub use throng_precompute::run::{agent_path, first_agent};
 pub use trace::{AgentTrace, StateEntry};
-
-use super::STEP_HZ;

@@ -1,6 +1,7 @@
 //! Event rates of every kind.
 
 use super::AgentEventKind;
+use crate::run::STEP_HZ;
 use std::collections::VecDeque;
 
 /// Time that rates are shown for (s).
@@ -8,7 +9,7 @@ pub const WINDOW_S: f64 = 10.0;
 /// Time that one rate is a mean over (s).
 const BIN_S: f64 = 0.25;
 /// Marks that are kept: one minute, and the window before it.
-const KEPT: usize = 70 * super::STEP_HZ as usize;
+const KEPT: usize = 70 * STEP_HZ as usize;
 
 /// Numbers of events until a time.
 #[derive(Clone, Copy, Debug, PartialEq)]

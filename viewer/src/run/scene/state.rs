@@ -42,10 +42,8 @@ pub(super) struct SceneRunState {
 
 impl SceneRunState {
     pub fn new(simulation: Simulation) -> Self {
-        let choosing = simulation
-            .groups()
-            .iter()
-            .filter_map(|g| ChoosingGroup::new(&simulation, g.character_group, &g.characters));
+        let groups = simulation.groups().iter();
+        let choosing = groups.filter_map(|g| ChoosingGroup::new(&simulation, g.character_group, &g.characters));
         let mut state = Self {
             choosing: choosing.collect(),
             feet: SlipMeter::new(simulation.num_characters()),

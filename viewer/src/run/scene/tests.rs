@@ -41,7 +41,7 @@ fn home(run: &SceneRun) -> Vec3 {
 fn a_recorded_bout_looks_and_counts_as_it_did() {
     let boxing = Boxing::new();
     let mut document = open(&boxing.pairs(4));
-    let run = document.run_mut();
+    let run = &mut document.run;
     let marks = |run: &SceneRun| run.blow_marks(2.0).copied().collect::<Vec<_>>();
     let state = |run: &SceneRun| {
         let f = run.figures();
@@ -75,7 +75,7 @@ fn a_recorded_bout_looks_and_counts_as_it_did() {
 fn marks_show_the_result_of_every_blow() {
     let boxing = Boxing::new();
     let mut document = open(&boxing.pairs(6));
-    let run = document.run_mut();
+    let run = &mut document.run;
     steps(run, 900);
     let blows = run.figures().bout.unwrap().blows;
     let all: Vec<BlowMark> = run.blow_marks(60.0).copied().collect();
@@ -90,7 +90,7 @@ fn marks_show_the_result_of_every_blow() {
 fn a_target_gives_way_comes_back_and_hangs_where_it_is_put() {
     let boxing = Boxing::new();
     let mut document = open(&boxing.targets(1));
-    let run = document.run_mut();
+    let run = &mut document.run;
     let at_rest = home(run);
     let mut furthest = 0.0f32;
     for _ in 0..1800 {
@@ -121,7 +121,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
     let mut document = open(&boxing.pairs(8));
     let (mut inactive, mut best_taken, mut not_chosen) = (0, 0, 0);
     for step in 0..300 {
-        document.run_mut().step().unwrap();
+        document.run.step().unwrap();
         if step % 30 != 0 {
             continue;
         }
@@ -142,7 +142,7 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
             let apart = (opponent.x - why.root.x).hypot(opponent.z - why.root.z);
             assert!(is_best || apart < 1.5, "character {c} at {step}: {apart} m");
             for s in &why.behaviours {
-                let policy = chooser.bundle.motion_set().policy(s.policy).unwrap();
+                let policy = chooser.bundle.motion_set.policy(s.policy).unwrap();
                 assert_eq!(s.is_active, policy.region().contains(s.target));
                 inactive += u32::from(!s.is_active);
             }
@@ -157,8 +157,8 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
 fn walkers_on_hills_are_played_and_rewound() {
     let paces = Paces::new();
     let mut document = open(&paces.scene(7, 0.5));
-    assert!(document.surroundings().has_hills && document.surroundings().meshes.len() == 3);
-    let run = document.run_mut();
+    assert!(document.surroundings.has_hills && document.surroundings.meshes.len() == 3);
+    let run = &mut document.run;
     steps(run, 90);
     let seen = poses(run);
     assert!(seen.len() == 7 * 3 * (NUM_JOINTS + 1));
@@ -172,21 +172,21 @@ fn walkers_on_hills_are_played_and_rewound() {
 fn agents_are_measured_and_their_events_logged() {
     let meeting = Meeting::new();
     let mut document = open(&meeting.scene(12));
-    let run = document.run_mut();
-    run.watch(Some(3));
+    let run = &mut document.run;
+    run.log.watch(Some(3));
     steps(run, 240);
     let figures = run.figures().agents.unwrap();
     assert!(figures.present == 24 && figures.overlaps == 0 && figures.progress_mps > 0.3, "{figures:?}");
     let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
-    let log = run.log();
+    let log = &run.log;
     let of_one = log.last_of_watched(&all, 9.0, 999);
     assert!(!of_one.is_empty() && of_one.iter().all(|h| h.is_about(3)));
     assert!(log.last(&all, 2.0, 99).iter().all(|h| h.time_s <= 2.0 && h.at.is_finite()));
-    assert!(log.rates().totals(9.0).iter().sum::<u64>() > 100);
+    assert!(log.rates.totals(9.0).iter().sum::<u64>() > 100);
     // What is told in the past drops what came after it.
     run.seek(120).unwrap();
     run.input(RunInput::Target { character: None, to: Vec3::ZERO }).unwrap();
-    assert!(run.log().last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
+    assert!(run.log.last(&all, 9.0, 99).iter().all(|h| h.time_s <= 2.0));
     steps(run, 10);
     assert_eq!(run.head.recorded(), 0..=130);
 }
@@ -195,7 +195,7 @@ fn agents_are_measured_and_their_events_logged() {
 fn brains_of(run: &SceneRun) -> String {
     let brains = run.simulation().brains().unwrap();
     let of = |agent: usize| (brains.states_of(agent), [0, 1, 2].map(|level| run.entry(agent, level)));
-    let known = |e| run.spread().times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
+    let known = |e| run.spread.times(e).iter().filter(|t| **t <= run.simulation().time_s()).count();
     let all: Vec<_> = (0..brains.len()).map(of).collect();
     format!("{all:?} {:?}", [0, 1].map(known))
 }
@@ -204,7 +204,7 @@ fn brains_of(run: &SceneRun) -> String {
 fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     let market = Market::new();
     let mut document = open(&market.scene(24));
-    let run = document.run_mut();
+    let run = &mut document.run;
     let mut seen = vec![brains_of(run)];
     for _ in 0..360 {
         run.step().unwrap();
@@ -216,7 +216,7 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     }
     let brains = run.simulation().brains().unwrap();
     let sale = brains.event_names().iter().position(|e| e == "sale").unwrap();
-    let times = run.spread().times(sale);
+    let times = run.spread.times(sale);
     assert!(times.len() > 2 && times.is_sorted() && times[..2] == [1.0, 1.0], "{times:?}");
     assert_eq!(times.len(), brains.event_spreads()[sale].informed);
     // Whoever shops came there by the first edge, and all below is gone; who strolls, by none or the one back.
@@ -228,7 +228,7 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
     assert_eq!(brains.states_of(shopping)[1], None);
     // What is listed is what is known.
     let kinds = AgentEventKind::all().map(|what| what == AgentEventKind::Learnt);
-    let listed = run.log().last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
+    let listed = run.log.last(&EventFilter { message: Some(sale), ..EventFilter::of_kinds(kinds) }, 9.0, 999);
     assert_eq!(listed.len(), times.len());
     assert!(
         listed
@@ -241,17 +241,17 @@ fn what_agents_came_to_is_the_same_whichever_way_a_moment_is_shown() {
 fn an_event_in_the_past_changes_what_spreads_from_there_on() {
     let market = Market::new();
     let mut document = open(&market.scene(12));
-    let run = document.run_mut();
+    let run = &mut document.run;
     steps(run, 240);
-    let later = run.spread().times(1).len();
+    let later = run.spread.times(1).len();
     run.seek(30).unwrap();
     run.input(RunInput::Event("sale".into())).unwrap();
-    assert_eq!(run.spread().times(1), [0.5, 0.5]);
+    assert_eq!(run.spread.times(1), [0.5, 0.5]);
     let all = EventFilter::of_kinds([true; AgentEventKind::COUNT]);
-    assert!(run.log().last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
+    assert!(run.log.last(&all, 9.0, 999).iter().any(|h| h.kind == AgentEventKind::Learnt && h.message == Some(1)));
     let now = brains_of(run);
     steps(run, 100);
-    assert!(later >= 2 && run.spread().times(1).len() >= 2);
+    assert!(later >= 2 && run.spread.times(1).len() >= 2);
     run.seek(30).unwrap();
     assert!(brains_of(run) == now, "the input is repeated");
 }
@@ -261,16 +261,16 @@ fn a_saved_scene_goes_on_as_before() {
     let (meeting, boxing) = (Meeting::new(), Boxing::new());
     for path in [meeting.scene(6), meeting.flock(6), boxing.pairs(2), boxing.targets(2)] {
         let mut document = open(&path);
-        steps(document.run_mut(), 97);
-        let bytes = document.run().simulation().snapshot();
-        let compiled = document.run().simulation().compiled().clone();
-        steps(document.run_mut(), 50);
+        steps(&mut document.run, 97);
+        let bytes = document.run.simulation().snapshot();
+        let compiled = document.run.simulation().compiled().clone();
+        steps(&mut document.run, 50);
         let mut again = SceneRun::new(&compiled, Some(&bytes)).unwrap();
         assert_eq!(again.head.recorded(), 97..=97);
         steps(&mut again, 50);
-        assert!(poses(&again) == poses(document.run()), "{}", path.display());
+        assert!(poses(&again) == poses(&document.run), "{}", path.display());
         again.seek(97).unwrap();
         again.seek(147).unwrap();
-        assert!(poses(&again) == poses(document.run()), "{}", path.display());
+        assert!(poses(&again) == poses(&document.run), "{}", path.display());
     }
 }

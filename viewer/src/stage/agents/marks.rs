@@ -60,11 +60,11 @@ pub(super) fn lay_out(shapes: &mut ShapeList, run: &SceneRun, brush: &Brush<'_>)
     let is_rare = AgentEventKind::all().map(|what| mark_duration_s(what) > MARK_S);
     let of_kinds =
         |rare: bool| EventFilter::of_kinds(std::array::from_fn(|k| brush.options.kinds[k] && is_rare[k] == rare));
-    let usual = run.log().last(&of_kinds(false), now, MAX_MARKS);
+    let usual = run.log.last(&of_kinds(false), now, MAX_MARKS);
     let first_s = usual.last().map_or(now, |h| h.time_s);
-    let mut more = run.log().last_of_watched(&of_kinds(false), now, MAX_MARKS);
+    let mut more = run.log.last_of_watched(&of_kinds(false), now, MAX_MARKS);
     more.retain(|h| h.time_s < first_s);
-    for h in run.log().last(&of_kinds(true), now, MAX_RARE).iter().chain(&usual).chain(&more) {
+    for h in run.log.last(&of_kinds(true), now, MAX_RARE).iter().chain(&usual).chain(&more) {
         let age = ((now - h.time_s) / mark_duration_s(h.kind)) as f32;
         if age < 1.0 {
             let radius = run.simulation().disc(h.agent).map_or(GONE_M, |d| d.radius);

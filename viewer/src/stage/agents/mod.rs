@@ -51,7 +51,7 @@ pub(super) struct Brush<'a> {
 impl<'a> Brush<'a> {
     pub fn new(model: &Model, scene: &SceneDocument, palette: &'a StagePalette, dark: bool) -> Self {
         let pixel_m = model.settings.camera.pixels_per_metre(model.settings.camera.distance, VIEW_HEIGHT).recip();
-        let (in_the_air, has_regions) = (scene.surroundings().in_the_air, scene.choice().engine == Scheme::default());
+        let (in_the_air, has_regions) = (scene.surroundings.in_the_air, scene.choice.engine == Scheme::default());
         let (options, selected) = (model.selection.scene, model.selection.character);
         Self { palette, options, selected, dark, in_the_air, has_regions, pixel_m }
     }

@@ -30,11 +30,9 @@ pub fn colour_of_force(term: usize, dark: bool) -> Rgba {
 }
 
 pub(super) fn lay_out(shapes: &mut ShapeList, simulation: &Simulation, who: usize, brush: &Brush<'_>) {
-    let (Some((at, radius)), Some(details), Some(disc)) =
-        (agent_bound(simulation, who), agent_details(simulation, who), simulation.disc(who))
-    else {
-        return;
-    };
+    let Some((at, radius)) = agent_bound(simulation, who) else { return };
+    let Some(details) = agent_details(simulation, who) else { return };
+    let Some(disc) = simulation.disc(who) else { return };
     let options = &brush.options;
     if options.bounds != OverlayScope::None {
         brush.round(shapes, at, radius, (2.5, brush.palette.selected));

@@ -76,7 +76,7 @@ fn bodies_are_drawn_over_discs_and_can_be_selected() {
     layout.lay_out(&model, true);
     assert_eq!(layout.instances.len(), 8);
     assert_eq!(layout.poses(&model).len(), 8 * throng_core::NUM_JOINTS);
-    let run = model.document.scene().unwrap().run();
+    let run = &model.document.scene().unwrap().run;
     for (i, instance) in layout.instances.iter().enumerate() {
         let at = run.place(layout.drawn[i]).unwrap();
         assert!(instance.root.translation().distance(at) < 0.3, "{i}");
@@ -102,7 +102,7 @@ fn a_ray_through_an_agent_selects_it() {
         let (camera, view) = (model.settings.camera, Vec2::new(800.0, 500.0));
         let mut found = 0;
         for m in 0..24 {
-            let pixel = camera.project(scene.run().place(m).unwrap(), view).unwrap();
+            let pixel = camera.project(scene.run.place(m).unwrap(), view).unwrap();
             found += usize::from(pick(scene, &camera, &camera.ray(pixel, view), view) == Some(m));
         }
         // In the air one may hide another.

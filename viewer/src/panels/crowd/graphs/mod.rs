@@ -18,7 +18,7 @@ const LEVELS: [&str; 3] = ["social", "spatial", "primitive"];
 
 /// Shows the graphs that the selected agent is in.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBrains) {
-    let simulation = scene.run().simulation();
+    let simulation = scene.run.simulation();
     let first = first_agent(simulation).unwrap_or(0);
     let Some(agent) = selected_brain(model, scene, brains) else {
         return drop(ui.weak("Select an agent."));
@@ -28,7 +28,7 @@ pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, brains: &AgentBra
         return drop(ui.weak("It is in no state: it follows its goal and rules."));
     }
     for (level, now) in states.iter().enumerate() {
-        let entry = scene.run().entry(first + agent, level);
+        let entry = scene.run.entry(first + agent, level);
         let graph = now.and_then(|now| Some((now, simulation.scene().graphs.get(now.graph)?)));
         match graph {
             Some((now, graph)) => show_graph(ui, level, now, graph, entry),
