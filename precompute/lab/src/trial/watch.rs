@@ -1,6 +1,6 @@
 //! Observes a trial after every step, and computes its report.
 
-use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport};
+use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport, num_steps};
 use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
@@ -177,14 +177,8 @@ impl<'a> TrialWatch<'a> {
         }
     }
 
-    pub(super) fn finish(
-        self,
-        characters: &Characters,
-        config: &TrialConfig,
-        steps: usize,
-        busy_s: f64,
-    ) -> (TrialReport, TrialRecord) {
-        let n = config.characters;
+    pub fn finish(self, characters: &Characters, config: &TrialConfig, busy_s: f64) -> (TrialReport, TrialRecord) {
+        let (n, steps) = (config.characters, num_steps(config));
         let left = |c: usize| {
             let (root, target) = (characters.root(c), self.record.targets[c]);
             f64::from((root.x - target.x).hypot(root.z - target.z))

@@ -9,7 +9,7 @@ mod tests;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, rotation_between, twist_about};
+use crate::rotation::{Rigid, rotation_about, rotation_between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
 pub use ik_error::IkError;
@@ -216,7 +216,7 @@ impl LimbIk {
 
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
     pub fn reach_distances(&self) -> [f64; 2] {
-        self.elbow.distances()
+        self.elbow.distances
     }
 
     fn reach_geometry(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<ReachGeometry, f64> {
@@ -230,7 +230,7 @@ impl LimbIk {
         let to_wrist = local.position - self.chain.offsets[first];
         let distance = to_wrist.length();
         let flexion = self.elbow.flexion(distance)?;
-        let bent = self.elbow.rotation(flexion);
+        let bent = rotation_about(self.elbow.axis, flexion);
         let folded = (self.elbow.upper + bent * self.elbow.fore).normalize_or(DVec3::X);
         let line = to_wrist.try_normalize().unwrap_or(folded);
         Ok(ReachGeometry { line, onto: rotation_between(folded, line), flexion, bent, hand: local.rotation })
