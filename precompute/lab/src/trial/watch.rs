@@ -186,11 +186,8 @@ impl<'a> TrialWatch<'a> {
         let arrived: Vec<f64> =
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
         let near: Vec<usize> = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).collect();
-        let is_still = |c: &&usize| {
-            self.late
-                .get(**c)
-                .is_some_and(|p| p.distance(ground_position(characters.root(**c))) < STANDING_MPS * STILL_S)
-        };
+        let moved_m = |c: usize| Some(self.late.get(c)?.distance(ground_position(characters.root(c))));
+        let is_still = |c: &&usize| moved_m(**c).is_some_and(|m| m < STANDING_MPS * STILL_S);
         let standing = near.iter().filter(is_still).count();
         let reached = |c: usize| self.record.arrivals_s[c].is_finite();
         let seen = |c: usize| {

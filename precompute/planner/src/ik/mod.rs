@@ -135,13 +135,9 @@ impl LimbIk {
         let mut free = |turns: &[DQuat; 3]| {
             let mut pose = *present;
             pose.0[first..first + 3].copy_from_slice(turns);
-            match blocked(&pose) {
-                None => Some(pose),
-                Some(by) => {
-                    in_the_way.get_or_insert(by);
-                    None
-                }
-            }
+            let Some(by) = blocked(&pose) else { return Some(pose) };
+            in_the_way.get_or_insert(by);
+            None
         };
         let exactly = |half: [f64; 2]| {
             let tried = self.pose_at_half_swivel(&reach, half);
@@ -183,18 +179,12 @@ impl LimbIk {
 
     /// The pose with a given swivel, if it is within reach and limits.
     ///
-    /// - `present`: a clavicle keeps its rotation.
+    /// - `pose`: present pose, of which a clavicle keeps its rotation.
     /// - `swivel`: as [`LimbIk::swivel_of`] defines it (rad).
-    pub(crate) fn solve_at_swivel(
-        &self,
-        base: &Rigid,
-        goal: &Rigid,
-        present: &LimbPose,
-        swivel: f64,
-    ) -> Option<LimbPose> {
-        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, present).ok()?, half_angle(swivel));
+    pub(crate) fn solve_at_swivel(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose, swivel: f64) -> Option<LimbPose> {
+        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, pose).ok()?, half_angle(swivel));
         let first = self.chain.len() - 3;
-        let mut pose = *present;
+        let mut pose = *pose;
         pose.0[first..first + 3].copy_from_slice(&tried.pose);
         (tried.excess <= ON_LIMIT).then_some(pose)
     }

@@ -323,10 +323,7 @@ fn attempt_step(stage: &mut TaskStage<'_>, i: usize, is_cancelled: bool) -> Step
 
 /// Nearest distance of a search to a solution (m).
 pub(super) fn nearest_distance(why: &PlanError) -> Option<f64> {
-    match why {
-        PlanError::Spent { nearest_m, .. } => Some(*nearest_m),
-        PlanError::Cancelled { .. } | PlanError::Rate => None,
-    }
+    if let PlanError::Spent { nearest_m, .. } = why { Some(*nearest_m) } else { None }
 }
 
 fn attachments(stage: &TaskStage<'_>) -> Vec<Attachment> {

@@ -128,12 +128,11 @@ pub(super) fn reachable_goals(
     let problem = Problem::prepare(&ProblemSpec { admit_ends: false, ..spec.between_times([from_s, to_s]) })?;
     let (poses, nearest) = solve_hands(&problem, hands, at_s);
     let reached = hands.iter().zip(poses).filter_map(|(goal, pose)| Some((pose?, *goal)));
-    let mut out: Vec<(f64, HandTarget)> = reached
-        .map(|(pose, goal)| {
-            let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
-            (awkwardness(problem.chain(), &placed, &pose), goal)
-        })
-        .collect();
+    let rated = reached.map(|(pose, goal)| {
+        let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
+        (awkwardness(problem.chain(), &placed, &pose), goal)
+    });
+    let mut out: Vec<(f64, HandTarget)> = rated.collect();
     if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let IkError::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
         let is_beyond = nearest_m.is_some();
