@@ -79,10 +79,7 @@ impl Abilities {
         let is_original =
             |frame: u32| clips[clips.partition_point(|c| c.first_frame <= frame).saturating_sub(1)].mirrored == 0;
         out.blows = tables.hits().iter().filter(|h| is_original(h.frame) && counts(h.frame as usize)).count();
-        let root = |f: usize| {
-            let [x, z, heading] = tables.frames()[f].planar;
-            Planar::new(x, z, heading)
-        };
+        let root = |f: usize| Planar::from_array(tables.frames()[f].planar);
         for run in runs(tables).into_iter().filter(|r| is_original(r.start)) {
             for run in runs_where(run.start as usize..run.end as usize, &counts) {
                 out.add(&run.map(root).collect::<Vec<_>>(), rate_hz);

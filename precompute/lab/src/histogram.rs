@@ -5,8 +5,9 @@
 pub(crate) struct Histogram<const PER_UNIT: u32, const BINS: usize> {
     counts: Vec<u64>,
     sum: f64,
-    num: u64,
-    max: f64,
+    /// Number of values.
+    pub num: u64,
+    pub max: f64,
 }
 
 impl<const PER_UNIT: u32, const BINS: usize> Histogram<PER_UNIT, BINS> {
@@ -19,17 +20,8 @@ impl<const PER_UNIT: u32, const BINS: usize> Histogram<PER_UNIT, BINS> {
         (self.sum, self.num, self.max) = (self.sum + f64::from(value), self.num + 1, self.max.max(f64::from(value)));
     }
 
-    /// Number of values.
-    pub fn num(&self) -> u64 {
-        self.num
-    }
-
     pub fn mean(&self) -> f64 {
         self.sum / self.num.max(1) as f64
-    }
-
-    pub fn max(&self) -> f64 {
-        self.max
     }
 
     /// Quantile of the values, as the upper end of its bin; 0 without values.
@@ -60,7 +52,7 @@ mod tests {
         let mut values = Histogram::<50, 4000>::default();
         (1..=1000).for_each(|i| values.add(i as f32 * 0.01));
         assert!((values.quantile(0.5) - 5.0).abs() < 0.03, "{}", values.quantile(0.5));
-        assert_eq!((values.quantile(1.0), values.max(), values.num()), (10.0, 10.0, 1000));
+        assert_eq!((values.quantile(1.0), values.max, values.num), (10.0, 10.0, 1000));
         let none = Histogram::<50, 4000>::default();
         assert_eq!((none.quantile(0.5), none.middle_quantile(0.5), none.mean()), (0.0, 0.0, 0.0));
         let mut few = Histogram::<1000, 100>::default();

@@ -260,8 +260,7 @@ fn of_clips(tables: &Bundle) -> MotionFigures {
 /// Joints of a frame, where its clip has them: positions (m) and rotations (frame < number of frames).
 pub(crate) fn clip_joints(tables: &Bundle, frame: u32) -> [(Vec3, glam::Quat); NUM_JOINTS] {
     let (row, code) = (&tables.frames()[frame as usize], tables.rotation_code());
-    let [x, z, heading] = row.planar;
-    let root = Planar::new(x, z, heading);
+    let root = Planar::from_array(row.planar);
     let at = root.translation().with_y(row.height);
     let local =
         |j: usize| if j == 0 { maths::compose(root.rotation(), code.rotation(row, 0)) } else { code.rotation(row, j) };

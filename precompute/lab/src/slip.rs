@@ -100,7 +100,7 @@ impl SlipMeter {
 
     /// Number of measured planted parts.
     pub fn samples(&self) -> u64 {
-        self.speeds.num()
+        self.speeds.num
     }
 
     /// Mean speed (m/s).

@@ -98,10 +98,8 @@ impl TouchMeter {
         self.boxers.resize(self.boxers.len().max(first_number + num), None);
         let landed = |row: usize, hand: Joint| {
             let on_head = |part: StruckPart| matches!(part, StruckPart::Head | StruckPart::Neck);
-            sparring
-                .events()
-                .iter()
-                .any(|(_, l)| l.blow.character as usize == row && l.blow.joint == hand && on_head(l.part))
+            let mut landings = sparring.events().iter().map(|(_, landing)| landing);
+            landings.any(|l| l.blow.character as usize == row && l.blow.joint == hand && on_head(l.part))
         };
         for first in (0..num).step_by(2) {
             let rows = [first, first + 1];

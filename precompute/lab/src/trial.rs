@@ -165,7 +165,7 @@ pub fn run(tables: &Bundle, config: &TrialConfig) -> Result<(TrialReport, TrialR
         Ok(())
     })?;
     let characters = group.characters();
-    Ok(watch.finish(characters, config, num_steps(config), busy_s))
+    Ok(watch.finish(characters, config, busy_s))
 }
 
 /// Number of steps of a trial.

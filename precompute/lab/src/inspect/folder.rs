@@ -63,7 +63,10 @@ pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progr
         false => pipeline::clips_of(&set.clips, config, &mut warnings)?,
     };
     let motion = Abilities::of_clips(&clips);
-    let missing = if clips.clips.is_empty() { Vec::new() } else { missing_motion(&motion, config.resample.mirror) };
+    let mut missing = if clips.clips.is_empty() { Vec::new() } else { motion.missing(config.resample.mirror) };
+    if !clips.clips.is_empty() && motion.blows == 0 {
+        missing.push("no blows: nobody can box; add punches or kicks where they should".into());
+    }
     let path = |i: usize| set.clips[i].clip.path.display().to_string();
     Ok(FolderReport {
         files: file_lines(&set, &clips, config),
@@ -73,14 +76,6 @@ pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progr
         missing,
         warnings: import::skeleton_warnings(&set.clips).into_iter().chain(warnings.messages).collect(),
     })
-}
-
-fn missing_motion(motion: &Abilities, mirrored: bool) -> Vec<String> {
-    let mut all = motion.missing(mirrored);
-    if motion.blows == 0 {
-        all.push("no blows: nobody can box; add punches or kicks where they should".into());
-    }
-    all
 }
 
 fn performers(imported: &[ImportedClip], clips: &ClipSet) -> Vec<SourcePerformer> {

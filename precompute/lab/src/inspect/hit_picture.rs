@@ -20,7 +20,7 @@ pub fn clip_hit_picture(set: &ClipSet, title: &str) -> Picture {
         let local = |j: usize| if j == 0 { tilt } else { local[j] };
         Some(BodyFigure::from_transforms(&set.skeleton, &joint_transforms(&set.skeleton, Vec3::Y * position.y, local)))
     });
-    draw_hits(&points, body.unwrap_or_else(|| rest_figure(&set.skeleton)), title)
+    draw_hits(&points, body, &set.skeleton, title)
 }
 
 /// Picture of the effective hitting points of a bundle.
@@ -33,13 +33,11 @@ pub fn bundle_hit_picture(tables: &Bundle, title: &str) -> Picture {
         let transforms = joint_transforms(skeleton, Vec3::Y * row.height, |j| code.rotation(row, j));
         BodyFigure::from_transforms(skeleton, &transforms)
     });
-    draw_hits(&points, body.unwrap_or_else(|| rest_figure(skeleton)), title)
+    draw_hits(&points, body, skeleton, title)
 }
 
-fn rest_figure(skeleton: &Skeleton) -> BodyFigure {
-    BodyFigure::from_positions(&skeleton.rest_positions())
-}
-
-fn draw_hits(points: &[HitPoint], body: BodyFigure, title: &str) -> Picture {
+/// Draws hits around a body, which is at rest where none is given.
+fn draw_hits(points: &[HitPoint], body: Option<BodyFigure>, skeleton: &Skeleton, title: &str) -> Picture {
+    let body = body.unwrap_or_else(|| BodyFigure::from_positions(&skeleton.rest_positions()));
     hit_views(&HitView { title, points, body: Some(&body), width: WIDTH })
 }

@@ -93,9 +93,9 @@ impl QueryBatch<'_> {
     pub fn single_load_ns(&self) -> Result<f64> {
         let (policy, share) = (self.policy, share_of_task(self.states.len()));
         let mut actions = vec![0u8; self.states.len()];
-        BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions }
-            .run()
-            .map_err(|e| fail(e.to_string()))?;
+        let job =
+            BestActionJob { policy, states: self.states, targets: self.targets, choice: 0, actions: &mut actions };
+        job.run().map_err(|e| fail(e.to_string()))?;
         let ns = median_ns(self.seconds, || {
             let parts = self.states.par_chunks(share).zip(self.targets.par_chunks(share));
             parts.zip(actions.par_chunks_mut(share)).for_each(|((states, targets), actions)| {
@@ -115,9 +115,8 @@ impl QueryBatch<'_> {
         let weights = vec![1.0; self.states.len()];
         let mut ranked = vec![RankedActions::NONE; self.states.len()];
         let goals = [LookAheadGoal { policy, weights: &weights, targets: self.targets }];
-        LookAheadJob { goals: &goals, states: self.states, ranked: &mut ranked }
-            .run()
-            .map_err(|e| fail(e.to_string()))?;
+        let job = LookAheadJob { goals: &goals, states: self.states, ranked: &mut ranked };
+        job.run().map_err(|e| fail(e.to_string()))?;
         let ns = median_ns(self.seconds, || {
             let parts = self.states.par_chunks(share).zip(self.targets.par_chunks(share));
             let parts = parts.zip(weights.par_chunks(share)).zip(ranked.par_chunks_mut(share));

@@ -88,8 +88,8 @@ fn playing_instance(bundle: &Bundle, segment: u32, frames: f32, root: Planar) ->
     let at = (segment.start as f32 + frames).min(last as f32);
     let (before, ratio) = (at.floor() as u32, at.fract());
     let [a, b] = [before, (before + 1).min(last)].map(|row| bundle.frames()[row as usize].planar);
-    let [x, z, heading] = std::array::from_fn(|k| a[k] + (b[k] - a[k]) * ratio);
-    let place = root.compose(Planar::new(x, z, heading).inverse());
+    let own = Planar::from_array(std::array::from_fn(|k| a[k] + (b[k] - a[k]) * ratio));
+    let place = root.compose(own.inverse());
     let time_s = (at - clip.first_frame as f32) / bundle.meta().rate_hz as f32;
     CrowdInstance { clip: Some(segment.clip), time_s, place: [place.x, place.z, place.heading] }
 }
@@ -123,8 +123,7 @@ pub fn perform_clips(bundle: &Bundle, job: TakeJob<'_>) -> Result<Take> {
 /// Pose of a stored frame of a bundle.
 fn stored_pose(bundle: &Bundle, row: usize) -> ActorPose {
     let (row, code) = (&bundle.frames()[row], bundle.rotation_code());
-    let [x, z, heading] = row.planar;
-    let root = Planar::new(x, z, heading);
+    let root = Planar::from_array(row.planar);
     let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(|j| code.rotation(row, j));
     rotations[0] = maths::compose(root.rotation(), rotations[0]).normalize();
     ActorPose::from_rotations(bundle.skeleton(), root.translation() + Vec3::Y * row.height, rotations)

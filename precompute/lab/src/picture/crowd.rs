@@ -4,7 +4,8 @@ use super::canvas::Area;
 use super::discs::OBSTACLE_COLOUR;
 use super::furniture::{grid, legend, nice_step, page_with_panel, scale_bar};
 use super::shadow::Shadows;
-use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour, sprite};
+use super::sprite::Sprite;
+use super::{BodyColours, BodyFigure, Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -209,7 +210,7 @@ fn draw_characters(panel: &mut Picture, camera: &PictureCamera, unit: f32, mut o
     let size = (panel.width(), panel.height());
     let sprite = |c: &&CrowdCharacter<'_>| {
         let colours = BodyColours::plain(colour_of(c.arrival));
-        c.figure.as_ref().filter(|_| bodies).and_then(|f| sprite::render(f, &colours, camera, size))
+        c.figure.as_ref().filter(|_| bodies).and_then(|f| Sprite::new(f, &colours, camera, size))
     };
     let sprites: Vec<_> = order.par_iter().map(sprite).collect();
     for (sprite, c) in sprites.iter().zip(&order) {

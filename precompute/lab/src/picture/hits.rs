@@ -49,11 +49,6 @@ fn hit_colour(hit: &HitPoint) -> Colour {
     }
 }
 
-/// True for hits that are drawn as rings.
-fn is_ring(hit: &HitPoint) -> bool {
-    hit.kind == "kick"
-}
-
 /// Entries of the legend: every joint with its number of hits, tags by their names.
 fn legend_entries(points: &[HitPoint]) -> Vec<(Colour, String)> {
     let mut out: Vec<(Colour, String, usize)> = Vec::new();

@@ -123,10 +123,7 @@ fn pair_strip(record: &WorldRecord, pair: &PartnerPair, units: &[WorldUnit<'_>])
     };
     let moment = |sample: &PeopleSample| {
         let one = BodyFigure::from_positions(&sample.poses[pair.who]);
-        match other(sample) {
-            Some(pose) => WorldMoment::of_two(sample.time_s, one, BodyFigure::from_positions(&pose)),
-            None => WorldMoment::of_one(sample.time_s, one),
-        }
+        WorldMoment::of_pair(sample.time_s, one, other(sample).map(|pose| BodyFigure::from_positions(&pose)))
     };
     let began = &record.samples[pair.from];
     let offset = other(began).map_or(Vec3::Z, |p| p[0] - began.poses[pair.who][0]);

@@ -94,13 +94,7 @@ fn blur_rows(data: &mut [u8], width: usize, radius: usize) {
 
 /// Transposes rows and columns.
 fn transposed(data: &[u8], width: usize, height: usize) -> Vec<u8> {
-    let mut out = vec![0; data.len()];
-    for y in 0..height {
-        for x in 0..width {
-            out[x * height + y] = data[y * width + x];
-        }
-    }
-    out
+    (0..data.len()).map(|i| data[i % height * width + i / height]).collect()
 }
 
 #[cfg(test)]

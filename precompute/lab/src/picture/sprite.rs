@@ -20,38 +20,33 @@ pub(super) struct Sprite {
     pub pixels: Vec<PremultipliedColorU8>,
 }
 
-/// Draws a figure. `None` where it cannot be drawn or lies outside of the picture's `size`.
-pub(super) fn render(
-    figure: &BodyFigure,
-    colours: &BodyColours,
-    camera: &PictureCamera,
-    size: (u32, u32),
-) -> Option<Sprite> {
-    if !figure.is_drawable() {
-        return None;
-    }
-    let solids = body_solids(figure, colours).into_iter();
-    let pieces: Vec<PicturePiece> = solids.map(|(s, c)| PicturePiece::round(s, c)).collect();
-    let boxes = || pieces.iter().map(|p| p.screen_box(camera));
-    let min = boxes().fold(Vec2::INFINITY, |m, b| m.min(b.0)).floor().max(Vec2::ZERO);
-    let max = boxes().fold(Vec2::NEG_INFINITY, |m, b| m.max(b.1)).ceil();
-    let extent = max.min(Vec2::new(size.0 as f32, size.1 as f32)) - min;
-    if !(extent.min_element() >= 1.0 && extent.max_element() <= MAX_SIDE) {
-        return None;
-    }
-    let size = (extent.x as usize, extent.y as usize);
-    let camera = PictureCamera { screen: camera.screen - min, ..*camera };
-    Some(Sprite { corner: (min.x as i32, min.y as i32), size, pixels: paint_pieces(&pieces, &camera, size, None) })
-}
-
 /// Draws a figure on a picture, if it can be drawn.
 pub(super) fn draw(picture: &mut Picture, figure: &BodyFigure, colours: &BodyColours, camera: &PictureCamera) {
-    if let Some(sprite) = render(figure, colours, camera, (picture.width(), picture.height())) {
+    if let Some(sprite) = Sprite::new(figure, colours, camera, (picture.width(), picture.height())) {
         sprite.draw(picture);
     }
 }
 
 impl Sprite {
+    /// The sprite of a figure; `None` where that cannot be drawn or lies outside of the picture's `size`.
+    pub fn new(figure: &BodyFigure, colours: &BodyColours, camera: &PictureCamera, size: (u32, u32)) -> Option<Self> {
+        if !figure.is_drawable() {
+            return None;
+        }
+        let solids = body_solids(figure, colours).into_iter();
+        let pieces: Vec<PicturePiece> = solids.map(|(s, c)| PicturePiece::round(s, c)).collect();
+        let boxes = || pieces.iter().map(|p| p.screen_box(camera));
+        let min = boxes().fold(Vec2::INFINITY, |m, b| m.min(b.0)).floor().max(Vec2::ZERO);
+        let max = boxes().fold(Vec2::NEG_INFINITY, |m, b| m.max(b.1)).ceil();
+        let extent = max.min(Vec2::new(size.0 as f32, size.1 as f32)) - min;
+        if !(extent.min_element() >= 1.0 && extent.max_element() <= MAX_SIDE) {
+            return None;
+        }
+        let size = (extent.x as usize, extent.y as usize);
+        let camera = PictureCamera { screen: camera.screen - min, ..*camera };
+        Some(Self { corner: (min.x as i32, min.y as i32), size, pixels: paint_pieces(&pieces, &camera, size, None) })
+    }
+
     /// Draws the sprite over a picture.
     pub fn draw(&self, picture: &mut Picture) {
         let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -87,7 +82,7 @@ mod tests {
             Vec2::new(50.0, 50.0),
             40.0,
         );
-        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("is drawn");
+        let sprite = Sprite::new(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("is drawn");
         let knee = camera.project(standing().joint(throng_core::Joint::LeftShin));
         let i = (knee.y as i32 - sprite.corner.1) as usize * sprite.size.0 + (knee.x as i32 - sprite.corner.0) as usize;
         let seen = sprite.pixels[i];
@@ -97,7 +92,7 @@ mod tests {
     #[test]
     fn a_figure_outside_or_broken_is_not_drawn() {
         let camera = PictureCamera::looking_along(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(50.0, 50.0), 20.0);
-        let draw = |f: &BodyFigure| render(f, &BodyColours::default(), &camera, (100, 100));
+        let draw = |f: &BodyFigure| Sprite::new(f, &BodyColours::default(), &camera, (100, 100));
         assert!(draw(&standing()).is_some());
         assert!(draw(&standing().translated(Vec3::X * 100.0)).is_none());
         assert!(draw(&standing().translated(Vec3::X * f32::NAN)).is_none());
@@ -108,7 +103,7 @@ mod tests {
         let camera = PictureCamera::looking_along(0.0, 0.5).framed(Vec3::ZERO, Vec2::new(0.0, 99.0), 60.0);
         let mut picture = Picture::new(100, 100, colour::PAPER);
         let before = picture.clone();
-        let sprite = render(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("half of it");
+        let sprite = Sprite::new(&standing(), &BodyColours::default(), &camera, (100, 100)).expect("half of it");
         sprite.draw(&mut picture);
         assert_ne!(picture, before);
     }

@@ -139,11 +139,12 @@ impl WorldMoment {
         Self { time_s, figures, framed: 1, solids: Vec::new() }
     }
 
-    /// A moment of two partners, both framed.
-    pub fn of_two(time_s: f32, one: BodyFigure, other: BodyFigure) -> Self {
+    /// A moment of one body, and of its partner, if there is one; both are framed.
+    pub fn of_pair(time_s: f32, one: BodyFigure, partner: Option<BodyFigure>) -> Self {
         let mut moment = Self::of_one(time_s, one);
-        moment.figures.push(WorldFigure { figure: other, colours: BodyColours::plain(PARTNER_COLOUR) });
-        Self { framed: 2, ..moment }
+        let colours = BodyColours::plain(PARTNER_COLOUR);
+        moment.figures.extend(partner.map(|figure| WorldFigure { figure, colours }));
+        Self { framed: moment.figures.len(), ..moment }
     }
 
     /// Hips of the framed bodies (m).

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use throng_motion::error::Result;
-use throng_motion::{Clip, export, files};
+use throng_motion::{export, files};
 use throng_planner::task::{ActorClip, Attachment, Task, TaskEvent, TaskOutcome};
 
 /// Objects file of a clip.
@@ -11,14 +11,6 @@ use throng_planner::task::{ActorClip, Attachment, Task, TaskEvent, TaskOutcome};
 struct ClipObjects<'a> {
     attachments: &'a [Attachment],
     events: &'a [TaskEvent],
-}
-
-/// Numbered file name: CLIP.bvh, CLIP-2.bvh, ...
-fn numbered_path(out: &Path, i: usize) -> PathBuf {
-    match i {
-        0 => out.to_path_buf(),
-        _ => sibling_path(out, &format!("-{}.bvh", i + 1)),
-    }
 }
 
 /// A path in the same folder: the file's stem, followed by `end`.
@@ -42,13 +34,16 @@ pub fn write_plan(
     out: &Path,
     number: usize,
 ) -> Result<Vec<PathBuf>> {
-    let (out, mut written) = (numbered_path(out, number), Vec::new());
+    // Numbered file names: CLIP.bvh, CLIP-2.bvh, ...
+    let out = if number == 0 { out.to_path_buf() } else { sibling_path(out, &format!("-{}.bvh", number + 1)) };
+    let mut written = Vec::new();
     for (i, [before, after]) in outcome.clips.iter().enumerate() {
         if i > 0 && before == after {
             continue;
         }
         let path = if i == 0 { out.clone() } else { sibling_path(&out, &format!(".{}.bvh", task.characters[i].name)) };
-        save_clip(after, &clips[i], &path)?;
+        let raw = export::to_raw(after, &clips[i].skeleton);
+        files::write_atomically(&path, |w| export::bvh::write_clip(&raw, w))?;
         written.push(path);
     }
     let objects = ClipObjects { attachments: &outcome.attachments, events: &outcome.events };
@@ -64,9 +59,4 @@ pub fn write_plan(
         written.push(path);
     }
     Ok(written)
-}
-
-fn save_clip(clip: &Clip, actor: &ActorClip, path: &Path) -> Result<()> {
-    let raw = export::to_raw(clip, &actor.skeleton);
-    files::write_atomically(path, |w| export::bvh::write_clip(&raw, w))
 }

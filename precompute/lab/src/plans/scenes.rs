@@ -76,7 +76,8 @@ impl PlanScene {
 
     /// The planning problem of the scene.
     pub fn problem(&self) -> SceneResult<Problem> {
-        Ok(Problem::new(&ProblemSpec { admit_ends: true, ..self.actor.spec(self.ends, &self.solids, &self.allowed) })?)
+        let spec = self.actor.spec(self.ends, &self.solids);
+        Ok(Problem::new(&ProblemSpec { admit_ends: true, allowed: &self.allowed, ..spec })?)
     }
 }
 
@@ -96,14 +97,9 @@ impl SceneActor {
     }
 
     /// The problem's parts, for ends and surroundings of the caller's.
-    pub fn spec<'a>(
-        &'a self,
-        ends: [LimbState; 2],
-        solids: &'a [MovingSolid],
-        allowed: &'a [AllowedContact],
-    ) -> ProblemSpec<'a> {
+    pub fn spec<'a>(&'a self, ends: [LimbState; 2], solids: &'a [MovingSolid]) -> ProblemSpec<'a> {
         let spec = ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends);
-        ProblemSpec { solids, allowed, ..spec }
+        ProblemSpec { solids, ..spec }
     }
 
     /// Arm pose from the swing of the shoulder and the flexion of the elbow (rad).
@@ -120,7 +116,7 @@ impl SceneActor {
     fn pose_reaching(&self, at: [f64; 3], solids: &[MovingSolid]) -> SceneResult<LimbPose> {
         let present = self.pose(0.0, -0.4, 1.2);
         let ends = [0.0, 1.0].map(|time_s| LimbState { pose: present, time_s });
-        let problem = Problem::prepare(&self.spec(ends, solids, &[]))?;
+        let problem = Problem::prepare(&self.spec(ends, solids))?;
         let target = Rigid { position: DVec3::from(at), rotation: rotation_about(DVec3::Y, -1.3) };
         problem.solve_reach(&mut Checker::default(), &target, 0.5, &present).map_err(|e| e.to_string().into())
     }
@@ -208,7 +204,7 @@ fn ring() -> SceneResult<PlanScene> {
     let triangles = (0..n * n).flat_map(|k| halves_of_square(at, k % n, k / n));
     let mesh = Arc::new(TriangleMesh::new(triangles.collect())?);
     let ends = states([(who.pose(0.3, -0.9, 1.8), 0.0), (who.pose(-0.1, 0.0, 0.2), 1.5)]);
-    let placed = Problem::prepare(&who.spec(ends, &[], &[]))?.place_chain(&ends[1]);
+    let placed = Problem::prepare(&who.spec(ends, &[]))?.place_chain(&ends[1]);
     let along = (placed[2].position - placed[1].position).normalize();
     let rotation: DQuat = rotation_between(DVec3::Z, along);
     let key = |i: u32| {
@@ -229,7 +225,7 @@ fn walk() -> SceneResult<PlanScene> {
     let who = SceneActor::from_clip(set.skeleton, set.clips[0].clone());
     let at = |t: f64| LimbState { pose: who.motion.limb_pose(who.linkage, t), time_s: t };
     let ends = [at(3.0), at(5.0)];
-    let free = Problem::prepare(&who.spec(ends, &[], &[]))?;
+    let free = Problem::prepare(&who.spec(ends, &[]))?;
     let hand = free.place_chain(&at(4.0));
     // The post stands where the hand passes, on its outer side.
     let aside = (hand[0].position - free.base_at(4.0).position).with_y(0.0).normalize();

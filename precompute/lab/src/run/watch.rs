@@ -18,7 +18,7 @@ use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
 use throng_motion::error::Result;
 use throng_simulation::scene::engine;
 use throng_simulation::sparring::BlowTally;
-use throng_simulation::{AnyCharacterGroup, GroupMotion, Simulation};
+use throng_simulation::{AnyCharacterGroup, GroupMotion, SceneGroup, Simulation};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -52,6 +52,7 @@ pub struct SceneWatch {
 impl SceneWatch {
     /// A watch without observations.
     pub fn new(sim: &Simulation, groups: &[usize]) -> Result<Self> {
+        let volume = |g: &SceneGroup| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton()));
         let mut watch = Self {
             groups: groups.to_vec(),
             feet: SlipMeter::new(sim.num_characters()),
@@ -63,11 +64,7 @@ impl SceneWatch {
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
             overlaps: OverlapMeter::default(),
             present: Vec::new(),
-            volumes: sim
-                .groups()
-                .iter()
-                .map(|g| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton())))
-                .collect(),
+            volumes: sim.groups().iter().map(volume).collect(),
         };
         let is_world = |c: &usize| matches!(sim.character_groups()[*c], AnyCharacterGroup::Patches(_));
         for c in (0..sim.character_groups().len()).filter(is_world) {

@@ -1,6 +1,6 @@
 //! Observes a trial after every step, and computes its report.
 
-use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport};
+use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport, num_steps};
 use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
@@ -177,14 +177,8 @@ impl<'a> TrialWatch<'a> {
         }
     }
 
-    pub(super) fn finish(
-        self,
-        characters: &Characters,
-        config: &TrialConfig,
-        steps: usize,
-        busy_s: f64,
-    ) -> (TrialReport, TrialRecord) {
-        let n = config.characters;
+    pub fn finish(self, characters: &Characters, config: &TrialConfig, busy_s: f64) -> (TrialReport, TrialRecord) {
+        let (n, steps) = (config.characters, num_steps(config));
         let left = |c: usize| {
             let (root, target) = (characters.root(c), self.record.targets[c]);
             f64::from((root.x - target.x).hypot(root.z - target.z))
@@ -192,11 +186,8 @@ impl<'a> TrialWatch<'a> {
         let arrived: Vec<f64> =
             self.record.arrivals_s.iter().filter(|t| t.is_finite()).map(|&t| f64::from(t)).collect();
         let near: Vec<usize> = (0..n).filter(|&c| left(c) < 1.5 * f64::from(config.reach_m)).collect();
-        let is_still = |c: &&usize| {
-            self.late
-                .get(**c)
-                .is_some_and(|p| p.distance(ground_position(characters.root(**c))) < STANDING_MPS * STILL_S)
-        };
+        let moved_m = |c: usize| Some(self.late.get(c)?.distance(ground_position(characters.root(c))));
+        let is_still = |c: &&usize| moved_m(**c).is_some_and(|m| m < STANDING_MPS * STILL_S);
         let standing = near.iter().filter(is_still).count();
         let reached = |c: usize| self.record.arrivals_s[c].is_finite();
         let seen = |c: usize| {

@@ -169,12 +169,9 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
         let stands = stance::lowest_feet(at.into_iter(), tables.skeleton(), tables.meta().rate_hz);
         far[clip].extend(stance::standing_distances(&stands, tables.meta().rate_hz));
     }
-    let mut of_clips: Vec<(String, f64)> = each
-        .iter()
-        .zip(&tables.meta().clips)
-        .filter(|(e, _)| e.1 > 0)
-        .map(|(&(sum, samples), meta)| (meta.name.clone(), sum / samples as f64))
-        .collect();
+    let measured = each.iter().zip(&tables.meta().clips).filter(|(e, _)| e.1 > 0);
+    let mut of_clips: Vec<(String, f64)> =
+        measured.map(|(&(sum, samples), meta)| (meta.name.clone(), sum / samples as f64)).collect();
     of_clips.sort_by(|a, b| b.1.total_cmp(&a.1));
     let names = tables.meta().clips.iter().map(|c| c.name.clone());
     let mut stances: Vec<(String, StanceReport)> =

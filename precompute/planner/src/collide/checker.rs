@@ -183,9 +183,4 @@ impl CollisionPair {
     pub(super) fn may_touch_at(&self, time_s: f64) -> bool {
         self.allowed.is_some_and(|[from, to]| (from..=to).contains(&time_s))
     }
-
-    /// True where they may touch all through a stretch.
-    pub(super) fn may_touch_in(&self, from_s: f64, to_s: f64) -> bool {
-        self.allowed.is_some_and(|[from, to]| from <= from_s && to >= to_s)
-    }
 }

@@ -150,7 +150,7 @@ impl Checker {
         for k in piece.first..piece.end {
             let index = self.open[k as usize];
             let pair = &problem.pairs[usize::from(index)];
-            if pair.may_touch_in(from_s, to_s) {
+            if pair.allowed.is_some_and(|[from, to]| from <= from_s && to >= to_s) {
                 continue;
             }
             if last.0 != Some(pair.target) {

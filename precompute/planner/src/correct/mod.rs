@@ -8,8 +8,7 @@ pub use spans::{CollisionStretch, find_collisions};
 
 use crate::clips::with_motion;
 use crate::collide::Checker;
-use crate::linkage::Linkage;
-use crate::planner::{Budget, LimbMotion, LimbPlanner, PlanConfig, PlanError, PlanOutcome, Planners};
+use crate::planner::{Budget, LimbPlanner, PlanConfig, PlanError, PlanOutcome, Planners};
 use crate::problem::{LimbState, Problem};
 use crate::search::TreeLog;
 use crate::setup::{ProblemError, ProblemSpec};
@@ -144,14 +143,20 @@ pub fn correct_clip(
             continue;
         }
         let last = (to_s * clip.rate_hz + 1e-6) as usize;
-        let (linkage, checker) = (spec.linkage, Checker::default());
-        let mut window = CorrectionWindow { clip, problem: &whole, linkage, checker, last };
+        let checker = Checker::default();
+        let mut window = CorrectionWindow { clip, problem: &whole, checker, free_from_s, last };
         let mut margin_s = config.margin_s;
         report.push(loop {
-            let found = window.window_around(&span, margin_s, free_from_s).and_then(|window_s| {
-                let (motion, outcome, driven) = plan_window(&mut planner, spec, window_s, config, clip.rate_hz)?;
+            let found = window.window_around(&span, margin_s).and_then(|window_s| {
+                let spec = ProblemSpec { admit_driven: true, ..spec.between_times(window_s) };
+                let problem = Problem::new(&spec)?;
+                let outcome = config.run(&mut planner, &problem, clip.rate_hz);
+                let (None, Some(motion)) = (outcome.why, planner.motion()) else {
+                    let why = outcome.why.unwrap_or(PlanError::Rate);
+                    return Err(CorrectionError::Unsolved { from_s: window_s[0], to_s: window_s[1], why });
+                };
                 out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit_error(&e))?;
-                Ok((window_s, outcome, driven))
+                Ok((window_s, outcome, problem.driven_collisions(&spec)))
             });
             match found {
                 Ok((window_s, outcome, driven)) => {
@@ -173,45 +178,23 @@ fn misfit_error(e: &crate::clips::Misfit) -> CorrectionError {
     ProblemError::Value { what: e.to_string(), expected: "a plan on the clip's frames" }.into()
 }
 
-fn plan_window<'p>(
-    planner: &'p mut LimbPlanner,
-    spec: &ProblemSpec<'_>,
-    window_s: [f64; 2],
-    config: &CorrectConfig<'_>,
-    rate_hz: f64,
-) -> Result<(LimbMotion<'p>, PlanOutcome, Vec<CollisionStretch>), CorrectionError> {
-    let spec = ProblemSpec { admit_driven: true, ..spec.between_times(window_s) };
-    let problem = Problem::new(&spec)?;
-    let outcome = config.run(planner, &problem, rate_hz);
-    let unsolved = |why| CorrectionError::Unsolved { from_s: window_s[0], to_s: window_s[1], why };
-    match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => Ok((motion, outcome, problem.driven_collisions(&spec))),
-        (Some(why), _) => Err(unsolved(why)),
-        (None, None) => Err(unsolved(PlanError::Rate)),
-    }
-}
-
 /// Finds the window in which a limb may give way.
 struct CorrectionWindow<'a> {
     clip: &'a Clip,
     problem: &'a Problem,
-    linkage: Linkage,
     checker: Checker,
+    /// Time from which the clip may be changed (s).
+    free_from_s: f64,
     /// Last frame that may be changed.
     last: usize,
 }
 
 impl CorrectionWindow<'_> {
     /// Window from a margin before a collision to a margin behind it, widened to the next frames that are free.
-    fn window_around(
-        &mut self,
-        span: &CollisionStretch,
-        margin_s: f64,
-        free_from_s: f64,
-    ) -> Result<[f64; 2], CorrectionError> {
+    fn window_around(&mut self, span: &CollisionStretch, margin_s: f64) -> Result<[f64; 2], CorrectionError> {
         let rate = self.clip.rate_hz;
         let last = self.last;
-        let least = (free_from_s * rate - 1e-6).ceil() as usize;
+        let least = (self.free_from_s * rate - 1e-6).ceil() as usize;
         let (first_hit, last_hit) =
             ((span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last));
         let (part, with) = (span.part.clone(), span.with.clone());
@@ -249,6 +232,6 @@ impl CorrectionWindow<'_> {
 
     /// True where the limb is a leg whose foot is planted.
     fn is_planted(&self, frame: usize) -> bool {
-        self.linkage.limb.is_planted(&self.clip.contacts, frame)
+        self.problem.chain.linkage.limb.is_planted(&self.clip.contacts, frame)
     }
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::driven::DrivenMotion;
-use crate::linkage::Limb;
+use crate::linkage::{Limb, Linkage};
 use crate::problem::MovingSolid;
 use crate::recheck::Recheck;
 use crate::setup::AllowedContact;

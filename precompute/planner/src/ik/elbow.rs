@@ -1,8 +1,7 @@
 //! The hinge in the middle of a limb: the flexion that brings the wrist to a distance from the shoulder.
 
 use crate::limits::{AngleInterval, JointLimits, SwingLimit};
-use crate::rotation::rotation_about;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use throng_base::maths;
 
 /// Difference below which distances count as the same (m).
@@ -28,7 +27,7 @@ pub struct Elbow {
     /// The flexion at which the arm is straightest (rad).
     straightest: f64,
     /// Nearest and farthest distances within limits (m).
-    distances: [f64; 2],
+    pub distances: [f64; 2],
 }
 
 impl Elbow {
@@ -51,11 +50,6 @@ impl Elbow {
         Some(out)
     }
 
-    /// Rotation of the joint without twist.
-    pub fn rotation(&self, flexion: f64) -> DQuat {
-        rotation_about(self.axis, flexion)
-    }
-
     /// Excess of flexion and twist about the forearm over their limits (rad).
     pub fn excess(&self, flexion: f64, twist: f64) -> f64 {
         self.flexion.excess(flexion).max(self.twist_excess(twist))
@@ -71,11 +65,6 @@ impl Elbow {
         let (sin, cos) = maths::sin_cos(flexion);
         let straight = self.upper.length_squared() + self.fore.length_squared();
         (straight + 2.0 * (self.cos * cos + self.sin * sin)).max(0.0)
-    }
-
-    /// Nearest and farthest distances within limits (m).
-    pub fn distances(&self) -> [f64; 2] {
-        self.distances
     }
 
     /// The flexion that brings the wrist to a distance, bent forwards if possible.

@@ -9,7 +9,7 @@ mod tests;
 
 use crate::limits::JointLimits;
 use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
-use crate::rotation::{Rigid, rotation_between, twist_about};
+use crate::rotation::{Rigid, rotation_about, rotation_between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
 pub use ik_error::IkError;
@@ -135,13 +135,9 @@ impl LimbIk {
         let mut free = |turns: &[DQuat; 3]| {
             let mut pose = *present;
             pose.0[first..first + 3].copy_from_slice(turns);
-            match blocked(&pose) {
-                None => Some(pose),
-                Some(by) => {
-                    in_the_way.get_or_insert(by);
-                    None
-                }
-            }
+            let Some(by) = blocked(&pose) else { return Some(pose) };
+            in_the_way.get_or_insert(by);
+            None
         };
         let exactly = |half: [f64; 2]| {
             let tried = self.pose_at_half_swivel(&reach, half);
@@ -183,18 +179,12 @@ impl LimbIk {
 
     /// The pose with a given swivel, if it is within reach and limits.
     ///
-    /// - `present`: a clavicle keeps its rotation.
+    /// - `pose`: present pose, of which a clavicle keeps its rotation.
     /// - `swivel`: as [`LimbIk::swivel_of`] defines it (rad).
-    pub(crate) fn solve_at_swivel(
-        &self,
-        base: &Rigid,
-        goal: &Rigid,
-        present: &LimbPose,
-        swivel: f64,
-    ) -> Option<LimbPose> {
-        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, present).ok()?, half_angle(swivel));
+    pub(crate) fn solve_at_swivel(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose, swivel: f64) -> Option<LimbPose> {
+        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, pose).ok()?, half_angle(swivel));
         let first = self.chain.len() - 3;
-        let mut pose = *present;
+        let mut pose = *pose;
         pose.0[first..first + 3].copy_from_slice(&tried.pose);
         (tried.excess <= ON_LIMIT).then_some(pose)
     }
@@ -216,7 +206,7 @@ impl LimbIk {
 
     /// Nearest and farthest distances from shoulder to wrist that the elbow allows (m).
     pub fn reach_distances(&self) -> [f64; 2] {
-        self.elbow.distances()
+        self.elbow.distances
     }
 
     fn reach_geometry(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<ReachGeometry, f64> {
@@ -230,7 +220,7 @@ impl LimbIk {
         let to_wrist = local.position - self.chain.offsets[first];
         let distance = to_wrist.length();
         let flexion = self.elbow.flexion(distance)?;
-        let bent = self.elbow.rotation(flexion);
+        let bent = rotation_about(self.elbow.axis, flexion);
         let folded = (self.elbow.upper + bent * self.elbow.fore).normalize_or(DVec3::X);
         let line = to_wrist.try_normalize().unwrap_or(folded);
         Ok(ReachGeometry { line, onto: rotation_between(folded, line), flexion, bent, hand: local.rotation })

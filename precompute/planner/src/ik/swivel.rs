@@ -63,8 +63,7 @@ pub fn search_finely<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) ->
     for k in 0..FINE {
         let [before, here, after] = [outside[at(k + FINE - 1)], outside[at(k)], outside[at(k + 1)]];
         if here > 0.0 && here <= before && here <= after {
-            let (middle, mut try_offset) = (k as f64 * STEP, |offset| try_at(half_angle(offset)));
-            let found = golden_section_search(middle - STEP, middle + STEP, &mut try_offset);
+            let found = golden_section_search(k as f64 * STEP, |offset| try_at(half_angle(offset)));
             if found.is_some() {
                 return found;
             }
@@ -73,14 +72,11 @@ pub fn search_finely<P>(mut try_at: impl FnMut([f64; 2]) -> (f64, Option<P>)) ->
     None
 }
 
-/// Golden-section search for the swivel with the least excess, until one is good.
-fn golden_section_search<P>(
-    mut low: f64,
-    mut high: f64,
-    try_at: &mut impl FnMut(f64) -> (f64, Option<P>),
-) -> Option<P> {
+/// Golden-section search for the swivel with the least excess within a step of a middle (rad), until one is good.
+fn golden_section_search<P>(middle: f64, mut try_at: impl FnMut(f64) -> (f64, Option<P>)) -> Option<P> {
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let inner = |low: f64, high: f64| [high - SHARE * (high - low), low + SHARE * (high - low)];
+    let (mut low, mut high) = (middle - STEP, middle + STEP);
     let [mut a, mut b] = inner(low, high);
     let ((mut fa, pose_a), (mut fb, pose_b)) = (try_at(a), try_at(b));
     let mut found = pose_a.or(pose_b);

@@ -124,13 +124,13 @@ impl TreeSearch {
         let [init, goal] = [&problem.init, &problem.goal].map(|s| step.node(*s, 0));
         self.path.clear();
         (self.draws, self.nearest_m) = (0, init.end_distance(&goal));
-        let met = self.met.take().filter(|_| quest.warm);
         if quest.warm {
-            let met = self.reuse_trees(&step, [init, goal], met, checker);
-            if met.is_some_and(|[a, b]| self.connect(&step, a, b, checker)) {
+            self.reuse_trees(&step, [init, goal], checker);
+            if self.met.take().is_some_and(|[a, b]| self.connect(&step, a as usize, b as usize, checker)) {
                 return SearchOutcome::Path;
             }
         } else {
+            self.met = None;
             self.trees[0].reset(init, false);
             self.trees[1].reset(goal, true);
         }
@@ -158,19 +158,11 @@ impl TreeSearch {
 
     /// Keeps the part of the last trees that still holds: nodes that are free, in time, and reached from a node that is kept.
     ///
-    /// - `met`: nodes in which the last trees met.
-    /// - returns these nodes in the new trees, where both are kept.
-    fn reuse_trees(
-        &mut self,
-        step: &SearchContext<'_>,
-        roots: [SearchNode; 2],
-        met: Option<[u32; 2]>,
-        checker: &mut Checker,
-    ) -> Option<[usize; 2]> {
+    /// The nodes in which the last trees met become those of the new trees, where both are kept.
+    fn reuse_trees(&mut self, step: &SearchContext<'_>, roots: [SearchNode; 2], checker: &mut Checker) {
         if self.trees[0].from_goal {
             self.trees.swap(0, 1);
         }
-        let mut ends = met;
         for (k, (tree, root)) in self.trees.iter_mut().zip(roots).enumerate() {
             std::mem::swap(&mut self.old_nodes, &mut tree.nodes);
             tree.reset(root, k == 1);
@@ -186,12 +178,11 @@ impl TreeSearch {
                 });
                 self.kept_nodes.push(kept);
             }
-            ends = ends.and_then(|mut ends| {
+            self.met = self.met.and_then(|mut ends| {
                 ends[k] = *self.kept_nodes.get(ends[k] as usize)?.as_ref()?;
                 Some(ends)
             });
         }
-        ends.map(|ends| ends.map(|i| i as usize))
     }
 
     /// Joins a node of the first tree with one of the second, if the edge between them is free.

@@ -39,9 +39,8 @@ impl Smoother<'_> {
     ) {
         let last = frames.len() - 1;
         windows.clear();
-        windows.extend(
-            (0..=last).map(|f| RoundingWindow { reach: window.min(f / 2).min((last - f) / 2), ..RoundingWindow::NEW }),
-        );
+        let reach = |f: usize| window.min(f / 2).min((last - f) / 2);
+        windows.extend((0..=last).map(|f| RoundingWindow { reach: reach(f), ..RoundingWindow::NEW }));
         out.clear();
         out.extend_from_slice(frames);
         loop {

@@ -68,8 +68,10 @@ impl From<ReachError> for StepFailure {
     }
 }
 
+/// Result of a step or a part of it, or the reason why it was not done.
+pub(super) type Attempt<T> = Result<T, StepFailure>;
 /// Plans of a step.
-pub(super) type PlanResult = Result<Vec<PlanOutcome>, StepFailure>;
+pub(super) type PlanResult = Attempt<Vec<PlanOutcome>>;
 /// Plans of a step, and stretches that collided.
 type StepResult = Result<(Vec<PlanOutcome>, Vec<CollisionStretch>), StepFailure>;
 

@@ -1,6 +1,6 @@
 //! Both hands at one thing: the first one leads, the second one follows it frame by frame.
 
-use super::actions::{CONTACT_S, PlanResult, StepFailure, allow_step_contacts, next_with};
+use super::actions::{Attempt, CONTACT_S, PlanResult, StepFailure, allow_step_contacts, next_with};
 use super::entries::TaskAction;
 use super::follow::{FollowError, HandPath};
 use super::grips::HandTarget;
@@ -51,6 +51,8 @@ struct LimbPath {
     window_s: [f64; 2],
     /// Transform of the hand at the end; `None` for the path back into the clip.
     goal: Option<Rigid>,
+    /// Constraint of the other hand, where it follows.
+    tether: Option<Tether>,
 }
 
 /// Moves both hands to a thing, which they take at one moment; they keep it in the trunk's frame until something is done with
@@ -146,9 +148,9 @@ fn bring_to_goal(
     let [from_s, at_s, to_s] = step.times_s;
     let there = exclude_arm(stage.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
     let there = LimbSurroundings { level: LimbVisit::with_held_object(step, &[*goal]).level, ..there };
-    let tether = pair_tether(stage, pair);
-    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(goal.hand) };
-    let mut plans = vec![plan_limb_path(stage, path, &there, Some(tether))?];
+    let tether = Some(pair_tether(stage, pair));
+    let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(goal.hand), tether };
+    let mut plans = vec![plan_limb_path(stage, path, &there)?];
     stage.follow_first_hand(pair, [from_s, at_s], off_m)?;
     stage.pins.push(Pin { character: who, limb: lead, time_s: at_s, target: goal.hand });
     let Some(change) = change else {
@@ -158,22 +160,17 @@ fn bring_to_goal(
     stage.placements[object].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
     end_hold_contacts(stage, pair, at_s + CONTACT_S);
     let back = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, to_s]), second.limb);
-    let path = LimbPath { window_s: [at_s, to_s], goal: None, ..path };
-    plans.push(plan_limb_path(stage, path, &back, None)?);
+    let path = LimbPath { window_s: [at_s, to_s], goal: None, tether: None, ..path };
+    plans.push(plan_limb_path(stage, path, &back)?);
     let back = stage.surroundings_of_limb(who, second.limb, [at_s, to_s]);
-    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back, None);
+    let one = plan_limb_path(stage, LimbPath { limb: second.limb, ..path }, &back);
     plans.push(one.map_err(|e| e.of_limb(second.limb))?);
     Ok(plans)
 }
 
 /// Plans and writes the path of a limb to an end.
-fn plan_limb_path(
-    stage: &mut TaskStage<'_>,
-    path: LimbPath,
-    around: &LimbSurroundings,
-    tether: Option<Tether>,
-) -> Result<PlanOutcome, StepFailure> {
-    let LimbPath { who, limb, window_s, goal } = path;
+fn plan_limb_path(stage: &mut TaskStage<'_>, path: LimbPath, around: &LimbSurroundings) -> Attempt<PlanOutcome> {
+    let LimbPath { who, limb, window_s, goal, tether } = path;
     let others = stage.other_bodies(who);
     let spec = ProblemSpec { tether, ..stage.limb_spec(who, limb, around, &others) }.between_times(window_s);
     let mut end = spec.goal;
@@ -297,11 +294,11 @@ impl TaskStage<'_> {
         let HandPair { who, lead, second, object } = pair;
         let [from_s, at_s, _] = step.times_s;
         let there = exclude_arm(self.surroundings_of_limb(who, lead, [from_s, at_s]), second.limb);
-        let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand) };
-        let mut plans = vec![plan_limb_path(self, path, &there, None)?];
+        let path = LimbPath { who, limb: lead, window_s: [from_s, at_s], goal: Some(first.hand), tether: None };
+        let mut plans = vec![plan_limb_path(self, path, &there)?];
         let there = self.surroundings_of_limb(who, second.limb, [from_s, at_s]);
         let path = LimbPath { limb: second.limb, goal: Some(other.hand), ..path };
-        plans.push(plan_limb_path(self, path, &there, None).map_err(|e| e.of_limb(second.limb))?);
+        plans.push(plan_limb_path(self, path, &there).map_err(|e| e.of_limb(second.limb))?);
         for (limb, target) in [(lead, first.hand), (second.limb, other.hand)] {
             self.pins.push(Pin { character: who, limb, time_s: at_s, target });
         }
@@ -336,13 +333,7 @@ impl TaskStage<'_> {
     }
 
     /// Writes poses into a clip.
-    fn write_frames(
-        &mut self,
-        who: usize,
-        limb: Limb,
-        window_s: [f64; 2],
-        frames: &[LimbPose],
-    ) -> Result<(), StepFailure> {
+    fn write_frames(&mut self, who: usize, limb: Limb, window_s: [f64; 2], frames: &[LimbPose]) -> Attempt<()> {
         let clip = &self.actors[who].clip;
         let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
         let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion).map_err(misfit_error)?;

@@ -224,24 +224,18 @@ fn allowed_touches<'a>(step: &'a TaskStep, with: &'a str) -> impl Iterator<Item 
     ends.map(|j| AllowedContact { part: Some(j.name().into()), other: with.into(), window_s: None })
 }
 
-/// The pose of each hand that a step's grips allow, `None` where it is not reached; and the nearest failure of those.
-pub(super) fn reachable_poses(
-    stage: &TaskStage<'_>,
-    step: &TaskStep,
-    problem: &Problem,
-    at_s: f64,
-) -> (Vec<Option<LimbPose>>, Option<IkError<String>>) {
+/// The pose that reaches each of some hands, `None` where there is none; and the nearest failure.
+type HandPoses = (Vec<Option<LimbPose>>, Option<IkError<String>>);
+
+/// Poses of the hands that a step's grips allow.
+pub(super) fn reachable_poses(stage: &TaskStage<'_>, step: &TaskStep, problem: &Problem, at_s: f64) -> HandPoses {
     let target = object_target(stage, step, at_s);
     let grips = grips_of(stage.task, step);
     solve_hands(problem, &stage.actors[step.character].hand_targets(step.limb, &grips, &target, at_s), at_s)
 }
 
-/// The pose that reaches each of some hands, `None` where there is none; and the nearest failure.
-pub(super) fn solve_hands(
-    problem: &Problem,
-    hands: &[HandTarget],
-    at_s: f64,
-) -> (Vec<Option<LimbPose>>, Option<IkError<String>>) {
+/// Poses of some hands.
+pub(super) fn solve_hands(problem: &Problem, hands: &[HandTarget], at_s: f64) -> HandPoses {
     let (mut checker, present) = (Checker::default(), problem.external_pose_at(at_s));
     let mut nearest = None;
     let poses = hands.iter().map(|goal| {

@@ -12,6 +12,7 @@ use crate::planner::{PlanError, PlanOutcome, Planners};
 use crate::recheck::RecheckReport;
 use crate::search::{LoggedTrees, TreeLog};
 use serde::Serialize;
+use std::error::Error;
 use std::sync::atomic::{AtomicBool, Ordering};
 use throng_motion::Clip;
 
@@ -267,11 +268,7 @@ impl Task {
     ///
     /// # Errors
     /// [`ClipMismatch`]; invalid problems, as text.
-    pub fn collisions(
-        &self,
-        clips: &[ActorClip],
-        who: usize,
-    ) -> Result<Vec<(Limb, CollisionStretch)>, Box<dyn std::error::Error>> {
+    pub fn collisions(&self, clips: &[ActorClip], who: usize) -> Result<Vec<(Limb, CollisionStretch)>, Box<dyn Error>> {
         self.check_clips(clips)?;
         let stage = TaskStage::new(self, clips);
         let mut out = Vec::new();
@@ -326,10 +323,7 @@ fn attempt_step(stage: &mut TaskStage<'_>, i: usize, is_cancelled: bool) -> Step
 
 /// Nearest distance of a search to a solution (m).
 pub(super) fn nearest_distance(why: &PlanError) -> Option<f64> {
-    match why {
-        PlanError::Spent { nearest_m, .. } => Some(*nearest_m),
-        PlanError::Cancelled { .. } | PlanError::Rate => None,
-    }
+    if let PlanError::Spent { nearest_m, .. } = why { Some(*nearest_m) } else { None }
 }
 
 fn attachments(stage: &TaskStage<'_>) -> Vec<Attachment> {

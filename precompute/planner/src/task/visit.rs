@@ -55,6 +55,29 @@ impl LimbVisit<'_> {
         let level = up.zip(step.level_rad).map(|(up, within_rad)| UprightConstraint { up, within_rad });
         Self { level, ..Self::from_step(step) }
     }
+
+    /// Plans the path to a goal and back.
+    fn plan(self, stage: &mut TaskStage<'_>, goal: &HandTarget, there: &LimbSurroundings) -> PlanResult {
+        let Self { who, limb, times_s, hold_s, change, .. } = self;
+        let [from_s, at_s, to_s] = times_s;
+        if let Some(change) = change {
+            stage.allow_neighbours(who, limb, change.thing, &goal.object, [at_s; 2]);
+            stage.placements[change.thing]
+                .push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
+        }
+        let back = stage.surroundings_of_limb(who, limb, [at_s, to_s]);
+        let others = stage.other_bodies(who);
+        let spec = stage.limb_spec(who, limb, there, &others);
+        let back_spec = stage.limb_spec(who, limb, &back, &others);
+        let targets = std::slice::from_ref(&goal.hand);
+        let task = ReachTask { targets, times_s, hold_s, return_spec: Some(&back_spec) };
+        let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
+        stage.actors[who].replace_clip(clip);
+        stage.record_planned(who, limb, [from_s, at_s]);
+        stage.record_planned(who, limb, [at_s, to_s]);
+        stage.pins.push(Pin { character: who, limb, time_s: at_s, target: goal.hand });
+        Ok(reached.outcomes.to_vec())
+    }
 }
 
 /// Moves a limb to the first of some goals for which there is a path there and back.
@@ -63,9 +86,7 @@ pub(super) fn visit_first_goal(stage: &mut TaskStage<'_>, visit: LimbVisit<'_>, 
     stage.check_unpinned(who, limb, "the limb", [from_s, to_s])?;
     let there = LimbSurroundings { level: visit.level, ..stage.surroundings_of_limb(who, limb, [from_s, at_s]) };
     let within = reachable_goals(stage, visit, hands, &there)?;
-    first_success(stage, within.iter().take(TRIES), None, |stage, goal| {
-        Ok((plan_visit(stage, visit, goal, &there)?, *goal))
-    })
+    first_success(stage, within.iter().take(TRIES), None, |stage, goal| Ok((visit.plan(stage, goal, &there)?, *goal)))
 }
 
 /// Does the first of some alternatives that succeeds; failed ones change nothing.
@@ -107,12 +128,11 @@ pub(super) fn reachable_goals(
     let problem = Problem::prepare(&ProblemSpec { admit_ends: false, ..spec.between_times([from_s, to_s]) })?;
     let (poses, nearest) = solve_hands(&problem, hands, at_s);
     let reached = hands.iter().zip(poses).filter_map(|(goal, pose)| Some((pose?, *goal)));
-    let mut out: Vec<(f64, HandTarget)> = reached
-        .map(|(pose, goal)| {
-            let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
-            (awkwardness(problem.chain(), &placed, &pose), goal)
-        })
-        .collect();
+    let rated = reached.map(|(pose, goal)| {
+        let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
+        (awkwardness(problem.chain(), &placed, &pose), goal)
+    });
+    let mut out: Vec<(f64, HandTarget)> = rated.collect();
     if let (true, Some(why)) = (out.is_empty(), nearest) {
         let nearest_m = if let IkError::OutOfReach { by_m } = &why { Some(*by_m) } else { None };
         let is_beyond = nearest_m.is_some();
@@ -120,31 +140,6 @@ pub(super) fn reachable_goals(
     }
     out.sort_by(|a, b| a.1.rank.cmp(&b.1.rank).then(a.0.total_cmp(&b.0)));
     Ok(out.into_iter().map(|(_, goal)| goal).collect())
-}
-
-fn plan_visit(
-    stage: &mut TaskStage<'_>,
-    visit: LimbVisit<'_>,
-    goal: &HandTarget,
-    there: &LimbSurroundings,
-) -> PlanResult {
-    let LimbVisit { who, limb, times_s, hold_s, change, .. } = visit;
-    let [from_s, at_s, to_s] = times_s;
-    if let Some(change) = change {
-        stage.allow_neighbours(who, limb, change.thing, &goal.object, [at_s; 2]);
-        stage.placements[change.thing].push(PlacementSpan { from_s: at_s, placement: (change.placement_after)(goal) });
-    }
-    let back = stage.surroundings_of_limb(who, limb, [at_s, to_s]);
-    let others = stage.other_bodies(who);
-    let spec = stage.limb_spec(who, limb, there, &others);
-    let back_spec = stage.limb_spec(who, limb, &back, &others);
-    let task = ReachTask { targets: std::slice::from_ref(&goal.hand), times_s, hold_s, return_spec: Some(&back_spec) };
-    let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
-    stage.actors[who].replace_clip(clip);
-    stage.record_planned(who, limb, [from_s, at_s]);
-    stage.record_planned(who, limb, [at_s, to_s]);
-    stage.pins.push(Pin { character: who, limb, time_s: at_s, target: goal.hand });
-    Ok(reached.outcomes.to_vec())
 }
 
 impl TaskStage<'_> {

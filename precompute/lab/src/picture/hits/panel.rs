@@ -2,7 +2,7 @@
 
 use super::super::canvas::Area;
 use super::super::text::{Align, TextStyle, draw_text};
-use super::{HitPoint, hit_colour, is_ring};
+use super::{HitPoint, hit_colour};
 use crate::picture::{BodyColours, BodyFigure, Picture, PictureCamera, colour, sprite};
 use glam::{Vec2, Vec3};
 
@@ -65,7 +65,7 @@ impl HitPanel {
         let radius = unit * (RADII[0] + (RADII[1] - RADII[0]) * hit.force.clamp(0.0, 1.0));
         let tail = self.camera.project(hit.position - hit.direction * TAIL * hit.force);
         panel.stroke_line(&[tail, at], 1.6 * unit, hit_colour(hit).alpha(0.55));
-        if is_ring(hit) {
+        if hit.kind == "kick" {
             panel.stroke_oval(at, Vec2::splat(radius), 2.6 * unit, hit_colour(hit));
         } else {
             panel.fill_disc(at, radius, colour::GROUND.alpha(0.7));

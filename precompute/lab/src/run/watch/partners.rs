@@ -94,12 +94,12 @@ impl PartnerMeter {
             pairs_broken_off: self.broken_off / 2,
             pairs_given_up: self.given_up / 2,
             partner_off_p95_m: 1e-3 * self.off_mm.quantile(0.95),
-            partner_off_max_m: 1e-3 * self.off_mm.max(),
+            partner_off_max_m: 1e-3 * self.off_mm.max,
             partner_turned_p95_deg: self.turned_deg.quantile(0.95),
-            partner_turned_max_deg: self.turned_deg.max(),
+            partner_turned_max_deg: self.turned_deg.max,
             partner_wait_mean_s: self.waited_s.mean(),
             partner_wait_p95_s: self.waited_s.quantile(0.95),
-            partner_wait_max_s: self.waited_s.max(),
+            partner_wait_max_s: self.waited_s.max,
         })
     }
 }

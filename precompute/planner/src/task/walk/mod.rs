@@ -183,16 +183,11 @@ impl Task {
     }
 }
 
+/// Times at which the limb of a step sets out, is there and is back (s), and the walker.
+type StepWalk = Result<([f64; 3], WalkRecording), WalkError>;
+
 /// Walks to a place from which a step can be done, and stands there for as long as it takes.
-///
-/// - returns the times at which the limb sets out, is there and is back (s), and the walker.
-fn walk_to_step(
-    task: &Task,
-    clips: &[ActorClip],
-    i: usize,
-    gait: &WalkRecording,
-    mut passed: usize,
-) -> Result<([f64; 3], WalkRecording), WalkError> {
+fn walk_to_step(task: &Task, clips: &[ActorClip], i: usize, gait: &WalkRecording, mut passed: usize) -> StepWalk {
     let step = &task.steps[i];
     let who = step.character;
     let speed_mps = task.characters[who].clip.walk.as_ref().map_or(1.2, |w| w.speed_mps);
