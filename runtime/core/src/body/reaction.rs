@@ -14,7 +14,7 @@ use super::placement::PlacementLanes;
 use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::error::check_range;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
@@ -51,21 +51,14 @@ impl Default for ReactionConfig {
 
 impl ReactionConfig {
     pub(crate) fn check(&self) -> Result<()> {
-        let half_life = self.half_life_s;
-        check_value(
-            "reaction.half_life_s",
-            None,
-            half_life,
-            (1e-3..=10.0).contains(&half_life),
-            "between 0.001 and 10",
-        )?;
+        check_range("reaction.half_life_s", self.half_life_s, 1e-3..=10.0, "between 0.001 and 10")?;
         for (what, got) in [
             ("reaction.max_displacement_m", self.max_displacement_m),
             ("reaction.trunk_share", self.trunk_share),
             ("reaction.hips_share", self.hips_share),
             ("reaction.limb_share", self.limb_share),
         ] {
-            check_value(what, None, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
+            check_range(what, got, 0.0..=1.0, "between 0 and 1")?;
         }
         Ok(())
     }

@@ -118,9 +118,7 @@ impl Characters {
         self.bodies[..bodies.len()].copy_from_slice(bodies);
         clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
         self.num_characters = n;
-        if let Some(avoiding) = &mut self.avoiding {
-            avoiding.mark_stale();
-        }
+        self.mark_paths_stale();
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
     }
 
