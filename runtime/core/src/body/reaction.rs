@@ -225,23 +225,8 @@ pub(crate) fn react_lanes<F: Lanes>(
     let (trunk, trunk_size) = reaction.trunk.step::<F>(step);
     let (head, head_size) = reaction.head.step::<F>(step);
     let (size, active) = (trunk_size + head_size, F::load(&reaction.active));
-    displace(body, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
-    reaction.trunk.stop(size);
-    reaction.head.stop(size);
-    let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
-    F::select_lt(size, rest, zero, active).store(&mut reaction.active);
-}
-
-/// Displaces upper trunk and head of the active lanes. Displacements in model space (m).
-#[inline(always)]
-fn displace<F: Lanes>(
-    body: &LaneBody,
-    config: &ReactionConfig,
-    trunk: V<F>,
-    head: V<F>,
-    active: F,
-    pose: &mut ModelPose<F>,
-) {
+    // Displacements of upper trunk and head in model space (m).
+    let (trunk, head) = (place.vector_to_model(trunk), place.vector_to_model(head));
     let share = F::splat(config.hips_share);
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
     let turns = upper_turns(body, hips, trunk, head, pose);
@@ -263,6 +248,10 @@ fn displace<F: Lanes>(
         }
         move_leg(body, side, V::splat(Vec3::ZERO) - hips, pose);
     }
+    reaction.trunk.stop(size);
+    reaction.head.stop(size);
+    let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
+    F::select_lt(size, rest, zero, active).store(&mut reaction.active);
 }
 
 /// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.

@@ -8,14 +8,14 @@ use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
 use super::step::CharactersTick;
-use super::transition::{self, SegmentChange};
+use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{ActionChoice, CharactersConfig, pace};
 use crate::body::set_lane;
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use glam::{Vec2, Vec3};
 use throng_base::maths;
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// Characters that choose together; the batch lives on the stack.
 pub(crate) const BATCH: usize = 64;
@@ -199,7 +199,7 @@ fn apply_choices(
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
-        transition::start_transitions(group, motion_set, config.half_life_s, bodies);
+        dispatch(StartTransitionsJob { group, motion_set, half_life_s: config.half_life_s, bodies });
     }
 }
 
@@ -285,7 +285,7 @@ pub(crate) fn play_segment(
     b.choice_state[lane] = NO_STATE;
     b.set_change(lane, from, new.start);
     if bodies[character / LANES].awake == 1 {
-        transition::start_transitions(&[change], motion_set, config.half_life_s, bodies);
+        dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s: config.half_life_s, bodies });
     }
 }
 

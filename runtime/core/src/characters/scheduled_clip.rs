@@ -2,7 +2,7 @@
 
 use super::block::{MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
-use super::transition::{self, SegmentChange};
+use super::transition::{SegmentChange, StartTransitionsJob, wake_block};
 use super::{Characters, CharactersConfig};
 use crate::body::{Lanewise, set_lane};
 use crate::patch::Placement;
@@ -11,7 +11,7 @@ use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::error::{check_index, check_value};
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// A stretch of one clip, placed in the world.
 ///
@@ -144,7 +144,7 @@ impl Characters {
         self.num_choosers -= usize::from(b.segment[lane] != SCHEDULED);
         let half_life_s = self.config.half_life_s;
         if body.awake == 0 {
-            transition::wake_block(b, body, motion_set, half_life_s);
+            wake_block(b, body, motion_set, half_life_s);
         }
         let left = b.length[lane] as f32 - b.time[lane];
         let left_s = left / motion_set.rate_hz;
@@ -163,7 +163,8 @@ impl Characters {
         if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
             b.age_s[lane] = -left_s;
             b.set_change(lane, change.from, change.to);
-            transition::start_transitions(&[change], motion_set, half_life_s, std::slice::from_mut(body));
+            let bodies = std::slice::from_mut(body);
+            dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s, bodies });
         }
         Ok(())
     }

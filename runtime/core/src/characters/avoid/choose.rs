@@ -3,7 +3,7 @@
 use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
-use super::super::transition::{self, SegmentChange};
+use super::super::transition::{SegmentChange, StartTransitionsJob};
 use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
 use super::path::{self, SegmentPlan};
 use super::steer::{NUM_DIRECTIONS, SteeringQuery};
@@ -14,7 +14,7 @@ use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use throng_base::maths;
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// Time after which a held character chooses again (frames).
 const CHOOSE_AGAIN_FRAMES: f32 = 8.0;
@@ -123,7 +123,12 @@ impl Characters {
         avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
         if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
             let change = SegmentChange { character: at as u32, ..change };
-            transition::start_transitions(&[change], motion_set, step.config.half_life_s, bodies);
+            dispatch(StartTransitionsJob {
+                group: &[change],
+                motion_set,
+                half_life_s: step.config.half_life_s,
+                bodies,
+            });
         }
     }
 }
