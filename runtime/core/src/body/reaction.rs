@@ -229,7 +229,7 @@ pub(crate) fn react_lanes<F: Lanes>(
     let (trunk, head) = (place.vector_to_model(trunk), place.vector_to_model(head));
     let share = F::splat(config.hips_share);
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
-    let turns = upper_turns(body, hips, trunk, head, pose);
+    let turns = upper_turns(body, trunk - hips, head, pose);
     let half = F::splat(0.5);
     let old = pose.positions;
     for j in 0..NUM_UPPER {
@@ -255,14 +255,11 @@ pub(crate) fn react_lanes<F: Lanes>(
 }
 
 /// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.
+///
+/// - `by`: displacement of the neck's base from the hips (m).
+/// - `head`: displacement of the head (m).
 #[inline(always)]
-fn upper_turns<F: Lanes>(
-    body: &LaneBody,
-    hips: V<F>,
-    trunk: V<F>,
-    head: V<F>,
-    pose: &ModelPose<F>,
-) -> [Q<F>; NUM_UPPER] {
+fn upper_turns<F: Lanes>(body: &LaneBody, by: V<F>, head: V<F>, pose: &ModelPose<F>) -> [Q<F>; NUM_UPPER] {
     use Joint::*;
     let p = &pose.positions;
     let at = |j: Joint| p[j.index()];
@@ -270,7 +267,7 @@ fn upper_turns<F: Lanes>(
 
     // Three joints of the spine, bent alike, carry the base of the neck.
     let links = [at(Chest) - at(Spine), at(UpperChest) - at(Chest), at(Neck) - at(UpperChest)];
-    let spine = bend(links, trunk - hips);
+    let spine = bend(links, by);
     // Neck and head, bent alike, carry the middle of the head; the face turns away with the blow.
     let turned = pose.rotations[Head.index()];
     let centre = turned.rotate(load(&body.head_centre));

@@ -9,7 +9,7 @@ use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
 use super::step::CharactersTick;
 use super::transition::{SegmentChange, StartTransitionsJob};
-use super::{ActionChoice, CharactersConfig, pace};
+use super::{ActionChoice, Characters, CharactersConfig, pace};
 use crate::body::set_lane;
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
@@ -262,30 +262,27 @@ pub(crate) fn draw_random(b: &MotionBlock, lane: usize, config: &CharactersConfi
     uniform_random(config.seed, number, u64::from(b.num_choices[lane]))
 }
 
-/// Starts a segment now, from where the character stands (segment exists).
-pub(crate) fn play_segment(
-    blocks: &mut [MotionBlock],
-    bodies: &mut [BodyBlock],
-    character: usize,
-    segment: u32,
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
-) {
-    let (b, lane) = (&mut blocks[character / LANES], character % LANES);
-    let new = motion_set.graph.segments[segment as usize];
-    // The frame before it is in the same clip too.
-    let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
-    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift_per_frame(lane)));
-    let change = SegmentChange { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
-    b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar_root(new.start).inverse()));
-    b.set_choice_root(lane, b.root(lane));
-    b.set_segment(lane, segment, &new);
-    b.time[lane] = 0.0;
-    b.age_s[lane] = 0.0;
-    b.choice_state[lane] = NO_STATE;
-    b.set_change(lane, from, new.start);
-    if bodies[character / LANES].awake == 1 {
-        dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s: config.half_life_s, bodies });
+impl Characters {
+    /// Starts a segment now, from where the character stands (segment exists).
+    pub(super) fn play_segment(&mut self, motion_set: &MotionSet, character: usize, segment: u32) {
+        let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        let new = motion_set.graph.segments[segment as usize];
+        // The frame before it is in the same clip too.
+        let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
+        let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift_per_frame(lane)));
+        let change =
+            SegmentChange { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
+        b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar_root(new.start).inverse()));
+        b.set_choice_root(lane, b.root(lane));
+        b.set_segment(lane, segment, &new);
+        b.time[lane] = 0.0;
+        b.age_s[lane] = 0.0;
+        b.choice_state[lane] = NO_STATE;
+        b.set_change(lane, from, new.start);
+        if self.bodies[character / LANES].awake == 1 {
+            let (half_life_s, bodies) = (self.config.half_life_s, &mut *self.bodies);
+            dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s, bodies });
+        }
     }
 }
 

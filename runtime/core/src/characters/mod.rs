@@ -333,7 +333,7 @@ impl Characters {
         check_index("segment", None, segment as usize, self.num_segments)?;
         let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
         let scheduled = before.0.segment[character % LANES] == block::SCHEDULED;
-        control::play_segment(&mut self.blocks, &mut self.bodies, character, segment, motion_set, &self.config);
+        self.play_segment(motion_set, character, segment);
         if !self.reserve_path(motion_set, character) {
             (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
             self.reserve_path(motion_set, character);
