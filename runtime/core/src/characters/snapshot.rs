@@ -98,7 +98,7 @@ impl Characters {
     pub(super) fn find_path_conflict(&self, motion_set: &MotionSet, blocks: &[MotionBlock], n: usize) -> Option<usize> {
         let mut avoiding = self.avoiding.clone()?;
         // External obstacles were at other places at the time of the snapshot.
-        avoiding.book.external_obstacles_mut().replace_all(std::iter::empty());
+        avoiding.book.external_obstacles.replace_all(std::iter::empty());
         avoiding.rebuild_paths(blocks, n, motion_set)
     }
 

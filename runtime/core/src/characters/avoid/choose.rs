@@ -122,13 +122,9 @@ impl Characters {
         let change = control::begin_segment(b, &begin, range, motion_set);
         avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
         if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
-            let change = SegmentChange { character: at as u32, ..change };
-            dispatch(StartTransitionsJob {
-                group: &[change],
-                motion_set,
-                half_life_s: step.config.half_life_s,
-                bodies,
-            });
+            let group = &[SegmentChange { character: at as u32, ..change }];
+            let half_life_s = step.config.half_life_s;
+            dispatch(StartTransitionsJob { group, motion_set, half_life_s, bodies });
         }
     }
 }

@@ -81,7 +81,7 @@ impl PathAvoidance {
         let room = path::most_nodes(motion_set);
         let path = ReservedPath { nodes: Vec::with_capacity(room), ..ReservedPath::default() };
         let mut book = PathReservations::with_capacity(capacity, room);
-        book.set_group_depth(config.pairs_m.unwrap_or(0.0));
+        book.group_depth_m = config.pairs_m.unwrap_or(0.0);
         Self {
             book,
             due: BinaryHeap::with_capacity(capacity),
@@ -152,7 +152,7 @@ impl Characters {
     /// Sets the external obstacles: characters with collision avoidance do not enter the regions that these reserve.
     pub fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.book.external_obstacles_mut().replace_all(others);
+            avoiding.book.external_obstacles.replace_all(others);
         }
     }
 
@@ -179,7 +179,7 @@ impl Characters {
         }
         if let Some(avoiding) = &self.avoiding {
             // Regions reserved before a step and after it, however long the paths become.
-            let most = 2 * n * TimedPath::max_reserved_regions(avoiding.book.max_nodes());
+            let most = 2 * n * TimedPath::max_reserved_regions(avoiding.book.max_nodes);
             out.ground.reserve(most.saturating_sub(out.ground.len()));
         }
         for at in 0..n {

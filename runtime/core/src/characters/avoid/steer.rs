@@ -106,7 +106,7 @@ impl SteeringQuery<'_> {
             add(other as u32, moving.position_now(), self.book.velocity(other), BODY_RADIUS_M);
             true
         });
-        self.book.external_obstacles().visit_bodies_near(&around, |number, other| {
+        self.book.external_obstacles.visit_bodies_near(&around, |number, other| {
             add(u32::MAX - number as u32, other.place, other.velocity, other.radius_m);
             true
         });
