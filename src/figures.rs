@@ -5,15 +5,8 @@ use crate::output;
 use throng_precompute::run::SceneFigures;
 
 /// Prints what was measured of a scene or a group, below a line about it.
-pub fn print_figures(label: &'static str, text: String, figures: &SceneFigures) -> CommandResult {
+pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> CommandResult {
     let mut rows = vec![(label, text)];
-    rows.extend(figure_rows(figures));
-    output::table(&rows)
-}
-
-/// What was measured of a scene or a group: labels and texts.
-fn figure_rows(r: &SceneFigures) -> Vec<(&'static str, String)> {
-    let mut rows = Vec::new();
     if let Some(b) = &r.blows {
         let [landed, blocked] = [b.landed_fraction, b.blocked_fraction].map(|fraction| 100.0 * fraction);
         let thrown = format!("{} thrown: {landed:.1} % landed, {blocked:.1} % blocked", b.thrown);
@@ -101,5 +94,5 @@ fn figure_rows(r: &SceneFigures) -> Vec<(&'static str, String)> {
     if let Some(rate) = r.steps_per_second {
         rows.push(("speed", format!("{rate:.0} steps a second of all characters, on one thread")));
     }
-    rows
+    output::table(&rows)
 }

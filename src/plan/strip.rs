@@ -31,7 +31,10 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
     let who = outcome.done.first().map_or(0, |d| d.character);
     let clip = &outcome.clips[who][1];
     let [from, to] = changed_span(outcome, who);
-    let ahead = heading(outcome, who);
+    // Heading of the character in the middle of the shown time span (rad).
+    let shown = &outcome.clips[who][0];
+    let middle = (0.5 * (from + to) * shown.rate_hz) as usize;
+    let ahead = shown.planar(middle.min(shown.num_frames() - 1)).heading;
     let times: Vec<f64> = (0..COLUMNS)
         .map(|i| from + (to - from) * i as f64 / (COLUMNS - 1) as f64)
         .map(|t| (t * clip.rate_hz).round() / clip.rate_hz)
@@ -67,13 +70,6 @@ fn changed_span(outcome: &TaskOutcome, who: usize) -> [f64; 2] {
         }
         _ => [0.0, end_s],
     }
-}
-
-/// Heading of the character in the middle of the shown time span (rad).
-fn heading(outcome: &TaskOutcome, who: usize) -> f32 {
-    let clip = &outcome.clips[who][0];
-    let [from, to] = changed_span(outcome, who);
-    clip.planar(((0.5 * (from + to) * clip.rate_hz) as usize).min(clip.num_frames() - 1)).heading
 }
 
 /// All characters and objects at a time.

@@ -74,15 +74,9 @@ struct ActionQueryReport {
     best: Vec<RankedAction>,
 }
 
-/// Third coordinate of a policy's targets, beside the position on the ground: one of these, or none.
-#[derive(Default)]
-struct ThirdCoordinate {
-    height_m: Option<f32>,
-    time_left_s: Option<f32>,
-}
-
-/// The third coordinate of the arguments, or the reason why it does not fit the policy.
-fn third_coordinate(args: &Args, grid: &TargetGrid) -> Result<ThirdCoordinate, String> {
+/// The height of the target where the policy knows heights, or the reason why the height or the time left of the
+/// arguments does not fit the policy.
+fn target_height(args: &Args, grid: &TargetGrid) -> Result<Option<f32>, String> {
     let record = grid.record();
     let [first, last] = [0.0, (record.num_heights - 1) as f32].map(|k| record.height_start + k * record.height_spacing);
     let (is_timed, has_heights) = (grid.is_space_time(), record.num_heights > 1);
@@ -91,8 +85,7 @@ fn third_coordinate(args: &Args, grid: &TargetGrid) -> Result<ThirdCoordinate, S
     ensure(knows_height || args.height.is_none(), || "it knows no height. Leave --height out")?;
     let fault = || format!("it is about a blow that lands soon. Add --time-left S, from {first} to {last:.2}");
     ensure(!is_timed || args.time_left.is_some(), fault)?;
-    let height_m = knows_height.then(|| args.height.unwrap_or(0.5 * (first + last)));
-    Ok(ThirdCoordinate { height_m, time_left_s: args.time_left })
+    Ok(knows_height.then(|| args.height.unwrap_or(0.5 * (first + last))))
 }
 
 pub fn run(args: &Args) -> CommandResult {
@@ -104,9 +97,9 @@ pub fn run(args: &Args) -> CommandResult {
     let last = num_states.saturating_sub(1);
     let fault = || format!("{file}: no state {state}; states count from 0 to {last}");
     ensure((state as usize) < num_states, fault)?;
-    let third = third_coordinate(args, policy.grid());
-    let ThirdCoordinate { height_m, time_left_s } =
-        third.map_err(|why| format!("policy `{}` of {file}: {why}", args.behaviour))?;
+    let height_m = target_height(args, policy.grid());
+    let height_m = height_m.map_err(|why| format!("policy `{}` of {file}: {why}", args.behaviour))?;
+    let time_left_s = args.time_left;
     let target = Vec3::new(args.target[0], height_m.or(time_left_s).unwrap_or(0.0), args.target[1]);
     let mut scores = [0.0; MAX_ACTIONS];
     let n = policy.action_scores(state, target, &mut scores)?;

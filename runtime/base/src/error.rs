@@ -2,6 +2,7 @@
 
 use crate::Id;
 use glam::Vec3;
+use std::ops::RangeBounds;
 use std::path::PathBuf;
 
 /// Error of a call: whom it concerns, what was expected, and how to correct it.
@@ -168,6 +169,14 @@ pub fn check_value(
     expected: &'static str,
 ) -> Result<()> {
     if good { Ok(()) } else { Err(Error::Value { what, who, got: got.into(), expected }) }
+}
+
+/// Fails with [`Error::Value`] unless a setting lies in its range; NaN never does.
+///
+/// # Errors
+/// As said.
+pub fn check_range(what: &'static str, got: f32, range: impl RangeBounds<f32>, expected: &'static str) -> Result<()> {
+    check_value(what, None, got, range.contains(&got), expected)
 }
 
 /// Fails with [`Error::Length`] unless `got` equals `expected`.

@@ -62,10 +62,9 @@ impl Roster {
     /// # Errors
     /// [`Error::Full`].
     pub fn add_id(&mut self) -> Result<Id> {
-        let index = self.free.pop().ok_or(Error::Full { capacity: self.slots.len() })?;
-        let slot = &mut self.slots[index as usize];
-        slot.1 = self.ids.len() as u32;
-        let id = Id { index, generation: slot.0 };
+        let id = self.next_id()?;
+        self.free.pop();
+        self.slots[id.index()].1 = self.ids.len() as u32;
         self.ids.push(id);
         Ok(id)
     }

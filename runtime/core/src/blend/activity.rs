@@ -124,8 +124,7 @@ impl ActivitySet {
     pub fn arm_places_at(&self, activity: &Activity, side: usize, seconds: f32, body: &Skeleton) -> ArmPlaces {
         let sample = self.sample_activity(activity, seconds);
         let [scale, lift] = body.hips_over(&self.skeleton);
-        let place = |joint: Joint, mut point: Vec3| {
-            let mut joint = joint;
+        let place = |mut joint: Joint, mut point: Vec3| {
             while let Some(parent) = joint.parent() {
                 point = maths::rotate(sample.rotations[joint.index()], point) + body.offsets[joint.index()];
                 joint = parent;

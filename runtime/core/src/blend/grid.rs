@@ -16,7 +16,8 @@ use throng_base::simd::{LANES, Lanes};
 pub struct WeightGrid {
     axes: Table<AxisRecord>,
     stride: usize,
-    table: Table<f32>,
+    /// Rows of all knots (number of knots * stride).
+    pub(super) table: Table<f32>,
     /// Rows from a knot to the next along each axis.
     steps: [u32; MAX_AXES],
     /// Knots per unit of each parameter.
@@ -35,11 +36,6 @@ struct WeightSimplices {
 }
 
 impl WeightGrid {
-    /// Rows of all knots (number of knots * stride).
-    pub fn weight_rows(&self) -> &[f32] {
-        &self.table
-    }
-
     /// Wraps a table; `None` if its length does not match the grid, or an axis is malformed.
     ///
     /// - `axes`: at least one, at most [`MAX_AXES`]. Each of at least 2 knots, its low below its high; of all together

@@ -120,7 +120,7 @@ impl BlendSpace {
             hash.add_bytes(bytemuck::bytes_of(&self.record));
             hash.add_bytes(bytemuck::cast_slice(&self.examples));
             hash.add_bytes(bytemuck::cast_slice(self.grid.axes()));
-            hash.add_bytes(bytemuck::cast_slice(self.grid.weight_rows()));
+            hash.add_bytes(bytemuck::cast_slice(&self.grid.table));
             hash.add_bytes(bytemuck::cast_slice(&self.references));
             hash.add_bytes(bytemuck::cast_slice(&self.channels));
             hash.add_bytes(format!("{:?}", self.skeleton).as_bytes());

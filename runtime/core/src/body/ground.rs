@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use throng_base::error::{check_length, check_value};
+use throng_base::error::{check_length, check_range, check_value};
 use throng_base::{Hash128, Result};
 
 /// Most knots along a side; a whole grid has at most twice as many (256 MiB).
@@ -56,13 +56,7 @@ impl HeightField {
     /// # Errors
     /// [`Error::Value`](throng_base::Error::Value) for a number out of its range, [`Error::Length`](throng_base::Error::Length) where heights are missing.
     pub fn new(origin: Vec2, spacing: f32, size: [usize; 2], heights: Vec<f32>) -> Result<Self> {
-        check_value(
-            "spacing of the ground",
-            None,
-            spacing,
-            (1e-3..1e4).contains(&spacing),
-            "between 0.001 and 10000 m",
-        )?;
+        check_range("spacing of the ground", spacing, 1e-3..1e4, "between 0.001 and 10000 m")?;
         for (what, v) in [("x of the ground's origin", origin.x), ("z of the ground's origin", origin.y)] {
             check_value(what, None, v, v.abs() < 1e6, "finite and below 1e6 m")?;
         }

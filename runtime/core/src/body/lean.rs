@@ -58,13 +58,8 @@ pub(crate) fn lean_trunk<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, share
         let direction = offset * (one / distance);
         let most = (length + arm) * F::splat(0.999);
         let least = (length - arm).abs() + F::splat(1e-3);
-        let aim = bent_middle(
-            pivot,
-            direction,
-            distance.min(most).max(least),
-            [length, arm],
-            trunk + V::splat(Vec3::Z * 1e-3),
-        );
+        let pole = trunk + V::splat(Vec3::Z * 1e-3);
+        let aim = bent_middle(pivot, direction, distance.min(most).max(least), [length, arm], pole);
         let turn = Q::shortest_arc(trunk, aim - pivot).to_mrp();
         let angle = turn.length().max(tiny);
         let is_short = F::select_lt(arm, (to - shoulder).length(), one, F::splat(0.0));

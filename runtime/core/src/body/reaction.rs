@@ -14,7 +14,7 @@ use super::placement::PlacementLanes;
 use crate::skeleton::Joint;
 use glam::Vec3;
 use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::error::check_range;
 use throng_base::maths;
 use throng_base::simd::{LANES, Lanes, Q, V};
 
@@ -51,21 +51,14 @@ impl Default for ReactionConfig {
 
 impl ReactionConfig {
     pub(crate) fn check(&self) -> Result<()> {
-        let half_life = self.half_life_s;
-        check_value(
-            "reaction.half_life_s",
-            None,
-            half_life,
-            (1e-3..=10.0).contains(&half_life),
-            "between 0.001 and 10",
-        )?;
+        check_range("reaction.half_life_s", self.half_life_s, 1e-3..=10.0, "between 0.001 and 10")?;
         for (what, got) in [
             ("reaction.max_displacement_m", self.max_displacement_m),
             ("reaction.trunk_share", self.trunk_share),
             ("reaction.hips_share", self.hips_share),
             ("reaction.limb_share", self.limb_share),
         ] {
-            check_value(what, None, got, (0.0..=1.0).contains(&got), "between 0 and 1")?;
+            check_range(what, got, 0.0..=1.0, "between 0 and 1")?;
         }
         Ok(())
     }
@@ -232,26 +225,11 @@ pub(crate) fn react_lanes<F: Lanes>(
     let (trunk, trunk_size) = reaction.trunk.step::<F>(step);
     let (head, head_size) = reaction.head.step::<F>(step);
     let (size, active) = (trunk_size + head_size, F::load(&reaction.active));
-    displace(body, config, place.vector_to_model(trunk), place.vector_to_model(head), active, pose);
-    reaction.trunk.stop(size);
-    reaction.head.stop(size);
-    let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
-    F::select_lt(size, rest, zero, active).store(&mut reaction.active);
-}
-
-/// Displaces upper trunk and head of the active lanes. Displacements in model space (m).
-#[inline(always)]
-fn displace<F: Lanes>(
-    body: &LaneBody,
-    config: &ReactionConfig,
-    trunk: V<F>,
-    head: V<F>,
-    active: F,
-    pose: &mut ModelPose<F>,
-) {
+    // Displacements of upper trunk and head in model space (m).
+    let (trunk, head) = (place.vector_to_model(trunk), place.vector_to_model(head));
     let share = F::splat(config.hips_share);
     let hips = V::new(trunk.x * share, F::splat(0.0), trunk.z * share);
-    let turns = upper_turns(body, hips, trunk, head, pose);
+    let turns = upper_turns(body, trunk - hips, head, pose);
     let half = F::splat(0.5);
     let old = pose.positions;
     for j in 0..NUM_UPPER {
@@ -270,17 +248,18 @@ fn displace<F: Lanes>(
         }
         move_leg(body, side, V::splat(Vec3::ZERO) - hips, pose);
     }
+    reaction.trunk.stop(size);
+    reaction.head.stop(size);
+    let (rest, zero) = (F::splat(AT_REST_M * AT_REST_M), F::splat(0.0));
+    F::select_lt(size, rest, zero, active).store(&mut reaction.active);
 }
 
 /// Turn of every joint of the upper body, in model space, that brings neck and head to their targets.
+///
+/// - `by`: displacement of the neck's base from the hips (m).
+/// - `head`: displacement of the head (m).
 #[inline(always)]
-fn upper_turns<F: Lanes>(
-    body: &LaneBody,
-    hips: V<F>,
-    trunk: V<F>,
-    head: V<F>,
-    pose: &ModelPose<F>,
-) -> [Q<F>; NUM_UPPER] {
+fn upper_turns<F: Lanes>(body: &LaneBody, by: V<F>, head: V<F>, pose: &ModelPose<F>) -> [Q<F>; NUM_UPPER] {
     use Joint::*;
     let p = &pose.positions;
     let at = |j: Joint| p[j.index()];
@@ -288,7 +267,7 @@ fn upper_turns<F: Lanes>(
 
     // Three joints of the spine, bent alike, carry the base of the neck.
     let links = [at(Chest) - at(Spine), at(UpperChest) - at(Chest), at(Neck) - at(UpperChest)];
-    let spine = bend(links, trunk - hips);
+    let spine = bend(links, by);
     // Neck and head, bent alike, carry the middle of the head; the face turns away with the blow.
     let turned = pose.rotations[Head.index()];
     let centre = turned.rotate(load(&body.head_centre));

@@ -9,6 +9,7 @@ use crate::bundle::Bundle;
 use crate::character_group::AdoptReport;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Quat, Vec3};
+use throng_base::simd::LANES;
 use throng_base::{Result, maths};
 
 /// Gives every character the state of the new bundle with the nearest pose; the difference of the poses decays as after
@@ -23,7 +24,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     }
     let poses = state_poses(&motion_set);
     let arrivals = segments_into_states(&motion_set);
-    let mut characters = Characters::with_capacity(&motion_set, *group.characters.config(), group.capacity())?;
+    let mut characters = Characters::with_capacity(&motion_set, group.characters.config, group.capacity())?;
     let mut out = AdoptReport { num_characters: group.characters.num_characters(), farthest_m: 0.0 };
     for at in 0..out.num_characters {
         let old = &group.characters;
@@ -37,7 +38,8 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
         });
         let (state, farthest_m) = nearest_state(shown.as_ref(), &poses);
         out.farthest_m = out.farthest_m.max(farthest_m);
-        characters.add_character(&motion_set, CharacterStart { root, state: state as u32 }, &arrivals, old.name(at));
+        let name = old.blocks[at / LANES].name[at % LANES];
+        characters.add_character(&motion_set, CharacterStart { root, state: state as u32 }, &arrivals, name);
         characters.carry_over(old, at);
         if let Some(shown) = &shown {
             ease_to_pose(&mut characters, at, shown, &poses[state]);

@@ -8,14 +8,14 @@ use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
 use super::step::CharactersTick;
-use super::transition::{self, SegmentChange};
-use super::{ActionChoice, CharactersConfig, pace};
+use super::transition::{SegmentChange, StartTransitionsJob};
+use super::{ActionChoice, Characters, CharactersConfig, pace};
 use crate::body::set_lane;
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
 use glam::{Vec2, Vec3};
 use throng_base::maths;
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// Characters that choose together; the batch lives on the stack.
 pub(crate) const BATCH: usize = 64;
@@ -67,7 +67,6 @@ pub(crate) fn choose_all(
     count: usize,
     tick: &CharactersTick<'_>,
 ) {
-    let CharactersTick { motion_set, config, orders, .. } = *tick;
     let mut pending = PendingChoices {
         len: 0,
         characters: [0; BATCH],
@@ -85,93 +84,85 @@ pub(crate) fn choose_all(
         pending.len = 0;
         let mut next = from;
         while next < count && pending.len < BATCH {
-            collect_pending(&mut pending, blocks, next, first, motion_set, orders);
+            pending.collect(blocks, next, first, tick);
             next += 1;
         }
         if pending.len == 0 {
             from = next;
             continue;
         }
-        select_actions(&mut pending, blocks, motion_set, config);
-        apply_choices(&pending, blocks, bodies, passed, first, motion_set, config);
+        pending.select_actions(blocks, tick);
+        apply_choices(&pending, blocks, bodies, passed, first, tick);
     }
 }
 
-/// Adds a character that has played its segment to the end.
-fn collect_pending(
-    pending: &mut PendingChoices,
-    blocks: &[MotionBlock],
-    character: usize,
-    first: usize,
-    motion_set: &MotionSet,
-    orders: &[PolicyOrder],
-) {
-    let (b, lane) = (&blocks[character / LANES], character % LANES);
-    if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == SCHEDULED {
-        return;
-    }
-    let (num_goals, goals) = active_goals(&orders[first + character], motion_set);
-    let policies = goals.map(|g| g.policy);
-    if pending.len == 0 {
-        (pending.num_goals, pending.policies) = (num_goals, policies);
-    } else if (pending.num_goals, pending.policies) != (num_goals, policies) {
-        // It is asked something else: its turn comes in another pass.
-        return;
-    }
-    let segment = &motion_set.graph.segments[b.segment[lane] as usize];
-    let root = b.root_at_end(lane, motion_set);
-    let i = pending.len;
-    pending.len += 1;
-    pending.characters[i] = character as u32;
-    pending.states[i] = segment.end;
-    pending.roots[i] = root;
-    for (g, goal) in goals[..num_goals].iter().enumerate() {
-        let t = goal.target;
-        let local = root.inverse_transform_point(Vec2::new(t.x, t.z));
-        let target = Vec3::new(local.x, t.y, local.y);
-        let active = motion_set.policies[goal.policy].region().contains(target);
-        pending.targets[g][i] = target;
-        pending.weights[g][i] = if active { goal.weight } else { 0.0 };
-    }
-}
-
-/// Fills in the actions.
-fn select_actions(
-    pending: &mut PendingChoices,
-    blocks: &[MotionBlock],
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
-) {
-    let (n, num_goals, policies) = (pending.len, pending.num_goals, pending.policies);
-    let states = &pending.states[..n];
-    match config.choice {
-        _ if num_goals == 0 => pending.actions[..n].fill(0),
-        ActionChoice::BestAction if num_goals == 1 => {
-            let policy = &motion_set.policies[policies[0]];
-            let (targets, actions) = (&pending.targets[0][..n], &mut pending.actions[..n]);
-            let job = BestActionJob { policy, states, targets, choice: 0, actions };
-            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+impl PendingChoices {
+    /// Adds a character that has played its segment to the end.
+    fn collect(&mut self, blocks: &[MotionBlock], character: usize, first: usize, tick: &CharactersTick<'_>) {
+        let motion_set = tick.motion_set;
+        let (b, lane) = (&blocks[character / LANES], character % LANES);
+        if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == SCHEDULED {
+            return;
         }
-        _ => {
-            let mut ranked = [RankedActions::NONE; BATCH];
-            let jobs: [policy::LookAheadGoal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
-                let g = g.min(num_goals - 1);
-                policy::LookAheadGoal {
-                    policy: &motion_set.policies[policies[g]],
-                    weights: &pending.weights[g][..n],
-                    targets: &pending.targets[g][..n],
+        let (num_goals, goals) = active_goals(&tick.orders[first + character], motion_set);
+        let policies = goals.map(|g| g.policy);
+        if self.len == 0 {
+            (self.num_goals, self.policies) = (num_goals, policies);
+        } else if (self.num_goals, self.policies) != (num_goals, policies) {
+            // It is asked something else: its turn comes in another pass.
+            return;
+        }
+        let segment = &motion_set.graph.segments[b.segment[lane] as usize];
+        let root = b.root_at_end(lane, motion_set);
+        let i = self.len;
+        self.len += 1;
+        self.characters[i] = character as u32;
+        self.states[i] = segment.end;
+        self.roots[i] = root;
+        for (g, goal) in goals[..num_goals].iter().enumerate() {
+            let t = goal.target;
+            let local = root.inverse_transform_point(Vec2::new(t.x, t.z));
+            let target = Vec3::new(local.x, t.y, local.y);
+            let active = motion_set.policies[goal.policy].region().contains(target);
+            self.targets[g][i] = target;
+            self.weights[g][i] = if active { goal.weight } else { 0.0 };
+        }
+    }
+
+    /// Fills in the actions.
+    fn select_actions(&mut self, blocks: &[MotionBlock], tick: &CharactersTick<'_>) {
+        let CharactersTick { motion_set, config, .. } = *tick;
+        let (n, num_goals, policies) = (self.len, self.num_goals, self.policies);
+        let states = &self.states[..n];
+        match config.choice {
+            _ if num_goals == 0 => self.actions[..n].fill(0),
+            ActionChoice::BestAction if num_goals == 1 => {
+                let policy = &motion_set.policies[policies[0]];
+                let (targets, actions) = (&self.targets[0][..n], &mut self.actions[..n]);
+                let job = BestActionJob { policy, states, targets, choice: 0, actions };
+                job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+            }
+            _ => {
+                let mut ranked = [RankedActions::NONE; BATCH];
+                let jobs: [policy::LookAheadGoal<'_>; MAX_GOALS] = std::array::from_fn(|g| {
+                    let g = g.min(num_goals - 1);
+                    policy::LookAheadGoal {
+                        policy: &motion_set.policies[policies[g]],
+                        weights: &self.weights[g][..n],
+                        targets: &self.targets[g][..n],
+                    }
+                });
+                let job = LookAheadJob { goals: &jobs[..num_goals], states, ranked: &mut ranked[..n] };
+                job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
+                let temperature = match config.choice {
+                    ActionChoice::LookAhead { temperature } => temperature,
+                    ActionChoice::BestAction => 0.0,
+                };
+                for i in 0..n {
+                    let c = self.characters[i] as usize;
+                    let (b, lane) = (&blocks[c / LANES], c % LANES);
+                    self.actions[i] = ranked[i].choose(temperature, draw_random(b, lane, config));
                 }
-            });
-            let job = LookAheadJob { goals: &jobs[..num_goals], states, ranked: &mut ranked[..n] };
-            job.run().unwrap_or_else(|e| unreachable!("states come from the tables, targets were checked: {e}"));
-            let temperature = match config.choice {
-                ActionChoice::LookAhead { temperature } => temperature,
-                ActionChoice::BestAction => 0.0,
-            };
-            for i in 0..n {
-                let c = pending.characters[i] as usize;
-                let (b, lane) = (&blocks[c / LANES], c % LANES);
-                pending.actions[i] = ranked[i].choose(temperature, draw_random(b, lane, config));
             }
         }
     }
@@ -184,9 +175,9 @@ fn apply_choices(
     bodies: &mut [BodyBlock],
     passed: &mut PassedHits,
     first: usize,
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
+    tick: &CharactersTick<'_>,
 ) {
+    let CharactersTick { motion_set, config, .. } = *tick;
     let mut changes = [SegmentChange::default(); BATCH];
     let mut num_changes = 0;
     for i in 0..pending.len {
@@ -208,7 +199,7 @@ fn apply_choices(
         }
     }
     for group in changes[..num_changes].chunks(LANES) {
-        transition::start_transitions(group, motion_set, config.half_life_s, bodies);
+        dispatch(StartTransitionsJob { group, motion_set, half_life_s: config.half_life_s, bodies });
     }
 }
 
@@ -271,30 +262,27 @@ pub(crate) fn draw_random(b: &MotionBlock, lane: usize, config: &CharactersConfi
     uniform_random(config.seed, number, u64::from(b.num_choices[lane]))
 }
 
-/// Starts a segment now, from where the character stands (segment exists).
-pub(crate) fn play_segment(
-    blocks: &mut [MotionBlock],
-    bodies: &mut [BodyBlock],
-    character: usize,
-    segment: u32,
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
-) {
-    let (b, lane) = (&mut blocks[character / LANES], character % LANES);
-    let new = motion_set.graph.segments[segment as usize];
-    // The frame before it is in the same clip too.
-    let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
-    let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift_per_frame(lane)));
-    let change = SegmentChange { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
-    b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar_root(new.start).inverse()));
-    b.set_choice_root(lane, b.root(lane));
-    b.set_segment(lane, segment, &new);
-    b.time[lane] = 0.0;
-    b.age_s[lane] = 0.0;
-    b.choice_state[lane] = NO_STATE;
-    b.set_change(lane, from, new.start);
-    if bodies[character / LANES].awake == 1 {
-        transition::start_transitions(&[change], motion_set, config.half_life_s, bodies);
+impl Characters {
+    /// Starts a segment now, from where the character stands (segment exists).
+    pub(super) fn play_segment(&mut self, motion_set: &MotionSet, character: usize, segment: u32) {
+        let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
+        let new = motion_set.graph.segments[segment as usize];
+        // The frame before it is in the same clip too.
+        let from = b.first[lane] + (b.time[lane].round() as u32).clamp(1, b.length[lane]);
+        let (lift, drift) = (b.lift_at(lane, b.time[lane]), to_root(b.root(lane), b.drift_per_frame(lane)));
+        let change =
+            SegmentChange { character: character as u32, from, to: new.start, age_s: b.age_s[lane], lift, drift };
+        b.set_clip_to_world(lane, b.root(lane).compose(motion_set.planar_root(new.start).inverse()));
+        b.set_choice_root(lane, b.root(lane));
+        b.set_segment(lane, segment, &new);
+        b.time[lane] = 0.0;
+        b.age_s[lane] = 0.0;
+        b.choice_state[lane] = NO_STATE;
+        b.set_change(lane, from, new.start);
+        if self.bodies[character / LANES].awake == 1 {
+            let (half_life_s, bodies) = (self.config.half_life_s, &mut *self.bodies);
+            dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s, bodies });
+        }
     }
 }
 

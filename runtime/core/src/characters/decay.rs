@@ -4,22 +4,16 @@ use super::block::{BodyBlock, MotionBlock, ROTATION_CODES, VELOCITY_CODES, load_
 use crate::body::{Decay, HALF_LIVES_KEPT, LanePose, load};
 use throng_base::simd::{Lanes, Q};
 
-/// True where no lane's offsets matter any more.
-#[inline(always)]
-fn offsets_have_decayed<F: Lanes>(block: &MotionBlock, half_life_s: f32) -> bool {
-    !F::splat(HALF_LIVES_KEPT * half_life_s).any_gt(F::load(&block.age_s))
-}
-
 /// Adds the decaying offsets of the last transition.
 #[inline(always)]
 pub(crate) fn add_offsets<F: Lanes>(pose: &mut LanePose<F>, block: &MotionBlock, body: &BodyBlock, half_life_s: f32) {
-    if offsets_have_decayed::<F>(block, half_life_s) {
+    let (age, kept, zero) = (F::load(&block.age_s), F::splat(HALF_LIVES_KEPT * half_life_s), F::splat(0.0));
+    // No lane's offsets matter any more.
+    if !kept.any_gt(age) {
         return;
     }
-    let age = F::load(&block.age_s);
     let mut decay = Decay::new(age, half_life_s);
     // A lane whose offsets have decayed has none, whatever its neighbours hold.
-    let (kept, zero) = (F::splat(HALF_LIVES_KEPT * half_life_s), F::splat(0.0));
     decay.position = F::select_lt(kept, age, zero, decay.position);
     decay.velocity = F::select_lt(kept, age, zero, decay.velocity);
     let o = &body.offsets;

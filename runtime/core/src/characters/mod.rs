@@ -222,8 +222,8 @@ impl Characters {
                 *level = detail.level(&block.root, (n - at * LANES).min(LANES));
             }
         }
-        match (&mut self.avoiding, &config.avoid) {
-            (Some(avoiding), Some(avoid)) => {
+        match &config.avoid {
+            Some(avoid) => {
                 // First all move on, then they choose one after the other, then all are posed.
                 let blocks = self.blocks[..n.div_ceil(LANES)].chunks_mut(RANGE_BLOCKS);
                 let parts = blocks.zip(&mut self.passed).enumerate();
@@ -232,13 +232,12 @@ impl Characters {
                     step::advance_all(blocks, passed, first, count, &tick);
                 });
                 let mut laps = Laps::start(tick.clock);
-                let choices = avoid::ChoiceInputs { motion_set, config: &config, avoid, orders, num_characters: n };
-                avoid::choose_avoiding(avoiding, &mut self.blocks, &mut self.bodies, &mut self.passed, &choices);
+                self.choose_avoiding(&avoid::ChoiceInputs { motion_set, config: &config, avoid, orders });
                 self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
                 laps.end(StepPhase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }
-            _ => run_each(run, self.ranges(), |range| step::step(range, &tick)),
+            None => run_each(run, self.ranges(), |range| step::step(range, &tick)),
         }
         self.blows.gather_blows(&self.passed[..num_ranges], motion_set);
         self.times = clock.map_or(self.times, |c| c.times());
@@ -334,7 +333,7 @@ impl Characters {
         check_index("segment", None, segment as usize, self.num_segments)?;
         let before = (self.blocks[character / LANES], self.bodies[character / LANES]);
         let scheduled = before.0.segment[character % LANES] == block::SCHEDULED;
-        control::play_segment(&mut self.blocks, &mut self.bodies, character, segment, motion_set, &self.config);
+        self.play_segment(motion_set, character, segment);
         if !self.reserve_path(motion_set, character) {
             (self.blocks[character / LANES], self.bodies[character / LANES]) = before;
             self.reserve_path(motion_set, character);
@@ -423,9 +422,7 @@ impl Characters {
         block.clip_to_world[1][lane] += by.y;
         block.choice_root[0][lane] += by.x;
         block.choice_root[1][lane] += by.y;
-        if let Some(avoiding) = &mut self.avoiding {
-            avoiding.mark_stale();
-        }
+        self.mark_paths_stale();
         Ok(())
     }
 

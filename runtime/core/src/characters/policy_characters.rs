@@ -93,7 +93,7 @@ impl PolicyCharacters {
             roster: Roster::with_capacity(capacity),
             orders: Vec::with_capacity(capacity),
             roots: Vec::with_capacity(capacity),
-            events: Vec::with_capacity(characters.most_blows()),
+            events: Vec::with_capacity(characters.blows.max_blows()),
             gathers: false,
             characters,
         })
@@ -193,7 +193,7 @@ impl PolicyCharacters {
     /// [`Error::Gone`], or [`Error::Value`] for a displacement that is not finite.
     pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
         let at = self.roster.row(id)?;
-        let reaction = self.characters.config().reaction;
+        let reaction = self.characters.config.reaction;
         let (_, body, lane) = self.characters.lane_mut(at);
         body.state.push(lane, &reaction, Some(id), joint, displacement)
     }
@@ -263,56 +263,14 @@ impl PolicyCharacters {
         self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
     }
 
-    fn update_roots(&mut self) {
-        for (at, root) in self.roots.iter_mut().enumerate() {
-            *root = self.characters.root(at);
-        }
-    }
-
     fn snapshot_kind(&self) -> SnapshotKind {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.bundle.hash().to_le_bytes());
         // What is only written or measured besides changes no motion.
         let outputs =
-            CharactersConfig { local_transforms: false, instances: false, timed: false, ..*self.characters.config() };
+            CharactersConfig { local_transforms: false, instances: false, timed: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
         SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 6, setup: setup.finish() }
-    }
-
-    /// Reason why a state cannot be that of these characters; none where it can.
-    fn find_defect(
-        &self,
-        blocks: &[MotionBlock],
-        bodies: &[BodyBlock],
-        roster: &Roster,
-        orders: &[PolicyOrder],
-    ) -> Option<String> {
-        let n = roster.ids().len();
-        if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
-            return Some(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
-        }
-        if !self.roster.clone().restore(roster) {
-            let capacity = self.roster.capacity();
-            return Some(format!(
-                "its ids are not those of {capacity} places; restore it into as many as it was taken of"
-            ));
-        }
-        for (at, (id, order)) in roster.ids().iter().zip(orders).enumerate() {
-            if let Err(e) = order.check(Some(*id), &self.motion_set) {
-                return Some(e.to_string());
-            }
-            // Scheduled clips are for characters that a caller moves.
-            let is_scheduled = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
-            if is_scheduled || !is_sound(blocks, bodies, &self.motion_set, at, name(*id)) {
-                return Some(format!(
-                    "character {id} plays what the bundle does not have, or is nowhere; take a new one"
-                ));
-            }
-        }
-        if let Some(at) = self.characters.find_path_conflict(&self.motion_set, blocks, n) {
-            return Some(format!("character {} is in another's way, though they make way", roster.ids()[at]));
-        }
-        None
     }
 }
 
@@ -336,23 +294,15 @@ impl CharacterGroup for PolicyCharacters {
     /// As [`CharacterGroup::spawn`]; [`Error::Occupied`] where collision avoidance is on and its place is on another's path. A
     /// character without room for the stop from its state is held in the state until there is room for an action.
     fn spawn(&mut self, start: Spawn) -> Result<Id> {
-        let next = Some(self.roster.next_id()?);
-        let state = start.state.unwrap_or_else(|| self.standing_state());
-        check_index("state", next, state as usize, self.motion_set.graph().states.len())?;
-        check_root(next, start.root)?;
         let id = self.roster.next_id()?;
-        self.characters.add_character(
-            &self.motion_set,
-            CharacterStart { root: start.root, state },
-            &self.arrivals,
-            name(id),
-        );
-        let at = self.characters.num_characters() - 1;
-        let has_room = match self.gathers {
-            true => self.characters.reserve_held(&self.motion_set, at),
-            false => self.characters.reserve_start(&self.motion_set, at),
-        };
-        if !has_room {
+        let state = start.state.unwrap_or_else(|| self.standing_state());
+        check_index("state", Some(id), state as usize, self.motion_set.graph().states.len())?;
+        check_root(Some(id), start.root)?;
+        let at = self.characters.num_characters();
+        let entry = CharacterStart { root: start.root, state };
+        self.characters.add_character(&self.motion_set, entry, &self.arrivals, name(id));
+        let reserve = if self.gathers { Characters::reserve_held } else { Characters::reserve_start };
+        if !reserve(&mut self.characters, &self.motion_set, at) {
             self.characters.remove_character(at);
             return Err(occupied_error(id));
         }
@@ -397,7 +347,9 @@ impl CharacterGroup for PolicyCharacters {
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
         self.characters.run(&self.motion_set, dt_s, &self.orders, run);
-        self.update_roots();
+        for (at, root) in self.roots.iter_mut().enumerate() {
+            *root = self.characters.root(at);
+        }
         self.events.clear();
         let ids = self.roster.ids();
         self.events.extend(self.characters.blows().iter().map(|blow| (ids[blow.character as usize], *blow)));
@@ -435,17 +387,39 @@ impl CharacterGroup for PolicyCharacters {
         let kind = self.snapshot_kind();
         let (blocks, bodies, roster, orders): (Vec<MotionBlock>, Vec<BodyBlock>, Roster, Vec<PolicyOrder>) =
             kind.read_all(bytes)?;
-        if let Some(why) = self.find_defect(&blocks, &bodies, &roster, &orders) {
-            return Err(Error::Snapshot { what: kind.what, why });
+        let refuse = |why: String| Err(Error::Snapshot { what: kind.what, why });
+        let n = roster.ids().len();
+        if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
+            return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
+        }
+        if !self.roster.clone().restore(&roster) {
+            let capacity = self.roster.capacity();
+            return refuse(format!(
+                "its ids are not those of {capacity} places; restore it into as many as it was taken of"
+            ));
+        }
+        for (at, (id, order)) in roster.ids().iter().zip(&orders).enumerate() {
+            if let Err(e) = order.check(Some(*id), &self.motion_set) {
+                return refuse(e.to_string());
+            }
+            // Scheduled clips are for characters that a caller moves.
+            let is_scheduled = blocks[at / LANES].segment[at % LANES] == SCHEDULED;
+            if is_scheduled || !is_sound(&blocks, &bodies, &self.motion_set, at, name(*id)) {
+                return refuse(format!(
+                    "character {id} plays what the bundle does not have, or is nowhere; take a new one"
+                ));
+            }
+        }
+        if let Some(at) = self.characters.find_path_conflict(&self.motion_set, &blocks, n) {
+            return refuse(format!("character {} is in another's way, though they make way", roster.ids()[at]));
         }
         self.roster.restore(&roster);
-        self.characters.set_state(&blocks, &bodies, roster.ids().len());
+        self.characters.set_state(&blocks, &bodies, n);
         self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);
         self.roots.clear();
-        self.roots.resize(roster.ids().len(), Planar::IDENTITY);
-        self.update_roots();
+        self.roots.extend((0..n).map(|at| self.characters.root(at)));
         self.events.clear();
         Ok(())
     }

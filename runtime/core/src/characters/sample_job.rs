@@ -4,7 +4,7 @@ use super::motion_set::MotionSet;
 use crate::body::{FrameCursor, Mat3x4, sample_pose, shared, to_model, write_matrices};
 use crate::skeleton::NUM_JOINTS;
 use throng_base::Result;
-use throng_base::error::{check_index, check_length, check_value};
+use throng_base::error::{check_index, check_length, check_range};
 use throng_base::simd::{LANES, LaneWork, Lanes, dispatch};
 
 /// Samples frames between rows and applies the hierarchy, in one pass over a batch.
@@ -38,9 +38,7 @@ impl SampleJob<'_> {
     pub fn validate(&self) -> Result<()> {
         check_length("matrices", self.matrices.len(), self.frames.len() * NUM_JOINTS)?;
         check_length("ratios", self.ratios.len(), self.frames.len())?;
-        for &ratio in self.ratios {
-            check_value("ratio", None, ratio, (0.0..=1.0).contains(&ratio), "between 0 and 1")?;
-        }
+        self.ratios.iter().try_for_each(|&ratio| check_range("ratio", ratio, 0.0..=1.0, "between 0 and 1"))?;
         let num_frames = self.motion_set.num_frames();
         self.frames.iter().try_for_each(|&frame| check_index("frame", None, frame as usize, num_frames))
     }

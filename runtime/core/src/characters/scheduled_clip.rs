@@ -1,8 +1,8 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
-use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
+use super::block::{MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
-use super::transition::{self, SegmentChange};
+use super::transition::{SegmentChange, StartTransitionsJob, wake_block};
 use super::{Characters, CharactersConfig};
 use crate::body::{Lanewise, set_lane};
 use crate::patch::Placement;
@@ -11,7 +11,7 @@ use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
 use throng_base::error::{check_index, check_value};
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// A stretch of one clip, placed in the world.
 ///
@@ -82,13 +82,9 @@ impl Characters {
     /// # Errors
     /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is
     /// not finite, or a setting out of its range.
-    pub fn new_scheduled(
-        motion_set: &MotionSet,
-        config: CharactersConfig,
-        scheduled_clips: &[ScheduledClip],
-    ) -> Result<Self> {
-        let mut out = Self::with_capacity(motion_set, config, scheduled_clips.len())?;
-        scheduled_clips.iter().try_for_each(|clip| out.enter_scheduled(motion_set, clip))?;
+    pub fn new_scheduled(motion_set: &MotionSet, config: CharactersConfig, clips: &[ScheduledClip]) -> Result<Self> {
+        let mut out = Self::with_capacity(motion_set, config, clips.len())?;
+        clips.iter().try_for_each(|clip| out.enter_scheduled(motion_set, clip))?;
         Ok(out)
     }
 
@@ -104,35 +100,27 @@ impl Characters {
         self.num_characters += 1;
         let started = self.start_scheduled(motion_set, at, scheduled_clip);
         self.num_characters -= usize::from(started.is_err());
-        started?;
-        Ok(())
+        started
     }
 
     /// Starts a scheduled clip at once, with free feet and without a transition.
     ///
     /// # Errors
     /// As [`Characters::schedule_clip`].
-    pub fn start_scheduled(
-        &mut self,
-        motion_set: &MotionSet,
-        character: usize,
-        scheduled_clip: &ScheduledClip,
-    ) -> Result<()> {
+    pub fn start_scheduled(&mut self, motion_set: &MotionSet, character: usize, clip: &ScheduledClip) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
-        scheduled_clip.check(motion_set)?;
-        let (lane, root) = (character % LANES, scheduled_clip.root);
+        clip.check(motion_set)?;
+        let (lane, root) = (character % LANES, clip.root);
         self.num_choosers -= usize::from(self.blocks[character / LANES].segment[lane] != SCHEDULED);
         self.bodies[character / LANES].clear(lane);
         let b = &mut self.blocks[character / LANES];
         b.copy_lane(lane, &MotionBlock::ZERO, 0);
         b.name[lane] = character as u64;
-        scheduled_clip.write_to_block(b, lane, motion_set);
-        b.time[lane] = scheduled_clip.from_offset as f32;
+        clip.write_to_block(b, lane, motion_set);
+        b.time[lane] = clip.from_offset as f32;
         set_lane(&mut b.root, lane, Vec3::new(root.x, root.z, root.heading));
-        if let Some(avoiding) = &mut self.avoiding {
-            avoiding.mark_stale();
-        }
+        self.mark_paths_stale();
         Ok(())
     }
 
@@ -147,20 +135,37 @@ impl Characters {
     /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a character that does not exist or a
     /// scheduled clip that leaves its clip or is not finite, [`throng_base::Error::OtherBundle`] as
     /// [`Characters::step`]; nothing has changed then.
-    pub fn schedule_clip(
-        &mut self,
-        motion_set: &MotionSet,
-        character: usize,
-        scheduled_clip: &ScheduledClip,
-    ) -> Result<()> {
+    pub fn schedule_clip(&mut self, motion_set: &MotionSet, character: usize, clip: &ScheduledClip) -> Result<()> {
         self.check_bundle(motion_set)?;
         check_index("character", None, character, self.num_characters)?;
-        scheduled_clip.check(motion_set)?;
+        clip.check(motion_set)?;
         let (b, lane) = (&mut self.blocks[character / LANES], character % LANES);
-        let chose = b.segment[lane] != SCHEDULED;
         let body = &mut self.bodies[character / LANES];
-        change_to_clip(b, body, lane, scheduled_clip, motion_set, &self.config);
-        self.num_choosers -= usize::from(chose);
+        self.num_choosers -= usize::from(b.segment[lane] != SCHEDULED);
+        let half_life_s = self.config.half_life_s;
+        if body.awake == 0 {
+            wake_block(b, body, motion_set, half_life_s);
+        }
+        let left = b.length[lane] as f32 - b.time[lane];
+        let left_s = left / motion_set.rate_hz;
+        let from = b.first[lane] + b.length[lane];
+        let (lift, drift) = (b.lift_at(lane, b.length[lane] as f32), b.drift_per_frame(lane));
+        clip.write_to_block(b, lane, motion_set);
+        let change = SegmentChange {
+            character: lane as u32,
+            from,
+            to: clip.frame + clip.from_offset,
+            age_s: b.age_s[lane] + left_s,
+            lift: lift - clip.lift,
+            drift: to_root(clip.root, drift - b.drift_per_frame(lane)),
+        };
+        b.time[lane] = clip.from_offset as f32 - left;
+        if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
+            b.age_s[lane] = -left_s;
+            b.set_change(lane, change.from, change.to);
+            let bodies = std::slice::from_mut(body);
+            dispatch(StartTransitionsJob { group: &[change], motion_set, half_life_s, bodies });
+        }
         Ok(())
     }
 
@@ -204,39 +209,6 @@ impl Characters {
     pub fn ground_height(&self, character: usize) -> f32 {
         let (b, lane) = (&self.blocks[character / LANES], character % LANES);
         b.lift_at(lane, b.time[lane])
-    }
-}
-
-/// Changes to a scheduled clip at the end of what is played.
-fn change_to_clip(
-    b: &mut MotionBlock,
-    body: &mut BodyBlock,
-    lane: usize,
-    scheduled_clip: &ScheduledClip,
-    motion_set: &MotionSet,
-    config: &CharactersConfig,
-) {
-    if body.awake == 0 {
-        transition::wake_block(b, body, motion_set, config.half_life_s);
-    }
-    let left = b.length[lane] as f32 - b.time[lane];
-    let left_s = left / motion_set.rate_hz;
-    let from = b.first[lane] + b.length[lane];
-    let (lift, drift) = (b.lift_at(lane, b.length[lane] as f32), b.drift_per_frame(lane));
-    scheduled_clip.write_to_block(b, lane, motion_set);
-    let change = SegmentChange {
-        character: lane as u32,
-        from,
-        to: scheduled_clip.frame + scheduled_clip.from_offset,
-        age_s: b.age_s[lane] + left_s,
-        lift: lift - scheduled_clip.lift,
-        drift: to_root(scheduled_clip.root, drift - b.drift_per_frame(lane)),
-    };
-    b.time[lane] = scheduled_clip.from_offset as f32 - left;
-    if change.from != change.to || change.lift != 0.0 || change.drift != Vec3::ZERO {
-        b.age_s[lane] = -left_s;
-        b.set_change(lane, change.from, change.to);
-        transition::start_transitions(&[change], motion_set, config.half_life_s, std::slice::from_mut(body));
     }
 }
 

@@ -98,7 +98,7 @@ impl Characters {
     pub(super) fn find_path_conflict(&self, motion_set: &MotionSet, blocks: &[MotionBlock], n: usize) -> Option<usize> {
         let mut avoiding = self.avoiding.clone()?;
         // External obstacles were at other places at the time of the snapshot.
-        avoiding.book.external_obstacles_mut().replace_all(std::iter::empty());
+        avoiding.book.external_obstacles.replace_all(std::iter::empty());
         avoiding.rebuild_paths(blocks, n, motion_set)
     }
 
@@ -118,9 +118,7 @@ impl Characters {
         self.bodies[..bodies.len()].copy_from_slice(bodies);
         clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
         self.num_characters = n;
-        if let Some(avoiding) = &mut self.avoiding {
-            avoiding.mark_stale();
-        }
+        self.mark_paths_stale();
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
     }
 

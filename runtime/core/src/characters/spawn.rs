@@ -3,7 +3,7 @@
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::pace;
-use super::{CharacterStart, Characters, CharactersConfig};
+use super::{CharacterStart, Characters};
 use crate::body::{FootLock, Lanewise, LocalTransform, Mat3x4, set_lane};
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
@@ -11,15 +11,6 @@ use glam::Vec3;
 use throng_base::simd::LANES;
 
 impl Characters {
-    pub(super) fn config(&self) -> &CharactersConfig {
-        &self.config
-    }
-
-    /// Most blows of a step.
-    pub(super) fn most_blows(&self) -> usize {
-        self.blows.max_blows()
-    }
-
     /// Adds a character after the last one (below the capacity, the state exists).
     pub(super) fn add_character(&mut self, motion_set: &MotionSet, start: CharacterStart, arrivals: &[u32], name: u64) {
         let at = self.num_characters;
@@ -63,9 +54,7 @@ impl Characters {
         }
         self.clear_row(last);
         self.num_characters -= 1;
-        if let Some(avoiding) = &mut self.avoiding {
-            avoiding.mark_stale();
-        }
+        self.mark_paths_stale();
     }
 
     /// Reserves the path of one that has come; where there is no room for the stop from its state, it is held in it.
@@ -143,11 +132,6 @@ impl Characters {
             body.feet.iter_mut().for_each(|foot| foot.copy_lane(lane, &FootLock::ZERO, 0));
             body.state.seen[lane] = 0.0;
         }
-    }
-
-    /// Name by which the random choices of a character are drawn (at < num_characters).
-    pub(super) fn name(&self, at: usize) -> u64 {
-        self.blocks[at / LANES].name[at % LANES]
     }
 
     /// The block, the body and the lane of one (at < num_characters).

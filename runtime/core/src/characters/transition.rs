@@ -30,16 +30,6 @@ pub(crate) struct SegmentChange {
     pub drift: Vec3,
 }
 
-/// Replaces the offsets of up to eight characters, whose bodies are awake. A group must not hold a character twice.
-pub(crate) fn start_transitions(
-    group: &[SegmentChange],
-    motion_set: &MotionSet,
-    half_life_s: f32,
-    bodies: &mut [BodyBlock],
-) {
-    dispatch(StartTransitionsJob { group, motion_set, half_life_s, bodies });
-}
-
 /// Wakes the bodies of a block: feet are free, and the last transition of each is as if it had always been posed.
 pub(crate) fn wake_block(block: &MotionBlock, body: &mut BodyBlock, motion_set: &MotionSet, half_life_s: f32) {
     // Feet are found anew.
@@ -57,15 +47,17 @@ pub(crate) fn wake_block(block: &MotionBlock, body: &mut BodyBlock, motion_set: 
         }
     }
     if num_changes > 0 {
-        start_transitions(&changes[..num_changes], motion_set, half_life_s, std::slice::from_mut(body));
+        let (group, bodies) = (&changes[..num_changes], std::slice::from_mut(body));
+        dispatch(StartTransitionsJob { group, motion_set, half_life_s, bodies });
     }
 }
 
-struct StartTransitionsJob<'a> {
-    group: &'a [SegmentChange],
-    motion_set: &'a MotionSet,
-    half_life_s: f32,
-    bodies: &'a mut [BodyBlock],
+/// Replaces the offsets of up to eight characters, whose bodies are awake. A group must not hold a character twice.
+pub(crate) struct StartTransitionsJob<'a> {
+    pub group: &'a [SegmentChange],
+    pub motion_set: &'a MotionSet,
+    pub half_life_s: f32,
+    pub bodies: &'a mut [BodyBlock],
 }
 
 impl LaneWork for StartTransitionsJob<'_> {

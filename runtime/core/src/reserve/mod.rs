@@ -19,14 +19,14 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub struct PathReservations {
     /// Most nodes of a path.
-    max_nodes: usize,
+    pub(crate) max_nodes: usize,
     nodes: Vec<PathNode>,
     slots: Vec<ReservationSlot>,
     grid: BoxGrid,
     walls: Vec<(Capsule2d, Bounds2d)>,
-    external_obstacles: ExternalObstacles,
-    /// Depth to which the discs of members of one group may overlap (m).
-    group_depth_m: f32,
+    pub(crate) external_obstacles: ExternalObstacles,
+    /// Depth to which the discs of members of one group may overlap (m, >= 0).
+    pub(crate) group_depth_m: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -69,11 +69,6 @@ impl PathReservations {
         }
     }
 
-    /// Most nodes of a path.
-    pub fn max_nodes(&self) -> usize {
-        self.max_nodes
-    }
-
     /// Walls.
     pub fn walls(&self) -> impl Iterator<Item = &Capsule2d> {
         self.walls.iter().map(|w| &w.0)
@@ -82,16 +77,6 @@ impl PathReservations {
     /// Replaces the walls.
     pub fn set_walls(&mut self, walls: &[Capsule2d]) {
         self.walls = walls.iter().map(|w| (*w, w.bounds())).collect();
-    }
-
-    /// External obstacles.
-    pub fn external_obstacles(&self) -> &ExternalObstacles {
-        &self.external_obstacles
-    }
-
-    /// External obstacles, to update their positions.
-    pub fn external_obstacles_mut(&mut self) -> &mut ExternalObstacles {
-        &mut self.external_obstacles
     }
 
     /// Copies walls and external obstacles.
@@ -125,11 +110,6 @@ impl PathReservations {
     /// Time since a path began (s).
     pub fn set_elapsed(&mut self, who: usize, elapsed_s: f32) {
         self.slots[who].elapsed_s = elapsed_s;
-    }
-
-    /// Sets the depth to which the discs of members of one group may overlap (m, >= 0).
-    pub fn set_group_depth(&mut self, depth_m: f32) {
-        self.group_depth_m = depth_m;
     }
 
     /// Moves a character into a group, whose members may come nearer to each other.
@@ -228,7 +208,7 @@ mod tests {
         let at =
             |x: f32| ReservedPath { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
         let mut book = PathReservations::with_capacity(3, 1);
-        book.set_group_depth(0.1);
+        book.group_depth_m = 0.1;
         [(0, Some(7)), (1, Some(7)), (2, None)].into_iter().for_each(|(who, group)| book.set_group(who, group));
         book.set(0, &at(0.0), 0.0);
         assert!(book.is_clear(1, &at(0.51), 0.0) && !book.is_clear(1, &at(0.49), 0.0));
@@ -244,7 +224,7 @@ mod tests {
         assert!(book.is_clear(1, &at(0.3), 0.0));
         book.remove(1);
         // Deeper than they are wide, they take no notice.
-        book.set_group_depth(10.0);
+        book.group_depth_m = 10.0;
         assert!(book.is_clear(1, &at(0.0), 0.0));
     }
 

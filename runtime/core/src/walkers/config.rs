@@ -6,7 +6,7 @@ use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use throng_base::error::{check_index, check_value};
+use throng_base::error::{check_index, check_range, check_value};
 use throng_base::maths;
 use throng_base::{Id, Result};
 
@@ -158,25 +158,14 @@ pub(super) fn check_root(who: Option<Id>, root: Planar) -> Result<()> {
 impl WalkersConfig {
     pub(super) fn check(&self) -> Result<()> {
         self.reaction.check()?;
-        for (what, got) in
-            [("parameter_half_life_s", self.parameter_half_life_s), ("heading_half_life_s", self.heading_half_life_s)]
-        {
-            check_value(what, None, got, (0.0..=10.0).contains(&got), "between 0 and 10")?;
-        }
-        let [slow, fast] = self.tempo;
-        check_value("tempo[0]", None, slow, (0.2..=1.0).contains(&slow), "between 0.2 and 1")?;
-        check_value("tempo[1]", None, fast, (1.0..=5.0).contains(&fast), "between 1 and 5")?;
+        check_range("parameter_half_life_s", self.parameter_half_life_s, 0.0..=10.0, "between 0 and 10")?;
+        check_range("heading_half_life_s", self.heading_half_life_s, 0.0..=10.0, "between 0 and 10")?;
+        check_range("tempo[0]", self.tempo[0], 0.2..=1.0, "between 0.2 and 1")?;
+        check_range("tempo[1]", self.tempo[1], 1.0..=5.0, "between 1 and 5")?;
         let rate = self.max_turning_rate;
         check_value("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
-        let half_life = self.foot_half_life_s;
-        check_value("foot_half_life_s", None, half_life, (1e-3..10.0).contains(&half_life), "between 0.001 and 10")?;
-        check_value(
-            "foot_reach_m",
-            None,
-            self.foot_reach_m,
-            (0.01..10.0).contains(&self.foot_reach_m),
-            "between 0.01 and 10",
-        )
+        check_range("foot_half_life_s", self.foot_half_life_s, 1e-3..10.0, "between 0.001 and 10")?;
+        check_range("foot_reach_m", self.foot_reach_m, 0.01..10.0, "between 0.01 and 10")
     }
 }
 
@@ -193,14 +182,7 @@ pub(super) fn check_body(s: &Skeleton) -> Result<()> {
         }
     }
     for foot in [Joint::LeftFoot, Joint::RightFoot] {
-        let height = rest[foot.index()].y;
-        check_value(
-            "height of a body's ankle",
-            None,
-            height,
-            (-0.01..1.0).contains(&height),
-            "in rest pose between 0 and 1",
-        )?;
+        check_range("height of a body's ankle", rest[foot.index()].y, -0.01..1.0, "in rest pose between 0 and 1")?;
     }
     Ok(())
 }

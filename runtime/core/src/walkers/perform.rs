@@ -136,6 +136,11 @@ impl PerformanceState {
         })
     }
 
+    /// True from the beginning of the activity until it fades.
+    fn plays_activity(&self) -> bool {
+        matches!(self.part, PerformancePart::Begin | PerformancePart::Loop | PerformancePart::End)
+    }
+
     /// True where there is nothing to do.
     #[inline(always)]
     pub fn is_idle(&self) -> bool {
@@ -186,11 +191,7 @@ impl PerformanceState {
             }
             _ => self.advance_activity(activity, walks(control), stage.dt_s),
         }
-        let aim = if matches!(self.part, PerformancePart::Begin | PerformancePart::Loop | PerformancePart::End) {
-            1.0
-        } else {
-            0.0
-        };
+        let aim = if self.plays_activity() { 1.0 } else { 0.0 };
         let (off, rate) = stage.spring.pull_towards_zero(self.share - aim, self.rate);
         (self.share, self.rate) = ((aim + off).clamp(0.0, 1.0), rate);
         if self.part == PerformancePart::Fade && self.share < GONE {
@@ -213,9 +214,7 @@ impl PerformanceState {
         let leaves = self.is_ending && !activity.is_seated && (walks || activity.looped_s.is_none());
         match (self.part, activity.looped_s) {
             (PerformancePart::Fade, _) => {}
-            (PerformancePart::Begin | PerformancePart::Loop | PerformancePart::End, _) if leaves => {
-                self.part = PerformancePart::Fade
-            }
+            _ if leaves && self.plays_activity() => self.part = PerformancePart::Fade,
             (PerformancePart::Begin, Some([from, _])) if self.seconds >= from => self.part = PerformancePart::Loop,
             (PerformancePart::Loop, Some([_, to])) if self.is_ending && (self.cross == 0.0 || self.seconds >= to) => {
                 if self.seconds < to {

@@ -63,7 +63,7 @@ impl<'a> WalkerSteering<'a> {
         block.root[1][lane] = position.y;
         block.root[2][lane] = turned;
         block.speed[lane] = speed;
-        let asked = self.parameters(block, body, lane, control, speed);
+        let asked = self.parameters(block, body, lane, control);
         if placed {
             self.ease_parameters(block, lane, &asked);
         } else {
@@ -113,15 +113,8 @@ impl<'a> WalkerSteering<'a> {
     ///
     /// Bodies of other sizes move alike at equal Froude numbers v^2 / (g l) (Alexander, *The gaits of bipedal and
     /// quadrupedal animals*, 1984): speeds scale with the square root of the leg's length l, and so do times.
-    fn parameters(
-        &self,
-        block: &WalkerBlock,
-        body: &LaneBody,
-        lane: usize,
-        control: &Control,
-        speed: f32,
-    ) -> [f32; MAX_AXES] {
-        let pace = body.pace[lane];
+    fn parameters(&self, block: &WalkerBlock, body: &LaneBody, lane: usize, control: &Control) -> [f32; MAX_AXES] {
+        let (pace, speed) = (body.pace[lane], block.speed[lane]);
         let (sin, cos) = maths::sin_cos(block.root[2][lane]);
         let v = control.velocity / pace;
         let (left, ahead) = (cos * v.x - sin * v.y, sin * v.x + cos * v.y);

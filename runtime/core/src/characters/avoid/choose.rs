@@ -1,13 +1,12 @@
 //! Safe choices: the best action whose ground is clear, or the stop.
 
-use super::super::block::{BodyBlock, MotionBlock, SCHEDULED};
-use super::super::blow::PassedHits;
+use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::motion_set::MotionSet;
-use super::super::transition::{self, SegmentChange};
-use super::super::{ActionChoice, CharactersConfig, PolicyOrder, pace};
+use super::super::transition::{SegmentChange, StartTransitionsJob};
+use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
 use super::path::{self, SegmentPlan};
-use super::steer::{self, NUM_DIRECTIONS, SteeringQuery};
+use super::steer::{NUM_DIRECTIONS, SteeringQuery};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::body::RANGE_LEN;
 use crate::planar::Planar;
@@ -15,7 +14,7 @@ use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
 use std::cmp::Reverse;
 use throng_base::maths;
-use throng_base::simd::LANES;
+use throng_base::simd::{LANES, dispatch};
 
 /// Time after which a held character chooses again (frames).
 const CHOOSE_AGAIN_FRAMES: f32 = 8.0;
@@ -38,106 +37,95 @@ pub(crate) struct ChoiceInputs<'a> {
     pub config: &'a CharactersConfig,
     pub avoid: &'a AvoidConfig,
     pub orders: &'a [PolicyOrder],
-    pub num_characters: usize,
 }
 
-/// Lets every character that has reached the end of its segment choose, one after the other in the order of time.
-pub(crate) fn choose_avoiding(
-    avoiding: &mut PathAvoidance,
-    blocks: &mut [MotionBlock],
-    bodies: &mut [BodyBlock],
-    passed: &mut [PassedHits],
-    step: &ChoiceInputs<'_>,
-) {
-    let motion_set = step.motion_set;
-    if avoiding.is_stale {
-        // A character that was moved may overlap another one; the overlap ends as they move on.
-        avoiding.rebuild_paths(blocks, step.num_characters, motion_set);
+impl Characters {
+    /// Lets every character that has reached the end of its segment choose, one after the other in the order of time.
+    pub(in super::super) fn choose_avoiding(&mut self, step: &ChoiceInputs<'_>) {
+        let Self { avoiding: Some(avoiding), blocks, num_characters, .. } = self else { return };
+        if avoiding.is_stale {
+            // A character that was moved may overlap another one; the overlap ends as they move on.
+            avoiding.rebuild_paths(blocks, *num_characters, step.motion_set);
+        }
+        for at in 0..*num_characters {
+            avoiding.book.set_elapsed(at, elapsed_s(&blocks[at / LANES], at % LANES, step.motion_set));
+        }
+        (0..self.num_characters).for_each(|at| self.push_due(at));
+        while let Some((ago, Reverse(at))) = self.avoiding.as_mut().and_then(|avoiding| avoiding.due.pop()) {
+            self.choose_one(step, at as usize, f32::from_bits(ago));
+            self.push_due(at as usize);
+        }
     }
-    for at in 0..step.num_characters {
+
+    /// Queues a character that has reached the end of a segment.
+    fn push_due(&mut self, at: usize) {
+        let (b, lane) = (&self.blocks[at / LANES], at % LANES);
+        let ago = match b.pace[lane] {
+            _ if b.segment[lane] == SCHEDULED => return,
+            pace::HELD_STILL => -b.wait[lane],
+            _ => b.time[lane] - b.length[lane] as f32,
+        };
+        if let Some(avoiding) = self.avoiding.as_mut().filter(|_| ago >= 0.0) {
+            // Bits of floats that are not negative have their order; -0 has not.
+            avoiding.due.push(((ago + 0.0).to_bits(), Reverse(at as u32)));
+        }
+    }
+
+    /// Makes one choice.
+    fn choose_one(&mut self, step: &ChoiceInputs<'_>, at: usize, ago: f32) {
+        let Self { avoiding: Some(avoiding), blocks, bodies, passed, .. } = self else { return };
+        let motion_set = step.motion_set;
         let (b, lane) = (&blocks[at / LANES], at % LANES);
-        avoiding.book.set_elapsed(at, elapsed_s(b, lane, motion_set));
-        push_due(avoiding, b, at);
-    }
-    while let Some((ago, Reverse(at))) = avoiding.due.pop() {
-        choose_one(avoiding, blocks, bodies, passed, step, at as usize, f32::from_bits(ago));
-        push_due(avoiding, &blocks[at as usize / LANES], at as usize);
-    }
-}
-
-/// Queues a character that has reached the end of a segment.
-fn push_due(avoiding: &mut PathAvoidance, b: &MotionBlock, at: usize) {
-    let lane = at % LANES;
-    let ago = match b.pace[lane] {
-        _ if b.segment[lane] == SCHEDULED => return,
-        pace::HELD_STILL => -b.wait[lane],
-        _ => b.time[lane] - b.length[lane] as f32,
-    };
-    if ago >= 0.0 {
-        // Bits of floats that are not negative have their order; -0 has not.
-        avoiding.due.push(((ago + 0.0).to_bits(), Reverse(at as u32)));
-    }
-}
-
-/// Makes one choice.
-fn choose_one(
-    avoiding: &mut PathAvoidance,
-    blocks: &mut [MotionBlock],
-    bodies: &mut [BodyBlock],
-    passed: &mut [PassedHits],
-    step: &ChoiceInputs<'_>,
-    at: usize,
-    ago: f32,
-) {
-    let motion_set = step.motion_set;
-    let (b, lane) = (&blocks[at / LANES], at % LANES);
-    let state = motion_set.graph.segments[b.segment[lane] as usize].end;
-    let root = b.root_at_end(lane, motion_set);
-    let is_held = b.pace[lane] == pace::HELD_STILL;
-    let ago_s = ago / motion_set.rate_hz;
-    let (num_goals, goals) = control::active_goals(&step.orders[at], motion_set);
-    let own = ChoosingCharacter {
-        at,
-        state,
-        root,
-        is_held: is_held || b.pace[lane] == pace::SLOWING,
-        ago_s,
-        goals: &goals[..num_goals],
-    };
-    let found = own.clear_plan(avoiding, b, step);
-    let b = &mut blocks[at / LANES];
-    b.blocked[lane] = match found {
-        Some((_, true)) => 0,
-        Some((plan, false)) if leads_away(plan, motion_set) => b.blocked[lane],
-        _ => b.blocked[lane].saturating_add(1),
-    };
-    let plan = match found {
-        Some((plan, _)) => plan,
-        None if own.is_held => {
-            // Nothing to play: it is held where it is.
-            let plan = SegmentPlan { segment: b.segment[lane], pace: pace::HELD_STILL, bend: 0.0 };
-            if !is_held {
-                path::path_of_plan(plan, None, root, motion_set, &mut avoiding.path);
-                avoiding.book.set(at, &avoiding.path, 0.0);
-                b.pace[lane] = pace::HELD_STILL;
-                b.time[lane] = b.length[lane] as f32;
+        let state = motion_set.graph.segments[b.segment[lane] as usize].end;
+        let root = b.root_at_end(lane, motion_set);
+        let is_held = b.pace[lane] == pace::HELD_STILL;
+        let ago_s = ago / motion_set.rate_hz;
+        let (num_goals, goals) = control::active_goals(&step.orders[at], motion_set);
+        let own = ChoosingCharacter {
+            at,
+            state,
+            root,
+            is_held: is_held || b.pace[lane] == pace::SLOWING,
+            ago_s,
+            goals: &goals[..num_goals],
+            step,
+        };
+        let found = own.clear_plan(avoiding, b);
+        let b = &mut blocks[at / LANES];
+        b.blocked[lane] = match found {
+            Some((_, true)) => 0,
+            Some((plan, false)) if leads_away(plan, motion_set) => b.blocked[lane],
+            _ => b.blocked[lane].saturating_add(1),
+        };
+        let plan = match found {
+            Some((plan, _)) => plan,
+            None if own.is_held => {
+                // Nothing to play: it is held where it is.
+                let plan = SegmentPlan { segment: b.segment[lane], pace: pace::HELD_STILL, bend: 0.0 };
+                if !is_held {
+                    plan.lay_path(None, root, motion_set, &mut avoiding.path);
+                    avoiding.book.set(at, &avoiding.path, 0.0);
+                    b.pace[lane] = pace::HELD_STILL;
+                    b.time[lane] = b.length[lane] as f32;
+                }
+                b.wait[lane] = CHOOSE_AGAIN_FRAMES - ago;
+                return;
             }
-            b.wait[lane] = CHOOSE_AGAIN_FRAMES - ago;
-            return;
+            None => {
+                let plan = path::stop_of(state, motion_set);
+                plan.lay_path(Some(state), root, motion_set, &mut avoiding.path);
+                plan
+            }
+        };
+        let range = &mut passed[at / RANGE_LEN];
+        let begin = control::SegmentBegin { at, state, root, plan, left: ago };
+        let change = control::begin_segment(b, &begin, range, motion_set);
+        avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
+        if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
+            let group = &[SegmentChange { character: at as u32, ..change }];
+            let half_life_s = step.config.half_life_s;
+            dispatch(StartTransitionsJob { group, motion_set, half_life_s, bodies });
         }
-        None => {
-            let plan = path::stop_of(state, motion_set);
-            path::path_of_plan(plan, Some(state), root, motion_set, &mut avoiding.path);
-            plan
-        }
-    };
-    let range = &mut passed[at / RANGE_LEN];
-    let begin = control::SegmentBegin { at, state, root, plan, left: ago };
-    let change = control::begin_segment(b, &begin, range, motion_set);
-    avoiding.book.set(at, &avoiding.path, elapsed_s(b, lane, motion_set));
-    if let Some(change) = change.filter(|_| bodies[at / LANES].awake == 1) {
-        let change = SegmentChange { character: at as u32, ..change };
-        transition::start_transitions(&[change], motion_set, step.config.half_life_s, bodies);
     }
 }
 
@@ -162,29 +150,27 @@ struct ChoosingCharacter<'a> {
     /// Time since the end of its segment (s).
     ago_s: f32,
     goals: &'a [OwnGoal],
+    step: &'a ChoiceInputs<'a>,
 }
 
 impl ChoosingCharacter<'_> {
     /// Best action whose ground is clear, and whether it is the action that it would take without others; its path is
     /// left in `avoiding.path`.
-    fn clear_plan(
-        &self,
-        avoiding: &mut PathAvoidance,
-        b: &MotionBlock,
-        step: &ChoiceInputs<'_>,
-    ) -> Option<(SegmentPlan, bool)> {
-        let motion_set = step.motion_set;
+    fn clear_plan(&self, avoiding: &mut PathAvoidance, b: &MotionBlock) -> Option<(SegmentPlan, bool)> {
+        let motion_set = self.step.motion_set;
         let segments = motion_set.graph.segments_of(self.state);
         let turns = match self.goals.first() {
-            Some(goal) if self.can_turn(goal, motion_set) => {
+            Some(goal) if self.can_turn(goal) => {
                 let chooser = SteeringQuery {
                     number: self.at,
                     place: Vec2::new(self.root.x, self.root.z),
                     target: Vec2::new(goal.target.x, goal.target.z),
                     speed_mps: avoiding.speed_mps,
                     ago_s: self.ago_s,
+                    book: &avoiding.book,
+                    config: self.step.avoid,
                 };
-                steer::ranked_directions(&chooser, &avoiding.turns, &avoiding.book, step.avoid)
+                chooser.ranked_directions(&avoiding.turns)
             }
             _ => [0.0; NUM_DIRECTIONS],
         };
@@ -196,10 +182,10 @@ impl ChoosingCharacter<'_> {
                 if turns[..i].contains(&turn) || patience < WAITS && turn.abs() > WIDE {
                     continue;
                 }
-                let action = ranked[i].get_or_insert_with(|| self.ranked_actions(b, turn, step))[k];
+                let action = ranked[i].get_or_insert_with(|| self.ranked_actions(b, turn))[k];
                 if action != NO_ACTION && self.is_first(action, &mut tried) {
-                    let plan = self.segment_plan(segments[usize::from(action)], turn, step);
-                    if self.is_clear(plan, avoiding, motion_set) {
+                    let plan = self.segment_plan(segments[usize::from(action)], turn);
+                    if self.is_clear(plan, avoiding) {
                         return Some((plan, (i, k) == (0, 0) && turn == 0.0));
                     }
                 }
@@ -211,11 +197,10 @@ impl ChoosingCharacter<'_> {
         // Any action that leads away, whatever its value.
         let begin = patience as usize % segments.len();
         let others = (begin..segments.len()).chain(0..begin).map(|action| action as u8);
-        let plans = others
-            .filter(|&a| self.is_first(a, &mut tried))
-            .map(|a| self.segment_plan(segments[usize::from(a)], 0.0, step));
+        let plans =
+            others.filter(|&a| self.is_first(a, &mut tried)).map(|a| self.segment_plan(segments[usize::from(a)], 0.0));
         let mut plans = plans.filter(|&plan| moves_root(plan, motion_set));
-        plans.find(|&plan| self.is_clear(plan, avoiding, motion_set)).map(|plan| (plan, false))
+        plans.find(|&plan| self.is_clear(plan, avoiding)).map(|plan| (plan, false))
     }
 
     /// Notes that an action is tried; false where it has been.
@@ -227,14 +212,13 @@ impl ChoosingCharacter<'_> {
     }
 
     /// Pace and bending with which an action would be played.
-    fn segment_plan(&self, segment: u32, turn: f32, step: &ChoiceInputs<'_>) -> SegmentPlan {
-        let new = &step.motion_set.graph.segments[segment as usize];
+    fn segment_plan(&self, segment: u32, turn: f32) -> SegmentPlan {
+        let new = &self.step.motion_set.graph.segments[segment as usize];
         match self.goals.first() {
             _ if self.is_held => SegmentPlan { segment, pace: pace::STARTING, bend: 0.0 },
             None => SegmentPlan { segment, pace: pace::NORMAL, bend: 0.0 },
             Some(goal) => {
-                let (target, limit) =
-                    (self.target_seen_turned(goal, turn, step.motion_set), step.config.bend_rad_per_m);
+                let (target, limit) = (self.target_seen_turned(goal, turn), self.step.config.bend_rad_per_m);
                 let bend = control::bend_rate(new.displacement(), new.num_frames, target, limit);
                 SegmentPlan { segment, pace: pace::NORMAL, bend }
             }
@@ -242,27 +226,27 @@ impl ChoosingCharacter<'_> {
     }
 
     /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
-    fn is_clear(&self, plan: SegmentPlan, avoiding: &mut PathAvoidance, motion_set: &MotionSet) -> bool {
-        path::path_of_plan(plan, Some(self.state), self.root, motion_set, &mut avoiding.path);
+    fn is_clear(&self, plan: SegmentPlan, avoiding: &mut PathAvoidance) -> bool {
+        plan.lay_path(Some(self.state), self.root, self.step.motion_set, &mut avoiding.path);
         avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
     }
 
     /// A target on the ground around which there is no matter of blows may be turned aside.
-    fn can_turn(&self, goal: &OwnGoal, motion_set: &MotionSet) -> bool {
-        motion_set.policies[goal.policy].grid().is_polar() && goal.weight > 0.0
+    fn can_turn(&self, goal: &OwnGoal) -> bool {
+        self.step.motion_set.policies[goal.policy].grid().is_polar() && goal.weight > 0.0
     }
 
     /// A target in the character's frame, turned aside about the character.
-    fn target_seen_turned(&self, goal: &OwnGoal, turn: f32, motion_set: &MotionSet) -> Vec3 {
-        let turn = if self.can_turn(goal, motion_set) { turn } else { 0.0 };
+    fn target_seen_turned(&self, goal: &OwnGoal, turn: f32) -> Vec3 {
+        let turn = if self.can_turn(goal) { turn } else { 0.0 };
         let local = self.root.inverse_transform_point(Vec2::new(goal.target.x, goal.target.z));
         let (sin, cos) = (maths::sin(turn), maths::cos(turn));
         Vec3::new(local.x * cos + local.y * sin, goal.target.y, local.y * cos - local.x * sin)
     }
 
     /// The best actions towards a target that is turned aside.
-    fn ranked_actions(&self, b: &MotionBlock, turn: f32, step: &ChoiceInputs<'_>) -> [u8; MAX_RANKED] {
-        let (motion_set, config) = (step.motion_set, step.config);
+    fn ranked_actions(&self, b: &MotionBlock, turn: f32) -> [u8; MAX_RANKED] {
+        let (motion_set, config) = (self.step.motion_set, self.step.config);
         let mut actions = [NO_ACTION; MAX_RANKED];
         if self.goals.is_empty() {
             actions[0] = 0;
@@ -271,7 +255,7 @@ impl ChoosingCharacter<'_> {
         let mut targets = [[Vec3::ZERO]; MAX_GOALS];
         let mut weights = [[0.0]; MAX_GOALS];
         for (g, goal) in self.goals.iter().enumerate() {
-            targets[g] = [self.target_seen_turned(goal, turn, motion_set)];
+            targets[g] = [self.target_seen_turned(goal, turn)];
             let active = motion_set.policies[goal.policy].region().contains(targets[g][0]);
             weights[g] = [if active { goal.weight } else { 0.0 }];
         }

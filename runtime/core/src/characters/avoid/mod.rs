@@ -21,12 +21,12 @@ use glam::Vec2;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::error::check_range;
 use throng_base::simd::LANES;
 use throng_base::thresholds::WALKING_MPS;
 use throng_geometry::Capsule2d;
 
-pub(crate) use choose::{ChoiceInputs, choose_avoiding};
+pub(crate) use choose::ChoiceInputs;
 pub(crate) use path::SegmentPlan;
 
 /// Settings of collision avoidance.
@@ -49,16 +49,9 @@ impl Default for AvoidConfig {
 
 impl AvoidConfig {
     pub(super) fn check(&self) -> Result<()> {
-        check_value(
-            "avoid.horizon_s",
-            None,
-            self.horizon_s,
-            (0.0..=20.0).contains(&self.horizon_s),
-            "between 0 and 20",
-        )?;
-        check_value("avoid.room_m", None, self.room_m, (0.0..=10.0).contains(&self.room_m), "between 0 and 10")?;
-        let pairs_m = self.pairs_m.unwrap_or(0.0);
-        check_value("avoid.pairs_m", None, pairs_m, (0.0..=10.0).contains(&pairs_m), "between 0 and 10")
+        check_range("avoid.horizon_s", self.horizon_s, 0.0..=20.0, "between 0 and 20")?;
+        check_range("avoid.room_m", self.room_m, 0.0..=10.0, "between 0 and 10")?;
+        check_range("avoid.pairs_m", self.pairs_m.unwrap_or(0.0), 0.0..=10.0, "between 0 and 10")
     }
 }
 
@@ -88,7 +81,7 @@ impl PathAvoidance {
         let room = path::most_nodes(motion_set);
         let path = ReservedPath { nodes: Vec::with_capacity(room), ..ReservedPath::default() };
         let mut book = PathReservations::with_capacity(capacity, room);
-        book.set_group_depth(config.pairs_m.unwrap_or(0.0));
+        book.group_depth_m = config.pairs_m.unwrap_or(0.0);
         Self {
             book,
             due: BinaryHeap::with_capacity(capacity),
@@ -98,11 +91,6 @@ impl PathAvoidance {
             pairs: config.pairs_m.is_some(),
             is_stale: true,
         }
-    }
-
-    /// Marks all paths as stale after a character was moved: they are reserved anew at the next step.
-    pub fn mark_stale(&mut self) {
-        self.is_stale = true;
     }
 
     /// Reserves the path of one character anew, from its state; false where it meets another path or a wall.
@@ -164,7 +152,14 @@ impl Characters {
     /// Sets the external obstacles: characters with collision avoidance do not enter the regions that these reserve.
     pub fn set_external_obstacles<'a>(&mut self, others: impl Iterator<Item = &'a ReservedRegion>) {
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.book.external_obstacles_mut().replace_all(others);
+            avoiding.book.external_obstacles.replace_all(others);
+        }
+    }
+
+    /// Marks all paths as stale after a character was moved: they are reserved anew at the next step.
+    pub(super) fn mark_paths_stale(&mut self) {
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.is_stale = true;
         }
     }
 
@@ -184,7 +179,7 @@ impl Characters {
         }
         if let Some(avoiding) = &self.avoiding {
             // Regions reserved before a step and after it, however long the paths become.
-            let most = 2 * n * TimedPath::max_reserved_regions(avoiding.book.max_nodes());
+            let most = 2 * n * TimedPath::max_reserved_regions(avoiding.book.max_nodes);
             out.ground.reserve(most.saturating_sub(out.ground.len()));
         }
         for at in 0..n {

@@ -37,33 +37,29 @@ pub struct SegmentPlan {
     pub bend: f32,
 }
 
-/// The path of a segment from a place on, and of the stop after it.
-///
-/// - `from`: state that one comes from, if it is known.
-/// - `root`: at its first frame.
-pub fn path_of_plan(
-    plan: SegmentPlan,
-    from: Option<u32>,
-    root: Planar,
-    motion_set: &MotionSet,
-    out: &mut ReservedPath,
-) {
-    let end = motion_set.graph.segments[plan.segment as usize].end;
-    let mut laying = ReservedPathBuilder::begin(motion_set, root, out);
-    match plan.pace {
-        pace::HELD_STILL => laying.add_stand(motion_set.stops.stops[end as usize].radius),
-        pace::IN_PLACE => {
-            let sweep = motion_set.stops.sweeps[plan.segment as usize].radius;
-            let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius);
-            laying.add_stand(sweep.max(motion_set.stops.stops[end as usize].radius).max(pose));
-        }
-        _ => {
-            laying.add_segment(plan, from);
-            let offset = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
-            laying.out.velocity = offset / laying.time_s;
-            match plan.pace {
-                pace::SLOWING => laying.add_stand(motion_set.stops.stops[end as usize].radius),
-                _ => laying.add_stop(end),
+impl SegmentPlan {
+    /// Lays the path of the segment from a place on, and of the stop after it.
+    ///
+    /// - `from`: state that one comes from, if it is known.
+    /// - `root`: at its first frame.
+    pub fn lay_path(self, from: Option<u32>, root: Planar, motion_set: &MotionSet, out: &mut ReservedPath) {
+        let end = motion_set.graph.segments[self.segment as usize].end;
+        let mut laying = ReservedPathBuilder::begin(motion_set, root, out);
+        match self.pace {
+            pace::HELD_STILL => laying.add_stand(motion_set.stops.stops[end as usize].radius),
+            pace::IN_PLACE => {
+                let sweep = motion_set.stops.sweeps[self.segment as usize].radius;
+                let pose = from.map_or(0.0, |s| motion_set.stops.stops[s as usize].pose_radius);
+                laying.add_stand(sweep.max(motion_set.stops.stops[end as usize].radius).max(pose));
+            }
+            _ => {
+                laying.add_segment(self, from);
+                let offset = Vec2::new(laying.root.x - root.x, laying.root.z - root.z);
+                laying.out.velocity = offset / laying.time_s;
+                match self.pace {
+                    pace::SLOWING => laying.add_stand(motion_set.stops.stops[end as usize].radius),
+                    _ => laying.add_stop(end),
+                }
             }
         }
     }
@@ -78,7 +74,7 @@ pub fn path_of_state(b: &MotionBlock, lane: usize, motion_set: &MotionSet, out: 
     }
     let plan = SegmentPlan { segment: b.segment[lane], pace: b.pace[lane], bend: b.bend[lane] };
     match plan.pace {
-        pace::HELD_STILL => path_of_plan(plan, None, b.root_at_end(lane, motion_set), motion_set, out),
+        pace::HELD_STILL => plan.lay_path(None, b.root_at_end(lane, motion_set), motion_set, out),
         // A character that has not begun is at the end of its segment, and stops from then on, however long ago that
         // is.
         pace::NORMAL if b.choice_state[lane] == NO_STATE && b.time[lane] >= b.length[lane] as f32 => {
@@ -88,7 +84,7 @@ pub fn path_of_state(b: &MotionBlock, lane: usize, motion_set: &MotionSet, out: 
         }
         _ => {
             let from = Some(b.choice_state[lane]).filter(|&s| s != NO_STATE);
-            path_of_plan(plan, from, b.choice_root(lane), motion_set, out);
+            plan.lay_path(from, b.choice_root(lane), motion_set, out);
         }
     }
 }

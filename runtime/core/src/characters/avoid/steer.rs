@@ -21,7 +21,7 @@ const NEAR_M: f32 = 0.3;
 const OTHERS: usize = 32;
 
 /// The character that chooses, and its target.
-pub struct SteeringQuery {
+pub struct SteeringQuery<'a> {
     pub number: usize,
     /// Position of the character (m).
     pub place: Vec2,
@@ -31,6 +31,9 @@ pub struct SteeringQuery {
     pub speed_mps: f32,
     /// Time since its choice (s).
     pub ago_s: f32,
+    /// Ground of all others.
+    pub book: &'a PathReservations,
+    pub config: &'a AvoidConfig,
 }
 
 /// Another, as seen from the chooser.
@@ -50,73 +53,77 @@ pub fn candidate_turns() -> Turns {
     TURNS.map(|turn| (turn, Vec2::new(maths::sin(turn), maths::cos(turn))))
 }
 
-/// Turns from the target to try, best first (rad); the first is 0 where nothing is in front.
-pub fn ranked_directions(
-    chooser: &SteeringQuery,
-    turns: &Turns,
-    book: &PathReservations,
-    config: &AvoidConfig,
-) -> [f32; NUM_DIRECTIONS] {
-    let offset = chooser.target - chooser.place;
-    let distance = offset.length();
-    let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
-    if distance > NEAR_M && config.horizon_s > 0.0 {
-        let others = &mut [NearbyCharacter::default(); OTHERS];
-        let num = gather_nearby(chooser, book, config, others);
-        let horizon = config.horizon_s.min(distance / chooser.speed_mps);
-        for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
-            // The left of the direction is towards +X where +Z is ahead.
-            let ahead = Vec2::new(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin) / distance;
-            let velocity = ahead * chooser.speed_mps;
-            let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
-            let soonest = soonest.min(walls_ahead(chooser, velocity, book, config));
-            if soonest < horizon {
-                *cost += COLLISION * (1.0 - soonest / config.horizon_s);
+impl SteeringQuery<'_> {
+    /// Turns from the target to try, best first (rad); the first is 0 where nothing is in front.
+    pub fn ranked_directions(&self, turns: &Turns) -> [f32; NUM_DIRECTIONS] {
+        let offset = self.target - self.place;
+        let distance = offset.length();
+        let mut costs = turns.map(|(turn, _)| (turn.abs() + if turn > 0.0 { RIGHT } else { 0.0 }, turn));
+        if distance > NEAR_M && self.config.horizon_s > 0.0 {
+            let others = &mut [NearbyCharacter::default(); OTHERS];
+            let num = self.gather_nearby(others);
+            let horizon = self.config.horizon_s.min(distance / self.speed_mps);
+            for ((cost, _), (_, Vec2 { x: sin, y: cos })) in costs.iter_mut().zip(turns) {
+                // The left of the direction is towards +X where +Z is ahead.
+                let ahead = Vec2::new(offset.x * cos + offset.y * sin, offset.y * cos - offset.x * sin) / distance;
+                let velocity = ahead * self.speed_mps;
+                let soonest = others[..num].iter().map(|o| time_to(o, velocity)).fold(f32::INFINITY, f32::min);
+                let soonest = soonest.min(self.walls_ahead(velocity));
+                if soonest < horizon {
+                    *cost += COLLISION * (1.0 - soonest / self.config.horizon_s);
+                }
             }
         }
+        // Stable, so that equal costs keep their order.
+        costs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        std::array::from_fn(|i| costs[i].1)
     }
-    // Stable, so that equal costs keep their order.
-    costs.sort_by(|a, b| a.0.total_cmp(&b.0));
-    std::array::from_fn(|i| costs[i].1)
-}
 
-/// Others within reach of the horizon, by number; the nearest where there are many.
-fn gather_nearby(
-    chooser: &SteeringQuery,
-    book: &PathReservations,
-    config: &AvoidConfig,
-    out: &mut [NearbyCharacter; OTHERS],
-) -> usize {
-    let reach = 2.0 * BODY_RADIUS_M + config.room_m + chooser.speed_mps * config.horizon_s;
-    let mut num = 0;
-    let mut add = |number: u32, now: Vec2, velocity: Vec2, radius_m: f32| {
-        // A character that stands beside the target does not block the way to it.
-        let most = if velocity == Vec2::ZERO { 0.95 * now.distance(chooser.target) } else { f32::INFINITY };
-        let reach_m = (BODY_RADIUS_M + radius_m + config.room_m).min(most);
-        let o = NearbyCharacter { number, place: now - chooser.place, velocity, reach_m };
-        let key = |o: &NearbyCharacter| (o.place.length_squared(), o.number);
-        if num < OTHERS {
-            out[num] = o;
-            num += 1;
-        } else if let Some(farthest) =
-            out.iter_mut().max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
-            && key(&o) < key(farthest)
-        {
-            *farthest = o;
-        }
-    };
-    let around = Bounds2d::around_disc(chooser.place, reach);
-    book.for_each_near(chooser.number, &around, |other| {
-        let mut moving = book.path(other);
-        moving.elapsed_s -= chooser.ago_s;
-        add(other as u32, moving.position_now(), book.velocity(other), BODY_RADIUS_M);
-        true
-    });
-    book.external_obstacles().visit_bodies_near(&around, |number, other| {
-        add(u32::MAX - number as u32, other.place, other.velocity, other.radius_m);
-        true
-    });
-    num
+    /// Others within reach of the horizon, by number; the nearest where there are many.
+    fn gather_nearby(&self, out: &mut [NearbyCharacter; OTHERS]) -> usize {
+        let reach = 2.0 * BODY_RADIUS_M + self.config.room_m + self.speed_mps * self.config.horizon_s;
+        let mut num = 0;
+        let mut add = |number: u32, now: Vec2, velocity: Vec2, radius_m: f32| {
+            // A character that stands beside the target does not block the way to it.
+            let most = if velocity == Vec2::ZERO { 0.95 * now.distance(self.target) } else { f32::INFINITY };
+            let reach_m = (BODY_RADIUS_M + radius_m + self.config.room_m).min(most);
+            let o = NearbyCharacter { number, place: now - self.place, velocity, reach_m };
+            let key = |o: &NearbyCharacter| (o.place.length_squared(), o.number);
+            if num < OTHERS {
+                out[num] = o;
+                num += 1;
+            } else if let Some(farthest) =
+                out.iter_mut().max_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal))
+                && key(&o) < key(farthest)
+            {
+                *farthest = o;
+            }
+        };
+        let around = Bounds2d::around_disc(self.place, reach);
+        self.book.for_each_near(self.number, &around, |other| {
+            let mut moving = self.book.path(other);
+            moving.elapsed_s -= self.ago_s;
+            add(other as u32, moving.position_now(), self.book.velocity(other), BODY_RADIUS_M);
+            true
+        });
+        self.book.external_obstacles.visit_bodies_near(&around, |number, other| {
+            add(u32::MAX - number as u32, other.place, other.velocity, other.radius_m);
+            true
+        });
+        num
+    }
+
+    /// Time until a wall is hit (s), sampled at a few points ahead.
+    fn walls_ahead(&self, velocity: Vec2) -> f32 {
+        const PLACES: usize = 4;
+        let nearest = |place: Vec2| {
+            let gap = |w: &Capsule2d| distance_to_segment(place, [w.from, w.to]) - w.radius_m;
+            self.book.walls().map(gap).fold(f32::INFINITY, f32::min)
+        };
+        let times = (1..=PLACES).map(|k| self.config.horizon_s * k as f32 / (2 * PLACES) as f32);
+        let meets = |t: &f32| nearest(self.place + velocity * *t) < BODY_RADIUS_M;
+        times.into_iter().find(meets).unwrap_or(f32::INFINITY)
+    }
 }
 
 /// Time until two that keep their velocities collide; infinite where they do not (s).
@@ -134,18 +141,6 @@ fn time_to(other: &NearbyCharacter, velocity: Vec2) -> f32 {
     let speed = velocity.length_squared();
     let root = approach * approach - speed * gap;
     if root < 0.0 { f32::INFINITY } else { (approach - root.sqrt()) / speed }
-}
-
-/// Time until a wall is hit (s), sampled at a few points ahead.
-fn walls_ahead(chooser: &SteeringQuery, velocity: Vec2, book: &PathReservations, config: &AvoidConfig) -> f32 {
-    const PLACES: usize = 4;
-    let nearest = |place: Vec2| {
-        let gap = |w: &Capsule2d| distance_to_segment(place, [w.from, w.to]) - w.radius_m;
-        book.walls().map(gap).fold(f32::INFINITY, f32::min)
-    };
-    let times = (1..=PLACES).map(|k| config.horizon_s * k as f32 / (2 * PLACES) as f32);
-    let meets = |t: &f32| nearest(chooser.place + velocity * *t) < BODY_RADIUS_M;
-    times.into_iter().find(meets).unwrap_or(f32::INFINITY)
 }
 
 #[cfg(test)]

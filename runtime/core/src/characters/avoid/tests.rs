@@ -166,7 +166,7 @@ proptest! {
         (0..before).for_each(|_| first.step(0.04, &Inline).unwrap());
         let mut saved = Vec::new();
         first.save(&mut saved);
-        let mut second = PolicyCharacters::with_capacity(&tables(), starts.len(), *first.characters().config()).unwrap();
+        let mut second = PolicyCharacters::with_capacity(&tables(), starts.len(), first.characters().config).unwrap();
         second.load(&saved).unwrap();
         for _ in 0..60 {
             first.step(0.03, &Inline).unwrap();
