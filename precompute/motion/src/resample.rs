@@ -108,8 +108,11 @@ fn to_rate(clip: &Clip, rate_hz: f64) -> Clip {
             contacts.push(clip.contacts[if ratio < 0.5 { a } else { b }]);
         }
     }
-    let range = |r: &FrameRange| rescale(r, step, num_frames);
-    let hit = |h: &ClipHit| ClipHit { frame: nearest_frame(h.frame, step, num_frames), ..h.clone() };
+    // The frames whose times lie in the range.
+    let first = |f: usize| ((f as f64 / step - 1e-6).ceil().max(0.0) as usize).min(num_frames);
+    let range = |r: &FrameRange| first(r.start)..first(r.end);
+    let nearest = |f: usize| ((f as f64 / step).round() as usize).min(num_frames - 1);
+    let hit = |h: &ClipHit| ClipHit { frame: nearest(h.frame), ..h.clone() };
     Clip {
         source: clip.source.clone(),
         mirrored: clip.mirrored,
@@ -130,17 +133,6 @@ fn neighbours(at: f64, num_frames: usize) -> (usize, usize, f32) {
     }
     let a = (at as usize).min(num_frames - 2);
     (a, a + 1, (at - a as f64) as f32)
-}
-
-/// The frame nearest in time to one of the source's.
-fn nearest_frame(frame: usize, step: f64, num_frames: usize) -> usize {
-    ((frame as f64 / step).round() as usize).min(num_frames - 1)
-}
-
-/// The frames whose times lie in the range.
-fn rescale(range: &FrameRange, step: f64, num_frames: usize) -> FrameRange {
-    let at = |f: usize| ((f as f64 / step - 1e-6).ceil().max(0.0) as usize).min(num_frames);
-    at(range.start)..at(range.end)
 }
 
 #[cfg(test)]

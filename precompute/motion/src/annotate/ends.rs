@@ -89,20 +89,20 @@ pub fn find_unusable_ends(clip: &Clip, skeleton: &Skeleton, cfg: &EndsConfig) ->
             add(posed..posed + still.saturating_sub(seconds(cfg.still_keep)), ExclusionReason::Still);
         }
     }
-    clamp_halves(out, n)
+    out.sort_by_key(|e| e.range.start);
+    cut_overlaps(out)
 }
 
-/// Cuts overlaps of exclusions from both ends, so that no frame is excluded twice.
-fn clamp_halves(mut all: Vec<Exclusion>, num_frames: usize) -> Vec<Exclusion> {
-    all.sort_by_key(|e| e.range.start);
-    let mut end = 0;
-    for e in &mut all {
-        e.range.start = e.range.start.max(end).min(num_frames);
-        e.range.end = e.range.end.max(e.range.start);
-        end = e.range.end;
+/// Cuts from exclusions, in the order of their starts, what earlier ones exclude, so that no frame is excluded twice.
+pub fn cut_overlaps(sorted: Vec<Exclusion>) -> Vec<Exclusion> {
+    let mut out: Vec<Exclusion> = Vec::new();
+    for Exclusion { range, reason } in sorted {
+        let range = out.last().map_or(0, |l| l.range.end).max(range.start)..range.end;
+        if !range.is_empty() {
+            out.push(Exclusion { range, reason });
+        }
     }
-    all.retain(|e| !e.range.is_empty());
-    all
+    out
 }
 
 /// Speed of the fastest joint at each frame (m/s).

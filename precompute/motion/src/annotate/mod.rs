@@ -6,7 +6,7 @@ pub mod hits;
 mod sanity;
 pub mod sidecar;
 
-use crate::clip::{Clip, ClipSet, Exclusion, FrameRange};
+use crate::clip::{Clip, ClipSet, Exclusion};
 use crate::error::Result;
 use crate::mirror;
 pub use contacts::{ContactConfig, GroundShape};
@@ -94,21 +94,14 @@ fn annotate_clip(clip: &Clip, skeleton: &Skeleton, cfg: &AnnotateConfig, sidecar
 /// Sorted by start and without overlaps: where two overlap, the one that starts first keeps the frames.
 fn disjoint(mut all: Vec<Exclusion>) -> Vec<Exclusion> {
     all.sort_by_key(|e| (e.range.start, e.range.end));
-    let mut out: Vec<Exclusion> = Vec::new();
-    for e in all {
-        let start = out.last().map_or(0, |l| l.range.end).max(e.range.start);
-        let range: FrameRange = start..e.range.end;
-        if !range.is_empty() {
-            out.push(Exclusion { range, reason: e.reason });
-        }
-    }
-    out
+    ends::cut_overlaps(all)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::clip::ExclusionReason::{Sidecar, Still, TPose};
+    use crate::clip::FrameRange;
 
     #[test]
     fn exclusions_do_not_overlap() {

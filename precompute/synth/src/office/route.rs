@@ -52,7 +52,7 @@ impl GroundCurve {
     }
 
     /// Penalty of a curve: furniture in the way, and sharp bends.
-    fn penalty(&self, blocked: &impl Fn(DVec2) -> f64) -> f64 {
+    fn penalty(&self, blocked: Obstacles) -> f64 {
         let lengths = self.lengths();
         let in_the_way: f64 = lengths.iter().map(|(_, u)| blocked(self.position(*u))).sum();
         let bend = lengths.windows(2).map(|w| {
@@ -73,16 +73,13 @@ pub struct GroundGoal {
     pub cruise: f64,
 }
 
+/// Depth of a point in obstacles (m).
+type Obstacles = fn(DVec2) -> f64;
+
 /// Walks from a stand to a stand.
 ///
-/// - `blocked`: depth of a point in obstacles (m).
 /// - returns the time at which the first foot leaves the ground (s).
-pub fn walk_route(
-    script: &mut MotionScript,
-    goal: &GroundGoal,
-    blocked: impl Fn(DVec2) -> f64,
-    rng: &mut impl Rng,
-) -> f64 {
+pub fn walk_route(script: &mut MotionScript, goal: &GroundGoal, blocked: Obstacles, rng: &mut impl Rng) -> f64 {
     let from = script.stance;
     let curve = choose(from, goal, blocked, rng);
     let began = script.next_lift();
@@ -101,7 +98,7 @@ fn turn_to(from: f64, to: f64) -> f64 {
     f64::from(wrap_angle((to - from) as f32))
 }
 
-fn choose(from: FeetStance, goal: &GroundGoal, blocked: impl Fn(DVec2) -> f64, rng: &mut impl Rng) -> GroundCurve {
+fn choose(from: FeetStance, goal: &GroundGoal, blocked: Obstacles, rng: &mut impl Rng) -> GroundCurve {
     let offset = goal.at - from.at;
     let direct = offset.x.atan2(offset.y);
     let mut best = (f64::INFINITY, GroundCurve::from_ends(from.at, direct, goal.at, direct));
@@ -110,7 +107,7 @@ fn choose(from: FeetStance, goal: &GroundGoal, blocked: impl Fn(DVec2) -> f64, r
         let arrive = rng.random_range(goal.arrive.clone());
         let curve = GroundCurve::from_ends(from.at, depart, goal.at, arrive);
         let taste = rng.random_range(0.0..0.25) + 0.1 * turn_to(from.heading, depart).abs();
-        let penalty = curve.penalty(&blocked) + taste;
+        let penalty = curve.penalty(blocked) + taste;
         if penalty < best.0 {
             best = (penalty, curve);
         }
