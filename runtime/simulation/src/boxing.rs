@@ -186,8 +186,8 @@ impl Practice {
 
     fn hang_target(&mut self, character: usize, home: Vec3) -> Result<()> {
         let id = id_of(&self.practice, character);
-        let impl_orders = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.with_target(home)));
-        impl_orders.map_err(|e| self.setup.fault(e))
+        let ordered = id.and_then(|id| self.practice.order(id, self.practice.order_of(id)?.with_target(home)));
+        ordered.map_err(|e| self.setup.fault(e))
     }
 }
 

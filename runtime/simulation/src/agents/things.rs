@@ -402,14 +402,14 @@ impl Things {
         dt_s: f32,
     ) {
         let Self { all, counts: handled, carried, .. } = self;
+        let body_of = |agent: u32| followers.iter().find(|f| f.agents.contains(&(agent as usize)));
         for (thing, &carried) in all.iter_mut().zip(carried.iter()) {
             let hand_of = |agent: u32, side: u8| {
-                let body = followers.iter().find(|f| f.agents.contains(&(agent as usize)));
-                body.map(|f| Hand::of_body(f, agent as usize, side)).or_else(|| bodiless(agent).map(Hand::of_bodiless))
+                let hand = body_of(agent).map(|f| Hand::of_body(f, agent as usize, side));
+                hand.or_else(|| bodiless(agent).map(Hand::of_bodiless))
             };
             if let Some((agent, handling, grasp)) = thing.handling {
-                let body = followers.iter().find(|f| f.agents.contains(&(agent as usize)));
-                let performing = body.and_then(|f| f.performing(agent as usize));
+                let performing = body_of(agent).and_then(|f| f.performing(agent as usize));
                 let seconds = performed_seconds(performing, grasp);
                 let is_due = grasp.activity.is_none() || seconds.is_some_and(|s| s >= grasp.moment_s);
                 if is_due && thing.waits_for(agent, &handling) {

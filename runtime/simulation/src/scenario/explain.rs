@@ -5,6 +5,7 @@ use super::agent_brains::AgentBrains;
 use super::blackboards::{BlackboardPost, Blackboards};
 use super::tables::{CompiledAction, LearningMode, NONE, Scenario};
 use serde::Serialize;
+use throng_base::Error;
 
 /// Activity of an agent, and its causes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -163,14 +164,17 @@ impl AgentBrains {
     /// # Errors
     /// [`throng_base::Error::Unknown`] with the names of all events.
     pub fn event_learners(&self, event: &str) -> throng_base::Result<Vec<(usize, KnownEvent)>> {
-        let names = &self.scenario.names.events;
-        let Some(e) = names.number_of(event) else {
-            let (name, known) = (event.into(), names.0.clone());
-            return Err(throng_base::Error::Unknown { what: "event", name, known });
-        };
+        let e = self.event_number(event)?;
         let mut all: Vec<_> = (0..self.brains.len()).filter_map(|a| Some((a, self.known_event(a, e)?))).collect();
         all.sort_by(|a, b| a.1.time_s.total_cmp(&b.1.time_s).then(a.0.cmp(&b.0)));
         Ok(all)
+    }
+
+    /// Number of the event of that name.
+    pub(super) fn event_number(&self, name: &str) -> throng_base::Result<usize> {
+        let events = &self.scenario.names.events;
+        let unknown = || Error::Unknown { what: "event", name: name.into(), known: events.0.clone() };
+        events.number_of(name).ok_or_else(unknown)
     }
 
     /// Names of the events that may be raised.

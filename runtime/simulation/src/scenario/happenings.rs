@@ -7,7 +7,7 @@ use super::blackboards::BlackboardNote;
 use super::perceive::hashed_chance;
 use super::stage::ScenarioStage;
 use super::tables::{LearningMode, NONE, Party, PlaceTable, Schedule, trigger};
-use throng_base::{Error, Result};
+use throng_base::Result;
 
 /// Most places that attract one agent at a time, in the order of the file.
 const INTERESTS: usize = 4;
@@ -55,12 +55,9 @@ impl AgentBrains {
     /// Raises an event on request of the application.
     ///
     /// # Errors
-    /// As [`AgentBrains::begin_scene`]; [`Error::Unknown`] for a name that no event has.
+    /// As [`AgentBrains::begin_scene`]; [`throng_base::Error::Unknown`] for a name that no event has.
     pub fn raise_event(&mut self, stage: &mut impl ScenarioStage, now: f64, event: &str) -> Result<()> {
-        let Some(e) = self.scenario.names.events.number_of(event) else {
-            let known = self.scenario.names.events.0.clone();
-            return Err(Error::Unknown { what: "event", name: event.into(), known });
-        };
+        let e = self.event_number(event)?;
         self.now = now;
         self.fire_event(stage, e)?;
         self.process_stimuli(stage)
