@@ -71,9 +71,8 @@ impl<V: Space> Engine<V> {
     /// Runs the engine in parts that `run` runs; the result equals that of [`Engine::run`] bit by bit.
     ///
     /// # Errors
-    /// As [`Engine::run`]. Some agents that act a little after those of a [`crate::CrowdError::Stalled`] may have
-    /// acted before
-    /// it was detected.
+    /// As [`Engine::run`]. Some agents that act a little after those of a [`crate::CrowdError::Stalled`] may have acted
+    /// before it was detected.
     pub fn run_parallel(&mut self, until_s: f64, run: &dyn Executor) -> Result<bool> {
         if !self.is_of_registration() || self.sensors.is_on() {
             return self.run(until_s);
@@ -90,14 +89,13 @@ impl<V: Space> Engine<V> {
             })
         });
         let mut done = Ok(true);
-        while let Some((time, _)) = self.queue.first(until_s) {
+        while let Ok(true) = done
+            && let Some((time, _)) = self.queue.first(until_s)
+        {
             done = match self.is_full() {
                 true => Ok(false),
                 false => self.run_window(time, until_s, &mut windows, run).map(|()| true),
             };
-            if !matches!(done, Ok(true)) {
-                break;
-            }
         }
         self.windows = windows;
         if matches!(done, Ok(true)) {

@@ -124,25 +124,16 @@ impl Nodes {
 
     /// Writes the first steps of a path, as many as fit, and returns how many it has.
     pub fn write_path(&self, path: u32, out: &mut [WorldStep]) -> usize {
-        let mut len = 0;
-        self.visit_path(path, |_| len += 1);
-        let mut at = len;
-        self.visit_path(path, |step| {
-            at -= 1;
-            if let Some(slot) = out.get_mut(at) {
-                *slot = step;
+        let nodes = std::iter::successors(Some(path), |&at| Some(self.parents[at as usize]));
+        // The last step comes first, and none leads to the start.
+        let reached = nodes.take_while(|&at| self.parents[at as usize] != NONE);
+        let len = reached.clone().count();
+        for (place, at) in (0..len).rev().zip(reached) {
+            if let Some(slot) = out.get_mut(place) {
+                *slot = self.step(at);
             }
-        });
-        len
-    }
-
-    /// Calls `visit` with every step of a path, the last one first.
-    pub fn visit_path(&self, path: u32, mut visit: impl FnMut(WorldStep)) {
-        let mut at = path;
-        while self.parents[at as usize] != NONE {
-            visit(self.step(at));
-            at = self.parents[at as usize];
         }
+        len
     }
 
     /// Turns a path around, so that it can be followed from its beginning with [`Nodes::next_step`]; it is no longer a path

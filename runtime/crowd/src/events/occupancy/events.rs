@@ -164,8 +164,7 @@ impl<V: Space> Engine<V> {
     pub(crate) fn wait_for_all(&mut self) {
         let Some(o) = self.occupancy.take() else { return };
         for agent in (0..self.states.len() as u32).filter(|&m| o.occupants[m as usize].is_listed) {
-            let plan = self.cells.plan(agent);
-            self.wait(&o, &plan);
+            self.wait(&o, &self.cells.plan(agent));
         }
         self.occupancy = Some(o);
     }
