@@ -30,7 +30,7 @@ impl MapAxes {
         }
     }
 
-    /// These axes if they exist and differ; else those of [`MapAxes::of`].
+    /// These axes if they exist and differ; else those of [`MapAxes::default_for`].
     pub fn checked(self, axes: &[AxisRecord]) -> Self {
         let is_there = |a: usize| a < axes.len();
         let good = match self.up {

@@ -12,8 +12,7 @@ pub fn show(ui: &mut Ui, model: &Model, commands: &mut Commands) {
     let now = model.selection.scene;
     let (mut l, mut overlays) = (now, model.settings.overlays);
     Grid::new("drawn").num_columns(2).spacing([8.0, 4.0]).show(ui, |ui| {
-        let bounds_tip = "Time-varying bounds: where an agent can be, whatever it does";
-        scope_row(ui, "bounds", bounds_tip, &mut l.bounds);
+        scope_row(ui, "bounds", "Time-varying bounds: where an agent can be, whatever it does", &mut l.bounds);
         scope_row(ui, "paths", "Planned paths to goals", &mut l.paths);
         let trails = if overlays.trails && overlays.of_all { OverlayScope::All } else { OverlayScope::Selected };
         let mut trails = if overlays.trails { trails } else { OverlayScope::None };

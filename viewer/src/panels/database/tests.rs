@@ -118,7 +118,7 @@ fn the_wheel_zooms_about_the_pointer_and_fit_shows_all_again() {
     assert!((harness.state().model.player.frame - before).abs() <= 1.0);
     harness.get_by_label("Fit").click();
     harness.run_steps(2);
-    assert!(!harness.state().state.view.span.is_some());
+    assert!(harness.state().state.view.span.is_none());
 }
 
 #[test]

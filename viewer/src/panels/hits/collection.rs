@@ -77,13 +77,6 @@ pub struct HitFilter {
     pub joint: Option<Joint>,
 }
 
-impl HitFilter {
-    /// True for a selected hit.
-    pub fn admits(&self, e: &HitEntry) -> bool {
-        self.kind.is_none_or(|k| k == e.kind) && self.joint.is_none_or(|j| j == e.joint)
-    }
-}
-
 /// Least and greatest angle, distance and height, as the paper reports them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HitRanges {
@@ -140,7 +133,9 @@ impl HitCollection {
 
     /// Numbers of the selected hits, in the order asked for.
     pub fn select(&self, filter: HitFilter, sort: TableSort) -> Vec<usize> {
-        let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| filter.admits(&self.entries[i])).collect();
+        let HitFilter { kind, joint } = filter;
+        let admits = |e: &HitEntry| kind.is_none_or(|k| k == e.kind) && joint.is_none_or(|j| j == e.joint);
+        let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| admits(&self.entries[i])).collect();
         if let Some(field) = HitColumn::ALL.get(sort.column) {
             out.sort_by(|&a, &b| sort.directed(compare(&self.entries[a], &self.entries[b], *field)));
         }

@@ -38,10 +38,8 @@ pub fn show(
         return drop(ui.weak(format!("Character {character} does not choose by the policies of this bundle.")));
     };
     let Some(why) = why else {
-        ui.label(format!(
-            "Character {character} plays what it was told to; it chooses for itself again when that is over."
-        ));
-        return;
+        let text = "plays what it was told to; it chooses for itself again when that is over.";
+        return drop(ui.label(format!("Character {character} {text}")));
     };
     let bundle = chooser.bundle;
     ui.label(story::situation(why, bundle, character, chooser.now));

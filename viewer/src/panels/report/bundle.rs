@@ -15,9 +15,9 @@ const COLUMNS: [TableColumn<'static>; 3] = [
 /// Rows of sources that are seen at once.
 const ROWS: usize = 9;
 
-/// State of the list of source files.
+/// State of the panel: that of the list of source files.
 #[derive(Clone, Debug, Default)]
-pub struct SourceListState {
+pub struct ReportPanelState {
     /// Order of the rows; none for that of the bundle.
     sort: Option<TableSort>,
     copied: Option<usize>,
@@ -26,7 +26,7 @@ pub struct SourceListState {
     rows: Vec<usize>,
 }
 
-impl SourceListState {
+impl ReportPanelState {
     fn refresh(&mut self, document: u64, sources: &[SourceMeta]) {
         if self.made_of == Some((document, self.sort)) {
             return;
@@ -50,7 +50,7 @@ impl SourceListState {
 }
 
 /// Shows where a bundle comes from.
-pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut SourceListState) {
+pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut ReportPanelState) {
     let meta = bundle.tables().meta();
     ScrollArea::vertical().id_salt("provenance").auto_shrink([false, false]).show(ui, |ui| {
         section(ui, "Bundle");
@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Sourc
     });
 }
 
-fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut SourceListState) {
+fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut ReportPanelState) {
     state.refresh(document, sources);
     let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
     section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
@@ -137,7 +137,7 @@ mod tests {
     fn sources_are_sorted_by_the_column_asked_for() {
         let source = |path: &str, bytes, hash| SourceMeta { path: path.into(), bytes, hash };
         let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
-        let mut state = SourceListState::default();
+        let mut state = ReportPanelState::default();
         let mut rows = |sort| {
             state.sort = Some(sort);
             state.refresh(1, &all);

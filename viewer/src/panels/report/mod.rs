@@ -4,17 +4,13 @@ mod bundle;
 mod clip;
 mod verdict;
 
+pub use bundle::ReportPanelState;
+
 use super::paint::no_bundle;
 use crate::command::Commands;
 use crate::document::OpenDocument;
 use crate::model::Model;
 use eframe::egui::{Grid, Label, RichText, ScrollArea, TextWrapMode, Ui};
-
-/// State of the panel.
-#[derive(Clone, Debug, Default)]
-pub struct ReportPanelState {
-    sources: bundle::SourceListState,
-}
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut ReportPanelState, commands: &mut Commands) {
@@ -22,7 +18,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut ReportPanelState, commands: 
         (OpenDocument::Clip(raw), _) => {
             ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| clip::show(ui, raw, commands));
         }
-        (_, Some(bundle)) => bundle::show(ui, bundle, model.generation, &mut state.sources),
+        (_, Some(bundle)) => bundle::show(ui, bundle, model.generation, state),
         (document, None) => no_bundle(ui, document),
     }
 }

@@ -95,8 +95,7 @@ pub fn show(ui: &mut Ui, state: &mut DemosState, commands: &mut Commands) {
     heading(ui, "Demonstrations");
     let Some(folder) = state.folder.clone() else {
         let text = format!("The scenes of the project ({SCENES}) are not here: start the viewer in its folder.");
-        ui.add(Label::new(text).wrap());
-        return;
+        return drop(ui.add(Label::new(text).wrap()));
     };
     if state.pictures.is_empty() {
         state.pictures = DEMOS.iter().map(|d| texture(ui.ctx(), d)).collect();

@@ -150,13 +150,12 @@ fn frame_times(ui: &mut Ui, model: &Model) {
     let t = model.times;
     section(ui, "Time of a frame", |ui| {
         Grid::new("frame").num_columns(2).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
-            let phases = [
+            for (name, s) in [
                 ("simulation", t.simulation_s),
                 ("laying out", t.layout_s),
                 ("upload", t.upload_s),
                 ("drawing (encoding)", t.drawing_s),
-            ];
-            for (name, s) in phases {
+            ] {
                 ui.label(name);
                 ui.monospace(format!("{:>8.2} ms", 1e3 * s));
                 ui.end_row();
