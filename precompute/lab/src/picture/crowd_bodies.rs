@@ -20,11 +20,12 @@ const THING_COLOUR: Colour = Colour::hex(0xd62728);
 ///
 /// - `poses`: world positions of all joints of each agent, `None` where one has left (m).
 /// - `heights`: heights of the obstacles, in the order of the record (m).
+/// - `things`: things that lie or are carried.
 pub(super) fn bodies_sheet(
     record: &AgentsRecord,
     poses: &[Option<JointPositions>],
     heights: impl Iterator<Item = f32>,
-    things: &[PictureThing],
+    things: &[UnitSolid],
 ) -> Picture {
     let one = |(m, p): (usize, &Option<JointPositions>)| {
         let tint = group_colour(record.groups.get(m).copied().unwrap_or(0));
@@ -33,7 +34,7 @@ pub(super) fn bodies_sheet(
     let figures: Vec<WorldFigure> = poses.iter().enumerate().filter_map(one).collect();
     let obstacles = record.obstacles.iter().zip(heights);
     let standing = obstacles.filter_map(|(o, height)| Some((obstacle_solid(o, height)?, OBSTACLE_COLOUR)));
-    let solids: Vec<(UnitSolid, Colour)> = standing.chain(things.iter().map(|t| (t.solid(), THING_COLOUR))).collect();
+    let solids: Vec<(UnitSolid, Colour)> = standing.chain(things.iter().map(|t| (t.clone(), THING_COLOUR))).collect();
     let places: Vec<Vec3> = figures.iter().map(|f| f.figure.joint(Joint::Hips)).collect();
     let focus = densest_place(&places).map(|at| (at, PICTURE_WIDTH_M));
     world_sheet(&WorldSheet {
@@ -55,21 +56,6 @@ fn densest_place(places: &[Vec3]) -> Option<Vec3> {
     let some = places.iter().step_by(places.len().div_ceil(LOOKED_AT).max(1));
     let at = some.max_by_key(|at| near(**at).count())?;
     Some(near(*at).sum::<Vec3>() / near(*at).count() as f32)
-}
-
-/// A thing that lies or is carried.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PictureThing {
-    /// Centre (m), rotation, and edge lengths (m).
-    pub at: Vec3,
-    pub turn: Quat,
-    pub size: Vec3,
-}
-
-impl PictureThing {
-    fn solid(&self) -> UnitSolid {
-        UnitSolid::Box { centre: self.at, rotation: self.turn, half: 0.5 * self.size }
-    }
 }
 
 /// Solid of a static obstacle on the ground, with a height (m).
@@ -123,10 +109,11 @@ mod tests {
             ..AgentsRecord::default()
         };
         let pose = Skeleton::default().rest_positions();
-        let draw = |poses: &[Option<JointPositions>], height: f32, things: &[PictureThing]| {
+        let draw = |poses: &[Option<JointPositions>], height: f32, things: &[UnitSolid]| {
             bodies_sheet(&record, poses, [height].into_iter(), things)
         };
-        let cup = PictureThing { at: Vec3::new(-1.0, 0.5, 0.0), turn: Quat::IDENTITY, size: Vec3::splat(0.3) };
+        let centre = Vec3::new(-1.0, 0.5, 0.0);
+        let cup = UnitSolid::Box { centre, rotation: Quat::IDENTITY, half: Vec3::splat(0.15) };
         let one = draw(&[Some(pose), None], 0.5, &[]);
         assert_ne!(one, draw(&[None, None], 0.5, &[]));
         assert_eq!(one, draw(&[Some(pose), None], 0.5, &[]));

@@ -45,7 +45,8 @@ pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRe
     let row = heights.iter().map(|h| h + EDGE).sum::<f32>();
     let mut page = Picture::new(WIDTH as u32, (TOP + rows as f32 * row) as u32, colour::PAPER);
     let f = figures.crowd.clone().unwrap_or_default();
-    header(&mut page, 1.0, &title(scene, figures), &subtitle(figures, &f));
+    let (agents, engine) = (figures.agents.unwrap_or(0), figures.engine.as_deref().unwrap_or_default());
+    header(&mut page, 1.0, &format!("{scene}: {agents} agents, engine {engine}"), &subtitle(figures, &f));
     let entries: Vec<_> = record.names.iter().enumerate().map(|(g, n)| (group_colour(g), n.clone())).collect();
     let remark = if f.informed.is_some() { "ringed: knows" } else { "" };
     legend(&mut page, Area::new(0.0, 0.0, WIDTH - EDGE, TOP), 1.0, &entries, remark);
@@ -81,10 +82,6 @@ impl ViewDirection {
     fn projected_size(self, size: Vec3) -> Vec2 {
         Vec2::new(size.x, if self == Self::Above { size.z } else { size.y })
     }
-}
-
-fn title(scene: &str, f: &SceneFigures) -> String {
-    format!("{scene}: {} agents, engine {}", f.agents.unwrap_or(0), f.engine.as_deref().unwrap_or_default())
 }
 
 fn subtitle(figures: &SceneFigures, r: &AgentFigures) -> String {

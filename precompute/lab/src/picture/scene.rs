@@ -1,6 +1,6 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
-use super::crowd_bodies::{PictureThing, bodies_sheet};
+use super::crowd_bodies::bodies_sheet;
 use super::discs::crowd_sheet;
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
@@ -8,6 +8,7 @@ use super::walkers::walkers_sheet;
 use super::{Picture, sheet};
 use crate::run::{GroupReport, JointPositions, SceneRecord, SceneReport, walk_styles, world_geometry};
 use std::ops::Range;
+use throng_bake::environment::UnitSolid;
 use throng_motion::error::Result;
 use throng_simulation::{CompiledScene, SceneGroup, Simulation};
 
@@ -68,8 +69,8 @@ pub fn scene_sheet(
         let all: Vec<Option<JointPositions>> =
             of_agents.iter().flat_map(|g| record.poses[g.characters.clone()].to_vec()).collect();
         if all.iter().any(Option::is_some) {
-            let things = sim.things().map(|t| PictureThing { at: t.at, turn: t.turn, size: t.size });
-            let things: Vec<PictureThing> = things.collect();
+            let things = sim.things().map(|t| UnitSolid::Box { centre: t.at, rotation: t.turn, half: 0.5 * t.size });
+            let things: Vec<UnitSolid> = things.collect();
             sheets.push(bodies_sheet(agents, &all, scene.environment.heights_m(), &things));
         }
     }

@@ -46,7 +46,8 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         focus: None,
     };
     let (title, subtitle, size) = ("The same from near", "arrows: headings", (1600, 720));
-    let focus = Some(Focus { centre: mean_position(record), width_m: NEAR_M });
+    let sum: Vec2 = record.roots.iter().map(|r| Vec2::new(r.x, r.z)).sum();
+    let focus = Some(Focus { centre: sum / record.roots.len().max(1) as f32, width_m: NEAR_M });
     let near = CrowdView { title, subtitle, size, marked: None, focus, ..overview };
     let frames = strip_frames(record);
     let strip = PoseStrip {
@@ -77,12 +78,6 @@ fn characters(record: &TrialRecord, streams: bool) -> Vec<CrowdCharacter<'_>> {
         },
     };
     record.roots.iter().enumerate().map(one).collect()
-}
-
-/// Mean position (m).
-fn mean_position(record: &TrialRecord) -> Vec2 {
-    let sum: Vec2 = record.roots.iter().map(|r| Vec2::new(r.x, r.z)).sum();
-    sum / record.roots.len().max(1) as f32
 }
 
 fn strip_frames(record: &TrialRecord) -> Vec<StripFrame> {

@@ -16,7 +16,6 @@ pub use ik_error::IkError;
 use swivel::{half_angle, search_finely};
 use swivel_limits::{HALVES, LimitFit, QuickLimits, SwivelLimits, TwistBounds, widest_swing_square};
 use throng_base::maths;
-use throng_core::Joint;
 
 /// Excess below which a pose counts as within limits (rad).
 const ON_LIMIT: f64 = 1e-7;
@@ -43,7 +42,6 @@ pub struct LimbIk {
     chain: Chain,
     /// Limits of shoulder, elbow and wrist.
     limits: [JointLimits; 3],
-    joints: [Joint; 3],
     elbow: Elbow,
     elbow_twist: TwistBounds,
     /// Quick limits of shoulder and wrist.
@@ -97,14 +95,13 @@ impl LimbIk {
     /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::linkage_limits`] gives limits that fit.
     pub fn new(chain: &Chain, limits: &[JointLimits; MAX_JOINTS]) -> Self {
         let first = chain.len() - 3;
-        let joints = chain.linkage.limb.joints();
         let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
         let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
             .expect("elbows and knees have flexion");
         let elbow_twist = TwistBounds::new(&limits[1], limits[1].mirrored);
         let quick = [QuickLimits::new(&limits[0]), QuickLimits::new(&limits[2])];
         let widest = [widest_swing_square(&limits[0], None), widest_swing_square(&limits[2], Some(elbow.along))];
-        Self { chain: *chain, limits, joints, elbow, elbow_twist, quick, widest }
+        Self { chain: *chain, limits, elbow, elbow_twist, quick, widest }
     }
 
     /// Poses the limb so that hand or foot is at `goal`.
@@ -172,7 +169,8 @@ impl LimbIk {
             Some(by) => IkError::Blocked { by },
             None => {
                 let nearest = self.pose_at_half_swivel(&reach, best.1);
-                IkError::OutOfLimits { joint: self.joints[nearest.joint], by_rad: nearest.excess.max(0.0) }
+                let joint = self.chain.linkage.limb.joints()[nearest.joint];
+                IkError::OutOfLimits { joint, by_rad: nearest.excess.max(0.0) }
             }
         })
     }

@@ -5,7 +5,7 @@ use crate::rotation::{angle_between, exp};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::PI;
-use throng_core::Skeleton;
+use throng_core::{Joint, Skeleton};
 
 struct Setup {
     chain: Chain,
