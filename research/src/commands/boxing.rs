@@ -39,5 +39,6 @@ pub fn run(args: &Args) -> CommandResult {
         files::write_atomically(path, |w| w.write_all(text.as_bytes()))?;
     }
     let lines = compare_with_paper(&built);
-    output::columns(["", "Lee and Lee 2004", "this build"], lines.iter().map(|l| [&*l.figure, l.paper, &*l.here]))
+    let heads = std::iter::once(["", "Lee and Lee 2004", "this build"]);
+    output::columns(heads.chain(lines.iter().map(|l| [&*l.figure, l.paper, &*l.here])))
 }
