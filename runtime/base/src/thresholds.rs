@@ -33,6 +33,10 @@ pub const STANDING_MPS_F64: f64 = 0.15;
 /// Used where bodies leave an activity and turn into their way, where walkers time their steps, for the usual speed of a set, the
 /// ends of activities, the poses at edges of tiles, and to report walking and find files whose frame rate is wrong.
 pub const WALKING_MPS: f32 = 0.3;
+/// Speed of strides from which their time is wholly that of the examples (m/s). Chosen.
+///
+/// Used where walkers match their steps to their speed. With [`WALKING_MPS`], knees turn faster on stairs of 0.17 m than they may.
+pub const STEP_TIME_MPS: f32 = 0.4;
 /// Speed at which a pedestrian likes to walk (m/s). Chosen; Weidmann (1993), *Transporttechnik der Fussgänger*, gives a mean of
 /// 1.34 m/s.
 ///
@@ -169,10 +173,6 @@ pub const FOOT_NEAR_M: f32 = 0.06;
 ///
 /// Used where walkers place their feet.
 pub const FOOT_SETTLED_M: f32 = 0.002;
-/// Distance between a foot's plane and the ground below which the plane is at rest (m). Chosen.
-///
-/// Used where walkers find the ground under their feet. With [`FOOT_SETTLED_M`], knees turn faster on stairs of 0.17 m than they may.
-pub const FOOT_PLANE_SETTLED_M: f32 = 0.0015;
 /// Distance from the ground up to which a part of a foot stands (m). Chosen.
 ///
 /// Used where walkers find the ground under their feet.

@@ -7,7 +7,7 @@ use throng_base::{Error, Id, Result};
 const FREE: u32 = u32::MAX;
 
 /// Map from ids to rows. Rows have no gaps: the last one moves to a row that becomes free.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Roster {
     /// Id in each row.
     ids: Vec<Id>,
@@ -15,6 +15,17 @@ pub struct Roster {
     slots: Vec<(u32, u32)>,
     /// Free indices; the last one is taken next.
     free: Vec<u32>,
+}
+
+impl Clone for Roster {
+    /// The copy has room for as many ids.
+    fn clone(&self) -> Self {
+        let mut out = Self::with_capacity(self.capacity());
+        out.ids.extend(&self.ids);
+        out.slots.clone_from(&self.slots);
+        out.free.clone_from(&self.free);
+        out
+    }
 }
 
 impl Roster {

@@ -16,7 +16,7 @@ use bytemuck::Zeroable;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::{LANES, Lanes, V};
-use throng_base::thresholds::{FOOT_PLANE_SETTLED_M, FOOT_STANDS_M};
+use throng_base::thresholds::{FOOT_SETTLED_M, FOOT_STANDS_M};
 
 /// Steepest plane along a foot, and to its side. Over an edge a foot stands on the higher side.
 const STEEPEST: [f32; 2] = [0.35, 0.35];
@@ -155,7 +155,7 @@ pub(crate) fn follow_ground<F: Lanes>(
     let left = [0, 1].map(|k: usize| (plane[k] - wanted[k]).abs());
     // The part that does not bear has time.
     let left = (left[0] * (one - share)).max(left[1] * share);
-    let settled = F::select_lt(left, F::splat(FOOT_PLANE_SETTLED_M), one, zero);
+    let settled = F::select_lt(left, F::splat(FOOT_SETTLED_M), one, zero);
     FootGround { plane: [height, slopes.x, slopes.z], at_rest: settled }
 }
 

@@ -21,7 +21,7 @@ use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use throng_base::maths;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
-use throng_base::thresholds::WALKING_MPS;
+use throng_base::thresholds::STEP_TIME_MPS;
 
 /// Time of a step that a foot takes by itself (s, of the database skeleton).
 const STEP_S: f32 = 0.35;
@@ -230,7 +230,7 @@ fn advance_phase<F: Lanes>(
     let stride_mps = (left * left + ahead * ahead).sqrt() / seconds;
     let [slow, fast] = tick.config.tempo;
     let fitting = (block.speed[lane] / pace / stride_mps.max(1e-3)).clamp(slow, fast);
-    let share = (stride_mps / WALKING_MPS).min(1.0);
+    let share = (stride_mps / STEP_TIME_MPS).min(1.0);
     let tempo = 1.0 + (fitting - 1.0) * share * share;
     block.phase[lane] = timing.advance::<F>(weights, block.phase[lane], tick.dt_s * tempo / pace);
 }
