@@ -144,7 +144,10 @@ pub extern "C" fn throng_simulation_step(simulation: ThrongSimulation, dt_s: f64
 pub extern "C" fn throng_simulation_announce(simulation: ThrongSimulation) -> ThrongStatus {
     catch_fault(|| {
         let entry = simulation.entry()?;
-        entry.with_simulation(|_| Ok(entry.work_queue.announce_step()))
+        entry.with_simulation(|_| {
+            entry.work_queue.announce_step();
+            Ok(())
+        })
     })
 }
 

@@ -56,7 +56,7 @@ impl<'a> MotionStages<'a> {
         self.bake_together()?;
         let ReadMotion { raw, maker, skipped, performers, files_kept, warnings } =
             self.read_all(self.streams_motion())?;
-        let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, self.shares_poses().then(|| s.comm), p))?;
+        let (mut clips, clips_kept) = s.run("clips", |p| maker.clips(raw, self.shares_poses().then_some(s.comm), p))?;
         if let Some(units) = units {
             s.run("embed", |_| patch::embed(&mut clips, &cfg.patches, units, &cfg.annotate.contacts))?;
         }

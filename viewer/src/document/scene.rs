@@ -108,6 +108,9 @@ pub struct SceneUnit {
     pub placement: Placement,
 }
 
+/// A run that was started beside the one that is shown, or why it was not.
+type StartedRun = Result<(SceneRun, SceneSurroundings), String>;
+
 /// A scene of groups that is open.
 #[derive(Debug)]
 pub struct SceneDocument {
@@ -124,7 +127,7 @@ pub struct SceneDocument {
     /// Bundle of the first group that has one.
     bundle: Option<OpenBundle>,
     /// A new run that is prepared, and its settings.
-    restart: Option<(SceneChoice, Background<Result<(SceneRun, SceneSurroundings), String>>)>,
+    restart: Option<(SceneChoice, Background<StartedRun>)>,
     /// Number of restarts.
     pub num_runs: u32,
 }

@@ -146,7 +146,7 @@ fn ball(rings: usize, radius: f64) -> Vec<[Vec3; 3]> {
         (DVec3::new(a.sin() * b.cos(), a.cos(), a.sin() * b.sin()) * radius).as_vec3()
     };
     let squares = (0..rings).flat_map(|i| (0..2 * rings).map(move |j| (i, j)));
-    squares.flat_map(|(i, j)| halves_of_square(&at, i, j)).collect()
+    squares.flat_map(|(i, j)| halves_of_square(at, i, j)).collect()
 }
 
 /// The two triangles of a square of a grid of points.

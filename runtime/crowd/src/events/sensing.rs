@@ -95,11 +95,12 @@ impl<V: Space> Engine<V> {
                 true
             });
         }
-        if sense.cells && sensors.senses.cell_m > 0.0 {
-            if let Some(at) = leaves_cell(&plan, sensors, now) {
-                let [from, to] = [now, at].map(|time| sensors.cell_at(plan.motion_at(time).0));
-                take(at, 2, SensedEvent::Crossed { by: [0, 1].map(|i| (to[i] - from[i]) as i16) });
-            }
+        if sense.cells
+            && sensors.senses.cell_m > 0.0
+            && let Some(at) = leaves_cell(&plan, sensors, now)
+        {
+            let [from, to] = [now, at].map(|time| sensors.cell_at(plan.motion_at(time).0));
+            take(at, 2, SensedEvent::Crossed { by: [0, 1].map(|i| (to[i] - from[i]) as i16) });
         }
         let meet_m = sensors.senses.meet_m;
         let mut partner_start = 0.0;
