@@ -32,7 +32,7 @@ impl RunRecording {
     /// A recording at the begin of a run.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for a scene that cannot be written, such as one with a seed above 2^63.
+    /// [`BuildError::Config`](throng_motion::error::BuildError::Config) for a scene that cannot be written, such as one with a seed above 2^63.
     pub fn new(compiled: &CompiledScene, step_hz: f64) -> Result<Self> {
         let scene = compiled.scene();
         let text = toml::to_string(scene)
@@ -59,7 +59,7 @@ impl RunRecording {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`BuildError::Config`] for a file that is damaged or no recording.
+    /// [`BuildError::Config`](throng_motion::error::BuildError::Config) for a file that is damaged or no recording.
     pub fn load(path: &Path) -> Result<Self> {
         let bytes = read_file(path, "a recording", MAX_TEXT_BYTES).map_err(config_error)?;
         Self::parse(&bytes).map_err(|e| {
@@ -93,7 +93,7 @@ impl RunRecording {
     /// Repeats the run until a time, or to its end, bit by bit.
     ///
     /// # Errors
-    /// As [`Simulation::new`]; [`BuildError::Config`] if bundles have changed, this version of Throng computes other states, or
+    /// As [`Simulation::new`]; [`BuildError::Config`](throng_motion::error::BuildError::Config) if bundles have changed, this version of Throng computes other states, or
     /// the time lies beyond the end.
     pub fn replay(&self, compiled: &CompiledScene, until_s: Option<f64>) -> Result<Simulation> {
         if let Some(until_s) = until_s.filter(|t| !(0.0..self.seconds + 0.01).contains(t)) {
