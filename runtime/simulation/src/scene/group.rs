@@ -120,7 +120,13 @@ pub enum GroupMotion {
 impl GroupMotion {
     /// Name in scene files and reports.
     pub fn name(self) -> &'static str {
-        ["policy", "blend", "patches", "sparring", "none"][self as usize]
+        match self {
+            Self::Policy => "policy",
+            Self::Blend => "blend",
+            Self::Patches => "patches",
+            Self::Sparring => "sparring",
+            Self::None => "none",
+        }
     }
 }
 

@@ -135,10 +135,17 @@ impl Type {
 }
 
 impl NameKind {
-    const NOUNS: [&str; 8] = ["group", "state", "place", "kind of place", "event", "way of learning", "door", "thing"];
-
     fn noun(self) -> &'static str {
-        Self::NOUNS[self as usize]
+        match self {
+            Self::Group => "group",
+            Self::State => "state",
+            Self::Place => "place",
+            Self::Kind => "kind of place",
+            Self::Event => "event",
+            Self::How => "way of learning",
+            Self::Door => "door",
+            Self::Thing => "thing",
+        }
     }
 }
 
