@@ -57,7 +57,8 @@ fn p95(values: &[f32]) -> f32 {
     values[values.len() * 95 / 100]
 }
 
-fn walk(ground: &HeightField) -> Seen {
+/// - `pushes`: every 0.6 s, each is pushed by up to 0.1 m.
+fn walk(ground: &HeightField, pushes: bool) -> Seen {
     let tables = common::tables();
     let skeleton = tables.skeleton().clone();
     let mut people = people(&tables, ground.clone());
@@ -66,6 +67,14 @@ fn walk(ground: &HeightField) -> Seen {
     for k in 0..900 {
         for c in 0..PEOPLE {
             people.order(people.ids()[c], order(c, k as f32 * DT_S)).expect("an order");
+        }
+        if pushes && k % 36 == 20 {
+            for c in 0..PEOPLE {
+                let angle = (k + 29 * c) as f32;
+                let to = Vec3::new(0.1 * angle.sin(), 0.0, 0.1 * angle.cos());
+                let joint = [Joint::UpperChest, Joint::Head, Joint::Hips, Joint::Chest][(k / 36 + c) % 4];
+                people.push(people.ids()[c], joint, to).expect("a push");
+            }
         }
         people.step(DT_S, &Inline).expect("a step");
         if k < 30 {
@@ -123,7 +132,7 @@ fn field(spacing: f32, height: impl Fn(Vec2) -> f32) -> HeightField {
 
 #[test]
 fn feet_of_policy_characters_stand_on_uneven_ground() {
-    let flat = walk(&HeightField::flat());
+    let flat = walk(&HeightField::flat(), false);
     println!("flat: off {} m, slip {} m/s, knees {} rad/s", p95(&flat.gaps), p95(&flat.speeds), flat.knee_rate);
     for (name, ground) in [
         ("slope of 0.15", field(2.0, |p| 0.15 * p.y)),
@@ -131,7 +140,7 @@ fn feet_of_policy_characters_stand_on_uneven_ground() {
         ("hills", field(0.25, |p| 0.3 * (0.7 * p.x).sin() * (0.8 * p.y).cos())),
         ("stairs of 0.1 m", field(0.05, |p| 0.1 * (p.y / 0.4 + 1e-3).floor())),
     ] {
-        let seen = walk(&ground);
+        let seen = walk(&ground, false);
         let (gap, slip) = (p95(&seen.gaps), p95(&seen.speeds));
         let worst = seen.speeds.last().expect("planted feet");
         let Seen { deepest, knee_rate, hips_mps, .. } = seen;
@@ -144,6 +153,26 @@ fn feet_of_policy_characters_stand_on_uneven_ground() {
         assert!(knee_rate < 1.6 * flat.knee_rate, "{name}: a knee turns at {knee_rate} rad/s, {}", flat.knee_rate);
         assert!(hips_mps < flat.hips_mps + 1.2, "{name}: hips go up or down at {hips_mps} m/s");
     }
+}
+
+#[test]
+fn walking_feet_stay_planted_while_bodies_are_pushed() {
+    let ground = HeightField::flat();
+    let [calm, pushed] = [false, true].map(|pushes| walk(&ground, pushes));
+    for (name, seen) in [("calm", &calm), ("pushed", &pushed)] {
+        let Seen { gaps, speeds, deepest, knee_rate, hips_mps } = seen;
+        let worst = speeds.last().expect("planted feet");
+        println!(
+            "{name}: off {} m, {deepest} m deep, slip {} {worst} m/s, knees {knee_rate} rad/s, hips {hips_mps} m/s",
+            p95(gaps),
+            p95(speeds)
+        );
+    }
+    assert!(p95(&pushed.speeds) < p95(&calm.speeds) + 0.02, "planted feet slip");
+    assert!(p95(&pushed.gaps) < p95(&calm.gaps) + 0.01, "planted feet leave the ground");
+    assert!(pushed.deepest < calm.deepest + 0.005, "toes go into the ground");
+    assert!(pushed.knee_rate < 1.4 * calm.knee_rate, "a knee snaps");
+    assert!(pushed.hips_mps < calm.hips_mps + 1.0, "hips jump");
 }
 
 /// Characters that walk for a time, each with layers that depend on its root.

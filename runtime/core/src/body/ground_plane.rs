@@ -4,7 +4,7 @@
 //! the slope to the side. In the air the plane follows the ground that the foot passes next, so that a foot rises
 //! before a step and never jumps. A planted foot keeps its position, and so its plane comes to rest.
 
-use super::foot_placement::{Bearing, ratio_or};
+use super::foot_lock::{Bearing, ratio_or};
 use super::ground::HeightField;
 use super::lane_body::LaneLeg;
 use super::lanes::{Lane3, load};

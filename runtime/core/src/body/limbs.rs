@@ -57,19 +57,6 @@ pub(crate) fn move_leg<F: Lanes>(body: &LaneBody, side: usize, correction: V<F>,
     pose.positions[foot_at] = chosen_v(amount, ankle, new_ankle);
 }
 
-/// Turns the foot about its ankle, so that the vector to its toe changes by `turn` (model space).
-#[inline(always)]
-pub(crate) fn turn_foot<F: Lanes>(side: usize, turn: V<F>, pose: &mut ModelPose<F>) {
-    let [_, _, foot_at, toe_at] = LEGS[side].map(Joint::index);
-    let (ankle, toe) = (pose.positions[foot_at], pose.positions[toe_at]);
-    let by = Q::shortest_arc(toe - ankle, toe - ankle + turn);
-    let amount = turn.dot(turn);
-    for joint in [foot_at, toe_at] {
-        pose.rotations[joint] = chosen_q(amount, pose.rotations[joint], by * pose.rotations[joint]);
-    }
-    pose.positions[toe_at] = chosen_v(amount, toe, toe + turn);
-}
-
 /// Vector `new` where the correction is not negligible, else `old` (`amount`: m^2).
 #[inline(always)]
 fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {

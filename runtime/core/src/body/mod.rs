@@ -5,12 +5,11 @@
 //! Sources are frame rows and blends. Whoever moves characters chooses source and control, and nothing else.
 
 mod detail;
+mod feet;
 mod foot_lock;
-mod foot_placement;
 mod gaze;
 mod ground;
 mod ground_plane;
-mod held_feet;
 mod hierarchy;
 mod lane_body;
 mod lanes;
@@ -29,16 +28,11 @@ mod volume;
 
 pub(crate) use detail::unorm;
 pub use detail::{Detail, DetailLevel, PoseInstance};
-pub use foot_lock::FootLockConfig;
-pub(crate) use foot_lock::{FootLock, PlantedParts};
-pub(crate) use foot_placement::{
-    Bearing, FootPlacement, PlacedFoot, SolePose, about_y, ball_share, is_share, place_foot,
-};
+pub use feet::FootLockConfig;
+pub(crate) use feet::{FeetMotion, FeetTick, FootMotion};
+pub(crate) use foot_lock::{Bearing, FootLock, SolePose, is_share};
 pub use ground::{GroundPoint, HeightField};
-pub(crate) use ground_plane::{
-    FootGround, FootOverGround, PLANE_HALF_LIVES_S, follow_ground, hips_ground_height, keep_planted,
-};
-pub(crate) use held_feet::FeetTick;
+pub(crate) use ground_plane::hips_ground_height;
 pub(crate) use hierarchy::{ModelPose, PARENTS, shared, to_model, write_matrices};
 pub use lane_body::head_centre;
 pub(crate) use lane_body::{ARMS, LEGS, LaneBody};
@@ -47,7 +41,7 @@ pub(crate) use lanewise::{Lanewise, lanewise_fields};
 pub use matrix::{LocalTransform, Mat3x4};
 pub(crate) use placement::PlacementLanes;
 pub use reach::HandReach;
-pub(crate) use reach::{drop_spring, is_stretched, lower_body, raise_heel, reach_foot, reach_hand, slow_knee};
+pub(crate) use reach::reach_hand;
 pub use reaction::ReactionConfig;
 pub(crate) use sample::{FrameCursor, FramePosition, LanePose, WINDOW, sample_number, sample_pose};
 pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};

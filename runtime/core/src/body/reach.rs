@@ -1,6 +1,6 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::foot_placement::{Bearing, SolePose};
+use super::foot_lock::{Bearing, SolePose};
 use super::ground::HeightField;
 use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LEGS, LaneBody};
@@ -8,6 +8,7 @@ use super::lanes::{Lane, load};
 use super::lean::{hips_sink, lean_trunk};
 use super::limbs::bent_middle;
 use super::springs::DampedSpring;
+use super::step::BodyState;
 use crate::hits::FIST_PER_FOREARM;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
@@ -20,8 +21,12 @@ use throng_base::{Id, Result};
 /// Share of a leg's length beyond which its distance is softened, and the share that it never exceeds.
 const SOFT: f32 = 0.97;
 const HARD: f32 = 0.999;
+/// Share of a leg's length up to which it stretches where its motion is known: the knee stays soft.
+const NATURAL: f32 = 0.995;
 /// Share of a leg's length past which a planted foot is released: it does not quite reach it any more.
 const STRETCH: f32 = 1.0;
+/// The same as a share of the length that the leg has in its motion.
+const NATURAL_STRETCH: f32 = 1.05;
 /// Distance of the hip ahead of the ankle at which a heel may wholly rise to lengthen a leg (m, of the database
 /// skeleton).
 const TRAILING_M: f32 = 0.1;
@@ -40,8 +45,7 @@ pub(crate) fn drop_spring(ground: &HeightField, dt_s: f32) -> DampedSpring {
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
 ///
-/// - `drop`: how far it was lowered at the last step, and how fast that changed; then, how far it is now
-///   (m, m/s).
+/// - `legs`: lengths up to which legs are as the motion has them (m).
 /// - `spring`: how a difference to what is needed fades.
 /// - `sunk`: how low hips are at least, for what hands reach for (m).
 #[inline(always)]
@@ -49,15 +53,15 @@ pub(crate) fn lower_body<F: Lanes>(
     body: &LaneBody,
     soles: &[SolePose<F>; 2],
     importance: [F; 2],
-    [drop_before, drop_rate]: [&mut Lane; 2],
+    legs: [F; 2],
+    state: &mut BodyState,
     spring: &DampedSpring,
     sunk: F,
     pose: &mut ModelPose<F>,
 ) {
     let mut drop = F::splat(0.0);
     for (side, sole) in soles.iter().enumerate() {
-        let leg = &body.legs[side];
-        let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
+        let reach = natural_reach(&body.legs[side].lengths, legs[side]);
         let hip = pose.positions[LEGS[side][0].index()];
         let offset = hip - sole.ankle;
         let up = (reach * reach - offset.x * offset.x - offset.z * offset.z).max(reach * reach * F::splat(0.1)).sqrt();
@@ -65,9 +69,9 @@ pub(crate) fn lower_body<F: Lanes>(
         drop = drop.max((offset.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
     }
     let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale)).max(sunk);
-    let (off, rate) = spring.pull_lanes(F::load(drop_before) - drop, F::load(drop_rate));
+    let (off, rate) = spring.pull_lanes(F::load(&state.drop) - drop, F::load(&state.drop_rate));
     let drop = drop + off;
-    (*drop_before, *drop_rate) = (drop.to_array(), rate.to_array());
+    (state.drop, state.drop_rate) = (drop.to_array(), rate.to_array());
     for j in 0..NUM_JOINTS {
         pose.positions[j].y = pose.positions[j].y - drop;
     }
@@ -76,11 +80,13 @@ pub(crate) fn lower_body<F: Lanes>(
 /// Raises the heel over the ball, which stays in place, where the leg is too short for a trailing flat foot, as people
 /// do before the foot leaves the ground.
 ///
+/// - `natural`: length up to which the leg is as the motion has it (m).
 /// - `bearing`: its heel no longer bears where it has risen.
 #[inline(always)]
 pub(crate) fn raise_heel<F: Lanes>(
     body: &LaneBody,
     side: usize,
+    natural: F,
     sole: &mut SolePose<F>,
     bearing: &mut Bearing,
     pose: &ModelPose<F>,
@@ -90,11 +96,12 @@ pub(crate) fn raise_heel<F: Lanes>(
     let hip = pose.positions[LEGS[side][0].index()];
     let offset = hip - sole.ankle;
     let leg_now = offset.length();
-    let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(SOFT);
+    // Where its motion is known, the heel rises there.
+    let reach = F::select_lt(zero, natural, F::splat(f32::MAX), soft_length(&leg.lengths));
     // Only where the hip is ahead of the foot.
     let share = (offset.z / (F::load(&body.scale) * F::splat(TRAILING_M))).min(one).max(zero);
     let to_ball = sole.foot.rotate(load(&leg.ball));
-    let wanted = leg_now - (leg_now - reach) * share;
+    let wanted = leg_now - (leg_now - reach).max(zero) * share;
     let (ball, foot) = (sole.ankle + to_ball, to_ball.length());
     let from_ball = hip - ball;
     let distance = from_ball.length().max(tiny);
@@ -110,9 +117,16 @@ pub(crate) fn raise_heel<F: Lanes>(
 
 /// 1 where a leg, the hips lowered as they are, is too short for its foot by more than what cannot be seen, else 0.
 #[inline(always)]
-pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePose<F>, pose: &ModelPose<F>) -> F {
+pub(crate) fn is_stretched<F: Lanes>(
+    body: &LaneBody,
+    side: usize,
+    natural: F,
+    sole: &SolePose<F>,
+    pose: &ModelPose<F>,
+) -> F {
     let leg = &body.legs[side];
-    let reach = (F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(STRETCH);
+    let reach = ((F::load(&leg.lengths[0]) + F::load(&leg.lengths[1])) * F::splat(STRETCH))
+        .max(natural * F::splat(NATURAL_STRETCH));
     let distance = (sole.ankle - pose.positions[LEGS[side][0].index()]).length();
     F::select_lt(reach, distance, F::splat(1.0), F::splat(0.0))
 }
@@ -127,6 +141,7 @@ pub(crate) fn is_stretched<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePo
 pub(crate) fn slow_knee<F: Lanes>(
     body: &LaneBody,
     side: usize,
+    natural: F,
     bent: &mut Lane,
     free: F,
     sole: &mut SolePose<F>,
@@ -141,7 +156,7 @@ pub(crate) fn slow_knee<F: Lanes>(
     let offset = sole.ankle - hip;
     let distance = offset.length().max(F::splat(1e-4));
     // The cosine of half the angle at the knee: 0 where the leg is straight.
-    let reached = soft_distance(distance, lengths);
+    let reached = soft_distance(distance, lengths, natural);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
     let was = F::load(bent);
     let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
@@ -154,12 +169,19 @@ pub(crate) fn slow_knee<F: Lanes>(
 
 /// Bends a leg so that its foot lies where it goes.
 #[inline(always)]
-pub(crate) fn reach_foot<F: Lanes>(body: &LaneBody, side: usize, sole: &SolePose<F>, pose: &mut ModelPose<F>) {
+pub(crate) fn reach_foot<F: Lanes>(
+    body: &LaneBody,
+    side: usize,
+    natural: F,
+    sole: &SolePose<F>,
+    pose: &mut ModelPose<F>,
+) {
     let [thigh, shin, foot, toe] = LEGS[side].map(|j| j.index());
     let lengths = pair_lengths(&body.legs[side].lengths);
     // Where the leg is straight, it bends towards the toes.
-    let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z * 0.06));
-    reach_with_limb([thigh, shin, foot], lengths, hint, sole.ankle, pose);
+    let bend = F::select_lt(F::splat(0.0), natural, F::splat(0.02), F::splat(0.06));
+    let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z)) * bend;
+    reach_with_limb([thigh, shin, foot], lengths, natural, hint, sole.ankle, pose);
     pose.rotations[foot] = sole.foot;
     pose.rotations[toe] = sole.toe;
     pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
@@ -175,7 +197,7 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     let hint = pose.rotations[arm[0]].rotate(V::splat(Vec3::NEG_Z * 0.02));
     let hand = pose.positions[arm[2]];
     let before = arm.map(|j| (pose.positions[j], pose.rotations[j]));
-    reach_with_limb(arm, lengths, hint, hand + (to - hand) * touch, pose);
+    reach_with_limb(arm, lengths, F::splat(0.0), hint, hand + (to - hand) * touch, pose);
     // Arms without a target stay as they are, whatever the other lanes do.
     let zero = F::splat(0.0);
     for (j, (position, rotation)) in arm.into_iter().zip(before) {
@@ -322,10 +344,14 @@ fn pair_lengths<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
 }
 
 /// Turns both parts of a limb so that its end reaches a place, its middle staying in the plane in which the limb bends.
+///
+/// - `natural`: length up to which the limb is not softened (m).
+/// - `hint`: where the middle of a straight limb goes (m).
 #[inline(always)]
 fn reach_with_limb<F: Lanes>(
     [upper, lower, end]: [usize; 3],
     lengths: [F; 2],
+    natural: F,
     hint: V<F>,
     to: V<F>,
     pose: &mut ModelPose<F>,
@@ -334,7 +360,7 @@ fn reach_with_limb<F: Lanes>(
     let aim = to - start;
     let distance = aim.length().max(F::splat(1e-4));
     let direction = aim * (F::splat(1.0) / distance);
-    let d = soft_distance(distance, lengths);
+    let d = soft_distance(distance, lengths, natural);
     // The middle turns with the limb: it would point the other way where the end goes past it.
     let pole = Q::shortest_arc(was - start, aim).rotate((middle - start) + hint);
     let new_middle = bent_middle(start, direction, d, lengths, pole);
@@ -345,12 +371,23 @@ fn reach_with_limb<F: Lanes>(
     pose.positions[end] = new_end;
 }
 
-/// A distance that never quite stretches a limb: as it is up to a share of the length, then ever less.
+/// Length up to which a leg reaches for anything: as far as its motion has it, where that is known (m).
 #[inline(always)]
-fn soft_distance<F: Lanes>(distance: F, [l1, l2]: [F; 2]) -> F {
+fn natural_reach<F: Lanes>(lengths: &[Lane; 2], natural: F) -> F {
+    soft_length::<F>(lengths).max(natural)
+}
+
+/// A distance that never quite stretches a limb: as it is up to a share of the length, or to the length that the limb has in its
+/// motion; then ever less.
+///
+/// - `natural`: the length in its motion; 0 where none is known (m).
+#[inline(always)]
+fn soft_distance<F: Lanes>(distance: F, [l1, l2]: [F; 2], natural: F) -> F {
     let length = l1 + l2;
-    let (from, room) = (length * F::splat(SOFT), length * F::splat(HARD - SOFT));
+    let from = natural.max(length * F::splat(SOFT)).min(length * F::splat(NATURAL));
+    let room = length * F::splat(HARD) - from;
     let over = (distance - from).max(F::splat(0.0));
     let soft = from + room * (F::splat(1.0) - (-(over / room)).exp8());
-    F::select_lt(from, distance, soft, distance).max((l1 - l2).abs() + F::splat(1e-3))
+    let soft = F::select_lt(from, distance, soft, distance);
+    soft.max(distance.min(natural)).max((l1 - l2).abs() + F::splat(1e-3))
 }

@@ -13,6 +13,9 @@ use bytemuck::Zeroable;
 use glam::Quat;
 use throng_base::maths;
 
+/// Turn of thighs of people who stand; knees are turned by twice that (rad).
+const STANDING_KNEE: f32 = 0.3;
+
 /// Frames of each clip.
 pub const FRAMES: u32 = 60;
 
@@ -27,10 +30,21 @@ pub fn tables_with(hits: &[HitRecord]) -> Bundle {
     Bundle::from_bytes(AlignedBytes::from_slice(&bytes(hits, false))).unwrap()
 }
 
+/// Made-up bundle of people who stand with soft knees, feet flat on the ground, and move their upper bodies.
+#[cfg(test)]
+pub(crate) fn standing_tables() -> Bundle {
+    Bundle::from_bytes(AlignedBytes::from_slice(&bytes_of(&[], false, true))).unwrap()
+}
+
 /// The file of the bundle.
 ///
 /// - `adaptive`: a second policy, with a grid for each state.
 pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
+    bytes_of(hits, adaptive, false)
+}
+
+/// - `stands`: the motion stays in its place, on both feet.
+fn bytes_of(hits: &[HitRecord], adaptive: bool, stands: bool) -> Vec<u8> {
     let mut out = BundleWriter::new();
     let clip = |name: &str| ClipMeta { name: name.into(), ..ClipMeta::default() };
     let meta = Meta {
@@ -43,12 +57,16 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     out.section(tags::SKELETON, &[SkeletonRecord::from(&Skeleton::default())]);
     let record = |first_frame| ClipRecord { first_frame, num_frames: FRAMES, mirrored: 0, reserved: 0 };
     out.section(tags::CLIPS, &[record(0), record(FRAMES)]);
-    let poses: Vec<_> = (0..2 * FRAMES).map(|f| pose(f % FRAMES, f / FRAMES)).collect();
+    let poses: Vec<_> = (0..2 * FRAMES).map(|f| pose(f % FRAMES, f / FRAMES, stands)).collect();
     let code = RotationCode::fit_frames(&Skeleton::default(), poses.len(), |f, j| poses[f][j]);
-    let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES, &code)).collect();
+    let rows: Vec<FrameRow> = (0..2 * FRAMES).map(|f| row(f % FRAMES, f / FRAMES, &code, stands)).collect();
     out.section(tags::FRAMES, &rows);
     out.section(tags::ROTATION_CODE, &[code]);
-    out.section(tags::CONTACTS, &vec![Contacts::LEFT; rows.len()]);
+    let mut contacts = Contacts::LEFT;
+    if stands {
+        contacts.insert(Contacts::RIGHT);
+    }
+    out.section(tags::CONTACTS, &vec![contacts; rows.len()]);
     out.section(tags::HITS, hits);
     let frames = [20, 40, FRAMES + 20, FRAMES + 40];
     out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: 0 }));
@@ -129,18 +147,24 @@ pub fn bytes(hits: &[HitRecord], adaptive: bool) -> Vec<u8> {
     bytes
 }
 
-fn row(frame: u32, clip: u32, code: &RotationCode) -> FrameRow {
+fn row(frame: u32, clip: u32, code: &RotationCode, stands: bool) -> FrameRow {
     let t = frame as f32 / 30.0;
     let mut row = FrameRow {
         planar: [0.1 * t, (1.0 + 0.2 * clip as f32) * t, (0.4 - 0.9 * clip as f32) * t],
         height: 0.9 + 0.02 * maths::sin(8.0 * t),
         ..FrameRow::zeroed()
     };
-    code.encode(&pose(frame, clip), None, &mut row);
+    if stands {
+        let skeleton = Skeleton::default();
+        let leg = [Joint::LeftShin, Joint::LeftFoot].map(|j| skeleton.offsets[j.index()].length());
+        let bent = (leg[0] + leg[1]) * (1.0 - maths::cos(STANDING_KNEE));
+        (row.planar, row.height) = ([0.0; 3], skeleton.rest_positions()[0].y - bent);
+    }
+    code.encode(&pose(frame, clip, stands), None, &mut row);
     row
 }
 
-fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
+fn pose(frame: u32, clip: u32, stands: bool) -> [Quat; NUM_JOINTS] {
     let t = frame as f32 / 30.0;
     let mut pose = std::array::from_fn(|j| {
         let a = 0.3 * maths::sin(3.0 * t + j as f32 + 0.5 * clip as f32);
@@ -151,6 +175,14 @@ fn pose(frame: u32, clip: u32) -> [Quat; NUM_JOINTS] {
         [(Joint::LeftThigh, -0.5), (Joint::LeftShin, 0.9), (Joint::RightThigh, -0.5), (Joint::RightShin, 0.9)]
     {
         pose[j.index()] = maths::rotation_x(angle + 0.1 * maths::sin(4.0 * t));
+    }
+    if stands {
+        pose[Joint::Hips.index()] = Quat::IDENTITY;
+        for leg in crate::body::LEGS {
+            for (j, turn) in leg.into_iter().zip([-1.0, 2.0, -1.0, 0.0]) {
+                pose[j.index()] = maths::rotation_x(turn * STANDING_KNEE);
+            }
+        }
     }
     pose
 }

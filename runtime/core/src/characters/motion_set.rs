@@ -67,6 +67,12 @@ impl MotionSet {
         self.contacts.len()
     }
 
+    /// Planted parts of the frame that is nearest to a time after a row (frames, within one clip).
+    pub fn contacts_at(&self, first: u32, frames: f32) -> Contacts {
+        let row = first as usize + (frames.max(0.0) + 0.5) as usize;
+        self.contacts.get(row).copied().unwrap_or(Contacts::NONE)
+    }
+
     /// Number of policies; an [`super::PolicyOrder`] names one of them.
     pub fn num_policies(&self) -> usize {
         self.policies.len()

@@ -270,7 +270,7 @@ impl PolicyCharacters {
         let outputs =
             CharactersConfig { local_transforms: false, instances: false, timed: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 6, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 7, setup: setup.finish() }
     }
 }
 

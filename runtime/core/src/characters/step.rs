@@ -13,13 +13,21 @@ use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
-    BodyState, BodyTick, DetailLevel, FeetTick, FootLock, FrameCursor, FramePosition, HeightField, LaneBody, Laps,
-    LayerLanes, LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes, PlantFeet, PlantedParts, PoseInstance,
-    PoseOutput, StepPhase, hips_ground_height, planar_of_lane, pose_block, sample_pose,
+    BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor, FramePosition,
+    HeightField, LEGS, Lane, LaneBody, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes,
+    PlantFeet, PoseInstance, PoseOutput, SolePose, StepPhase, hips_ground_height, load, planar_of_lane, pose_block,
+    sample_pose,
 };
 use crate::contacts::Contacts;
-use crate::skeleton::NUM_JOINTS;
-use throng_base::simd::{Functions, LANES, LaneWork, Lanes, dispatch};
+use crate::skeleton::{Joint, NUM_JOINTS};
+use throng_base::simd::{Functions, LANES, LaneWork, Lanes, V, dispatch};
+
+/// Height of a foot in its clip from which its place on the ground does not matter any more (m, of the database skeleton).
+const MATTERS_BELOW_M: f32 = 0.15;
+/// Lowering of the hips that cannot be seen (m).
+const NOT_LOWERED_M: f32 = 1e-5;
+/// Fastest turn of the knee of a leg in the air: that of a sprinter (rad/s).
+const KNEE_RATE: f32 = 18.0;
 
 /// Inputs of one tick, shared by all ranges.
 pub(crate) struct CharactersTick<'a> {
@@ -179,6 +187,10 @@ impl CharacterBlock<'_> {
         let was = block.root;
         let mut place = update_roots(block, [x, z, heading]);
         let lift = place.y;
+        let speed: Lane = std::array::from_fn(|lane| {
+            let moved = planar_of_lane(&was, lane).to_local(block.root(lane)).z;
+            if tick.dt_s > 0.0 && body.state.seen[lane] > 0.5 { moved / tick.dt_s } else { 0.0 }
+        });
         if tick.ground.is_flat() {
             if body.state.base != [0.0; LANES] {
                 (body.state.base, body.state.base_rate) = ([0.0; LANES], [0.0; LANES]);
@@ -188,10 +200,6 @@ impl CharacterBlock<'_> {
             let height = std::array::from_fn(|lane| hips_ground_height(tick.ground, block.root(lane), 0.0));
             place.y = place.y + F::from_array(height);
         } else {
-            let speed = std::array::from_fn(|lane| {
-                let moved = planar_of_lane(&was, lane).to_local(block.root(lane)).z;
-                if tick.dt_s > 0.0 && body.state.seen[lane] > 0.5 { moved / tick.dt_s } else { 0.0 }
-            });
             body.state.follow_base(tick.ground, &body_tick.base, |lane| block.root(lane), &speed);
             place.y = place.y + F::load(&body.state.base);
         }
@@ -208,7 +216,7 @@ impl CharacterBlock<'_> {
         let orders = orders.iter().map(|order| order.layers);
         let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
         let BodyBlock { state, feet, .. } = body;
-        let contacts = &block.contacts;
+        let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);
         pose_block(
             &r.body,
             motion,
@@ -216,11 +224,11 @@ impl CharacterBlock<'_> {
             &layers,
             body_tick,
             state,
-            &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks: level == DetailLevel::Full, feet },
+            &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks, speed: &speed, feet },
             to,
             &mut laps,
         );
-        feet_tick.clear_contacts_off_ground(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
+        feet_tick.clear_contacts_in_air(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
     }
 }
 
@@ -231,6 +239,8 @@ struct CapturedFeet<'a, 't> {
     contacts: &'a [Contacts; LANES],
     /// False leaves planted feet to their clips.
     locks: bool,
+    /// (m/s)
+    speed: &'a Lane,
     feet: &'a mut [FootLock; 2],
 }
 
@@ -243,10 +253,45 @@ impl<F: Lanes> PlantFeet<F> for CapturedFeet<'_, '_> {
         state: &mut BodyState,
         pose: &mut ModelPose<F>,
     ) {
-        let planted = |c: Contacts| self.contacts.map(|have| f32::from(u8::from(have.any(c))));
-        let parts = Contacts::FEET.map(|[heel, toe]| PlantedParts { heel: planted(heel), toe: planted(toe) });
         let sunk = layers.hips_sink(self.body, pose);
-        self.tick.hold_feet(self.body, self.locks, &parts, place, sunk, state, self.feet, pose);
+        let is_raised = state.drop.iter().all(|drop| drop.abs() < NOT_LOWERED_M);
+        if !self.locks && self.tick.is_flat() && sunk.is_none() && is_raised {
+            (state.drop, state.drop_rate) = ([0.0; LANES], [0.0; LANES]);
+            *self.feet = [FootLock::ZERO; 2];
+            return;
+        }
+        let motion = FeetMotion {
+            feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
+            speed: self.speed,
+            knee_rate: F::splat(KNEE_RATE),
+            sunk: sunk.unwrap_or(F::splat(0.0)),
+            lift: place.y - F::load(&state.base),
+        };
+        self.tick.plant_feet(self.body, &motion, place, state, self.feet, pose);
+    }
+}
+
+impl CapturedFeet<'_, '_> {
+    /// One foot as the clip has it. Its position matters as much as the foot is near the ground.
+    #[inline(always)]
+    fn foot_motion<F: Lanes>(&self, side: usize, place: &PlacementLanes<F>, pose: &ModelPose<F>) -> FootMotion<F> {
+        let (zero, one, leg) = (F::splat(0.0), F::splat(1.0), &self.body.legs[side]);
+        let [thigh, _, foot, toe] = LEGS[side].map(Joint::index);
+        let sole = SolePose {
+            ankle: pose.positions[foot] - V::new(zero, place.y, zero),
+            foot: pose.rotations[foot],
+            toe: pose.rotations[toe],
+        };
+        let (heel, ball) = (sole.foot.rotate(load(&leg.heel)).y, sole.foot.rotate(load(&leg.ball)).y);
+        let lowest = sole.ankle.y + heel.min(ball - F::load(&leg.thickness));
+        let [heel, ball] = Contacts::FEET[side];
+        let is_down = |part| self.contacts.map(|c| f32::from(u8::from(self.locks && c.any(part))));
+        FootMotion {
+            sole,
+            contacts: [F::load(&is_down(heel)), F::load(&is_down(ball))],
+            importance: (one - lowest.max(zero) * F::splat(1.0 / MATTERS_BELOW_M)).max(zero),
+            leg: (pose.positions[foot] - pose.positions[thigh]).length(),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Steps against a plain reference, one joint after the other, on made-up tables.
 
 use super::made_up::FRAMES;
-pub(crate) use super::made_up::{curve, tables, tables_with};
+pub(crate) use super::made_up::{curve, standing_tables, tables, tables_with};
 use super::*;
 use crate::bundle::Bundle;
 use crate::format::AlignedBytes;
@@ -150,7 +150,7 @@ fn roots_are_continuous_and_follow_the_segments() {
 #[test]
 fn planted_feet_stay_where_they_are() {
     let r = MotionSet::new(&tables());
-    let foot_lock = FootLockConfig { max_correction_m: 0.3, ..FootLockConfig::default() };
+    let foot_lock = FootLockConfig::default();
     let mut characters =
         Characters::new(&r, CharactersConfig { foot_lock, ..CharactersConfig::default() }, &starts(5)).unwrap();
     let orders = orders(5);

@@ -1,7 +1,7 @@
 //! The state of eight walkers.
 
 use crate::blend::MAX_AXES;
-use crate::body::{BodyState, Lane, Lane3, Lanewise, PlacedFoot, is_share, lanewise_fields, planar_of_lane, set_lane};
+use crate::body::{BodyState, FootLock, Lane, Lane3, Lanewise, is_share, lanewise_fields, planar_of_lane, set_lane};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use glam::Vec3;
@@ -34,7 +34,7 @@ pub(crate) struct WalkerBlock {
     pub placed: Lane,
     pub contacts: [Contacts; LANES],
     /// Left, right.
-    pub feet: [PlacedFoot; 2],
+    pub feet: [FootLock; 2],
     pub body: BodyState,
 }
 
@@ -56,7 +56,7 @@ impl WalkerBlock {
         phase: [0.0; LANES],
         placed: [0.0; LANES],
         contacts: [Contacts::NONE; LANES],
-        feet: [PlacedFoot::ZERO; 2],
+        feet: [FootLock::ZERO; 2],
         body: BodyState::ZERO,
     };
 
@@ -79,7 +79,7 @@ impl WalkerBlock {
         self.aim[lane] = root.heading;
         self.turning[lane] = 0.0;
         self.contacts[lane] = Contacts::NONE;
-        self.feet.copy_lane(lane, &[PlacedFoot::ZERO; 2], lane);
+        self.feet.copy_lane(lane, &[FootLock::ZERO; 2], lane);
         self.body.copy_lane(lane, &BodyState::ZERO, lane);
     }
 }

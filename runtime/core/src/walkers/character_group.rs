@@ -208,7 +208,7 @@ impl WalkersState {
 
 impl Walkers {
     fn kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "walkers", tag: *b"WALK", version: 6, setup: self.setup }
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 7, setup: self.setup }
     }
 
     /// Bodies and poses of all walkers, from the state.

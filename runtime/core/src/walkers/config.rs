@@ -1,10 +1,10 @@
 //! Settings, starts and orders of walkers, and the limits of their numbers.
 
 use crate::blend::MAX_AXES;
-use crate::body::{ARMS, BodyLayers, HandReach, LEGS, ReactionConfig};
+use crate::body::{ARMS, BodyLayers, FootLockConfig, LEGS, ReactionConfig};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, Skeleton};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_range, check_value};
 use throng_base::maths;
@@ -27,13 +27,8 @@ pub struct WalkersConfig {
     /// Least and greatest tempo of the steps relative to the examples, to match strides to the speed of the trajectory
     /// (0.2 to 1, 1 to 5; 1 and 1 keep the blended rates).
     pub tempo: [f32; 2],
-    /// Half-life of the offset of a foot that was planted, once it is in the air (s, > 0).
-    pub foot_half_life_s: f32,
-    /// Largest distance of a planted foot from its position in the examples, before it takes a step (m, of the database
-    /// skeleton, > 0).
-    pub foot_reach_m: f32,
-    /// False leaves the bodies as blended: joint angles alone, feet that slide.
-    pub retarget: bool,
+    /// How planted feet are held, and legs retargeted to the body.
+    pub foot_lock: FootLockConfig,
     /// Effect of pushes, see [`Walkers::push`](super::Walkers::push).
     pub reaction: ReactionConfig,
     /// Also write local transforms.
@@ -49,9 +44,7 @@ impl Default for WalkersConfig {
             heading_half_life_s: 0.12,
             max_turning_rate: 3.0,
             tempo: [0.8, 1.25],
-            foot_half_life_s: 0.08,
-            foot_reach_m: 0.22,
-            retarget: true,
+            foot_lock: FootLockConfig { reach_m: [0.088, 0.22], return_mps: 0.0, ..FootLockConfig::default() },
             reaction: ReactionConfig::default(),
             local_transforms: false,
             instances: false,
@@ -86,22 +79,14 @@ pub struct Control {
     pub turning_rate: Option<f32>,
     /// Values of the style axes, in their order.
     pub style: [f32; MAX_AXES],
-    /// A point in the world that head and neck turn to, and the chest a little, while it lies within 70 degrees to the
-    /// sides and 35 degrees up and down of where the body faces (m).
-    pub look_at: Option<Vec3>,
-    /// Targets of the left and the right hand.
-    pub hands: [Option<HandReach>; 2],
+    /// Gaze, and what hands reach for.
+    pub layers: BodyLayers,
 }
 
 impl Control {
     /// Walks from where the walker is, at a velocity along x and z (m/s).
     pub fn walk(velocity: Vec2) -> Self {
         Self { velocity, ..Self::default() }
-    }
-
-    /// What the body does beside its motion.
-    pub(super) fn layers(&self) -> BodyLayers {
-        BodyLayers { look_at: self.look_at, hands: self.hands }
     }
 
     /// Takes the position at the end of a step that starts at `root`, and continues the turn where no position is
@@ -135,7 +120,7 @@ impl Control {
         ] {
             check_moderate(what, Some(who), got)?;
         }
-        self.layers().check(Some(who))?;
+        self.layers.check(Some(who))?;
         self.style.iter().try_for_each(|&got| check_moderate("style", Some(who), got))
     }
 }
@@ -164,8 +149,7 @@ impl WalkersConfig {
         check_range("tempo[1]", self.tempo[1], 1.0..=5.0, "between 1 and 5")?;
         let rate = self.max_turning_rate;
         check_value("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
-        check_range("foot_half_life_s", self.foot_half_life_s, 1e-3..10.0, "between 0.001 and 10")?;
-        check_range("foot_reach_m", self.foot_reach_m, 0.01..10.0, "between 0.01 and 10")
+        self.foot_lock.check()
     }
 }
 

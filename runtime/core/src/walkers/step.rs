@@ -10,30 +10,20 @@ use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
 use crate::blend::{BlendSpace, BlendedPosture, channel};
 use crate::body::{
-    Bearing, BodyState, BodyTick, DampedSpring, DetailLevel, FootGround, FootOverGround, FootPlacement, HeightField,
-    LEGS, Lane, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PLANE_HALF_LIVES_S,
-    PlacedFoot, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose, about_y, ball_share, drop_spring,
-    follow_ground, is_stretched, keep_planted, load, lower_body, place_foot, planar_of_lane, pose_block, raise_heel,
-    reach_foot, reach_hand, slow_knee, unorm,
+    Bearing, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, HeightField, LEGS, Lane,
+    LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
+    PoseOutput, SolePose, load, planar_of_lane, pose_block, reach_hand, unorm,
 };
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
-use throng_base::maths;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
 use throng_base::thresholds::STEP_TIME_MPS;
 
-/// Time of a step that a foot takes by itself (s, of the database skeleton).
-const STEP_S: f32 = 0.35;
 /// Fastest turn of the knee of a leg in the air where the character stands, and how much faster it is for each m/s: a
 /// sprinter's turns at about 20 rad/s (rad/s, rad/m, of the database skeleton).
 const KNEE_RATE: f32 = 10.0;
 const KNEE_RATE_BY_SPEED: f32 = 1.8;
-/// Share of the reach at which a foot of a character that stands takes a step.
-const STANDING_REACH: f32 = 0.4;
-
-/// Time in which a planted foot's height over the ground halves (s).
-const LANDING_HALF_LIFE_S: f32 = 0.02;
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
 const PLANTED: [f32; 2] = [0.65, 0.35];
 
@@ -43,38 +33,20 @@ pub(crate) struct WalkersTick<'a> {
     config: &'a WalkersConfig,
     steering: WalkerSteering<'a>,
     body: BodyTick<'a>,
+    feet: FeetTick<'a>,
     dt_s: f32,
-    /// Ticks a second; 0 for a tick of no time (1/s).
-    rate: f32,
-    /// Share of a foot's turn in the air that remains after the step.
-    keep: f32,
-    /// Spring by which a foot's offset fades in the air.
-    air: DampedSpring,
-    /// Spring by which a foot comes down to the ground.
-    landing: DampedSpring,
-    /// Spring that lowers the hips.
-    drop: DampedSpring,
-    /// Springs of the ground below feet, in the air and planted.
-    footing: [DampedSpring; 2],
     stage: PerformanceInputs<'a>,
 }
 
 impl<'a> WalkersTick<'a> {
     pub fn new(space: &'a BlendSpace, config: &'a WalkersConfig, dt_s: f32, ground: &'a HeightField) -> Self {
-        let keep = maths::exp2(-dt_s / config.foot_half_life_s);
-        let spring = |half_life_s| DampedSpring::new(dt_s, half_life_s);
         Self {
             space,
             config,
             steering: WalkerSteering::new(space, config, dt_s),
             body: BodyTick::new(ground, &config.reaction, dt_s),
+            feet: FeetTick::new(ground, &config.foot_lock, dt_s),
             dt_s,
-            rate: if dt_s > 0.0 { 1.0 / dt_s } else { 0.0 },
-            keep,
-            air: spring(config.foot_half_life_s),
-            landing: spring(LANDING_HALF_LIFE_S),
-            drop: drop_spring(ground, dt_s),
-            footing: PLANE_HALF_LIVES_S.map(spring),
             stage: PerformanceInputs::new(space.activities(), space.axes(), dt_s),
         }
     }
@@ -149,7 +121,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             }
             if *level != DetailLevel::Full {
                 // Whoever is posed whole later finds its feet anew.
-                block.feet = [PlacedFoot::ZERO; 2];
+                block.feet = [FootLock::ZERO; 2];
                 (block.body.drop, block.body.drop_rate) = ([0.0; LANES], [0.0; LANES]);
             }
             if *level == DetailLevel::Record {
@@ -175,9 +147,9 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let motion = LanePose { root, rotations: postures.rotations };
             let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
             let root = |lane: usize| planar_of_lane(root, lane);
-            let orders = controls[from..from + count].iter().map(Control::layers);
+            let orders = controls[from..from + count].iter().map(|control| control.layers);
             let layers = LayerLanes::new(orders, still, root, &state.base);
-            let has_feet = self.tick.config.retarget && *level == DetailLevel::Full;
+            let has_feet = self.tick.config.foot_lock.enabled && *level == DetailLevel::Full;
             let mut walking =
                 WalkingFeet { has_feet, feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
@@ -279,7 +251,7 @@ fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
 struct WalkingFeet<'a, 't, F> {
     /// False leaves the feet to the joint angles.
     has_feet: bool,
-    feet: &'a mut [PlacedFoot; 2],
+    feet: &'a mut [FootLock; 2],
     contacts: &'a mut [Contacts; LANES],
     /// (m/s)
     speed: &'a Lane,
@@ -304,25 +276,15 @@ impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
             *self.contacts = contacts(t.contacts.map(|c| [standing(c).to_array(); 2]));
             return;
         }
-        let importance = [F::load(&self.importance[0]), F::load(&self.importance[1])];
-        let (left, left_bears) = self.plant_foot(0, importance[0], place, pose);
-        let (right, right_bears) = self.plant_foot(1, importance[1], place, pose);
-        let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
-        for (side, sole) in soles.iter_mut().enumerate() {
-            raise_heel(body, side, sole, &mut bearing[side], pose);
-        }
-        let sunk = layers.hips_sink(body, pose).unwrap_or(F::splat(0.0));
-        lower_body(body, &soles, importance, [&mut state.drop, &mut state.drop_rate], &tick.drop, sunk, pose);
         let pace = F::load(&body.pace);
-        let knee_rate = F::splat(KNEE_RATE) / pace + F::load(self.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace);
-        for (side, sole) in soles.iter_mut().enumerate() {
-            let foot = &mut self.feet[side];
-            let was_seen = F::select_lt(F::load(&foot.bent), F::splat(0.0), F::splat(0.0), F::splat(1.0));
-            let free = (F::splat(1.0) - F::load(&foot.down)) * was_seen;
-            slow_knee(body, side, &mut foot.bent, free, sole, knee_rate * F::splat(tick.dt_s), pose);
-            release_foot(&mut self.feet[side], &mut bearing[side], is_stretched(body, side, sole, pose));
-            reach_foot(body, side, sole, pose);
-        }
+        let motion = FeetMotion {
+            feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
+            speed: self.speed,
+            knee_rate: F::splat(KNEE_RATE) / pace + F::load(self.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace),
+            sunk: layers.hips_sink(body, pose).unwrap_or(F::splat(0.0)),
+            lift: F::splat(0.0),
+        };
+        let bearing = tick.feet.plant_feet(body, &motion, place, state, self.feet, pose);
         for (side, &touch) in t.touches.iter().enumerate() {
             if touch.any_gt(F::splat(0.0)) {
                 let to = pose.positions[0] + t.hands[side] * F::load(&body.arm_scale);
@@ -333,14 +295,25 @@ impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
     }
 }
 
-/// Releases a planted foot that the leg does not reach, so that it takes a step to where it belongs.
-#[inline(always)]
-fn release_foot<F: Lanes>(foot: &mut PlacedFoot, bearing: &mut Bearing, stretched: F) {
-    let (zero, half) = (F::splat(0.0), F::splat(0.5));
-    let let_go = stretched * F::load(&foot.down);
-    foot.step = F::select_lt(half, let_go, zero, F::load(&foot.step)).to_array();
-    for part in bearing {
-        *part = F::select_lt(half, let_go, zero, F::load(part)).to_array();
+impl<F: Lanes> WalkingFeet<'_, '_, F> {
+    /// One foot: the examples' ankle is scaled to the body, and taken in proportion to the importance of its position; the
+    /// joint angles give the rest.
+    #[inline(always)]
+    fn foot_motion(&self, side: usize, place: &PlacementLanes<F>, model: &ModelPose<F>) -> FootMotion<F> {
+        let (body, t, zero, one) = (self.body, self.postures, F::splat(0.0), F::splat(1.0));
+        let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
+        let importance = F::load(&self.importance[side]);
+        let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
+        let scaled = (t.hips + t.ankles[side]) * F::load(&body.scale) + load(&body.legs[side].ankle);
+        let ankle = by_angles + (scaled - by_angles) * importance;
+        let [plants, stays] = PLANTED.map(F::splat);
+        let threshold = plants + (stays - plants) * F::load(&self.feet[side].down);
+        FootMotion {
+            sole: SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] },
+            contacts: [F::select_lt(threshold, t.contacts[side], one, zero); 2],
+            importance,
+            leg: zero,
+        }
     }
 }
 
@@ -352,80 +325,6 @@ fn update_placement<F: Lanes>(block: &mut WalkerBlock, tick: &WalkersTick<'_>) -
     let [x, z, heading] = root;
     let (sin, cos) = F::load(heading).sin_cos8();
     PlacementLanes { x: F::load(x), y: F::load(&state.base), z: F::load(z), sin, cos }
-}
-
-impl<F: Lanes> WalkingFeet<'_, '_, F> {
-    /// Position and bearing parts of one foot.
-    ///
-    /// The examples' ankle is scaled to the body, and taken in proportion to the importance of its position; the joint
-    /// angles give the rest.
-    #[inline(always)]
-    fn plant_foot(
-        &mut self,
-        side: usize,
-        importance: F,
-        place: &PlacementLanes<F>,
-        model: &ModelPose<F>,
-    ) -> (SolePose<F>, Bearing) {
-        let (body, t, tick) = (self.body, self.postures, self.tick);
-        let (zero, one) = (F::splat(0.0), F::splat(1.0));
-        let (leg, scale) = (&body.legs[side], F::load(&body.scale));
-        let [_, _, foot, toe] = LEGS[side].map(|j| j.index());
-        let by_angles = model.positions[foot] - V::new(zero, place.y, zero);
-        let scaled = (t.hips + t.ankles[side]) * scale + load(&leg.ankle);
-        let mut ankle = by_angles + (scaled - by_angles) * importance;
-        let ground = match tick.body.ground.is_flat() {
-            true => FootGround::level(),
-            false => {
-                let turned = model.rotations[foot];
-                let [heel, ball] = [&leg.heel, &leg.ball].map(|part| turned.rotate(load(part)));
-                let spin = about_y(self.feet[side].turn.map(|of| F::load(&of)));
-                let share = ball_share(leg, scale, heel.y, ball.y);
-                let [heel, ball] = [heel, ball].map(|part| spin.rotate(part));
-                let foot = &mut self.feet[side];
-                let over = FootOverGround {
-                    leg,
-                    place,
-                    ankle,
-                    heel,
-                    ball,
-                    share,
-                    offset: load(&foot.offset),
-                    is_down: F::load(&foot.down),
-                    is_new: F::select_lt(F::load(&foot.bent), zero, one, zero),
-                    rate: F::splat(tick.rate),
-                };
-                follow_ground(tick.body.ground, &over, &tick.footing, &mut foot.plane)
-            }
-        };
-        ankle.y = ankle.y + ground.plane[0];
-        let other = &self.feet[1 - side];
-        // A standing walker brings back a foot that is only a little off.
-        let going = (F::load(self.speed) * F::splat(2.0)).min(one);
-        let share = F::splat(STANDING_REACH) + going * F::splat(1.0 - STANDING_REACH);
-        let [plants, stays] = PLANTED.map(F::splat);
-        let threshold = plants + (stays - plants) * F::load(&self.feet[side].down);
-        let placement = FootPlacement {
-            leg,
-            place,
-            scale,
-            ground,
-            contact: F::select_lt(threshold, t.contacts[side], one, zero),
-            importance,
-            dt_s: F::splat(tick.dt_s),
-            rate: F::splat(tick.rate),
-            turn_left: F::splat(tick.keep),
-            air: &tick.air,
-            landing: &tick.landing,
-            step_s: F::splat(STEP_S) * F::load(&body.pace),
-            reach: F::splat(tick.config.foot_reach_m) * share * scale,
-            other_stands: F::select_lt(F::load(&other.step), one, zero, F::load(&other.down)),
-        };
-        let wanted = SolePose { ankle, foot: model.rotations[foot], toe: model.rotations[toe] };
-        let (sole, mut bearing) = place_foot(&placement, &mut self.feet[side], wanted);
-        keep_planted(tick.body.ground, leg, &self.feet[side].plane, &mut bearing);
-        (sole, bearing)
-    }
 }
 
 /// 1 where more than half of the blend has a foot on the ground.

@@ -95,7 +95,7 @@ impl Troop {
         if let Some(ahead) = ahead.filter(|a| a.length_squared() > 1e-4) {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
         }
-        self.controls[row].look_at = at.map(|at| at + Vec3::Y * EYES_M);
+        self.controls[row].layers.look_at = at.map(|at| at + Vec3::Y * EYES_M);
     }
 
     /// Orders the body of a row to stand still at a place (x, z), or to follow its disc again (m, row < number of bodies).
@@ -105,12 +105,12 @@ impl Troop {
 
     /// Ends the reaching of all hands.
     pub fn free_hands(&mut self) {
-        self.controls.iter_mut().for_each(|c| c.hands = [None; 2]);
+        self.controls.iter_mut().for_each(|c| c.layers.hands = [None; 2]);
     }
 
     /// Orders a hand of the body of a row (0 left, 1 right) to reach for something (row < number of bodies).
     pub fn order_reach(&mut self, row: usize, side: usize, reach: HandReach) {
-        self.controls[row].hands[side] = Some(reach);
+        self.controls[row].layers.hands[side] = Some(reach);
     }
 
     /// Orders the body of a row to perform an activity (row < number of bodies).

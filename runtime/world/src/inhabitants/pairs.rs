@@ -310,6 +310,12 @@ impl Inhabitants {
         self.report_parted();
     }
 
+    /// True where the clip of a character has both feet on the ground, whatever step a foot takes by itself.
+    fn stands_in_clip(&self, c: usize) -> bool {
+        let (first, frames) = self.characters.scheduled_clip(c);
+        self.world.motion_set().contacts_at(first, frames).all(BOTH_FEET)
+    }
+
     /// Lets characters that rest after an action of two leave soon, once they have a next goal.
     fn allow_leaving(&mut self, graph: &WorldGraph) {
         for c in 0..self.states.len() {
@@ -323,7 +329,7 @@ impl Inhabitants {
                 self.states[c].leaves_s = None;
             } else if knows
                 && stands_at(graph.place(state.at), self.roots[c])
-                && self.characters.contacts(c).all(BOTH_FEET)
+                && self.stands_in_clip(c)
                 && self.characters.frames_left(c) > 1.0
             {
                 self.characters.shorten_clip(c, self.characters.frames_left(c).fract());
@@ -339,7 +345,7 @@ impl Inhabitants {
             if !state.plays_pair || state.meeting.is_some() || self.characters.frames_left(c) <= 1.0 {
                 continue;
             }
-            if !self.characters.contacts(c).all(BOTH_FEET) {
+            if !self.stands_in_clip(c) {
                 continue;
             }
             let root = self.roots[c];

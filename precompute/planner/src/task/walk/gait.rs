@@ -5,6 +5,7 @@ use crate::task::entries::PaceEntry;
 use glam::{DQuat, DVec2, DVec3};
 use throng_base::{Id, Inline, Result, maths};
 use throng_core::blend::BlendSpace;
+use throng_core::body::BodyLayers;
 use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{CharacterGroup, NUM_JOINTS, Planar};
 use throng_motion::Clip;
@@ -186,11 +187,11 @@ impl WalkRecording {
     fn step_frame(&mut self, mut path: impl FnMut(f64) -> (DVec2, DVec2, f64)) -> Result<()> {
         let from_s = self.time_s();
         let dt_s = 1.0 / (self.clip.rate_hz * self.steps as f64);
-        let look_at = self.gaze_target.map(|p| p.as_vec3());
+        let layers = BodyLayers { look_at: self.gaze_target.map(|p| p.as_vec3()), ..BodyLayers::default() };
         for k in 1..=self.steps {
             let (at, velocity, heading) = path(from_s + k as f64 * dt_s);
             let (position, velocity, heading) = (Some(at.as_vec2()), velocity.as_vec2(), Some(heading as f32));
-            let control = Control { position, velocity, heading, look_at, ..Control::default() };
+            let control = Control { position, velocity, heading, layers, ..Control::default() };
             self.walkers.order(self.who, control)?;
             self.walkers.step(dt_s as f32, &Inline)?;
         }
