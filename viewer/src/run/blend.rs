@@ -74,7 +74,11 @@ impl BlendRun {
         let person = |(i, (size, legs, retarget)): (usize, (f32, f32, bool))| {
             let body = scaled_skeleton(database, size, legs);
             // The point itself is eased; its parameters take effect at once.
-            let config = WalkersConfig { retarget, parameter_half_life_s: 0.0, ..WalkersConfig::default() };
+            let config = {
+                let mut config = WalkersConfig { parameter_half_life_s: 0.0, ..WalkersConfig::default() };
+                config.foot_lock.enabled = retarget;
+                config
+            };
             let side = if i % 2 == 1 { 1.0 } else { -1.0 };
             let aside = Vec2::X * side * BESIDE_M * i.div_ceil(2) as f32;
             let root = Planar::new(place.x + aside.x, place.z + aside.y, place.heading);

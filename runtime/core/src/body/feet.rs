@@ -7,7 +7,7 @@ use super::hierarchy::ModelPose;
 use super::lane_body::LaneBody;
 use super::lanes::{Lane, load};
 use super::placement::PlacementLanes;
-use super::reach::{drop_spring, is_stretched, lower_body, raise_heel, reach_foot, slow_knee};
+use super::reach::{drop_spring, is_stretched, limit_leg_length, lower_body, raise_heel, reach_foot};
 use super::springs::DampedSpring;
 use super::step::BodyState;
 use crate::contacts::Contacts;
@@ -41,7 +41,7 @@ pub struct FootLockConfig {
 
 impl Default for FootLockConfig {
     fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.08, reach_m: [0.3, 0.3], return_mps: 0.004 }
+        Self { enabled: true, half_life_s: 0.08, reach_m: [0.12, 0.3], return_mps: 0.004 }
     }
 }
 
@@ -147,13 +147,14 @@ impl<'a> FeetTick<'a> {
         }
         let importance = [motion.feet[0].importance, motion.feet[1].importance];
         lower_body(body, &soles, importance, legs, state, &self.drop, motion.sunk, pose);
-        for (side, sole) in soles.iter_mut().enumerate() {
+        for (side, sole) in soles.iter().enumerate() {
             let foot = &mut feet[side];
             let free = (one - F::load(&foot.down)) * F::load(&foot.seen);
             foot.seen = [1.0; LANES];
-            slow_knee(body, side, legs[side], &mut foot.bent, free, sole, motion.knee_rate * F::splat(self.dt_s), pose);
+            let change = motion.knee_rate * F::splat(self.dt_s);
+            let distance = limit_leg_length(body, side, legs[side], &mut foot.bent, free, sole, change, pose);
             release_foot(foot, &mut bearing[side], is_stretched(body, side, legs[side], sole, pose));
-            reach_foot(body, side, legs[side], sole, pose);
+            reach_foot(body, side, legs[side], distance, sole, pose);
         }
         bearing
     }

@@ -131,48 +131,46 @@ pub(crate) fn is_stretched<F: Lanes>(
     F::select_lt(reach, distance, F::splat(1.0), F::splat(0.0))
 }
 
-/// Limits the rate of the knee of a leg whose foot is in the air: the foot comes a little later. Where a leg is nearly
-/// straight, a small displacement of the foot turns the knee far.
+/// Length of a leg that reaches for its foot (m). In the air the rate of the knee is limited: the foot comes a little later, since a
+/// small displacement of the foot turns the knee of a nearly straight leg far.
 ///
 /// - `bent`: cosine of half the knee's angle at the last step; then, that of now.
 /// - `free`: 1 where the foot is in the air and was seen before, else 0.
 /// - `change`: largest turn of the knee in this tick (rad).
 #[inline(always)]
-pub(crate) fn slow_knee<F: Lanes>(
+pub(crate) fn limit_leg_length<F: Lanes>(
     body: &LaneBody,
     side: usize,
     natural: F,
     bent: &mut Lane,
     free: F,
-    sole: &mut SolePose<F>,
+    sole: &SolePose<F>,
     change: F,
     pose: &ModelPose<F>,
-) {
+) -> F {
     let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
     let lengths = pair_lengths(&body.legs[side].lengths);
     let (longest, shortest) = (lengths[0] + lengths[1], lengths[0] - lengths[1]);
     let room = longest * longest - shortest * shortest;
     let hip = pose.positions[LEGS[side][0].index()];
-    let offset = sole.ankle - hip;
-    let distance = offset.length().max(F::splat(1e-4));
     // The cosine of half the angle at the knee: 0 where the leg is straight.
-    let reached = soft_distance(distance, lengths, natural);
+    let reached = soft_distance((sole.ankle - hip).length(), lengths, natural);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
     let was = F::load(bent);
     let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
     let slow = was + (aim - was).min(most).max(-most);
     let now = F::select_lt(half, free, slow, aim);
     now.store(bent);
-    let d = (longest * longest - now * now * room).max(zero).sqrt();
-    sole.ankle = sole.ankle + offset * ((d / distance - one) * free);
+    F::select_lt(half, free, (longest * longest - now * now * room).max(zero).sqrt(), reached)
 }
 
-/// Bends a leg so that its foot lies where it goes.
+/// Bends a leg so that its foot lies in the direction of where it goes, at a distance from the hip (m).
 #[inline(always)]
 pub(crate) fn reach_foot<F: Lanes>(
     body: &LaneBody,
     side: usize,
     natural: F,
+    distance: F,
     sole: &SolePose<F>,
     pose: &mut ModelPose<F>,
 ) {
@@ -181,7 +179,7 @@ pub(crate) fn reach_foot<F: Lanes>(
     // Where the leg is straight, it bends towards the toes.
     let bend = F::select_lt(F::splat(0.0), natural, F::splat(0.02), F::splat(0.06));
     let hint = pose.rotations[thigh].rotate(V::splat(Vec3::Z)) * bend;
-    reach_with_limb([thigh, shin, foot], lengths, natural, hint, sole.ankle, pose);
+    reach_with_limb([thigh, shin, foot], lengths, distance, hint, sole.ankle, pose);
     pose.rotations[foot] = sole.foot;
     pose.rotations[toe] = sole.toe;
     pose.positions[toe] = pose.positions[foot] + sole.foot.rotate(load(&body.offsets[toe]));
@@ -197,7 +195,9 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     let hint = pose.rotations[arm[0]].rotate(V::splat(Vec3::NEG_Z * 0.02));
     let hand = pose.positions[arm[2]];
     let before = arm.map(|j| (pose.positions[j], pose.rotations[j]));
-    reach_with_limb(arm, lengths, F::splat(0.0), hint, hand + (to - hand) * touch, pose);
+    let to = hand + (to - hand) * touch;
+    let distance = soft_distance((to - pose.positions[arm[0]]).length(), lengths, F::splat(0.0));
+    reach_with_limb(arm, lengths, distance, hint, to, pose);
     // Arms without a target stay as they are, whatever the other lanes do.
     let zero = F::splat(0.0);
     for (j, (position, rotation)) in arm.into_iter().zip(before) {
@@ -343,24 +343,23 @@ fn pair_lengths<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
     [F::load(&lengths[0]), F::load(&lengths[1])]
 }
 
-/// Turns both parts of a limb so that its end reaches a place, its middle staying in the plane in which the limb bends.
+/// Turns both parts of a limb so that its end lies in the direction of a place, its middle staying in the plane in which the limb
+/// bends.
 ///
-/// - `natural`: length up to which the limb is not softened (m).
+/// - `d`: distance of the end from the start of the limb (m).
 /// - `hint`: where the middle of a straight limb goes (m).
 #[inline(always)]
 fn reach_with_limb<F: Lanes>(
     [upper, lower, end]: [usize; 3],
     lengths: [F; 2],
-    natural: F,
+    d: F,
     hint: V<F>,
     to: V<F>,
     pose: &mut ModelPose<F>,
 ) {
     let (start, middle, was) = (pose.positions[upper], pose.positions[lower], pose.positions[end]);
     let aim = to - start;
-    let distance = aim.length().max(F::splat(1e-4));
-    let direction = aim * (F::splat(1.0) / distance);
-    let d = soft_distance(distance, lengths, natural);
+    let direction = aim * (F::splat(1.0) / aim.length().max(F::splat(1e-4)));
     // The middle turns with the limb: it would point the other way where the end goes past it.
     let pole = Q::shortest_arc(was - start, aim).rotate((middle - start) + hint);
     let new_middle = bent_middle(start, direction, d, lengths, pole);
