@@ -82,9 +82,10 @@ fn characters_config(compiled: &CompiledScene, group: usize) -> CharactersConfig
     let choice = ActionChoice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
     // Opponents are meant to come near each other, until they touch.
-    let pairs_m = (compiled.scene().groups[group].motion == GroupMotion::Sparring).then_some(PAIR_DEPTH_M);
-    let avoid = Some(AvoidConfig { pairs_m, ..AvoidConfig::default() });
-    CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() }
+    let spars = compiled.scene().groups[group].motion == GroupMotion::Sparring;
+    let avoid = Some(AvoidConfig { pairs_m: spars.then_some(PAIR_DEPTH_M), ..AvoidConfig::default() });
+    let config = CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() };
+    if spars { config.with_boxers_feet() } else { config }
 }
 
 /// Depth to which opponents may enter each other's discs. A disc covers the head on all sides of the root, and would keep

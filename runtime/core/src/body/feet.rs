@@ -115,7 +115,7 @@ impl<'a> FeetTick<'a> {
             turn_left: maths::exp2(-dt_s / config.half_life_s),
             air: spring(config.half_life_s),
             landing: spring(LANDING_HALF_LIFE_S),
-            drop: drop_spring(ground, dt_s),
+            drop: drop_spring(dt_s),
             planes: PLANE_HALF_LIVES_S.map(spring),
         }
     }
@@ -137,7 +137,6 @@ impl<'a> FeetTick<'a> {
         feet: &mut [FootLock; 2],
         pose: &mut ModelPose<F>,
     ) -> [Bearing; 2] {
-        let one = F::splat(1.0);
         let (left, left_bears) = self.lock(0, body, motion, place, feet);
         let (right, right_bears) = self.lock(1, body, motion, place, feet);
         let (mut soles, mut bearing) = ([left, right], [left_bears, right_bears]);
@@ -145,14 +144,12 @@ impl<'a> FeetTick<'a> {
         for (side, sole) in soles.iter_mut().enumerate() {
             raise_heel(body, side, legs[side], sole, &mut bearing[side], pose);
         }
-        let importance = [motion.feet[0].importance, motion.feet[1].importance];
-        lower_body(body, &soles, importance, legs, state, &self.drop, motion.sunk, pose);
+        lower_body(body, &soles, motion, state, &self.drop, pose);
+        let change = motion.knee_rate * F::splat(self.dt_s);
         for (side, sole) in soles.iter().enumerate() {
             let foot = &mut feet[side];
-            let free = (one - F::load(&foot.down)) * F::load(&foot.seen);
+            let distance = limit_leg_length(body, side, legs[side], foot, sole, change, pose);
             foot.seen = [1.0; LANES];
-            let change = motion.knee_rate * F::splat(self.dt_s);
-            let distance = limit_leg_length(body, side, legs[side], &mut foot.bent, free, sole, change, pose);
             release_foot(foot, &mut bearing[side], is_stretched(body, side, legs[side], sole, pose));
             reach_foot(body, side, legs[side], distance, sole, pose);
         }

@@ -1,7 +1,7 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
-use super::foot_lock::{Bearing, SolePose};
-use super::ground::HeightField;
+use super::feet::FeetMotion;
+use super::foot_lock::{Bearing, FootLock, SolePose};
 use super::hierarchy::ModelPose;
 use super::lane_body::{ARMS, LEGS, LaneBody};
 use super::lanes::{Lane, load};
@@ -35,40 +35,36 @@ const LIFTED_M: f32 = 0.002;
 /// Furthest that the hips are lowered for legs (m, of the database skeleton).
 const LOWEST_M: f32 = 0.08;
 
-/// Time in which a difference in how far the hips are lowered halves, on flat ground and elsewhere (s).
-const DROP_HALF_LIVES_S: [f32; 2] = [0.03, 0.06];
+/// Time in which a difference in how far the hips are lowered halves (s).
+const DROP_HALF_LIFE_S: f32 = 0.06;
 
 /// Spring by which hips are lowered.
-pub(crate) fn drop_spring(ground: &HeightField, dt_s: f32) -> DampedSpring {
-    DampedSpring::new(dt_s, DROP_HALF_LIVES_S[usize::from(!ground.is_flat())])
+pub(crate) fn drop_spring(dt_s: f32) -> DampedSpring {
+    DampedSpring::new(dt_s, DROP_HALF_LIFE_S)
 }
 
 /// Lowers the whole body so that both legs reach their ankles softly, each as far as its foot's place matters.
 ///
-/// - `legs`: lengths up to which legs are as the motion has them (m).
 /// - `spring`: how a difference to what is needed fades.
-/// - `sunk`: how low hips are at least, for what hands reach for (m).
 #[inline(always)]
 pub(crate) fn lower_body<F: Lanes>(
     body: &LaneBody,
     soles: &[SolePose<F>; 2],
-    importance: [F; 2],
-    legs: [F; 2],
+    motion: &FeetMotion<'_, F>,
     state: &mut BodyState,
     spring: &DampedSpring,
-    sunk: F,
     pose: &mut ModelPose<F>,
 ) {
     let mut drop = F::splat(0.0);
-    for (side, sole) in soles.iter().enumerate() {
-        let reach = natural_reach(&body.legs[side].lengths, legs[side]);
+    for (side, (sole, foot)) in soles.iter().zip(&motion.feet).enumerate() {
+        let reach = natural_reach(&body.legs[side].lengths, foot.leg);
         let hip = pose.positions[LEGS[side][0].index()];
         let offset = hip - sole.ankle;
         let up = (reach * reach - offset.x * offset.x - offset.z * offset.z).max(reach * reach * F::splat(0.1)).sqrt();
         // Whole where the foot stands: half of the blend is enough for that.
-        drop = drop.max((offset.y - up) * (importance[side] + importance[side]).min(F::splat(1.0)));
+        drop = drop.max((offset.y - up) * (foot.importance + foot.importance).min(F::splat(1.0)));
     }
-    let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale)).max(sunk);
+    let drop = drop.min(F::splat(LOWEST_M) * F::load(&body.scale)).max(motion.sunk);
     let (off, rate) = spring.pull_lanes(F::load(&state.drop) - drop, F::load(&state.drop_rate));
     let drop = drop + off;
     (state.drop, state.drop_rate) = (drop.to_array(), rate.to_array());
@@ -134,16 +130,13 @@ pub(crate) fn is_stretched<F: Lanes>(
 /// Length of a leg that reaches for its foot (m). In the air the rate of the knee is limited: the foot comes a little later, since a
 /// small displacement of the foot turns the knee of a nearly straight leg far.
 ///
-/// - `bent`: cosine of half the knee's angle at the last step; then, that of now.
-/// - `free`: 1 where the foot is in the air and was seen before, else 0.
 /// - `change`: largest turn of the knee in this tick (rad).
 #[inline(always)]
 pub(crate) fn limit_leg_length<F: Lanes>(
     body: &LaneBody,
     side: usize,
     natural: F,
-    bent: &mut Lane,
-    free: F,
+    foot: &mut FootLock,
     sole: &SolePose<F>,
     change: F,
     pose: &ModelPose<F>,
@@ -156,11 +149,12 @@ pub(crate) fn limit_leg_length<F: Lanes>(
     // The cosine of half the angle at the knee: 0 where the leg is straight.
     let reached = soft_distance((sole.ankle - hip).length(), lengths, natural);
     let aim = ((longest * longest - reached * reached) / room).max(zero).min(one).sqrt();
-    let was = F::load(bent);
+    let was = F::load(&foot.bent);
+    let free = (one - F::load(&foot.down)) * F::load(&foot.seen);
     let most = half * change * (one - was * was).max(F::splat(0.01)).sqrt();
     let slow = was + (aim - was).min(most).max(-most);
     let now = F::select_lt(half, free, slow, aim);
-    now.store(bent);
+    now.store(&mut foot.bent);
     F::select_lt(half, free, (longest * longest - now * now * room).max(zero).sqrt(), reached)
 }
 

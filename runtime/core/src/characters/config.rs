@@ -66,6 +66,13 @@ impl Default for CharactersConfig {
 }
 
 impl CharactersConfig {
+    /// Lets planted feet be as far from their motion while a body stands as while it moves: boxers shift their weight over feet that
+    /// stay, where others take a step.
+    pub fn with_boxers_feet(mut self) -> Self {
+        self.foot_lock.reach_m[0] = self.foot_lock.reach_m[1];
+        self
+    }
+
     /// Every setting within its limits.
     pub(super) fn check(&self) -> Result<()> {
         check_value(

@@ -119,7 +119,7 @@ impl SparringConfig {
 impl Default for SparringConfig {
     fn default() -> Self {
         Self {
-            characters: CharactersConfig::default(),
+            characters: CharactersConfig::default().with_boxers_feet(),
             body: BodyShape::default(),
             reach_m: 0.06,
             strike_path_m: 0.15,
