@@ -1,7 +1,7 @@
 //! Writes the golden tables of the current format version, which `tests/golden.rs` opens:
 //!
 //! ```text
-//! cargo run --example make_golden -- data/golden/tables_v7.throng
+//! cargo run --example make_golden -- data/golden/tables_v8.throng
 //! ```
 //!
 //! They are made of synthetic motion alone, by the ordinary build. They are written anew when the version is, in place of those of

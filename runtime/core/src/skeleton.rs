@@ -107,6 +107,11 @@ impl Skeleton {
         [LeftShin, LeftFoot, RightShin, RightFoot].iter().map(|j| self.offsets[j.index()].length()).sum::<f32>() * 0.5
     }
 
+    /// Height of the top of the head in the rest pose (m).
+    pub fn height(&self) -> f32 {
+        self.rest_positions()[Joint::Head.index()].y + self.tips[0].y
+    }
+
     /// Factor and offset that put the hips of a database's motion on this body: their height is scaled, then the offset
     /// is added, so that both stand on the ground (factor, m).
     pub fn hips_over(&self, database: &Self) -> [f32; 2] {

@@ -12,7 +12,7 @@ use throng_motion::raw::RawClip;
 use throng_world::{PathCosts, WorldGraph, made_up_floor};
 
 /// A bundle with a blend space.
-pub(super) const BLENDED: &[u8] = include_bytes!("../../../../data/golden/tables_v7.throng");
+pub(super) const BLENDED: &[u8] = include_bytes!("../../../../data/golden/tables_v8.throng");
 /// Unit objects.
 pub(super) const UNITS: &str = include_str!("../../../../data/units/playground.toml");
 

@@ -11,7 +11,7 @@ pub(super) use patches::{patches, pose_groups};
 pub(super) use stops::stops;
 
 use super::{Bundle, tags};
-use crate::format::{FormatError, FrameRow, SectionTag};
+use crate::format::{ClassSpan, FormatError, FrameRow, SectionTag};
 use crate::planar::{Planar, wrap_angle};
 use crate::policy::ActionTable;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
@@ -90,6 +90,17 @@ pub(super) fn motion(t: &Bundle) -> Result<(), FormatError> {
     }
     let error = || FormatError::layout(format!("clips hold {next} frames, there are {num_frames}"));
     ensure(next == num_frames as u64, error)?;
+    for (i, c) in t.clips().iter().enumerate() {
+        let mut from = 0;
+        let follows = |s: &ClassSpan| {
+            let follows = s.frames.start == from && s.frames.start < s.frames.end;
+            from = s.frames.end;
+            follows && s.speed_mps.is_finite() && s.travel_deg.is_finite()
+        };
+        let spans = &t.meta().clips[i].classes;
+        let tile = spans.iter().all(follows) && (spans.is_empty() || from == c.num_frames);
+        ensure(tile, || FormatError::layout(format!("META's classes of clip {i} do not tile its frames")))?;
+    }
     let code = t.rotation_code();
     refuse(tags::ROTATION_CODE, code.joints.iter().position(|c| !c.is_sound()), "its field cannot be")?;
     let is_good = |row: &FrameRow| {

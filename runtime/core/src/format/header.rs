@@ -7,7 +7,7 @@ use std::ops::Range;
 /// First bytes of every bundle.
 pub const MAGIC: [u8; 8] = *b"\x89THRONG\n";
 /// The version this code writes and reads.
-pub const VERSION: u32 = 7;
+pub const VERSION: u32 = 8;
 
 /// Kind of a file that has the frame of a bundle.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! The META section: names, units, provenance, configuration; the only part of a bundle that is decoded, not viewed.
 
-use super::FormatError;
+use super::{ClassSpan, FormatError};
 use crate::hits::KIND_NAMES;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,8 @@ use throng_base::error::ensure;
 const LIMIT: usize = 64 << 20;
 /// Most bytes of META: a byte of it takes up to 24 of memory (bytes).
 const MOST_META: usize = 16 << 20;
+/// Name of the tag on frames that a build has made, as no clip had such motion.
+pub const MADE_TAG: &str = "made";
 /// Lowest and highest frame rate of a bundle: within it, a step plays a bounded number of segments (Hz).
 const RATES_HZ: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
@@ -74,6 +76,8 @@ pub struct ClipMeta {
     pub tags: Vec<(String, u32, u32)>,
     /// Runs of frames that are left out and why: reason, first frame, frame after the last.
     pub excluded: Vec<(String, u32, u32)>,
+    /// Class of motion of every frame: spans in order.
+    pub classes: Vec<ClassSpan>,
 }
 
 /// A motion patch: its name and the units it consists of.

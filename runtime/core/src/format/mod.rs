@@ -13,6 +13,7 @@
 //! - 5: frame rows of 96 bytes, whose rotations are packed as a section of its own says.
 //! - 6: stop tables. META may be followed by a list of activities, where there are any.
 //! - 7: activities say when hands hold a thing; links and pairs of links that two people play together.
+//! - 8: clips say of every frame what class of motion it is.
 
 #[cfg(not(target_endian = "little"))]
 compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
@@ -21,6 +22,7 @@ mod error;
 mod header;
 mod layout;
 mod meta;
+mod motion_class;
 mod records;
 mod rotation_code;
 mod storage;
@@ -30,7 +32,8 @@ mod writer;
 pub use error::FormatError;
 pub use header::{ALIGN, FileHeader, FileKind, MAGIC, SectionEntry, SectionTag, VERSION};
 pub use layout::SectionLayout;
-pub use meta::{ActivityMeta, BlendMeta, ClipMeta, Meta, PatchMeta, SourceMeta, decode, encode};
+pub use meta::{ActivityMeta, BlendMeta, ClipMeta, MADE_TAG, Meta, PatchMeta, SourceMeta, decode, encode};
+pub use motion_class::{ClassSpan, Gait, MotionClass, Posture};
 pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
 pub use rotation_code::{JointCode, RotationCode};
 pub use storage::{AlignedBytes, FileStorage};
