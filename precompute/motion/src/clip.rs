@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_core::format::{ClassSpan, MADE_TAG, MotionClass};
 use throng_core::hits::KIND_NAMES;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 
@@ -119,6 +120,8 @@ pub struct Clip {
     pub tags: Vec<ClipTag>,
     /// Effective hits, ascending by frame; empty before the annotate stage.
     pub hits: Vec<ClipHit>,
+    /// Class of motion of every frame: spans in order, without gaps; empty before the annotate stage.
+    pub classes: Vec<ClassSpan>,
     /// Height of the support under the character: the lowest thing that a planted part touches, between contacts that of the
     /// last one. Empty where all of it is the ground at y = 0 (m, num_frames or 0).
     #[serde(with = "crate::pod")]
@@ -142,6 +145,7 @@ impl Clip {
             excluded: Vec::new(),
             tags: Vec::new(),
             hits: Vec::new(),
+            classes: Vec::new(),
             support: Vec::new(),
         }
     }
@@ -177,6 +181,11 @@ impl Clip {
         &self.rotations[frame * NUM_JOINTS..(frame + 1) * NUM_JOINTS]
     }
 
+    /// True if a build has made the clip, and nobody has captured it.
+    pub fn is_made(&self) -> bool {
+        self.tags.iter().any(|t| t.name == MADE_TAG)
+    }
+
     /// Planar part of the root at one frame; the heading is in (-pi, pi].
     pub fn planar(&self, frame: usize) -> Planar {
         Planar::split(self.root_positions[frame], self.hips_rotation(frame)).0
@@ -191,6 +200,16 @@ impl Clip {
     pub fn joint_transforms(&self, skeleton: &Skeleton, frame: usize) -> [(Vec3, Quat); NUM_JOINTS] {
         let local = self.frame_rotations(frame);
         joint_transforms(skeleton, self.root_positions[frame], |j| local[j])
+    }
+
+    /// Span of the class of a frame; `None` before the annotate stage.
+    pub fn span_at(&self, frame: usize) -> Option<&ClassSpan> {
+        self.classes.get(self.classes.partition_point(|s| s.frames.end as usize <= frame))
+    }
+
+    /// Class of motion of a frame; `None` before the annotate stage.
+    pub fn class_at(&self, frame: usize) -> Option<&MotionClass> {
+        self.span_at(frame).map(|s| &s.class)
     }
 
     /// True where the frame may be used.

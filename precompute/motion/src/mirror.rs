@@ -2,6 +2,7 @@
 
 use crate::clip::{Clip, ClipHit, ClipTag};
 use glam::{Quat, Vec3};
+use throng_core::format::ClassSpan;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 
 /// Suffix of the name of a mirrored copy.
@@ -31,6 +32,7 @@ pub fn mirror_clip(clip: &Clip) -> Clip {
         excluded: clip.excluded.clone(),
         tags: mirror_tags(&clip.tags),
         hits: clip.hits.iter().map(mirror_hit).collect(),
+        classes: clip.classes.iter().map(mirror_span).collect(),
         support: clip.support.clone(),
     }
 }
@@ -44,6 +46,11 @@ pub fn mirror_hit(hit: &ClipHit) -> ClipHit {
         direction: hit.direction * flip,
         ..hit.clone()
     }
+}
+
+/// The span of the mirrored clip.
+pub fn mirror_span(span: &ClassSpan) -> ClassSpan {
+    ClassSpan { travel_deg: -span.travel_deg, ..span.clone() }
 }
 
 /// The tags of the mirrored clip: the words `left` and `right` in their names change places.

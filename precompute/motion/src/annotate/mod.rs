@@ -1,5 +1,6 @@
-//! Annotations of clips: foot contacts, effective hits, unusable frames, names of ranges.
+//! Annotations of clips: foot contacts, effective hits, unusable frames, names of ranges, classes of motion.
 
+pub mod classes;
 pub mod contacts;
 mod ends;
 pub mod hits;
@@ -9,6 +10,7 @@ pub mod sidecar;
 use crate::clip::{Clip, ClipSet, Exclusion};
 use crate::error::Result;
 use crate::mirror;
+use classes::NameHints;
 pub use contacts::{ContactConfig, GroundShape};
 pub use ends::EndsConfig;
 pub use hits::HitConfig;
@@ -43,7 +45,7 @@ impl AnnotateConfig {
     }
 }
 
-/// Finds foot contacts, unusable ends and effective hits of every clip, and adds what the sidecars mark.
+/// Finds foot contacts, unusable ends, classes and effective hits of every clip, and adds what the sidecars mark.
 ///
 /// Exclusions and tags that clips already have are kept. A mirrored copy that follows its original gets the original's
 /// annotations, sides exchanged.
@@ -67,6 +69,7 @@ pub fn annotate(clips: &ClipSet, cfg: &AnnotateConfig, sidecars: &Sidecars) -> R
                 excluded: o.excluded.clone(),
                 tags: mirror::mirror_tags(&o.tags),
                 hits: o.hits.iter().map(mirror::mirror_hit).collect(),
+                classes: o.classes.iter().map(mirror::mirror_span).collect(),
                 ..clip
             },
             None if clip.mirrored => annotated(&clip)?,
@@ -87,6 +90,7 @@ fn annotate_clip(clip: &Clip, skeleton: &Skeleton, cfg: &AnnotateConfig, sidecar
     excluded.extend(marked.excluded);
     out.tags.extend(marked.tags);
     out.excluded = disjoint(excluded);
+    out.classes = classes::classify(clip, skeleton, &NameHints::new(&clip.name, &clip.source));
     out.hits = hits::find_hits(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
     Ok(out)
 }

@@ -10,10 +10,11 @@ use crate::raw::RawClip;
 
 /// Warns of walks on the spot, of steps that are too fast, and of noise.
 ///
-/// - `clip`: in metres, Y up, its glitches mended.
-pub(super) fn warn_of_oddities(clip: &RawClip, roles: &RoleMap, warnings: &mut Warnings) {
+/// - `clip`: in metres, Y up, its glitches mended; a walk on the spot gets root motion.
+/// - `root_motion`: false leaves it on the spot.
+pub(super) fn treat_oddities(clip: &mut RawClip, roles: &RoleMap, root_motion: bool, warnings: &mut Warnings) {
     let found = [
-        in_place::find_walk_in_place(clip, roles),
+        in_place::give_root_motion(clip, roles, root_motion),
         cadence::find_fast_steps(clip, roles),
         noise::find_noise(clip, roles),
     ];

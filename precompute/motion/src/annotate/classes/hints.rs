@@ -1,0 +1,149 @@
+//! Words in the names of files and folders that say how somebody moves.
+
+use std::path::Path;
+
+/// Manners that names give, as they are written.
+const MANNERS: [&str; 48] = [
+    "active",
+    "afraid",
+    "aggressive",
+    "angry",
+    "bored",
+    "catwalk",
+    "chicken",
+    "childish",
+    "childlike",
+    "chimpira",
+    "cool",
+    "confident",
+    "depressed",
+    "drunk",
+    "elated",
+    "elderly",
+    "excited",
+    "exhausted",
+    "feminine",
+    "giant",
+    "happy",
+    "heavy",
+    "injured",
+    "joyful",
+    "lazy",
+    "limping",
+    "macho",
+    "masculine",
+    "masculinity",
+    "monk",
+    "musical",
+    "nervous",
+    "old",
+    "proud",
+    "robot",
+    "sad",
+    "scared",
+    "sexy",
+    "shy",
+    "strutting",
+    "stylish",
+    "surprised",
+    "swagger",
+    "tired",
+    "wild",
+    "young",
+    "youthful",
+    "zombie",
+];
+/// Manners that are none.
+const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
+
+/// Hints of a name.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+pub struct NameHints {
+    /// Walks.
+    pub walk: bool,
+    /// Runs, jogs or dashes.
+    pub run: bool,
+    /// Goes by stealth.
+    pub sneak: bool,
+    /// Goes sideways.
+    pub side: bool,
+    /// Crouches, squats or kneels.
+    pub crouch: bool,
+    /// Sits.
+    pub seat: bool,
+    /// Carries a load.
+    pub carry: bool,
+    /// Idles or stands.
+    pub idle: bool,
+    /// The manner: empty where the name says that it is none, `None` where it says nothing.
+    pub manner: Option<String>,
+}
+
+impl NameHints {
+    /// Hints of a clip's name, and of its file and the folder in which it lies.
+    pub fn new(name: &str, source: &str) -> Self {
+        let parts: Vec<_> = Path::new(source).iter().rev().take(2).map(|p| p.to_string_lossy().into_owned()).collect();
+        // The last word of a file is its extension.
+        let file = parts.first().map_or("", |p| p.rsplit_once('.').map_or(&**p, |(stem, _)| stem));
+        let folder = parts.get(1).map_or("", String::as_str);
+        let words = words(&[folder, file, name].join("/"));
+        let any = |stems: &[&str]| words.iter().any(|w| stems.iter().any(|s| w.starts_with(s)));
+        let exactly = |all: &[&str]| words.iter().any(|w| all.contains(&w.as_str()));
+        Self {
+            walk: any(&["walk", "stroll", "march"]),
+            run: any(&["run", "jog", "dash", "sprint"]),
+            sneak: any(&["sneak", "stealth", "tiptoe", "creep"]),
+            side: any(&["strafe", "strafing", "sideways", "sidestep", "crab"]),
+            crouch: any(&["crouch", "squat", "kneel", "duck"]),
+            seat: any(&["sit", "seat", "chair"]),
+            carry: any(&["carry", "carries", "carried"]) || exactly(&["hold", "holding"]),
+            idle: any(&["idle", "idling", "stand"]) || exactly(&["rest", "wait", "waiting"]),
+            manner: manner(&words),
+        }
+    }
+}
+
+/// The last manner of the words: names go from the general to the particular.
+fn manner(words: &[String]) -> Option<String> {
+    let at = words.iter().rposition(|w| MANNERS.contains(&w.as_str()) || NO_MANNER.contains(&w.as_str()))?;
+    let is_not = at > 0 && words[at - 1] == "not";
+    match &words[at] {
+        word if NO_MANNER.contains(&word.as_str()) => Some(String::new()),
+        word if is_not => Some(format!("not-{word}")),
+        word => Some(word.clone()),
+    }
+}
+
+/// The words of a name, in small letters: `Idle_03` and `WalkBack` are `idle`, `walk`, `back`.
+fn words(name: &str) -> Vec<String> {
+    let mut out = vec![String::new()];
+    let mut was_small = false;
+    for c in name.chars() {
+        if !c.is_alphabetic() || was_small && c.is_uppercase() {
+            out.push(String::new());
+        }
+        was_small = c.is_lowercase();
+        if let (true, Some(last)) = (c.is_alphabetic(), out.last_mut()) {
+            last.extend(c.to_lowercase());
+        }
+    }
+    out.retain(|w| !w.is_empty());
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_files_and_folders_say_how_somebody_moves() {
+        let hints = |source: &str| NameHints::new("", source);
+        assert!(hints("/home/runner/library/walks/03.bvh").walk && !hints("/home/runner/library/walks/03.bvh").run);
+        assert!(hints("Idle_03.fbx").idle && hints("a/CarryBox.fbx").carry && hints("x/jog-02.bvh").run);
+        assert!(hints("strafe_left.bvh").side && hints("sit/12.bvh").seat && !hints("position.bvh").seat);
+        let manner = |source: &str| hints(source).manner;
+        assert_eq!(manner("dataset-1_walk_not-confident_001.bvh").as_deref(), Some("not-confident"));
+        assert_eq!(manner("happy/walk_sad2.bvh").as_deref(), Some("sad"));
+        assert_eq!((manner("walk_normal.bvh").as_deref(), manner("walk.bvh")), (Some(""), None));
+    }
+}
