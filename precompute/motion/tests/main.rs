@@ -1,6 +1,7 @@
 //! Promises of reading and writing motion, one module each.
 
 mod blows;
+mod classes;
 mod feet;
 mod glitches;
 #[path = "../../../tests/common/mocap.rs"]

@@ -122,11 +122,18 @@ pub(crate) mod tests {
         let worn = StiffMesh::from_figure(&figure, &skeleton).expect("a mesh");
         let all: usize = worn.pieces.iter().map(|(_, mesh)| mesh.corners().len()).sum();
         assert_eq!(all, figure.surface().indices.len() / 3);
-        // At rest every corner is one of the figure's.
+        // At rest every corner is one of the figure's, whose soles are laid onto the ground.
         let (rest, corners) = (skeleton.rest_positions(), figure.rest_corners());
+        let lowest = |heights: &mut dyn Iterator<Item = f32>| heights.fold(f32::INFINITY, f32::min);
+        let worn_heights = worn
+            .pieces
+            .iter()
+            .map(|(joint, mesh)| lowest(&mut mesh.corners().iter().flatten().map(|c| c.y + rest[joint.index()].y)));
+        let lift = lowest(&mut worn_heights.into_iter()) - lowest(&mut corners.iter().map(|c| c.y));
+        assert!(lift.abs() < 0.01, "{lift}");
         for (joint, mesh) in &worn.pieces {
             for corner in mesh.corners().iter().flatten().step_by(17) {
-                let at = *corner + rest[joint.index()];
+                let at = *corner + rest[joint.index()] - glam::Vec3::Y * lift;
                 let nearest = corners.iter().map(|c| c.distance(at)).fold(f32::INFINITY, f32::min);
                 assert!(nearest < 1e-4, "{} {nearest}", joint.name());
             }

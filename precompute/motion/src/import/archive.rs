@@ -1,4 +1,5 @@
-//! Files in `.zip` archives, which are named as if the archive were a folder: `clips.zip/walk/slow.bvh`.
+//! Files in `.zip` archives, which are named as if the archive were a folder: `clips.zip/walk/slow.bvh`. An archive may lie in
+//! another one, but no third one in that.
 
 use super::files::has_extension;
 use super::source::content_error;
@@ -17,7 +18,14 @@ pub const EXTENSION: &str = "zip";
 
 /// The archive that a path leads into, and the file in it; `None` where it leads into none.
 pub fn split(path: &Path) -> Option<(PathBuf, String)> {
-    split_at(path, |a| has_extension(a, EXTENSION) && a.is_file())
+    split_at(path, |a| has_extension(a, EXTENSION) && (a.is_file() || is_inner_archive(a)))
+}
+
+/// True for an archive in an archive on the disk.
+fn is_inner_archive(path: &Path) -> bool {
+    let is_outer = |a: &Path| has_extension(a, EXTENSION) && a.is_file();
+    let holds = |(outer, member): (PathBuf, String)| open(&outer).is_ok_and(|z| z.index_for_name(&member).is_some());
+    split_at(path, is_outer).is_some_and(holds)
 }
 
 /// The file that is used as a folder in a path, and the rest of the path behind it, with `/`.
@@ -84,14 +92,36 @@ pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -
         // The file may grow while it is read.
         return std::io::copy(&mut file.take(max_bytes), out).map(|_| ()).map_err(failed);
     };
-    let mut zip = open(&archive)?;
-    let found = zip.by_name(&member).map_err(|e| {
+    // The length that an archive names need not be true. Motion is packed to about a tenth, numbers that repeat to a hundredth.
+    let limits = PackedLimits { max_bytes, a_byte: MOST_PACKED, free: 64 << 20 };
+    copy_member(open(&archive)?, &member, path, what, limits, out)
+}
+
+/// Most bytes that a file of an archive may have.
+struct PackedLimits {
+    max_bytes: u64,
+    /// For each byte that it takes in the archive.
+    a_byte: u64,
+    /// Beyond these (bytes).
+    free: u64,
+}
+
+/// Writes a file of an archive.
+fn copy_member(
+    mut zip: ZipArchive<SharedArchive>,
+    member: &str,
+    path: &Path,
+    what: &str,
+    limits: PackedLimits,
+    out: &mut dyn Write,
+) -> Result<(), ImportError> {
+    let found = zip.by_name(member).map_err(|e| {
         let help = "Write the archive anew, with ordinary compression and without a password";
         content_error(path, format!("it cannot be read from its archive: {e}"), help)
     })?;
-    // The length that an archive names need not be true. Motion is packed to about a tenth, numbers that repeat to a hundredth.
     let packed = found.compressed_size();
-    let most = max_bytes.min(packed.saturating_mul(MOST_PACKED).saturating_add(64 << 20));
+    let most = limits.max_bytes.min(packed.saturating_mul(limits.a_byte).saturating_add(limits.free));
+    let failed = |source| ImportError::Io { path: path.to_path_buf(), source };
     let copied = std::io::copy(&mut found.take(most + 1), out).map_err(failed)?;
     if copied > most {
         let mb = |bytes: u64| bytes as f64 / 1e6;
@@ -105,24 +135,34 @@ pub fn copy_file(path: &Path, what: &str, max_bytes: u64, out: &mut dyn Write) -
     Ok(())
 }
 
-/// An archive file that several readers share.
+/// An archive that several readers share.
 #[derive(Clone)]
 struct SharedArchive {
-    file: Arc<File>,
+    bytes: ArchiveBytes,
     length: u64,
     at: u64,
 }
 
+/// The bytes of an archive: in a file, or in memory where it lies in another archive.
+#[derive(Clone)]
+enum ArchiveBytes {
+    File(Arc<File>),
+    Memory(Arc<[u8]>),
+}
+
 impl Read for SharedArchive {
     fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
-        #[cfg(unix)]
-        let read = std::os::unix::fs::FileExt::read_at(&*self.file, out, self.at)?;
-        #[cfg(windows)]
-        let read = std::os::windows::fs::FileExt::seek_read(&*self.file, out, self.at)?;
-        #[cfg(not(any(unix, windows)))]
-        let read = {
-            (&*self.file).seek(SeekFrom::Start(self.at))?;
-            (&*self.file).read(out)?
+        let read = match &self.bytes {
+            ArchiveBytes::Memory(bytes) => bytes.get(self.at as usize..).unwrap_or_default().read(out)?,
+            #[cfg(unix)]
+            ArchiveBytes::File(file) => std::os::unix::fs::FileExt::read_at(&**file, out, self.at)?,
+            #[cfg(windows)]
+            ArchiveBytes::File(file) => std::os::windows::fs::FileExt::seek_read(&**file, out, self.at)?,
+            #[cfg(not(any(unix, windows)))]
+            ArchiveBytes::File(file) => {
+                (&**file).seek(SeekFrom::Start(self.at))?;
+                (&**file).read(out)?
+            }
         };
         self.at += read as u64;
         Ok(read)
@@ -156,6 +196,10 @@ struct LastArchive {
 const MOST_PACKED: u64 = 200;
 /// Bytes of a file that count for each byte that it takes in an archive, beyond 64 KiB. Motion is packed to about a tenth.
 const COUNTED_PER_PACKED: u64 = 32;
+/// Most bytes of an archive in another one for each byte that it takes there, beyond 1 MiB: it is packed already.
+const MOST_PACKED_TWICE: u64 = 4;
+/// Longest archive in another one (bytes): it is held in memory.
+const MAX_INNER_BYTES: u64 = 1 << 30;
 /// Length of the end of an archive that is compared (bytes).
 const TAIL: u64 = 32 << 10;
 /// Most files of an archive.
@@ -163,17 +207,36 @@ const MAX_MEMBERS: usize = 100_000;
 
 fn open(archive: &Path) -> Result<ZipArchive<SharedArchive>, ImportError> {
     static LAST: Mutex<Option<LastArchive>> = Mutex::new(None);
-    let (file, length) = open_file(archive, "an archive", MAX_BUNDLE_BYTES).map_err(plain)?;
+    static LAST_INNER: Mutex<Option<LastArchive>> = Mutex::new(None);
+    let is_outer = |a: &Path| has_extension(a, EXTENSION) && a.is_file();
+    let inner = (!archive.is_file()).then(|| split_at(archive, is_outer)).flatten();
+    let on_disk = inner.as_ref().map_or(archive, |(outer, _)| outer);
+    let (file, length) = open_file(on_disk, "an archive", MAX_BUNDLE_BYTES).map_err(plain)?;
     let written = file.metadata().and_then(|m| m.modified()).ok();
-    let (file, mut tail) =
-        (SharedArchive { file: Arc::new(file), length, at: length.saturating_sub(TAIL) }, Vec::new());
-    let read = file.clone().take(TAIL).read_to_end(&mut tail);
+    let mut tail = Vec::new();
+    let bytes = ArchiveBytes::File(Arc::new(file));
+    let mut shared = SharedArchive { bytes, length, at: length.saturating_sub(TAIL) };
+    let read = shared.clone().take(TAIL).read_to_end(&mut tail);
     read.map_err(|source| ImportError::Io { path: archive.to_path_buf(), source })?;
-    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    let last = if inner.is_some() { &LAST_INNER } else { &LAST };
+    let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
     let is_same = |l: &&LastArchive| l.path == archive && l.length == length && l.written == written && l.tail == tail;
     if let Some(last) = last.as_ref().filter(is_same) {
         return Ok(last.zip.clone());
     }
+    if let Some((outer, member)) = &inner {
+        let mut bytes = Vec::new();
+        let limits = PackedLimits { max_bytes: MAX_INNER_BYTES, a_byte: MOST_PACKED_TWICE, free: 1 << 20 };
+        copy_member(open(outer)?, member, archive, "an archive", limits, &mut bytes)?;
+        shared = SharedArchive { length: bytes.len() as u64, at: 0, bytes: ArchiveBytes::Memory(bytes.into()) };
+    }
+    let zip = check_archive(archive, shared)?;
+    *last = Some(LastArchive { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
+    Ok(zip)
+}
+
+/// Reads the list of an archive, and checks it.
+fn check_archive(archive: &Path, file: SharedArchive) -> Result<ZipArchive<SharedArchive>, ImportError> {
     let mut zip = ZipArchive::new(file).map_err(|e| {
         let help = "Unpack it, or write it anew as an ordinary .zip archive";
         content_error(archive, format!("it is no archive that can be read: {e}"), help)
@@ -194,7 +257,6 @@ fn open(archive: &Path) -> Result<ZipArchive<SharedArchive>, ImportError> {
         let message = "two of its files lie in the same place".to_owned();
         return Err(content_error(archive, message, "Unpack it, or write it anew as an ordinary .zip archive"));
     }
-    *last = Some(LastArchive { path: archive.to_path_buf(), length, written, tail, zip: zip.clone() });
     Ok(zip)
 }
 

@@ -39,8 +39,13 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let hierarchy = read_hierarchy(&mut scan)?;
     let num_frames = read_frame_count(&mut scan)?;
     let (rate_hz, finding) = read_frame_time(&mut scan)?;
-    let warnings = duplicate_names(&hierarchy.joints, path);
+    let mut warnings = duplicate_names(&hierarchy.joints, path);
     let frames = read_frames(&mut scan, hierarchy, num_frames)?;
+    let read = frames.num_frames();
+    if read as u64 != num_frames {
+        let (path, rows) = (path.display(), if read as u64 > num_frames { "one row more" } else { "one row less" });
+        warnings.push(format!("{path}: it has {rows} than the {num_frames} of `Frames:`; {read} are read."));
+    }
     Ok(SourceClip {
         clip: frames.into_clip(path, SourceFormat::Bvh, rate_hz),
         declared_metres_per_unit: None,
@@ -190,11 +195,14 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
     if num_channels == 0 {
         return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));
     }
-    for frame in 0..num_frames {
-        let expected = |what: &str| format!("{what} of frame {} of {num_frames}", frame + 1);
-        if !scan.skip_space() {
-            return Err(scan.error(scan.position(), &expected("the line"), HELP_MOTION));
+    let mut frame = 0;
+    while scan.skip_space() {
+        if frame > num_frames {
+            let expected = format!("the end of the file after {num_frames} frames");
+            return Err(scan.error(scan.position(), &expected, "Correct the number after `Frames:`."));
         }
+        frame += 1;
+        let expected = |what: &str| format!("{what} of frame {frame} of {num_frames}");
         sink.begin_frame();
         for (k, channel) in h.channels.iter().enumerate() {
             let of_channel = |e| with_expectation(e, expected(&format!("number {} of {num_channels}", k + 1)));
@@ -206,11 +214,14 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
             return Err(content_error(scan.path(), message, "Remove the joints that do not move"));
         }
     }
-    if scan.skip_space() {
-        let expected = format!("the end of the file after {num_frames} frames");
-        return Err(scan.error(scan.position(), &expected, "Correct the number after `Frames:`."));
+    // Writers count the first or the last frame twice, or not at all.
+    match frame + 1 >= num_frames && frame > 0 {
+        true => Ok(sink),
+        false => {
+            let expected = format!("the line of frame {} of {num_frames}", frame + 1);
+            Err(scan.error(scan.position(), &expected, HELP_MOTION))
+        }
     }
-    Ok(sink)
 }
 
 fn with_expectation(error: ImportError, what: String) -> ImportError {
@@ -246,6 +257,23 @@ mod tests {
         assert!(parse(MAX_NAME).is_ok());
         let e = parse(MAX_NAME + 1).unwrap_err().to_string();
         assert!(e.starts_with("a.bvh:1:16: expected a name of at most 1024 bytes, found `nnn") && e.len() < 200, "{e}");
+    }
+
+    #[test]
+    fn a_row_more_or_less_than_was_announced_is_read_with_a_warning() {
+        let parse = |announced: usize| {
+            let text = "HIERARCHY ROOT a { OFFSET 0 0 0 CHANNELS 1 Xposition } MOTION\nFrames: ";
+            parse(format!("{text}{announced}\nFrame Time: 0.1\n0\n1\n2\n").as_bytes(), Path::new("a.bvh"))
+        };
+        let read =
+            |announced| parse(announced).map(|s| (s.clip.num_frames, s.warnings.messages)).map_err(|e| e.to_string());
+        assert_eq!(read(3), Ok((3, Vec::new())));
+        let more = "a.bvh: it has one row more than the 2 of `Frames:`; 3 are read.".to_owned();
+        assert_eq!(read(2), Ok((3, vec![more])));
+        let less = "a.bvh: it has one row less than the 4 of `Frames:`; 3 are read.".to_owned();
+        assert_eq!(read(4), Ok((3, vec![less])));
+        assert!(read(1).unwrap_err().contains("expected the end of the file after 1 frames"));
+        assert!(read(5).unwrap_err().contains("expected the line of frame 4 of 5"));
     }
 
     #[test]

@@ -55,7 +55,7 @@ impl Forward {
 }
 
 /// Settings that override what import detects, and the treatment of faults.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportConfig {
     /// Length of one unit of the files; detected where absent (m, 1e-6 to 1e6).
@@ -75,8 +75,27 @@ pub struct ImportConfig {
     pub profiles: Vec<PathBuf>,
     /// Treatment of frames that are no motion: pops, jumps, flips, freezes, drop-outs. A warning reports each of them.
     pub glitches: Glitches,
+    /// True: walks on the spot get root motion from their planted feet. False: they stay there, and slide.
+    pub root_motion: bool,
     /// True: one bad file stops the build. False: it is named, skipped and counted.
     pub strict: bool,
+}
+
+impl Default for ImportConfig {
+    fn default() -> Self {
+        Self {
+            metres_per_unit: None,
+            up: None,
+            forward: None,
+            rate_hz: None,
+            asf: None,
+            profile: None,
+            profiles: Vec::new(),
+            glitches: Glitches::default(),
+            root_motion: true,
+            strict: false,
+        }
+    }
 }
 
 impl ImportConfig {

@@ -112,7 +112,7 @@ fn find_under_path(path: &Path) -> Result<(PathBuf, Vec<PathBuf>), ImportError> 
         search.find_in_folder(path, 0)?;
         return Ok((path.to_path_buf(), search.found));
     }
-    if has_extension(path, archive::EXTENSION) && path.is_file() {
+    if has_extension(path, archive::EXTENSION) && archive::is_file(path) {
         return Ok((path.to_path_buf(), motion_in(path)?));
     }
     if let Some((file, _)) = clip_in_file(path) {
@@ -139,11 +139,19 @@ fn slashed(path: &Path) -> String {
     parts.collect::<Vec<_>>().join("/")
 }
 
-/// The motion files of an archive, as if it were a folder.
+/// The motion files of an archive and of those in it, as if they were folders.
 fn motion_in(path: &Path) -> Result<Vec<PathBuf>, ImportError> {
     let is_seen = |member: &String| !member.split('/').any(is_hidden);
-    let members = archive::members(path)?.into_iter().filter(is_seen).map(|m| path.join(m));
-    Ok(members.filter(|p| is_motion(p)).collect())
+    let mut found = Vec::new();
+    for member in archive::members(path)?.into_iter().filter(is_seen).map(|m| path.join(m)) {
+        if has_extension(&member, archive::EXTENSION) && path.is_file() {
+            // Reading one that is damaged reports it.
+            found.extend(motion_in(&member).unwrap_or_else(|_| vec![member]));
+        } else if is_motion(&member) {
+            found.push(member);
+        }
+    }
+    Ok(found)
 }
 
 /// Names that systems and programs reserve for themselves.

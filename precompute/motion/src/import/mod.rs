@@ -333,7 +333,6 @@ pub fn interpret(
         return Err(content_error(&source.clip.path, "it has no frames", "Leave it out"));
     }
     let roles = roles::assign(&source.clip, profiles, config.profile.as_deref())?;
-    person::check_shape(&source.clip, &roles)?;
     let metres_per_unit = units::find_unit(&mut source, &roles, config)?;
     let up = units::find_up(&mut source, &roles, config);
     if let Some(rate_hz) = config.rate_hz {
@@ -352,7 +351,7 @@ pub fn interpret(
     let at = |f: usize| glitches.partition_point(|g| g.frames.end <= f);
     let is_motion = |f: &usize| glitches.get(at(*f)).is_none_or(|g| !g.frames.contains(f));
     person::check_place(&clip, &roles, (0..clip.num_frames).filter(is_motion))?;
-    oddities::warn_of_oddities(&clip, &roles, &mut warnings);
+    oddities::treat_oddities(&mut clip, &roles, config.root_motion, &mut warnings);
     let (rest_pose, facing) = rest::find_rest_pose(&clip, &roles, config.forward);
     findings.push(rest_pose.sentence.clone());
     let height = units::body_height(&clip, &roles);

@@ -1,9 +1,10 @@
-//! Reads AMASS and other SMPL motion: `.npz` files of NumPy arrays.
+//! Reads AMASS and other SMPL motion: `.npz` files of NumPy arrays; and what Kimodo generates, in `kimodo`.
 //!
-//! Such a file holds turns of the joints and the path of the pelvis, but no body: lengths are those of an adult. Its world has
-//! Z up and is turned to Y up here, because the body at rest has Y up.
+//! An SMPL file holds turns of the joints and the path of the pelvis, but no body: lengths are those of an adult. Its world has
+//! Z up and is turned to Y up here, because the body at rest has Y up; some have Y up.
 
 mod array;
+mod kimodo;
 
 use super::archive;
 use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
@@ -26,6 +27,9 @@ const HELP: &str = "Save the motion anew with `numpy.savez`: `poses`, `trans` an
 pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
     let fail = |message: String| content_error(path, message, HELP);
     let mut arrays = NpzArrays::open(bytes).map_err(fail)?;
+    if arrays.has(kimodo::TURNS) {
+        return kimodo::parse(arrays, bytes.len(), path);
+    }
     let trans = arrays.get("trans").map_err(fail)?;
     let poses = poses(&mut arrays).map_err(fail)?;
     let frames = trans.rows(3).map_err(|e| fail(format!("`trans`: {e}")))?;
@@ -39,6 +43,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         return Err(fail("it has no frames".into()));
     }
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
+    let turn = if has_y_up(&poses[0], frames) { DQuat::IDENTITY } else { UPRIGHT };
     let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::counted_bytes(path, bytes.len())));
     for frame in 0..frames {
         let numbers: Vec<f64> = poses.iter().flat_map(|p| p.row(frame, p.shape[1])).take(3 * NUM_JOINTS).collect();
@@ -50,8 +55,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         for j in 0..NUM_JOINTS {
             sink.rotations[j] = DQuat::from_scaled_axis(DVec3::from_slice(&numbers[3 * j..3 * j + 3]));
         }
-        sink.rotations[0] = UPRIGHT * sink.rotations[0];
-        sink.translations[0] = UPRIGHT * DVec3::from_slice(&offset);
+        sink.rotations[0] = turn * sink.rotations[0];
+        sink.translations[0] = turn * DVec3::from_slice(&offset);
         if !sink.end_frame() {
             return Err(fail("the file is too short for its frames".into()));
         }
@@ -84,13 +89,27 @@ fn poses(arrays: &mut NpzArrays<'_>) -> Result<Vec<NpyArray>, String> {
     }
 }
 
-fn rate(arrays: &mut NpzArrays<'_>) -> Result<(f64, &'static str), String> {
-    let Some(name) = RATES.into_iter().find(|n| arrays.has(n)) else {
-        return Err(format!("no frame rate is there: expected `{}`", RATES.join("` or `")));
+/// True where the body stands along Y rather than Z over the frames; `poses` begins with the turn of the pelvis.
+fn has_y_up(poses: &NpyArray, frames: usize) -> bool {
+    let up = |f: usize| {
+        let turn: Vec<f64> = poses.row(f, poses.shape[1]).take(3).collect();
+        let axis = DVec3::from_slice(&turn);
+        if axis.is_finite() { DQuat::from_scaled_axis(axis) * DVec3::Y } else { DVec3::Z }
     };
+    let mean: DVec3 = (0..frames).map(up).sum();
+    mean.y > 0.7 * frames as f64
+}
+
+fn rate(arrays: &mut NpzArrays<'_>) -> Result<(f64, &'static str), String> {
+    rate_if_any(arrays)?.ok_or_else(|| format!("no frame rate is there: expected `{}`", RATES.join("` or `")))
+}
+
+/// The rate that a file names (Hz), and the name of the array.
+fn rate_if_any(arrays: &mut NpzArrays<'_>) -> Result<Option<(f64, &'static str)>, String> {
+    let Some(name) = RATES.into_iter().find(|n| arrays.has(n)) else { return Ok(None) };
     let rate_hz = arrays.get(name)?.row(0, 1).next().unwrap_or(0.0);
     match (0.1..=1e5).contains(&rate_hz) {
-        true => Ok((rate_hz, name)),
+        true => Ok(Some((rate_hz, name))),
         false => Err(format!("`{name}`: expected 0.1 to 100000 Hz, found {rate_hz}")),
     }
 }

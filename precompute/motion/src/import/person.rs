@@ -1,75 +1,22 @@
-//! Refuses skeletons that are no person: four legs, sizes that no person has.
+//! Refuses clips of sizes that no person has, or far from the origin.
 
 use super::roles::RoleMap;
 use super::source::content_error;
-use super::units::{body_height, sample_frames};
+use super::units::body_height;
 use crate::ImportError;
 use crate::raw::RawClip;
-use glam::Vec3;
 use throng_core::Joint;
 
-/// Most frames that are examined.
-const MAX_FRAMES: usize = 48;
 /// Heights of people, small children included (m).
 pub(super) const HEIGHTS: std::ops::RangeInclusive<f32> = 0.85..=2.5;
 /// Heights that a config may ask for by naming the unit (m).
 const MEANT: std::ops::RangeInclusive<f32> = 0.4..=3.5;
 /// Length below which legs are not legs (m).
 const SHORTEST_LEG_M: f32 = 0.1;
-/// Height that the offered unit would give (m).
-const TYPICAL_HEIGHT: f32 = 1.75;
+/// Height of an adult (m).
+pub(super) const ADULT_HEIGHT: f32 = 1.75;
 /// Largest distance from the origin (m).
 const FARTHEST_M: f32 = 5e3;
-/// Share of the length of their legs below which arms of people stay.
-const LONGEST_ARMS: f32 = 0.95;
-/// Share of the frames above which a body is a quadruped: arms and legs point the same way, square to the trunk.
-const MOST_FRAMES: f32 = 0.8;
-
-/// Refuses a body on four legs: arms as long as the legs point the same way as these, square to the trunk.
-///
-/// People who crawl have shorter arms, and are on their knees.
-///
-/// # Errors
-/// [`ImportError::Content`] naming the four limbs.
-pub(super) fn check_shape(clip: &RawClip, roles: &RoleMap) -> Result<(), ImportError> {
-    use Joint::*;
-    let (mut seen, mut on_fours) = (0usize, 0usize);
-    for f in sample_frames(clip.num_frames, MAX_FRAMES) {
-        let world = clip.world(f);
-        let at = |j: Joint| roles.get(j).map(|j| world[j].0);
-        let Some(four) = stands_on_fours(at) else { continue };
-        seen += 1;
-        on_fours += usize::from(four);
-    }
-    if seen == 0 || on_fours as f32 <= MOST_FRAMES * seen as f32 {
-        return Ok(());
-    }
-    let name = |j: Joint| roles.get(j).map_or("", |j| clip.joints[j].name.as_str());
-    let message = format!(
-        "no person was found: it goes on four legs (`{}`, `{}`, `{}`, `{}`), its trunk level and its forelegs as long as \
-         the hind ones",
-        name(LeftThigh),
-        name(RightThigh),
-        name(LeftUpperArm),
-        name(RightUpperArm)
-    );
-    Err(content_error(&clip.path, message, "Only people are read: leave the file out"))
-}
-
-/// True where all four limbs point the same way, square to the trunk, and are about equally long.
-fn stands_on_fours(at: impl Fn(Joint) -> Option<Vec3>) -> Option<bool> {
-    use Joint::*;
-    let middle = |a: Joint, b: Joint| Some((at(a)? + at(b)?) * 0.5);
-    let (hips, shoulders) = (middle(LeftThigh, RightThigh)?, middle(LeftUpperArm, RightUpperArm)?);
-    let (knees, elbows) = (middle(LeftShin, RightShin)?, middle(LeftForearm, RightForearm)?);
-    let feet = middle(LeftFoot, RightFoot)?;
-    let hands = middle(LeftHand, RightHand).unwrap_or(elbows + (elbows - shoulders));
-    let trunk = (shoulders - hips).try_normalize()?;
-    let (legs, arms) = ((feet - hips).try_normalize()?, (hands - shoulders).try_normalize()?);
-    let length = |a: Vec3, b: Vec3, c: Vec3| a.distance(b) + b.distance(c);
-    let long = length(shoulders, elbows, hands) > LONGEST_ARMS * length(hips, knees, feet);
-    Some(long && legs.dot(arms) > 0.75 && legs.dot(trunk).abs() < 0.6 && arms.dot(trunk).abs() < 0.6)
-}
 
 /// Refuses a clip in metres whose size is no person's, and offers the unit that would make it one.
 ///
@@ -94,11 +41,11 @@ pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_mean
     if HEIGHTS.contains(&height) || (is_meant && MEANT.contains(&height)) {
         return Ok(());
     }
-    let unit = metres_per_unit * f64::from(TYPICAL_HEIGHT / height);
+    let unit = metres_per_unit * f64::from(ADULT_HEIGHT / height);
     let message = format!("at {metres_per_unit} m a unit the body is {height:.2} m tall, which no person is");
     let help = if height.is_finite() && height > 0.0 {
         format!(
-            "With `metres_per_unit = {}` in `import` of the config it is {TYPICAL_HEIGHT} m tall, with `{}` as \
+            "With `metres_per_unit = {}` in `import` of the config, or `--metres-per-unit`, it is {ADULT_HEIGHT} m tall, with `{}` as \
          it is; leave out what is no person",
             rounded(unit),
             rounded(metres_per_unit)
@@ -130,7 +77,7 @@ pub fn check_place<I: IntoIterator<Item = usize>>(
 }
 
 /// Three significant digits.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     let digits = 10f64.powf(2.0 - value.abs().log10().floor());
     (value * digits).round() / digits
 }

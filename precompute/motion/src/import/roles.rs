@@ -51,7 +51,31 @@ pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Res
         Some(name) => Some(wanted_profile(&clip.joints, profiles, name, &clip.path)?),
         None => best_profile(&clip.joints, profiles),
     };
-    let Some(mut map) = named else { return shape::recognise(clip).map_err(refuse) };
+    let tree = SkeletonTree::new(clip);
+    let map = match named {
+        Some(map) => {
+            let mut map = check_profile(clip, &tree, map, wanted.is_some())?;
+            let parted = shape::find_parted_limb(&tree, &map);
+            // Another choice of joints may move as a body does; a user who names a profile knows its contents.
+            let other = parted.as_ref().filter(|_| wanted.is_none()).and_then(|_| shape::recognise(&tree).ok());
+            other.unwrap_or_else(|| {
+                map.warnings.extend(parted);
+                map
+            })
+        }
+        None => shape::recognise(&tree).map_err(refuse)?,
+    };
+    shape::check_stance(&tree, &map).map_err(refuse)?;
+    Ok(map)
+}
+
+/// Checks the roles that a profile has given, and exchanges sides that are named wrong.
+fn check_profile(
+    clip: &RawClip,
+    tree: &SkeletonTree,
+    mut map: RoleMap,
+    is_wanted: bool,
+) -> Result<RoleMap, ImportError> {
     if let Some(role) = missing_role(&map) {
         let names: Vec<_> = clip.joints.iter().filter(|j| !j.is_end).take(80).map(|j| j.name.as_str()).collect();
         let message =
@@ -59,11 +83,10 @@ pub fn assign(clip: &RawClip, profiles: &[Profile], wanted: Option<&str>) -> Res
         let help = "Complete the profile (data/skeletons/README.md says what is needed)";
         return Err(content_error(&clip.path, message, help));
     }
-    match shape::check_role_sides(&SkeletonTree::new(clip), &map) {
+    match shape::check_role_sides(tree, &map) {
         Ok(wrong) => wrong.correct(&mut map),
-        // A user who names a profile knows its contents.
-        Err(e) if wanted.is_some() => map.warnings.push(e.message),
-        Err(e) => return Err(refuse(e)),
+        Err(e) if is_wanted => map.warnings.push(e.message),
+        Err(e) => return Err(content_error(&clip.path, e.message, &e.help)),
     }
     Ok(map)
 }

@@ -1,7 +1,7 @@
 //! Finds the length of a unit and the up axis of a source from the size and pose of its body.
 
 use super::config::{ImportConfig, UpAxis};
-use super::person::HEIGHTS;
+use super::person::{ADULT_HEIGHT, HEIGHTS, rounded};
 use super::roles::RoleMap;
 use super::source::{SourceClip, content_error};
 use crate::ImportError;
@@ -103,6 +103,17 @@ pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &Impor
     let unlikely = |(unit, rare, _): (f64, f64, _)| (height * unit / TYPICAL_HEIGHT).ln().abs() + rare;
     let likeliest = UNITS.into_iter().min_by(|a, b| unlikely(*a).total_cmp(&unlikely(*b)));
     let (unit, _, name) = likeliest.unwrap_or(UNITS[0]);
+    if !HEIGHTS.contains(&((height * unit) as f32)) {
+        // A rig of a person, in a size of its own: motion is laid onto one body anyway.
+        let unit = rounded(f64::from(ADULT_HEIGHT) / height);
+        let sentence = format!(
+            "{unit} m a unit: no usual unit fits {height:.4} units, so the body is taken as {ADULT_HEIGHT} m tall"
+        );
+        let warning = format!("{sentence} (`--metres-per-unit`, or `import.metres_per_unit`, says otherwise).");
+        source.warnings.push(format!("{}: {warning}", path.display()));
+        source.findings.push(format!("{sentence}."));
+        return Ok(unit);
+    }
     source.findings.push(format!("{unit:.6} m a unit ({name}): then {}.", in_metres(unit)));
     Ok(unit)
 }

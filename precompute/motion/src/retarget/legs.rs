@@ -10,7 +10,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::two_bone_offsets;
 
 /// Thigh, shin, foot and toe of both sides.
-const LEGS: [[Joint; 4]; 2] = {
+pub const LEGS: [[Joint; 4]; 2] = {
     use Joint::*;
     [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]]
 };
@@ -19,6 +19,10 @@ const RAISED: (f32, f32) = (0.1, 0.5);
 /// Height of the knee above the ankle, as a share of the shin: above the second number the leg reaches fully, below the first
 /// it turns as the source's does, as kneeling people stand on their knees.
 const UPRIGHT: (f32, f32) = (0.15, 0.45);
+/// Height of an ankle above the other one from which its leg need not reach less, and from which it need not reach (m).
+const LIFTED: (f32, f32) = (0.02, 0.2);
+/// Share of their length to which short legs are straightened.
+const REACH: f32 = 0.99;
 /// Distance from their goal below which feet stay (m).
 const NEAR: f32 = 1e-5;
 
@@ -60,40 +64,72 @@ impl<'a> LegTransfer<'a> {
         for (leg, has_toe) in LEGS.into_iter().zip(self.has_toes) {
             let [thigh, shin, foot, toe] = leg.map(Joint::index);
             let hip = root + model[0] * self.target.offsets[thigh];
-            let from_ankle = pose[foot].0 * self.scale + Vec3::Y * self.ankle;
-            let from_toe = pose[toe].0 * self.scale + Vec3::Y * self.toe - model[foot] * self.target.offsets[toe];
-            let share = if has_toe { ramp(-(model[foot] * Vec3::Z).y, RAISED) } else { 0.0 };
-            let goal = from_ankle.lerp(from_toe, share);
+            let goal = self.goal(model, [foot, toe], has_toe, pose);
             let turned = hip + model[thigh] * self.target.offsets[shin] + model[shin] * self.target.offsets[foot];
             let up = (pose[shin].0 - pose[foot].0).normalize_or_zero().y;
-            self.bend_leg(model, [thigh, shin, foot], hip, turned.lerp(goal, ramp(up, UPRIGHT)));
+            bend_leg(self.target, model, [thigh, shin, foot], hip, turned.lerp(goal, ramp(up, UPRIGHT)));
         }
     }
 
-    /// Turns one leg so that its ankle is at `goal`, or as near to it as it reaches.
-    fn bend_leg(&self, model: &mut [Quat; NUM_JOINTS], [thigh, shin, foot]: [usize; 3], hip: Vec3, goal: Vec3) {
-        let upper = model[thigh] * self.target.offsets[shin];
-        let lower = model[shin] * self.target.offsets[foot];
-        if (hip + upper + lower).distance(goal) < NEAR {
-            return;
-        }
-        let (a, b) = (upper.length(), lower.length());
-        let (Some(along), Some(to)) = ((upper + lower).try_normalize(), (goal - hip).try_normalize()) else { return };
-        // For segments shorter than NEAR, the least distance is above the greatest one.
-        let distance = goal.distance(hip).min(a + b).max((a - b).abs() + NEAR);
-        let ahead = upper.reject_from_normalized(along).try_normalize();
-        let ahead =
-            ahead.unwrap_or_else(|| (model[thigh] * Vec3::Z).reject_from_normalized(along).normalize_or(Vec3::Z));
-        let ahead = Quat::from_rotation_arc(along, to) * ahead;
-        let [along, across] = two_bone_offsets([a, b], distance, |v| v.max(0.0).sqrt());
-        let knee = to * along + ahead * across;
-        let turned = |from: Vec3, to: Vec3, by: Quat| match (from.try_normalize(), to.try_normalize()) {
-            (Some(from), Some(to)) => maths::compose(Quat::from_rotation_arc(from, to), by).normalize(),
-            _ => by,
-        };
-        model[thigh] = turned(upper, knee, model[thigh]);
-        model[shin] = turned(lower, to * distance - knee, model[shin]);
+    /// Place of an ankle that puts the foot where the source's is.
+    fn goal(&self, model: &[Quat; NUM_JOINTS], [foot, toe]: [usize; 2], has_toe: bool, pose: &RolePose) -> Vec3 {
+        let from_ankle = pose[foot].0 * self.scale + Vec3::Y * self.ankle;
+        let from_toe = pose[toe].0 * self.scale + Vec3::Y * self.toe - model[foot] * self.target.offsets[toe];
+        let share = if has_toe { ramp(-(model[foot] * Vec3::Z).y, RAISED) } else { 0.0 };
+        from_ankle.lerp(from_toe, share)
     }
+
+    /// Height by which the hips must be lower for short legs to reach the feet, of which the lower one counts more (m).
+    ///
+    /// - `root`: position of the hips without that.
+    pub fn shortfall(&self, model: &[Quat; NUM_JOINTS], root: Vec3, pose: &RolePose) -> f32 {
+        let of = |(leg, has_toe): ([Joint; 4], bool)| {
+            let [thigh, shin, foot, toe] = leg.map(Joint::index);
+            let goal = self.goal(model, [foot, toe], has_toe, pose);
+            let to_hip = root + model[0] * self.target.offsets[thigh] - goal;
+            let reach = REACH * (self.target.offsets[shin].length() + self.target.offsets[foot].length());
+            let level = to_hip.with_y(0.0).length();
+            (goal.y, to_hip.y - (reach * reach - level * level).max(0.1 * reach * reach).sqrt())
+        };
+        let [left, right] = [of((LEGS[0], self.has_toes[0])), of((LEGS[1], self.has_toes[1]))];
+        let lowest = left.0.min(right.0);
+        let counted = |(height, lack): (f32, f32)| lack * (1.0 - ramp(height - lowest, LIFTED));
+        counted(left).max(counted(right)).max(0.0)
+    }
+}
+
+/// Turns one leg so that its ankle is at `goal`, or as near to it as it reaches.
+///
+/// - `model`: world rotation of every joint.
+/// - `thigh`, `shin`, `foot`: indices of the leg's joints.
+/// - `hip`: position of the thigh (m).
+pub fn bend_leg(
+    skeleton: &Skeleton,
+    model: &mut [Quat; NUM_JOINTS],
+    [thigh, shin, foot]: [usize; 3],
+    hip: Vec3,
+    goal: Vec3,
+) {
+    let upper = model[thigh] * skeleton.offsets[shin];
+    let lower = model[shin] * skeleton.offsets[foot];
+    if (hip + upper + lower).distance(goal) < NEAR {
+        return;
+    }
+    let (a, b) = (upper.length(), lower.length());
+    let (Some(along), Some(to)) = ((upper + lower).try_normalize(), (goal - hip).try_normalize()) else { return };
+    // For segments shorter than NEAR, the least distance is above the greatest one.
+    let distance = goal.distance(hip).min(a + b).max((a - b).abs() + NEAR);
+    let ahead = upper.reject_from_normalized(along).try_normalize();
+    let ahead = ahead.unwrap_or_else(|| (model[thigh] * Vec3::Z).reject_from_normalized(along).normalize_or(Vec3::Z));
+    let ahead = Quat::from_rotation_arc(along, to) * ahead;
+    let [along, across] = two_bone_offsets([a, b], distance, |v| v.max(0.0).sqrt());
+    let knee = to * along + ahead * across;
+    let turned = |from: Vec3, to: Vec3, by: Quat| match (from.try_normalize(), to.try_normalize()) {
+        (Some(from), Some(to)) => maths::compose(Quat::from_rotation_arc(from, to), by).normalize(),
+        _ => by,
+    };
+    model[thigh] = turned(upper, knee, model[thigh]);
+    model[shin] = turned(lower, to * distance - knee, model[shin]);
 }
 
 /// From 0 at the first of two values to 1 at the second, smoothly.

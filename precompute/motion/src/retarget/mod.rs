@@ -22,6 +22,7 @@ use crate::raw::{RawClip, RawJoint};
 use body::SourceBody;
 pub use body::{RetargetSource, Roles};
 use glam::Vec3;
+pub use legs::{LEGS, bend_leg};
 pub use names::rename_mirror_clashes;
 pub use plan::{ClipProvider, Floor, RetargetPlan, SkeletonGroup, provide_from_memory};
 use rayon::prelude::*;

@@ -47,6 +47,7 @@ fn motion(skeleton: &Skeleton) -> Clip {
         excluded: Vec::new(),
         tags: Vec::new(),
         hits: Vec::new(),
+        classes: Vec::new(),
         support: Vec::new(),
     };
     // The lower foot is always on the ground, so that there is a right answer to where the ground is.

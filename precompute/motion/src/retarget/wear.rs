@@ -10,6 +10,9 @@ use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
+/// Share of the length of the motion's legs below which those of a body are short: its hips are lower then.
+const SHORT_LEGS: f32 = 0.98;
+
 /// A body that wears motion.
 pub struct BodyFit {
     alignment: Alignment,
@@ -44,6 +47,21 @@ impl BodyFit {
         Self { alignment: [Quat::IDENTITY; NUM_JOINTS], skeleton, has_toes: [true; 2] }
     }
 
+    /// Height of the top of its head (m).
+    pub fn height(&self) -> f32 {
+        self.skeleton.height()
+    }
+
+    /// Its own proportions.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// Raises the body above the ground that it stands on (m).
+    pub fn raise(&mut self, by: f32) {
+        self.skeleton.offsets[0].y += by;
+    }
+
     /// Length of its legs (m).
     pub fn leg_length(&self) -> f32 {
         self.skeleton.leg_length()
@@ -65,7 +83,10 @@ impl BodyFit {
         let mut model = pose.map(|(_, r)| r);
         move_shoulders(&mut model, own, target, 1.0);
         let legs = LegTransfer::new(own, target, 1.0, self.has_toes);
-        let hips = legs.hips(model[0], pose);
+        let mut hips = legs.hips(model[0], pose);
+        if target.leg_length() < SHORT_LEGS * own.leg_length() {
+            hips.y -= legs.shortfall(&model, hips, pose);
+        }
         legs.reach_feet(&mut model, hips, pose);
         let joints = std::array::from_fn(|j| maths::compose(model[j], self.alignment[j].inverse()).normalize());
         WornPose { hips, joints, model }

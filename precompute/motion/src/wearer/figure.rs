@@ -1,20 +1,23 @@
 //! A character for drawing: its triangles, and the matrices that move them in a pose.
 
-use super::moved_joints::ScaledWearer;
+use super::moved_joints::{MovedJoint, ScaledWearer};
 use super::surface::FigureSurface;
 use super::{HELP, Wearer};
 use crate::error::Result;
 use crate::import::ImportConfig;
 use crate::import::gltf;
 use crate::import::source::content_error;
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3, Vec4};
+use std::collections::BTreeSet;
 use std::path::Path;
 use throng_core::{Joint, Mat3x4, NUM_JOINTS, Skeleton};
 
-/// A character with its triangles, which wears one pose after another.
-pub struct SkinnedFigure {
-    wearer: Wearer,
-    surface: FigureSurface,
+/// Weight above which a joint carries a corner.
+const LEAST_WEIGHT: f32 = 0.05;
+
+/// The triangles of a character, and the nodes that move them.
+pub(super) struct FigureSkin {
+    pub surface: FigureSurface,
     /// Nodes of the character, parents first.
     nodes: Vec<FigureNode>,
     /// Index in `nodes` of the node on which each frame of the surface hangs, and the transform to it from the mesh at rest.
@@ -23,6 +26,8 @@ pub struct SkinnedFigure {
 
 /// A node of the character.
 struct FigureNode {
+    /// Index in the document.
+    node: usize,
     parent: Option<usize>,
     scale: Vec3,
     rotation: Quat,
@@ -33,26 +38,26 @@ struct FigureNode {
     is_centre: bool,
 }
 
-impl SkinnedFigure {
-    /// Reads a character as [`Wearer::open`] does, and its triangles.
+impl FigureSkin {
+    /// Reads the triangles of a character; its joints do not move yet.
     ///
     /// # Errors
-    /// As [`Wearer::open`], and for meshes that cannot be read.
-    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self> {
-        let wearer = Wearer::open(path, config)?;
+    /// The part of the document that is missing or wrong.
+    pub fn read(wearer: &Wearer) -> Result<Self, String> {
         let all = wearer.nodes();
         let mut places = vec![None; wearer.document.nodes.len()];
         all.iter().enumerate().for_each(|(at, &n)| places[n] = Some(at));
-        let surface = FigureSurface::read(&wearer, &places).map_err(|what| content_error(path, what, HELP))?;
-        let node = |&n: &usize| {
-            let local = gltf::local_transform(&wearer.document.nodes[n]);
+        let surface = FigureSurface::read(wearer, &places)?;
+        let node = |&node: &usize| {
+            let local = gltf::local_transform(&wearer.document.nodes[node]);
             FigureNode {
+                node,
                 parent: None,
                 scale: local.scale.as_vec3(),
                 rotation: local.rotation.as_quat().normalize(),
                 translation: local.translation.as_vec3(),
                 moved: None,
-                is_centre: wearer.rig.joints[wearer.centre] == n,
+                is_centre: false,
             }
         };
         let mut nodes: Vec<FigureNode> = all.iter().map(node).collect();
@@ -61,74 +66,78 @@ impl SkinnedFigure {
                 nodes[child].parent = Some(at);
             }
         }
-        for (m, moved) in wearer.moved.iter().enumerate() {
-            if let Some(at) = places[wearer.rig.joints[moved.joint]] {
-                nodes[at].moved = Some(m);
-            }
-        }
         let frames = surface.frames.iter().map(|(n, inverse)| Some((places[*n]?, Affine3A::from_mat4(*inverse))));
-        let frames = frames.collect::<Option<Vec<_>>>();
-        let frames = frames.ok_or_else(|| content_error(path, "a skin hangs on what is no joint", HELP))?;
-        Ok(Self { wearer, surface, nodes, frames })
+        let frames = frames.collect::<Option<Vec<_>>>().ok_or("a skin hangs on what is no joint")?;
+        Ok(Self { surface, nodes, frames })
     }
 
-    /// Its triangles.
-    pub fn surface(&self) -> &FigureSurface {
-        &self.surface
+    /// Says which nodes move.
+    ///
+    /// - `joints`: nodes of the joints; `centre`: that of the one that carries all that moves.
+    pub fn set_moved(&mut self, moved: &[MovedJoint], joints: &[usize], centre: usize) {
+        for node in &mut self.nodes {
+            node.moved = moved.iter().position(|m| joints[m.joint] == node.node);
+            node.is_centre = joints[centre] == node.node;
+        }
     }
 
-    /// Number of matrices of a pose.
-    pub fn num_frames(&self) -> usize {
-        self.frames.len()
+    /// Nodes that carry corners.
+    pub fn carrying_nodes(&self) -> BTreeSet<usize> {
+        let corners = self.surface.corners.iter();
+        let frames = corners.flat_map(|c| (0..4).filter(|&k| c.weights[k] > LEAST_WEIGHT).map(|k| c.frames[k]));
+        frames.map(|f| self.nodes[self.frames[usize::from(f)].0].node).collect()
+    }
+
+    /// Name of the node that moves a corner most.
+    pub fn carrier_name<'a>(&self, wearer: &'a Wearer, corner: u32) -> &'a str {
+        let frame = usize::from(self.surface.corners[corner as usize].frames[0]);
+        &wearer.document.nodes[self.nodes[self.frames[frame].0].node].name
     }
 
     /// The joint that each frame of the surface goes with: its own role, or that of the nearest joint above it that has one.
-    pub fn carriers(&self) -> Vec<Joint> {
+    pub fn carriers(&self, wearer: &Wearer) -> Vec<Joint> {
         let carrier = |node: usize| {
             let mut up = std::iter::successors(Some(node), |&n| self.nodes[n].parent);
-            up.find_map(|n| Some(self.wearer.moved[self.nodes[n].moved?].carrier())).unwrap_or(Joint::Hips)
+            up.find_map(|n| Some(wearer.moved[self.nodes[n].moved?].carrier())).unwrap_or(Joint::Hips)
         };
         self.frames.iter().map(|(node, _)| carrier(*node)).collect()
     }
 
-    /// The character that wears the motion.
-    pub fn wearer(&self) -> &Wearer {
-        &self.wearer
-    }
-
-    /// The matrices of a pose: from the space of the mesh to that of the pose (m), one for each frame of the surface.
-    ///
-    /// - `own`: skeleton of the pose; `pose`: transforms of its joints.
-    /// - `out`: (num_frames); entries beyond stay as they are.
-    pub fn pose_matrices(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
-        let sized = ScaledWearer::new(&self.wearer, own);
-        let numbers = sized.numbers(pose, None);
-        self.place_frames(sized.scale as f32, Some(&numbers), out);
-    }
-
-    /// Positions of corners in the pose of the file, in the size of the file (m, corners).
-    pub fn rest_corners(&self) -> Vec<Vec3> {
+    /// The matrices in the pose of the file, in a scale.
+    pub fn rest_matrices(&self, scale: f32) -> Vec<Mat3x4> {
         let mut matrices = vec![Mat3x4::default(); self.frames.len()];
-        self.place_frames(self.wearer.metres_per_unit as f32, None, &mut matrices);
-        let matrices: Vec<_> = matrices.iter().map(Mat3x4::to_mat4).collect();
-        let at = |c: &super::SurfaceCorner| {
-            let of = |k: usize| matrices[usize::from(c.frames[k])].transform_point3(c.position) * c.weights[k];
-            (0..4).filter(|&k| c.weights[k] > 0.0).map(of).sum()
-        };
-        self.surface.corners.iter().map(at).collect()
+        self.place_frames(scale, None, &mut matrices);
+        matrices
     }
 
-    fn place_frames(&self, scale: f32, numbers: Option<&[f32]>, out: &mut [Mat3x4]) {
+    /// The matrices in a pose.
+    pub fn pose_matrices(&self, sized: &ScaledWearer<'_>, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
+        self.place_frames(sized.scale as f32, Some((&sized.numbers(pose, None), sized.num_moved())), out);
+    }
+
+    /// Position of a corner, moved by the matrices of frames.
+    pub fn corner(&self, matrices: &[Mat3x4], corner: u32) -> Vec3 {
+        let c = &self.surface.corners[corner as usize];
+        let at = c.position.extend(1.0);
+        let of = |k: usize| {
+            let rows = matrices[usize::from(c.frames[k])].rows;
+            Vec3::from_array(rows.map(|row| Vec4::from_array(row).dot(at))) * c.weights[k]
+        };
+        (0..4).filter(|&k| c.weights[k] > 0.0).map(of).sum()
+    }
+
+    /// - `numbers`: those by which joints move, and the number of these; the pose of the file where absent.
+    fn place_frames(&self, scale: f32, numbers: Option<(&[f32], usize)>, out: &mut [Mat3x4]) {
         let all = Affine3A::from_scale(Vec3::splat(scale));
         let mut placed: Vec<Affine3A> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
             let (mut rotation, mut translation) = (node.rotation, node.translation);
-            if let Some(numbers) = numbers {
+            if let Some((numbers, num_moved)) = numbers {
                 if let Some(m) = node.moved {
                     rotation = Quat::from_slice(&numbers[4 * m..4 * m + 4]);
                 }
                 if node.is_centre {
-                    translation = Vec3::from_slice(&numbers[4 * self.wearer.moved.len()..]);
+                    translation = Vec3::from_slice(&numbers[4 * num_moved..]);
                 }
             }
             let local = Affine3A::from_scale_rotation_translation(node.scale, rotation, translation);
@@ -142,5 +151,58 @@ impl SkinnedFigure {
             };
             *out = Mat3x4 { rows: [row(0), row(1), row(2)] };
         }
+    }
+}
+
+/// A character with its triangles, which wears one pose after another.
+pub struct SkinnedFigure {
+    wearer: Wearer,
+    skin: FigureSkin,
+}
+
+impl SkinnedFigure {
+    /// Reads a character as [`Wearer::open`] does, and its triangles.
+    ///
+    /// # Errors
+    /// As [`Wearer::open`], and for meshes that cannot be read.
+    pub fn open(path: &Path, config: &ImportConfig) -> Result<Self> {
+        let mut wearer = Wearer::open(path, config)?;
+        let skin = std::mem::replace(&mut wearer.skin, Err(String::new()));
+        let skin = skin.map_err(|what| content_error(path, what, HELP))?;
+        Ok(Self { wearer, skin })
+    }
+
+    /// Its triangles.
+    pub fn surface(&self) -> &FigureSurface {
+        &self.skin.surface
+    }
+
+    /// Number of matrices of a pose.
+    pub fn num_frames(&self) -> usize {
+        self.skin.frames.len()
+    }
+
+    /// The joint that each frame of the surface goes with: its own role, or that of the nearest joint above it that has one.
+    pub fn carriers(&self) -> Vec<Joint> {
+        self.skin.carriers(&self.wearer)
+    }
+
+    /// The character that wears the motion.
+    pub fn wearer(&self) -> &Wearer {
+        &self.wearer
+    }
+
+    /// The matrices of a pose: from the space of the mesh to that of the pose (m), one for each frame of the surface.
+    ///
+    /// - `own`: skeleton of the pose; `pose`: transforms of its joints.
+    /// - `out`: (num_frames); entries beyond stay as they are.
+    pub fn pose_matrices(&self, own: &Skeleton, pose: &[(Vec3, Quat); NUM_JOINTS], out: &mut [Mat3x4]) {
+        self.skin.pose_matrices(&ScaledWearer::new(&self.wearer, own), pose, out);
+    }
+
+    /// Positions of corners in the pose of the file, in the size of the file (m, corners).
+    pub fn rest_corners(&self) -> Vec<Vec3> {
+        let matrices = self.skin.rest_matrices(self.wearer.metres_per_unit as f32);
+        (0..self.skin.surface.corners.len() as u32).map(|c| self.skin.corner(&matrices, c)).collect()
     }
 }

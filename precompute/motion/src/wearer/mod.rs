@@ -9,6 +9,7 @@ mod copy;
 mod figure;
 mod moved_joints;
 mod surface;
+mod worn_fit;
 
 use crate::error::{BuildError, ImportError, Result};
 use crate::export::scratch::TrackScratch;
@@ -19,6 +20,7 @@ use crate::import::source::content_error;
 use crate::import::{ImportConfig, MAX_MOTION_BYTES, RoleMap, UpAxis, archive, interpret};
 use crate::progress::Progress;
 use crate::retarget::BodyFit;
+use figure::FigureSkin;
 pub use figure::SkinnedFigure;
 use glam::{DAffine3, DQuat};
 use moved_joints::{MovedJoint, ScaledWearer};
@@ -26,6 +28,7 @@ use serde_json::Value;
 use std::path::Path;
 pub use surface::{FigureSurface, Material, SurfaceCorner};
 use throng_core::Joint;
+pub use worn_fit::WornFit;
 
 /// Advice how to get a file that can be worn.
 const HELP: &str = "Export the character with mesh, skin and textures as one .glb file";
@@ -46,6 +49,10 @@ pub struct Wearer {
     moved: Vec<MovedJoint>,
     /// Index of the joint that carries all that moves.
     centre: usize,
+    /// Its triangles, or the reason why they cannot be read.
+    skin: std::result::Result<FigureSkin, String>,
+    /// Height in a T-pose (m).
+    height_m: f32,
 }
 
 /// A character that wears a take.
@@ -87,15 +94,46 @@ impl Wearer {
         let config = ImportConfig { up: Some(UpAxis::Y), ..config.clone() };
         let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&config.profiles)?)?;
         let fit = BodyFit::new(&body)?;
-        let moved = moved_joints::find_moved_joints(&rig.clip.clip, &body.roles, &fit);
-        let centre = moved_joints::centre_joint(&rig.clip.clip, &body.roles);
-        let (roles, metres_per_unit) = (body.roles, body.metres_per_unit);
-        let wearer = Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre };
+        let (roles, metres_per_unit, height_m) = (body.roles, body.metres_per_unit, fit.height());
+        let (moved, centre, skin) = (Vec::new(), 0, Err(String::new()));
+        let mut wearer =
+            Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre, skin, height_m };
+        wearer.put_on_skin();
         let back = wearer.above_centre().0.inverse();
         match back.is_finite() && back.matrix3.to_cols_array().iter().all(|v| v.abs() <= MOST_SHRUNK) {
             true => Ok(wearer),
             false => Err(fail("what is above its hips has a scale of 0, or next to it".into()).into()),
         }
+    }
+
+    /// Reads the triangles, finds the joints that move, and measures the body in a T-pose: its height, and its soles.
+    fn put_on_skin(&mut self) {
+        let mut skin = FigureSkin::read(self);
+        let carrying = skin.as_ref().map(FigureSkin::carrying_nodes).unwrap_or_default();
+        let joints = &self.rig.joints;
+        let skinned: Vec<usize> = (0..joints.len()).filter(|&j| carrying.contains(&joints[j])).collect();
+        let clip = &self.rig.clip.clip;
+        self.centre = moved_joints::centre_joint(clip, &self.roles, &skinned);
+        self.moved = moved_joints::find_moved_joints(clip, &self.roles, &self.fit, self.centre);
+        if let Ok(skin) = &mut skin {
+            skin.set_moved(&self.moved, joints, self.centre);
+            if let Some(stance) = worn_fit::measure_stance(self, skin) {
+                self.fit.raise(-stance.soles_m);
+                self.height_m = stance.height_m;
+            }
+        }
+        self.skin = skin;
+    }
+
+    /// Measures how the character wears a take: how far its skin is stretched, and where its soles are.
+    ///
+    /// - returns `None` where its triangles cannot be read.
+    ///
+    /// # Errors
+    /// [`BuildError::Io`] for errors of the disk.
+    pub fn measure(&self, take: &Take) -> Result<Option<WornFit>> {
+        let io = |source| BuildError::Io { path: self.rig.clip.clip.path.clone(), source };
+        self.skin.as_ref().ok().map(|skin| worn_fit::measure(self, skin, take).map_err(io)).transpose()
     }
 
     /// Roles, and the joints of the character that play them.

@@ -27,6 +27,8 @@ const LIMBS: [(Joint, Joint, bool); 8] = {
         (RightShin, RightFoot, false),
     ]
 };
+/// Height of a character over that of the body whose motion it wears, at most: one with shorter legs keeps its hips lower.
+const MOST_TALLER: f32 = 1.2;
 /// Parts of the names of joints that take a share of a twist.
 const TWIST_NAMES: [&str; 2] = ["twist", "roll"];
 
@@ -70,17 +72,23 @@ impl MovedJoint {
     }
 }
 
-/// The joint that carries all joints with roles: that of the hips, or one above it where the spine does not hang on those.
-pub fn centre_joint(clip: &RawClip, roles: &RoleMap) -> usize {
+/// The joint that carries all joints with roles or skin: that of the hips, or one above it where the spine does not hang on
+/// those, or where a joint above carries skin of its own.
+///
+/// - `skinned`: joints that carry skin.
+pub fn centre_joint(clip: &RawClip, roles: &RoleMap, skinned: &[usize]) -> usize {
     let up = |joint: usize| std::iter::successors(Some(joint), |&j| clip.joints[j].parent);
     let hips = roles.get(Joint::Hips).unwrap_or(0);
-    let carries = |joint: usize| roles.joints.iter().flatten().all(|&j| up(j).any(|above| above == joint));
+    let all = || roles.joints.iter().flatten().chain(skinned);
+    let carries = |joint: usize| all().all(|&j| up(j).any(|above| above == joint));
     up(hips).find(|&j| carries(j)).unwrap_or(hips)
 }
 
 /// The joints that move, parents first.
-pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit) -> Vec<MovedJoint> {
-    let (world, centre) = (clip.world(0), centre_joint(clip, roles));
+///
+/// - `centre`: joint that [`centre_joint`] finds.
+pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit, centre: usize) -> Vec<MovedJoint> {
+    let world = clip.world(0);
     let role_of = |joint: usize| {
         let role = Joint::ALL.into_iter().find(|r| roles.get(*r) == Some(joint));
         role.or((joint == centre).then_some(Joint::Hips))
@@ -142,7 +150,17 @@ pub struct ScaledWearer<'a> {
 impl<'a> ScaledWearer<'a> {
     /// - `own`: skeleton of the motion.
     pub fn new(wearer: &'a Wearer, own: &'a Skeleton) -> Self {
-        let growth = f64::from(own.leg_length() / wearer.fit.leg_length());
+        let tallest = MOST_TALLER * own.height() / wearer.height_m;
+        let growth = f64::from((own.leg_length() / wearer.fit.leg_length()).min(tallest));
+        Self::with_growth(wearer, own, growth)
+    }
+
+    /// The character in the size of its file.
+    pub fn unscaled(wearer: &'a Wearer, own: &'a Skeleton) -> Self {
+        Self::with_growth(wearer, own, 1.0)
+    }
+
+    fn with_growth(wearer: &'a Wearer, own: &'a Skeleton, growth: f64) -> Self {
         let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
         let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
         let up = std::iter::successors(Some(hips), |&j| clip.joints[j].parent);
@@ -155,6 +173,11 @@ impl<'a> ScaledWearer<'a> {
             turn,
             below: up.take_while(|&j| j != wearer.centre).collect(),
         }
+    }
+
+    /// Number of joints that move.
+    pub fn num_moved(&self) -> usize {
+        self.wearer.moved.len()
     }
 
     /// The numbers by which the character moves: rotations of the joints that do, and the position of the centre, each in the

@@ -167,3 +167,110 @@ fn files_that_numpy_wrote_have_their_joints_where_numpy_computes_them() {
         assert!(e.contains(name) && e.contains(expected), "{e}");
     }
 }
+
+/// A T-pose of so many joints that moves ahead, as Kimodo writes it: each joint has the place of one of ours.
+fn generated(width: usize, role: impl Fn(usize) -> Joint) -> Vec<(&'static str, Vec<u8>)> {
+    let rest = throng_core::Skeleton::default().rest_positions();
+    let floats = |shape: &str, values: Vec<f32>| {
+        npy("<f4", shape, &values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
+    };
+    let turns = (0..20 * width * 9).map(|k| if k % 9 % 4 == 0 { 1.0 } else { 0.0 }).collect();
+    let place = |f: usize, j: usize| rest[role(j).index()] + glam::Vec3::Z * 0.04 * f as f32;
+    let places = (0..20 * width).flat_map(|k| place(k / width, k % width).to_array()).collect();
+    vec![
+        ("local_rot_mats.npy", floats(&format!("20, {width}, 3, 3"), turns)),
+        ("posed_joints.npy", floats(&format!("20, {width}, 3"), places)),
+    ]
+}
+
+/// The role of a joint of SOMA, of 77; fingers are where the hand is.
+fn soma_role(joint: usize) -> Joint {
+    use Joint::*;
+    match joint {
+        0..=3 => [Hips, Spine, Chest, UpperChest][joint],
+        4 | 5 => Neck,
+        6..=10 => Head,
+        11..=38 => [LeftClavicle, LeftUpperArm, LeftForearm, LeftHand][(joint - 11).min(3)],
+        39..=66 => [RightClavicle, RightUpperArm, RightForearm, RightHand][(joint - 39).min(3)],
+        67..=71 => [LeftThigh, LeftShin, LeftFoot, LeftToe][(joint - 67).min(3)],
+        _ => [RightThigh, RightShin, RightFoot, RightToe][(joint - 72).min(3)],
+    }
+}
+
+fn soma30_role(joint: usize) -> Joint {
+    let in_77 = match joint {
+        0..=6 => joint,
+        7..=9 => joint + 1,
+        10..=15 => joint + 1,
+        16..=21 => joint + 23,
+        22..=25 => joint + 45,
+        _ => joint + 46,
+    };
+    soma_role(in_77)
+}
+
+#[test]
+fn what_kimodo_generates_is_read_with_its_own_lengths_and_at_its_rate() {
+    let smpl = |j: usize| {
+        use Joint::*;
+        [
+            Hips,
+            LeftThigh,
+            RightThigh,
+            Spine,
+            LeftShin,
+            RightShin,
+            Chest,
+            LeftFoot,
+            RightFoot,
+            UpperChest,
+            LeftToe,
+            RightToe,
+            Neck,
+            LeftClavicle,
+            RightClavicle,
+            Head,
+            LeftUpperArm,
+            RightUpperArm,
+            LeftForearm,
+            RightForearm,
+            LeftHand,
+            RightHand,
+        ][j]
+    };
+    let rest = throng_core::Skeleton::default().rest_positions();
+    for files in [generated(77, soma_role), generated(30, soma30_role), generated(22, smpl)] {
+        let i = read(&zip(&files)).unwrap();
+        assert_eq!((i.clip.rate_hz, i.clip.num_frames, i.up), (30.0, 20, UpAxis::Y));
+        for j in Joint::ALL {
+            let at = i.clip.world(19)[i.roles.get(j).unwrap_or_else(|| panic!("no {}", j.name()))].0;
+            let off = at.distance(rest[j.index()] + glam::Vec3::Z * 0.76);
+            // Necks of two joints lie in one place here.
+            assert!(off < 1e-4 || j == Joint::Neck, "{}: {off} m", j.name());
+        }
+        assert!(i.findings.iter().any(|f| f.contains("as Kimodo's models make")), "{:?}", i.findings);
+    }
+    let mut named = generated(22, smpl);
+    named.push(("fps.npy", npy("<f8", "", &60f64.to_le_bytes())));
+    assert_eq!(read(&zip(&named)).unwrap().clip.rate_hz, 60.0);
+    let refused = |files: &[(&str, Vec<u8>)]| read(&zip(files)).unwrap_err().to_string();
+    assert!(refused(&generated(34, |_| Joint::Hips)).contains("it is motion of a robot"));
+    assert!(
+        refused(&generated(50, |_| Joint::Hips)).contains("expected 77 or 30 joints (SOMA) or 22 (SMPL-X), found 50")
+    );
+    assert!(refused(&generated(22, smpl)[..1]).contains("there is no array `posed_joints`"));
+    let mut skewed = generated(22, smpl);
+    let at = skewed[0].1.len() - 36;
+    skewed[0].1[at..at + 4].copy_from_slice(&2f32.to_le_bytes());
+    assert!(refused(&skewed).contains("frame 19, joint 21: expected a rotation"), "{}", refused(&skewed));
+}
+
+#[test]
+fn smpl_motion_in_a_world_with_y_up_stands() {
+    let mut files = standing();
+    files[0].1 = table(30, 156, |_, _| 0.0);
+    files[1].1 = table(30, 3, |f, k| [0.0, 0.93, 0.02 * f as f64][k]);
+    let i = read(&zip(&files)).unwrap();
+    let at = |f: usize, j: Joint| i.clip.world(f)[i.roles.get(j).unwrap()].0;
+    assert!(at(0, Joint::Head).y > 1.4 && (at(29, Joint::Hips).z - at(0, Joint::Hips).z - 0.58).abs() < 1e-5);
+}

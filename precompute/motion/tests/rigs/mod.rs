@@ -13,8 +13,12 @@ use throng_motion::ImportError;
 use throng_motion::import::{ImportConfig, ImportedClip, bvh as reader, interpret};
 
 fn import(parts: &[Part], style: &Style) -> Result<ImportedClip, ImportError> {
+    import_with(parts, style, &ImportConfig::default())
+}
+
+fn import_with(parts: &[Part], style: &Style, config: &ImportConfig) -> Result<ImportedClip, ImportError> {
     let text = bvh(parts, style);
-    interpret(reader::parse(text.as_bytes(), Path::new("a.bvh")).unwrap(), &ImportConfig::default(), &[])
+    interpret(reader::parse(text.as_bytes(), Path::new("a.bvh")).unwrap(), config, &[])
 }
 
 /// Roles that are not as the table has them.
@@ -51,7 +55,7 @@ const STYLES: [Style; 9] = {
 #[test]
 fn every_convention_is_recognised_in_every_style() {
     let mut failures = Vec::new();
-    for (name, table) in tables::RIGS {
+    for (name, table) in tables::RIGS.into_iter().chain(tables::DRAWN) {
         let parts = parse(table);
         let mut good = 0;
         for (s, style) in STYLES.iter().enumerate() {
@@ -154,8 +158,49 @@ mod random {
         out
     }
 
+    /// Joints of limbs as programs and games name them: thigh, shin, foot, clavicle, upper arm, forearm, hand; `~` is the side.
+    const NAMES: [[&str; 7]; 4] = [
+        ["UpperLeg.~", "LowerLeg.~", "Foot.~", "Shoulder.~", "UpperArm.~", "LowerArm.~", "Hand.~"],
+        ["thigh_~", "calf_~", "foot_~", "clavicle_~", "upperarm_~", "lowerarm_~", "hand_~"],
+        ["~ Thigh", "~ Shin", "~ Ankle", "~ Collar", "~ Upper Arm", "~ Elbow", "~ Wrist"],
+        ["Oberschenkel_~", "Unterschenkel_~", "Fuß_~", "Schlüsselbein_~", "Oberarm_~", "Unterarm_~", "Hand_~"],
+    ];
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(300))]
+
+        /// Names that say it decide, whatever the proportions.
+        #[test]
+        fn limbs_of_any_proportions_are_read_by_clear_names(
+            names in 0usize..4,
+            (thigh, shin, clavicle) in (0.2f32..0.48, 0.2f32..0.48, 0.03f32..0.35),
+            (upper, fore, fingers) in (0.18f32..0.4, 0.13f32..0.4, 0.0f32..0.3),
+            (rest, moves) in (0usize..4, any::<bool>()),
+        ) {
+            // Hanging arms do not reach the ground, as forelegs do.
+            prop_assume!(upper + fore + fingers < thigh + shin + 0.4);
+            let side = |name: &str| name.replace('~', "{l,r}");
+            let [t, s, f, c, u, e, h] = NAMES[names].map(side);
+            let mut table = format!(
+                "Hips;-;0 0.9 0;hips\nSpine;Hips;0 0.1 0;spine\nChest;Spine;0 0.25 0;upper_chest\n\
+                 Neck;Chest;0 0.2 0;neck\nHead;Neck;0 0.1 0;head\n{c};Chest;0.02 0.12 0;left_clavicle\n\
+                 {u};{c};{clavicle} 0 0;left_upper_arm\n{e};{u};{upper} 0 0;left_forearm\n{h};{e};{fore} 0 0;left_hand\n\
+                 {t};Hips;0.1 -0.03 0;left_thigh\n{s};{t};0 -{thigh} 0;left_shin\n{f};{s};0 -{shin} 0;left_foot\n"
+            );
+            if fingers > 0.05 {
+                table += &format!("Grip{{l,r}};{h};{fingers} 0 0;-\n");
+            }
+            let parts = parse(&table);
+            let rest = [Rest::TPose, Rest::APose, Rest::AlongX, Rest::AlongY][rest];
+            match import(&parts, &Style { rest, moves, ..Style::default() }) {
+                Ok(found) => {
+                    let wrong: Vec<String> =
+                        wrong(&parts, &found).into_iter().filter(|w| !w.contains("toe")).collect();
+                    prop_assert!(wrong.is_empty(), "{wrong:?} {table}");
+                }
+                Err(e) => prop_assert!(false, "{e}"),
+            }
+        }
 
         #[test]
         fn random_rigs_have_their_roles_right(

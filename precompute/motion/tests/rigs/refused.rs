@@ -52,6 +52,136 @@ fn four_legs_are_no_person() {
     assert!(e.contains("goes on four legs (`L_Hind1`, `R_Hind1`, `L_Fore1`, `R_Fore1`)"), "{e}");
 }
 
+/// An elephant: ears and tusks are pairs too, the back slopes, and its forelegs are longer than its hind legs.
+const ELEPHANT: &str = "
+    root;-;0 0 0;-
+    pelvis;root;0 1.9 -0.9;hips
+    spine1;pelvis;0 0.15 0.6;-
+    spine2;spine1;0 0.15 0.6;-
+    neck;spine2;0 0.25 0.4;-
+    head;neck;0 0.2 0.4;-
+    trunk1;head;0 -0.3 0.4;-
+    trunk2;trunk1;0 -0.5 0.1;-
+    trunk3;trunk2;0 -0.5 0;-
+    trunk4;trunk3;0 -0.4 0;-
+    ear{A,B}1;head;0.3 0 -0.1;-
+    ear{A,B}2;ear{A,B}1;0.4 -0.1 -0.1;-
+    ear{A,B}3;ear{A,B}2;0.4 -0.3 -0.1;-
+    tusk{A,B}1;head;0.2 -0.3 0.3;-
+    tusk{A,B}2;tusk{A,B}1;0.05 -0.3 0.4;-
+    tusk{A,B}3;tusk{A,B}2;0 0 0.3;-
+    tail1;pelvis;0 0 -0.2;-
+    tail2;tail1;0 -0.4 -0.1;-
+    {l,r}Scapula;spine2;0.3 -0.1 0.1;-
+    {l,r}Fore1;{l,r}Scapula;0.05 -0.5 0.1;-
+    {l,r}Fore2;{l,r}Fore1;0 -0.7 -0.1;-
+    {l,r}Fore3;{l,r}Fore2;0 -0.7 0.05;-
+    {l,r}Hind1;pelvis;0.3 -0.1 0;left_thigh
+    {l,r}Hind2;{l,r}Hind1;0 -0.8 0.15;left_shin
+    {l,r}Hind3;{l,r}Hind2;0 -0.8 -0.1;left_foot
+    {l,r}Hind4;{l,r}Hind3;0 -0.1 0.15;-";
+
+/// A horse: five joints in each leg, long cannon bones, named as arms and legs.
+const HORSE: &str = "
+    Root;-;0 0 0;-
+    Pelvis;Root;0 1.5 -0.6;hips
+    Spine;Pelvis;0 0 0.5;-
+    Chest;Spine;0 0 0.6;-
+    Neck1;Chest;0 0.3 0.3;-
+    Neck2;Neck1;0 0.35 0.25;-
+    Head;Neck2;0 0.1 0.2;-
+    Ear{L,R};Head;0.05 0.15 0;-
+    EarTip{L,R};Ear{L,R};0 0.1 0;-
+    Tail;Pelvis;0 -0.2 -0.3;-
+    {Left,Right}Shoulder;Chest;0.2 -0.1 0.1;-
+    {Left,Right}UpperArm;{Left,Right}Shoulder;0 -0.35 0.1;-
+    {Left,Right}LowerArm;{Left,Right}UpperArm;0 -0.35 -0.15;-
+    {Left,Right}Hand;{Left,Right}LowerArm;0 -0.4 0.03;-
+    {Left,Right}Fingers;{Left,Right}Hand;0 -0.22 0.05;-
+    {Left,Right}UpperLeg;Pelvis;0.2 -0.1 0;left_thigh
+    {Left,Right}LowerLeg;{Left,Right}UpperLeg;0 -0.4 0.2;left_shin
+    {Left,Right}Foot;{Left,Right}LowerLeg;0 -0.45 -0.35;left_foot
+    {Left,Right}Toes;{Left,Right}Foot;0 -0.45 0.05;-";
+
+#[test]
+fn animals_of_any_size_are_refused_even_in_the_unit_that_was_offered() {
+    let dog = dog(["L_", "R_", "Arm", "Leg"]);
+    let tables = [("elephant", ELEPHANT), ("horse", HORSE), ("dog", dog.as_str())];
+    let mut bad = Vec::new();
+    for (name, table) in tables {
+        for (scale, unnamed) in [(1.0, false), (100.0, false), (37.0, false), (0.2, false), (1.0, true)] {
+            for rest in [super::Rest::TPose, super::Rest::AlongX] {
+                let mut parts = parse(table);
+                if unnamed {
+                    parts.iter_mut().enumerate().for_each(|(i, p)| p.name = format!("B{i}"));
+                }
+                let style = Style { scale, rest, moves: false, ..Style::default() };
+                for metres_per_unit in [None, Some(f64::from(0.6 / scale)), Some(f64::from(1.0 / scale))] {
+                    let config = ImportConfig { metres_per_unit, ..ImportConfig::default() };
+                    match super::import_with(&parts, &style, &config) {
+                        Ok(found) => {
+                            let pairs: Vec<_> = found.roles.pairs(&found.clip.joints).collect();
+                            bad.push(format!("{name}, {scale}, {rest:?}, {metres_per_unit:?}: {pairs:?}"));
+                        }
+                        Err(e) if !e.to_string().contains("no person") && !e.to_string().contains("left cannot") => {
+                            bad.push(format!("{name}, {scale}, {rest:?}: {e}"));
+                        }
+                        Err(_) => {}
+                    }
+                }
+            }
+        }
+    }
+    assert!(bad.is_empty(), "{}", bad.join("\n"));
+}
+
+#[test]
+fn people_of_any_size_are_taken_with_a_warning() {
+    for name in ["Mixamo", "Unreal", "CMU BVH", "Bone00"] {
+        // 17 cm and 3 m by every unit that files use, and sizes of no unit at all.
+        for scale in [0.1, 1.73, 7.3, 0.003, 5e4] {
+            let parts = table(name);
+            let found = import(&parts, &Style { scale, ..Style::default() }).unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert!(wrong(&parts, &found).iter().all(|w| w.contains("toe")), "{name}");
+            assert!((0.85..2.5).contains(&found.height), "{name}, {scale}: {} m", found.height);
+            let told = |w: &String| w.contains("taken as 1.75 m tall") && w.contains("--metres-per-unit");
+            let is_odd = found.findings.iter().any(|f| f.contains("no usual unit"));
+            assert_eq!(found.warnings.messages.iter().any(told), is_odd, "{name}, {scale}: {:?}", found.warnings);
+        }
+    }
+}
+
+#[test]
+fn legs_without_feet_are_said_to_be_such() {
+    let text = "
+        Root;-;0 0 0;-
+        Hips;Root;hips
+        Torso;Hips;0 0.3 0;upper_chest
+        Neck;Torso;neck
+        Head;Neck;head
+        UpperArm.{L,R};Torso;left_upper_arm
+        LowerArm.{L,R};UpperArm.{L,R};left_forearm
+        Hand.{L,R};LowerArm.{L,R};left_hand
+        UpperLeg.{L,R};Hips;left_thigh
+        LowerLeg.{L,R};UpperLeg.{L,R};left_shin
+        Foot.{L,R};Root;left_foot
+        Toe.{L,R};Foot.{L,R};left_toe";
+    let parts = parse(text);
+    let source = bvh(&parts, &Style::default());
+    let mut source = throng_motion::import::bvh::parse(source.as_bytes(), std::path::Path::new("a.bvh")).unwrap();
+    // As glTF has it: chains have no ends.
+    let gone: Vec<usize> = (0..source.clip.joints.len()).filter(|&j| source.clip.joints[j].is_end).collect();
+    let (n, all) = (source.clip.joints.len(), source.clip.num_frames);
+    let new = |j: usize| j - gone.iter().filter(|&&g| g < j).count();
+    let keep = |k: usize| !gone.contains(&(k % n));
+    source.clip.translations = (0..n * all).filter(|&k| keep(k)).map(|k| source.clip.translations[k]).collect();
+    source.clip.rotations = (0..n * all).filter(|&k| keep(k)).map(|k| source.clip.rotations[k]).collect();
+    source.clip.joints.iter_mut().for_each(|j| j.parent = j.parent.map(new));
+    source.clip.joints.retain(|j| !j.is_end);
+    let e = throng_motion::import::interpret(source, &ImportConfig::default(), &[]).unwrap_err().to_string();
+    assert!(e.contains("its legs have no feet: nothing hangs on `LowerLeg.L`; `Foot.L` hangs on `Root`"), "{e}");
+}
+
 #[test]
 fn parts_of_a_body_are_said_to_be_such() {
     let mixamo = table("Mixamo");

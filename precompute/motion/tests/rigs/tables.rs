@@ -437,3 +437,106 @@ Head;Neck3;head
 {L,R}Arm1;{L,R}Arm0;left_upper_arm
 {L,R}Arm2;{L,R}Arm1;left_forearm
 {L,R}Arm3;{L,R}Arm2;left_hand";
+
+/// Figures of games and drawn figures, whose limbs have any proportions and whose joints are named as their parts. (name, joints)
+pub const DRAWN: [(&str, &str); 6] = [
+    ("game figure", GAME),
+    ("short upper arms", SHORT_UPPER_ARMS),
+    ("stub forearms", STUB_FOREARMS),
+    ("long shins", LONG_SHINS),
+    ("shoulders wide", WIDE_SHOULDERS),
+    ("palms", PALMS),
+];
+
+const GAME: &str = "
+Root;-;0 0 0;-
+Hips;Root;hips
+Abdomen;Hips;spine
+Torso;Abdomen;0 0.2 0;upper_chest
+Neck;Torso;neck
+Head;Neck;head
+Shoulder.{L,R};Torso;0.03 0.13 0;left_clavicle
+UpperArm.{L,R};Shoulder.{L,R};0.15 0 0;left_upper_arm
+LowerArm.{L,R};UpperArm.{L,R};0.28 0 0;left_forearm
+Hand.{L,R};LowerArm.{L,R};0.14 0 0;left_hand
+UpperLeg.{L,R};Hips;left_thigh
+LowerLeg.{L,R};UpperLeg.{L,R};left_shin
+Foot.{L,R};LowerLeg.{L,R};left_foot";
+
+const SHORT_UPPER_ARMS: &str = "
+Hips;-;hips
+Spine;Hips;spine
+Chest;Spine;0 0.2 0;upper_chest
+Neck;Chest;neck
+Head;Neck;head
+Shoulder.{L,R};Chest;0.02 0.13 0;left_clavicle
+UpperArm.{L,R};Shoulder.{L,R};0.2 0 0;left_upper_arm
+LowerArm.{L,R};UpperArm.{L,R};0.18 0 0;left_forearm
+Hand.{L,R};LowerArm.{L,R};0.36 0 0;left_hand
+UpperLeg.{L,R};Hips;left_thigh
+LowerLeg.{L,R};UpperLeg.{L,R};left_shin
+Foot.{L,R};LowerLeg.{L,R};left_foot
+Toes.{L,R};Foot.{L,R};left_toe";
+
+const STUB_FOREARMS: &str = "
+Hips;-;hips
+Spine;Hips;spine
+Chest;Spine;0 0.2 0;upper_chest
+Neck;Chest;neck
+Head;Neck;head
+Shoulder.{L,R};Chest;0.02 0.13 0;left_clavicle
+UpperArm.{L,R};Shoulder.{L,R};0.24 0 0;left_upper_arm
+LowerArm.{L,R};UpperArm.{L,R};0.26 0 0;left_forearm
+Hand.{L,R};LowerArm.{L,R};0.08 0 0;left_hand
+Grip.{L,R};Hand.{L,R};0.2 0 0;-
+UpperLeg.{L,R};Hips;left_thigh
+LowerLeg.{L,R};UpperLeg.{L,R};left_shin
+Foot.{L,R};LowerLeg.{L,R};left_foot
+Toes.{L,R};Foot.{L,R};left_toe";
+
+const LONG_SHINS: &str = "
+pelvis;-;0 0.8 0;hips
+spine;pelvis;0 0.1 0;spine
+chest;spine;0 0.2 0;upper_chest
+neck;chest;0 0.2 0;neck
+head;neck;0 0.1 0;head
+clavicle_{l,r};chest;0.03 0.13 0;left_clavicle
+upperarm_{l,r};clavicle_{l,r};0.12 0 0;left_upper_arm
+lowerarm_{l,r};upperarm_{l,r};0.3 0 0;left_forearm
+hand_{l,r};lowerarm_{l,r};0.11 0 0;left_hand
+thigh_{l,r};pelvis;0.1 -0.02 0;left_thigh
+calf_{l,r};thigh_{l,r};0 -0.2 0;left_shin
+foot_{l,r};calf_{l,r};0 -0.5 0;left_foot
+ball_{l,r};foot_{l,r};0 -0.06 0.14;left_toe";
+
+const WIDE_SHOULDERS: &str = "
+Hips;-;hips
+Spine;Hips;spine
+Chest;Spine;0 0.2 0;upper_chest
+Neck;Chest;neck
+Head;Neck;head
+{Left,Right}Shoulder;Chest;0.02 0.13 0;left_clavicle
+{Left,Right}UpperArm;{Left,Right}Shoulder;0.32 0 0;left_upper_arm
+{Left,Right}LowerArm;{Left,Right}UpperArm;0.3 0 0;left_forearm
+{Left,Right}Hand;{Left,Right}LowerArm;0.12 0 0;left_hand
+{Left,Right}UpperLeg;Hips;left_thigh
+{Left,Right}LowerLeg;{Left,Right}UpperLeg;left_shin
+{Left,Right}Foot;{Left,Right}LowerLeg;left_foot
+{Left,Right}Toes;{Left,Right}Foot;left_toe";
+
+const PALMS: &str = "
+Body;-;0 0 0;-
+Hips;Body;hips
+Abdomen;Hips;spine
+Torso;Abdomen;0 0.2 0;upper_chest
+Neck;Torso;neck
+Head;Neck;head
+Shoulder{L,R};Torso;0.05 0.13 0;left_clavicle
+UpperArm{L,R};Shoulder{L,R};0.2 0 0;left_upper_arm
+LowerArm{L,R};UpperArm{L,R};0.2 0 0;left_forearm
+Palm{L,R};LowerArm{L,R};0.36 0 0;left_hand
+Middle1{L,R};Palm{L,R};0.1 0 0;-
+Middle2{L,R};Middle1{L,R};0.1 0 0;-
+UpperLeg{L,R};Hips;left_thigh
+LowerLeg{L,R};UpperLeg{L,R};left_shin
+Foot{L,R};LowerLeg{L,R};left_foot";

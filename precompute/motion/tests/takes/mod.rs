@@ -1,6 +1,7 @@
 //! Takes written and read back by the project's own readers: every joint is where it was, on the plain body and on others.
 
 mod clients;
+mod skins;
 mod worn;
 
 use glam::{Quat, Vec3};

@@ -174,6 +174,42 @@ fn files_in_archives_are_read_up_to_a_limit_and_find_their_skeleton() {
     assert_eq!(names(&dir, ""), ["deep/er/two", "deep/three", "more", "one"]);
 }
 
+/// The bytes of an archive of some files.
+fn zipped(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        zip.start_file(*name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, bytes).unwrap();
+    }
+    zip.finish().unwrap().into_inner()
+}
+
+#[test]
+fn archives_in_archives_are_searched_and_no_deeper() {
+    let dir = tempfile::tempdir().unwrap();
+    let third = zipped(&[("deep.bvh", b"deep")]);
+    let inner = zipped(&[("walk/slow.bvh", b"slow"), ("run.bvh", b"run"), ("third.zip", &third)]);
+    let bomb = zipped(&[("a.bvh", &vec![b' '; 50 << 20])]);
+    let outer = zipped(&[("set.zip", &inner), ("one.bvh", b"one"), ("bad.zip", b"no archive"), ("bomb.zip", &bomb)]);
+    std::fs::write(dir.path().join("all.zip"), outer).unwrap();
+    assert_eq!(
+        names(&dir, "all.zip"),
+        ["bad", "bomb.zip/a", "one", "set.zip/run", "set.zip/walk/slow"],
+        "the third level is passed over, what is damaged is kept to be told"
+    );
+    let at = |m: &str| dir.path().join("all.zip").join(m);
+    assert_eq!(archive::read_file(&at("set.zip/walk/slow.bvh"), "motion", 100).unwrap(), b"slow");
+    assert_eq!(archive::read_file(&at("one.bvh"), "motion", 100).unwrap(), b"one");
+    assert!(archive::is_file(&at("set.zip/run.bvh")) && !archive::is_file(&at("set.zip/gone.bvh")));
+    assert!(!archive::is_file(&at("set.zip/third.zip/deep.bvh")));
+    assert_eq!(names(&dir, "all.zip/set.zip"), ["run", "walk/slow"]);
+    // An archive of zeros that are packed twice.
+    let twice = zipped(&[("bomb.zip", &vec![0; 64 << 20])]);
+    std::fs::write(dir.path().join("twice.zip"), twice).unwrap();
+    let e = archive::members(&dir.path().join("twice.zip/bomb.zip")).unwrap_err().to_string();
+    assert!(e.contains("bomb.zip: 0.1 MB in the archive become more than the 1 MB that an archive"), "{e}");
+}
+
 /// 100 MB that repeat take a hundred kilobytes: more than two hundred times of that is refused before all of it is in memory.
 #[test]
 fn little_of_an_archive_does_not_become_all_of_memory() {

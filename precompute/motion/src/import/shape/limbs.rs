@@ -1,7 +1,7 @@
 //! Pairs of limbs: chains of equal lengths that hang on one joint, and the places of the limb's three joints on them.
 
 use super::names::NamedPart::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
-use super::names::NamedSide;
+use super::names::{Label, NamedSide};
 use super::tree::SkeletonTree;
 use std::collections::HashSet;
 
@@ -17,8 +17,11 @@ const MIN_SHARE: f32 = 0.3;
 const BETWEEN: f32 = 0.65;
 /// Factor on the score of a hand or foot that is the end of a chain, not a joint.
 const END: f32 = 0.8;
-/// Least ratio of the upper and lower segment of a limb.
+/// Least ratio of the upper and lower segment of a limb, and of one whose joints are all named as its parts.
 const MIN_RATIO: f32 = 0.4;
+const MIN_NAMED_RATIO: f32 = 0.15;
+/// Factor on the score of a limb whose joints are all named as its parts: drawn figures have forearms of any length.
+const NAMED: f32 = 3.0;
 
 /// The three joints of a limb on both sides: `[upper, middle, end][side]`, sides in the order of the file.
 #[derive(Clone, Debug)]
@@ -97,7 +100,13 @@ fn pair(tree: &SkeletonTree, parent: usize, a: usize, b: usize) -> Option<Mirror
         let limbs = paths.iter().filter_map(|path| limb(tree, path, parts));
         limbs.max_by(|x, y| x.score.total_cmp(&y.score))
     };
-    let (leg, arm) = (best([Thigh, Shin, Foot])?, best([UpperArm, Forearm, Hand])?);
+    // Limbs that only their names make legs are no arms, and the other way round.
+    let weaker = |limb: &LimbPair| LimbPair { score: 0.1 * limb.score, names: -0.5, ..limb.clone() };
+    let (leg, arm) = match (best([Thigh, Shin, Foot]), best([UpperArm, Forearm, Hand])) {
+        (Some(leg), Some(arm)) => (leg, arm),
+        (Some(leg), None) => (leg.clone(), weaker(&leg)),
+        (None, arm) => (weaker(arm.as_ref()?), arm?),
+    };
     Some(MirroredChains { parent, first: [a, b], leg, arm })
 }
 
@@ -143,6 +152,16 @@ fn match_children(tree: &SkeletonTree, a: usize, b: usize) -> Vec<[usize; 2]> {
     all.into_iter().map(|(_, both)| both).collect()
 }
 
+/// True where both joints of each part are named as it; the first two, with words that mean nothing else.
+fn is_named(tree: &SkeletonTree, path: &[[usize; 2]], at: [usize; 3], [upper, middle, end]: [NamedPart; 3]) -> bool {
+    let all = |k: usize, is: &dyn Fn(Label) -> bool| path[k].iter().all(|&j| is(tree.labels[j]));
+    let turns = path[at[2]].iter().all(|&j| tree.turns(j));
+    turns
+        && all(at[0], &|l| l.is_exactly(upper))
+        && all(at[1], &|l| l.is_exactly(middle))
+        && all(at[2], &|l| l.may_be(end))
+}
+
 /// The three joints of a limb on one path down.
 fn limb(tree: &SkeletonTree, path: &[[usize; 2]], parts: [NamedPart; 3]) -> Option<LimbPair> {
     let mut along = vec![0f32; path.len()];
@@ -158,15 +177,18 @@ fn limb(tree: &SkeletonTree, path: &[[usize; 2]], parts: [NamedPart; 3]) -> Opti
         for middle in (upper + 1..path.len()).filter(|&k| turns(k)) {
             for end in (middle + 1..path.len()).filter(|&k| ends(k)) {
                 let (first, second) = (along[middle] - along[upper], along[end] - along[middle]);
+                let at = [upper, middle, end];
+                let named = is_named(tree, path, at, parts);
                 let ratio = first.min(second) / first.max(second);
-                if ratio.is_nan() || ratio < MIN_RATIO {
+                let (least, counted) = if named { (MIN_NAMED_RATIO, ratio.max(0.6)) } else { (MIN_RATIO, ratio) };
+                if ratio.is_nan() || ratio < least {
                     continue;
                 }
-                let at = [upper, middle, end];
                 let names = at.iter().zip(parts).map(|(&k, part)| agreement(k, part)).sum::<f32>() / 3.0;
                 let between = (upper + 1..end).filter(|&k| k != middle && turns(k)).count() as i32;
                 let whole = BETWEEN.powi(between) * if turns(end) { 1.0 } else { END };
-                let score = whole * ratio * ratio * (first + second) * (1.0 + 0.9 * names);
+                let whole = whole * if named { NAMED } else { 1.0 };
+                let score = whole * counted * counted * (first + second) * (1.0 + 0.9 * names);
                 if best.is_none_or(|(_, s, _)| score > s * 1.0001) {
                     best = Some((at, score, names));
                 }

@@ -13,10 +13,10 @@ mod tree;
 mod trunk;
 
 use super::roles::RoleMap;
-use crate::raw::RawClip;
 use glam::Vec3;
 use limbs::{LimbPair, MirroredChains};
 use names::NamedPart;
+pub(super) use no_person::check_stance;
 pub(super) use sides::check_role_sides;
 use std::collections::HashMap;
 use throng_core::{Joint, NUM_JOINTS};
@@ -46,21 +46,22 @@ struct RecognisedBody {
 ///
 /// # Errors
 /// [`NoPerson`] where there is no body with two arms, two legs and a head, or left cannot be told from right.
-pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
-    let tree = SkeletonTree::new(clip);
-    let pairs = limbs::pairs(&tree);
-    let Some(body) = best_body(&tree, &pairs) else { return Err(no_person::explain(&tree, &pairs)) };
+pub(super) fn recognise(tree: &SkeletonTree) -> Result<RoleMap, NoPerson> {
+    let pairs = limbs::pairs(tree);
+    let Some(body) = best_body(tree, &pairs) else { return Err(no_person::explain(tree, &pairs)) };
     let mut map = RoleMap { joints: [None; NUM_JOINTS], profile: RoleMap::BY_SHAPE.into(), warnings: Vec::new() };
-    let sides = sides::decide_sides(&tree, &body)?;
+    let sides = sides::decide_sides(tree, &body)?;
     map.warnings.extend(sides.warnings);
-    set_limbs(&tree, &body, [sides.left_leg, sides.left_arm], &mut map);
-    trunk::set_trunk_roles(&tree, &body, &mut map);
+    set_limbs(tree, &body, [sides.left_leg, sides.left_arm], &mut map);
+    trunk::set_trunk_roles(tree, &body, &mut map);
     if map.get(Joint::Neck).is_none() && map.get(Joint::Head).is_none() {
-        return Err(no_person::no_head(&tree, &body));
+        return Err(no_person::no_head(tree, &body));
     }
+    map.warnings.extend(find_other_names(tree, &map));
     let named = map.joints.iter().flatten().filter(|&&j| tree.labels[j].names_a_part()).count();
     if named * 2 < map.joints.iter().flatten().count() {
-        let pairs: Vec<_> = map.pairs(&clip.joints).map(|(role, joint)| format!("{}={joint}", role.name())).collect();
+        let pairs: Vec<_> =
+            map.pairs(&tree.clip.joints).map(|(role, joint)| format!("{}={joint}", role.name())).collect();
         map.warnings.push(format!(
             "the names of the joints say little, so roles were found by the shape of the skeleton alone: {}. Check them; \
              a profile decides where they are wrong (data/skeletons/README.md).",
@@ -68,6 +69,44 @@ pub(super) fn recognise(clip: &RawClip) -> Result<RoleMap, NoPerson> {
         ));
     }
     Ok(map)
+}
+
+/// Joints of limbs, from the trunk on, and the parts by which they are named.
+const LIMBS: [[(Joint, NamedPart); 3]; 4] = {
+    use Joint::*;
+    [
+        [(LeftThigh, NamedPart::Thigh), (LeftShin, NamedPart::Shin), (LeftFoot, NamedPart::Foot)],
+        [(RightThigh, NamedPart::Thigh), (RightShin, NamedPart::Shin), (RightFoot, NamedPart::Foot)],
+        [(LeftUpperArm, NamedPart::UpperArm), (LeftForearm, NamedPart::Forearm), (LeftHand, NamedPart::Hand)],
+        [(RightUpperArm, NamedPart::UpperArm), (RightForearm, NamedPart::Forearm), (RightHand, NamedPart::Hand)],
+    ]
+};
+
+/// A limb that comes apart when it bends: its foot or hand does not hang on the joint above it.
+pub(super) fn find_parted_limb(tree: &SkeletonTree, map: &RoleMap) -> Option<String> {
+    let part = |[above, below]: [usize; 2]| {
+        let (above, below) = (tree.name(above), tree.name(below));
+        format!("`{below}` does not follow when `{above}` turns: it hangs on another joint.")
+    };
+    let found = LIMBS.iter().flat_map(|limb| limb.windows(2)).find_map(|pair| {
+        let both = [map.get(pair[0].0)?, map.get(pair[1].0)?];
+        (!tree.is_above(both[0], both[1])).then_some(both)
+    });
+    found.map(part)
+}
+
+/// Warnings of joints of limbs that are named as another part of a limb than the one that the shape makes them.
+fn find_other_names(tree: &SkeletonTree, map: &RoleMap) -> Vec<String> {
+    let parts = LIMBS[1..3].as_flattened();
+    let of = |&(role, part): &(Joint, NamedPart)| {
+        let joint = map.get(role)?;
+        let label = tree.labels[joint];
+        let other = parts.iter().find(|(_, p)| *p != part && label.is_exactly(*p))?;
+        let (name, found) = (tree.name(joint), role.name());
+        let named = other.0.name().trim_start_matches("left_").trim_start_matches("right_");
+        Some(format!("`{name}` is named as a {named}, but by the shape of the body it is the {found}: check it."))
+    };
+    LIMBS.as_flattened().iter().filter_map(of).collect()
 }
 
 /// The two pairs that make the best body.
@@ -222,6 +261,6 @@ mod tests {
         let likeliest = likeliest(&pairs, |p| &p.leg, longest);
         assert_eq!(likeliest.len(), MAX_PAIRS);
         assert!(likeliest.is_sorted_by_key(|p| (p.parent, p.first)));
-        assert!(recognise(&clip).is_err());
+        assert!(recognise(&tree).is_err());
     }
 }

@@ -141,6 +141,11 @@ impl Label {
         self.parts & (1 << part as u8) != 0
     }
 
+    /// True where the name is a word of the part, and of no other one.
+    pub fn is_exactly(self, part: NamedPart) -> bool {
+        self.exact && self.parts == 1 << part as u8
+    }
+
     /// True where the name means some part of the body.
     pub fn names_a_part(self) -> bool {
         self.parts != 0

@@ -1,16 +1,96 @@
 //! Explains why a skeleton is no whole body.
 
-use super::limbs::MirroredChains;
+use super::limbs::{self, MirroredChains};
+use super::names::NamedPart;
 use super::tree::SkeletonTree;
 use super::{NoPerson, RecognisedBody, trunk};
+use crate::import::roles::RoleMap;
+use glam::Vec3;
+use throng_core::Joint;
 
 /// Number of chains that make a hand.
 const FINGERS: usize = 4;
 /// Names listed in an error.
 const MAX_NAMES: usize = 40;
 
+/// Share of the frames above which limbs that reach the ground carry a body.
+const MOST_FRAMES: f32 = 0.8;
+/// Length of the limbs before the hind legs, as a share of these, above which they may be forelegs.
+const SHORTEST_FORELEGS: f32 = 0.8;
+
+/// Refuses a body that stands on more than its legs: other limbs reach the ground before or behind the feet, its knees are
+/// up, and it does so in nearly all frames and at rest. People at rest stand on their legs, whatever they do then.
+pub fn check_stance(tree: &SkeletonTree, map: &RoleMap) -> Result<(), NoPerson> {
+    use Joint::*;
+    let both = |j: Joint| Some([map.get(j)?, map.get(j.mirrored())?]);
+    let (Some(thighs), Some(shins), Some(feet)) = (both(LeftThigh), both(LeftShin), both(LeftFoot)) else {
+        return Ok(());
+    };
+    let middle = |frame: &[Vec3], [a, b]: [usize; 2]| (frame[a] + frame[b]) * 0.5;
+    // Hind legs of animals have more joints than legs of people.
+    let hips = map.get(Hips);
+    let tops = thighs.map(|t| tree.path_up(t).take_while(|&j| Some(j) != hips).last().unwrap_or(t));
+    let down = |frame: &[Vec3]| middle(frame, feet) - middle(frame, tops);
+    let stands_on = |frame: &[Vec3], pair: &MirroredChains| {
+        let (down, leg) = (down(frame).normalize_or_zero(), down(frame).length());
+        let foot = middle(frame, feet);
+        let height = |at: Vec3| (foot - at).dot(down);
+        let place = |k: usize| middle(frame, [pair.leg.paths[0][k], pair.leg.paths[1][k]]);
+        let lowest = (0..pair.leg.paths[0].len()).map(place).min_by(|a, b| height(*a).total_cmp(&height(*b)));
+        let end = lowest.unwrap_or(foot);
+        let apart = (end - foot + down * height(end)).length();
+        let knees = height(middle(frame, shins)) > 0.25 * leg;
+        knees && height(end) < 0.25 * leg && height(place(0)) > 0.5 * leg && apart > 0.35 * leg
+    };
+    let mut rest = vec![Vec3::ZERO; tree.clip.joints.len()];
+    for (j, joint) in tree.clip.joints.iter().enumerate() {
+        rest[j] = joint.parent.map_or(Vec3::ZERO, |p| rest[p]) + joint.offset;
+    }
+    let top = map.get(Head).or(map.get(Neck));
+    let is_upright = |top: usize| {
+        let trunk = (rest[top] - middle(&rest, tops)).normalize_or_zero();
+        trunk.dot(down(&rest).normalize_or_zero()) < -0.7
+    };
+    let is_leg = |pair: &MirroredChains| {
+        let along = |f: usize, t: usize| tree.is_above(f, t) || tree.is_above(t, f);
+        pair.first.iter().any(|&f| tops.iter().any(|&t| along(f, t)))
+    };
+    let reach = |path: &Vec<usize>| path.iter().skip(1).map(|&j| tree.lengths[j]).sum::<f32>();
+    let leg = tree.lengths[shins[0]] + tree.lengths[feet[0]];
+    for pair in limbs::pairs(tree).iter().filter(|p| !is_leg(p)) {
+        let seen = tree.frames.iter().filter(|f| stands_on(f, pair)).count();
+        let at_rest = stands_on(&rest, pair)
+            || (!top.is_some_and(is_upright) && reach(&pair.leg.paths[0]) > SHORTEST_FORELEGS * leg);
+        if seen as f32 > MOST_FRAMES * tree.frames.len() as f32 && at_rest {
+            let [a, b, c, d] = [thighs[0], thighs[1], pair.first[0], pair.first[1]].map(|j| tree.name(j));
+            let message = format!(
+                "no person was found: it goes on four legs (`{a}`, `{b}`, `{c}`, `{d}`), which all reach the ground"
+            );
+            return Err(NoPerson { message, help: "Only people are read: leave the file out".into() });
+        }
+    }
+    Ok(())
+}
+
+/// Legs whose feet hang elsewhere, or are not there: the last joint of the left one, and the foot.
+fn find_footless_leg(tree: &SkeletonTree) -> Option<(usize, Option<usize>)> {
+    let named = |part: NamedPart| (0..tree.labels.len()).filter(move |&j| tree.labels[j].is_exactly(part));
+    let ends = |shin: usize| tree.role_children(shin).next().is_none();
+    let hangs_on_thigh = |shin: usize| tree.path_up(shin).skip(1).any(|j| tree.labels[j].is_exactly(NamedPart::Thigh));
+    let shin = named(NamedPart::Shin).find(|&j| ends(j) && hangs_on_thigh(j))?;
+    let is_foot = |j: &usize| tree.labels[*j].may_be(NamedPart::Foot) && tree.labels[*j].side == tree.labels[shin].side;
+    Some((shin, (0..tree.labels.len()).find(is_foot)))
+}
+
 /// Explains why two arms, two legs and the parts that join them were not found.
 pub(super) fn explain(tree: &SkeletonTree, pairs: &[MirroredChains]) -> NoPerson {
+    if let Some((shin, foot)) = find_footless_leg(tree) {
+        let parent = |foot: usize| tree.clip.joints[foot].parent.map_or("nothing", |p| tree.name(p));
+        let foot = foot.map_or(String::new(), |f| format!("; `{}` hangs on `{}`", tree.name(f), parent(f)));
+        let message = format!("its legs have no feet: nothing hangs on `{}`{foot}", tree.name(shin));
+        let help = "Hang each foot on its shin in the program that made the rig, bake the motion, and export it again";
+        return NoPerson { message, help: help.into() };
+    }
     let longest = pairs.iter().max_by(|a, b| a.leg.length.total_cmp(&b.leg.length));
     let Some(pair) = longest else {
         let what = "no two limbs of equal length hang on one joint, so it is no body; it may be a prop or a camera";
