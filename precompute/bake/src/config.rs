@@ -1,12 +1,13 @@
 //! Config of a build: one TOML file, with a table of settings for each stage.
 
-use crate::activities::ActivityConfig;
+use crate::activities::{ActivityConfig, ActivitySearch};
 use crate::cluster::ClusterConfig;
 use crate::examples::BlendConfig;
 use crate::features::FeaturesConfig;
 use crate::graph::MotionGraphConfig;
 use crate::patch::PatchConfig;
 use crate::policy::{BehaviourKind, PolicyBehaviourConfig, PolicyConfig};
+use crate::select::ClipSelection;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -34,6 +35,9 @@ pub struct BuildConfig {
     pub seed: u64,
     /// Reading of files.
     pub import: ImportConfig,
+    /// Choice of clips by their names.
+    #[serde(skip_serializing_if = "is_default")]
+    pub select: ClipSelection,
     /// Retargeting onto the database skeleton.
     pub retarget: RetargetConfig,
     /// Rate and mirrored copies.
@@ -69,6 +73,7 @@ impl Default for BuildConfig {
             synth: None,
             seed: 0,
             import: ImportConfig::default(),
+            select: ClipSelection::default(),
             retarget: RetargetConfig::default(),
             resample: ResampleConfig::default(),
             annotate: AnnotateConfig::default(),
@@ -91,8 +96,8 @@ impl BuildConfig {
         Self { name: name.into(), inputs, ..Self::default() }
     }
 
-    /// Config for any motion: the settings of `data/walk.toml`, blows if there are some, and a blend space if steady
-    /// gaits are found. For [`crate::pipeline::build_possible`].
+    /// Config for any motion: the settings of `data/walk.toml`, blows if there are some, blend spaces of
+    /// steady gaits that are alike, and idles and gestures as activities. For [`crate::pipeline::build_possible`].
     ///
     /// # Errors
     /// Never in practice: the text is part of the program.
@@ -102,6 +107,9 @@ impl BuildConfig {
         let blows = PolicyBehaviourConfig { name: "throw-punches".into(), kind, ..PolicyBehaviourConfig::default() };
         config.behaviours.push(blows);
         config.blend.insert("ahead".into(), BlendConfig::for_all_clips());
+        for (tag, search) in [("idle", ActivitySearch::Idles), ("gesture", ActivitySearch::Gestures)] {
+            config.activities.insert(tag.into(), ActivityConfig { find: Some(search), ..ActivityConfig::default() });
+        }
         Ok(config)
     }
 
@@ -194,7 +202,7 @@ impl BuildConfig {
         let surroundings = (&patches.environments, &patches.touch);
         // Names of clips depend on the given folder, and a path may name one clip of a file.
         let given = (&self.inputs, import::READS_FBX);
-        (given, &self.import, &self.clips, &self.retarget, &self.resample, &self.annotate, surroundings)
+        (given, &self.import, &self.select, &self.clips, &self.retarget, &self.resample, &self.annotate, surroundings)
     }
 
     /// The config as TOML, as the bundle keeps it.
@@ -209,6 +217,10 @@ impl BuildConfig {
     pub fn json_schema() -> schemars::Schema {
         schemars::schema_for!(BuildConfig)
     }
+}
+
+fn is_default(of: &ClipSelection) -> bool {
+    *of == ClipSelection::default()
 }
 
 /// A value as TOML.

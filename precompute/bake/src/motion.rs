@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use streamed::StreamedMotion;
 use throng_base::Comm;
+use throng_motion::annotate::classes::NameHints;
 use throng_motion::annotate::{self, Sidecars, hits};
 use throng_motion::clip::{Clip, ClipSet};
 use throng_motion::error::{BuildError, Result, Warnings};
@@ -87,6 +88,9 @@ impl<'a> MotionStages<'a> {
             Some(synth) => synth::input(synth, cfg.resample.rate_hz, &cfg.import).map(|(set, marks)| ((set, 0), marks)),
             None => Ok((self.read_files(&files, streamed.as_ref(), p)?, BTreeMap::new())),
         })?;
+        let names: Vec<&str> = raw.clips.iter().map(|c| c.clip.name.as_str()).collect();
+        cfg.select.check(&names)?;
+        raw.clips.retain(|c| cfg.select.takes(&c.clip.name));
         let mut warnings = Warnings::default();
         let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
         let repeated = self.report_repeated(&mut raw, streamed.as_ref())?;
@@ -243,7 +247,8 @@ impl ClipMaker<'_> {
             Ok::<_, BuildError>(annotate::annotate(&resampled, &cfg.annotate, &marks)?.clips)
         };
         let Some(key) = self.keys[i] else { return Ok((make()?, false)) };
-        let settings = (self.plan.basis(i), &cfg.resample, &cfg.annotate, &marks);
+        let hints = NameHints::new(name, &raw.clip.path.display().to_string());
+        let settings = (self.plan.basis(i), &cfg.resample, &cfg.annotate, &marks, hints);
         let (mut clips, kept) =
             self.cache.load_or_make("clips", CacheKey::for_stage("clips", &[key], &settings)?, make)?;
         for clip in &mut clips {

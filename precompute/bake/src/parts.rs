@@ -49,7 +49,7 @@ impl Attempts {
     pub fn accept<T>(&mut self, part: impl Into<String>, made: Result<T>) -> Result<Option<T>> {
         let why = match made {
             Ok(made) => return Ok(Some(made)),
-            Err(e) if self.parts == RequiredParts::All => return Err(e),
+            Err(e) if self.parts == RequiredParts::All || !is_of_motion(&e) => return Err(e),
             Err(BuildError::Key { why, .. }) => why.trim_end_matches('.').to_owned(),
             Err(BuildError::Stage { message, help, .. }) => format!("{message}. {}", help.trim_end_matches('.')),
             Err(BuildError::Config { message }) => message.trim_end_matches('.').to_owned(),
@@ -58,6 +58,11 @@ impl Attempts {
         self.not_made.push(SkippedPart { part: part.into(), why });
         Ok(None)
     }
+}
+
+/// True for faults of which motion or settings are the cause; others, such as a stop, end a build.
+pub fn is_of_motion(e: &BuildError) -> bool {
+    matches!(e, BuildError::Key { .. } | BuildError::Stage { .. } | BuildError::Config { .. })
 }
 
 #[cfg(test)]

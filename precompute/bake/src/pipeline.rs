@@ -4,16 +4,17 @@ use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
+use crate::graph::TakenMotion;
 use crate::motion::MotionStages;
 pub use crate::motion::{Shard, ShardReport, bake_shard};
-use crate::parts::{Attempts, RequiredParts};
+use crate::parts::{Attempts, RequiredParts, SkippedPart, is_of_motion};
 use crate::patch::{self, PatchConfig, RawPatches, TileConfig};
 use crate::policy::{BehaviourKind, PolicyBehaviourConfig, RawPolicy};
 use crate::report::{self, BuildProducts, BuildReport};
 use crate::share::{clip_owners, sort_by_owner};
 use crate::stages::{MotionOutput, StageOutput, Stages, stage_error};
 use crate::write::{self, BundleInputs};
-use crate::{activities, cluster, examples, features, graph, policy, provenance, stops};
+use crate::{activities, cluster, examples, features, graph, make, policy, provenance, stops};
 use glam::Vec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
@@ -86,11 +87,28 @@ pub fn build_shared(
     let motion_cfg = (cfg.motion_config(), parts == RequiredParts::Possible);
     let stages = MotionStages { cfg, parts, from: &from, s: &s };
     let collect = || stages.collect(units.as_ref());
-    let motion = match stages.shares_poses() {
+    let mut motion = match stages.shares_poses() {
         // No process has all the motion.
         true => StageOutput { key: CacheKey::for_stage("motion", &[from.key()?], &motion_cfg)?, value: collect()? },
         false => s.run_group("motion", &[from.key()?], &motion_cfg, collect)?,
     };
+    let mut connected = match connect(cfg, &motion, &s) {
+        Err(e) if !is_of_motion(&e) => return Err(e),
+        connected => connected,
+    };
+    let mut made = make::MadeMotion::default();
+    if let Some(lacks) = missing_motion(cfg, &motion.clips, connected.as_ref().ok()) {
+        let (clips, mirror) = (&motion.clips, cfg.resample.mirror);
+        let settings = (lacks, &cfg.graph, mirror);
+        let output =
+            s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, lacks, &cfg.graph, mirror, comm))?;
+        if !output.clips.is_empty() {
+            made = output.value;
+            motion.key = output.key;
+            motion.value.clips.clips.append(&mut made.clips);
+            connected = connect(cfg, &motion, &s);
+        }
+    }
     let clips = &motion.clips;
     let features_key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
     let mut baker = PartBaker { cfg, motion: &motion, s: &s, attempts: Attempts::new(parts) };
@@ -106,10 +124,6 @@ pub fn build_shared(
         }
         None => None,
     };
-    let connected = s.stage("graph", &[features_key], &cfg.graph, |p| match cfg.graph.enabled {
-        true => graph::connect(clips, &cfg.features, &cfg.graph, p, comm),
-        false => graph::empty_graph(clips, &cfg.graph),
-    });
     let (connected, graph_key) = match baker.attempts.accept("policies", connected)? {
         Some(connected) => (connected.value, connected.key),
         None => (graph::empty_graph(clips, &cfg.graph)?, features_key),
@@ -141,10 +155,43 @@ pub fn build_shared(
         Ok((write::bundle(&baked, out, comm)?, sanity))
     })?;
     let (graph, stops) = (graph_report, stops_report);
-    let built = BuildProducts { motion: &motion, baked, blends: &blends, graph, stops, written, sanity };
+    let built =
+        BuildProducts { motion: &motion, baked, blends: &blends, made: &made.report, graph, stops, written, sanity };
     let not_made = baker.attempts.not_made;
     let (timing, warnings) = s.finish();
     Ok(BuildReport { not_made, ..report::build_report(cfg, &built, timing, warnings) })
+}
+
+/// The motion graph of some motion.
+fn connect(cfg: &BuildConfig, motion: &StageOutput<MotionOutput>, s: &Stages<'_>) -> Result<StageOutput<Connected>> {
+    let key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
+    let mut graph_cfg = cfg.graph.clone();
+    if !cfg.select.wanted.is_empty() {
+        graph_cfg.take = TakenMotion::ALL.into();
+    } else if cfg.behaviours.iter().any(|b| b.kind != BehaviourKind::Approach) {
+        graph_cfg.take.push(TakenMotion::Blows);
+    }
+    s.stage("graph", &[key], &graph_cfg, |p| match graph_cfg.enabled {
+        true => graph::connect(&motion.clips, &cfg.features, &graph_cfg, p, s.comm),
+        false => graph::empty_graph(&motion.clips, &graph_cfg),
+    })
+}
+
+/// A motion graph and its figures.
+type Connected = (graph::RawMotionGraph, graph::GraphReport);
+
+/// What motion lacks that the behaviours of a config need; `None` if nothing is to be made.
+fn missing_motion(
+    cfg: &BuildConfig,
+    clips: &ClipSet,
+    connected: Option<&StageOutput<Connected>>,
+) -> Option<make::Lacks> {
+    // Fighters that bring their fists to a target are no walkers.
+    let usual = PolicyBehaviourConfig::default().centre;
+    let goes = cfg.behaviours.iter().any(|b| b.kind == BehaviourKind::Approach && b.centre == usual);
+    let wanted = goes && cfg.graph.enabled && cfg.graph.make == graph::MakeMotion::Missing && shows_walking(clips);
+    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0));
+    (wanted && lacks.any()).then_some(lacks)
 }
 
 /// Error of a build that has nothing to play.
@@ -250,7 +297,9 @@ impl PartBaker<'_> {
             let (tables, motion) = (some.iter().cloned().collect(), self.motion);
             let fitted = self.s.stage("examples", &[motion.key], &tables, |p| examples::fit(&motion.clips, &tables, p));
             if let Some(fitted) = self.attempts.accept(format!("blend space {}", some[0].0), fitted)? {
-                let BlendSpaces { spaces, report, warnings } = fitted.value;
+                let BlendSpaces { spaces, report, not_made, warnings } = fitted.value;
+                let skipped = |(name, why)| SkippedPart { part: format!("blend space {name}"), why };
+                self.attempts.not_made.extend(not_made.into_iter().map(skipped));
                 all.spaces.extend(spaces);
                 all.report.extend(report);
                 all.warnings.messages.extend(warnings.messages);

@@ -5,6 +5,7 @@ use crate::cluster::PoseGroups;
 use crate::config::BuildConfig;
 use crate::examples::{BlendReport, BlendSpaces};
 use crate::graph::{GraphReport, MinMeanMax};
+use crate::make::MadeReport;
 use crate::parts::SkippedPart;
 use crate::patch::PatchReport;
 use crate::policy::PolicyReport;
@@ -79,6 +80,8 @@ pub struct BuildReport {
     pub joint_error_p95_mm: f32,
     /// Largest error of all frames (mm).
     pub joint_error_worst_mm: f32,
+    /// Motion that was made, as the clips lack it.
+    pub made: MadeReport,
     /// The motion graph's figures.
     pub graph: GraphReport,
     /// Times in which characters can stop; all 0 without a motion graph.
@@ -108,6 +111,7 @@ pub(crate) struct BuildProducts<'a> {
     pub motion: &'a MotionOutput,
     pub baked: BundleInputs<'a>,
     pub blends: &'a BlendSpaces,
+    pub made: &'a MadeReport,
     pub graph: &'a GraphReport,
     pub stops: StopsReport,
     pub written: WrittenBundle,
@@ -122,7 +126,7 @@ pub(crate) fn build_report(
     timing: BuildTiming,
     odd: Warnings,
 ) -> BuildReport {
-    let BuildProducts { motion, baked, blends, graph, stops, written, ref sanity } = *built;
+    let BuildProducts { motion, baked, blends, made, graph, stops, written, ref sanity } = *built;
     let (blends, blend_warnings) = (&blends.report, &blends.warnings);
     let mut warnings = [&motion.warnings, blend_warnings, &odd].map(|w| w.messages.clone()).concat();
     // A config that keeps captured heights has terrain.
@@ -137,7 +141,7 @@ pub(crate) fn build_report(
     for e in motion.clips.clips.iter().flat_map(|c| &c.excluded) {
         *excluded_frames.entry(e.reason.to_string()).or_insert(0) += e.range.len();
     }
-    let originals = motion.clips.clips.iter().filter(|c| !c.mirrored);
+    let originals = motion.clips.clips.iter().filter(|c| !c.mirrored && !c.is_made());
     let originals: usize = originals.flat_map(|c| c.usable_ranges()).map(|range| range.len()).sum();
     BuildReport {
         name: cfg.name.clone(),
@@ -167,6 +171,7 @@ pub(crate) fn build_report(
         frame_bytes: size_of::<FrameRow>(),
         joint_error_p95_mm: written.joint_error_mm[0],
         joint_error_worst_mm: written.joint_error_mm[1],
+        made: made.clone(),
         graph: graph.clone(),
         stops,
         contacts: contacts(motion, sanity),

@@ -186,6 +186,7 @@ fn clip_meta(c: &Clip) -> ClipMeta {
         source: c.source.clone(),
         tags: c.tags.iter().map(|t| (t.name.clone(), t.range.start as u32, t.range.end as u32)).collect(),
         excluded: c.excluded.iter().map(|e| (e.reason.to_string(), e.range.start as u32, e.range.end as u32)).collect(),
+        classes: c.classes.clone(),
     }
 }
 

@@ -17,11 +17,19 @@ pub(super) struct EventGraph {
     pub frames: Vec<u32>,
     /// Weight in the comparison of components: a metre travelled counts as much as a second (frames).
     pub worth: Vec<u32>,
+    /// True for events in a stand at ease, by which a component is preferred that walks and stands.
+    pub rests: Vec<bool>,
     /// Transitions of every event; if ranks share them, only those of this rank's events.
     pub links: Vec<Vec<TransitionLink>>,
 }
 
 impl EventGraph {
+    /// The same events with other links.
+    pub fn with_links(&self, links: Vec<Vec<TransitionLink>>) -> Self {
+        let (next, frames) = (self.next.clone(), self.frames.clone());
+        Self { next, frames, worth: self.worth.clone(), rests: self.rests.clone(), links }
+    }
+
     /// True if the clip continues from `i` to an event of the component.
     pub fn has_live_successor(&self, i: usize, alive: &[bool]) -> bool {
         self.next[i].is_some_and(|n| alive[n])
@@ -52,8 +60,8 @@ impl EventGraph {
     }
 }
 
-/// Reduces the graph to its largest strongly connected component, measured in seconds and metres, so that much motion
-/// in place does not win over a little less that travels.
+/// Reduces the graph to its largest strongly connected component in which people walk and stand, or else to the largest of all,
+/// measured in seconds and metres, so that much motion in place does not win over a little less that travels.
 ///
 /// - `comm`: processes that hold the other links.
 ///
@@ -122,6 +130,10 @@ pub(super) fn components(next: &[Option<usize>], links: &[Vec<TransitionLink>], 
 fn successor_event(next: &[Option<usize>], links: &[Vec<TransitionLink>], i: usize, way: usize) -> Option<usize> {
     next[if way == 0 { i } else { links[i][way - 1].event() }]
 }
+
+/// Fewest events of stands at ease, and least travel, of a component that serves behaviours (metres times frames a second).
+const LEAST_RESTS: usize = 4;
+const LEAST_TRAVEL: u64 = 90;
 
 /// Number of best links of each event known to all ranks: they connect nearly everything.
 const KNOWN: usize = 8;
@@ -218,11 +230,18 @@ impl<N: Fn(usize) -> usize, T: Fn(usize, usize) -> Option<usize>> SuccessorGraph
     }
 }
 
-/// Component of the largest weight, with the first event on a tie. A single event counts only if it leads to itself.
+/// Component of the largest weight, with the first event on a tie: of those in which people both walk and stand, if there is
+/// one, as behaviours go to places and stay there. A single event counts only if it leads to itself.
 fn strongest(graph: &EventGraph, parts: Vec<Vec<u32>>, leads_to_itself: &[u8]) -> Vec<bool> {
     let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
     let cycles = parts.into_iter().filter(|c| c.len() > 1 || leads_to_itself[c[0] as usize] > 0);
-    let best = cycles.max_by_key(|c| (worth(c), std::cmp::Reverse(c[0])));
+    let serves = |c: &[u32]| {
+        let rests = c.iter().filter(|&&n| graph.rests[n as usize]).count();
+        let travelled: u64 =
+            c.iter().map(|&n| u64::from(graph.worth[n as usize].saturating_sub(graph.frames[n as usize]))).sum();
+        rests >= LEAST_RESTS && travelled >= LEAST_TRAVEL
+    };
+    let best = cycles.max_by_key(|c| (serves(c), worth(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; graph.next.len()];
     best.into_iter().flatten().for_each(|n| out[n as usize] = true);
     out

@@ -1,9 +1,21 @@
 //! Settings of the motion graph.
 
+use super::take::TakenMotion;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::STANDING_MPS_F64;
 use throng_motion::error::{Result, check_ranges};
+
+/// Motion that a build makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MakeMotion {
+    /// What behaviours need and the clips lack.
+    #[default]
+    Missing,
+    /// None: characters move as captured alone.
+    None,
+}
 
 /// Settings of [`super::connect`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -11,6 +23,8 @@ use throng_motion::error::{Result, check_ranges};
 pub struct MotionGraphConfig {
     /// False builds no graph: for databases of characters in worlds of patches, without policies.
     pub enabled: bool,
+    /// Motion that is made where the clips lack what behaviours need: starts, stops, turns, stands.
+    pub make: MakeMotion,
     /// Actions a state should have on average; the threshold is chosen for it (2 to max_actions).
     pub branching: f64,
     /// Distance up to which frames match, in place of one chosen for `branching` (rad, 1e-6 to 1000).
@@ -44,12 +58,16 @@ pub struct MotionGraphConfig {
     pub min_swing_s: f64,
     /// Least motion in the graph; less is an error (s, 0 to 1e6).
     pub min_component_s: f64,
+    /// Classes of motion that the graph takes, each of which `throng inspect` shows. Motion of which hardly any that goes
+    /// somewhere is of these classes is taken whole.
+    pub take: Vec<TakenMotion>,
 }
 
 impl Default for MotionGraphConfig {
     fn default() -> Self {
         Self {
             enabled: true,
+            make: MakeMotion::Missing,
             branching: 14.0,
             threshold: None,
             max_error: 0.5,
@@ -64,6 +82,7 @@ impl Default for MotionGraphConfig {
             standing_interval_s: 0.25,
             min_swing_s: 0.1,
             min_component_s: 10.0,
+            take: vec![TakenMotion::Upright],
         }
     }
 }

@@ -7,6 +7,7 @@ use super::config::MotionGraphConfig;
 use super::events::{self, EventFrame};
 use super::matches::{self, LinkFinder, LinkLimits, TransitionLink};
 use super::report::{self, GraphReport};
+use super::take::TakenFrames;
 use super::{RawMotionGraph, collapse};
 use crate::features::{self, Features, FeaturesConfig};
 use crate::stages::stage_error;
@@ -61,7 +62,8 @@ pub fn connect(
 ) -> Result<(RawMotionGraph, GraphReport)> {
     config.check()?;
     let rate_hz = check_clips(clips)?;
-    let events = &events::find_events(clips, config, comm)?;
+    let taken = TakenFrames::new(clips, &config.take);
+    let events = &events::find_events(clips, &taken.runs, config, comm)?;
     let frames: Vec<_> = events.iter().map(|e| e.frame).collect();
     let features = &features::extract_at(clips, &frames, features, comm)?;
     let outcomes = &matches::motion_outcomes(events, clips, config.outcome_horizon_s);
@@ -74,7 +76,11 @@ pub fn connect(
     };
     let finder = LinkFinder::new(given, limits, progress, comm)?;
     let (graph, threshold) = GraphSearch::new(given, finder, comm)?.run()?;
-    let report = report::report(&graph, clips, events.len(), threshold);
+    let report = GraphReport {
+        left_out: taken.left_out,
+        scarce_neutral_s: taken.scarce_neutral_s,
+        ..report::report(&graph, clips, events.len(), threshold)
+    };
     if (report.frames_kept as f64) < config.min_component_s * rate_hz || graph.states.is_empty() {
         return Err(too_small(&report, config, rate_hz));
     }
@@ -188,7 +194,8 @@ impl<'a> GraphSearch<'a> {
             let offset = matches::displacement(clips, &starts, events[i].clip, from, to);
             worth[n] = frames[n] + (f64::from(offset.x.hypot(offset.z)) * rate_hz).round() as u32;
         }
-        let whole = EventGraph { next, frames, worth, links: Vec::new() };
+        let rests = events.iter().map(|e| e.is_rest).collect();
+        let whole = EventGraph { next, frames, worth, rests, links: Vec::new() };
         let most_frames = (config.max_action_s * rate_hz).round() as u32;
         let (alive, arrivals) = (Vec::new(), IncomingLinks::new(&[], &SingleRank)?);
         Ok(Self { given, finder, comm, whole, alive, arrivals, most_frames })
@@ -266,8 +273,7 @@ impl<'a> GraphSearch<'a> {
     fn event_frames(&self, threshold: f32) -> Result<(EventGraph, Vec<bool>)> {
         let Self { whole, arrivals, alive, given, .. } = self;
         let links = given.choose(&whole.links, threshold, self.comm)?;
-        let (next, frames, worth) = (whole.next.clone(), whole.frames.clone(), whole.worth.clone());
-        let mut graph = EventGraph { next, frames, worth, links };
+        let mut graph = whole.with_links(links);
         let known = KnownLinks { matches: &whole.links, arrivals, alive };
         bridge::bridge(&mut graph, known, given.config.max_actions - 1, self.comm)?;
         // Without room for a bridge because of max_actions, a part may still be lost.

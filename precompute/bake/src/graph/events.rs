@@ -60,24 +60,30 @@ pub struct EventFrame {
 
 /// The event frames of all clips, ascending.
 ///
+/// - `taken`: runs of frames of each clip that the graph takes.
 /// - `comm`: processes that hold the other poses; poses are needed in strikes and stands.
 ///
 /// # Errors
 /// As [`sort_by_owner`].
-pub(super) fn find_events(clips: &ClipSet, config: &MotionGraphConfig, comm: &dyn Comm) -> Result<Vec<EventFrame>> {
+pub(super) fn find_events(
+    clips: &ClipSet,
+    taken: &[Vec<FrameRange>],
+    config: &MotionGraphConfig,
+    comm: &dyn Comm,
+) -> Result<Vec<EventFrame>> {
     let starts = clips.frame_starts();
     let posed = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |index| {
         let (clip, mut found) = (&clips.clips[index], PoseEvents::default());
-        for run in clip.usable_ranges() {
-            found.guards.extend(guard_frames(clips, clip, &run));
-            let standing = standing_runs_of(clip, &run, config).into_iter().flat_map(|r| places_in(clip, r, config));
+        for run in &taken[index] {
+            found.guards.extend(guard_frames(clips, clip, run));
+            let standing = standing_runs_of(clip, run, config).into_iter().flat_map(|r| places_in(clip, r, config));
             found.rests.extend(standing.filter(|&f| !holds_arm_out(&clip.joint_positions(&clips.skeleton, f))));
         }
         found
     })?;
     let (mut events, mut runs, mut standing_runs) = (Vec::new(), 0, 0);
     for (index, clip) in clips.clips.iter().enumerate() {
-        for run in clip.usable_ranges() {
+        for run in taken[index].iter().cloned() {
             let mut found: Vec<(usize, EventFrameKind, Option<usize>)> = departure_frames(clip, &run, config)
                 .into_iter()
                 .chain(posed[index].guards.iter().copied().filter(|(f, _)| run.contains(f)))
@@ -118,7 +124,7 @@ struct PoseEvents {
 
 /// True for a gesture, such as an offered or a waving hand, however long it is held: an arm with an elbow opened wider
 /// than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
-fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
+pub(crate) fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
     const ARMS: [[Joint; 3]; 2] = [
         [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
         [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
@@ -183,7 +189,7 @@ fn guard_frames(clips: &ClipSet, clip: &Clip, run: &FrameRange) -> Vec<(usize, E
 }
 
 /// Runs within `run` with both feet planted and the root slow for long enough.
-fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &MotionGraphConfig) -> Vec<FrameRange> {
+pub(crate) fn standing_runs_of(clip: &Clip, run: &FrameRange, config: &MotionGraphConfig) -> Vec<FrameRange> {
     let stands = |f: usize| {
         let (prev, next) = (f.saturating_sub(1).max(run.start), (f + 1).min(run.end - 1));
         let seconds = (next - prev).max(1) as f64 / clip.rate_hz;
@@ -227,9 +233,13 @@ mod tests {
         }
     }
 
+    fn usable(set: &ClipSet) -> Vec<Vec<FrameRange>> {
+        set.clips.iter().map(Clip::usable_ranges).collect()
+    }
+
     fn kinds(clip: Clip) -> Vec<(u32, EventFrameKind)> {
         let set = ClipSet { skeleton: Skeleton::default(), clips: vec![clip] };
-        find_events(&set, &MotionGraphConfig::default(), &SingleRank)
+        find_events(&set, &usable(&set), &MotionGraphConfig::default(), &SingleRank)
             .unwrap()
             .iter()
             .map(|e| (e.frame.0, e.kind))
@@ -308,7 +318,7 @@ mod tests {
                 q[Joint::RightForearm.index()] = Quat::from_rotation_z(-bend.to_radians());
             }
             let set = ClipSet { skeleton: Skeleton::default(), clips: vec![c] };
-            let events = find_events(&set, &MotionGraphConfig::default(), &SingleRank).unwrap();
+            let events = find_events(&set, &usable(&set), &MotionGraphConfig::default(), &SingleRank).unwrap();
             assert!(events.iter().all(|e| e.kind == EventFrameKind::Standing));
             events.iter().map(|e| e.is_rest).collect::<Vec<_>>()
         };

@@ -10,12 +10,16 @@ mod events;
 mod export;
 mod matches;
 mod report;
+mod take;
 mod tree;
 
-pub use config::MotionGraphConfig;
+pub use config::{MakeMotion, MotionGraphConfig};
 pub use connect::{connect, empty_graph};
+pub(crate) use events::{holds_arm_out, standing_runs_of};
 pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
+pub(crate) use report::played_frames;
 pub use report::{GraphReport, MinMeanMax};
+pub use take::{MotionLeftOut, TakenMotion};
 
 use throng_core::Planar;
 use throng_motion::clip::FrameId;

@@ -1,6 +1,6 @@
 //! Report of the graph stage, for people and for machines.
 
-use super::RawMotionGraph;
+use super::{MotionLeftOut, RawMotionGraph};
 use serde::{Deserialize, Serialize};
 use throng_motion::clip::ClipSet;
 
@@ -53,10 +53,14 @@ pub struct GraphReport {
     pub segment_s: MinMeanMax,
     /// Clips without a played frame.
     pub unused_clips: Vec<String>,
+    /// Motion of classes that the graph does not take.
+    pub left_out: Vec<MotionLeftOut>,
+    /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
+    pub scarce_neutral_s: Option<[f64; 2]>,
 }
 
 /// True for every frame that some action plays (clips.num_frames()).
-pub(super) fn played_frames(graph: &RawMotionGraph, clips: &ClipSet) -> Vec<bool> {
+pub(crate) fn played_frames(graph: &RawMotionGraph, clips: &ClipSet) -> Vec<bool> {
     let mut played = vec![false; clips.num_frames()];
     for s in &graph.segments {
         let first = s.start.0 as usize + 1;
@@ -85,6 +89,8 @@ pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usiz
         branching: MinMeanMax::from_values(graph.action_offsets.windows(2).map(|w| f64::from(w[1] - w[0]))),
         segment_s: MinMeanMax::from_values(graph.segments.iter().map(|s| f64::from(s.num_frames) / rate_hz)),
         unused_clips: (0..clips.clips.len()).filter(unused).map(|c| clips.clips[c].name.clone()).collect(),
+        left_out: Vec::new(),
+        scarce_neutral_s: None,
     }
 }
 

@@ -36,7 +36,7 @@ fn event_graph() -> impl Strategy<Value = EventGraph> {
                 out
             };
             let links = links.iter().enumerate().map(|(i, l)| of_event(i, l)).collect();
-            EventGraph { next: next.clone(), frames, worth, links }
+            EventGraph { next: next.clone(), frames, worth, rests: vec![false; next.len()], links }
         })
     })
 }
@@ -61,7 +61,8 @@ fn groups() -> impl Strategy<Value = EventGraph> {
         let links = (0..n).map(&mut of_event).collect();
         let numbers: Vec<[u32; 2]> = (0..n).map(|_| [0; 2].map(|_| rng.random_range(1..20))).collect();
         let [frames, worth] = [0, 1].map(|which| numbers.iter().map(|n| n[which]).collect());
-        EventGraph { next, frames, worth, links }
+        let rests = vec![false; next.len()];
+        EventGraph { next, frames, worth, rests, links }
     })
 }
 
@@ -453,6 +454,7 @@ fn components_of_a_chain_into_a_loop() {
         next: vec![Some(1), Some(2), Some(3), None],
         frames: vec![0, 5, 5, 5],
         worth: vec![0, 5, 5, 5],
+        rests: vec![false; 4],
         links: vec![vec![], vec![], vec![], vec![TransitionLink::new(1, 0.1), TransitionLink::new(2, 0.2)]],
     };
     let mut parts = components(&graph.next, &graph.links, &[true; 4]);

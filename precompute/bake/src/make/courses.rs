@@ -1,0 +1,192 @@
+//! Courses of made motion: starts, stops, turns, arcs and steps, frame by frame.
+
+use super::gait::{GaitCycle, LEAD};
+use super::smooth;
+use super::stance::RestStance;
+use super::stepping::MadeCourse;
+use glam::Vec2;
+use throng_core::Planar;
+
+/// What a body is to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum MadeMove {
+    /// Sets off, into a direction (rad).
+    Start(f32),
+    /// Comes to stand within two steps.
+    Stop,
+    /// Turns on the spot, with so many steps (rad).
+    Turn(f32, usize),
+    /// Walks a cycle along an arc (rad).
+    Arc(f32),
+    /// Goes somewhere else without turning: to the left and ahead, with so many steps (m).
+    Step(f32, f32, usize),
+}
+
+/// Time of a stance before and after a move (s).
+pub(super) const STAND_S: f32 = 0.5;
+/// Time from the first shift of weight to the first step (s).
+const SHIFT_S: f32 = 0.3;
+/// Share of the gait in the pose of who steps on the spot.
+const IN_PLACE: f32 = 0.3;
+/// Speed from which starts and stops take four steps in place of two (m/s).
+const FAST_MPS: f32 = 1.9;
+/// Frames after the last event.
+const TAIL: usize = LEAD + 2;
+
+impl MadeMove {
+    /// Name, as that of a clip.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Start(angle) => format!("start-{:.0}", angle.to_degrees()),
+            Self::Stop => "stop".into(),
+            Self::Turn(angle, _) => format!("turn-{:.0}", angle.to_degrees()),
+            Self::Arc(angle) => format!("arc-{:.0}", angle.to_degrees()),
+            Self::Step(x, z, _) => format!("step-{:.0}-{:.0}", 100.0 * x, 100.0 * z),
+        }
+    }
+
+    /// The course; `None` where the gait is too short for it.
+    pub fn course(&self, gait: &GaitCycle, stance: &RestStance) -> Option<MadeCourse> {
+        let rate = gait.clip.rate_hz as f32;
+        let (stand, shift) = ((STAND_S * rate) as usize, (SHIFT_S * rate) as usize);
+        let step = 0.5 * gait.period as f32;
+        let (lift, event) = (stand + shift, gait.event);
+        let none = MadeCourse {
+            gait_at: Vec::new(),
+            stance_at: Vec::new(),
+            weight: Vec::new(),
+            path: Vec::new(),
+            stands: [true; 2],
+            captured: [0, usize::MAX],
+            num_swings: usize::MAX,
+        };
+        let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
+        let last = gait.clip.num_frames() - 1;
+        let cycles = if gait.speed_mps() > FAST_MPS { 2 } else { 1 };
+        Some(match *self {
+            Self::Start(angle) => {
+                // The faster, the more steps it takes.
+                let over = gait.period * cycles;
+                let n = lift + over + TAIL;
+                let until = lift + over - 1;
+                // A turn takes the time before the first step is long.
+                let late = 0.5 * step * angle.abs();
+                let heading = |f: usize| angle * ramp(f, stand as f32, shift as f32 + 1.3 * step);
+                let pace = |f: usize| {
+                    ramp(
+                        f,
+                        stand as f32 + late,
+                        (shift as f32 + 1.2 * step * cycles as f32).min(over as f32 - 0.1 * step - late),
+                    )
+                };
+                MadeCourse {
+                    gait_at: (0..n).map(|f| (event + f.saturating_sub(lift)).min(last)).collect(),
+                    stance_at: (0..n).map(|f| stance.frame(f)).collect(),
+                    weight: (0..n)
+                        .map(|f| ramp(f, lift as f32 - 0.15 * rate, 0.85 * over as f32 + 0.15 * rate))
+                        .collect(),
+                    path: path(gait, Planar::IDENTITY, n, heading, pace),
+                    stands: [true, false],
+                    captured: [0, until],
+                    ..none
+                }
+            }
+            Self::Stop => {
+                let steps = 2 * cycles;
+                let over = (steps as f32 + 0.5) * step;
+                let n = event + over as usize + stand;
+                let rest = event + over as usize;
+                MadeCourse {
+                    gait_at: (0..n).map(|f| f.min(last)).collect(),
+                    stance_at: (0..n).map(|f| stance.frame(f.saturating_sub(rest))).collect(),
+                    weight: (0..n).map(|f| 1.0 - ramp(f, event as f32, over - 0.2 * step)).collect(),
+                    path: path(gait, gait.course(0), n, |_| 0.0, |f| 1.0 - ramp(f, event as f32, over)),
+                    stands: [false, true],
+                    captured: [event, usize::MAX],
+                    num_swings: steps,
+                }
+            }
+            Self::Arc(angle) => {
+                let until = event + gait.period - 1;
+                let n = event + gait.period + TAIL;
+                let heading = |f: usize| angle * ramp(f, event as f32, (until - event) as f32);
+                MadeCourse {
+                    gait_at: (0..n).map(|f| f.min(last)).collect(),
+                    stance_at: vec![0; n],
+                    weight: vec![1.0; n],
+                    path: path(gait, gait.course(0), n, heading, |_| 1.0),
+                    stands: [false; 2],
+                    captured: [event, until],
+                    ..none
+                }
+            }
+            Self::Turn(angle, steps) => {
+                let over = steps as f32 * step;
+                let heading = |f: usize| angle * ramp(f, lift as f32 - 0.1 * rate, over);
+                in_place(none, gait, stance, [lift, stand], steps, |f| Planar::new(0.0, 0.0, heading(f)))
+            }
+            Self::Step(x, z, steps) => {
+                let over = steps as f32 * step;
+                let share = |f: usize| ramp(f, stand as f32, over + shift as f32);
+                in_place(none, gait, stance, [lift, stand], steps, |f| Planar::new(x * share(f), z * share(f), 0.0))
+            }
+        })
+    }
+}
+
+/// MadeCourse of who steps from stance to stance.
+///
+/// - `lift`, `stand`: first frame in the air, and frames of the stance.
+fn in_place(
+    none: MadeCourse,
+    gait: &GaitCycle,
+    stance: &RestStance,
+    [lift, stand]: [usize; 2],
+    steps: usize,
+    place: impl Fn(usize) -> Planar,
+) -> MadeCourse {
+    let rate = gait.clip.rate_hz as f32;
+    let step = 0.5 * gait.period as f32;
+    let over = steps as f32 * step;
+    let rest = lift + over as usize + (0.2 * rate) as usize;
+    let n = rest + stand;
+    let last = gait.clip.num_frames() - 1;
+    let up = |f: usize| smooth((f as f32 - lift as f32 + 0.1 * rate) / (0.6 * step));
+    let down = |f: usize| smooth((lift as f32 + over + 0.1 * rate - f as f32) / (0.8 * step));
+    MadeCourse {
+        gait_at: (0..n).map(|f| (gait.event + f.saturating_sub(lift)).min(last)).collect(),
+        stance_at: (0..n).map(|f| stance.frame(f)).collect(),
+        weight: (0..n).map(|f| IN_PLACE * up(f) * down(f)).collect(),
+        path: (0..n).map(place).collect(),
+        num_swings: steps,
+        ..none
+    }
+}
+
+/// Path of who travels as a gait does, at a share of its pace.
+fn path(
+    gait: &GaitCycle,
+    begin: Planar,
+    num_frames: usize,
+    heading: impl Fn(usize) -> f32,
+    pace: impl Fn(usize) -> f32,
+) -> Vec<Planar> {
+    let mut at = begin;
+    let travel = Vec2::from_array(gait.travel);
+    let place = |f: usize| {
+        let here = Planar { heading: begin.heading + heading(f), ..at };
+        // Midpoints: from this frame to the next.
+        let turn = 0.5 * (heading(f) + heading(f + 1));
+        let share = 0.5 * (pace(f) + pace(f + 1));
+        let by = Planar::new(0.0, 0.0, begin.heading + turn).transform_point(travel * share);
+        (at.x, at.z) = (at.x + by.x, at.z + by.y);
+        here
+    };
+    (0..num_frames).map(place).collect()
+}
+
+/// From 0 to 1, with velocity and acceleration 0 at both ends.
+fn smoother(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * t * (10.0 + t * (6.0 * t - 15.0))
+}

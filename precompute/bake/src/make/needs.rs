@@ -1,0 +1,105 @@
+//! Needs: what a motion graph lacks for going to places and standing there.
+
+use super::gait::walking_s;
+use crate::graph::{RawMotionGraph, played_frames};
+use serde::{Deserialize, Serialize};
+use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
+use throng_core::planar::wrap_angle;
+use throng_motion::clip::{Clip, ClipSet, FrameRange, runs_where};
+
+/// Fewest standing states of a graph in which people can stand.
+const LEAST_RESTS: usize = 4;
+/// Fewest captured starts, and stops, with which people set off and arrive as they wish.
+const ENOUGH_STARTS: usize = 20;
+/// Fewest captured turns on the spot.
+const ENOUGH_TURNS: usize = 8;
+/// Least walking that a graph uses: at all, and as a share of that in the clips (s, 1).
+const LEAST_WALKING_S: f64 = 3.0;
+const LEAST_USED: f64 = 0.5;
+/// Rate of turning of walks with which people steer (rad/s).
+const TURN_RATE: f32 = 0.6;
+/// Shortest stand, and longest time from it to walking, of a start; likewise of a stop (s).
+const STAND_S: f64 = 0.3;
+const START_S: f64 = 2.5;
+/// Least angle and largest distance between the stands before and after a turn on the spot (rad, m).
+const TURN: [f32; 2] = [0.7, 0.7];
+
+/// What the captured motion lacks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Lacks {
+    /// Starts and stops, of which there are few or none.
+    pub starts: bool,
+    /// Starts and stops of many gaits, as most walking does not lead to a stand.
+    pub joins: bool,
+    /// Turns on the spot, and steps aside and back.
+    pub turns: bool,
+    /// Walks that turn to both sides.
+    pub arcs: bool,
+}
+
+impl Lacks {
+    /// Everything.
+    pub const ALL: Self = Self { starts: true, joins: true, turns: true, arcs: true };
+
+    /// True if there is something to make.
+    pub fn any(self) -> bool {
+        self.starts || self.joins || self.turns || self.arcs
+    }
+
+    /// What the motion of a graph lacks.
+    pub fn of_graph(clips: &ClipSet, graph: &RawMotionGraph) -> Self {
+        let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
+        let seconds = |frames: u32| f64::from(frames) / rate;
+        let goes = |s: &&crate::graph::GraphSegment| {
+            f64::from(s.displacement.z) > f64::from(WALKING_MPS) * seconds(s.num_frames)
+        };
+        let walking: Vec<_> = graph.segments.iter().filter(goes).collect();
+        let walked_s: f64 = walking.iter().map(|s| seconds(s.num_frames)).sum();
+        let all_s: f64 = clips.clips.iter().map(walking_s).sum();
+        let turns = |side: f32| {
+            walking
+                .iter()
+                .any(|s| f64::from(side * s.displacement.heading) > f64::from(TURN_RATE) * seconds(s.num_frames))
+        };
+        let played = played_frames(graph, clips);
+        let (mut starts, mut stops, mut on_the_spot) = (0, 0, 0);
+        for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
+            for run in clip.usable_ranges() {
+                for run in runs_where(run, |f| played[first as usize + f]) {
+                    let [a, b, c] = count_changes(clip, &run);
+                    (starts, stops, on_the_spot) = (starts + a, stops + b, on_the_spot + c);
+                }
+            }
+        }
+        let rests = graph.standing.iter().filter(|s| **s).count();
+        Self {
+            starts: rests < LEAST_RESTS || starts.min(stops) < ENOUGH_STARTS,
+            joins: rests < LEAST_RESTS || starts.min(stops) == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
+            turns: on_the_spot < ENOUGH_TURNS,
+            arcs: !(turns(1.0) && turns(-1.0)),
+        }
+    }
+}
+
+/// Starts, stops and turns on the spot within a run.
+fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 3] {
+    let frames = |s: f64| ((s * clip.rate_hz) as usize).max(1);
+    let half = frames(0.2);
+    let speed = |f: usize| {
+        let (a, b) = (f.saturating_sub(half).max(run.start), (f + half).min(run.end - 1));
+        let by = (clip.root_positions[b] - clip.root_positions[a]).with_y(0.0).length();
+        by * clip.rate_hz as f32 / (b - a).max(1) as f32
+    };
+    let mut stands = runs_where(run.clone(), |f| speed(f) < STANDING_MPS);
+    stands.retain(|r| r.len() >= frames(STAND_S));
+    let walks = |mut range: FrameRange| range.any(|f| speed(f) > WALKING_MPS);
+    let near = frames(START_S);
+    let starts = stands.iter().filter(|r| walks(r.end..(r.end + near).min(run.end))).count();
+    let stops = stands.iter().filter(|r| walks(r.start.saturating_sub(near).max(run.start)..r.start)).count();
+    let turns = |w: &&[FrameRange]| {
+        let (a, b) = (clip.planar(w[0].end - 1), clip.planar(w[1].start));
+        let turned = wrap_angle(b.heading - a.heading).abs() > TURN[0];
+        turned && (a.x - b.x).hypot(a.z - b.z) < TURN[1] && w[1].start - w[0].end < 2 * near
+    };
+    [starts, stops, stands.windows(2).filter(turns).count()]
+}

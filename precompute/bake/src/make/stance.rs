@@ -1,0 +1,206 @@
+//! Stances: frames in which a body stands at ease, and one made of a gait where no clip has any.
+
+use super::feet::{MadeFoot, foot_point};
+use super::gait::GaitCycle;
+use super::stepping::{CoursePose, ankle_of, reach_feet};
+use crate::graph::{MotionGraphConfig, holds_arm_out, standing_runs_of};
+use glam::{Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use std::f32::consts::TAU;
+use throng_base::maths;
+use throng_core::planar::twist_about_y;
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_motion::clip::{Clip, FrameRange};
+use throng_motion::retarget::LEGS;
+
+/// Time that a stance lasts where its clip has as much (s).
+const LONG_S: f64 = 2.0;
+/// Least height of hips and head of who stands upright, as shares of those of the rest pose.
+const UPRIGHT: [f32; 2] = [0.88, 0.85];
+/// Largest distance of the feet of who stands at ease, and largest angle between them (m, rad).
+const FEET_APART: (f32, f32) = (0.55, 1.4);
+/// Cost of a stance that is not neutral, as unrest.
+const GESTURE: f32 = 0.3;
+/// Breaths of a made stance (1/s), and how far the trunk turns with them (rad).
+const BREATH: (f32, f32) = (0.27, 0.008);
+
+/// Frames that stand at ease.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RestStance {
+    /// The frames.
+    pub clip: Clip,
+    /// Unrest: speed of joints and arms away from the body; smaller is calmer.
+    pub unrest: f32,
+    /// True if its frames are made, as no clip stands at ease.
+    pub made: bool,
+}
+
+impl RestStance {
+    /// The calmest stance of a clip.
+    pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &MotionGraphConfig) -> Option<Self> {
+        let long = (LONG_S * clip.rate_hz) as usize;
+        let rest = skeleton.rest_positions();
+        let mut best: Option<(f32, FrameRange)> = None;
+        for run in clip.usable_ranges() {
+            for stand in standing_runs_of(clip, &run, cfg) {
+                let step = (long / 2).max(1);
+                let mut from = stand.start;
+                while from < stand.end {
+                    let window = from..(from + long).min(stand.end);
+                    from += step;
+                    if window.len() < long / 6 {
+                        continue;
+                    }
+                    let Some(unrest) = unrest(clip, skeleton, &window, &rest) else { continue };
+                    // Short stands may do, but long ones look alive.
+                    let short = 1.0 - window.len() as f32 / long as f32;
+                    let gestures = clip.class_at(window.start).is_some_and(|c| !c.neutral);
+                    let unrest = unrest + if gestures { GESTURE } else { 0.0 };
+                    let cost = unrest + 0.3 * short;
+                    if best.as_ref().is_none_or(|b| cost < b.0) {
+                        best = Some((cost, window));
+                    }
+                }
+            }
+        }
+        best.map(|(unrest, window)| Self { clip: cut(clip, window), unrest, made: false })
+    }
+
+    /// A stance made of a gait: the mean of its poses, feet side by side on the ground, breathing.
+    pub fn of_gait(gait: &GaitCycle, skeleton: &Skeleton) -> Option<Self> {
+        let cycle = gait.event..gait.event + gait.period;
+        let mean = |j: usize| {
+            let seen = |f: usize| {
+                let q = gait.clip.frame_rotations(f)[j];
+                if j == 0 { maths::compose(maths::rotation_y(-gait.course(f).heading), q) } else { q }
+            };
+            let first = seen(cycle.start);
+            let sum = cycle
+                .clone()
+                .map(seen)
+                .fold(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), |sum, q| if first.dot(q) < 0.0 { sum - q } else { sum + q });
+            maths::normalize_or_identity(sum)
+        };
+        let rotations: [Quat; NUM_JOINTS] = std::array::from_fn(mean);
+        let flat: [MadeFoot; 2] = {
+            let of = |foot: usize| {
+                let plants = gait.plants(skeleton, foot);
+                let plant = plants.iter().find(|p| p.first > 0).or(plants.first())?;
+                let at = gait.course(plant.flat).to_local(plant.base);
+                let seen = foot_point(&gait.clip, skeleton, plant.flat, foot).seen_from(plant.base);
+                let side = if foot == 0 { 1.0 } else { -1.0 };
+                // Feet side by side, no wider than a hand, each a little outwards.
+                let apart = (side * at.x).clamp(0.07, 0.14) * side;
+                let out = (side * at.heading).clamp(0.0, 0.25) * side;
+                Some(seen.laid_at(Planar::new(apart, 0.06, out)))
+            };
+            [of(0)?, of(1)?]
+        };
+        let height = standing_height(gait, cycle, skeleton, &rotations, &flat);
+        let n = (2.0 * LONG_S * gait.clip.rate_hz) as usize;
+        let (mut roots, mut all) = (Vec::with_capacity(n), Vec::with_capacity(n * NUM_JOINTS));
+        for f in 0..n {
+            let phase = TAU * BREATH.0 * f as f32 / gait.clip.rate_hz as f32;
+            let (sin, cos) = maths::sin_cos(phase);
+            let mut pose = CoursePose { hips: Vec3::new(0.004 * sin, height - 0.002 * cos, 0.0), rotations };
+            for (joint, share) in [(Joint::Chest, 1.0), (Joint::UpperChest, 0.6), (Joint::Neck, -1.2)] {
+                let j = joint.index();
+                pose.rotations[j] = maths::compose(pose.rotations[j], maths::rotation_x(-share * BREATH.1 * sin));
+            }
+            reach_feet(&mut pose, skeleton, &flat);
+            roots.push(pose.hips);
+            all.extend(pose.rotations);
+        }
+        let contacts = vec![Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0); n];
+        let clip = Clip { contacts, ..Clip::new("stand", gait.clip.rate_hz, roots, all) };
+        Some(Self { clip, unrest: 0.0, made: true })
+    }
+
+    /// Difference of the body above the legs from the mean of a gait (rad a joint).
+    pub fn distance_from(&self, gait: &GaitCycle) -> f32 {
+        let legs = 14;
+        let still = self.clip.frame_rotations(0);
+        let apart = |j: usize| {
+            let of = |k: usize| gait.clip.frame_rotations(gait.event + k * gait.period / 8)[j].angle_between(still[j]);
+            (0..8).map(of).sum::<f32>() / 8.0
+        };
+        (1..legs).map(apart).sum::<f32>() / (legs - 1) as f32
+    }
+
+    /// Frame of the stance after so many frames: played forth and back.
+    pub fn frame(&self, k: usize) -> usize {
+        let last = self.clip.num_frames() - 1;
+        let at = k % (2 * last).max(1);
+        if at <= last { at } else { 2 * last - at }
+    }
+
+    /// Mean place of the hips and mean heading.
+    pub fn course(&self) -> Planar {
+        let (n, mut out, mut sin, mut cos) = (self.clip.num_frames() as f32, Planar::IDENTITY, 0.0, 0.0);
+        for f in 0..self.clip.num_frames() {
+            let p = self.clip.root_positions[f];
+            let (s, c) = maths::sin_cos(twist_about_y(self.clip.hips_rotation(f)));
+            (out.x, out.z, sin, cos) = (out.x + p.x / n, out.z + p.z / n, sin + s, cos + c);
+        }
+        Planar { heading: maths::atan2(sin, cos), ..out }
+    }
+}
+
+/// Height of the hips over feet on the ground whose legs are as straight as those of a gait at their straightest (m).
+fn standing_height(
+    gait: &GaitCycle,
+    cycle: FrameRange,
+    skeleton: &Skeleton,
+    rotations: &[Quat; NUM_JOINTS],
+    feet: &[MadeFoot; 2],
+) -> f32 {
+    let legs = LEGS.map(|leg| leg.map(Joint::index));
+    let longest = |[thigh, _, ankle, _]: [usize; 4]| {
+        let of = |f: usize| {
+            let at = gait.clip.joint_positions(skeleton, f);
+            at[thigh].distance(at[ankle])
+        };
+        cycle.clone().map(of).fold(0.0, f32::max)
+    };
+    let of_leg = |foot: usize| {
+        let hip = rotations[0] * skeleton.offsets[legs[foot][0]];
+        let to = ankle_of(&feet[foot], skeleton, foot) - hip;
+        let reach = longest(legs[foot]);
+        to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.0).sqrt()
+    };
+    of_leg(0).min(of_leg(1))
+}
+
+/// Unrest of some frames; `None` if they do not stand upright and at ease.
+fn unrest(clip: &Clip, skeleton: &Skeleton, window: &FrameRange, rest: &[Vec3; NUM_JOINTS]) -> Option<f32> {
+    let mut before: Option<[Vec3; NUM_JOINTS]> = None;
+    let (mut moved, mut arms) = (0.0, 0.0);
+    for f in window.clone() {
+        let at = clip.joint_positions(skeleton, f);
+        let high = |j: Joint, share: f32| at[j.index()].y > share * rest[j.index()].y;
+        let feet = [0, 1].map(|foot| foot_point(clip, skeleton, f, foot).planar());
+        let apart = (feet[0].x - feet[1].x).hypot(feet[0].z - feet[1].z);
+        let turned = throng_core::planar::wrap_angle(feet[0].heading - feet[1].heading).abs();
+        let upright = high(Joint::Hips, UPRIGHT[0]) && high(Joint::Head, UPRIGHT[1]);
+        if !upright || holds_arm_out(&at) || apart > FEET_APART.0 || turned > FEET_APART.1 {
+            return None;
+        }
+        for [shoulder, hand] in [[Joint::LeftUpperArm, Joint::LeftHand], [Joint::RightUpperArm, Joint::RightHand]] {
+            let reach = at[hand.index()] - at[shoulder.index()];
+            arms += 1.0 + reach.y / reach.length().max(1e-3);
+        }
+        if let Some(was) = before.replace(at) {
+            let all = at.iter().zip(&was).map(|(a, b)| a.distance(*b)).sum::<f32>();
+            moved += all * clip.rate_hz as f32 / NUM_JOINTS as f32;
+        }
+    }
+    let n = window.len() as f32;
+    Some(moved / n + 0.3 * arms / n)
+}
+
+/// Frames of a clip as a clip.
+pub(super) fn cut(clip: &Clip, range: FrameRange) -> Clip {
+    let rotations = clip.rotations[range.start * NUM_JOINTS..range.end * NUM_JOINTS].to_vec();
+    let contacts = clip.contacts[range.clone()].to_vec();
+    Clip { contacts, ..Clip::new(clip.name.clone(), clip.rate_hz, clip.root_positions[range].to_vec(), rotations) }
+}
