@@ -5,13 +5,34 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::Contacts;
-use throng_core::format::ActivityMeta;
-use throng_motion::clip::{Clip, ClipSet, FrameRange};
+use throng_core::format::{ActivityMeta, Gait, MotionClass, Posture};
+use throng_motion::clip::{Clip, ClipSet, ExclusionReason, FrameRange, runs_where};
 use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
 
 /// Hips lower than this share of their height at the beginning show a body that sits or kneels.
 const SEATED: f32 = 0.8;
+
+/// Shortest and longest part of an idle pool (s).
+const IDLE_S: [f64; 2] = [2.5, 15.0];
+/// Shortest and longest gesture (s).
+const GESTURE_S: [f64; 2] = [0.4, 12.0];
+/// Calm frames between parts of one gesture, at most (s).
+const PAUSE_S: f64 = 0.8;
+/// Least share of a clip that shows a gesture in which the person stands.
+const STANDING_SHARE: f64 = 0.8;
+/// Farthest that a gesture leads (m).
+const GESTURE_M: f32 = 0.6;
+
+/// Search for activities by the class of motion, for clips without tags.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ActivitySearch {
+    /// Long neutral stands, under the tag, with the manner behind it: `idle`, `idle-sad`.
+    Idles,
+    /// Short gestures of a person who stands, each under the words that its clip's name does not share with all others.
+    Gestures,
+}
 
 /// Source of the activities of one tag.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -20,6 +41,8 @@ pub struct ActivityConfig {
     /// Clips that show the activity from first to last frame, as patterns with `*`. If empty, the ranges of clips that
     /// carry the tag show it.
     pub clips: Vec<String>,
+    /// Search in place of tags and `clips`.
+    pub find: Option<ActivitySearch>,
     /// Tag of the inner range that loops until the activity is to end.
     pub looped: String,
     /// Tags of the ranges in which the left hand and the right hand hold a thing. After a range that lasts to the end,
@@ -29,7 +52,7 @@ pub struct ActivityConfig {
 
 impl Default for ActivityConfig {
     fn default() -> Self {
-        Self { clips: Vec::new(), looped: "loop".into(), held: ["left_hand".into(), "right_hand".into()] }
+        Self { clips: Vec::new(), find: None, looped: "loop".into(), held: ["left_hand".into(), "right_hand".into()] }
     }
 }
 
@@ -87,6 +110,9 @@ pub fn find_activities(clips: &ClipSet, config: &BTreeMap<String, ActivityConfig
 }
 
 fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Vec<ActivityMeta>, String> {
+    if let Some(search) = config.find {
+        return search.find(clips, tag);
+    }
     let mut found = Vec::new();
     for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
         let ranges = ranges(clip, tag, config);
@@ -102,6 +128,119 @@ fn find_of_tag(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Result<Ve
         return Err(describe_missing(clips, tag, config));
     }
     Ok(found)
+}
+
+impl ActivitySearch {
+    /// Activities of all clips.
+    fn find(self, clips: &ClipSet, tag: &str) -> Result<Vec<ActivityMeta>, String> {
+        let shared = shared_words(clips);
+        let mut found = Vec::new();
+        for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
+            let pieces = match self {
+                Self::Idles => idles(clip),
+                Self::Gestures => gestures(clip),
+            };
+            let pieces: Vec<FrameRange> = pieces.into_iter().filter(|r| check_ends(clip, r).is_ok()).collect();
+            for range in &pieces {
+                let alone = pieces.len() == 1;
+                let name =
+                    if alone { clip.name.clone() } else { format!("{}:{}-{}", clip.name, range.start, range.end) };
+                let manner = clip.class_at((range.start + range.end) / 2).map_or("", |c| &c.manner);
+                let tag = match self {
+                    Self::Idles if manner.is_empty() => tag.to_owned(),
+                    Self::Idles => format!("{tag}-{manner}"),
+                    Self::Gestures => own_words(&clip.name, manner, &shared),
+                };
+                // One clip may show several things.
+                let name = format!("{tag}:{name}");
+                let mut found_here = activity(name, &tag, clip, range, &ActivityConfig::default());
+                if self == Self::Idles {
+                    // Both ends are for going over from and to other motion.
+                    let end = (0.4 * clip.rate_hz) as u32;
+                    found_here.looped = Some([end, found_here.num_frames - 2 * end]);
+                }
+                found.push(ActivityMeta { clip: number, ..found_here });
+            }
+        }
+        found.sort_by(|a: &ActivityMeta, b| (&a.tag, a.clip, a.first_frame).cmp(&(&b.tag, b.clip, b.first_frame)));
+        let [least_s, _] = IDLE_S;
+        match (found.is_empty(), self) {
+            (false, _) => Ok(found),
+            (true, Self::Idles) => {
+                Err(format!("nobody stands at ease for {least_s} s. Add idles, or tag them and name `activities`"))
+            }
+            (true, Self::Gestures) => {
+                Err("nobody makes a gesture while standing. Add some, such as a bow or a wave".into())
+            }
+        }
+    }
+}
+
+/// Runs of at least some seconds in which a person stands, upright and with empty hands; still ends of clips count.
+fn stands(clip: &Clip, least_s: f64, of_class: impl Fn(&MotionClass) -> bool) -> Vec<FrameRange> {
+    let left_out = |f: usize| clip.excluded.iter().any(|e| e.reason != ExclusionReason::Still && e.range.contains(&f));
+    let stands = |c: &MotionClass| c.posture == Posture::Upright && c.gait == Gait::Stand && !c.carrying && of_class(c);
+    let runs = runs_where(0..clip.num_frames(), |f| clip.class_at(f).is_some_and(stands) && !left_out(f));
+    runs.into_iter().filter(|r| r.len() as f64 >= least_s * clip.rate_hz).collect()
+}
+
+/// Neutral stands of a clip, in parts of equal length.
+fn idles(clip: &Clip) -> Vec<FrameRange> {
+    let [least_s, most_s] = IDLE_S;
+    let parts = |r: FrameRange| {
+        let num = (r.len() as f64 / (most_s * clip.rate_hz)).ceil().max(1.0) as usize;
+        (0..num).map(move |k| r.start + r.len() * k / num..r.start + r.len() * (k + 1) / num)
+    };
+    stands(clip, least_s, |c| c.neutral).into_iter().flat_map(parts).collect()
+}
+
+/// Gestures of a clip in which a person stands, with a moment of calm at each end where there is one.
+fn gestures(clip: &Clip) -> Vec<FrameRange> {
+    let standing: usize = stands(clip, 0.0, |_| true).iter().map(ExactSizeIterator::len).sum();
+    if (standing as f64) < STANDING_SHARE * clip.num_frames() as f64 {
+        return Vec::new();
+    }
+    let frames = |s: f64| (s * clip.rate_hz) as usize;
+    let mut all: Vec<FrameRange> = Vec::new();
+    for run in stands(clip, 0.0, |c| !c.neutral) {
+        match all.last_mut() {
+            Some(last) if run.start - last.end <= frames(PAUSE_S) => last.end = run.end,
+            _ => all.push(run),
+        }
+    }
+    let [least_s, most_s] = GESTURE_S;
+    all.retain(|r| (frames(least_s)..=frames(most_s)).contains(&r.len()));
+    let calm = |f: usize| clip.class_at(f).is_some_and(|c| c.neutral);
+    all.iter_mut().for_each(|r| {
+        let (first, last) =
+            (r.start.saturating_sub(frames(0.5 * PAUSE_S)), (r.end + frames(0.5 * PAUSE_S)).min(clip.num_frames()));
+        r.start = (first..r.start).rev().take_while(|&f| calm(f)).last().unwrap_or(r.start);
+        r.end = (r.end..last).take_while(|&f| calm(f)).last().map_or(r.end, |f| f + 1);
+    });
+    let place = |f: usize| clip.root_positions[f].with_y(0.0);
+    all.retain(|r| place(r.start).distance(place(r.end - 1)) < GESTURE_M);
+    all
+}
+
+/// Words of a clip's name: letters between other signs.
+fn words(name: &str) -> impl Iterator<Item = &str> {
+    let file = name.rsplit('/').next().unwrap_or(name);
+    file.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty() && w.chars().any(char::is_alphabetic))
+}
+
+/// Words that the names of all clips share; none of a single clip.
+fn shared_words(clips: &ClipSet) -> Vec<String> {
+    let mut names = clips.clips.iter().filter(|c| !c.mirrored).map(|c| &c.name);
+    let (Some(first), Some(second)) = (names.next(), names.next()) else { return Vec::new() };
+    let rest: Vec<&String> = std::iter::once(second).chain(names).collect();
+    words(first).filter(|w| rest.iter().all(|n| words(n).any(|o| o == *w))).map(str::to_owned).collect()
+}
+
+/// Words of a clip's name but for shared ones and its manner; the name where nothing is left.
+fn own_words(name: &str, manner: &str, shared: &[String]) -> String {
+    let own = |w: &&str| !shared.iter().any(|s| s == w) && !words(manner).any(|m| m == *w);
+    let own: Vec<&str> = words(name).filter(own).collect();
+    if own.is_empty() { name.to_owned() } else { own.join("_") }
 }
 
 /// The frames of a clip that show what a tag asks for.
@@ -121,15 +260,20 @@ fn check(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     if let Some(out) = clip.excluded.iter().find(|e| e.range.start < range.end && range.start < e.range.end) {
         return Err(format!("frames {} to {} are left out ({}). {HELP}", out.range.start, out.range.end, out.reason));
     }
+    check_ends(clip, range).map_err(|why| format!("{why}. {HELP}"))
+}
+
+/// Checks that a body stands at both ends of a range of at least 2 frames.
+fn check_ends(clip: &Clip, range: &FrameRange) -> Result<(), String> {
     for (place, frame) in [("beginning", range.start), ("end", range.end - 2)] {
         let step = clip.root_positions[frame + 1] - clip.root_positions[frame];
         let mps = step.length() * clip.rate_hz as f32;
         if mps > WALKING_MPS {
-            return Err(format!("expected a person who stands at the {place}, found hips at {mps:.1} m/s. {HELP}"));
+            return Err(format!("expected a person who stands at the {place}, found hips at {mps:.1} m/s"));
         }
         let down = |foot| clip.contacts[frame].any(foot);
         if !down(Contacts::LEFT) && !down(Contacts::RIGHT) {
-            return Err(format!("expected a foot on the ground at the {place}, found none. {HELP}"));
+            return Err(format!("expected a foot on the ground at the {place}, found none"));
         }
     }
     Ok(())

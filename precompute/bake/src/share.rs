@@ -132,9 +132,13 @@ fn decode_messages<T: Pod>(messages: Vec<Vec<u8>>) -> Result<Vec<Vec<T>>> {
 /// Rank with the poses of each clip (clips.len()), which is that of its original. Ranks have about equally many
 /// originals, in order.
 pub(crate) fn clip_owners(clips: &ClipSet, num_ranks: usize) -> Vec<usize> {
-    let count = clips.clips.iter().filter(|c| !c.mirrored).count();
+    let count = clips.clips.iter().filter(|c| !c.mirrored && !c.is_made()).count();
     let (mut originals, mut rank) = (0, 0);
     let of_clip = |clip: &Clip| {
+        // All ranks make the same motion, after all clips; the last one packs it.
+        if clip.is_made() {
+            return num_ranks - 1;
+        }
         originals += usize::from(!clip.mirrored);
         while rank + 1 < num_ranks && originals > rank_range(count, rank, num_ranks).end {
             rank += 1;

@@ -1,6 +1,7 @@
 //! Cardinal basis functions over scattered examples: the exact weights that the weight table approximates.
 
 use super::dense::Lu;
+use throng_core::blend::MAX_AXES;
 
 /// Pivots below this share of the largest number make a system singular.
 const SINGULAR: f64 = 1e-10;
@@ -32,6 +33,8 @@ pub struct CardinalBasis {
     linear: Vec<f64>,
     /// Share of each spline in each weight, spline by spline (num_examples * num_examples).
     radial: Vec<f64>,
+    /// True if no weight is extrapolated.
+    in_hull: bool,
 }
 
 /// Reason why examples have no cardinal basis.
@@ -89,11 +92,18 @@ impl CardinalBasis {
             sharpness: Vec::new(),
             linear: Vec::new(),
             radial: Vec::new(),
+            in_hull: false,
         };
         basis.linear = basis.fit_hyperplanes()?;
         basis.sharpness = (0..n).map(|i| 1.0 / (reach * basis.to_nearest(i))).collect();
         basis.radial = basis.fit_splines()?;
         Ok(basis)
+    }
+
+    /// This basis without extrapolation: a point outside the convex hull of the examples has the weights of the nearest point
+    /// of the hull, distances measured in spacings, and no weight is negative.
+    pub fn within_hull(self) -> Self {
+        Self { in_hull: true, ..self }
     }
 
     /// Number of examples, and of weights.
@@ -116,10 +126,13 @@ impl CardinalBasis {
     pub fn weights(&self, at: &[f64], out: &mut [f64]) {
         let (n, d) = (self.num_examples, self.num_axes);
         assert!(at.len() == d && out.len() == n, "{d} axes and {n} examples");
-        let mut unit = [0.0; throng_core::blend::MAX_AXES];
+        let mut unit = [0.0; MAX_AXES];
+        (0..d).for_each(|k| unit[k] = (at[k] - self.low[k]) * self.scale[k]);
+        if self.in_hull {
+            self.move_into_hull(&mut unit[..d], out);
+        }
         out.copy_from_slice(&self.linear[..n]);
         for k in 0..d {
-            unit[k] = (at[k] - self.low[k]) * self.scale[k];
             add(out, unit[k], &self.linear[(k + 1) * n..(k + 2) * n]);
         }
         for j in 0..n {
@@ -130,6 +143,73 @@ impl CardinalBasis {
                 add(out, spline(distance.sqrt()), &self.radial[j * n..(j + 1) * n]);
             }
         }
+        if self.in_hull {
+            self.keep_positive(&unit[..d], out);
+        }
+    }
+
+    /// Moves weights to the nearest ones that are not negative and still blend to a point, by Dykstra's projections onto both
+    /// sets in turn.
+    fn keep_positive(&self, point: &[f64], out: &mut [f64]) {
+        /// Most rounds, and weights below zero that are as good as none.
+        const ROUNDS: usize = 100;
+        const NONE: f64 = -1e-4;
+        let n = self.num_examples;
+        let mut owed = vec![0.0; n];
+        for _ in 0..ROUNDS {
+            let mut off = [0.0; MAX_AXES + 1];
+            off[0] = out.iter().sum::<f64>() - 1.0;
+            for k in 0..point.len() {
+                off[k + 1] = (0..n).map(|i| out[i] * self.point(i)[k]).sum::<f64>() - point[k];
+            }
+            // The hyperplanes' coefficients are the pseudo-inverse of these sums.
+            self.linear.chunks_exact(n).zip(off).for_each(|(row, off)| add(out, -off, row));
+            if out.iter().all(|w| *w > NONE) {
+                break;
+            }
+            for (w, owed) in out.iter_mut().zip(&mut owed) {
+                *owed += *w;
+                *w = owed.max(0.0);
+                *owed -= *w;
+            }
+        }
+        out.iter_mut().for_each(|w| *w = w.max(0.0));
+        let sum: f64 = out.iter().sum();
+        out.iter_mut().for_each(|w| *w /= sum.max(f64::MIN_POSITIVE));
+    }
+
+    /// Moves a point to the nearest one of the examples' convex hull, by pairwise Frank-Wolfe steps: each shifts share
+    /// from the example farthest beyond the point to the one farthest behind.
+    ///
+    /// - `share`: scratch (num_examples).
+    fn move_into_hull(&self, point: &mut [f64], share: &mut [f64]) {
+        /// Most steps, and the gain below which no other is taken (squared spacings).
+        const STEPS: usize = 256;
+        const GAIN: f64 = 1e-9;
+        let along = |i: usize, g: &[f64]| self.point(i).iter().zip(g).map(|(p, g)| p * g).sum::<f64>();
+        share.fill(0.0);
+        share[0] = 1.0;
+        let mut at = [0.0; MAX_AXES];
+        at[..point.len()].copy_from_slice(self.point(0));
+        for _ in 0..STEPS {
+            let away: [f64; MAX_AXES] = std::array::from_fn(|k| point.get(k).map_or(0.0, |p| at[k] - p));
+            let (mut to, mut from) = ((0, f64::INFINITY), (0, f64::NEG_INFINITY));
+            for i in 0..self.num_examples {
+                let v = along(i, &away);
+                to = if v < to.1 { (i, v) } else { to };
+                from = if share[i] > 0.0 && v > from.1 { (i, v) } else { from };
+            }
+            if from.1 - to.1 < GAIN {
+                break;
+            }
+            let (a, b) = (self.point(from.0), self.point(to.0));
+            let length: f64 = a.iter().zip(b).map(|(a, b)| (b - a) * (b - a)).sum();
+            let step = share[from.0].min((from.1 - to.1) / length);
+            share[from.0] -= step;
+            share[to.0] += step;
+            (0..point.len()).for_each(|k| at[k] += step * (b[k] - a[k]));
+        }
+        point.copy_from_slice(&at[..point.len()]);
     }
 
     /// Parameters of the examples, as given.
@@ -317,6 +397,28 @@ mod tests {
             (found[0] - 1.0).abs() < 1e-9 && (found[1] - 0.5).abs() < 1e-6 && (found[2] - 0.5).abs() < 0.05,
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn nothing_is_extrapolated_within_the_hull() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [1.0, -1.0], [3.0, 0.0]].map(|p| p.to_vec());
+        let basis = CardinalBasis::new(&points, &[], 2.0, 1e-3).unwrap();
+        let mut w = [0.0; 5];
+        basis.weights(&[0.0, 1.0], &mut w);
+        assert!(w.iter().any(|w| *w < -0.1), "a hyperplane goes on beyond the examples: {w:?}");
+        let basis = basis.within_hull();
+        for at in [[0.0, 1.0], [3.0, -1.0], [9.0, 9.0], [0.4, 0.1], [1.0, 0.0], [-5.0, 0.3]] {
+            basis.weights(&at, &mut w);
+            assert!(w.iter().all(|w| (0.0..=1.0).contains(w)) && (w.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{w:?}");
+        }
+        // The nearest point to a corner of the box lies halfway between two examples.
+        let unit = |p: [f64; 2]| [0, 1].map(|k| (p[k] - basis.low[k]) * basis.scale[k]);
+        let mut corner = unit([0.0, 1.0]);
+        basis.move_into_hull(&mut corner, &mut w);
+        let side = [unit([0.0, 0.0]), unit([1.0, 1.0])];
+        let off =
+            (corner[0] - side[0][0]) * (side[1][1] - side[0][1]) - (corner[1] - side[0][1]) * (side[1][0] - side[0][0]);
+        assert!(off.abs() < 1e-3 && w[0] > 0.2 && w[2] > 0.2, "{corner:?} {w:?}");
     }
 
     /// Three examples on a line at 0, 1 and 2; done by hand.

@@ -19,6 +19,9 @@ pub struct BlendConfig {
     pub examples: Vec<ExampleConfig>,
     /// Searches for examples: every steady stretch of the clips.
     pub find: Vec<FindConfig>,
+    /// Takes only steady gaits ahead that look alike, adds a stand, and never extrapolates: one space of its own name for the
+    /// posture and manner of most examples, others named `NAME-MANNER`. One that would be poor is not made.
+    pub alike: bool,
     /// Rows of the posture table over one cycle (8 to 1024).
     pub phases: usize,
     /// Largest error of a tabulated weight against the exact one (1e-4 to 0.5).
@@ -45,6 +48,7 @@ impl Default for BlendConfig {
             axes: Vec::new(),
             examples: Vec::new(),
             find: Vec::new(),
+            alike: false,
             phases: 64,
             weight_tolerance: 0.01,
             max_weight_bytes: 32 << 20,
@@ -190,13 +194,15 @@ impl BlendConfig {
         space
     }
 
-    /// Speed and turning rate, from every steady stretch of every clip and its mirrored copy.
+    /// Speed and turning rate, from every steady gait ahead of all clips and their mirrored copies, for each posture and
+    /// manner.
     pub fn for_all_clips() -> Self {
         let axis = |kind| AxisConfig { kind, name: String::new(), range: None, spacing: None, tags: BTreeMap::new() };
         Self {
             axes: vec![axis(AxisKind::Speed), axis(AxisKind::Gyration)],
             find: vec![FindConfig { clips: vec!["*".into()], mirror: true, ..FindConfig::default() }],
-            weight_tolerance: 0.02,
+            alike: true,
+            weight_tolerance: 0.05,
             min_distance: 0.12,
             ..Self::default()
         }

@@ -5,6 +5,7 @@
 //! parameter space by the arc that fits its path. Weights are tabulated over a box of that space, and postures over
 //! generic time, so that a posture is one small matrix-vector product at run time.
 
+mod alike;
 pub mod arc;
 pub mod average;
 pub mod cardinal;
@@ -12,6 +13,7 @@ mod config;
 mod cycle;
 mod dense;
 pub mod grid;
+pub mod judge;
 mod posture;
 mod select;
 mod steady;
@@ -21,16 +23,21 @@ mod twist;
 
 pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolation, FindConfig};
 
+use alike::{Refusals, SpaceClass, UsualCarriage};
 use cardinal::{CardinalBasis, CardinalFault};
 use cycle::Cycle;
 use grid::{ParameterBounds, WeightTable};
+use judge::{BLEND_WORDS, BlendQuality};
 use posture::Postures;
-use select::ExampleCandidate;
+use select::{ExampleCandidate, ExampleSource};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use throng_core::blend::{
-    AxisRecord, BlendRecord, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT, ReferenceRow,
+    AxisRecord, BlendRecord, BlendSpace, Blends, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT,
+    ReferenceRow,
 };
+use throng_core::format::{BlendMeta, FormatError, Table};
+use throng_core::{Bundle, Skeleton};
 use throng_motion::clip::ClipSet;
 use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::progress::Progress;
@@ -65,6 +72,25 @@ pub struct RawBlendSpace {
     pub channels: Vec<ChannelRow>,
 }
 
+impl RawBlendSpace {
+    /// The space as the runtime reads it.
+    ///
+    /// # Errors
+    /// As [`BlendSpace::new`].
+    pub fn open(&self, skeleton: &Skeleton) -> std::result::Result<BlendSpace, FormatError> {
+        let blends = Blends {
+            spaces: Table::from(vec![self.record]),
+            examples: self.examples.clone().into(),
+            weights: self.weights.clone().into(),
+            references: self.references.clone().into(),
+            channels: self.channels.clone().into(),
+            names: vec![self.name.clone()],
+            skeleton: skeleton.clone(),
+        };
+        BlendSpace::new(&blends, 0)
+    }
+}
+
 /// All blend spaces of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BlendSpaces {
@@ -72,6 +98,8 @@ pub struct BlendSpaces {
     pub spaces: Vec<RawBlendSpace>,
     /// Report of each space.
     pub report: Vec<BlendReport>,
+    /// Names of spaces of found examples that could not be made, or would be poor, and the reason.
+    pub not_made: Vec<(String, String)>,
     /// Warnings.
     pub warnings: Warnings,
 }
@@ -87,6 +115,10 @@ pub struct BlendReport {
     pub examples: Vec<ExampleReport>,
     /// Number of found cycles that were dropped as near duplicates.
     pub left_out: usize,
+    /// Clips of which nothing was taken, and the reason.
+    pub refused: BTreeMap<String, String>,
+    /// Its quality.
+    pub quality: BlendQuality,
     /// Rows of its posture table.
     pub phases: usize,
     /// Knots along each axis of its weight table.
@@ -101,6 +133,46 @@ pub struct BlendReport {
     pub posture_bytes: u64,
     /// Largest turn of a joint from its reference (rad).
     pub max_displacement_rad: f64,
+}
+
+impl BlendReport {
+    /// Reports of the spaces of a bundle, which keeps neither seams nor what was left out.
+    ///
+    /// # Errors
+    /// As [`BlendSpace::new`]; the spaces of an open bundle are sound.
+    pub fn of_bundle(tables: &Bundle) -> std::result::Result<Vec<Self>, FormatError> {
+        let of = |(number, meta): (usize, &BlendMeta)| {
+            let space = BlendSpace::new(tables.blends(), number)?;
+            let example = |(name, e): (&String, &ExampleRecord)| ExampleReport {
+                name: name.clone(),
+                parameters: e.parameters[..meta.axes.len()].iter().map(|v| f64::from(*v)).collect(),
+                duration_s: e.duration_s.into(),
+                speed_mps: e.velocity[1].into(),
+                side_mps: e.velocity[0].into(),
+                gyration_rad_per_s: e.gyration.into(),
+                ..ExampleReport::default()
+            };
+            Ok(Self {
+                name: meta.name.clone(),
+                axes: meta.axes.clone(),
+                examples: meta.examples.iter().zip(space.examples()).map(example).collect(),
+                phases: space.num_phases(),
+                quality: judge::judge(&space),
+                ..Self::default()
+            })
+        };
+        tables.meta().blends.iter().enumerate().map(of).collect()
+    }
+
+    /// Names of the clips of its examples.
+    pub fn clips(&self) -> Vec<&str> {
+        let clip = |e: &'_ ExampleReport| e.name.split(" [").next().map_or(0, str::len);
+        let mut clips: Vec<&str> =
+            self.examples.iter().map(|e| e.name[..clip(e)].trim_end_matches("~mirror")).collect();
+        clips.sort_unstable();
+        clips.dedup();
+        clips
+    }
 }
 
 /// One example of a blend space.
@@ -153,10 +225,14 @@ pub fn fit(clips: &ClipSet, configs: &BTreeMap<String, BlendConfig>, progress: &
     for (table, config) in configs {
         for (name, config) in config.spaces(table) {
             progress.check()?;
-            let made = space(&name, &config, clips, &mut out.warnings);
-            let (space, report) = made.map_err(|e| table_error(e, table, &name))?;
-            out.spaces.push(space);
-            out.report.push(report);
+            if config.alike {
+                alike_spaces(&name, &config, clips, &mut out).map_err(|e| table_error(e, table, &name))?;
+            } else {
+                let made = space(&name, &config, clips, &mut out.warnings);
+                let (space, report) = made.map_err(|e| table_error(e, table, &name))?;
+                out.spaces.push(space);
+                out.report.push(report);
+            }
             progress.advance(1);
         }
     }
@@ -198,19 +274,111 @@ fn space(
     clips: &ClipSet,
     warnings: &mut Warnings,
 ) -> Result<(RawBlendSpace, BlendReport)> {
-    let (sources, told) = (select::sources(clips, config), warnings.messages.len());
-    let mut chosen = select::candidates(name, config, &sources, warnings)?;
+    let sources = select::sources(clips, config);
+    let mut without = Vec::new();
+    let mut chosen = select::candidates(config, &sources, &mut without)?;
+    let lacking = select::describe_without(name, &without);
+    warnings.messages.extend(lacking.iter().cloned());
     let left_out = select::thin_out(&mut chosen, config.min_distance);
+    assemble(name, config, &chosen, left_out, &clips.skeleton, &lacking, warnings)
+}
+
+/// Makes a space of each posture and manner, of found examples that look alike. Spaces that would be poor are left out.
+///
+/// # Errors
+/// [`BuildError::Key`] if nobody walks or runs ahead steadily.
+fn alike_spaces(name: &str, config: &BlendConfig, clips: &ClipSet, out: &mut BlendSpaces) -> Result<()> {
+    let sources = select::sources(clips, config);
+    let mut without = Vec::new();
+    let all = select::candidates(config, &sources, &mut without)?;
+    let mut refused: Refusals = without.concat().into_iter().collect();
+    let sorted = alike::sort_by_class(all, &mut refused);
+    if sorted.is_empty() {
+        let some: Vec<String> = refused.iter().take(4).map(|(clip, why)| format!("`{clip}`: {why}")).collect();
+        let message = format!("no steady walk or run ahead was found: {}", some.join("; "));
+        return Err(space_error("", message, "Add clips of at least four steady steps, with root motion"));
+    }
+    for (class, of) in sorted {
+        let words = class.words();
+        let own = if words.is_empty() { format!("{name}-plain") } else { format!("{name}-{words}") };
+        let made_as = if out.spaces.iter().any(|s| s.name == name) { own.as_str() } else { name };
+        match alike_space(made_as, config, (&class, of), &sources, &clips.skeleton, refused.clone()) {
+            Ok((space, report)) => {
+                out.spaces.push(space);
+                out.report.push(report);
+            }
+            Err(BuildError::Key { why, .. }) if words.is_empty() => out.not_made.push((name.to_owned(), why)),
+            Err(BuildError::Key { why, .. }) => out.not_made.push((own, why)),
+            Err(other) => return Err(other),
+        }
+    }
+    Ok(())
+}
+
+/// Makes the space of one class; while it is poor, the least usual example is left out.
+fn alike_space<'a>(
+    name: &str,
+    config: &BlendConfig,
+    (class, mut of): (&SpaceClass, Vec<ExampleCandidate<'a>>),
+    sources: &'a [ExampleSource],
+    skeleton: &Skeleton,
+    mut refused: Refusals,
+) -> Result<(RawBlendSpace, BlendReport)> {
+    let usual = UsualCarriage::keep_usual(&mut of, skeleton, &mut refused);
+    let mut config = config.clone();
+    config.axes = alike::keep_wide_axes(&config.axes, &mut of);
+    if let Some((source, cycle)) = usual.and_then(|usual| usual.standing(sources, class, skeleton)) {
+        let (name, parameters) = (source.clip.name.clone(), vec![0.0; config.axes.len()]);
+        of.insert(0, ExampleCandidate { name, source, cycle, parameters, named: true });
+    }
+    loop {
+        let mut chosen = of.clone();
+        let left_out = select::thin_out(&mut chosen, config.min_distance);
+        let mut warnings = Warnings::default();
+        let (space, report) = assemble(name, &config, &chosen, left_out, skeleton, &[], &mut warnings)?;
+        if report.quality.word != BLEND_WORDS[2] {
+            refused.retain(|clip, _| !chosen.iter().any(|c| c.original() == clip));
+            return Ok((space, BlendReport { refused, ..report }));
+        }
+        // Candidates are in the order of how usual they are.
+        let oddest = of.iter().rposition(|c| !c.named && chosen.iter().any(|o| o.name == c.name));
+        match oddest.filter(|_| chosen.len() > config.axes.len() + 2) {
+            Some(oddest) => _ = of.remove(oddest),
+            None => {
+                let message = format!("it would be poor: {}", report.quality.reason);
+                return Err(space_error(
+                    "",
+                    message,
+                    "Add steady gaits of this kind at other speeds, turns of it, and a stand",
+                ));
+            }
+        }
+    }
+}
+
+/// Tables of some examples, with a report that judges them.
+///
+/// - `lacking`: messages about clips in which no example was found.
+fn assemble(
+    name: &str,
+    config: &BlendConfig,
+    chosen: &[ExampleCandidate<'_>],
+    left_out: usize,
+    skeleton: &Skeleton,
+    lacking: &[String],
+    warnings: &mut Warnings,
+) -> Result<(RawBlendSpace, BlendReport)> {
     let points: Vec<Vec<f64>> = chosen.iter().map(|c| c.parameters.clone()).collect();
     let spacings: Vec<Option<f64>> = config.axes.iter().map(|a| a.spacing).collect();
     let basis = CardinalBasis::new(&points, &spacings, config.kernel_reach, config.min_distance)
-        .map_err(|fault| cardinal_fault(name, config, &chosen, &fault, &warnings.messages[told..]))?;
+        .map_err(|fault| cardinal_fault(name, config, chosen, &fault, lacking))?;
+    let basis = if config.alike { basis.within_hull() } else { basis };
     let table =
         grid::tabulate(&basis, parameter_bounds(config, &points), config.weight_tolerance, config.max_weight_bytes)
             .map_err(|large| too_large(config, &large))?;
     check_weights(config, &points, &table)?;
     let cycles: Vec<&Cycle<'_>> = chosen.iter().map(|c| &c.cycle).collect();
-    let postures = posture::tabulate(&cycles, &clips.skeleton, config.phases).map_err(|t| {
+    let postures = posture::tabulate(&cycles, skeleton, config.phases).map_err(|t| {
         let message = format!(
             "the examples hold their {} so differently that no reference orientation continues from phase \
              {} to the next",
@@ -228,8 +396,8 @@ fn space(
             turn.to_degrees()
         ));
     }
-    let report = report(name, config, &chosen, left_out, &table, &postures);
-    for e in report.examples.iter().zip(&chosen).filter(|(e, c)| c.named && e.seam() > 1.0).map(|(e, _)| e) {
+    let mut report = report(name, config, chosen, left_out, &table, &postures);
+    for e in report.examples.iter().zip(chosen).filter(|(e, c)| c.named && e.seam() > 1.0).map(|(e, _)| e) {
         warnings.push(format!(
             "blend.{name}: `{}` is {:.0} cm and {:.0} deg a joint apart at the seam of its cycle: it will sway there. Name other \
              `frames` of it.",
@@ -248,6 +416,8 @@ fn space(
         references: postures.references,
         channels: postures.channels,
     };
+    let opened = space.open(skeleton).map_err(|e| BuildError::Format(format!("blend.{name}: {e}")))?;
+    report.quality = judge::judge(&opened);
     Ok((space, report))
 }
 
@@ -367,6 +537,8 @@ fn report(
         axes: config.axis_names(),
         examples: chosen.iter().map(example).collect(),
         left_out,
+        refused: BTreeMap::new(),
+        quality: BlendQuality::default(),
         phases: config.phases,
         knots: table.grid.knots.clone(),
         weight_tolerance: config.weight_tolerance,

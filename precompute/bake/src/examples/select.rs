@@ -9,7 +9,7 @@ use super::track::ClipTrack;
 use std::collections::BTreeMap;
 use throng_core::Contacts;
 use throng_motion::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
-use throng_motion::error::{BuildError, Result, Warnings};
+use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
 use throng_motion::mirror;
 
@@ -52,7 +52,7 @@ struct ExampleQuery<'a> {
 /// copy.
 pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<ExampleSource> {
     let patterns = || config.examples.iter().map(|e| &e.clip).chain(config.find.iter().flat_map(|f| &f.clips));
-    let asked = |c: &Clip| !c.mirrored && patterns().any(|p| matches(p, &c.name));
+    let asked = |c: &Clip| !c.mirrored && !c.is_made() && patterns().any(|p| matches(p, &c.name));
     let both =
         |(number, c): (usize, &Clip)| [c.clone(), mirror::mirror_clip(c)].map(|clip| ExampleSource { number, clip });
     set.clips.iter().enumerate().filter(|(_, c)| asked(c)).flat_map(both).collect()
@@ -60,14 +60,15 @@ pub fn sources(set: &ClipSet, config: &BlendConfig) -> Vec<ExampleSource> {
 
 /// Candidates of a space: named ones, then found ones.
 ///
+/// - `without`: collects clips in which nothing was found, search by search.
+///
 /// # Errors
 /// [`BuildError::Key`] naming entry and clip if an example has no value on a style axis, or if a named one does not
 /// exist or has wrong or missing keytimes; a found stretch without them is dropped with a warning.
 pub fn candidates<'a>(
-    space: &str,
     config: &BlendConfig,
     sources: &'a [ExampleSource],
-    warnings: &mut Warnings,
+    without: &mut Vec<ClipFaults>,
 ) -> Result<Vec<ExampleCandidate<'a>>> {
     let mut out = Vec::new();
     for (i, example) in config.examples.iter().enumerate() {
@@ -77,9 +78,9 @@ pub fn candidates<'a>(
     let mut found = Vec::new();
     for (i, find) in config.find.iter().enumerate() {
         let wish = ExampleQuery { entry: format!("find[{i}]"), config, style: &find.style };
-        let mut without = Vec::new();
-        found.extend(search_clips(&wish, find, sources, &mut without)?);
-        warnings.messages.extend(describe_without(space, &without));
+        let mut faults = Vec::new();
+        found.extend(search_clips(&wish, find, sources, &mut faults)?);
+        without.push(faults);
     }
     out.extend(found);
     disambiguate_names(&mut out);
@@ -199,7 +200,7 @@ fn search_clips<'a>(
     wish: &ExampleQuery<'_>,
     find: &FindConfig,
     sources: &'a [ExampleSource],
-    without: &mut Vec<(String, String)>,
+    without: &mut ClipFaults,
 ) -> Result<Vec<ExampleCandidate<'a>>> {
     let mut out = Vec::new();
     let wanted = |pair: &&[ExampleSource]| find.clips.iter().any(|p| matches(p, &pair[0].clip.name));
@@ -247,17 +248,23 @@ fn search_clips<'a>(
     Ok(out)
 }
 
+/// Names of clips, and reasons why no example was found in them.
+pub type ClipFaults = Vec<(String, String)>;
+
 /// Most clips without an example that get a message each; of more, only this many are named.
 const NAMED: usize = 4;
 
-/// Messages about clips in which no example was found, with the reason.
-fn describe_without(space: &str, clips: &[(String, String)]) -> Vec<String> {
+/// Messages about clips in which no example was found, with the reason, for each search.
+pub fn describe_without(space: &str, searches: &[ClipFaults]) -> Vec<String> {
     let begin = format!("blend.{space}: no example was found in");
-    if clips.len() <= NAMED {
-        return clips.iter().map(|(clip, why)| format!("{begin} clip `{clip}`: {why}.")).collect();
-    }
-    let some: Vec<String> = clips.iter().take(NAMED).map(|(clip, why)| format!("`{clip}`: {why}")).collect();
-    vec![format!("{begin} {} clips: {}; ...", clips.len(), some.join("; "))]
+    let of_search = |clips: &ClipFaults| {
+        if clips.len() <= NAMED {
+            return clips.iter().map(|(clip, why)| format!("{begin} clip `{clip}`: {why}.")).collect::<Vec<_>>();
+        }
+        let some: Vec<String> = clips.iter().take(NAMED).map(|(clip, why)| format!("`{clip}`: {why}")).collect();
+        vec![format!("{begin} {} clips: {}; ...", clips.len(), some.join("; "))]
+    };
+    searches.iter().flat_map(of_search).collect()
 }
 
 /// Keeps the `most` that are farthest from one another, beginning with the first.
@@ -345,6 +352,11 @@ fn all_runs(clip: &Clip, tag: Option<&str>, frames: Option<[usize; 2]>) -> Vec<F
 }
 
 impl ExampleCandidate<'_> {
+    /// Name of its clip as captured.
+    pub fn original(&self) -> &str {
+        self.source.clip.name.trim_end_matches(mirror::SUFFIX)
+    }
+
     /// Sort key among the clips: clip, mirrored copy, time.
     fn sort_key(&self) -> (usize, bool, f64) {
         (self.source.number, self.source.clip.mirrored, self.cycle.steps.start)
