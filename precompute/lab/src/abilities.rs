@@ -62,18 +62,14 @@ impl Abilities {
         out
     }
 
-    /// Abilities in the clips of a bundle.
-    pub fn of_bundle(tables: &Bundle) -> Self {
-        Self::of_frames(tables, |_| true)
-    }
-
     /// Abilities in the frames that the actions of a bundle's motion graph play.
     pub fn of_played_frames(tables: &Bundle) -> Self {
         let played = played_frames(tables);
         Self::of_frames(tables, |f| played[f])
     }
 
-    fn of_frames(tables: &Bundle, counts: impl Fn(usize) -> bool) -> Self {
+    /// Abilities in the frames of a bundle that count.
+    pub(crate) fn of_frames(tables: &Bundle, counts: impl Fn(usize) -> bool) -> Self {
         let (mut out, rate_hz) = (Self::default(), tables.meta().rate_hz);
         let clips = tables.clips();
         let is_original =
@@ -152,7 +148,8 @@ impl Abilities {
         }
         if self.stops == 0 {
             out.push("no stop: characters will circle their targets; add a clip that walks, then stands".into());
-        } else if self.starts == 0 {
+        }
+        if self.starts == 0 {
             out.push("no start: who stands will stay there; add a clip that stands, then walks".into());
         }
         let [left, right] = [self.turn_left_deg_per_s, self.turn_right_deg_per_s];
@@ -237,7 +234,9 @@ mod tests {
     fn what_is_missing_is_said_with_the_clip_that_mends_it() {
         let straight = of(&[(40.0, 1.0, 0.0), (5.0, 1.0, 50.0)]);
         let missing = straight.missing(false);
-        assert!(missing.iter().any(|t| t.starts_with("no stop")), "{missing:?}");
+        for what in ["no stop", "no start"] {
+            assert!(missing.iter().any(|t| t.starts_with(what)), "{missing:?}");
+        }
         assert!(missing.iter().any(|t| t == "turns right 0 deg/s at most: add a right turn"), "{missing:?}");
         let mirrored = straight.missing(true);
         assert!(mirrored.iter().any(|t| t.contains("mirrored copies of the other side's 50 deg/s")), "{mirrored:?}");

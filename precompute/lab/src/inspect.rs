@@ -1,10 +1,12 @@
 //! Reports on the content of a clip or bundle, for people and for programs.
 
 mod bundle;
+mod classes;
 mod folder;
 pub mod hit_picture;
 
 pub use bundle::BundleReport;
+pub use classes::{ClassLine, ClassTime};
 pub use folder::{FileLine, FolderReport, inspect_all};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -54,6 +56,10 @@ pub struct ClipReport {
     pub contact: ContactSanity,
     /// Effective hitting points a build would find.
     pub hits: HitReport,
+    /// Classes of its motion, the longest first.
+    pub classes: Vec<ClassTime>,
+    /// Its motion in time.
+    pub spans: Vec<ClassLine>,
     /// Frames of the file that a build would leave out: reason, first frame, frame after the last.
     pub excluded: Vec<(String, usize, usize)>,
     /// Oddities that import tolerates.
@@ -115,7 +121,9 @@ impl ClipReport {
     fn from_annotated(imported: &ImportedClip, clip: &Clip, skeleton: &Skeleton, config: &BuildConfig) -> Self {
         let (contact, hits) = (annotate::contact_sanity(clip, skeleton), HitReport::new(&HitPoint::from_clip(clip)));
         let excluded = clip.excluded.iter().map(|e| excluded_in_source(e, clip, &imported.clip)).collect();
-        let mut report = Self { contact, hits, excluded, ..Self::from_imported(imported) };
+        let spans = ClassLine::of_spans(&clip.classes, clip.rate_hz);
+        let classes = classes::sum_classes(spans.iter());
+        let mut report = Self { contact, hits, classes, spans, excluded, ..Self::from_imported(imported) };
         // A config that keeps heights as captured implies terrain.
         let advice = report.contact.stance.advice().filter(|_| config.retarget.align_ground);
         report.warnings.extend(advice.map(|advice| format!("{}: {advice}.", report.file)));
@@ -149,6 +157,8 @@ impl ClipReport {
             findings: imported.findings.clone(),
             contact: ContactSanity::default(),
             hits: HitReport::default(),
+            classes: Vec::new(),
+            spans: Vec::new(),
             excluded: Vec::new(),
             warnings: imported.warnings.messages.clone(),
         }
@@ -174,6 +184,10 @@ impl fmt::Display for ClipReport {
         writeln!(f, "  contact  left {left:.0} %, right {right:.0} %, planted feet move at {speeds}")?;
         writeln!(f, "  feet     stand {}", c.stance)?;
         writeln!(f, "  hits     {}", self.hits)?;
+        for ClassLine { from_s, to_s, speed_mps, class, .. } in &self.spans {
+            let manner = if class.manner.is_empty() { String::new() } else { format!(", {}", class.manner) };
+            writeln!(f, "  class    {from_s:.1} to {to_s:.1} s: {class}{manner}, {speed_mps:.1} m/s")?;
+        }
         let mut excluded = self.excluded.iter();
         excluded.try_for_each(|(why, start, end)| writeln!(f, "  excluded frames {start} to {end}: {why}"))?;
         self.warnings.iter().try_for_each(|warning| writeln!(f, "  warning  {warning}"))

@@ -5,6 +5,7 @@ pub mod frames;
 mod histogram;
 pub mod inspect;
 pub mod live;
+pub mod made;
 pub mod measure;
 pub mod overlap;
 pub mod perform;

@@ -2,6 +2,7 @@
 
 mod watch;
 
+use crate::made::MadeFigures;
 use crate::quality::MotionQuality;
 use glam::{Vec2, Vec3};
 use rand::{RngExt, SeedableRng};
@@ -94,6 +95,8 @@ pub struct TrialReport {
     pub foot_slip_mean_mps: f64,
     /// 95th percentile of the speed of planted heels and toes (m/s).
     pub foot_slip_p95_mps: f64,
+    /// Made motion, if there is some.
+    pub made: Option<MadeFigures>,
     /// Quality of the motion beside that of the clips, over the first 10 000 steps of 50 characters.
     #[serde(flatten)]
     pub quality: MotionQuality,
@@ -131,8 +134,21 @@ pub struct TrialRecord {
     pub arrivals_s: Vec<f32>,
     /// World positions of all joints of each character at that time (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
+    /// The crowd halfway from there to the end, and at the end.
+    pub later: Vec<TrialMoment>,
     /// Frames of the recorded character, one for each of the first 10 000 steps.
     pub frames: Vec<TrialFrame>,
+}
+
+/// The crowd at a moment.
+#[derive(Clone, Debug, Default)]
+pub struct TrialMoment {
+    /// (s)
+    pub time_s: f32,
+    /// Planar roots.
+    pub roots: Vec<Planar>,
+    /// World positions of all joints of each character (m).
+    pub poses: Vec<[Vec3; NUM_JOINTS]>,
 }
 
 /// The recorded character at one step.

@@ -1,6 +1,7 @@
 //! Content of many motion files: one line each, and what is missing for which behaviour.
 
-use super::ClipReport;
+use super::classes::{describe, sum_classes};
+use super::{ClassTime, ClipReport};
 use crate::abilities::Abilities;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -18,6 +19,9 @@ use throng_motion::retarget;
 /// Share of the time on the ground below which a foot makes its clip odd.
 const LITTLE_CONTACT: f32 = 0.05;
 
+/// Verdict on a file that is left out by its name.
+const LEFT_OUT: &str = "left out";
+
 /// Content of many motion files. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct FolderReport {
@@ -27,6 +31,8 @@ pub struct FolderReport {
     pub performers: Vec<SourcePerformer>,
     /// Files that hold the motion of another one, number by number: the file, and that other one.
     pub repeated: Vec<[String; 2]>,
+    /// Classes of all motion, the longest first.
+    pub classes: Vec<ClassTime>,
     /// Abilities in the motion.
     pub motion: Abilities,
     /// Abilities that a behaviour needs and the motion lacks, each with the clips that would add it.
@@ -40,7 +46,7 @@ pub struct FolderReport {
 pub struct FileLine {
     /// The file.
     pub file: String,
-    /// `good`, `odd` or `skipped`.
+    /// `good`, `odd`, `skipped` or `left out` by its name.
     pub verdict: &'static str,
     /// Reason why it is odd or skipped; empty where it is good.
     pub why: String,
@@ -56,7 +62,11 @@ pub struct FileLine {
 /// # Errors
 /// A path that yields no file; a bad profile; as the retarget, resample and annotate stages.
 pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progress) -> Result<FolderReport> {
-    let set = import::read_by(&|_, read| read(), paths, &config.import, progress)?;
+    let mut set = import::read_by(&|_, read| read(), paths, &config.import, progress)?;
+    let names: Vec<&str> = set.clips.iter().map(|c| c.clip.name.as_str()).collect();
+    config.select.check(&names)?;
+    let is_left_out = |c: &mut ImportedClip| !config.select.takes(&c.clip.name);
+    let left_out: Vec<ImportedClip> = set.clips.extract_if(.., is_left_out).collect();
     let mut warnings = Warnings::default();
     let clips = match set.clips.is_empty() {
         true => ClipSet { skeleton: Default::default(), clips: Vec::new() },
@@ -68,8 +78,17 @@ pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progr
         missing.push("no blows: nobody can box; add punches or kicks where they should".into());
     }
     let path = |i: usize| set.clips[i].clip.path.display().to_string();
+    let mut files = file_lines(&set, &clips, config);
+    files.extend(left_out.iter().map(|c| FileLine {
+        file: c.clip.path.display().to_string(),
+        verdict: LEFT_OUT,
+        ..FileLine::default()
+    }));
+    files.sort_by(|a, b| PathBuf::from(&a.file).cmp(&PathBuf::from(&b.file)));
+    let classes = sum_classes(files.iter().filter_map(|l| l.clip.as_ref()).flat_map(|c| &c.spans));
     Ok(FolderReport {
-        files: file_lines(&set, &clips, config),
+        files,
+        classes,
         performers: performers(&set.clips, &clips),
         repeated: set.repeated().into_iter().map(|[first, i]| [path(i), path(first)]).collect(),
         motion,
@@ -86,7 +105,7 @@ fn performers(imported: &[ImportedClip], clips: &ClipSet) -> Vec<SourcePerformer
     retarget::performers(imported).into_iter().map(performer).collect()
 }
 
-/// One line for each file, sorted by path.
+/// One line for each file.
 fn file_lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<FileLine> {
     let copies: BTreeMap<usize, usize> = set.repeated().into_iter().map(|[first, i]| (i, first)).collect();
     let read = set.clips.iter().zip(&clips.clips).enumerate().map(|(i, (imported, clip))| {
@@ -102,9 +121,7 @@ fn file_lines(set: &ImportedSet, clips: &ClipSet, config: &BuildConfig) -> Vec<F
         let (file, why) = split_message(e);
         FileLine { file, verdict: "skipped", why, ..FileLine::default() }
     });
-    let mut all: Vec<FileLine> = read.chain(skipped).collect();
-    all.sort_by(|a, b| PathBuf::from(&a.file).cmp(&PathBuf::from(&b.file)));
-    all
+    read.chain(skipped).collect()
 }
 
 /// Reason why a clip is odd, if it is.
@@ -116,13 +133,15 @@ fn oddity(imported: &ImportedClip, usable_s: f64, report: &ClipReport) -> Option
             if report.excluded.is_empty() { "it is short".into() } else { parts.collect::<Vec<_>>().join(", ") };
         return Some(format!("hardly a usable frame: {parts}"));
     }
-    if contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT {
-        return Some("feet hardly touch the ground".into());
-    }
     let within = |w: &str| w.strip_prefix(&format!("{}: ", report.file)).unwrap_or(w).to_owned();
     let of_skeleton = |w: &&String| imported.roles.warnings.contains(&within(w));
     let all: Vec<String> = report.warnings.iter().filter(|w| !of_skeleton(w)).map(|w| within(w)).collect();
-    (!all.is_empty()).then(|| all.join(" "))
+    // Noise and the like explain why feet hardly stand.
+    let floats = contact.left_share < LITTLE_CONTACT || contact.right_share < LITTLE_CONTACT;
+    match all.is_empty() {
+        true => floats.then(|| "feet hardly touch the ground".into()),
+        false => Some(all.join(" ")),
+    }
 }
 
 /// Splits an error's message into the file and the rest.
@@ -142,21 +161,31 @@ impl fmt::Display for FolderReport {
                 continue;
             };
             let ClipReport { duration_s, rate_hz, metres_per_unit, up, height_m, joints, profile, .. } = c;
+            let classes = describe(&c.classes, ToString::to_string);
             writeln!(
                 f,
                 "{:width$}  {duration_s:6.1} s  {rate_hz:5.1} Hz  {metres_per_unit:.4} m/unit  {up} up  {height_m:.2} m, \
-                 {joints} joints, {profile}  {}{why}",
+                 {joints} joints, {profile}; {classes}  {}{why}",
                 line.file, line.verdict
             )?;
         }
         let count = |verdict: &str| self.files.iter().filter(|l| l.verdict == verdict).count();
         writeln!(f)?;
-        writeln!(f, "files       {} good, {} odd, {} skipped", count("good"), count("odd"), count("skipped"))?;
+        write!(f, "files       {} good, {} odd, {} skipped", count("good"), count("odd"), count("skipped"))?;
+        match count(LEFT_OUT) {
+            0 => writeln!(f)?,
+            n => writeln!(f, ", {n} left out by name")?,
+        }
         for p in &self.performers {
             let some: Vec<&str> = p.clips.iter().take(3).map(String::as_str).collect();
             let more = if p.clips.len() > some.len() { ", ..." } else { "" };
             let (some, num) = (some.join(", "), p.clips.len());
             writeln!(f, "performer   {:.2} m tall, in {num} file(s): {some}{more}", p.height_m)?;
+        }
+        writeln!(f, "classes     {}", describe(&self.classes, ToString::to_string))?;
+        let manners = describe(&self.classes, |c| c.manner.clone());
+        if !manners.is_empty() {
+            writeln!(f, "manners     {manners}")?;
         }
         let m = &self.motion;
         writeln!(
@@ -194,6 +223,10 @@ mod tests {
             let mut report = ClipReport::from_imported(clip);
             (report.contact.left_share, report.contact.right_share) = (0.6, 0.6);
             assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.");
+            (report.contact.left_share, report.contact.right_share) = (0.0, 0.0);
+            assert_eq!(oddity(clip, 2.0, &report).unwrap(), "it shakes. walks on the spot.", "which is why");
+            report.warnings.clear();
+            assert_eq!(oddity(clip, 2.0, &report).unwrap(), "feet hardly touch the ground");
         }
         let warnings = import::skeleton_warnings(&set.clips);
         assert!(warnings.len() == 1 && warnings[0].ends_with("a.bvh and 1 more: its neck is odd."), "{warnings:?}");

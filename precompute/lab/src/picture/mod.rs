@@ -3,6 +3,7 @@
 //! The same input gives the same bytes. The painters take joint positions, contacts and ground
 //! positions; [`trial`] and [`scene`] alone know where those of a trial and a scene come from.
 
+pub mod blends;
 pub mod camera;
 pub mod canvas;
 pub mod colour;
@@ -30,6 +31,7 @@ mod text;
 mod visible;
 mod walkers;
 
+pub use blends::blend_sheet;
 pub use camera::PictureCamera;
 pub use canvas::Picture;
 pub use colour::Colour;

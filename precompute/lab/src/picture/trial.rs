@@ -1,10 +1,10 @@
-//! The picture of a trial: the crowd at its end, some of it from near, and a stretch of one character's path.
+//! The picture of a trial: the crowd on its way, some of it from near at three moments, and stretches of one character's path.
 
 use super::{
     ArrivalState, BodyFigure, CrowdCharacter, CrowdView, Focus, Picture, PoseStrip, StripFrame, crowd_overview,
     onion_skin, pose_strip, sheet,
 };
-use crate::trial::{TrialConfig, TrialFrame, TrialRecord, TrialReport};
+use crate::trial::{TrialConfig, TrialFrame, TrialMoment, TrialRecord, TrialReport};
 use glam::Vec2;
 use throng_core::{Bundle, Planar};
 
@@ -15,8 +15,8 @@ const ONION_S: f32 = 5.0;
 /// Width of the view from near (m).
 const NEAR_M: f32 = 13.0;
 
-/// Draws a trial: the crowd from above, the middle of it from near, and the recorded character's poses where it
-/// walks most, side by side and along its path.
+/// Draws a trial: the crowd from above, the middle of it from near, then, halfway to the end and at the end, and the recorded
+/// character's poses where it walks most and at the end, side by side, and along its path.
 pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
     let characters = characters(record, config.streams);
     let what = if config.streams { "in two streams that pass each other" } else { "each with a target of its own" };
@@ -49,6 +49,12 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
     let sum: Vec2 = record.roots.iter().map(|r| Vec2::new(r.x, r.z)).sum();
     let focus = Some(Focus { centre: sum / record.roots.len().max(1) as f32, width_m: NEAR_M });
     let near = CrowdView { title, subtitle, size, marked: None, focus, ..overview };
+    let later: Vec<(String, Vec<CrowdCharacter<'_>>)> = record
+        .later
+        .iter()
+        .map(|moment| (format!("After {:.1} s", moment.time_s), characters_at(record, moment, config.streams)))
+        .collect();
+    let near_later = later.iter().map(|(title, characters)| CrowdView { title, characters, ..near });
     let frames = strip_frames(record);
     let strip = PoseStrip {
         title: "Character A",
@@ -60,9 +66,34 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
     };
     let (title, subtitle) = ("Character A on its way", "poses where they were, older ones paler");
     let way = PoseStrip { title, subtitle, frames: longest_stretch(&frames, ONION_S), columns: 13, ..strip };
-    let pictures = [crowd_overview(&overview), crowd_overview(&near), pose_strip(&strip), onion_skin(&way)];
-    let drawn = if frames.is_empty() { 2 } else { 4 };
-    sheet(&pictures[..drawn].iter().collect::<Vec<_>>())
+    let end = PoseStrip { title: "Character A at the end", frames: last_stretch(&frames, STRIP_S), ..strip };
+    let mut pictures = vec![crowd_overview(&overview), crowd_overview(&near)];
+    pictures.extend(near_later.map(|view| crowd_overview(&view)));
+    if !frames.is_empty() {
+        pictures.extend([pose_strip(&strip), pose_strip(&end), onion_skin(&way)]);
+    }
+    sheet(&pictures.iter().collect::<Vec<_>>())
+}
+
+/// The characters at a later moment, without trails.
+fn characters_at<'a>(record: &'a TrialRecord, moment: &'a TrialMoment, streams: bool) -> Vec<CrowdCharacter<'a>> {
+    let of_moment = |(c, character): (usize, CrowdCharacter<'a>)| CrowdCharacter {
+        root: moment.roots[c],
+        figure: moment.poses.get(c).map(BodyFigure::from_positions),
+        trail: &[],
+        arrival: match character.arrival {
+            ArrivalState::OnTheWay if !streams && record.arrivals_s[c] <= moment.time_s => ArrivalState::Reached,
+            other => other,
+        },
+        ..character
+    };
+    characters(record, streams).into_iter().enumerate().map(of_moment).collect()
+}
+
+/// The last frames of `duration_s`; all of a shorter motion.
+fn last_stretch(frames: &[StripFrame], duration_s: f32) -> &[StripFrame] {
+    let from = frames.last().map_or(0.0, |last| last.time_s - duration_s);
+    &frames[frames.partition_point(|f| f.time_s < from)..]
 }
 
 fn characters(record: &TrialRecord, streams: bool) -> Vec<CrowdCharacter<'_>> {

@@ -130,13 +130,15 @@ pub struct WorldMoment {
     pub framed: usize,
     /// Further solids at this moment, in the world.
     pub solids: Vec<(UnitSolid, Colour)>,
+    /// Label in place of the time.
+    pub label: Option<String>,
 }
 
 impl WorldMoment {
     /// A moment of one body.
     pub fn of_one(time_s: f32, figure: BodyFigure) -> Self {
         let figures = vec![WorldFigure { figure, colours: BodyColours::default() }];
-        Self { time_s, figures, framed: 1, solids: Vec::new() }
+        Self { time_s, figures, framed: 1, solids: Vec::new(), label: None }
     }
 
     /// A moment of one body, and of its partner, if there is one; both are framed.
@@ -205,7 +207,8 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         draw_pieces(&mut panel, &camera, &pieces);
         page.draw_picture(&panel, (at.x as i32, at.y as i32));
         let style = TextStyle { size: 18.0, colour: colour::INK, align: Align::Centre, bold: false };
-        draw_text(&mut page, at + Vec2::new(0.5 * cell, height + 20.0), &format!("{:.2} s", moment.time_s), style);
+        let label = moment.label.clone().unwrap_or_else(|| format!("{:.2} s", moment.time_s));
+        draw_text(&mut page, at + Vec2::new(0.5 * cell, height + 20.0), &label, style);
     }
     page
 }

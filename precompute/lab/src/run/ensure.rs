@@ -3,12 +3,13 @@
 use super::News;
 use super::report::config_error;
 use std::path::{Path, PathBuf};
-use throng_bake::cache::Cache;
+use throng_bake::cache::{Cache, CacheKey};
 use throng_bake::config::BuildConfig;
 use throng_bake::pipeline;
 use throng_bake::stitch::{self, StitchKit, StitchReport, WorldSource};
 use throng_core::Bundle;
-use throng_motion::error::{BuildError, ImportError, Result};
+use throng_core::blend::axis;
+use throng_motion::error::{BuildError, ImportError, Result, Warnings};
 use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Scene};
 use throng_world::World;
@@ -71,20 +72,25 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'
     Ok(())
 }
 
-/// Builds a bundle of everything that some motion allows into the cache, unless it is there.
+/// Builds a bundle of everything that the motion of a config allows into the cache, unless it is there.
 ///
+/// - `config`: as [`BuildConfig::of_motion`] gives it.
 /// - `otherwise`: file of the bundle if the cache keeps nothing.
 /// - returns the bundle.
 ///
 /// # Errors
 /// As [`pipeline::build_possible`].
-pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &BuildContext<'_>) -> Result<PathBuf> {
-    let config = BuildConfig::of_motion(motion_name(inputs), inputs.to_vec())?;
+pub fn ensure_motion(config: &BuildConfig, otherwise: &Path, with: &BuildContext<'_>) -> Result<PathBuf> {
     with.progress.enter_stage("hash");
-    let kept = pipeline::kept_bundle(&config, with.cache)?;
+    let kept = pipeline::kept_bundle(config, with.cache)?;
     if let Some(bundle) = kept.iter().find(|b| b.is_file()) {
         match Bundle::open(bundle) {
-            Ok(_) => return Ok(bundle.clone()),
+            Ok(_) => {
+                let not_made = with.cache.load::<Vec<(String, String)>>("not_made", not_made_key(bundle)?);
+                let news = not_made.into_iter().flatten().map(|(part, why)| News::NotMade(part, why));
+                news.for_each(with.report_news);
+                return Ok(bundle.clone());
+            }
             Err(e) => (with.report_news)(News::Making(format!("{e}"))),
         }
         // A build only replaces bundles, and a damaged file may not look like one.
@@ -95,14 +101,43 @@ pub fn ensure_motion(inputs: &[PathBuf], otherwise: &Path, with: &BuildContext<'
         std::fs::create_dir_all(folder).map_err(|source| BuildError::Io { path: folder.to_path_buf(), source })?;
     }
     (with.report_news)(News::Making(format!("building {}", config.name)));
-    let report = pipeline::build_possible(&config, &bundle, with.cache, with.progress)?;
+    let report = pipeline::build_possible(config, &bundle, with.cache, with.progress)?;
     News::from_report(&report).for_each(with.report_news);
-    if pipeline::kept_bundle(&config, with.cache)? != kept {
+    // The next run, which finds the bundle, says it again.
+    let not_made: Vec<(String, String)> = report.not_made.iter().map(|n| (n.part.clone(), n.why.clone())).collect();
+    with.cache.store("not_made", not_made_key(&bundle)?, &not_made, &mut Warnings::default());
+    if pipeline::kept_bundle(config, with.cache)? != kept {
         // The files changed during the build: this bundle does not belong to the hash in its name.
         _ = std::fs::remove_file(&bundle);
-        return Err(ImportError::Changed { path: inputs.first().cloned().unwrap_or_default() }.into());
+        return Err(ImportError::Changed { path: config.inputs.first().cloned().unwrap_or_default() }.into());
     }
     Ok(bundle)
+}
+
+/// Scene of people on random paths, for a bundle whose blend spaces are all that it can play.
+///
+/// # Errors
+/// [`BuildError::Config`] if the bundle has no blend space.
+pub fn blend_scene(tables: &Bundle, file: &Path) -> Result<Scene> {
+    let wrong = |e: throng_core::Error| config_error(e.to_string());
+    let names = &tables.blends().names;
+    let first = tables.blend(names.first().map_or("", String::as_str)).map_err(wrong)?;
+    let range = |kind| first.axis_of(kind).map(|k| first.axes()[k]);
+    let (speed, turn) = (range(axis::SPEED), range(axis::GYRATION));
+    let speeds = speed.map_or([0.0, 1.0], |a| [a.low.max(0.0), a.high.max(0.1)]);
+    let file = file.canonicalize().map_err(|source| BuildError::Io { path: file.to_path_buf(), source })?;
+    let text = format!(
+        "bundle = {:?}\n[[groups]]\nmotion = 'blend'\ncount = 100\nspaces = {names:?}\n\
+         paths = {{ speeds = {speeds:?}, max_gyration = {:?} }}\n",
+        file.to_string_lossy(),
+        turn.map_or(0.5, |a| a.high.max(0.1)),
+    );
+    Scene::parse(&text, Path::new(&tables.meta().name)).map_err(wrong)
+}
+
+/// Key of the parts that a build could not make.
+fn not_made_key(bundle: &Path) -> Result<CacheKey> {
+    CacheKey::for_stage("not_made", &[], &bundle.file_name().map(|n| n.to_string_lossy().into_owned()))
 }
 
 /// True for a folder or an archive of motion, which is built before it is run or viewed.

@@ -17,7 +17,8 @@ pub(crate) mod watch;
 
 pub use built_in_scenes::{BUILT_IN_SCENES, built_in_scene};
 pub use ensure::{
-    BuildContext, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion, motion_name,
+    BuildContext, blend_scene, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion,
+    motion_name,
 };
 pub use figures::{AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures};
 pub use groups::{agent_path, agents_crowd, first_agent, policy_characters};

@@ -1,6 +1,7 @@
 //! Observes a trial after every step, and computes its report.
 
-use super::{ReachShare, TrialConfig, TrialFrame, TrialRecord, TrialReport, num_steps};
+use super::{ReachShare, TrialConfig, TrialFrame, TrialMoment, TrialRecord, TrialReport, num_steps};
+use crate::made::{MadeFigures, made_frames};
 use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::quality::{Change, MotionQuality, Track};
 use crate::slip::SlipMeter;
@@ -67,6 +68,10 @@ pub(super) struct TrialWatch<'a> {
     before: Vec<Planar>,
     /// Steps of all characters on the way, and the number of them in which they stood.
     on_the_way: [u64; 2],
+    /// True for made frames.
+    made: Vec<bool>,
+    /// Steps in which characters moved, and the number of them that played made frames.
+    moving: [u64; 2],
     longest_wait_s: f32,
     /// Tracks of the first [`TRACKED`] characters.
     tracks: Vec<Track>,
@@ -91,6 +96,8 @@ impl<'a> TrialWatch<'a> {
             overlaps: OverlapMeter::default(),
             present: Vec::with_capacity(n),
             on_the_way: [0; 2],
+            made: made_frames(tables),
+            moving: [0; 2],
             longest_wait_s: 0.0,
             tracks: vec![Track::default(); n.min(TRACKED)],
             segments: vec![u32::MAX; n.min(TRACKED)],
@@ -111,6 +118,12 @@ impl<'a> TrialWatch<'a> {
         if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
             self.extend_trails(characters, config, step, time_s, dt);
         }
+        let later = [0.5 * (config.snapshot_s + config.seconds), config.seconds];
+        if later.get(self.record.later.len()).is_some_and(|at| time_s > at - 0.5 * dt && *at > config.snapshot_s) {
+            let roots = (0..config.characters).map(|c| characters.root(c)).collect();
+            let poses = (0..config.characters).map(|c| characters.joint_positions(c)).collect();
+            self.record.later.push(TrialMoment { time_s, roots, poses });
+        }
         if self.late.is_empty() && time_s >= config.seconds - STILL_S {
             self.late = (0..config.characters).map(|c| ground_position(characters.root(c))).collect();
         }
@@ -127,6 +140,13 @@ impl<'a> TrialWatch<'a> {
                 let stands = ground_position(root).distance(ground_position(self.before[c])) < STANDING_MPS * dt;
                 self.on_the_way[0] += 1;
                 self.on_the_way[1] += u64::from(stands && step > 0);
+            }
+            let moves = ground_position(root).distance(ground_position(self.before[c])) > STANDING_MPS * dt;
+            let (segment, time) = characters.segment(c);
+            if let Some(s) = self.tables.graph().segments.get(segment as usize).filter(|_| moves && step > 0) {
+                self.moving[0] += 1;
+                let frame = (s.start + time as u32) as usize;
+                self.moving[1] += u64::from(self.made.get(frame).is_some_and(|made| *made));
             }
             self.before[c] = root;
             let target = self.record.targets[c];
@@ -214,6 +234,7 @@ impl<'a> TrialWatch<'a> {
             stopped_share: self.on_the_way[1] as f64 / self.on_the_way[0].max(1) as f64,
             foot_slip_mean_mps: self.slip.mean_mps(),
             foot_slip_p95_mps: self.slip.p95_mps(),
+            made: MadeFigures::of_bundle(self.tables, &self.made, self.moving[1] as f64 / self.moving[0].max(1) as f64),
             quality: MotionQuality::new(self.tables, &self.tracks, config.step_hz),
             steps_per_second: per_second((steps + 1) as f64),
             poses_per_second: per_second(((steps + 1) * n) as f64),

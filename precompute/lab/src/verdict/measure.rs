@@ -3,6 +3,7 @@
 use crate::abilities::{Abilities, MOSTLY_BACKWARDS};
 use crate::trial::{ReachShare, TrialReport};
 use serde::Serialize;
+use throng_bake::examples::judge::{BLEND_WORDS, BlendQuality};
 use throng_bake::examples::{BlendReport, ExampleReport, WIDEST_SEAM};
 use throng_bake::policy::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart};
 use throng_base::thresholds::{SLIP_UNSEEN_MPS_F64, TOES_SLOW_MPS_F64};
@@ -19,6 +20,12 @@ const MIN_GROUP: usize = 10;
 const BEHIND_SHARE: f64 = 0.1;
 /// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
 const HELD_UP_SHARE: f64 = 0.7;
+/// Limits of a good and of a fair wait for a choice (s).
+const WAIT_S: [f64; 2] = [4.0, 8.0];
+/// Limits of good and of fair slip of feet in the clips: mean and 95th percentile (m/s).
+const SOURCE_SLIP_MPS: [[f64; 2]; 2] = [[0.1, 0.2], [0.2, 0.3]];
+/// Share of clips up to which bad ones are few, beside a single one of at least so many.
+const FEW: (f64, usize) = (0.1, 4);
 /// Most clips that are named.
 const MAX_NAMED_CLIPS: usize = 3;
 
@@ -60,11 +67,13 @@ pub(super) struct VerdictInputs<'a> {
 pub(super) struct SourceFeet {
     /// Mean speed (m/s).
     pub mean_mps: f64,
+    /// 95th percentile of the speed (m/s).
+    pub p95_mps: f64,
     /// Mean speed in each clip, the fastest first (m/s).
     pub of_clips: Vec<(String, f64)>,
     /// Stance in all clips; none if heights are kept as captured.
     pub stance: Option<StanceReport>,
-    /// Stance in a few clips, the farthest from the ground first.
+    /// Stance in each clip, the farthest from the ground first.
     pub stances: Vec<(String, StanceReport)>,
 }
 
@@ -72,6 +81,8 @@ pub(super) struct SourceFeet {
 pub(super) struct LongestAction {
     pub clip: String,
     pub seconds: f64,
+    /// True if no other clip has one so long that characters wait badly long.
+    pub is_alone: bool,
 }
 
 impl LongestAction {
@@ -80,7 +91,14 @@ impl LongestAction {
         let longest = tables.graph().segments.iter().max_by_key(|s| s.num_frames)?;
         let clip = tables.clips().partition_point(|c| c.first_frame <= longest.start).saturating_sub(1);
         let seconds = f64::from(longest.num_frames) / tables.meta().rate_hz;
-        Some(Self { clip: tables.meta().clips.get(clip)?.name.clone(), seconds })
+        let is_of_clip = |s: &throng_core::graph::MotionSegment| {
+            tables.clips()[clip].first_frame <= s.start
+                && s.start < tables.clips()[clip].first_frame + tables.clips()[clip].num_frames
+        };
+        let is_long =
+            |s: &throng_core::graph::MotionSegment| f64::from(s.num_frames) / tables.meta().rate_hz > WAIT_S[1];
+        let is_alone = tables.graph().segments.iter().filter(|s| is_long(s)).all(is_of_clip);
+        Some(Self { clip: tables.meta().clips.get(clip)?.name.clone(), seconds, is_alone })
     }
 }
 
@@ -98,6 +116,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     all.extend(feet_from_ground(&facts.source));
     all.push(low_toes(facts.trial));
     all.extend(promises_kept(facts));
+    all.extend(worst_blend(facts.blends));
     all.extend(widest_seam(facts.blends));
     all
 }
@@ -115,6 +134,11 @@ impl Measure {
         Self { is_reported: true, ..self }
     }
 
+    /// Calls a poor measure fair if few clips make it so: the others can do without them.
+    fn fair_if(self, few: bool) -> Self {
+        if few && self.word == WORDS[2] { Self { word: WORDS[1], ..self } } else { self }
+    }
+
     /// Adds advice if the measure is not good.
     fn with_advice(mut self, advice: impl FnOnce() -> Vec<String>) -> Self {
         if self.word != WORDS[0] {
@@ -122,6 +146,11 @@ impl Measure {
         }
         self
     }
+}
+
+/// True if some of all clips are few.
+fn are_few(some: usize, all: usize) -> bool {
+    some as f64 <= FEW.0 * all as f64 || some <= 1 && all >= FEW.1
 }
 
 fn percent(share: f64) -> String {
@@ -136,13 +165,16 @@ fn targets_reached(facts: &VerdictInputs<'_>) -> Measure {
     let sentence = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
     measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], sentence).always_reported().with_advice(|| {
         let mut advice = facts.motion.missing(facts.mirrored);
+        if !advice.is_empty() {
+            return advice;
+        }
         if trial.making_way {
             advice.push(
                 "others were in the way, or the time was short: fewer characters or more seconds show which, and `--no-avoid` \
                  shows each as if alone"
                     .into(),
             );
-        } else if advice.is_empty() {
+        } else {
             advice.push(
                 "the motion shows all that is needed, in clips that do not lead to each other soon enough: add clips that walk, \
                  turn and stop in one take, so that all of them hang together, or give them more seconds"
@@ -224,9 +256,10 @@ fn standing_on_the_way(trial: &TrialReport) -> Measure {
 fn longest_wait(facts: &VerdictInputs<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
     let sentence = format!("a character waits {wait:.1} s for its next choice at the longest");
-    measure("longest wait for a choice (s)", wait, [4.0, 8.0], sentence).always_reported().with_advice(|| {
-        // A character that waits for others plays its action more slowly.
-        let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.making_way);
+    // A character that waits for others plays its action more slowly.
+    let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.making_way);
+    let m = measure("longest wait for a choice (s)", wait, WAIT_S, sentence).always_reported();
+    m.fair_if(own.is_some_and(|l| l.is_alone)).with_advice(|| {
         if own.is_none() && facts.longest.is_some() {
             return vec!["others hold it up, and not its clips: fewer characters, or more room".into()];
         }
@@ -249,7 +282,8 @@ fn foot_slip(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     let [mm, source_mm] = [here, there].map(|mps| 1000.0 * mps);
     let sentence = format!("planted feet slip {mm:.0} mm/s, {ratio:.1} times as fast as in the clips ({source_mm:.0})");
     // Relative to the slip of the clips, or to an invisible slip.
-    let limit = |times: f64| (times * there).max(SLIP_UNSEEN_MPS_F64);
+    // People who skate as their clips do skate all the same.
+    let limit = |times: f64| (times * there).clamp(SLIP_UNSEEN_MPS_F64, times / 1.5 * SOURCE_SLIP_MPS[0][0]);
     let m = measure("foot slip (m/s)", here, [limit(1.5), limit(2.5)], sentence).always_reported();
     vec![m.with_advice(|| {
         let out = "add clips that lie between the poses of the others, so that nearer ones can follow each other, or \
@@ -259,21 +293,33 @@ fn foot_slip(facts: &VerdictInputs<'_>) -> Vec<Measure> {
 }
 
 /// Foot slip of the clips themselves.
-fn source_slip(slip: &SourceFeet) -> Option<Measure> {
-    let mps = slip.mean_mps;
+fn source_slip(slip: &SourceFeet) -> Vec<Measure> {
+    let (mps, p95) = (slip.mean_mps, slip.p95_mps);
     if mps <= 0.0 {
-        return None;
+        return Vec::new();
     }
     let sentence = format!("feet that should be planted slip {:.0} mm/s in the clips themselves", 1000.0 * mps);
-    let m = measure("foot slip in the clips (m/s)", mps, [0.15, 0.3], sentence);
-    Some(m.with_advice(|| {
-        let most: Vec<String> =
-            slip.of_clips.iter().take(MAX_NAMED_CLIPS).map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps)).collect();
-        vec![format!(
-            "most in {} mm/s: capture them again, smooth them, or leave them out; in-place walks need their root's motion",
-            most.join(", ")
-        )]
-    }))
+    let sentence_p95 = format!("one planted foot in twenty slips {:.0} mm/s or more in the clips", 1000.0 * p95);
+    let few = are_few(slip.of_clips.iter().filter(|c| c.1 > SOURCE_SLIP_MPS[0][1]).count(), slip.of_clips.len());
+    let all = [
+        measure("foot slip in the clips (m/s)", mps, SOURCE_SLIP_MPS[0], sentence),
+        measure("foot slip in the clips, 95th percentile (m/s)", p95, SOURCE_SLIP_MPS[1], sentence_p95),
+    ];
+    let advised = all.map(|m| {
+        m.fair_if(few).with_advice(|| {
+            let most: Vec<String> = slip
+                .of_clips
+                .iter()
+                .take(MAX_NAMED_CLIPS)
+                .map(|(clip, mps)| format!("`{clip}` {:.0}", 1000.0 * mps))
+                .collect();
+            vec![format!(
+                "most in {} mm/s: capture them again, smooth them, or leave them out (`--leave NAME`)",
+                most.join(", ")
+            )]
+        })
+    });
+    advised.into()
 }
 
 /// Distance of standing feet from the ground in the clips.
@@ -281,7 +327,8 @@ fn feet_from_ground(source: &SourceFeet) -> Option<Measure> {
     let StanceReport { p95_cm: far, worst_cm, .. } = source.stance?;
     let sentence = format!("feet stand up to {far:.1} cm from the ground in the clips, {worst_cm:.1} cm at worst");
     let m = measure("feet from the ground (cm)", f64::from(far), stance::FAR_CM.map(f64::from), sentence);
-    Some(m.with_advice(|| {
+    let poor = source.stances.iter().filter(|(_, s)| s.grade == stance::Grade::Poor).count();
+    Some(m.fair_if(are_few(poor, source.stances.len())).with_advice(|| {
         let off = source.stances.iter().filter(|(_, s)| s.grade != stance::Grade::Good);
         let most: Vec<String> =
             off.take(MAX_NAMED_CLIPS).map(|(clip, s)| format!("`{clip}` {:.0}", s.p95_cm)).collect();
@@ -327,6 +374,18 @@ fn promises_kept(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     out
 }
 
+/// The blend space of the worst quality.
+fn worst_blend(blends: &[BlendReport]) -> Option<Measure> {
+    let rank = |b: &BlendReport| BLEND_WORDS.iter().position(|w| *w == b.quality.word).unwrap_or(0);
+    let worst = blends.iter().rev().max_by_key(|b| rank(b))?;
+    let (name, BlendQuality { word, reason, .. }) = (&worst.name, &worst.quality);
+    let sentence = format!("blend space `{name}` is {word}: {reason}");
+    let m = measure("worst blend space", rank(worst) as f64, [0.0, 1.0], sentence);
+    Some(m.with_advice(|| {
+        vec![format!("`throng inspect BUNDLE --blends-png FILE` shows `{name}`; leave out the clip that differs, or add some between")]
+    }))
+}
+
 /// The widest seam of all blend spaces, over the widest that is accepted by default.
 fn widest_seam(blends: &[BlendReport]) -> Option<Measure> {
     let all = blends.iter().flat_map(|b| b.examples.iter().map(move |e| (b, e)));
@@ -336,7 +395,8 @@ fn widest_seam(blends: &[BlendReport]) -> Option<Measure> {
     let sentence = format!(
         "the cycle of `{name}` in blend space `{space}` is {cm:.0} cm and {deg:.0} deg a joint apart at its seam"
     );
-    let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], sentence);
+    let wide = b.examples.iter().filter(|e| e.seam() > 2.0).count();
+    let m = measure("widest seam of a blend", e.seam(), [1.0, 2.0], sentence).fair_if(are_few(wide, b.examples.len()));
     let (widest_m, widest_deg) = WIDEST_SEAM;
     Some(m.with_advice(|| {
         vec![format!(

@@ -12,6 +12,7 @@ use measure::{GOOD_REACH, LongestAction, SourceFeet, VerdictInputs};
 use serde::Serialize;
 use throng_bake::config::BuildConfig;
 use throng_bake::examples::BlendReport;
+use throng_bake::graph::TakenMotion;
 use throng_bake::policy::{self, BehaviourKind, promise};
 use throng_core::Bundle;
 use throng_core::characters::CharactersConfig;
@@ -74,8 +75,11 @@ impl Verdict {
     ///
     /// - `blends`: reports of its build on blend spaces, as a bundle does not keep their seams.
     pub fn new(tables: &Bundle, trial: &TrialReport, blends: &[BlendReport]) -> Self {
+        // Walking of other classes is left out on purpose.
+        let is_taken = class_is_taken(tables);
         let mirrored = tables.clips().iter().any(|c| c.mirrored != 0);
-        let (motion, all) = (Abilities::of_played_frames(tables), Abilities::of_bundle(tables));
+        let motion = Abilities::of_played_frames(tables);
+        let all = Abilities::of_frames(tables, |f| is_taken[f]);
         let unused_s = all.walking_s - motion.walking_s;
         let policies = tables.meta().behaviours.iter().zip(tables.policies().iter());
         let promises =
@@ -121,6 +125,23 @@ impl Verdict {
         let worst = if word == "good" { "" } else { name };
         Self { word, worst, sentences, advice, motion, walking_unused_s: 0.0, source_slip_mean_mps, measures }
     }
+}
+
+/// True for every frame whose class the motion graph takes.
+fn class_is_taken(tables: &Bundle) -> Vec<bool> {
+    let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
+    let take =
+        config.map_or_else(|_| Vec::new(), |c| if c.select.wanted.is_empty() { c.graph.take } else { Vec::new() });
+    let mut out = vec![true; tables.frames().len()];
+    for (record, meta) in tables.clips().iter().zip(&tables.meta().clips) {
+        for span in &meta.classes {
+            let what = TakenMotion::of_class(&span.class);
+            let is_taken = take.is_empty() || take.contains(&what) || what == TakenMotion::Gestures;
+            let [from, to] = [span.frames.start, span.frames.end].map(|f| (record.first_frame + f) as usize);
+            out[from..to].fill(is_taken);
+        }
+    }
+    out
 }
 
 /// Advice for a set of which most walking is played by no action, as it leads to no other motion.
@@ -174,14 +195,16 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
         measured.map(|(&(sum, samples), meta)| (meta.name.clone(), sum / samples as f64)).collect();
     of_clips.sort_by(|a, b| b.1.total_cmp(&a.1));
     let names = tables.meta().clips.iter().map(|c| c.name.clone());
-    let mut stances: Vec<(String, StanceReport)> =
-        names.zip(far.iter().map(|f| StanceReport::from_distances(f.clone()))).collect();
+    let mut stances: Vec<(String, StanceReport)> = names
+        .zip(&far)
+        .filter(|(_, f)| !f.is_empty())
+        .map(|(n, f)| (n, StanceReport::from_distances(f.clone())))
+        .collect();
     stances.sort_by(|a, b| b.1.p95_cm.total_cmp(&a.1.p95_cm));
-    stances.truncate(MAX_NAMED_CLIPS);
     // A config that keeps heights as captured implies terrain.
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
     let stance = config.is_ok_and(|c| c.retarget.align_ground).then(|| StanceReport::from_distances(far.concat()));
-    SourceFeet { mean_mps: all.mean_mps(), of_clips, stance, stances }
+    SourceFeet { mean_mps: all.mean_mps(), p95_mps: all.p95_mps(), of_clips, stance, stances }
 }
 
 #[cfg(test)]

@@ -47,11 +47,12 @@ fn verdict(edit: impl FnOnce(&mut TrialReport, &mut Abilities, &mut Rest)) -> Ve
         mirrored: false,
         source: SourceFeet {
             mean_mps: rest.source_slip_mps,
+            p95_mps: rest.source_slip_p95_mps,
             of_clips,
             stance: Some(StanceReport::from_distances(vec![rest.far_m; 20])),
             stances: vec![("floater".to_owned(), StanceReport::from_distances(vec![rest.far_m; 20]))],
         },
-        longest: Some(LongestAction { clip: "long".into(), seconds: 8.0 }),
+        longest: Some(LongestAction { clip: "long".into(), seconds: 8.0, is_alone: rest.is_alone }),
         promises,
         blends: &rest.blends,
     })
@@ -61,7 +62,9 @@ fn verdict(edit: impl FnOnce(&mut TrialReport, &mut Abilities, &mut Rest)) -> Ve
 #[derive(Default)]
 struct Rest {
     source_slip_mps: f64,
+    source_slip_p95_mps: f64,
     far_m: f32,
+    is_alone: bool,
     promises: Vec<(&'static str, Promise)>,
     blends: Vec<BlendReport>,
 }
@@ -158,4 +161,30 @@ fn the_verdict_is_that_of_the_worst_measure() {
     check(of(seam(0.17, 1.0)), "fair", widest, "`trot` in blend space `ahead` is 17 cm", "other `frames` of `trot`");
     check(of(seam(0.01, 20.0)), "poor", widest, "20 deg", "leave it out");
     assert_eq!(of(seam(0.09, 5.0)).word, "good");
+}
+
+#[test]
+fn motion_that_skates_is_told_however_little_it_gets_worse() {
+    let skates = verdict(|t, _, r| (t.foot_slip_mean_mps, r.source_slip_mps) = (0.15, 0.15));
+    let word = |name: &str| skates.measures.iter().find(|m| m.name == name).unwrap().word;
+    assert_eq!((word("foot slip (m/s)"), word("foot slip in the clips (m/s)")), ("fair", "fair"), "{skates:?}");
+    let skates = verdict(|_, _, r| r.source_slip_p95_mps = 0.236);
+    assert_eq!((skates.word, skates.worst), ("fair", "foot slip in the clips, 95th percentile (m/s)"));
+    assert!(skates.sentences[0].contains("slips 236 mm/s or more") && !skates.advice.is_empty(), "{skates:?}");
+}
+
+#[test]
+fn one_bad_clip_of_many_does_not_make_a_library_poor() {
+    assert!(are_few(1, 4) && are_few(2, 20) && !are_few(1, 2) && !are_few(3, 20));
+    let alone = verdict(|t, _, r| (t.longest_wait_s, r.is_alone) = (9.0, true));
+    assert_eq!((alone.word, alone.worst), ("fair", "longest wait for a choice (s)"));
+    assert!(alone.advice[0].contains("8.0 s of `long`"), "{:?}", alone.advice);
+}
+
+#[test]
+fn others_are_blamed_only_where_the_motion_lacks_nothing() {
+    let crowd =
+        |stops| verdict(|t, m, _| (t.making_way, t.reached_fraction, m.stops) = (true, 0.85, stops)).advice.join("\n");
+    assert!(crowd(3).contains("others were in the way"));
+    assert!(crowd(0).contains("no stop") && !crowd(0).contains("others"), "{}", crowd(0));
 }
