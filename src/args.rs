@@ -9,7 +9,8 @@ use throng_crowd::Scheme;
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::Result;
-use throng_precompute::import;
+use throng_precompute::import::{self, ImportConfig, UpAxis};
+use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
 use throng_simulation::Scene;
 use throng_simulation::scene::engine;
@@ -62,6 +63,56 @@ pub struct ReadArgs {
     /// Config that says how files are read, retargeted, resampled and annotated.
     #[arg(long, help_heading = "Reading motion", value_name = "FILE")]
     config: Option<PathBuf>,
+    #[command(flatten)]
+    units: UnitArgs,
+}
+
+fn parse_up(text: &str) -> std::result::Result<UpAxis, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "y" => Ok(UpAxis::Y),
+        "z" => Ok(UpAxis::Z),
+        _ => Err("expected y or z".into()),
+    }
+}
+
+/// Options that say what motion files leave open.
+#[derive(Default, clap::Args)]
+pub struct UnitArgs {
+    /// Length of a unit of the files (m); found from the body's height by default.
+    #[arg(long, help_heading = "Reading motion", value_name = "M", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::METRES_PER_UNIT))]
+    metres_per_unit: Option<f64>,
+    /// Frames a second of the files, in place of what they say (Hz).
+    #[arg(long, help_heading = "Reading motion", value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOTION_HZ))]
+    rate_hz: Option<f64>,
+    /// Axis that points up in the files, y or z; found from the motion by default.
+    #[arg(long, help_heading = "Reading motion", value_name = "AXIS", value_parser = parse_up)]
+    up: Option<UpAxis>,
+}
+
+impl UnitArgs {
+    /// Puts the given options in place of those of a config.
+    pub fn apply(&self, import: &mut ImportConfig) {
+        import.metres_per_unit = self.metres_per_unit.or(import.metres_per_unit);
+        import.rate_hz = self.rate_hz.or(import.rate_hz);
+        import.up = self.up.or(import.up);
+    }
+
+    /// Config of a build of everything that some motion allows.
+    pub fn motion_config(&self, motion: &[PathBuf]) -> CommandResult<BuildConfig> {
+        let mut config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
+        self.apply(&mut config.import);
+        Ok(config)
+    }
+
+    /// The first of the options that is given.
+    pub fn first_given_flag(&self) -> Option<&'static str> {
+        let flags = [
+            ("--metres-per-unit", self.metres_per_unit.is_some()),
+            ("--rate-hz", self.rate_hz.is_some()),
+            ("--up", self.up.is_some()),
+        ];
+        flags.into_iter().find(|f| f.1).map(|f| f.0)
+    }
 }
 
 impl ReadArgs {
@@ -72,6 +123,7 @@ impl ReadArgs {
             None => BuildConfig::of_motion("", Vec::new())?,
         };
         config.import.asf = self.asf.clone().or(config.import.asf);
+        self.units.apply(&mut config.import);
         match &self.profile {
             Some(file) if is_toml(file) => config.import.profiles.insert(0, file.clone()),
             Some(name) => config.import.profile = Some(name.to_string_lossy().into_owned()),
@@ -92,6 +144,31 @@ impl ReadArgs {
             ));
         }
         self.config()
+    }
+}
+
+/// Choice of clips by their names.
+#[derive(clap::Args)]
+pub struct SelectArgs {
+    /// Use only clips whose name, or its last part, is like this (`walk*`), and all their motion, whatever its class; may be
+    /// given several times.
+    #[arg(long = "use", help_heading = "Reading motion", value_name = "NAME")]
+    wanted: Vec<String>,
+    /// Leave out clips whose name, or its last part, is like this (`carry*`); may be given several times.
+    #[arg(long, help_heading = "Reading motion", value_name = "NAME")]
+    leave: Vec<String>,
+}
+
+impl SelectArgs {
+    /// Adds the choice to that of a config.
+    pub fn add_to(&self, config: &mut BuildConfig) {
+        config.select.wanted.extend(self.wanted.iter().cloned());
+        config.select.leave.extend(self.leave.iter().cloned());
+    }
+
+    /// True where something is chosen.
+    pub fn is_given(&self) -> bool {
+        !self.wanted.is_empty() || !self.leave.is_empty()
     }
 }
 

@@ -1,6 +1,6 @@
 //! `throng build`: motion files to a bundle.
 
-use crate::args::{CacheArgs, CommandResult, fail, is_toml};
+use crate::args::{CacheArgs, CommandResult, SelectArgs, UnitArgs, fail, is_toml};
 use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,7 +15,6 @@ use throng_precompute::patch::Freedom;
 use throng_precompute::pipeline;
 use throng_precompute::policy::{AdaptiveReport, Approximation};
 use throng_precompute::report::BuildReport;
-use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialReport;
 use throng_precompute::verdict::{self, Verdict};
 
@@ -53,6 +52,10 @@ pub struct BuildInputArgs {
     /// Stop at the first bad file instead of skipping it.
     #[arg(long)]
     strict: bool,
+    #[command(flatten)]
+    select: SelectArgs,
+    #[command(flatten)]
+    units: UnitArgs,
 }
 
 /// Printed report.
@@ -102,11 +105,13 @@ pub fn plan(args: &BuildInputArgs) -> CommandResult<BuildPlan<'_>> {
         }
         (_, [_, ..]) => return fail("--input is for a config: name motion without it"),
         (motion, []) => {
-            let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec())?;
+            let config = args.units.motion_config(motion)?;
             BuildPlan { config, parts: RequiredParts::Possible, file: None, replaced: Vec::new() }
         }
     };
     plan.config.import.strict |= args.strict;
+    args.select.add_to(&mut plan.config);
+    args.units.apply(&mut plan.config.import);
     plan.replaced.iter().for_each(|r| output::print_to_stderr(format_args!("config: {r}")));
     Ok(plan)
 }
@@ -130,15 +135,17 @@ pub fn run(args: &Args) -> CommandResult {
     if args.json {
         return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }
-    print(&report, &out.display().to_string())?;
+    print(&report, trial.as_ref(), &out.display().to_string())?;
     if let Some(verdict) = verdict {
-        output::text(format!("\n{}", crate::run::verdict_text(&verdict)))?;
+        output::text(format!("\n{}", crate::figures::verdict_text(&verdict)))?;
     }
     help::next_step(&["run", &out.to_string_lossy(), "--png", &out.with_extension("png").to_string_lossy()])
 }
 
 /// Prints the report of a build as text.
-pub fn print(r: &BuildReport, out: &str) -> CommandResult {
+///
+/// - `trial`: trial of the bundle, which shows how much of the made motion plays.
+pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> CommandResult {
     let g = &r.graph;
     let stages: Vec<_> = r.stage_s.iter().map(|(name, s)| format!("{name} {s:.2}")).collect();
     let cached = if r.cached.is_empty() { String::new() } else { format!(", from cache: {}", r.cached.join(", ")) };
@@ -151,6 +158,14 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
     let [mean, worst] = [g.transition_error.mean, g.transition_error.max];
     let mut rows = vec![("made", r.summary())];
     rows.extend(r.not_made.iter().map(|n| ("not made", format!("{}: {}", n.part, n.why))));
+    if r.made.clips > 0 {
+        let plays = trial
+            .and_then(|t| t.made)
+            .map_or(String::new(), |m| format!("; {:.0} % of what plays on the way", 100.0 * m.share_of_moving));
+        let stance = if r.made.stance.is_empty() { "a stance of its own" } else { r.made.stance.as_str() };
+        let from = r.made.gaits.join(", ");
+        rows.push(("made motion", format!("{}{plays} (of {from}; {stance})", r.made.summary())));
+    }
     rows.extend([
         ("performers", format!("{}, in {files} files", r.performers.len())),
         ("clips", format!("{} ({} skipped)", r.clips, r.skipped.len())),
@@ -161,6 +176,13 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
         ("graph", format!("{states}, {actions}, {segments}")),
         ("transitions", format!("error {mean:.3} on average, {worst:.3} at worst")),
     ]);
+    rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
+    if let Some([neutral, all]) = g.scarce_neutral_s {
+        let text = format!(
+            "too, as only {neutral:.0} of {all:.0} s of standing are neutral: add clips of people who just stand"
+        );
+        rows.push(("gestures", text));
+    }
     if r.pose_groups > 0 {
         let frames = format!("{:.1} frames on average, {:.0} at most", r.group_frames.mean, r.group_frames.max);
         let diameters = format!("largest diameter {:.3}, threshold {}", r.max_group_diameter, r.group_threshold);
@@ -206,7 +228,7 @@ pub fn print(r: &BuildReport, out: &str) -> CommandResult {
 }
 
 /// Rows of the activities that bodies can be asked for.
-fn activities(all: &[ActivityReport]) -> Vec<(&'static str, String)> {
+pub fn activities(all: &[ActivityReport]) -> Vec<(&'static str, String)> {
     let row = |same: &[ActivityReport]| {
         let longest = same.iter().map(|a| a.duration_s).fold(0.0, f64::max);
         let looped = same.iter().filter_map(|a| a.looped_s).fold(0.0, f64::max);
@@ -218,7 +240,7 @@ fn activities(all: &[ActivityReport]) -> Vec<(&'static str, String)> {
 }
 
 /// Rows of a blend space.
-fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
+fn blend(b: &BlendReport) -> Vec<(&'static str, String)> {
     let worst = b.examples.iter().max_by(|x, y| x.closing_rad.total_cmp(&y.closing_rad));
     let seam = worst.map_or(String::new(), |e| {
         let (deg, cm) = (e.closing_rad.to_degrees(), 100.0 * e.closing_m);
@@ -229,9 +251,35 @@ fn blend(b: &BlendReport) -> [(&'static str, String); 3] {
     let error = format!("error {:.4} of {} allowed", b.weight_table_max_error, b.weight_tolerance);
     let weights = format!("{} knots, {weight_bytes}, {error}", knots.join(" x "));
     let turn = format!("joints turn up to {:.0} deg from their references", b.max_displacement_rad.to_degrees());
-    let postures = format!("{} phases, {posture_bytes}; {turn}", b.phases);
-    let examples = format!("{}: {} examples ({} alike left out){seam}", b.name, b.examples.len(), b.left_out);
-    [("blend space", examples), ("  weights", weights), ("  postures", postures)]
+    let postures = format!("{} phases, {posture_bytes}; {turn}{seam}", b.phases);
+    let mut rows = blend_summary(b);
+    if !b.refused.is_empty() {
+        let some: Vec<_> = b.refused.iter().take(3).map(|(clip, why)| format!("`{clip}`: {why}")).collect();
+        let more = if b.refused.len() > 3 { "; ..." } else { "" };
+        rows.push(("  without", format!("{} clips: {}{more}", b.refused.len(), some.join("; "))));
+    }
+    rows.extend([("  weights", weights), ("  postures", postures)]);
+    rows
+}
+
+/// Rows of a blend space that say how good it is and which clips it was made from.
+pub fn blend_summary(b: &BlendReport) -> Vec<(&'static str, String)> {
+    let q = &b.quality;
+    let reason = if q.reason.is_empty() { String::new() } else { format!(" ({})", q.reason) };
+    let [slip, own] = [q.slip_p95_mps, q.example_slip_p95_mps].map(|mps| 1000.0 * mps);
+    let (num, alike, clips) = (b.examples.len(), b.left_out, b.clips());
+    let some = clips.iter().take(8).copied().collect::<Vec<_>>().join(", ");
+    let more = if clips.len() > 8 { ", ..." } else { "" };
+    let alike = if alike > 0 { format!(" ({alike} alike left out)") } else { String::new() };
+    let made = format!("{num} examples{alike} of {} clips: {some}{more}", clips.len());
+    let quality = format!(
+        "soles slip {slip:.0} mm/s before feet are locked ({own:.0} in the examples), joints are {:.0} deg beyond their limits, \
+         blends within {:.0} deg a joint of an example, {:.0} % of the parameters lie between examples",
+        q.beyond_limits_deg,
+        q.unlike_deg,
+        100.0 * q.reached
+    );
+    vec![("blend space", format!("{}: {}{reason}; {made}", b.name, q.word)), ("  quality", quality)]
 }
 
 /// Rows of the loss of an adaptive policy, one for each method of storage.

@@ -61,7 +61,7 @@ pub fn run(args: &Args) -> CommandResult {
     if args.json {
         return output::json(&DemoReport { trial: report, build: built });
     }
-    build::print(&built, &args.bundle.display().to_string())?;
+    build::print(&built, None, &args.bundle.display().to_string())?;
     run::print(&report)?;
     output::table(&[("picture", args.out.display().to_string())])?;
     let model = args.bundle.with_extension("glb");

@@ -3,12 +3,12 @@
 mod environment;
 mod scene;
 
-use crate::args::{CommandResult, ReadArgs, fail, is_bundle};
+use crate::args::{CommandResult, ReadArgs, SelectArgs, fail, is_bundle};
 use crate::{help, keys, output, progress};
 use std::path::PathBuf;
 use throng_core::base::error::ensure;
 use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
-use throng_precompute::{files, import};
+use throng_precompute::{files, import, picture};
 
 /// Report the content of a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), of
 /// many files (one line each, and what they lack for which behaviour), or of a bundle; or infer the surroundings of the
@@ -22,15 +22,20 @@ pub struct Args {
     files: Vec<PathBuf>,
     #[command(flatten)]
     read: ReadArgs,
+    #[command(flatten)]
+    select: SelectArgs,
     /// Draw the effective hitting points from the front, from above and from the side (PNG).
     #[arg(long, value_name = "FILE")]
     hits_png: Option<PathBuf>,
+    /// Draw the blend spaces of a bundle: figures at the corners and in the middle of the parameters, three phases each (PNG).
+    #[arg(long, value_name = "FILE")]
+    blends_png: Option<PathBuf>,
     /// Write the surroundings inferred from contacts (TOML): the surfaces under feet, seats and hands of the clips of one
     /// session. `-units` and `-world` are appended to the name for its units and for a world stitched of them. Heights
     /// are those of a build of the same files with default settings.
     #[arg(long, value_name = "FILE")]
     environment_out: Option<PathBuf>,
-    /// Draw the person at several moments in the inferred surroundings (PNG).
+    /// Draw the person in the inferred surroundings (PNG).
     #[arg(long, value_name = "FILE")]
     environment_png: Option<PathBuf>,
     /// Find where the limbs of one clip collide with the scene of a task: part, obstacle, from when to when, how deep.
@@ -58,7 +63,7 @@ pub fn run(args: &Args) -> CommandResult {
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
     }
-    files::check_targets(&args.hits_png, &args.files)?;
+    files::check_targets(args.hits_png.iter().chain(&args.blends_png), &args.files)?;
     let is_clip = |p: &PathBuf| {
         import::expand(std::slice::from_ref(p)).is_ok_and(|all| all == [p.clone()]) && !import::holds_several(p)
     };
@@ -67,6 +72,7 @@ pub fn run(args: &Args) -> CommandResult {
         [file] if !file.exists() || is_one(file) => file,
         _ => return inspect_many(args),
     };
+    ensure(!args.select.is_given(), || "--use and --leave are for a folder, or several files")?;
     let stem = file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let title = format!("{stem}: effective hitting points");
     if is_bundle(file) {
@@ -74,8 +80,13 @@ pub fn run(args: &Args) -> CommandResult {
         if let Some(path) = &args.hits_png {
             hit_picture::bundle_hit_picture(&tables, &title).save_png(path)?;
         }
-        return print(args, &BundleReport::new(file, &tables), "run");
+        if let Some(path) = &args.blends_png {
+            ensure(!tables.meta().blends.is_empty(), || "--blends-png: the bundle has no blend space")?;
+            picture::blend_sheet(&tables)?.save_png(path)?;
+        }
+        return print(args, &BundleReport::new(file, &tables)?, "run");
     }
+    ensure(args.blends_png.is_none(), || "--blends-png is for a bundle")?;
     let inspected = inspect::inspect_clip(file, &args.read.config_for(&args.files)?)?;
     if let Some(path) = &args.hits_png {
         hit_picture::clip_hit_picture(&inspected.clips, &title).save_png(path)?;
@@ -86,10 +97,12 @@ pub fn run(args: &Args) -> CommandResult {
 /// Inspects several files, or those of a folder.
 fn inspect_many(args: &Args) -> CommandResult {
     ensure(args.hits_png.is_none(), || "--hits-png is for one clip or bundle")?;
+    ensure(args.blends_png.is_none(), || "--blends-png is for a bundle")?;
     if let Some(bundle) = args.files.iter().find(|f| is_bundle(f)) {
         return fail(format!("{}: expected a bundle alone, or motion alone", bundle.display()));
     }
-    let (config, bar) = (args.read.config_for(&args.files)?, progress::BuildProgressBar::default());
+    let (mut config, bar) = (args.read.config_for(&args.files)?, progress::BuildProgressBar::default());
+    args.select.add_to(&mut config);
     let report = inspect::inspect_all(&args.files, &config, &bar)?;
     if report.files.iter().all(|f| f.verdict == "skipped") {
         output::report(&report, args.json, |r| output::text(r))?;

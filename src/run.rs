@@ -1,8 +1,8 @@
 //! `throng run`: a scene, or characters on a bundle.
 
-use crate::args::{CacheArgs, CommandResult, CrowdArgs, is_bundle, is_toml, named_engine};
-use crate::figures::print_figures;
-use crate::{help, keys, output, progress};
+use crate::args::{CacheArgs, CommandResult, CrowdArgs, SelectArgs, UnitArgs, fail, is_bundle, is_toml, named_engine};
+use crate::figures::{print_figures, verdict_text};
+use crate::{build, help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
 use std::fmt::Write;
@@ -11,7 +11,10 @@ use std::path::{Path, PathBuf};
 use throng_core::Bundle;
 use throng_core::base::error::ensure;
 use throng_core::base::limits;
+use throng_precompute::activities::ActivityReport;
+use throng_precompute::config::BuildConfig;
 use throng_precompute::error::Result;
+use throng_precompute::examples::BlendReport;
 use throng_precompute::files;
 use throng_precompute::live::{LiveConfig, LiveReport, SceneServer};
 use throng_precompute::picture;
@@ -49,7 +52,11 @@ pub struct Args {
     #[arg(long, help_heading = "Scenes", value_name = "BEHAVIOUR")]
     without: Vec<String>,
     #[command(flatten)]
+    select: SelectArgs,
+    #[command(flatten)]
     live: LiveArgs,
+    #[command(flatten)]
+    units: UnitArgs,
     #[command(flatten)]
     crowd: CrowdArgs,
     #[command(flatten)]
@@ -97,14 +104,26 @@ struct BundleRunReport {
     trial: TrialReport,
     /// Verdict on the trial.
     verdict: Verdict,
+    /// Quality of the blend spaces, and the examples they are made of.
+    blend_spaces: Vec<BlendReport>,
+    /// Activities of standing bodies.
+    activities: Vec<ActivityReport>,
 }
 
 pub fn run(args: &Args) -> CommandResult {
     let files = [&args.png, &args.trajectories, &args.record];
     files::check_targets(files.into_iter().flatten(), args.what.iter().chain(&args.bundle))?;
     let is_single = |p: &PathBuf| is_toml(p) || is_bundle(p);
+    let is_for_motion = !args.select.is_given() || !args.what.iter().any(is_single);
+    ensure(
+        is_for_motion,
+        || "--use and --leave are for motion, which is built; name it in place of its bundle or scene",
+    )?;
+    if let (Some(flag), Some(single)) = (args.units.first_given_flag(), args.what.iter().find(|p| is_single(p))) {
+        return fail(format!("{}: {flag} is for motion: it is read already", single.display()));
+    }
     match args.what.as_slice() {
-        [scene] if is_toml(scene) => return run_scene(scene, args),
+        [scene] if is_toml(scene) => return run_scene(Scene::load(scene)?, scene, args),
         [_] => {}
         several => ensure(!several.iter().any(is_single), || "expected one scene, one bundle, or motion alone")?,
     }
@@ -113,10 +132,27 @@ pub fn run(args: &Args) -> CommandResult {
     let fault =
         "--bundle, --engine, --record, --serve, --trajectories and --without are for scenes; name the bundle alone";
     ensure(!is_of_scene && files_of_scenes.count() == 0, || fault)?;
-    let tables = match args.what.as_slice() {
-        [bundle] if is_bundle(bundle) => crate::args::open_bundle(bundle)?,
-        motion => motion_bundle(motion, &args.cache)?,
+    let folder = progress::ScratchFolder::new()?;
+    let file = match args.what.as_slice() {
+        [bundle] if is_bundle(bundle) => bundle.clone(),
+        motion => {
+            let mut config = args.units.motion_config(motion)?;
+            args.select.add_to(&mut config);
+            build_motion(&config, &args.cache, &folder)?
+        }
     };
+    let tables = crate::args::open_bundle(&file)?;
+    let blend_spaces = BlendReport::of_bundle(&tables)?;
+    let rate_hz = tables.meta().rate_hz;
+    let activities: Vec<_> = tables.meta().activities.iter().map(|a| ActivityReport::from_meta(a, rate_hz)).collect();
+    let mut rows: Vec<_> = blend_spaces.iter().flat_map(build::blend_summary).collect();
+    rows.extend(build::activities(&activities));
+    if tables.policies().is_empty() && !blend_spaces.is_empty() {
+        if !args.json {
+            output::table(&rows)?;
+        }
+        return run_scene(run::blend_scene(&tables, &file)?, &file, args);
+    }
     let mut config = args.crowd.trial();
     // Poses are for the picture; a number beyond the last character is refused all the same.
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
@@ -124,11 +160,12 @@ pub fn run(args: &Args) -> CommandResult {
     if let Some(png) = &args.png {
         picture::trial_sheet(&tables, &config, &report, &record).save_png(png)?;
     }
-    let verdict = Verdict::new(&tables, &report, &[]);
+    let verdict = Verdict::new(&tables, &report, &blend_spaces);
     if args.json {
-        return output::json(&BundleRunReport { trial: report, verdict });
+        return output::json(&BundleRunReport { trial: report, verdict, blend_spaces, activities });
     }
     print(&report)?;
+    output::table(&rows)?;
     output::text(format!("\n{}", verdict_text(&verdict)))?;
     match (&args.png, args.what.as_slice()) {
         (Some(_), [shown]) => help::next_step(&["view", &shown.to_string_lossy()]),
@@ -137,25 +174,22 @@ pub fn run(args: &Args) -> CommandResult {
 }
 
 /// Opens the bundle of some motion, which is built into the cache if it is not there yet.
-pub fn motion_bundle(motion: &[PathBuf], cache: &CacheArgs) -> CommandResult<Bundle> {
+pub fn motion_bundle(config: &BuildConfig, cache: &CacheArgs) -> CommandResult<Bundle> {
     let folder = progress::ScratchFolder::new()?;
-    let otherwise = folder.path().join("motion.throng");
-    let bundle = with_build_context(cache, |with| run::ensure_motion(motion, &otherwise, with))??;
     // Read, not mapped: without a cache, the file goes with its folder.
-    crate::args::open_bundle(&bundle)
+    crate::args::open_bundle(&build_motion(config, cache, &folder)?)
 }
 
-/// A verdict as text.
-pub fn verdict_text(verdict: &Verdict) -> String {
-    let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
-    for advice in &verdict.advice {
-        _ = writeln!(text, "advice   {advice}.");
-    }
-    text
+/// Builds the bundle of some motion into the cache, or into a folder without one.
+fn build_motion(config: &BuildConfig, cache: &CacheArgs, folder: &progress::ScratchFolder) -> CommandResult<PathBuf> {
+    let otherwise = folder.path().join("motion.throng");
+    Ok(with_build_context(cache, |with| run::ensure_motion(config, &otherwise, with))??)
 }
 
-fn run_scene(file: &Path, args: &Args) -> CommandResult {
-    let mut scene = Scene::load(file)?;
+/// Runs a scene.
+///
+/// - `file`: file of the scene, or of the bundle that it was made for.
+fn run_scene(mut scene: Scene, file: &Path, args: &Args) -> CommandResult {
     override_scene(&mut scene, args)?;
     scene.check()?;
     ensure_scene(&scene, &args.cache)?;

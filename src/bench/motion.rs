@@ -6,7 +6,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use throng_precompute::config::BuildConfig;
 use throng_precompute::quality::MotionQuality;
+use throng_precompute::run::motion_name;
 use throng_precompute::trial::{self, TrialConfig, TrialReport};
 
 /// Compare motion at run time with its clips: low toes, knees, changes of segment, smoothness, life of the hands.
@@ -48,7 +50,11 @@ pub fn run(args: &Args) -> CommandResult {
     }
     for what in &args.what {
         let motion = std::slice::from_ref(what);
-        let tables = if is_bundle(what) { open_bundle(what)? } else { run::motion_bundle(motion, &args.cache)? };
+        let tables = if is_bundle(what) {
+            open_bundle(what)?
+        } else {
+            run::motion_bundle(&BuildConfig::of_motion(motion_name(motion), motion.to_vec())?, &args.cache)?
+        };
         results.push(figures(what.display().to_string(), &tables)?);
     }
     if args.json {

@@ -159,6 +159,7 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
         (Format::Csv, _) => write(out, |w| take_csv(take, w))?,
         (_, None) => {}
         (Format::Glb, Some(out)) => {
+            wearer.map_or(Ok(()), |wearer| check_worn(args, wearer, take))?;
             let outfit = wearer.map(|w| w.dress(take, folder, &progress::BuildProgressBar::default())).transpose()?;
             let glb = outfit.as_ref().map_or_else(|| Glb::new(take), |o| o.glb(take))?;
             files::write_atomically(out, |w| glb.write(w))?;
@@ -183,6 +184,25 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
         _ => out.display().to_string(),
     };
     output::text(format!("{files}: {who} {what}, {frames} frames at {hz} Hz, {}\n", output::bytes(bytes)))
+}
+
+/// Measures how a character wears a take, prints it, and refuses what is torn or sunk.
+fn check_worn(args: &Args, wearer: &Wearer, take: &Take) -> CommandResult {
+    let Some(fit) = wearer.measure(take)? else {
+        return output::text("its triangles cannot be read here: stretch and soles are not measured\n");
+    };
+    if let (Some(fault), Some(character)) = (fit.fault(), &args.take.onto) {
+        return fail(format!("{}: {fault}", character.display()));
+    }
+    let cm = |m: f32| 100.0 * m;
+    output::text(format!(
+        "worn {:.2} m tall: skin stretched by {:.1} cm at most; soles {:.1} cm over the ground where feet stand, {:.1} cm \
+         off at worst (95 %)\n",
+        fit.height_m,
+        cm(fit.stretch_m),
+        cm(fit.soles_m),
+        cm(fit.soles_off_m)
+    ))
 }
 
 /// Prints which joints of a character wear the motion.

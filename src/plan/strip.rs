@@ -99,7 +99,7 @@ fn world_moment(
     });
     let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, outcome, i, time_s));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
-    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids }
+    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids, label: None }
 }
 
 /// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.
