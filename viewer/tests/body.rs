@@ -83,10 +83,17 @@ fn feet_of_the_mesh_stand_where_those_of_the_motion_do() {
             .map(|c| matrices[usize::from(c.frames[0])].to_mat4().transform_point3(c.position))
             .collect();
         assert!(!corners.is_empty(), "{joint:?}");
-        let middle = corners.iter().sum::<Vec3>() / corners.len() as f32;
-        off.push((joint, middle.distance(rest[joint.index()].0)));
+        let mut apart = corners.iter().sum::<Vec3>() / corners.len() as f32 - rest[joint.index()].0;
+        if matches!(joint, Joint::LeftFoot | Joint::RightFoot) {
+            apart.y = 0.0;
+        }
+        off.push((joint, apart.length()));
     }
-    // Feet are exact; hands and head follow the character's own proportions.
+    // Soles lie on the ground, however high its ankles are; hands and head follow the character's own proportions.
+    let heights =
+        surface.corners.iter().map(|c| matrices[usize::from(c.frames[0])].to_mat4().transform_point3(c.position).y);
+    let lowest = heights.fold(f32::INFINITY, f32::min);
+    assert!(lowest.abs() < 5e-3, "its soles are {lowest} m high");
     for (joint, off) in off {
         let most = if matches!(joint, Joint::LeftFoot | Joint::RightFoot) { 2e-3 } else { 0.25 };
         assert!(off < most, "{joint:?}: {off} m of {NUM_JOINTS} joints");

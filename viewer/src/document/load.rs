@@ -7,8 +7,9 @@ use super::{
 };
 use crate::bundle::OpenBundle;
 use std::path::{Path, PathBuf};
+use throng_precompute::config::BuildConfig;
 use throng_precompute::progress::Progress;
-use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion};
+use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion, motion_name};
 use throng_precompute::stitch::WorldSource;
 use throng_precompute::{import, plans, verdict};
 
@@ -41,7 +42,9 @@ impl OpenDocument {
                 );
             }
             motion => {
-                let bundle = ensure_motion(motion, Path::new("motion.throng"), with).map_err(|e| e.to_string())?;
+                let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec());
+                let bundle = config.and_then(|config| ensure_motion(&config, Path::new("motion.throng"), with));
+                let bundle = bundle.map_err(|e| e.to_string())?;
                 return Ok(Self::Bundle(Box::new(BundleDocument::without_run(OpenBundle::open(&bundle)?))));
             }
         };
