@@ -1,5 +1,6 @@
 //! Blend spaces: examples, weights, postures and their tables, against brute force and by hand.
 
+mod alike;
 mod bundle;
 mod captured;
 mod examples;

@@ -10,7 +10,7 @@ fn verify_says_what_a_bundle_holds() {
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
     let report = json(&["verify", &bundle, "--json"], &keys);
-    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(7)));
+    assert_eq!((&report["name"], &report["version"]), (&Value::from("little"), &Value::from(8)));
     assert_eq!(report["policies"], serde_json::json!(["approach"]));
     assert_eq!(report["sections"]["FRAM"].as_u64(), report["frames"].as_u64().map(|n| 96 * n));
     assert!(done(&["verify", &bundle]).contains("is whole"));

@@ -213,9 +213,27 @@ fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
 
     let (out, treadmill) = (at(&folder, "a.throng"), at(&folder, "treadmill"));
     let printed = done(&["inspect", &treadmill]);
-    assert!(printed.contains("odd: walks on the spot") && printed.contains("with root motion"), "{printed}");
-    let e = failed(&["build", &treadmill, "--out", &out, "--no-cache"]);
-    assert!(e.contains("nobody walks in it") && e.contains("walks on the spot"), "{e}");
+    assert!(
+        printed.contains("walks on the spot") && printed.contains("It got root motion from its planted feet"),
+        "{printed}"
+    );
+    assert!(!printed.contains("no walking"), "{printed}");
+    put(&folder, "still.toml", "inputs = [\"treadmill\"]\n[import]\nroot_motion = false\n");
+    let printed = done(&["inspect", &treadmill, "--config", &at(&folder, "still.toml")]);
+    assert!(
+        printed.contains("odd: walks on the spot") || printed.contains("Characters will stand and slide"),
+        "{printed}"
+    );
+    assert!(printed.contains("no walking"), "{printed}");
+
+    // Classes, and clips that are chosen by their names.
+    let all = folder.path().display().to_string();
+    let chosen = done(&["inspect", &all, "--leave", "stand"]);
+    assert!(chosen.contains("1 left out by name") && chosen.contains("classes     "), "{chosen}");
+    let one = done(&["inspect", &at(&folder, "treadmill/walk.bvh")]);
+    assert!(one.contains("  class    0.0 to ") && one.contains(": walk, "), "{one}");
+    let e = failed(&["inspect", &all, "--use", "jog*"]);
+    assert!(e.contains("no clip is named `jog*`; there are "), "{e}");
 
     let (report, _) = build(&[&at(&folder, "idle")], &out);
     assert_eq!(report["policies"].as_array().map(Vec::len), Some(0), "{report}");

@@ -9,7 +9,7 @@ type Options = &'static [(&'static str, &'static Limit)];
 /// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
 /// keeps runs short.
 const NUMBERS: [(&[&str], Options); 9] = [
-    (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], TRIAL),
+    (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], RUN),
     (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
     (
         &["synth", "--minutes", "0.05", "--out", "OUT/clips"],
@@ -29,10 +29,23 @@ const NUMBERS: [(&[&str], Options); 9] = [
             ("seed", &limits::SEED),
         ],
     ),
-    (&["build", "OUT/absent.toml", "--out", "OUT/b.throng"], &[("cache-limit", &limits::CACHE_GB)]),
+    (
+        &["build", "OUT/absent.toml", "--out", "OUT/b.throng"],
+        &[
+            ("cache-limit", &limits::CACHE_GB),
+            ("metres-per-unit", &limits::METRES_PER_UNIT),
+            ("rate-hz", &limits::MOTION_HZ),
+        ],
+    ),
     (
         &["export", "BUNDLE", "--format", "csv", "--characters", "0", "--from", "0", "--to", "0.1", "--fps", "30"],
-        &[("from", &limits::MOMENT_S), ("to", &limits::MOMENT_S), ("fps", &limits::EXPORT_HZ)],
+        &[
+            ("from", &limits::MOMENT_S),
+            ("to", &limits::MOMENT_S),
+            ("fps", &limits::EXPORT_HZ),
+            ("metres-per-unit", &limits::METRES_PER_UNIT),
+            ("rate-hz", &limits::MOTION_HZ),
+        ],
     ),
     (
         &["query", "action", "BUNDLE", "--state", "0", "--target", "1,1"],
@@ -49,7 +62,19 @@ const NUMBERS: [(&[&str], Options); 9] = [
     ),
 ];
 
-const TRIAL: &[(&str, &Limit)] = &[
+const RUN: Options = &[
+    ("characters", &limits::CHARACTERS),
+    ("seconds", &limits::SECONDS),
+    ("step-hz", &limits::STEP_HZ),
+    ("seed", &limits::SEED),
+    ("temperature", &limits::TEMPERATURE),
+    ("bend", &limits::BEND),
+    ("follow", &limits::FOLLOWED),
+    ("metres-per-unit", &limits::METRES_PER_UNIT),
+    ("rate-hz", &limits::MOTION_HZ),
+];
+
+const TRIAL: Options = &[
     ("characters", &limits::CHARACTERS),
     ("seconds", &limits::SECONDS),
     ("step-hz", &limits::STEP_HZ),
@@ -129,8 +154,19 @@ fn no_option_with_a_number_is_left_out() {
         for line in help.lines().map(str::trim).filter(|l| l.starts_with("--")) {
             let mut words = line[2..].split_whitespace();
             let (option, value) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-            let numbers =
-                ["<N>", "<N,...>", "<S>", "<HZ>", "<T>", "<RAD_PER_M>", "<X,Z>", "<SEED>", "<MINUTES>", "<STATE>"];
+            let numbers = [
+                "<N>",
+                "<N,...>",
+                "<S>",
+                "<HZ>",
+                "<T>",
+                "<RAD_PER_M>",
+                "<X,Z>",
+                "<SEED>",
+                "<MINUTES>",
+                "<STATE>",
+                "<M>",
+            ];
             if numbers.contains(&value) {
                 assert!(options.iter().any(|(o, _)| *o == option), "{name:?} --{option} {value}");
             }

@@ -11,6 +11,7 @@ use throng_core::format::AlignedBytes;
 use throng_core::{Bundle, CharacterGroup, Planar, Result};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
+use throng_precompute::graph::MakeMotion;
 use throng_precompute::pipeline;
 use throng_precompute::policy::GridConfig;
 use throng_precompute::progress::Silent;
@@ -28,6 +29,8 @@ pub fn write_clips(folder: &Path, minutes: f64) {
 pub fn small_config(inputs: Vec<PathBuf>) -> BuildConfig {
     let mut config = BuildConfig::new("small", inputs);
     config.policy.compare_samples = 100;
+    // Tests count on the motion as it is.
+    config.graph.make = MakeMotion::None;
     config.behaviours[0].grid = GridConfig::polar(6, 8, 6.0, 0.5, 2.0);
     config
 }
