@@ -70,7 +70,9 @@ limits! {
     FRAMES = "number of frames": 1 to 1_000_000 "";
     LIVE_SPEED = "simulated seconds a second": 0 to 1000 "";
     MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
+    METRES_PER_UNIT = "length of a unit": 0.000_001 to 1_000_000 " m";
     MOMENT_S = "moment of a run": 0 to 100_000 " s";
+    MOTION_HZ = "frames a second of motion files": 0.1 to 100_000 " Hz";
     PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
     PICTURE_SIDE = "side of a picture or a window": 16 to 8192 " pixels";
     RATE_HZ = "frames a second": 20 to 240 " Hz";
