@@ -57,10 +57,10 @@ pub struct ReadArgs {
     /// Skeleton of an AMC file; found beside it by default.
     #[arg(long, help_heading = "Reading motion", value_name = "FILE")]
     asf: Option<PathBuf>,
-    /// Skeleton profile: a file (`.toml`), which is tried before the built-in ones, or the name of a built-in one.
+    /// Skeleton profile: a file (`.toml`), or the name of a built-in one.
     #[arg(long, help_heading = "Reading motion", value_name = "FILE_OR_NAME")]
     profile: Option<PathBuf>,
-    /// Config that says how files are read, retargeted, resampled and annotated.
+    /// Config that says how files are read and annotated.
     #[arg(long, help_heading = "Reading motion", value_name = "FILE")]
     config: Option<PathBuf>,
     #[command(flatten)]
@@ -78,13 +78,13 @@ fn parse_up(text: &str) -> std::result::Result<UpAxis, String> {
 /// Options that say what motion files leave open.
 #[derive(Default, clap::Args)]
 pub struct UnitArgs {
-    /// Length of a unit of the files (m); found from the body's height by default.
+    /// Length of a unit of the files (m); by default by the body's height.
     #[arg(long, help_heading = "Reading motion", value_name = "M", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::METRES_PER_UNIT))]
     metres_per_unit: Option<f64>,
     /// Frames a second of the files, in place of what they say (Hz).
     #[arg(long, help_heading = "Reading motion", value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOTION_HZ))]
     rate_hz: Option<f64>,
-    /// Axis that points up in the files, y or z; found from the motion by default.
+    /// Axis that points up in the files: y or z.
     #[arg(long, help_heading = "Reading motion", value_name = "AXIS", value_parser = parse_up)]
     up: Option<UpAxis>,
 }
@@ -150,11 +150,10 @@ impl ReadArgs {
 /// Choice of clips by their names.
 #[derive(clap::Args)]
 pub struct SelectArgs {
-    /// Use only clips whose name, or its last part, is like this (`walk*`), and all their motion, whatever its class; may be
-    /// given several times.
+    /// Use only clips of such a name (`walk*`), and all their motion.
     #[arg(long = "use", help_heading = "Reading motion", value_name = "NAME")]
     wanted: Vec<String>,
-    /// Leave out clips whose name, or its last part, is like this (`carry*`); may be given several times.
+    /// Leave out clips of such a name (`carry*`).
     #[arg(long, help_heading = "Reading motion", value_name = "NAME")]
     leave: Vec<String>,
 }

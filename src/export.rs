@@ -14,8 +14,8 @@ use throng_precompute::{ClipSet, Warnings, export, files, graph, pipeline, polic
 /// Write running characters, or motion, for other programs, from a scene, a recording, a bundle or a motion file.
 ///
 /// Characters are written as glb, usda, bvh, npz, amass or csv. A scene is run as by `throng run SCENE`, a recording is
-/// replayed, and characters run on a bundle as by `throng run BUNDLE`, or its clips are written. Memory does not grow with
-/// the length: frames are kept in a temporary file beside the output.
+/// replayed, and characters run on a bundle as by `throng run BUNDLE`, or its clips are written. Frames are
+/// kept in a temporary file beside the output.
 #[derive(clap::Args)]
 pub struct Args {
     /// Scene (.toml), recording (of `throng run --record`), bundle (.throng) or motion file (.bvh, .amc, .npz, .glb,

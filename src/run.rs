@@ -69,8 +69,8 @@ pub struct Args {
 /// Options for serving a scene to programs that show it.
 #[derive(clap::Args)]
 struct LiveArgs {
-    /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468) to programs such as
-    /// scripts/blender_live.py. The run waits for the first client, and goes on in real time. Nothing is measured.
+    /// Serve roots, poses and events of the running scene at ADDRESS (127.0.0.1:7468) to other programs. The
+    /// run waits for the first client, and goes on in real time.
     #[arg(long, help_heading = "Live", value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
         conflicts_with_all = ["png", "trajectories", "record", "json"])]
     serve: Option<SocketAddr>,
