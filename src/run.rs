@@ -42,7 +42,7 @@ pub struct Args {
     /// Recording of a scene to write: `throng explain` replays it, and explains why agents acted as they did.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Bundle in place of the scene's; the world of the scene is then beside it.
+    /// Bundle in place of the scene's; its world is then beside it.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     bundle: Option<PathBuf>,
     /// Engine of agents in place of that of the scene: events or occupancy.
