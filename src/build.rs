@@ -4,6 +4,7 @@ use crate::args::{CacheArgs, CommandResult, SelectArgs, UnitArgs, fail, is_toml}
 use crate::{help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use throng_core::base::error::ensure;
 use throng_precompute::activities::ActivityReport;
@@ -137,7 +138,7 @@ pub fn run(args: &Args) -> CommandResult {
     }
     print(&report, trial.as_ref(), &out.display().to_string())?;
     if let Some(verdict) = verdict {
-        output::text(format!("\n{}", crate::figures::verdict_text(&verdict)))?;
+        output::text(format!("\n{}", verdict_text(&verdict)))?;
     }
     help::next_step(&["run", &out.to_string_lossy(), "--png", &out.with_extension("png").to_string_lossy()])
 }
@@ -295,4 +296,13 @@ fn adaptive(r: &AdaptiveReport) -> Vec<(&'static str, String)> {
         (name, format!("{own} of {finest} ({grids}); values of {value:.3} are off by {off}; {lost}"))
     };
     vec![row("  adaptive", &r.adaptive), row("  or uniform", &r.uniform), row("  uniform, fitted", &r.uniform_fitted)]
+}
+
+/// A verdict as text.
+pub fn verdict_text(verdict: &Verdict) -> String {
+    let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
+    for advice in &verdict.advice {
+        _ = writeln!(text, "advice   {advice}.");
+    }
+    text
 }

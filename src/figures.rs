@@ -2,18 +2,7 @@
 
 use crate::args::CommandResult;
 use crate::output;
-use std::fmt::Write;
 use throng_precompute::run::SceneFigures;
-use throng_precompute::verdict::Verdict;
-
-/// A verdict as text.
-pub fn verdict_text(verdict: &Verdict) -> String {
-    let mut text = format!("verdict  {}.\n", verdict.sentences.join(";\n         "));
-    for advice in &verdict.advice {
-        _ = writeln!(text, "advice   {advice}.");
-    }
-    text
-}
 
 /// Prints what was measured of a scene or a group, below a line about it.
 pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> CommandResult {

@@ -1,7 +1,7 @@
 //! `throng run`: a scene, or characters on a bundle.
 
 use crate::args::{CacheArgs, CommandResult, CrowdArgs, SelectArgs, UnitArgs, fail, is_bundle, is_toml, named_engine};
-use crate::figures::{print_figures, verdict_text};
+use crate::figures::print_figures;
 use crate::{build, help, keys, output, progress};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -166,7 +166,7 @@ pub fn run(args: &Args) -> CommandResult {
     }
     print(&report)?;
     output::table(&rows)?;
-    output::text(format!("\n{}", verdict_text(&verdict)))?;
+    output::text(format!("\n{}", build::verdict_text(&verdict)))?;
     match (&args.png, args.what.as_slice()) {
         (Some(_), [shown]) => help::next_step(&["view", &shown.to_string_lossy()]),
         _ => Ok(()),
