@@ -154,7 +154,7 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     out
 }
 
-/// MotionMaker of clips.
+/// Makes clips of gaits and a stance, and counts them.
 struct MotionMaker<'a> {
     skeleton: &'a Skeleton,
     mirrored: bool,
