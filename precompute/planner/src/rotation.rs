@@ -99,12 +99,6 @@ pub struct Rigid {
     pub rotation: DQuat,
 }
 
-impl From<(Vec3, Quat)> for Rigid {
-    fn from((at, turn): (Vec3, Quat)) -> Self {
-        Self { position: at.as_dvec3(), rotation: turn.as_dquat().normalize() }
-    }
-}
-
 impl Rigid {
     /// The origin, without rotation.
     pub const IDENTITY: Self = Self { position: DVec3::ZERO, rotation: DQuat::IDENTITY };
@@ -112,6 +106,11 @@ impl Rigid {
     /// A position without rotation.
     pub const fn from_position(position: DVec3) -> Self {
         Self { position, rotation: DQuat::IDENTITY }
+    }
+
+    /// The position (m) and rotation of a joint, with a rotation of unit length.
+    pub fn from_joint(position: Vec3, rotation: Quat) -> Self {
+        Self { position: position.as_dvec3(), rotation: rotation.as_dquat().normalize() }
     }
 
     /// A point of its frame, in the outer frame (m).

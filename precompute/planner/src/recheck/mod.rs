@@ -301,11 +301,13 @@ fn pose_at(clip: &Clip, skeleton: &Skeleton, time_s: f64) -> ([Quat; NUM_JOINTS]
 
 /// World transform of a joint at any time.
 pub(crate) fn place_at(clip: &Clip, skeleton: &Skeleton, joint: Joint, time_s: f64) -> Rigid {
-    pose_at(clip, skeleton, time_s).1[joint.index()].into()
+    let (position, rotation) = pose_at(clip, skeleton, time_s).1[joint.index()];
+    Rigid::from_joint(position, rotation)
 }
 
 fn place_capsule(c: &BodyCapsule, joints: &[(Vec3, Quat); NUM_JOINTS]) -> RecheckCapsule {
-    let place = Rigid::from(joints[c.joint.index()]);
+    let (position, rotation) = joints[c.joint.index()];
+    let place = Rigid::from_joint(position, rotation);
     let [a, b] = [c.core.a, c.core.b].map(|p| place.transform_point(p));
     RecheckCapsule { a, b, radius: c.radius }
 }

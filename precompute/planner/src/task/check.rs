@@ -143,7 +143,7 @@ fn check_trunk(actor: &StageActor, leaned: &TrunkLean, report: &mut RecheckRepor
 /// Measures how much farther the weight is off the feet than in the clip, while something was planned.
 fn check_balance(actor: &StageActor, planned: &[&PlannedLimb], report: &mut RecheckReport) {
     let off = |clip: &Clip, f: usize| {
-        let places = clip.joint_transforms(&actor.skeleton, f).map(Rigid::from);
+        let places = clip.joint_transforms(&actor.skeleton, f).map(|(position, rotation)| Rigid::from_joint(position, rotation));
         distance_off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
     };
     for f in 0..actor.clip.num_frames() {
@@ -293,5 +293,6 @@ fn check_grips(stage: &TaskStage<'_>, report: &mut RecheckReport) {
 /// Transform of a joint by the clip's own kinematics, at the nearest frame.
 fn joint_in_clip(actor: &StageActor, joint: Joint, time_s: f64) -> Rigid {
     let frame = ((time_s * actor.clip.rate_hz).round().max(0.0) as usize).min(actor.clip.num_frames() - 1);
-    actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()].into()
+    let (position, rotation) = actor.clip.joint_transforms(&actor.skeleton, frame)[joint.index()];
+    Rigid::from_joint(position, rotation)
 }

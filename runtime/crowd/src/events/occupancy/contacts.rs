@@ -11,14 +11,14 @@ pub(crate) const MOST: usize = 12;
 /// A group is named by the smallest number in it. Agents of a group do not move relative to each other, so that nobody has
 /// to look whether they meet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Contacts {
+pub(crate) struct ContactGraph {
     touched: Vec<[u32; MOST]>,
     group: Vec<u32>,
     /// Agents of the group that was changed last.
     changed: Vec<u32>,
 }
 
-impl Contacts {
+impl ContactGraph {
     /// No contacts among agents with numbers below `capacity`.
     pub fn new(capacity: usize) -> Self {
         Self {
@@ -89,7 +89,7 @@ impl Contacts {
     }
 
     /// Forgets a contact. Where that splits a group, its two parts become groups, and the agents of the one that `b` is
-    /// in are given by [`Contacts::changed`]; otherwise that is empty.
+    /// in are given by [`ContactGraph::changed`]; otherwise that is empty.
     pub fn part(&mut self, a: u32, b: u32) {
         self.changed.clear();
         if !self.of(a).any(|o| o == b) {
@@ -119,7 +119,7 @@ impl Contacts {
         self.flood(agent, name);
     }
 
-    /// See [`Contacts::part`].
+    /// See [`ContactGraph::part`].
     pub fn changed(&self, n: usize) -> Option<u32> {
         self.changed.get(n).copied()
     }
@@ -163,7 +163,7 @@ mod tests {
     proptest! {
         #[test]
         fn groups_are_connected_components(work in proptest::collection::vec((0u32..20, 0u32..20, any::<bool>()), 1..200)) {
-            let mut contacts = Contacts::new(20);
+            let mut contacts = ContactGraph::new(20);
             let empty = contacts.clone();
             let mut edges: Vec<(u32, u32)> = Vec::new();
             for (a, b, joins) in work {
@@ -194,11 +194,11 @@ mod tests {
 
     #[test]
     fn damaged_graph_is_refused() {
-        let empty = Contacts::new(4);
+        let empty = ContactGraph::new(4);
         let mut whole = empty.clone();
         whole.join(0, 1);
-        assert!(whole.fits(&empty) && !whole.fits(&Contacts::new(5)));
-        let damage: [fn(&mut Contacts); 4] =
+        assert!(whole.fits(&empty) && !whole.fits(&ContactGraph::new(5)));
+        let damage: [fn(&mut ContactGraph); 4] =
             [|c| c.touched[0][0] = 9, |c| c.touched[0][0] = 0, |c| c.touched[2][0] = 3, |c| c.group[1] = 1];
         for f in damage {
             let mut damaged = whole.clone();

@@ -4,7 +4,7 @@ mod contacts;
 mod crossing;
 pub(crate) mod events;
 
-use self::contacts::Contacts;
+use self::contacts::ContactGraph;
 use self::crossing::{Crossing, next_crossing, range};
 use crate::events::decide::{Cause, Decider};
 use crate::safety::bound::{Bound, WIDEST, time_until_gone};
@@ -26,7 +26,7 @@ pub(crate) struct Occupancy {
     #[serde(skip)]
     links: Vec<Link>,
     pub occupants: Vec<Occupant>,
-    pub contacts: Contacts,
+    pub contacts: ContactGraph,
     /// The agent whose bound is renewed in the same event as that of the deciding one.
     #[serde(skip)]
     pub renewed: Option<u32>,
@@ -76,7 +76,7 @@ impl Occupancy {
             first: Vec::new(),
             links: Vec::new(),
             occupants: vec![Occupant::default(); capacity],
-            contacts: Contacts::new(capacity),
+            contacts: ContactGraph::new(capacity),
             renewed: None,
         };
         empty.clear(num_cells);
