@@ -194,7 +194,20 @@ impl<V: Space> Engine<V> {
         self.check_speed(id, speed)?;
         let plan = self.cells.plan(id.index);
         let position = plan.motion_at(self.now).0;
+        let kept = self.states[id.index()];
+        let on_route = &self.scenery.paths[kept.route as usize];
+        // Who is told the same again goes on; a single goal may be another one at the same place.
+        let is_same = |subgoals: &Vec<V>| {
+            let Route { subgoals: own, arrival_radius, at_end } = &on_route.route;
+            on_route.owner == id.index && (own, *arrival_radius, *at_end) == (subgoals, order.arrival_m, order.at_end)
+        };
+        let is_on_it = match &order.destination {
+            OrderDestination::Route(number) => kept.route as usize == *number,
+            OrderDestination::AlongSubgoals(subgoals) => is_same(subgoals),
+            OrderDestination::ToGoal(_) => false,
+        };
         let number = match &order.destination {
+            OrderDestination::AlongSubgoals(_) if is_on_it => kept.route as usize,
             OrderDestination::Route(number) => {
                 check_index("route", Some(id), *number, self.scenery.paths.len())?;
                 self.check_shared(id, *number)?;
@@ -207,9 +220,6 @@ impl<V: Space> Engine<V> {
                 self.set_own_route(id.index, &route)?
             }
         };
-        let kept = self.states[id.index()];
-        // The agent begins a route of its own anew, whatever its previous one.
-        let is_on_it = matches!(order.destination, OrderDestination::Route(_)) && kept.route == number as u32;
         let cursor = if is_on_it { kept.cursor } else { self.begin_route(number, position, plan.radius) };
         let left = self.scenery.paths[number].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];

@@ -45,8 +45,14 @@ impl<V: Space> Guide<'_, V> {
         let Some((streets, costs)) = self.streets.zip(path.goal_of(cursor.leg).map(|n| self.goals.costs(n))) else {
             return;
         };
-        let (from, to) = (x.to_world(), target.to_world());
-        let sees_it = streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), false);
+        let (from, mut to) = (x.to_world(), target.to_world());
+        let sees = |to: Vec3| streets.sees_place(from.xz(), to.xz(), radius.min(costs.near), false);
+        let mut sees_it = sees(to);
+        // Of the line across the path, a part may be behind a wall: then the subgoal itself counts.
+        let subgoal = path.subgoal(cursor.leg).0;
+        if !sees_it && sees(subgoal.to_world()) {
+            (sees_it, to, cursor.aim) = (true, subgoal.to_world(), subgoal);
+        }
         let offset_to_goal = to.xz() - from.xz();
         if sees_it && !self.is_anybody_coming(x, offset_to_goal) {
             return;

@@ -152,14 +152,11 @@ impl<V: Space> RoutePath<V> {
         self.legs.iter().map(|l| l.to)
     }
 
-    /// Cursor of an agent at `x`, on the leg that it is nearest to.
+    /// Cursor of an agent at `x`: on the way to the first subgoal, or on the leg of a round that it is nearest to.
     pub fn begin_at(&self, x: V) -> RouteCursor<V> {
-        let is_round = self.is_round();
-        let first = usize::from(!is_round && self.legs.len() > 1);
         let mut best = (f32::INFINITY, 0);
-        for (i, leg) in self.legs.iter().enumerate().skip(first) {
-            let from =
-                if i > 0 || is_round { self.legs[(i + self.legs.len() - 1) % self.legs.len()].to } else { leg.to };
+        for (i, leg) in self.legs.iter().enumerate().filter(|_| self.is_round()) {
+            let from = self.legs[(i + self.legs.len() - 1) % self.legs.len()].to;
             let distance = distance_to_segment(x, [from, leg.to]);
             if distance < best.0 - 1e-4 {
                 best = (distance, i);
@@ -207,7 +204,8 @@ impl<V: Space> RoutePath<V> {
         let crosses = |l: &RouteLeg<V>| {
             let (before, after) = ((x - l.to).dot(l.normal), (goal - l.to).dot(l.normal));
             if before >= 0.0 || after <= 0.0 {
-                return before >= 0.0 && after >= 0.0;
+                // Not from before the line to behind it: who is behind already has passed it on the side of a wall.
+                return false;
             }
             let side = l.side(x + (goal - x) * (before / (before - after)) - l.to);
             -l.free[0] + radius <= side && side <= l.free[1] - radius
@@ -313,7 +311,9 @@ mod tests {
         let (aim, rest) = path.target(1, Vec2::new(4.0, -1.0), 0.3);
         assert!(aim.distance(Vec2::new(11.0f32.min(10.0 + 0.707), -0.707)) < 1e-3 && rest == 40.0, "{aim}");
         let mut cursor = path.begin_at(Vec2::new(4.0, -1.0));
-        assert_eq!(cursor.leg, 1);
+        assert_eq!(cursor.leg, 0);
+        path.pass_subgoals(&mut cursor, Vec2::new(4.0, -1.0));
+        assert_eq!(cursor.leg, 1, "the first is behind it");
         path.pass_subgoals(&mut cursor, Vec2::new(11.2, -0.9));
         assert_eq!(cursor.leg, 2);
         assert!(path.has_arrived(&cursor, Vec2::new(10.2, 39.8)) && !path.has_arrived(&cursor, Vec2::new(10.0, 39.0)));

@@ -21,7 +21,7 @@ pub enum AtEnd {
 /// width of the path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V = Vec3> {
-    /// Subgoals, in order; an agent begins on the leg that it is nearest to. A single one is a goal that is reached
+    /// Subgoals, in order; an agent begins with the first one, or on the leg of a round that it is nearest to. A single one is a goal that is reached
     /// straight, or round obstacles where the crowd knows its streets (m, >= 1).
     pub subgoals: Vec<V>,
     /// Distance from the last subgoal within which an agent has arrived (m, > 0).
