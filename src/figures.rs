@@ -46,6 +46,10 @@ pub fn print_figures(label: &'static str, text: String, r: &SceneFigures) -> Com
         rows.push(("paths", format!("{:.2} m/s on average, {:.2} at most", p.speed_mean_mps, p.speed_max_mps)));
         rows.push(("knees", format!("{:.1} rad/s at most", p.knee_rate_max_radps)));
     }
+    if let Some(t) = &r.travel {
+        let stuck = format!("{} stuck at the end", t.stuck_at_end);
+        rows.push(("progress", format!("{:.2} m/s towards the goal; {} there; {stuck}", t.progress_mps, t.arrived)));
+    }
     if let Some(c) = &r.crowd {
         let engine = r.engine.as_deref().unwrap_or_default();
         let wanted = format!("{:.2} m/s towards the goal of {:.2} wanted", c.progress_mps, c.desired_mps);

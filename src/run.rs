@@ -35,10 +35,14 @@ pub struct Args {
     /// each kind of motion.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Trajectories of all agents of a scene, ten points a simulated second, as a table that PedPy reads: CSV with the
-    /// columns time_s, agent, x_m, z_m, vx_mps and vz_mps.
+    /// Trajectories of everybody in a scene, as a table that PedPy reads: CSV with the columns time_s, agent, x_m, z_m,
+    /// vx_mps and vz_mps.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     trajectories: Option<PathBuf>,
+    /// Points of a trajectory a simulated second, at most one a step.
+    #[arg(long, help_heading = "Scenes", value_name = "HZ", default_value_t = 10.0, allow_negative_numbers = true,
+        value_parser = limits::number_parser::<f64>(&limits::TRAJECTORY_HZ))]
+    trajectory_hz: f64,
     /// Recording of a scene to write: `throng explain` replays it, and explains why agents acted as they did.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     record: Option<PathBuf>,
@@ -201,7 +205,7 @@ fn run_scene(mut scene: Scene, file: &Path, args: &Args) -> CommandResult {
         seconds: args.crowd.seconds.map(f64::from),
         step_hz: args.crowd.step_hz.into(),
         recorded: args.png.is_some(),
-        trajectories: args.trajectories.is_some(),
+        trajectory_hz: args.trajectories.as_ref().map(|_| args.trajectory_hz),
     };
     let mut recording = args.record.as_ref().map(|_| run::RunRecording::new(&compiled, config.step_hz)).transpose()?;
     let (report, record, sim) = run::run_recorded(&compiled, &config, recording.as_mut())?;
@@ -240,9 +244,8 @@ fn serve(scene: &CompiledScene, address: SocketAddr, args: &Args) -> CommandResu
     output::text(format!("{frames} frames for {clients} client(s), who missed {missed}\n"))
 }
 
-/// Writes trajectories of agents as CSV.
+/// Writes trajectories as CSV.
 fn write_trajectories(points: &[TrajectoryPoint], file: &Path) -> CommandResult {
-    ensure(!points.is_empty(), || "--trajectories is for scenes with agents")?;
     let mut text = String::from("time_s,agent,x_m,z_m,vx_mps,vz_mps\n");
     for p in points {
         let ([x, z], [vx, vz]) = (p.at.to_array(), p.velocity.to_array());

@@ -66,6 +66,7 @@ const RUN: Options = &[
     ("characters", &limits::CHARACTERS),
     ("seconds", &limits::SECONDS),
     ("step-hz", &limits::STEP_HZ),
+    ("trajectory-hz", &limits::TRAJECTORY_HZ),
     ("seed", &limits::SEED),
     ("temperature", &limits::TEMPERATURE),
     ("bend", &limits::BEND),

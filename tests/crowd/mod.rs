@@ -2,6 +2,7 @@
 
 mod runs;
 mod starts;
+mod travel;
 
 use std::path::Path;
 use throng_precompute::run::built_in_scene;

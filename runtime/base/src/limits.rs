@@ -89,6 +89,7 @@ limits! {
     SYNTH_MINUTES = "length of synthetic motion": 0.05 to 240 " min";
     TEMPERATURE = "temperature of choices": 0 to 1000 "";
     THREADS = "number of threads": 1 to 1024 "";
+    TRAJECTORY_HZ = "points of a trajectory a second": 0.1 to 240 " Hz";
 }
 
 /// Number types that people may write in files and commands.

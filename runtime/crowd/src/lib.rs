@@ -11,12 +11,14 @@
 //! - `senses`: meetings of agents, and the zones and cells that they enter.
 //! - `scenery`: data that does not change with time.
 //! - `events`: the queue of events, and their processing. The crowd itself is here.
+//! - `navigation`: paths of bodies that something else moves.
 
 mod agent;
 mod config;
 mod crowd;
 mod error;
 mod events;
+mod navigation;
 mod routes;
 mod safety;
 mod scenery;
@@ -32,6 +34,7 @@ pub use config::{CrowdConfig, CrowdSetup, Scheme};
 pub use crowd::Crowd;
 pub use error::CrowdError;
 pub use events::event::{CrowdEvent, CrowdEventKind, EventCounts};
+pub use navigation::{NavigatedBody, Navigation, NavigationAim, RouteProgress};
 pub use routes::order::{AgentOrder, AgentStatus};
 pub use routes::route::{AtEnd, Route};
 pub use routes::streets::{NoPath, Streets};

@@ -69,16 +69,21 @@ impl BoxingSetup {
     }
 }
 
-/// Order with the weighted behaviours of a group, and the numbers of their policies.
-fn weighted_order(compiled: &CompiledScene, group: usize) -> Result<(PolicyOrder, Vec<usize>)> {
+/// Order with the weighted behaviours of a group, and the numbers of their policies; to approach where it names none.
+pub(crate) fn weighted_order(compiled: &CompiledScene, group: usize) -> Result<(PolicyOrder, Vec<usize>)> {
     let (bundle, behaviours) = (compiled.bundle(group)?, &compiled.scene().groups[group].behaviours);
+    if behaviours.is_empty() {
+        let fault = |e: Error| compiled.scene().fault(&format!("groups[{group}].bundle"), e);
+        let policy = bundle.find_policy("approach").map_err(fault)?;
+        return Ok((PolicyOrder::IDLE.with_policy(policy, 1.0), vec![policy]));
+    }
     let numbers: Vec<usize> = behaviours.iter().map(|b| bundle.find_policy(&b.name)).collect::<Result<_>>()?;
     let weighed = |order: PolicyOrder, (&policy, weight)| order.with_policy(policy, weight);
     let weights = behaviours.iter().map(|b| b.weight as f32);
     Ok((numbers.iter().zip(weights).fold(PolicyOrder::IDLE, weighed), numbers))
 }
 
-fn characters_config(compiled: &CompiledScene, group: usize) -> CharactersConfig {
+pub(crate) fn characters_config(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = ActionChoice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
     // Opponents are meant to come near each other, until they touch.
@@ -257,7 +262,7 @@ fn is_reached(regions: &[RegionRecord], height: f32, margin: f32) -> bool {
 }
 
 /// States in which characters stand; all states where there are none.
-fn resting_states(bundle: &Bundle) -> Vec<u32> {
+pub(crate) fn resting_states(bundle: &Bundle) -> Vec<u32> {
     let all = &bundle.graph().states;
     let standing: Vec<u32> = (0..all.len() as u32).filter(|&s| all[s as usize].standing == 1).collect();
     if standing.is_empty() { (0..all.len() as u32).collect() } else { standing }

@@ -5,6 +5,7 @@ use crate::agents::SceneAgents;
 use crate::boxing::{Bouts, Practice};
 use crate::inhabitant_group::InhabitantGroup;
 use crate::motion_kind::{GroupStep, MotionKind};
+use crate::travellers::Travellers;
 use crate::wander::Wanderers;
 use glam::{Vec2, Vec3};
 use throng_base::Result;
@@ -62,6 +63,8 @@ macro_rules! kinds {
 kinds! {
     /// Characters with policies, each with a target of its own.
     Policy(Practice),
+    /// Characters with policies on the way to goals.
+    Travel(Travellers),
     /// Pairs with policies that strike at each other.
     Sparring(Bouts),
     /// Blended bodies on random paths.

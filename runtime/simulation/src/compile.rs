@@ -177,6 +177,14 @@ impl CompiledScene {
         groups[..group].iter().filter(is_alike).map(|g| g.count).sum()
     }
 
+    /// True for two groups of characters with policies that are on the way to goals, and choose on one bundle alike.
+    pub(crate) fn travel_together(&self, a: usize, b: usize) -> bool {
+        let groups = &self.scene.groups;
+        let travels = |g: usize| groups[g].motion == GroupMotion::Policy && groups[g].goal.is_some();
+        let hash = |g: usize| self.find_bundle(g).map(Bundle::hash);
+        travels(a) && travels(b) && hash(a) == hash(b) && groups[a].temperature == groups[b].temperature
+    }
+
     /// One of the blend spaces that a group names.
     ///
     /// # Errors

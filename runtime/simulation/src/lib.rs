@@ -16,6 +16,7 @@ pub mod scenario;
 pub mod scene;
 mod simulation;
 pub mod sparring;
+pub mod travellers;
 pub mod wander;
 
 pub use character_groups::AnyCharacterGroup;

@@ -9,6 +9,7 @@ use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
 use crate::scenario::AgentBrains;
 use crate::scene::{GroupMotion, Scene, SpaceConfig};
 use crate::sparring::StruckPart;
+use crate::travellers::Travellers;
 use crate::wander::Wanderers;
 use glam::{Quat, Vec2, Vec3};
 use std::ops::Range;
@@ -164,10 +165,13 @@ impl Simulation {
             if is_in[g] {
                 continue;
             }
-            // Agents share one crowd, and inhabitants their world.
+            // Agents share one crowd, inhabitants their world, and those who travel on one bundle the ground.
             let is_with = |&o: &usize| {
                 let agents = groups[g].is_of_agents() && groups[o].is_of_agents();
-                o == g || agents || scene.world_number(g).is_some() && scene.world_number(g) == scene.world_number(o)
+                o == g
+                    || agents
+                    || scene.travel_together(g, o)
+                    || scene.world_number(g).is_some() && scene.world_number(g) == scene.world_number(o)
             };
             let together: Vec<usize> = (g..groups.len()).filter(is_with).collect();
             together.iter().for_each(|&o| is_in[o] = true);
@@ -263,7 +267,10 @@ impl Simulation {
         // Policies can wait for room in any pose, so that they come last.
         for waits in [false, true] {
             for (c, character_group) in self.character_groups.iter_mut().enumerate() {
-                let may_wait = matches!(character_group, AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_));
+                let may_wait = matches!(
+                    character_group,
+                    AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Travel(_) | AnyCharacterGroup::Sparring(_)
+                );
                 if may_wait != waits
                     || matches!(character_group, AnyCharacterGroup::Paths(_) | AnyCharacterGroup::Air(_))
                 {
@@ -412,11 +419,13 @@ impl Simulation {
         character_group.soles(number)
     }
 
-    /// Disc or ball of an agent; `None` for other characters and agents that have left (who < num_characters).
+    /// Disc or ball of an agent, or of a character with policies on the way to a goal; `None` for other characters, and for those
+    /// that have left (who < num_characters).
     pub fn disc(&self, who: usize) -> Option<Disc> {
         match self.locate(who) {
             (AnyCharacterGroup::Ground(agents), number) => agents.disc(number),
             (AnyCharacterGroup::Air(agents), number) => agents.disc(number),
+            (AnyCharacterGroup::Travel(travellers), number) => travellers.disc(number),
             _ => None,
         }
     }
@@ -538,6 +547,7 @@ fn inform_of_obstacles(number: usize, character_group: &mut AnyCharacterGroup, h
 fn make_character_group(scene: &CompiledScene, groups: &[usize]) -> Result<AnyCharacterGroup> {
     let group = &scene.scene().groups[groups[0]];
     Ok(match group.motion {
+        GroupMotion::Policy if group.goal.is_some() => AnyCharacterGroup::Travel(Travellers::new(scene, groups)?),
         GroupMotion::Policy => AnyCharacterGroup::Policy(Practice::new(scene, groups[0])?),
         GroupMotion::Sparring => AnyCharacterGroup::Sparring(Bouts::new(scene, groups[0])?),
         GroupMotion::Patches => AnyCharacterGroup::Patches(InhabitantGroup::new(scene, groups)?),

@@ -119,7 +119,8 @@ pub fn character(simulation: &Simulation, who: usize) -> Option<String> {
         AnyCharacterGroup::Sparring(_) => format!("opponent {}", simulation.target(who).and_then(away)?),
         AnyCharacterGroup::Patches(inhabited) => inhabitant_activity(&inhabited.state(member)),
         AnyCharacterGroup::Paths(wanderers) => format!("{:.1} m/s", wanderers.speed(member)),
-        AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_) => {
+        AnyCharacterGroup::Travel(travellers) if travellers.has_arrived(member) => "is there".to_owned(),
+        AnyCharacterGroup::Travel(_) | AnyCharacterGroup::Ground(_) | AnyCharacterGroup::Air(_) => {
             format!("{:.2} m/s", simulation.disc(who)?.velocity.length())
         }
     };

@@ -39,7 +39,7 @@ pub(super) fn bodies_sheet(
     let focus = densest_place(&places).map(|at| (at, PICTURE_WIDTH_M));
     world_sheet(&WorldSheet {
         title: "Bodies",
-        subtitle: "blended from example motions, where the agents are at the end",
+        subtitle: "where they are at the end",
         size: (WIDTH as u32, 900),
         figures: &figures,
         solids: &solids,

@@ -32,6 +32,22 @@ const MAX_PATHS: usize = 60;
 
 /// Draws a crowd at a few times.
 pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRecord) -> Picture {
+    let f = figures.crowd.clone().unwrap_or_default();
+    let (agents, engine) = (figures.agents.unwrap_or(0), figures.engine.as_deref().unwrap_or_default());
+    let remark = if f.informed.is_some() { "ringed: knows" } else { "" };
+    let header = [&format!("{scene}: {agents} agents, engine {engine}"), &subtitle(figures, &f), remark];
+    moments_sheet(header, record)
+}
+
+/// Draws characters with policies on the way to goals, at a few times.
+pub(super) fn travel_sheet(title: &str, figures: &SceneFigures, record: &AgentsRecord) -> Picture {
+    let (f, stuck) = (figures.travel.clone().unwrap_or_default(), figures.stuck.unwrap_or(0));
+    let subtitle = format!("{:.2} m/s towards the goal; {} there, {stuck} stuck", f.progress_mps, f.arrived);
+    moments_sheet([title, &subtitle, ""], record)
+}
+
+/// - `header`: title, subtitle, and a remark beside the legend.
+fn moments_sheet([title, subtitle, remark]: [&str; 3], record: &AgentsRecord) -> Picture {
     let (low, high) = extent(record);
     let views = &[ViewDirection::Above, ViewDirection::Side][..if record.in_the_air { 2 } else { 1 }];
     let sizes: Vec<Vec2> = views.iter().map(|v| v.projected_size(high - low)).collect();
@@ -44,11 +60,8 @@ pub(super) fn crowd_sheet(scene: &str, figures: &SceneFigures, record: &AgentsRe
     let rows = record.moments.len().max(1).div_ceil(columns);
     let row = heights.iter().map(|h| h + EDGE).sum::<f32>();
     let mut page = Picture::new(WIDTH as u32, (TOP + rows as f32 * row) as u32, colour::PAPER);
-    let f = figures.crowd.clone().unwrap_or_default();
-    let (agents, engine) = (figures.agents.unwrap_or(0), figures.engine.as_deref().unwrap_or_default());
-    header(&mut page, 1.0, &format!("{scene}: {agents} agents, engine {engine}"), &subtitle(figures, &f));
+    header(&mut page, 1.0, title, subtitle);
     let entries: Vec<_> = record.names.iter().enumerate().map(|(g, n)| (group_colour(g), n.clone())).collect();
-    let remark = if f.informed.is_some() { "ringed: knows" } else { "" };
     legend(&mut page, Area::new(0.0, 0.0, WIDTH - EDGE, TOP), 1.0, &entries, remark);
     for (i, moment) in record.moments.iter().enumerate() {
         let x = EDGE + (i % columns) as f32 * (width + EDGE);

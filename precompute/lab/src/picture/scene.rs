@@ -1,7 +1,7 @@
 //! The picture of a scene: a sheet for each group with policies, each group on paths, each world, and all agents.
 
 use super::crowd_bodies::bodies_sheet;
-use super::discs::crowd_sheet;
+use super::discs::{crowd_sheet, travel_sheet};
 use super::fights::fight_sheet;
 use super::inhabited::inhabited_sheet;
 use super::walkers::walkers_sheet;
@@ -63,14 +63,26 @@ pub fn scene_sheet(
         let styles = walk_styles(compiled, PATH_M, APART_M)?;
         sheets.push(walkers_sheet(&title, centre, &g.figures, paths, &poses(all), &styles, PATH_M));
     }
+    let things = sim.things().map(|t| UnitSolid::Box { centre: t.at, rotation: t.turn, half: 0.5 * t.size });
+    let things: Vec<UnitSolid> = things.collect();
+    for travel in &record.travels {
+        let all = travel.first..travel.first + travel.groups.len();
+        let figures = report.groups.iter().zip(sim.groups()).filter(|(_, g)| all.contains(&g.characters.start));
+        let figures: Vec<&GroupReport> = figures.map(|(report, _)| report).collect();
+        // Several groups have the figures of all.
+        let (name, of) = match figures[..] {
+            [one] => (title(one, all.len()), &one.figures),
+            _ => (format!("{}: {} characters", report.scene, all.len()), &report.total),
+        };
+        sheets.push(travel_sheet(&name, of, travel));
+        sheets.push(bodies_sheet(travel, &record.poses[all], scene.environment.heights_m(), &things));
+    }
     if let Some(agents) = &record.agents {
         sheets.push(crowd_sheet(&report.scene, &report.total, agents));
         let of_agents: Vec<_> = sim.groups().iter().filter(|g| scene.groups[g.number].is_of_agents()).collect();
         let all: Vec<Option<JointPositions>> =
             of_agents.iter().flat_map(|g| record.poses[g.characters.clone()].to_vec()).collect();
         if all.iter().any(Option::is_some) {
-            let things = sim.things().map(|t| UnitSolid::Box { centre: t.at, rotation: t.turn, half: 0.5 * t.size });
-            let things: Vec<UnitSolid> = things.collect();
             sheets.push(bodies_sheet(agents, &all, scene.environment.heights_m(), &things));
         }
     }

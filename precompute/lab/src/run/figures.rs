@@ -47,7 +47,11 @@ pub struct SceneFigures {
     /// Figures of agents.
     #[serde(flatten)]
     pub crowd: Option<AgentFigures>,
-    /// Agents that ever stayed within half a metre for 10 s on their way, or did not come half a metre nearer to their goal in
+    /// Figures of characters with policies on the way to goals, in a scene without agents; agents have these keys, too, and then
+    /// count them with their own.
+    #[serde(flatten)]
+    pub travel: Option<TravelFigures>,
+    /// Agents and characters with goals that ever stayed within half a metre for 10 s on their way, or did not come half a metre nearer to their goal in
     /// 20 s, and characters in worlds that stayed for 30 s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<usize>,
@@ -78,6 +82,18 @@ pub struct BlowFigures {
     pub distance_mean_m: f64,
     /// The greatest such distance after the first 5 s; none where the run is no longer (m).
     pub distance_max_m: Option<f64>,
+}
+
+/// Figures of characters with policies on the way to goals.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
+pub struct TravelFigures {
+    /// Mean speed towards the goal, along the planned path, of those who have not arrived (m/s).
+    pub progress_mps: f64,
+    /// Those who at the end have stayed within half a metre for 10 s on their way, or not come half a metre nearer to their goal
+    /// in 20 s.
+    pub stuck_at_end: usize,
+    /// Those who reached their goal.
+    pub arrived: usize,
 }
 
 /// Figures of characters in worlds.

@@ -10,6 +10,7 @@ use throng_simulation::{AnyCharacterGroup, Simulation};
 pub fn policy_characters(group: &AnyCharacterGroup) -> Option<&PolicyCharacters> {
     match group {
         AnyCharacterGroup::Policy(p) => Some(p.practice().boxers()),
+        AnyCharacterGroup::Travel(t) => Some(t.people()),
         AnyCharacterGroup::Sparring(s) => Some(s.sparring().boxers()),
         _ => None,
     }
@@ -30,12 +31,13 @@ pub fn first_agent(sim: &Simulation) -> Option<usize> {
     sim.groups().iter().find(|g| is_of_agents(g.character_group)).map(|g| g.characters.start)
 }
 
-/// Corners of an agent's path, from its start to its goal; none for other characters (m).
+/// Corners of the path of a character with a goal, from its start to the goal; none for other characters (m).
 pub fn agent_path(sim: &Simulation, who: usize) -> Vec<Vec3> {
     match sim.locate(who) {
         (AnyCharacterGroup::Ground(agents), member) => {
             agents.layout().paths[member].iter().map(|&p| world_vector(p)).collect()
         }
+        (AnyCharacterGroup::Travel(t), member) => t.layout().paths[member].iter().map(|&p| world_vector(p)).collect(),
         (AnyCharacterGroup::Air(agents), member) => agents.layout().paths[member].clone(),
         _ => Vec::new(),
     }

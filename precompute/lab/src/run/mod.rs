@@ -20,7 +20,9 @@ pub use ensure::{
     BuildContext, blend_scene, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion,
     motion_name,
 };
-pub use figures::{AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures};
+pub use figures::{
+    AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures, TravelFigures,
+};
 pub use groups::{agent_path, agents_crowd, first_agent, policy_characters};
 pub use meter::{AgentSample, GateFlow, HUMAN_FLOW_PER_M_S, ProgressMeter};
 pub use news::News;

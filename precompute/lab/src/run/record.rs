@@ -1,15 +1,15 @@
 //! Records of a run, for pictures.
 
-use super::groups::{agent_path, agents_crowd, first_agent, policy_characters};
+use super::groups::{agent_path, agents_crowd, policy_characters};
 use super::report::SceneRunConfig;
 use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_core::{NUM_JOINTS, Planar};
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::Capsule2d;
-use throng_simulation::agents::{Disc, SceneAgents, world_vector};
+use throng_simulation::agents::{CrowdLayout, Disc, world_vector};
 use throng_simulation::scene::SiteConfig;
-use throng_simulation::{AnyCharacterGroup, Simulation, SimulationEvent};
+use throng_simulation::{AnyCharacterGroup, SceneGroup, Simulation, SimulationEvent};
 
 /// Number of recorded moments of agents, the first and the last included.
 const MOMENTS: usize = 4;
@@ -36,22 +36,24 @@ pub struct SceneRecord {
     pub worlds: Vec<WorldRecord>,
     /// Record of all agents, if there are any.
     pub agents: Option<AgentsRecord>,
-    /// Trajectories of agents, ten points a simulated second, if they were requested.
+    /// Records of groups with policies that have goals.
+    pub travels: Vec<AgentsRecord>,
+    /// Trajectories of everybody, if they were requested.
     pub trajectories: Vec<TrajectoryPoint>,
     /// Faults that were observed: time (s), character, description.
     pub faults: Vec<(f32, usize, String)>,
 }
 
-/// Position and velocity of an agent at a time.
+/// Position and velocity of a character or agent at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrajectoryPoint {
     /// (s)
     pub time_s: f64,
-    /// Number of the agent among the characters of the simulation.
+    /// Its number in the simulation.
     pub agent: usize,
     /// Position on the ground: x and z (m).
     pub at: Vec2,
-    /// Velocity over the ground: x and z (m/s).
+    /// Velocity over the ground: x and z; of a character that no navigation moves, the mean since the point before (m/s).
     pub velocity: Vec2,
 }
 
@@ -148,11 +150,13 @@ pub struct CrowdMoment {
     pub is_open: Vec<bool>,
 }
 
-/// All agents of a scene.
+/// All agents of a scene, or a group of characters with policies that have goals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AgentsRecord {
     /// True for agents in the air.
     pub in_the_air: bool,
+    /// Number of the first of them among the characters of the simulation.
+    pub first: usize,
     /// Names of groups.
     pub names: Vec<String>,
     /// Group of each agent, as a number among the groups of agents (agents).
@@ -176,7 +180,9 @@ pub struct AgentsRecord {
 /// Fills a record.
 pub(super) struct SceneRecorder {
     is_on: bool,
-    trajectories: bool,
+    trajectory_hz: Option<f64>,
+    /// Time and places of the last points of trajectories (s, m).
+    last_points: (f64, Vec<Option<Vec2>>),
     seconds: f64,
     record: SceneRecord,
 }
@@ -205,24 +211,42 @@ impl SceneRecorder {
                     let (character_group, group, samples) = (group.character_group, group.number, Vec::new());
                     record.worlds.push(WorldRecord { character_group, group, followed, samples });
                 }
-                AnyCharacterGroup::Ground(a) => _ = record.agents.get_or_insert_with(|| begin_agents_record(a, sim)),
-                AnyCharacterGroup::Air(a) => _ = record.agents.get_or_insert_with(|| begin_agents_record(a, sim)),
+                AnyCharacterGroup::Ground(a) if record.agents.is_none() => {
+                    record.agents = Some(begin_agents_record(a.layout(), sim, group));
+                }
+                AnyCharacterGroup::Air(a) if record.agents.is_none() => {
+                    record.agents = Some(begin_agents_record(a.layout(), sim, group));
+                }
+                AnyCharacterGroup::Travel(t) if t.layout().groups[0] == group.number => {
+                    record.travels.push(begin_agents_record(t.layout(), sim, group));
+                }
                 _ => {}
             }
         }
-        Self { is_on, trajectories: config.trajectories, seconds, record }
+        let last_points = (0.0, vec![None; sim.num_characters()]);
+        Self { is_on, trajectory_hz: config.trajectory_hz, last_points, seconds, record }
     }
 
     pub fn observe(&mut self, sim: &Simulation, step: usize, hz: f64) {
         let time_s = sim.time_s();
         let record = &mut self.record;
         let is_sampled = step.is_multiple_of(((SAMPLE_PERIOD_S * hz).round() as usize).max(1));
-        if self.trajectories && is_sampled {
-            let point = |agent| {
-                let disc = sim.disc(agent)?;
-                Some(TrajectoryPoint { time_s, agent, at: disc.centre.xz(), velocity: disc.velocity.xz() })
-            };
-            record.trajectories.extend((0..sim.num_characters()).filter_map(point));
+        let every = |rate_hz: f64| ((hz / rate_hz).round() as usize).max(1);
+        if self.trajectory_hz.is_some_and(|rate_hz| step.is_multiple_of(every(rate_hz))) {
+            let (before_s, places) = &mut self.last_points;
+            let since_s = (time_s - *before_s) as f32;
+            for (agent, before) in places.iter_mut().enumerate() {
+                let place = sim.root(agent).map(|root| Vec2::new(root.x, root.z));
+                let moved =
+                    place.zip(*before).filter(|_| since_s > 0.0).map_or(Vec2::ZERO, |(at, was)| (at - was) / since_s);
+                let point = match sim.disc(agent) {
+                    Some(disc) => Some((disc.centre.xz(), disc.velocity.xz())),
+                    None => place.map(|at| (at, moved)),
+                };
+                record.trajectories.extend(point.map(|(at, velocity)| TrajectoryPoint { time_s, agent, at, velocity }));
+                *before = place;
+            }
+            *before_s = time_s;
         }
         if !self.is_on {
             return;
@@ -243,12 +267,19 @@ impl SceneRecorder {
         }
         if let Some(agents) = &mut record.agents {
             for character_group in sim.character_groups() {
-                match character_group {
-                    AnyCharacterGroup::Ground(a) => agents.observe(a, time_s, self.seconds),
-                    AnyCharacterGroup::Air(a) => agents.observe(a, time_s, self.seconds),
-                    _ => {}
+                let is_open = |door| match character_group {
+                    AnyCharacterGroup::Ground(a) => a.is_open(door),
+                    AnyCharacterGroup::Air(a) => a.is_open(door),
+                    _ => false,
+                };
+                if agents_crowd(character_group).is_some() {
+                    agents.observe(sim, is_open, self.seconds);
                 }
             }
+        }
+        for travel in &mut record.travels {
+            let is_open = |door: usize| sim.scene().environment.doors[door].open;
+            travel.observe(sim, is_open, self.seconds);
         }
     }
 
@@ -264,8 +295,8 @@ impl SceneRecorder {
             let reservations = boxers.and_then(|b| b.characters().reservations());
             f.walls = reservations.map_or(Vec::new(), |r| r.walls().copied().collect());
         }
-        if let (Some(agents), Some(first)) = (&mut self.record.agents, first_agent(sim)) {
-            agents.paths = agents.trails.iter().map(|(m, _)| agent_path(sim, first + m)).collect();
+        for agents in self.record.agents.iter_mut().chain(&mut self.record.travels) {
+            agents.paths = agents.trails.iter().map(|(m, _)| agent_path(sim, agents.first + m)).collect();
         }
         self.record
     }
@@ -284,17 +315,16 @@ impl FightRecord {
     }
 }
 
-/// Begins the record of agents with everything that does not change.
-fn begin_agents_record<V: Space>(agents: &SceneAgents<V>, sim: &Simulation) -> AgentsRecord {
-    let layout = agents.layout();
-    let num = agents.num_agents();
+/// Begins the record of agents, or of characters with goals, with everything that does not change.
+fn begin_agents_record<V: Space>(layout: &CrowdLayout<V>, sim: &Simulation, one: &SceneGroup) -> AgentsRecord {
+    let num = layout.num_agents();
     let every = num.div_ceil(NUM_TRAILED).max(1);
-    let is_of_agents = |group: usize| agents_crowd(&sim.character_groups()[group]).is_some();
-    let of_agents = sim.groups().iter().filter(|g| is_of_agents(g.character_group));
-    let (numbers, names): (Vec<usize>, Vec<String>) = of_agents.map(|g| (g.number, g.name.clone())).unzip();
+    let together = sim.groups().iter().filter(|g| g.character_group == one.character_group);
+    let (numbers, names): (Vec<usize>, Vec<String>) = together.map(|g| (g.number, g.name.clone())).unzip();
     let group = |g: &usize| numbers.iter().position(|n| n == g).unwrap_or(0);
     AgentsRecord {
         in_the_air: V::DIMENSIONS == 3,
+        first: one.characters.start,
         names,
         groups: layout.groups.iter().map(group).collect(),
         radii: layout.setup.agents.iter().map(|m| m.radius).collect(),
@@ -308,18 +338,19 @@ fn begin_agents_record<V: Space>(agents: &SceneAgents<V>, sim: &Simulation) -> A
 }
 
 impl AgentsRecord {
-    fn observe<V: Space>(&mut self, agents: &SceneAgents<V>, time_s: f64, seconds: f64) {
+    fn observe(&mut self, sim: &Simulation, is_open: impl Fn(usize) -> bool, seconds: f64) {
+        let (time_s, first) = (sim.time_s(), self.first);
         let is_last = time_s >= seconds;
         let due = seconds * self.moments.len() as f64 / (MOMENTS - 1) as f64;
         if is_last || time_s >= due && self.moments.len() < MOMENTS - 1 {
-            let is_open = (0..self.doors.len()).map(|d| agents.is_open(d)).collect();
+            let is_open = (0..self.doors.len()).map(is_open).collect();
             let recorded = |d: Disc| RecordedAgent { at: d.centre, velocity: d.velocity, is_informed: d.knows };
-            let agents = (0..agents.num_agents()).map(|m| agents.disc(m).map(recorded)).collect();
+            let agents = (0..self.groups.len()).map(|m| sim.disc(first + m).map(recorded)).collect();
             self.moments.push(CrowdMoment { time_s, agents, is_open });
         }
         for (m, trail) in &mut self.trails {
             if is_last || time_s >= trail.len() as f64 * TRAIL_S {
-                trail.extend(agents.position(*m, time_s).map(world_vector));
+                trail.extend(sim.disc(first + *m).map(|d| d.centre));
             }
         }
     }

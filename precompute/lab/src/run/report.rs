@@ -30,13 +30,13 @@ pub struct SceneRunConfig {
     pub step_hz: f64,
     /// Records everything that a picture shows.
     pub recorded: bool,
-    /// Records the positions of all agents, ten times a simulated second.
-    pub trajectories: bool,
+    /// Records the positions of everybody so many times a simulated second, at most at every step (Hz, 0.1 to 240).
+    pub trajectory_hz: Option<f64>,
 }
 
 impl Default for SceneRunConfig {
     fn default() -> Self {
-        Self { seconds: None, step_hz: 60.0, recorded: false, trajectories: false }
+        Self { seconds: None, step_hz: 60.0, recorded: false, trajectory_hz: None }
     }
 }
 

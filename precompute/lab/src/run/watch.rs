@@ -4,8 +4,9 @@ mod agents;
 mod partners;
 mod world;
 
-use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures};
+use super::figures::{BlowFigures, FollowedPathFigures, SceneFigures, TravelFigures};
 use super::groups::agents_crowd;
+use super::meter::{AgentSample, ProgressMeter};
 use super::report::SAMPLE_HZ;
 use crate::overlap::{OverlapMeter, PresentCharacter};
 use crate::slip::SlipMeter;
@@ -16,9 +17,9 @@ use throng_core::body::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
 use throng_motion::error::Result;
-use throng_simulation::scene::engine;
+use throng_simulation::scene::{AtEndConfig, engine};
 use throng_simulation::sparring::BlowTally;
-use throng_simulation::{AnyCharacterGroup, GroupMotion, SceneGroup, Simulation};
+use throng_simulation::{AnyCharacterGroup, GroupMotion, MotionKind, SceneGroup, Simulation};
 use world::WorldWatch;
 
 pub(super) use agents::AgentWatch;
@@ -44,6 +45,7 @@ pub struct SceneWatch {
     paths: PathMeter,
     worlds: Vec<WorldWatch>,
     agents: Option<AgentsMeter>,
+    travels: ProgressMeter<Vec2>,
     overlaps: OverlapMeter,
     present: Vec<PresentCharacter>,
     volumes: Vec<Option<BodyVolume>>,
@@ -62,6 +64,7 @@ impl SceneWatch {
             paths: PathMeter::default(),
             worlds: Vec::new(),
             agents: AgentsMeter::of_groups(sim, |g| groups.contains(&g)),
+            travels: ProgressMeter::default(),
             overlaps: OverlapMeter::default(),
             present: Vec::new(),
             volumes: sim.groups().iter().map(volume).collect(),
@@ -106,12 +109,32 @@ impl SceneWatch {
             self.measure_overlaps(sim);
             self.worlds.iter_mut().for_each(|w| w.observe(sim));
         }
+        if due(1.0 / SAMPLE_HZ) {
+            self.observe_travels(sim);
+        }
         if let Some(agents) = &mut self.agents {
             if due(1.0 / SAMPLE_HZ) {
                 agents.observe(sim);
             }
             agents.observe_bodies(sim);
         }
+    }
+
+    /// Observes the characters with policies that are on the way to goals.
+    fn observe_travels(&mut self, sim: &Simulation) {
+        let travels = self.groups.iter().flat_map(|&g| sim.groups()[g].characters.clone()).filter_map(|who| {
+            let (AnyCharacterGroup::Travel(t), number) = sim.locate(who) else { return None };
+            let config = &sim.scene().groups[t.layout().groups[number]];
+            Some(AgentSample {
+                at: t.root(number).map(|root| Vec2::new(root.x, root.z)),
+                path: &t.layout().paths[number],
+                path_number: 0,
+                remaining_m: t.remaining_m(number),
+                arrival_m: config.arrival_m,
+                is_loop: config.at_end == AtEndConfig::Again,
+            })
+        });
+        self.travels.observe(sim.time_s(), travels);
     }
 
     /// Figures of opponents, beside the clips of their first group.
@@ -181,7 +204,7 @@ impl SceneWatch {
             agents: number(&is_agent),
             simulated_s: seconds,
             steps_per_second: rate.filter(|_| characters.is_some()),
-            blows: number(&|m, _| matches!(m, GroupMotion::Policy | GroupMotion::Sparring))
+            blows: number(&|_, c| matches!(c, AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Sparring(_)))
                 .map(|n| self.fights.figures(sim, &self.groups, n, seconds)),
             touch: self.touch_figures(sim),
             partners: self.partners.figures(),
@@ -199,6 +222,19 @@ impl SceneWatch {
             stuck = Some(stuck.unwrap_or(0) + num);
             figures.engine = Some(engine::name(sim.scene().agents.engine).into());
             figures.crowd = Some(crowd);
+        }
+        if number(&|_, c| matches!(c, AnyCharacterGroup::Travel(_))).is_some() {
+            stuck = Some(stuck.unwrap_or(0) + self.travels.stuck());
+            let (arrived, stuck_at_end) = (self.travels.arrived(), self.travels.stuck_at(seconds));
+            match &mut figures.crowd {
+                Some(crowd) => {
+                    (crowd.arrived, crowd.stuck_at_end) = (crowd.arrived + arrived, crowd.stuck_at_end + stuck_at_end)
+                }
+                None => {
+                    let progress_mps = self.travels.progress_mps();
+                    figures.travel = Some(TravelFigures { progress_mps, stuck_at_end, arrived });
+                }
+            }
         }
         figures.stuck = stuck;
         figures

@@ -143,7 +143,8 @@ fn check_trunk(actor: &StageActor, leaned: &TrunkLean, report: &mut RecheckRepor
 /// Measures how much farther the weight is off the feet than in the clip, while something was planned.
 fn check_balance(actor: &StageActor, planned: &[&PlannedLimb], report: &mut RecheckReport) {
     let off = |clip: &Clip, f: usize| {
-        let places = clip.joint_transforms(&actor.skeleton, f).map(|(position, rotation)| Rigid::from_joint(position, rotation));
+        let places =
+            clip.joint_transforms(&actor.skeleton, f).map(|(position, rotation)| Rigid::from_joint(position, rotation));
         distance_off_feet(&actor.skeleton, &places, actor.before.contacts.get(f).copied().unwrap_or_default())
     };
     for f in 0..actor.clip.num_frames() {

@@ -57,25 +57,8 @@ pub(crate) fn sum_forces<V: Space>(
     field: &ForceField,
     around: &ForceSurroundings<'_, V>,
 ) -> Forces<V> {
-    let &ForceSurroundings { seen, solids, near, walls, grid, interests, steering } = around;
-    let mut sight = DirectionalSight::looking_along(me.desired, me.speed, field.horizon_s, steering);
-    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, contact_horizon(field, steering)));
-    for &s in near {
-        sight.see_solid(&solids[s as usize], me.position, me.radius);
-    }
-    let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
-    let looks_out = coming + farther > 0.0 && !walls.is_empty();
-    let between = looks_out.then(|| between_walls(solids, walls, me, steering)).flatten();
-    let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
-    let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
-    let lean = FarFieldBias { coming, to_the_right, evades };
-    let (heading, free) = sight.choose_direction(field, me, grid, &lean);
-    // Slower where the way is not free for long.
-    let mut speed = me.speed * (free / steering.clear_s).min(1.0);
-    if field.crowd_speed > 0.0 {
-        let density = grid.density(me.position, heading, &steering.density_places);
-        speed = speed.min(me.speed * field.crowd_speed * share_of_speed(density));
-    }
+    let &ForceSurroundings { seen, solids, near, interests, steering, .. } = around;
+    let (heading, mut speed) = look_ahead(me, field, around);
     let rate = field.relaxation_s.recip();
     let driving = (me.desired * me.speed - me.velocity) * rate;
     // Room behind agents in front; none to step aside, or to get in between agents that stand at their goals.
@@ -112,6 +95,51 @@ pub(crate) fn sum_forces<V: Space>(
     f.driving = f.driving * rest;
     f.turning = f.turning * rest + escape;
     f
+}
+
+/// Direction that leads on fastest, and the speed that it allows without regard to who is in front (m/s).
+#[inline]
+fn look_ahead<V: Space>(me: &SteeredAgent<V>, field: &ForceField, around: &ForceSurroundings<'_, V>) -> (V, f32) {
+    let &ForceSurroundings { seen, solids, near, walls, grid, steering, .. } = around;
+    let mut sight = DirectionalSight::looking_along(me.desired, me.speed, field.horizon_s, steering);
+    vectorize(|| sight.see_all(seen, -me.radius, field.comfort_m, contact_horizon(field, steering)));
+    for &s in near {
+        sight.see_solid(&solids[s as usize], me.position, me.radius);
+    }
+    let [coming, farther] = oncoming(grid, me.position, me.desired, me.distance_left, steering);
+    let looks_out = coming + farther > 0.0 && !walls.is_empty();
+    let between = looks_out.then(|| between_walls(solids, walls, me, steering)).flatten();
+    let to_the_right = if me.retreats { 0.0 } else { right_bias(coming, between, steering) };
+    let evades = if between.is_some() { 0.0 } else { evasion_bias(field, coming + farther, steering) };
+    let lean = FarFieldBias { coming, to_the_right, evades };
+    let (heading, free) = sight.choose_direction(field, me, grid, &lean);
+    // Slower where the way is not free for long.
+    let mut speed = me.speed * (free / steering.clear_s).min(1.0);
+    if field.crowd_speed > 0.0 {
+        let density = grid.density(me.position, heading, &steering.density_places);
+        speed = speed.min(me.speed * field.crowd_speed * share_of_speed(density));
+    }
+    (heading, speed)
+}
+
+/// Velocity at which somebody should go on: along the direction that leads on fastest, as fast as those in front allow.
+pub(crate) fn desired_velocity<V: Space>(
+    me: &SteeredAgent<V>,
+    field: &ForceField,
+    around: &ForceSurroundings<'_, V>,
+) -> V {
+    let (heading, mut speed) = look_ahead(me, field, around);
+    let ahead = heading.dot(me.desired).max(0.0);
+    for other in around.seen {
+        speed = speed.min(following_speed(
+            heading,
+            field.headway_m * ahead * ahead,
+            field.headway_s,
+            around.steering.front_width,
+            other,
+        ));
+    }
+    heading * speed
 }
 
 /// Gap within which others exert forces, beside being seen (m).

@@ -28,7 +28,7 @@ pub struct CrowdLayout<V> {
     /// Number of the first agent of each small group of companions, and at the end the number of agents.
     companion_starts: Vec<usize>,
     /// Number of the first door among the obstacles.
-    pub(super) first_door: usize,
+    pub(crate) first_door: usize,
     /// Whether agents sense places (zones) and cells.
     pub(super) senses_zones: bool,
     pub(super) senses_cells: bool,
@@ -43,6 +43,14 @@ impl<V: Space> CrowdLayout<V> {
     /// [`throng_base::Error::Text`] where a goal is in an obstacle, or obstacles leave no path to it; it names the group
     /// and the obstacle by their keys.
     pub fn new(scene: &Arc<Scene>) -> Result<Self> {
+        Self::of_groups(scene, |group| scene.groups[group].is_of_agents())
+    }
+
+    /// Places the characters of some groups that have goals, and plans their paths.
+    ///
+    /// # Errors
+    /// As [`CrowdLayout::new`].
+    pub fn of_groups(scene: &Arc<Scene>, is_placed: impl Fn(usize) -> bool) -> Result<Self> {
         let (mut obstacles, mut obstacle_keys) = obstacles_of(scene);
         let first_door = obstacles.len();
         for (i, door) in scene.environment.doors.iter().enumerate() {
@@ -71,17 +79,17 @@ impl<V: Space> CrowdLayout<V> {
         };
         let mut rng = Pcg64Mcg::seed_from_u64(scene.seed);
         for (g, group) in scene.groups.iter().enumerate() {
-            let place = group.place.as_ref().filter(|_| group.is_of_agents());
+            let place = group.place.as_ref().filter(|_| is_placed(g));
+            let radius = group.largest_radius_m();
             let num = group.source.as_ref().map_or(group.count, |s| s.start);
-            let mut starts: Vec<V> =
-                place.map_or(Vec::new(), |place| start_positions(place, num, group.radius_m[1], &mut rng));
+            let mut starts: Vec<V> = place.map_or(Vec::new(), |place| start_positions(place, num, radius, &mut rng));
             let wide = |(low, high): (V, V), &s: &V| (low.min(s), high.max(s));
             let first = starts.first().copied().unwrap_or_default();
             layout.boxes.push(starts.iter().fold((first, first), wide));
             if let Some(source) = group.source.as_ref().filter(|_| place.is_some()) {
                 // Agents that enter later get their start when they enter.
                 let from = source.place.as_ref().or(group.place.as_ref());
-                let later = from.map_or(Vec::new(), |from| start_positions(from, 1, group.radius_m[1], &mut rng));
+                let later = from.map_or(Vec::new(), |from| start_positions(from, 1, radius, &mut rng));
                 starts.resize(group.count, later.first().copied().unwrap_or(first));
             }
             let (mut at, end) = (layout.groups.len(), layout.groups.len() + starts.len());
@@ -101,7 +109,9 @@ impl<V: Space> CrowdLayout<V> {
         let speeds = layout.setup.agents.iter().map(|m| m.speed).chain(speeds);
         layout.setup.config.largest_speed_mps = speeds.fold(0.0, f32::max);
         if scene.agents.routes {
-            let map = RouteMap::new(&layout.setup.obstacles, first_door, layout.heights(), &scene.groups);
+            let placed = scene.groups.iter().enumerate().filter(|(g, _)| is_placed(*g)).map(|(_, group)| group);
+            let radius = placed.map(GroupConfig::largest_radius_m).fold(0.01, f32::max);
+            let map = RouteMap::new(&layout.setup.obstacles, first_door, layout.heights(), radius);
             layout.map = map.map_err(|e| layout.explain_crowd_error(&e.into()))?;
             layout.setup.streets = layout.map.with_doors.clone();
         }
@@ -248,7 +258,7 @@ fn scatter_goal<V: Space>(to: V, goal: &GoalConfig, group: &GroupConfig, rng: &m
     let size = |i: usize| high[i] - low[i];
     let volume: f32 = (0..V::DIMENSIONS).map(size).product();
     let apart = throng_base::maths::pow(volume / group.count as f32, 1.0 / V::DIMENSIONS as f32);
-    let most = (0.4 * apart - group.radius_m[1]).max(0.0);
+    let most = (0.4 * apart - group.largest_radius_m()).max(0.0);
     let at = to.coordinates();
     V::from_coordinates(std::array::from_fn(|i| {
         let off = if i < V::DIMENSIONS { most * rng.random_range(-1.0..1.0f32) } else { 0.0 };

@@ -1,6 +1,5 @@
 //! Paths of the agents of a scene around fixed obstacles.
 
-use crate::scene::GroupConfig;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use throng_crowd::{NoPath, Obstacle, Space, Streets};
@@ -26,16 +25,15 @@ pub(super) struct RouteMap {
 impl RouteMap {
     /// - `first_door`: number of the first door among the obstacles.
     /// - `heights`: lowest and highest starts of agents (m).
+    /// - `radius`: largest radius of agents (m).
     pub fn new<V: Space>(
         obstacles: &[Obstacle<V>],
         first_door: usize,
         heights: [f32; 2],
-        groups: &[GroupConfig],
+        radius: f32,
     ) -> throng_base::Result<Self> {
         let obstacles: Vec<Obstacle> = obstacles.iter().map(|o| o.clone().map(V::to_world)).collect();
         let heights = (V::DIMENSIONS == 3).then_some(heights);
-        let of_agents = groups.iter().filter(|g| g.is_of_agents());
-        let radius = of_agents.map(|g| g.radius_m[1]).fold(0.01, f32::max);
         let clearance = radius + MARGIN_M;
         let streets = |of: &[Obstacle]| -> throng_base::Result<Option<Streets>> {
             let streets = Streets::with_limits(of, heights, clearance, radius)?;
@@ -107,9 +105,7 @@ mod tests {
     fn ways_in_the_air_go_around_columns_and_rise_evenly() {
         let column = Obstacle::Wall { from: Vec3::ZERO, to: Vec3::new(0.0, 30.0, 0.0), radius: 1.0 };
         let low = Obstacle::Wall { from: Vec3::new(5.0, 0.0, 0.0), to: Vec3::new(5.0, 3.0, 0.0), radius: 1.0 };
-        let text = "motion = \"none\"\ncount = 1\nplace = { disc = { centre = [0.0, 0.0, 0.0], density = 1.0 } }\ngoal = { stay = {} }\n";
-        let group: GroupConfig = toml::from_str(text).unwrap();
-        let map = RouteMap::new(&[low, column], 2, [5.0, 20.0], &[group]).unwrap();
+        let map = RouteMap::new(&[low, column], 2, [5.0, 20.0], 0.3).unwrap();
         let (from, to) = (Vec3::new(-9.0, 6.0, 0.0), Vec3::new(9.0, 16.0, 0.0));
         let path = map.shortest_path(from, to).unwrap();
         assert!(path.len() > 2 && path[0] == from && path[path.len() - 1] == to, "{path:?}");

@@ -30,10 +30,10 @@ const KEYS: [(&str, &[GroupMotion]); 22] = {
     use GroupMotion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
-        ("goal", &[Bare, Blend]),
-        ("via", &[Bare, Blend]),
-        ("arrival_m", &[Bare, Blend]),
-        ("at_end", &[Bare, Blend]),
+        ("goal", &[Bare, Blend, Policy]),
+        ("via", &[Bare, Blend, Policy]),
+        ("arrival_m", &[Bare, Blend, Policy]),
+        ("at_end", &[Bare, Blend, Policy]),
         ("radius_m", &[Bare, Blend]),
         ("speed_mps", &[Bare, Blend]),
         ("acceleration_mps2", &[Bare, Blend]),
@@ -133,7 +133,7 @@ fn check_each<T>(list: &str, entries: &[T], check: impl Fn(&T, &str) -> Result<(
 fn check_totals(scene: &Scene) -> Result<(), KeyFault> {
     let (mut points, mut knots) = (0, 0);
     for (g, group) in scene.groups.iter().enumerate() {
-        if group.is_of_agents() {
+        if group.is_of_agents() || group.goal.is_some() {
             let (key, own) = match &group.goal {
                 Some(GoalConfig::Wander { points, .. }) => ("goal.wander.points", *points),
                 _ => ("via", group.via.len()),
@@ -174,6 +174,12 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
             return key_fault(&at("motion"), why);
         }
         check_agents(&at, group, dimensions)?;
+    } else if group.motion == GroupMotion::Policy && group.goal.is_some() {
+        if !on_ground {
+            let why = "captured people walk on the ground: expected \"none\" in the air, found \"policy\"";
+            return key_fault(&at("motion"), why);
+        }
+        check_route(&at, group, dimensions)?;
     } else if group.goal.is_some() {
         return key_fault(&at("goal"), "expected either `goal` or `paths`, found both");
     }
@@ -190,6 +196,24 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
 
 /// Checks the keys of agents: starts, goals, sizes and speeds.
 fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), KeyFault> {
+    check_route(at, group, dimensions)?;
+    let [least, most] = group.companions;
+    if !(1 <= least && least <= most && most <= 4) {
+        let why = format!("expected two numbers that ascend from 1 to 4, found {least} and {most}");
+        return key_fault(&at("companions"), why);
+    }
+    if let Some(source) = &group.source {
+        source.find_fault(&at("source"), group.count, dimensions)?;
+    }
+    check_ranges(&[
+        (&at("radius_m"), group.radius_m, 0.01, 100.0),
+        (&at("speed_mps"), group.speed_mps, 0.0, 100.0),
+        (&at("acceleration_mps2"), group.acceleration_mps2, 0.01, 1000.0),
+    ])
+}
+
+/// Checks starts, subgoals and goals.
+fn check_route(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: usize) -> Result<(), KeyFault> {
     match &group.place {
         Some(PlaceConfig::Grid { .. }) => {
             return key_fault(&at("place.grid"), "agents start in a `block`, `disc` or `ring`");
@@ -205,23 +229,10 @@ fn check_agents(at: &impl Fn(&str) -> String, group: &GroupConfig, dimensions: u
         }
         None => return key_fault(&at("goal"), "agents need a goal; `{ stay = {} }` lets them stand"),
     }
-    let [least, most] = group.companions;
-    if !(1 <= least && least <= most && most <= 4) {
-        let why = format!("expected two numbers that ascend from 1 to 4, found {least} and {most}");
-        return key_fault(&at("companions"), why);
-    }
-    if let Some(source) = &group.source {
-        source.find_fault(&at("source"), group.count, dimensions)?;
-    }
     for (i, point) in group.via.iter().enumerate() {
         check_point(&at(&format!("via[{i}]")), point, dimensions)?;
     }
-    check_numbers(&[(&at("arrival_m"), group.arrival_m, 0.01, 1000.0)])?;
-    check_ranges(&[
-        (&at("radius_m"), group.radius_m, 0.01, 100.0),
-        (&at("speed_mps"), group.speed_mps, 0.0, 100.0),
-        (&at("acceleration_mps2"), group.acceleration_mps2, 0.01, 1000.0),
-    ])
+    check_numbers(&[(&at("arrival_m"), group.arrival_m, 0.01, 1000.0)])
 }
 
 /// Checks the keys of blended bodies and their paths.
@@ -261,6 +272,7 @@ fn check_policies(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(
         return key_fault(&at("count"), format!("expected an even number for pairs, found {}", group.count));
     }
     match &group.place {
+        _ if group.goal.is_some() => {}
         None => {}
         Some(place @ PlaceConfig::Grid { .. }) => place.find_fault(&at("place"), 2)?,
         Some(_) => return key_fault(&at("place"), "expected a `grid`, found another place"),
@@ -272,7 +284,7 @@ fn check_policies(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(
         (&at("target.radius_m"), group.target.radius_m, 0.01, 1.0),
     ])?;
     let all = &group.behaviours;
-    if all.is_empty() || all.len() > MAX_BEHAVIOURS {
+    if all.is_empty() && group.goal.is_none() || all.len() > MAX_BEHAVIOURS {
         return key_fault(&at("behaviours"), format!("expected 1 to {MAX_BEHAVIOURS} behaviours, found {}", all.len()));
     }
     for (i, one) in all.iter().enumerate() {

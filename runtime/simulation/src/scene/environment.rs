@@ -2,6 +2,7 @@
 
 use super::obstacle::ObstacleConfig;
 use super::story::DoorConfig;
+use super::to_point;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -49,6 +50,13 @@ impl EnvironmentConfig {
             _ => Vec::new(),
         };
         self.on_ground().flat_map(|o| o.obstacles::<Vec2>()).flat_map(of).collect()
+    }
+
+    /// Fixed obstacles on the ground, and doors that are closed at the start, as capsules (none in the air).
+    pub(crate) fn walls_and_closed_doors(&self) -> Vec<Capsule2d> {
+        let closed = self.doors.iter().filter(|door| !door.open && self.space == SpaceConfig::Ground);
+        let wall = |d: &DoorConfig| Capsule2d { from: to_point(&d.from), to: to_point(&d.to), radius_m: d.radius_m };
+        self.walls().into_iter().chain(closed.map(wall)).collect()
     }
 
     /// Adds the moving obstacles on the ground at a time, and the ground that they reserve (none in the air).

@@ -6,6 +6,7 @@ use super::story::SourceConfig;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use throng_base::thresholds::{AGENT_RADIUS_M, WALK_SPEED_MPS};
+use throng_core::stops::BODY_RADIUS_M;
 
 /// Group of characters or agents that are moved alike.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,20 +26,20 @@ pub struct GroupConfig {
     /// Config that this bundle is built from where it is missing.
     #[serde(default)]
     pub config: Option<PathBuf>,
-    /// Start of the group. Needed by agents; a `grid` for policies and sparring; patches scatter by themselves.
+    /// Start of the group. Needed by all that have a goal; a `grid` for sparring and struck targets; patches scatter by themselves.
     #[serde(default)]
     pub place: Option<PlaceConfig>,
 
-    /// Goal of agents.
+    /// Goal of agents, and of characters with policies.
     #[serde(default)]
     pub goal: Option<GoalConfig>,
-    /// Subgoals that all agents pass before their goal, in order (m).
+    /// Subgoals that all pass before their goal, in order (m).
     #[serde(default)]
     pub via: Vec<Vec<f32>>,
-    /// Distance from the goal at which agents have arrived (m, 0.01 to 1000).
+    /// Distance from the goal at which they have arrived (m, 0.01 to 1000).
     #[serde(default = "arrival")]
     pub arrival_m: f32,
-    /// Behaviour of agents at their goal.
+    /// Behaviour at the goal.
     #[serde(default)]
     pub at_end: AtEndConfig,
     /// Least and largest radius of agents (m, 0.01 to 100).
@@ -75,7 +76,8 @@ pub struct GroupConfig {
     #[serde(default)]
     pub bodies: Option<BodiesConfig>,
 
-    /// Behaviours that characters weigh against each other, for `policy` and `sparring`, each once (1 to 4).
+    /// Behaviours that characters weigh against each other, for `policy` and `sparring`, each once (1 to 4); "approach" where a group
+    /// with a goal names none.
     #[serde(default)]
     pub behaviours: Vec<WeightedBehaviour>,
     /// Temperature of random choices among the best few actions, for `policy` and `sparring`; 0 takes the best (0 to 1000).
@@ -85,7 +87,7 @@ pub struct GroupConfig {
     /// their kind; 0.95 by default, above 1 no blow does (0 to 10).
     #[serde(default)]
     pub stagger_force: Option<f64>,
-    /// Target of each character, for `policy`.
+    /// Target that each character strikes at, for `policy` without a goal.
     #[serde(default)]
     pub target: StruckTargetConfig,
 
@@ -105,7 +107,8 @@ pub struct GroupConfig {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum GroupMotion {
-    /// Policies of the bundle: each character strikes at a target of its own, which gives way to blows and returns.
+    /// Policies of the bundle: each character goes to its `goal`, or without one strikes at a target of its own, which gives way to
+    /// blows and returns.
     Policy,
     /// Blended examples: bodies follow agents to a goal, or random paths.
     Blend,
@@ -323,6 +326,11 @@ impl GroupConfig {
     /// True for agents, with or without bodies, which avoid each other.
     pub fn is_of_agents(&self) -> bool {
         self.motion == GroupMotion::None || self.motion == GroupMotion::Blend && self.paths.is_none()
+    }
+
+    /// Largest radius of its characters on the ground (m).
+    pub fn largest_radius_m(&self) -> f32 {
+        if self.motion == GroupMotion::Policy { BODY_RADIUS_M } else { self.radius_m[1] }
     }
 
     /// Name of the group in messages and pictures.

@@ -1,0 +1,467 @@
+//! Navigation for bodies that something else moves: captured motion, or the characters of an engine.
+
+use crate::error::check;
+use crate::routes::goals::GoalTable;
+use crate::routes::guide::Guide;
+use crate::routes::path::{RouteCursor, RoutePath, is_in_solid};
+use crate::routes::streets::Streets;
+use crate::space::solid::{ConvexSolid, solids};
+use crate::steering::config::SteeringConfig;
+use crate::steering::density_grid::DensityGrid;
+use crate::steering::forces::{ForceSurroundings, SteeredAgent, desired_velocity};
+use crate::steering::retreat::BlockedAgent;
+use crate::steering::sight::SeenNeighbour;
+use crate::{CrowdError, ForceField, Obstacle, Route, Space};
+use glam::Vec2;
+use throng_base::{Error, Id, Result};
+
+/// Extent of the ground that the squares of the density grid cover before they repeat (m).
+const GROUND_M: f32 = 500.0;
+
+/// Side of the cells in which neighbours are looked for (m).
+const CELL_M: f32 = 5.0;
+/// Most neighbours, and most solids, that a body sees.
+const MOST_SEEN: usize = 24;
+/// Time after which a body looks for a new velocity (s).
+const STEER_S: f64 = 0.1;
+/// Room that is kept from walls, beside the radius: a step that turns aside needs it (m).
+const WALL_ROOM_M: f32 = 0.2;
+/// Progress without which a body is stuck after a time (m, s).
+const PROGRESS_M: f32 = 0.5;
+const STUCK_AFTER_S: f64 = 10.0;
+/// No neighbour.
+const UNSEEN: SeenNeighbour<Vec2> =
+    SeenNeighbour { offset: Vec2::ZERO, velocity: Vec2::ZERO, distance: f32::INFINITY, radii: 0.0, yields: true };
+/// Force field of captured people, who turn and stop within a step: they look farther ahead, and keep more room.
+const CAPTURED: ForceField =
+    ForceField { horizon_s: 3.0, comfort_m: 0.15, headway_s: 0.8, headway_m: 0.5, ..ForceField::COMMUTER };
+
+/// A body that moves over the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavigatedBody {
+    /// Position (m).
+    pub position: Vec2,
+    /// Velocity (m/s).
+    pub velocity: Vec2,
+}
+
+/// Next metres of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NavigationAim {
+    /// Point on the path that it goes to: its goal, or a place at the next corner (m).
+    pub position: Vec2,
+    /// Distance from there to the end of the route (m).
+    pub rest_m: f32,
+    /// Velocity at which it should go on among others (m/s).
+    pub velocity: Vec2,
+    /// True for a body at the end of its route.
+    pub has_arrived: bool,
+    /// True for a body that has made no progress for 10 s.
+    pub is_stuck: bool,
+}
+
+/// Progress of a body on its route, for snapshots.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct RouteProgress {
+    cursor: RouteCursor<Vec2>,
+    /// Velocity at which the body should go on (m/s), and when that is found anew (s).
+    velocity: Vec2,
+    steers_at_s: f64,
+    /// Least distance from the end of the route so far (m), and the time at which it was less by [`PROGRESS_M`] (s).
+    least_left_m: f32,
+    progressed_at_s: f64,
+    has_arrived: bool,
+}
+
+/// Paths of bodies that something else moves.
+///
+/// Every body has a route, and gets the next point to go to: its goal where it sees it, otherwise the place at the next
+/// corner by which it expects to arrive first, as agents of a [`crate::Crowd`] do. Whether a body may go there is another's
+/// to decide: nothing here keeps bodies apart.
+///
+/// ```
+/// use glam::{Vec2, Vec3};
+/// use throng_crowd::{AtEnd, NavigatedBody, Navigation, Obstacle, Route, Streets};
+///
+/// let wall = Obstacle::Wall { from: Vec3::new(-5.0, 0.0, 0.0), to: Vec3::new(5.0, 0.0, 0.0), radius: 0.1 };
+/// let mut navigation = Navigation::new(&Streets::new(&[wall], 0.5)?, 0.3, 1.3, 1)?;
+/// let at = Vec2::new(0.0, -3.0);
+/// let route = Route { subgoals: vec![Vec2::new(0.0, 3.0)], arrival_radius: 0.5, at_end: AtEnd::Stay };
+/// let body = navigation.add_body(&route, at)?;
+/// navigation.update(0.0, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO }));
+/// assert!(navigation.aim(body).position.x.abs() > 5.0); // round one of the ends
+/// # Ok::<(), throng_base::Error>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Navigation {
+    streets: Option<Streets>,
+    obstacles: Vec<Obstacle<Vec2>>,
+    /// Solids of each obstacle, and those of all.
+    solids: Vec<Vec<ConvexSolid<Vec2>>>,
+    all_solids: Vec<ConvexSolid<Vec2>>,
+    goals: GoalTable,
+    grid: DensityGrid<Vec2>,
+    steering: SteeringConfig,
+    field: ForceField,
+    radius_m: f32,
+    /// Desired speed (m/s).
+    speed_mps: f32,
+    paths: Vec<RoutePath<Vec2>>,
+    progress: Vec<RouteProgress>,
+    /// Bodies by the cell that they are in, in the order of cells.
+    by_cell: Vec<(u64, u32)>,
+    bodies: Vec<Option<NavigatedBody>>,
+    /// Time of the last update (s).
+    time_s: f64,
+}
+
+impl Navigation {
+    /// Navigation in streets, with room for so many bodies.
+    ///
+    /// - `radius_m`: radius of the bodies (m, above 0).
+    /// - `speed_mps`: their desired speed (m/s).
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a radius or speed out of range.
+    pub fn new(streets: &Streets, radius_m: f32, speed_mps: f32, capacity: usize) -> Result<Self> {
+        check("radius_m", 0, radius_m, radius_m > 0.0 && radius_m < 1e3, "above 0 and below 1000")?;
+        check("speed_mps", 0, speed_mps, (0.0..100.0).contains(&speed_mps), "between 0 and 100")?;
+        let steering = SteeringConfig::default();
+        let obstacles: Vec<Obstacle<Vec2>> =
+            streets.obstacles().iter().map(|o| o.clone().map(Vec2::from_world)).collect();
+        let solids: Vec<Vec<ConvexSolid<Vec2>>> =
+            obstacles.iter().enumerate().map(|(n, o)| solids(n, o)).collect::<Result<_>>()?;
+        Ok(Self {
+            streets: Some(streets.clone()).filter(|s| !s.is_open()),
+            all_solids: solids.concat(),
+            solids,
+            obstacles,
+            goals: GoalTable::default(),
+            grid: DensityGrid::new(steering.square_radii * radius_m, Vec2::splat(GROUND_M), capacity),
+            steering,
+            field: CAPTURED,
+            radius_m,
+            speed_mps,
+            paths: Vec::with_capacity(capacity),
+            progress: Vec::with_capacity(capacity),
+            by_cell: Vec::with_capacity(capacity),
+            bodies: Vec::with_capacity(capacity),
+            time_s: 0.0,
+        })
+    }
+
+    /// Adds a body, and returns its number: that of the bodies before it.
+    ///
+    /// # Errors
+    /// As [`Navigation::set_route`].
+    pub fn add_body(&mut self, route: &Route<Vec2>, at: Vec2) -> Result<usize> {
+        let body = self.paths.len();
+        let path = self.prepare_path(body, route, at)?;
+        self.progress.push(RouteProgress::begin(&path));
+        self.paths.push(path);
+        Ok(body)
+    }
+
+    /// Gives a body another route, on which it begins at the first subgoal.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a route without subgoals, or with numbers out of range, [`Error::NoPath`] where a subgoal is
+    /// in an obstacle, or no path leads to the first one; nothing has changed then.
+    pub fn set_route(&mut self, body: usize, route: &Route<Vec2>, at: Vec2) -> Result<()> {
+        throng_base::error::check_index("body", None, body, self.paths.len())?;
+        let path = self.prepare_path(body, route, at)?;
+        self.paths[body].goals.iter().for_each(|&goal| self.goals.release(goal));
+        self.progress[body] = RouteProgress::begin(&path);
+        self.paths[body] = path;
+        Ok(())
+    }
+
+    fn prepare_path(&mut self, body: usize, route: &Route<Vec2>, at: Vec2) -> Result<RoutePath<Vec2>> {
+        let mut path = RoutePath::new(body, route, &self.all_solids)?;
+        for (subgoal, &goal) in route.subgoals.iter().enumerate() {
+            let holds = |(o, solids): (&Obstacle<Vec2>, &Vec<_>)| is_in_solid(goal, o, solids);
+            if let Some(obstacle) = self.obstacles.iter().zip(&self.solids).position(holds) {
+                return Err(CrowdError::Goal { route: body, subgoal, obstacle }.into());
+            }
+        }
+        if let Some(streets) = &self.streets {
+            path.goals = path.subgoals().map(|g| self.goals.take_goal(streets, g.to_world())).collect();
+            let costs = path.goal_of(0).map(|number| self.goals.costs(number));
+            if costs.is_some_and(|costs| streets.check_path(at, costs).is_err()) {
+                path.goals.iter().for_each(|&goal| self.goals.release(goal));
+                let to = path.subgoal(0).0;
+                return Err(Error::NoPath { who: Some(Id::first(body)), from: at.to_world(), to: to.to_world() });
+            }
+        }
+        Ok(path)
+    }
+
+    /// Updates the aims and velocities of all bodies. Allocates nothing.
+    ///
+    /// - `time_s`: (s)
+    /// - `body`: motion of each body by its number; none for one that has left.
+    pub fn update(&mut self, time_s: f64, body: impl Fn(usize) -> Option<NavigatedBody>) {
+        self.time_s = time_s;
+        self.bodies.clear();
+        self.bodies.extend((0..self.paths.len()).map(body));
+        self.grid.clear();
+        self.by_cell.clear();
+        for (number, (progress, body)) in (0u32..).zip(self.progress.iter().zip(&self.bodies)) {
+            let Some(NavigatedBody { position, velocity }) = *body else { continue };
+            let aim = progress.cursor.aim;
+            let intent = if progress.has_arrived { Vec2::ZERO } else { Space::unit_and_length(aim - position).0 };
+            self.grid.add(position, velocity, intent);
+            self.by_cell.push((cell_key(cell_of(position)), number));
+        }
+        self.by_cell.sort_unstable();
+        for number in 0..self.paths.len() {
+            let Some(body) = self.bodies[number] else { continue };
+            let mut progress = self.progress[number];
+            self.follow_route(number, &body, time_s, &mut progress);
+            if time_s >= progress.steers_at_s {
+                progress.velocity = self.find_velocity(number, &body, &progress, time_s);
+                progress.steers_at_s = time_s + STEER_S;
+            }
+            self.progress[number] = progress;
+        }
+    }
+
+    /// Passes subgoals, and finds the aim anew where that is due.
+    fn follow_route(&self, number: usize, body: &NavigatedBody, time_s: f64, progress: &mut RouteProgress) {
+        let (streets, goals, grid, steering) = (self.streets.as_ref(), &self.goals, &self.grid, &self.steering);
+        let (path, cursor, position) = (&self.paths[number], &mut progress.cursor, body.position);
+        let leg = cursor.leg;
+        let again = path.pass_subgoals(cursor, position);
+        let near = cursor.aim.distance_squared(position) < steering.corner_m * steering.corner_m;
+        if time_s >= cursor.look_at || cursor.rest > 0.0 && near || leg != cursor.leg {
+            Guide { streets, goals, grid, steering }.find_aim(path, cursor, position, self.radius_m);
+            cursor.look_at = time_s + steering.look_s;
+        }
+        let left_m = path.distance_left(cursor, position);
+        progress.has_arrived = again || path.has_arrived(cursor, position);
+        if again || progress.has_arrived || left_m < progress.least_left_m - PROGRESS_M {
+            progress.least_left_m = if again { f32::INFINITY } else { left_m };
+            progress.progressed_at_s = time_s;
+        }
+    }
+
+    /// Velocity at which a body should go on among others, as an agent of a [`crate::Crowd`] would like to.
+    fn find_velocity(&self, number: usize, body: &NavigatedBody, progress: &RouteProgress, time_s: f64) -> Vec2 {
+        let NavigatedBody { position, velocity } = *body;
+        let (desired, distance) = Space::unit_and_length(progress.cursor.aim - position);
+        let mut me = SteeredAgent {
+            position,
+            velocity,
+            radius: self.radius_m + WALL_ROOM_M,
+            limit: 1.0,
+            desired,
+            speed: self.speed_mps,
+            distance_left: distance + progress.cursor.rest,
+            ..SteeredAgent::default()
+        };
+        let waited = time_s - progress.progressed_at_s;
+        if waited > self.steering.patience_s && !progress.has_arrived {
+            // Who makes no progress steps back: the few before the many, else some by chance.
+            let blocked = BlockedAgent { position, ahead: desired, waited, half: None };
+            let by_chance = || blocked.random_retreat_direction(number as u32, time_s, &self.grid, &self.steering);
+            let retreat = blocked.retreat_direction(&self.grid, &self.steering).or_else(by_chance);
+            if let Some(direction) = retreat {
+                (me.desired, me.retreats) = (direction, true);
+            }
+        }
+        let (mut seen, num) = ([UNSEEN; MOST_SEEN], &mut 0);
+        self.for_each_near(position, |other| {
+            let Some(its) = self.bodies[other].filter(|_| other != number) else { return };
+            let offset = its.position - position;
+            let one = SeenNeighbour {
+                offset,
+                velocity: its.velocity,
+                distance: offset.length(),
+                radii: 2.0 * self.radius_m,
+                yields: true,
+            };
+            add_nearest(&mut seen, num, one);
+        });
+        let (mut near, mut num_near) = ([0; MOST_SEEN], 0);
+        let reach = self.speed_mps * self.field.horizon_s + self.radius_m;
+        for (solid, number) in self.all_solids.iter().zip(0u32..) {
+            if num_near < MOST_SEEN && solid.direction_and_distance(position).1 < reach {
+                near[num_near] = number;
+                num_near += 1;
+            }
+        }
+        let around = ForceSurroundings {
+            seen: &seen[..*num],
+            solids: &self.all_solids,
+            near: &near[..num_near],
+            walls: &near[..num_near],
+            grid: &self.grid,
+            interests: &[],
+            steering: &self.steering,
+        };
+        desired_velocity(&me, &self.field, &around)
+    }
+
+    /// Calls a function with each body in the cell of a place and in those around it.
+    fn for_each_near(&self, place: Vec2, mut visit: impl FnMut(usize)) {
+        let [x, z] = cell_of(place);
+        for key in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| cell_key([x + dx, z + dz]))) {
+            let first = self.by_cell.partition_point(|(k, _)| *k < key);
+            self.by_cell[first..].iter().take_while(|(k, _)| *k == key).for_each(|(_, other)| visit(*other as usize));
+        }
+    }
+
+    /// Next metres of a body, as of the last update (body < number of bodies).
+    pub fn aim(&self, body: usize) -> NavigationAim {
+        let RouteProgress { cursor, velocity, has_arrived, progressed_at_s, .. } = self.progress[body];
+        let is_stuck = !has_arrived && self.time_s - progressed_at_s > STUCK_AFTER_S;
+        NavigationAim { position: cursor.aim, rest_m: cursor.rest, velocity, has_arrived, is_stuck }
+    }
+
+    /// Progress of all bodies, for a snapshot.
+    pub fn progress(&self) -> &[RouteProgress] {
+        &self.progress
+    }
+
+    /// Restores the progress of bodies on the same routes; false where it is that of other routes, and nothing changes.
+    pub fn restore(&mut self, progress: &[RouteProgress]) -> bool {
+        let is_sound = |(path, saved): (&RoutePath<Vec2>, &RouteProgress)| {
+            let RouteProgress { cursor, velocity, steers_at_s, least_left_m, progressed_at_s, .. } = saved;
+            let is_near = cursor.aim.abs().max_element() < 1e6 && (0.0..1e9).contains(&cursor.rest);
+            let is_in_time = [cursor.look_at, *steers_at_s, *progressed_at_s].iter().all(|t| (0.0..1e9).contains(t));
+            let is_slow = velocity.abs().max_element() < 1e3 && *least_left_m >= 0.0;
+            (cursor.leg as usize) < path.num_legs() && is_near && is_slow && is_in_time
+        };
+        let is_same = progress.len() == self.paths.len() && self.paths.iter().zip(progress).all(is_sound);
+        if is_same {
+            self.progress.copy_from_slice(progress);
+        }
+        is_same
+    }
+}
+
+impl RouteProgress {
+    /// Beginning of a route, on the way to its first subgoal.
+    fn begin(path: &RoutePath<Vec2>) -> Self {
+        let (aim, rest) = path.subgoal(0);
+        let cursor = RouteCursor { leg: 0, aim, rest, look_at: 0.0 };
+        Self {
+            cursor,
+            velocity: Vec2::ZERO,
+            steers_at_s: 0.0,
+            least_left_m: f32::INFINITY,
+            progressed_at_s: 0.0,
+            has_arrived: false,
+        }
+    }
+}
+
+/// Cell of a place.
+fn cell_of(place: Vec2) -> [i32; 2] {
+    (place / CELL_M).floor().to_array().map(|c| c as i32)
+}
+
+/// Number by which the bodies of a cell lie side by side.
+fn cell_key([x, z]: [i32; 2]) -> u64 {
+    u64::from(x as u32) << 32 | u64::from(z as u32)
+}
+
+/// Adds a neighbour to the nearest ones, in place of the farthest where there is no room.
+fn add_nearest(seen: &mut [SeenNeighbour<Vec2>; MOST_SEEN], num: &mut usize, one: SeenNeighbour<Vec2>) {
+    if *num < MOST_SEEN {
+        seen[*num] = one;
+        *num += 1;
+        return;
+    }
+    let farthest = seen.iter_mut().max_by(|a, b| a.distance.total_cmp(&b.distance));
+    if let Some(farthest) = farthest.filter(|f| one.distance < f.distance) {
+        *farthest = one;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::AtEnd;
+    use glam::Vec3;
+
+    fn route(points: &[[f32; 2]]) -> Route<Vec2> {
+        let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
+        Route { subgoals, arrival_radius: 0.5, at_end: AtEnd::Stay }
+    }
+
+    fn wall(from: [f32; 2], to: [f32; 2]) -> Obstacle {
+        let at = |[x, z]: [f32; 2]| Vec3::new(x, 0.0, z);
+        Obstacle::Wall { from: at(from), to: at(to), radius: 0.1 }
+    }
+
+    /// Walks straight to each aim, and returns the time of arrival and the path.
+    fn walk(obstacles: &[Obstacle], from: Vec2, to: [f32; 2]) -> (f64, Vec<Vec2>) {
+        let mut navigation = Navigation::new(&Streets::new(obstacles, 0.45).unwrap(), 0.3, 1.3, 1).unwrap();
+        navigation.add_body(&route(&[to]), from).unwrap();
+        let (mut at, mut path) = (from, vec![from]);
+        for step in 0..6000 {
+            let time_s = f64::from(step) / 60.0;
+            navigation.update(time_s, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO }));
+            let aim = navigation.aim(0);
+            if aim.has_arrived {
+                return (time_s, path);
+            }
+            at += Space::unit_and_length(aim.position - at).0 * (1.3 / 60.0);
+            path.push(at);
+        }
+        panic!("it never arrives: {at}");
+    }
+
+    #[test]
+    fn bodies_find_their_way_round_walls_and_through_doors() {
+        let long = [wall([-8.0, 0.0], [8.0, 0.0])];
+        let corner = [wall([-5.0, 0.0], [5.0, 0.0]), wall([5.0, 0.0], [5.0, -6.0])];
+        let door = [wall([-9.0, 0.0], [2.0, 0.0]), wall([4.0, 0.0], [15.0, 0.0])];
+        for (walls, shortest) in [(&long[..], 17.0), (&corner[..], 16.0), (&door[..], 8.0)] {
+            let (time_s, path) = walk(walls, Vec2::new(0.0, -3.0), [0.0, 3.0]);
+            let nearest = path.iter().flat_map(|p| {
+                walls.iter().map(move |w| match w {
+                    Obstacle::Wall { from, to, radius } => {
+                        let ends = [Vec2::new(from.x, from.z), Vec2::new(to.x, to.z)];
+                        throng_geometry::distance_to_segment(*p, ends) - radius
+                    }
+                    _ => f32::INFINITY,
+                })
+            });
+            let nearest = nearest.fold(f32::INFINITY, f32::min);
+            assert!(nearest > 0.28, "{nearest} m from a wall");
+            assert!(1.3 * time_s < 1.25 * shortest, "{time_s} s");
+        }
+    }
+
+    #[test]
+    fn subgoals_are_passed_in_order_from_the_first() {
+        let mut navigation = Navigation::new(&Streets::new(&[], 0.45).unwrap(), 0.3, 1.3, 1).unwrap();
+        // Nearest to the last leg, it begins at the first all the same.
+        let start = Vec2::new(0.0, 58.0);
+        navigation.add_body(&route(&[[0.0, -60.0], [90.0, -60.0], [90.0, 60.0], [0.0, 60.0]]), start).unwrap();
+        navigation.update(0.0, |_| Some(NavigatedBody { position: start, velocity: Vec2::ZERO }));
+        // Its line across the path is 20 m wide to each side.
+        assert_eq!(navigation.aim(0).position, Vec2::new(0.0, -40.3));
+    }
+
+    #[test]
+    fn what_leads_nowhere_is_refused_and_changes_nothing() {
+        let room = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let walls: Vec<Obstacle> = (0..4).map(|i| wall(room[i], room[(i + 1) % 4])).collect();
+        let mut navigation = Navigation::new(&Streets::new(&walls, 0.45).unwrap(), 0.3, 1.3, 1).unwrap();
+        let at = Vec2::new(5.0, 0.0);
+        let told = navigation.add_body(&route(&[[0.0, 0.0]]), at).unwrap_err();
+        assert!(matches!(told, Error::NoPath { .. }), "{told}");
+        assert!(navigation.add_body(&route(&[[1.0, 0.0]]), at).is_err(), "in a wall");
+        assert!(navigation.add_body(&route(&[]), at).is_err());
+        navigation.add_body(&route(&[[9.0, 0.0]]), at).unwrap();
+        let progress = navigation.progress().to_vec();
+        assert!(navigation.set_route(0, &route(&[[0.0, 0.0]]), at).is_err());
+        assert_eq!(navigation.progress(), progress);
+        let mut damaged = progress.clone();
+        damaged[0].cursor.leg = 7;
+        assert!(!navigation.restore(&damaged) && !navigation.restore(&[]) && navigation.restore(&progress));
+    }
+}

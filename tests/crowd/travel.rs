@@ -1,0 +1,111 @@
+//! Captured people on the way to goals: they find their way round walls, make way for each other, and never overlap.
+
+use crate::common;
+use glam::Vec2;
+use throng_core::Inline;
+use throng_core::stops::BODY_RADIUS_M;
+use throng_simulation::{AnyCharacterGroup, CharacterEvent, MotionKind, Scene, Simulation};
+
+/// A scene of people with a small bundle of walking.
+fn people(text: &str) -> Result<Simulation, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("walk.throng"), common::bundle()).expect("a bundle");
+    let text = format!("bundle = \"walk.throng\"\n{text}");
+    let scene = Scene::parse(&text, &folder.path().join("people.toml")).map_err(|e| e.to_string())?;
+    let compiled = scene.open().map_err(|e| e.to_string())?;
+    Simulation::new(&compiled).map_err(|e| e.to_string())
+}
+
+fn group(count: usize, [from, to]: [[f32; 2]; 2], goal: &str) -> String {
+    format!(
+        "[[groups]]\nmotion = \"policy\"\ncount = {count}\nplace = {{ block = {{ from = {from:?}, to = {to:?} }} }}\n\
+         goal = {{ {goal} }}\n"
+    )
+}
+
+fn wall(from: [f32; 2], to: [f32; 2]) -> String {
+    format!("[[environment.obstacles]]\nwall = {{ points = [{from:?}, {to:?}], radius_m = 0.1 }}\n")
+}
+
+/// Runs to a time; nobody comes nearer to another one or to a wall than bodies are wide. Returns those who arrived.
+fn walk(sim: &mut Simulation, walls: &[[[f32; 2]; 2]], until_s: f64) -> usize {
+    let mut arrived = 0;
+    while sim.time_s() < until_s - 1e-9 {
+        let next_s = sim.time_s() + 1.0 / 30.0;
+        sim.step_to(next_s, &Inline).expect("it goes on");
+        arrived += sim.events().iter().filter(|e| matches!(e.kind, CharacterEvent::Arrived)).count();
+        let at: Vec<Vec2> = sim.roots().flatten().map(|r| Vec2::new(r.x, r.z)).collect();
+        for (i, a) in at.iter().enumerate() {
+            let others = at[..i].iter().map(|b| a.distance(*b)).fold(f32::INFINITY, f32::min);
+            assert!(others > 2.0 * BODY_RADIUS_M - 2e-3, "{others} m from another one at {next_s} s");
+            let gap = |[from, to]: &[[f32; 2]; 2]| {
+                throng_geometry::distance_to_segment(*a, [Vec2::from(*from), Vec2::from(*to)]) - 0.1
+            };
+            let nearest = walls.iter().map(gap).fold(f32::INFINITY, f32::min);
+            assert!(nearest > BODY_RADIUS_M - 2e-3, "{nearest} m from a wall at {next_s} s");
+        }
+    }
+    arrived
+}
+
+#[test]
+fn people_find_their_way_round_walls_and_through_doors() {
+    let start = [[-4.0, -7.0], [4.0, -3.0]];
+    let across = "shift = { by = [0.0, 10.0] }";
+    let long = vec![[[-8.0, 0.0], [8.0, 0.0]]];
+    let corner = vec![[[-6.0, 0.0], [6.0, 0.0]], [[6.0, 0.0], [6.0, -8.0]]];
+    let door = vec![[[-12.0, 0.0], [-1.5, 0.0]], [[1.5, 0.0], [12.0, 0.0]]];
+    for walls in [long, corner, door] {
+        let solid: String = walls.iter().map(|[from, to]| wall(*from, *to)).collect();
+        let mut sim = people(&(group(6, start, across) + &solid)).unwrap();
+        let arrived = walk(&mut sim, &walls, 60.0);
+        assert!(arrived >= 6, "{arrived} of 6 arrive: {walls:?}");
+    }
+}
+
+#[test]
+fn two_streams_pass_each_other() {
+    let (left, right) = ([[-16.0, -4.0], [-8.0, 4.0]], [[8.0, -4.0], [16.0, 4.0]]);
+    let walls = [[[-30.0, -5.0], [30.0, -5.0]], [[-30.0, 5.0], [30.0, 5.0]]];
+    let solid: String = walls.iter().map(|[from, to]| wall(*from, *to)).collect();
+    let text = group(16, left, "shift = { by = [24.0, 0.0] }") + &group(16, right, "shift = { by = [-24.0, 0.0] }");
+    let mut sim = people(&(text + &solid)).unwrap();
+    let arrived = walk(&mut sim, &walls, 60.0);
+    assert!(arrived >= 31, "{arrived} of 32 arrive");
+}
+
+#[test]
+fn people_go_on_from_a_snapshot_bit_by_bit_and_leave_at_their_goals() {
+    let text = group(8, [[-4.0, -7.0], [4.0, -3.0]], "point = { at = [0.0, 6.0] }") + "at_end = \"leave\"\n";
+    let mut sim = people(&text).unwrap();
+    let mut other = people(&text).unwrap();
+    walk(&mut sim, &[], 8.0);
+    let kept = sim.snapshot();
+    other.restore(&kept).unwrap();
+    assert_eq!(other.snapshot(), kept);
+    walk(&mut sim, &[], 40.0);
+    walk(&mut other, &[], 40.0);
+    assert_eq!(sim.snapshot(), other.snapshot());
+    let left = sim.roots().filter(Option::is_none).count();
+    assert!(left >= 7, "{left} of 8 have left");
+    let AnyCharacterGroup::Travel(travellers) = &sim.character_groups()[0] else { panic!("no travellers") };
+    assert_eq!((0..8).filter(|&n| travellers.root(n).is_none()).count(), left);
+    for at in (0..kept.len()).step_by(kept.len() / 97) {
+        let mut damaged = kept.clone();
+        damaged[at] ^= 0x10;
+        assert!(other.restore(&damaged).is_err(), "byte {at}");
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_key() {
+    let refused = |text: &str| people(text).unwrap_err();
+    let told = refused(&group(2, [[-1.0, -1.0], [-0.8, -0.8]], "stay = {}"));
+    assert!(told.contains("groups[0]") && told.contains("enlarge `place`"), "{told}");
+    let told = refused(
+        &(group(1, [[-4.0, -4.0], [-3.0, -3.0]], "point = { at = [0.0, 0.0] }") + &wall([-1.0, 0.0], [1.0, 0.0])),
+    );
+    assert!(told.contains("groups[0]") && told.contains("environment.obstacles[0]"), "{told}");
+    let told = refused(&group(1, [[0.0, 0.0], [1.0, 1.0]], "point = { at = [0.0] }"));
+    assert!(told.contains("groups[0].goal.point.at"), "{told}");
+}
