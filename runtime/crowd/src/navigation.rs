@@ -26,6 +26,8 @@ const MOST_SEEN: usize = 24;
 const STEER_S: f64 = 0.1;
 /// Room that is kept from walls, beside the radius: a step that turns aside needs it (m).
 const WALL_ROOM_M: f32 = 0.2;
+/// Time without progress after which a body steps back where that helps (s).
+const PATIENCE_S: f64 = 3.0;
 /// Progress without which a body is stuck after a time (m, s).
 const PROGRESS_M: f32 = 0.5;
 const STUCK_AFTER_S: f64 = 10.0;
@@ -34,7 +36,7 @@ const UNSEEN: SeenNeighbour<Vec2> =
     SeenNeighbour { offset: Vec2::ZERO, velocity: Vec2::ZERO, distance: f32::INFINITY, radii: 0.0, yields: true };
 /// Force field of captured people, who turn and stop within a step: they look farther ahead, and keep more room.
 const CAPTURED: ForceField =
-    ForceField { horizon_s: 3.0, comfort_m: 0.15, headway_s: 0.8, headway_m: 0.5, ..ForceField::COMMUTER };
+    ForceField { horizon_s: 3.0, comfort_m: 0.08, headway_s: 0.8, headway_m: 0.6, ..ForceField::COMMUTER };
 
 /// A body that moves over the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -260,7 +262,7 @@ impl Navigation {
             ..SteeredAgent::default()
         };
         let waited = time_s - progress.progressed_at_s;
-        if waited > self.steering.patience_s && !progress.has_arrived {
+        if waited > PATIENCE_S && !progress.has_arrived {
             // Who makes no progress steps back: the few before the many, else some by chance.
             let blocked = BlockedAgent { position, ahead: desired, waited, half: None };
             let by_chance = || blocked.random_retreat_direction(number as u32, time_s, &self.grid, &self.steering);

@@ -21,11 +21,13 @@ use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 use throng_crowd::{NavigatedBody, Navigation, NavigationAim, RouteProgress, Streets};
 
 /// Distance of the target from a character that is on its way: so far that its policy does not slow down at a corner (m).
-const TARGET_AHEAD_M: f32 = 3.0;
+const TARGET_AHEAD_M: f32 = 2.0;
+/// Poses in which a character is tried to be placed at its start.
+const POSES_TRIED: usize = 16;
 /// Distance from the goal at which a character goes straight there (m).
 const GOAL_NEAR_M: f32 = 1.0;
 /// Desired speed below which a character waits (m/s).
-const WAITS_BELOW_MPS: f32 = 0.25;
+const WAITS_BELOW_MPS: f32 = 0.1;
 /// Group of characters with policies on the way to goals.
 #[derive(Clone, Debug)]
 pub struct Travellers {
@@ -92,8 +94,10 @@ impl Travellers {
             let at = agent.position;
             let ahead = path.get(1).map_or(Vec2::Y, |next| *next - at);
             let root = Planar::new(at.x, at.y, maths::atan2(ahead.x, ahead.y));
-            let state = Some(states[rng.random_range(0..states.len())]);
-            let id = people.spawn(Spawn { root, state }).map_err(fault)?;
+            // Not every pose has room everywhere.
+            let mut spawn = || people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]) });
+            let first = spawn();
+            let id = (1..POSES_TRIED).fold(first, |made, _| made.or_else(|_| spawn())).map_err(fault)?;
             people.order(id, order.with_target(Vec3::new(at.x, 0.0, at.y))).map_err(fault)?;
             let route = agent.route.map(|route| &layout.setup.routes[route]);
             if let Some(route) = route {
