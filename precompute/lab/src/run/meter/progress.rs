@@ -142,7 +142,9 @@ impl<V: Space> AgentProgress<V> {
         while self.has_passed_corner(sight.path, at, sight.arrival_m) {
             self.corner += 1;
         }
-        let is_there = self.has_reached_goal(sight, at);
+        // A round begins again where the way that is left grows by most of it, however far beside the goal.
+        let laps = sight.is_loop && sight.remaining_m > self.nearest.0 + 0.5 * path_length(sight.path);
+        let is_there = laps || self.has_reached_goal(sight, at);
         let left = self.remaining_length(sight.path, at);
         // A loop may have begun again; a route by other corners may be longer than the path.
         let left = if is_there { left.min(sight.remaining_m) } else { left };
@@ -190,6 +192,11 @@ impl<V: Space> AgentProgress<V> {
     }
 }
 
+/// Length of a path (m).
+fn path_length<V: Space>(path: &[V]) -> f32 {
+    path.windows(2).map(|l| (l[1] - l[0]).length()).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -205,6 +212,19 @@ mod tests {
     /// Position after a distance along the path (m).
     fn along(s: f32) -> Vec2 {
         if s < 10.0 { Vec2::new(s, 0.0) } else { Vec2::new(10.0, (s - 10.0).min(10.0)) }
+    }
+
+    #[test]
+    fn rounds_that_pass_beside_their_end_are_no_standstill() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=1800 {
+            let t = f64::from(i) / 30.0;
+            // It walks rounds of 20 m, two metres beside the path.
+            let s = (1.3 * t as f32) % 20.0;
+            let round = AgentSample { remaining_m: 20.0 - s, ..sight(Some(along(s) + Vec2::new(2.0, -2.0)), true) };
+            meter.observe(t, std::iter::once(round));
+        }
+        assert_eq!((meter.stuck(), meter.arrived()), (0, 0));
     }
 
     #[test]
