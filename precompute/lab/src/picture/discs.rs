@@ -261,6 +261,7 @@ mod tests {
             is_open: Vec::new(),
         };
         AgentsRecord {
+            first: 0,
             in_the_air,
             names: vec!["a".into(), "b".into()],
             groups: vec![0, 1, 0, 1, 0],
