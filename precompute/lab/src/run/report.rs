@@ -5,6 +5,7 @@ use super::record::{SceneRecord, SceneRecorder};
 use super::recording::RunRecording;
 use super::watch::{AgentWatch, SceneWatch};
 use serde::Serialize;
+use std::path::Path;
 use std::time::Instant;
 use throng_bake::environment::{Environment, PlacedGeometry, PlacedUnit};
 use throng_bake::stitch::StitchKit;
@@ -15,6 +16,7 @@ use throng_crowd::Space;
 use throng_motion::error::{BuildError, Result};
 use throng_simulation::agents::SceneAgents;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
+use throng_world::UnitRecord;
 
 /// Samples of agents a simulated second (Hz).
 pub(super) const SAMPLE_HZ: f64 = 30.0;
@@ -243,7 +245,33 @@ pub fn world_geometry(scene: &CompiledScene, group: usize) -> Result<PlacedGeome
         return Err(scene_error(format!("group {group} is in no world")));
     };
     let kit = StitchKit::new(bundle, path)?;
-    let units = world.world.view().units.iter();
-    let units = units.map(|u| PlacedUnit { unit: u.unit as usize, placement: u.placement }).collect();
+    let units = placed_units(&world.world.view().units, kit.geometries.len(), &world.path)?;
     Ok(PlacedGeometry::new(&Environment { name: scene.scene().name.clone(), units }, &kit.geometries))
+}
+
+/// Units of a world, each of which is one of the bundle's.
+fn placed_units(units: &[UnitRecord], num_kinds: usize, world: &Path) -> Result<Vec<PlacedUnit>> {
+    let one = |u: &UnitRecord| match u.unit as usize {
+        unit if unit < num_kinds => Ok(PlacedUnit { unit, placement: u.placement }),
+        unit => Err(BuildError::Stage {
+            stage: "scene",
+            message: format!("{}: it names unit {unit}, and its bundle has {num_kinds}", world.display()),
+            help: "The file is damaged: stitch the world again with `throng stitch`".into(),
+        }),
+    };
+    units.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use throng_core::patch::Placement;
+
+    #[test]
+    fn a_unit_that_the_bundle_lacks_is_refused_by_number_and_file() {
+        let unit = |unit| UnitRecord { unit, placement: Placement::IDENTITY };
+        assert_eq!(placed_units(&[unit(0), unit(2)], 3, Path::new("a.world")).unwrap().len(), 2);
+        let told = placed_units(&[unit(0), unit(3)], 3, Path::new("a.world")).unwrap_err().to_string();
+        assert!(told.contains("a.world") && told.contains("unit 3"), "{told}");
+    }
 }
