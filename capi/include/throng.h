@@ -130,6 +130,22 @@ typedef enum ThrongHappened {
    * The moving obstacle `other` ran into it.
    */
   THRONG_HAPPENED_RUN_INTO = 6,
+  /**
+   * The foot that is joint `other` has come down.
+   */
+  THRONG_HAPPENED_FOOTSTEP = 7,
+  /**
+   * A part of the body, joint `other`, began to touch the ground or a thing.
+   */
+  THRONG_HAPPENED_CONTACT_BEGAN = 8,
+  /**
+   * It has ended to.
+   */
+  THRONG_HAPPENED_CONTACT_ENDED = 9,
+  /**
+   * The motion has come into a named range of a clip: `other` is 256 times the clip, plus the tag.
+   */
+  THRONG_HAPPENED_TAG = 10,
 } ThrongHappened;
 
 /**
@@ -239,6 +255,53 @@ typedef struct ThrongId {
 } ThrongId;
 
 /**
+ * What a body does beside its motion.
+ */
+typedef struct ThrongLayers {
+  /**
+   * `sizeof(ThrongLayers)`; all else may be 0.
+   */
+  size_t struct_size;
+  /**
+   * 1: head and neck turn to `look_at`.
+   */
+  uint32_t looks;
+  /**
+   * A point in the world (m).
+   */
+  float look_at[3];
+  /**
+   * What the left and the right arm do. 0: as their motion. 1: points. 2: waves. 3: carries beside the body, 4: before it, 5: on the
+   * shoulder. 6: holds a telephone at the ear. 7: reaches; trunk and hips give way.
+   */
+  uint32_t arms[2];
+  /**
+   * Where they point or reach, in the world (m).
+   */
+  float arms_at[2][3];
+  /**
+   * Bend of the trunk forwards and to the left (radians, -0.6 to 0.6).
+   */
+  float lean[2];
+  /**
+   * First frame row of the bundle that joints show.
+   */
+  uint32_t first_frame;
+  /**
+   * Number of frames; 0 for none.
+   */
+  uint32_t num_frames;
+  /**
+   * A bit for each joint that shows them; those of hips and legs have no effect.
+   */
+  uint32_t joints;
+  /**
+   * 1: after the last frame the first follows.
+   */
+  uint32_t loops;
+} ThrongLayers;
+
+/**
  * Position and heading of a character.
  */
 typedef struct ThrongRoot {
@@ -281,13 +344,17 @@ typedef struct ThrongEvent {
    */
   enum ThrongHappened happened;
   /**
-   * Number of the other character or obstacle, for the kinds that have one; else 0.
+   * Number of the other character, obstacle, joint, tag or hit, for the kinds that have one; else 0.
    */
   uint32_t other;
   /**
-   * Point of a blow; zeros for other events (m).
+   * Point of a blow or a footstep; zeros for other events (m).
    */
   float at[3];
+  /**
+   * Strength of a blow or a footstep (0 to 1); 0 for other events.
+   */
+  float strength;
 } ThrongEvent;
 
 /**
@@ -561,7 +628,7 @@ enum ThrongStatus throng_characters_place(struct ThrongSimulation simulation,
                                           float heading);
 
 /**
- * Orders a character to follow a policy of the bundle from now on, with a target in the world (m).
+ * Orders a character to follow a policy of the bundle from now on, with a target in the world (m); its layers stay.
  *
  * @param policy see `throng_bundle_policy`.
  */
@@ -571,6 +638,28 @@ enum ThrongStatus throng_characters_order(struct ThrongSimulation simulation,
                                           float x,
                                           float y,
                                           float z);
+
+/**
+ * Sets what the body of a character does beside its motion, from now on. Changes fade in and out.
+ *
+ * @pre
+ * `layers` points to as many bytes as its `struct_size` says.
+ */
+enum ThrongStatus throng_characters_set_layers(struct ThrongSimulation simulation,
+                                               struct ThrongId id,
+                                               const struct ThrongLayers *layers);
+
+/**
+ * Orders a character to stop as soon as its motion allows, and to stand at ease.
+ */
+enum ThrongStatus throng_characters_stop(struct ThrongSimulation simulation, struct ThrongId id);
+
+/**
+ * Orders a character to stop, and to turn on the spot.
+ *
+ * @param heading heading about +Y from +Z (rad).
+ */
+enum ThrongStatus throng_characters_turn_to(struct ThrongSimulation simulation, struct ThrongId id, float heading);
 
 /**
  * Progress of a character's order.

@@ -156,6 +156,12 @@ public:
     void order(ThrongId id, uint32_t policy, float x, float y, float z) {
         check(throng_characters_order(handle_, id, policy, x, y, z));
     }
+    void set_layers(ThrongId id, ThrongLayers layers) {
+        layers.struct_size = sizeof layers;
+        check(throng_characters_set_layers(handle_, id, &layers));
+    }
+    void stop(ThrongId id) { check(throng_characters_stop(handle_, id)); }
+    void turn_to(ThrongId id, float heading) { check(throng_characters_turn_to(handle_, id, heading)); }
     /// Records of everybody; none unless config().instances.
     std::vector<ThrongInstance> instances() const { return records<ThrongInstance>(throng_characters_instances); }
     /// Who is posed from now on; null for everybody.

@@ -6,6 +6,7 @@ use crate::scene::ThrongId;
 use crate::stage::{LiveSimulation, ThrongSimulation};
 use throng_base::Id;
 use throng_base::error::ensure;
+use throng_runtime::body::{BodyEvent, BodyEventKind};
 use throng_runtime::simulation::{CharacterEvent, SimulationEvent};
 use throng_runtime::{CharacterGroup, Mat3x4, NUM_JOINTS, Planar};
 
@@ -43,6 +44,14 @@ pub enum ThrongHappened {
     Stuck = 5,
     /// The moving obstacle `other` ran into it.
     RunInto = 6,
+    /// The foot that is joint `other` has come down.
+    Footstep = 7,
+    /// A part of the body, joint `other`, began to touch the ground or a thing.
+    ContactBegan = 8,
+    /// It has ended to.
+    ContactEnded = 9,
+    /// The motion has come into a named range of a clip: `other` is 256 times the clip, plus the tag.
+    Tag = 10,
 }
 
 /// Event of the last step.
@@ -55,10 +64,12 @@ pub struct ThrongEvent {
     pub id: ThrongId,
     /// Kind of the event.
     pub happened: ThrongHappened,
-    /// Number of the other character or obstacle, for the kinds that have one; else 0.
+    /// Number of the other character, obstacle, joint, tag or hit, for the kinds that have one; else 0.
     pub other: u32,
-    /// Point of a blow; zeros for other events (m).
+    /// Point of a blow or a footstep; zeros for other events (m).
     pub at: [f32; 3],
+    /// Strength of a blow or a footstep (0 to 1); 0 for other events.
+    pub strength: f32,
 }
 
 /// Copies position and heading of all characters, in the order of rows.
@@ -106,14 +117,24 @@ pub unsafe extern "C" fn throng_simulation_events(
             copy_records(scene.events().iter().map(scene_event), events, capacity, count)
         },
         LiveSimulation::Characters { group, time_s } => {
-            let all = group.events().iter().map(|(id, blow)| {
-                let (id, at) = ((*id).into(), blow.point.to_array());
-                ThrongEvent { time_s: *time_s, id, happened: ThrongHappened::Hit, other: 0, at }
-            });
+            let all = group.events().iter().map(|(id, event)| body_event(*time_s, *id, event));
             // SAFETY: promised by the caller.
             unsafe { copy_records(all, events, capacity, count) }
         }
     })
+}
+
+fn body_event(time_s: f64, id: Id, event: &BodyEvent) -> ThrongEvent {
+    let happened = match event.kind {
+        BodyEventKind::Footstep => ThrongHappened::Footstep,
+        BodyEventKind::ContactBegan => ThrongHappened::ContactBegan,
+        BodyEventKind::ContactEnded => ThrongHappened::ContactEnded,
+        BodyEventKind::Tag => ThrongHappened::Tag,
+        BodyEventKind::Blow => ThrongHappened::Hit,
+        BodyEventKind::Performed => ThrongHappened::Fulfilled,
+    };
+    let BodyEvent { number, at, strength, .. } = *event;
+    ThrongEvent { time_s, id: id.into(), happened, other: number, at: at.to_array(), strength }
 }
 
 fn scene_event(event: &SimulationEvent) -> ThrongEvent {
@@ -126,7 +147,8 @@ fn scene_event(event: &SimulationEvent) -> ThrongEvent {
         CharacterEvent::Stuck => (ThrongHappened::Stuck, 0, [0.0; 3]),
         CharacterEvent::RunInto { obstacle } => (ThrongHappened::RunInto, obstacle, [0.0; 3]),
     };
-    ThrongEvent { time_s: event.time_s, id: Id::first(event.who).into(), happened, other: other as u32, at }
+    let id = Id::first(event.who).into();
+    ThrongEvent { time_s: event.time_s, id, happened, other: other as u32, at, strength: 0.0 }
 }
 
 /// Writes the matrix from each joint to the world, for all characters, in one pass and in the axes of an engine. Matrices

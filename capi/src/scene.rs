@@ -6,6 +6,7 @@ use crate::tables::{BUNDLES, ThrongBundle};
 use std::ffi::c_char;
 use throng_base::Id;
 use throng_base::error::ensure;
+use throng_runtime::body::{ArmLayer, BodyLayers};
 use throng_runtime::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::simulation::{Scene, Simulation};
 use throng_runtime::{CharacterGroup, OrderStatus, Planar};
@@ -46,8 +47,8 @@ pub struct ThrongCharactersConfig {
 const _: () = assert!(size_of::<ThrongCharactersConfig>() == 40);
 
 /// Checks the size of the config, so that a caller of another version is refused before its memory is touched.
-fn check_size(what: &str, size: usize) -> CallResult {
-    let expected = size_of::<ThrongCharactersConfig>();
+fn check_size<T>(what: &str, size: usize) -> CallResult {
+    let expected = size_of::<T>();
     let why = || format!("`{what}` is {size}, expected {expected}; compile with the header of this library");
     ensure(size == expected, || CallFault::new(ThrongStatus::Value, why()))
 }
@@ -64,7 +65,7 @@ pub unsafe extern "C" fn throng_characters_config_init(
     size: usize,
 ) -> ThrongStatus {
     catch_fault(|| {
-        check_size("size", size)?;
+        check_size::<ThrongCharactersConfig>("size", size)?;
         let CharactersConfig { seed, half_life_s, .. } = CharactersConfig::default();
         let standard = ThrongCharactersConfig {
             struct_size: size,
@@ -96,7 +97,9 @@ pub unsafe extern "C" fn throng_characters_new(
         check_pointer("config", config)?;
         check_pointer("simulation", simulation)?;
         // SAFETY: the first field, which every version has.
-        check_size("config.struct_size", unsafe { (&raw const (*config).struct_size).read() })?;
+        check_size::<ThrongCharactersConfig>("config.struct_size", unsafe {
+            (&raw const (*config).struct_size).read()
+        })?;
         // SAFETY: it has this size.
         let c = unsafe { config.read() };
         let config = CharactersConfig {
@@ -186,7 +189,7 @@ pub extern "C" fn throng_characters_place(
     simulation.call(|stage| Ok(stage.characters_mut()?.place(id.into(), Planar::new(x, z, heading))?))
 }
 
-/// Orders a character to follow a policy of the bundle from now on, with a target in the world (m).
+/// Orders a character to follow a policy of the bundle from now on, with a target in the world (m); its layers stay.
 ///
 /// @param policy see `throng_bundle_policy`.
 #[unsafe(no_mangle)]
@@ -199,7 +202,81 @@ pub extern "C" fn throng_characters_order(
     z: f32,
 ) -> ThrongStatus {
     let order = PolicyOrder::towards(policy as usize, glam::Vec3::new(x, y, z));
-    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), order)?))
+    simulation.call(|stage| {
+        let (people, id) = (stage.characters_mut()?, id.into());
+        let layers = people.order_of(id)?.layers();
+        Ok(people.order(id, order.with_layers(layers))?)
+    })
+}
+
+/// What a body does beside its motion.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct ThrongLayers {
+    /// `sizeof(ThrongLayers)`; all else may be 0.
+    pub struct_size: usize,
+    /// 1: head and neck turn to `look_at`.
+    pub looks: u32,
+    /// A point in the world (m).
+    pub look_at: [f32; 3],
+    /// What the left and the right arm do. 0: as their motion. 1: points. 2: waves. 3: carries beside the body, 4: before it, 5: on the
+    /// shoulder. 6: holds a telephone at the ear. 7: reaches; trunk and hips give way.
+    pub arms: [u32; 2],
+    /// Where they point or reach, in the world (m).
+    pub arms_at: [[f32; 3]; 2],
+    /// Bend of the trunk forwards and to the left (radians, -0.6 to 0.6).
+    pub lean: [f32; 2],
+    /// First frame row of the bundle that joints show.
+    pub first_frame: u32,
+    /// Number of frames; 0 for none.
+    pub num_frames: u32,
+    /// A bit for each joint that shows them; those of hips and legs have no effect.
+    pub joints: u32,
+    /// 1: after the last frame the first follows.
+    pub loops: u32,
+}
+
+/// Sets what the body of a character does beside its motion, from now on. Changes fade in and out.
+///
+/// # Safety
+/// `layers` points to as many bytes as its `struct_size` says.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_characters_set_layers(
+    simulation: ThrongSimulation,
+    id: ThrongId,
+    layers: *const ThrongLayers,
+) -> ThrongStatus {
+    catch_fault(|| {
+        check_pointer("layers", layers)?;
+        // SAFETY: the first field, which every version has.
+        check_size::<ThrongLayers>("layers.struct_size", unsafe { (&raw const (*layers).struct_size).read() })?;
+        // SAFETY: it has this size.
+        let l = unsafe { layers.read() };
+        let why = || format!("`layers.arms` are {:?}, expected 0 to 7", l.arms);
+        ensure(l.arms.iter().all(|arm| *arm <= 7), || CallFault::new(ThrongStatus::Value, why()))?;
+        let arm = |side: usize| ArmLayer::from_number(l.arms[side] as usize, l.arms_at[side].into());
+        let look_at = (l.looks != 0).then_some(l.look_at.into());
+        let mut body = BodyLayers { look_at, arms: [arm(0), arm(1)], lean: l.lean, ..BodyLayers::default() };
+        if l.num_frames > 0 {
+            let frames = l.first_frame..l.first_frame.saturating_add(l.num_frames);
+            body = body.with_clip(frames, l.joints, l.loops != 0);
+        }
+        simulation.with(|stage| Ok(stage.characters_mut()?.set_layers(id.into(), body)?))
+    })
+}
+
+/// Orders a character to stop as soon as its motion allows, and to stand at ease.
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_characters_stop(simulation: ThrongSimulation, id: ThrongId) -> ThrongStatus {
+    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), PolicyOrder::STOP)?))
+}
+
+/// Orders a character to stop, and to turn on the spot.
+///
+/// @param heading heading about +Y from +Z (rad).
+#[unsafe(no_mangle)]
+pub extern "C" fn throng_characters_turn_to(simulation: ThrongSimulation, id: ThrongId, heading: f32) -> ThrongStatus {
+    simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), PolicyOrder::turn_to(heading))?))
 }
 
 /// Progress of a character's order.

@@ -64,6 +64,21 @@ namespace Throng
     [StructLayout(LayoutKind.Sequential)]
     public struct Detail { public float EyeX, EyeZ, FullMetres, PosedMetres; }
 
+    public enum Arm : uint { None, Point, Wave, CarryBeside, CarryBefore, CarryOnShoulder, Phone, Reach }
+
+    /// What a body does beside its motion; see ThrongLayers in throng.h.
+    [StructLayout(LayoutKind.Sequential)]
+    public struct Layers
+    {
+        internal UIntPtr structSize;
+        public uint Looks;
+        public float LookX, LookY, LookZ;
+        public Arm Left, Right;
+        public float LeftX, LeftY, LeftZ, RightX, RightY, RightZ;
+        public float LeanAhead, LeanLeft;
+        public uint FirstFrame, NumFrames, Joints, Loops;
+    }
+
     /// Tables of motion.
     public sealed class Bundle : IDisposable
     {
@@ -125,6 +140,13 @@ namespace Throng
         {
             Native.Check(Native.throng_characters_order(handle, id, policy, x, y, z));
         }
+        public void SetLayers(Id id, Layers layers)
+        {
+            layers.structSize = (UIntPtr)Marshal.SizeOf(typeof(Layers));
+            Native.Check(Native.throng_characters_set_layers(handle, id, ref layers));
+        }
+        public void Stop(Id id) { Native.Check(Native.throng_characters_stop(handle, id)); }
+        public void TurnTo(Id id, float heading) { Native.Check(Native.throng_characters_turn_to(handle, id, heading)); }
         public Progress ProgressOf(Id id, out float leftMetres)
         {
             Progress progress;
@@ -230,8 +252,11 @@ namespace Throng
         [DllImport(Library)] internal static extern Status throng_characters_new(ulong bundle, ref Config config, out ulong made);
         [DllImport(Library)] internal static extern Status throng_characters_spawn(ulong of, float x, float z, float heading, out Id id);
         [DllImport(Library)] internal static extern Status throng_characters_despawn(ulong of, Id id);
+        [DllImport(Library)] internal static extern Status throng_characters_stop(ulong of, Id id);
+        [DllImport(Library)] internal static extern Status throng_characters_turn_to(ulong of, Id id, float heading);
         [DllImport(Library)] internal static extern Status throng_characters_place(ulong of, Id id, float x, float z, float heading);
         [DllImport(Library)] internal static extern Status throng_characters_order(ulong of, Id id, uint policy, float x, float y, float z);
+        [DllImport(Library)] internal static extern Status throng_characters_set_layers(ulong of, Id id, ref Layers layers);
         [DllImport(Library)] internal static extern Status throng_characters_progress(ulong of, Id id, out Progress now, out float left);
         [DllImport(Library)] internal static extern Status throng_simulation_open(byte[] path, out ulong made);
         [DllImport(Library)] internal static extern Status throng_simulation_free(ulong of);

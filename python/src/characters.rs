@@ -6,7 +6,8 @@ use crate::simulation::write_pose;
 use numpy::{PyArray1, PyArray2, PyArray4, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, Spawn};
+use throng_runtime::body::BodyLayers;
+use throng_runtime::characters::{AvoidConfig, CharactersConfig, Detail, PolicyCharacters, PolicyOrder, Spawn};
 use throng_runtime::glam::{Vec2, Vec3};
 use throng_runtime::{CharacterGroup, Id, Inline, NUM_JOINTS, Planar};
 
@@ -19,6 +20,8 @@ use throng_runtime::{CharacterGroup, Id, Inline, NUM_JOINTS, Planar};
 #[pyclass(name = "Characters", module = "throng", subclass)]
 pub struct PyCharacters {
     characters: PolicyCharacters,
+    /// Number of the behaviour that they follow.
+    policy: usize,
     /// Ids of the characters, in the order of rows, as no character leaves.
     ids: Vec<Id>,
 }
@@ -40,7 +43,7 @@ impl PyCharacters {
         let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::runtime_error)?;
         let roots = points(&roots)?;
         let avoid = makes_way.then(AvoidConfig::default);
-        let config = CharactersConfig { seed, avoid, instances, ..CharactersConfig::default() };
+        let config = CharactersConfig { seed, avoid, instances, carriage: 1.0, ..CharactersConfig::default() };
         let mut group = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::runtime_error)?;
         // Accepts any order of starts, though they stand close.
         group.hold_entrants();
@@ -51,19 +54,49 @@ impl PyCharacters {
         };
         let ids = roots.iter().map(enter).collect::<Result<_, _>>().map_err(error::runtime_error)?;
         group.release_entrants();
-        Ok(Self { characters: group, ids })
+        Ok(Self { characters: group, policy: policy.number(), ids })
     }
 
     /// Sends every character to a target of its own, from now on (n x 3: x, y, z; m).
     fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let targets = points(&targets)?;
-        self.characters.aim_all(&targets, &targets).map_err(error::runtime_error)
+        self.characters.aim_all(&targets, &targets).map_err(error::runtime_error)?;
+        // Who was told to stop goes, too.
+        let mut orders = self.ids.iter().zip(targets);
+        orders
+            .try_for_each(|(id, target)| self.characters.order(*id, PolicyOrder::towards(self.policy, target)))
+            .map_err(error::runtime_error)
+    }
+
+    /// Tells a character to stop as soon as its motion allows, and to stand at ease until it gets another target.
+    fn stop(&mut self, who: usize) -> PyResult<()> {
+        let id = self.id(who)?;
+        self.characters.order(id, PolicyOrder::STOP).map_err(error::runtime_error)
+    }
+
+    /// Tells a character to stop, and to turn on the spot (radians).
+    fn turn_to(&mut self, who: usize, heading: f32) -> PyResult<()> {
+        let id = self.id(who)?;
+        self.characters.order(id, PolicyOrder::turn_to(heading)).map_err(error::runtime_error)
+    }
+
+    /// Sets the layers of a character, a JSON object.
+    fn _set_layers(&mut self, who: usize, layers: &str) -> PyResult<()> {
+        let layers: BodyLayers = serde_json::from_str(layers).map_err(|e| error::input_error(e.to_string()))?;
+        let id = self.id(who)?;
+        self.characters.set_layers(id, layers).map_err(error::runtime_error)
+    }
+
+    /// Events of the last step: a JSON array of pairs.
+    fn _events(&self) -> PyResult<String> {
+        let number = |id: &Id| self.ids.iter().position(|known| known == id);
+        let events: Vec<_> = self.characters.events().iter().map(|(id, event)| (number(id), event)).collect();
+        serde_json::to_string(&events).map_err(|e| error::input_error(e.to_string()))
     }
 
     /// Moves a character to another place at once (m, radians).
     fn place(&mut self, who: usize, x: f32, z: f32, heading: f32) -> PyResult<()> {
-        let fault = || error::input_error(format!("character {who} does not exist, there are {}", self.ids.len()));
-        let id = *self.ids.get(who).ok_or_else(fault)?;
+        let id = self.id(who)?;
         self.characters.place(id, Planar::new(x, z, heading)).map_err(error::runtime_error)
     }
 
@@ -125,5 +158,13 @@ impl PyCharacters {
 
     fn __len__(&self) -> usize {
         self.ids.len()
+    }
+}
+
+impl PyCharacters {
+    /// Id of a row.
+    fn id(&self, who: usize) -> PyResult<Id> {
+        let fault = || error::input_error(format!("character {who} does not exist, there are {}", self.ids.len()));
+        self.ids.get(who).copied().ok_or_else(fault)
     }
 }

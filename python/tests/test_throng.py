@@ -153,6 +153,36 @@ def test_characters_pose(bundle):
         people.step()
     assert np.isfinite(people.poses).all() and np.isfinite(people.roots).all()
     assert np.abs(people.poses).max() > 0
+    people.stop(0)
+    people.turn_to(1, 3.0)
+    for _ in range(240):
+        people.step()
+    stands = people.roots[0].copy()
+    people.step()
+    assert np.abs(people.roots[0] - stands)[:2].max() < 0.01
+    with pytest.raises(throng.InputError, match="3"):
+        people.stop(3)
+
+
+def test_characters_wave_walk_and_report_their_steps(bundle):
+    people, plain = (throng.Characters(bundle, np.array([[3 * k, 0, 0] for k in range(3)], np.float32)) for _ in range(2))
+    steps = []
+    for k in range(240):
+        people.set_layers(0, arms=[None, "wave"], look_at=(3.0, 1.5, 4.0))
+        people.set_layers(1, arms=["phone", {"point": np.array([3.0, 1.5, 9.0])}], lean=[0.2, 0.0])
+        for group in (people, plain):
+            group.aim(np.array([[3 * c, 0, 8] for c in range(3)], np.float32))
+            group.step()
+        steps += [event for event in people.events if event["kind"] == "footstep"]
+        # Hips, legs and feet, and all of whoever does nothing beside walking, are the same.
+        np.testing.assert_array_equal(people.poses[:, [0, *range(14, 22)]], plain.poses[:, [0, *range(14, 22)]])
+        np.testing.assert_array_equal(people.poses[2], plain.poses[2])
+    assert people.poses[0, 13, 1, 3] > plain.poses[0, 13, 1, 3] + 0.3, "its hand is up"
+    assert {event["who"] for event in steps} == {0, 1, 2} and {event["number"] for event in steps} == {16, 20}
+    with pytest.raises(throng.InputError, match="dance"):
+        people.set_layers(0, arms=["dance", None])
+    with pytest.raises(throng.InputError, match="frame"):
+        people.set_layers(0, clip={"first_frame": 0, "num_frames": 1 << 30, "joints": 2, "loops": True})
 
 
 def test_characters_go_back_to_a_snapshot(bundle):

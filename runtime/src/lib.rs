@@ -22,16 +22,37 @@ pub mod format {
     pub use throng_core::format::{AlignedBytes, FormatError, VERSION};
 }
 
-/// What bodies of all kinds share: the ground that they stand on, what they look at and reach for.
+/// What bodies of all kinds share: the ground that they stand on, what they do beside walking, and their events.
+///
+/// ```no_run
+/// use throng_runtime::body::{ArmLayer, BodyEventKind, BodyLayers};
+/// use throng_runtime::characters::{CharactersConfig, PolicyCharacters, Spawn};
+/// use throng_runtime::{Bundle, CharacterGroup, Inline, Planar, glam::Vec3};
+///
+/// let bundle = Bundle::open("people.throng")?;
+/// let mut people = PolicyCharacters::with_capacity(&bundle, 10, CharactersConfig::default())?;
+/// let id = people.spawn(Spawn::standing_at(Planar::IDENTITY))?;
+/// people.order(id, bundle.policy("approach")?.order_towards(Vec3::new(0.0, 0.0, 9.0)))?;
+/// // It walks there, waves and looks at somebody; walkers do so by `Control::layers`.
+/// let arms = [None, Some(ArmLayer::Wave)];
+/// people.set_layers(id, BodyLayers { arms, look_at: Some(Vec3::new(2.0, 1.6, 5.0)), ..BodyLayers::NONE })?;
+/// for _ in 0..600 {
+///     people.step(1.0 / 60.0, &Inline)?;
+///     for (_, step) in people.events().iter().filter(|(_, event)| event.kind == BodyEventKind::Footstep) {
+///         println!("a foot is at {}, {} of the loudest", step.at, step.strength);
+///     }
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub mod body {
-    pub use throng_core::body::{BodyLayers, HandReach, HeightField};
+    pub use throng_core::body::{ArmLayer, BodyEvent, BodyEventKind, BodyLayers, HeightField};
 }
 
 /// Characters that choose their motion by policies.
 pub mod characters {
     pub use throng_core::characters::{
-        ActionChoice, AvoidConfig, Blow, CharactersConfig, Detail, MotionSet, PolicyCharacters, PolicyOrder,
-        PoseInstance, SampleJob, Spawn,
+        ActionChoice, AvoidConfig, CharactersConfig, Detail, MotionSet, PolicyCharacters, PolicyOrder, PoseInstance,
+        SampleJob, Spawn,
     };
 }
 
@@ -43,7 +64,7 @@ pub mod policy {
 /// Characters that follow a trajectory, blended from examples.
 pub mod walkers {
     pub use throng_core::blend::BlendSpace;
-    pub use throng_core::walkers::{Control, Performance, WalkerEvent, WalkerStart, Walkers, WalkersConfig};
+    pub use throng_core::walkers::{Control, Performance, WalkerStart, Walkers, WalkersConfig};
 }
 
 /// Agents without bodies, which never overlap.

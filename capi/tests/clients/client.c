@@ -124,6 +124,17 @@ static void misuse(ThrongBundle bundle, ThrongSimulation simulation, ThrongId id
     EXPECT(throng_bundle_write_rows(bundle, matrices, sizeof matrices, 7), THRONG_STATUS_VALUE);
     EXPECT(throng_characters_order(simulation, id, 99, 0, 0, 0), THRONG_STATUS_VALUE);
     EXPECT(throng_characters_order(simulation, (ThrongId){9999, 0}, 0, 0, 0, 0), THRONG_STATUS_GONE);
+    ThrongLayers layers = {0};
+    EXPECT(throng_characters_set_layers(simulation, id, &layers), THRONG_STATUS_VALUE);
+    layers.struct_size = sizeof layers;
+    layers.arms[1] = 8;
+    EXPECT(throng_characters_set_layers(simulation, id, &layers), THRONG_STATUS_VALUE);
+    layers.arms[1] = 2;
+    layers.lean[0] = 9.0f;
+    EXPECT(throng_characters_set_layers(simulation, id, &layers), THRONG_STATUS_VALUE);
+    layers.lean[0] = 0.0f;
+    EXPECT(throng_characters_set_layers(simulation, id, NULL), THRONG_STATUS_POINTER);
+    EXPECT(throng_characters_set_layers(simulation, (ThrongId){9999, 0}, &layers), THRONG_STATUS_GONE);
     EXPECT(throng_characters_spawn(simulation, 90.0f, 90.0f, 0.0f, &id), THRONG_STATUS_FULL);
 }
 

@@ -128,6 +128,23 @@ class Characters(_throng.Characters):
         """
         return self._instances().view(_INSTANCE)
 
+    def set_layers(self, who: int, **layers: _Any) -> None:
+        """What the body of a character does beside its motion, from now on; without arguments nothing. All fade in and out.
+
+        - ``look_at``: a point that head and neck turn to (m).
+        - ``arms``: what the left and the right arm do: None, "wave", "carry_beside", "carry_before", "carry_on_shoulder",
+          "phone", or ``{"point": (x, y, z)}``.
+        - ``lean``: bend of the trunk forwards and to the left (radians, -0.6 to 0.6).
+        - ``clip``: ``first_frame`` and ``num_frames`` of the bundle, which ``joints`` show, a bit for each; ``loops``.
+        """
+        self._set_layers(who, _json.dumps(layers, default=lambda array: array.tolist()))
+
+    @property
+    def events(self) -> list[dict[str, _Any]]:
+        """Events of the last step: ``who``, ``kind`` ("footstep", "contact_began", "contact_ended", "tag", "blow"), ``number``
+        (of the joint; of the hit; 256 times the clip, plus the tag), ``at`` (m), and ``strength`` (0 to 1)."""
+        return [{"who": who, **event} for who, event in _json.loads(self._events())]
+
 
 class Simulation(_throng.Simulation):
     """A scene that runs.

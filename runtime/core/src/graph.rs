@@ -30,8 +30,9 @@ pub struct MotionSegment {
     pub clip: u32,
     /// Planar root of the last frame as seen from the first: x, z, heading (m, m, rad).
     pub displacement: [f32; 3],
-    /// Zero.
-    pub reserved: u32,
+    /// Frames from `start` on in which the body stands at ease, feet and hips in place; 0 where it does not up to the
+    /// last frame.
+    pub idle: u32,
 }
 
 impl MotionSegment {
@@ -59,7 +60,13 @@ pub struct MotionGraph {
 impl MotionGraph {
     /// Segments of a state's actions (1 to 255, state < num_states).
     pub fn segments_of(&self, state: u32) -> &[u32] {
+        self.actions_of(state).0
+    }
+
+    /// Segments of a state's actions and their errors (1 to 255, state < num_states).
+    pub fn actions_of(&self, state: u32) -> (&[u32], &[f32]) {
         let s = state as usize;
-        &self.action_segments[self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize]
+        let actions = self.action_offsets[s] as usize..self.action_offsets[s + 1] as usize;
+        (&self.action_segments[actions.clone()], &self.action_errors[actions])
     }
 }

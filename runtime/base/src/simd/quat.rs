@@ -1,7 +1,7 @@
 //! Vectors and quaternions of eight characters.
 
 use super::Lanes;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::ops::{Add, Mul, Sub};
 
 /// Vectors of three coordinates, one per lane.
@@ -52,11 +52,29 @@ impl<F: Lanes> V<F> {
         self * (F::splat(1.0) - share) + other * share
     }
 
+    /// The vector of one lane.
+    pub fn lane(self, lane: usize) -> Vec3 {
+        Vec3::from_array([self.x, self.y, self.z].map(|axis| axis.to_array()[lane]))
+    }
+
+    /// Replaces the vector of one lane.
+    pub fn set_lane(&mut self, lane: usize, to: Vec3) {
+        for (axis, value) in [&mut self.x, &mut self.y, &mut self.z].into_iter().zip(to.to_array()) {
+            *axis = with_lane(*axis, lane, value);
+        }
+    }
+
     /// `yes` in the lanes where `a < b`, `no` in the others.
     #[inline(always)]
     pub fn select_lt(a: F, b: F, yes: Self, no: Self) -> Self {
         Self::new(F::select_lt(a, b, yes.x, no.x), F::select_lt(a, b, yes.y, no.y), F::select_lt(a, b, yes.z, no.z))
     }
+}
+
+fn with_lane<F: Lanes>(of: F, lane: usize, to: f32) -> F {
+    let mut all = of.to_array();
+    all[lane] = to;
+    F::from_array(all)
 }
 
 impl<F: Lanes> Add for V<F> {
@@ -97,6 +115,17 @@ impl<F: Lanes> Q<F> {
     #[inline(always)]
     pub fn new(v: V<F>, w: F) -> Self {
         Self { v, w }
+    }
+
+    /// The quaternion of one lane.
+    pub fn lane(self, lane: usize) -> Quat {
+        Quat::from_vec4(self.v.lane(lane).extend(self.w.to_array()[lane]))
+    }
+
+    /// Replaces the quaternion of one lane.
+    pub fn set_lane(&mut self, lane: usize, to: Quat) {
+        self.v.set_lane(lane, to.xyz());
+        self.w = with_lane(self.w, lane, to.w);
     }
 
     /// Scaled to length 1; not finite where it is 0.

@@ -1,8 +1,9 @@
 //! Activities: what bodies do when they stand, such as waving, shaking hands or sitting down.
 
 use super::{BlendedPosture, channel};
+use crate::body::ClipRows;
 use crate::contacts::Contacts;
-use crate::format::{ActivityMeta, ClipRecord, FrameRow, RotationCode, Table};
+use crate::format::{ActivityMeta, ClipRecord, Table};
 use crate::hits::striking_offset;
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
@@ -62,12 +63,9 @@ impl Activity {
 #[derive(Clone, Debug, Default)]
 pub struct ActivitySet {
     pub(crate) activities: Arc<[Activity]>,
-    pub(crate) frames: Table<FrameRow>,
     pub(crate) contacts: Table<Contacts>,
-    /// Rotation code of the frames: one element, or none where there are no activities.
-    pub(crate) code: Table<RotationCode>,
     pub(crate) skeleton: Skeleton,
-    pub(crate) rate_hz: f32,
+    pub(crate) rows: ClipRows,
 }
 
 /// A body of an activity at one instant, from where its root stood when the activity began.
@@ -142,15 +140,15 @@ impl ActivitySet {
     /// The body of an activity at a time (s, clamped to it).
     pub(crate) fn sample_activity(&self, activity: &Activity, seconds: f32) -> ActivitySample {
         let last = activity.num_frames - 1;
-        let at = (seconds * self.rate_hz).clamp(0.0, last as f32);
+        let at = (seconds * self.rows.rate_hz).clamp(0.0, last as f32);
         let (first, frame) = (activity.first_frame, (at as usize).min(last - 1));
         let ratio = at - frame as f32;
         let rows = [first + frame, first + frame + 1];
-        let [a, b] = rows.map(|r| &self.frames[r]);
+        let [a, b] = rows.map(|r| &self.rows.frames[r]);
         let mix = |a: f32, b: f32| a + (b - a) * ratio;
         let root = Planar::from_array(std::array::from_fn(|k| mix(a.planar[k], b.planar[k])));
-        let root = Planar::from_array(self.frames[first].planar).to_local(root);
-        let code = &self.code[0];
+        let root = Planar::from_array(self.rows.frames[first].planar).to_local(root);
+        let code = &self.rows.code[0];
         let mut rotations: [Quat; NUM_JOINTS] =
             std::array::from_fn(|j| nlerp(code.rotation(a, j), code.rotation(b, j), ratio));
         rotations[0] = maths::compose(maths::rotation_y(root.heading), rotations[0]);

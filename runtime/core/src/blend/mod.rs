@@ -14,6 +14,7 @@ pub(crate) use activity::ActivitySample;
 pub use activity::{Activity, ActivityId, ActivitySet, ArmPlaces};
 pub use grid::{MAX_KNOTS, WeightGrid};
 pub use posture::BlendedPosture;
+pub(crate) use posture::smooth_share;
 pub use space::BlendSpace;
 
 use crate::format::Table;

@@ -64,6 +64,23 @@ pub(crate) struct PhaseInterval {
     pub rows: [usize; 2],
     /// Ratio between the two rows, 0 to 1.
     pub ratio: f32,
+    /// Rows before and after those, and their shares in a posture, which are 0 on a straight line between rows.
+    outer: [usize; 2],
+    outer_shares: [f32; 2],
+    /// Shares of the two rows in a posture.
+    shares: [f32; 2],
+}
+
+/// Steps between which paths change from cubic ones through rows to straight ones from row to row: rows are about as far
+/// apart as the longer (s).
+const SMOOTH_S: [f32; 2] = [1.0 / 120.0, 1.0 / 60.0];
+
+/// Share of cubic paths for a time between postures (0 to 1); none where somebody is posed again and no time passes.
+pub(crate) fn smooth_share(dt_s: f32) -> f32 {
+    if dt_s <= 0.0 {
+        return 0.0;
+    }
+    ((SMOOTH_S[1] - dt_s) / (SMOOTH_S[1] - SMOOTH_S[0])).clamp(0.0, 1.0)
 }
 
 impl BlendSpace {
@@ -83,26 +100,39 @@ impl BlendSpace {
     }
 
     /// Locates a generic time in the posture tables.
+    ///
+    /// - `smooth`: share of the cubic path of Catmull and Rom in that from row to row.
     #[inline(always)]
-    pub(crate) fn phase_interval(&self, phase: f32) -> PhaseInterval {
+    pub(crate) fn phase_interval(&self, phase: f32, smooth: f32) -> PhaseInterval {
         let n = self.references.len();
         let at = (phase - phase.floor()) * n as f32;
         // NaN becomes 0; a phase that rounds up to the end is at the end of the last row.
         let row = (at as usize).min(n - 1);
         let ratio = if at > row as f32 { (at - row as f32).min(1.0) } else { 0.0 };
-        PhaseInterval { rows: [row, if row + 1 == n { 0 } else { row + 1 }], ratio }
+        let next = if row + 1 == n { 0 } else { row + 1 };
+        let outer = [if row == 0 { n - 1 } else { row - 1 }, if next + 1 == n { 0 } else { next + 1 }];
+        let left = 1.0 - ratio;
+        let outer_shares = [-0.5 * smooth * ratio * left * left, -0.5 * smooth * ratio * ratio * left];
+        let [before, after] = outer_shares;
+        // The tangent at a row is that from the row before it to the row after it.
+        let shares = [left - 2.0 * before + after, ratio - 2.0 * after + before];
+        PhaseInterval { rows: [row, next], ratio, outer, outer_shares, shares }
     }
 
     /// Blends one posture.
     #[inline(always)]
     pub(crate) fn blend_posture<F: Lanes>(&self, weights: &[f32], place: &PhaseInterval, out: &mut BlendedPosture) {
         let n = self.examples.len();
-        let channels = place.rows.map(|r| &self.channels[r * n..][..n]);
-        let sums = sum::<F>(channels, &weights[..n], place.ratio);
-        let references = place.rows.map(|r| &self.references[r]);
+        let PhaseInterval { rows, shares, outer, outer_shares, .. } = *place;
+        let mut sums = [F::splat(0.0); CHUNKS];
+        let pairs = [(rows, shares), (outer, outer_shares)];
+        let num_pairs = if outer_shares == [0.0; 2] { 1 } else { 2 };
+        for (rows, shares) in &pairs[..num_pairs] {
+            add_rows::<F>(rows.map(|r| &self.channels[r * n..][..n]), &weights[..n], *shares, &mut sums);
+        }
         for c in 0..JOINT_CHUNKS {
             let log = V::new(sums[c], sums[JOINT_CHUNKS + c], sums[2 * JOINT_CHUNKS + c]);
-            let q = (reference::<F>(references, c, place.ratio) * exp(log)).normalize();
+            let q = (self.reference::<F>(place, c) * exp(log)).normalize();
             for (component, value) in out.rotations.iter_mut().zip([q.v.x, q.v.y, q.v.z, q.w]) {
                 value.store(&mut component.as_chunks_mut().0[c]);
             }
@@ -113,39 +143,58 @@ impl BlendSpace {
     }
 }
 
-/// The weighted sum of the channel rows of all examples at two phases.
+/// Adds the channel rows of all examples at two phases, weighted.
 #[inline(always)]
-fn sum<F: Lanes>([from, to]: [&[ChannelRow]; 2], weights: &[f32], ratio: f32) -> [F; CHUNKS] {
-    let mut sums = [F::splat(0.0); CHUNKS];
+fn add_rows<F: Lanes>([from, to]: [&[ChannelRow]; 2], weights: &[f32], [a, b]: [f32; 2], sums: &mut [F; CHUNKS]) {
     for ((from, to), &weight) in from.iter().zip(to).zip(weights) {
         if weight == 0.0 {
             continue;
         }
-        let (a, b) = (F::splat(weight * (1.0 - ratio)), F::splat(weight * ratio));
+        let (a, b) = (F::splat(weight * a), F::splat(weight * b));
         let (from, to) = (from.values.as_chunks().0, to.values.as_chunks().0);
         for i in 0..CHUNKS {
             sums[i] = sums[i] + (F::load(&from[i]) * a + F::load(&to[i]) * b);
         }
     }
-    sums
 }
 
-/// The reference orientations of eight joints between two phases, not of unit length.
+/// The components of the reference orientations of eight joints.
 #[inline(always)]
-fn reference<F: Lanes>([from, to]: [&ReferenceRow; 2], chunk: usize, ratio: f32) -> Q<F> {
-    let (mut a, mut b) = ([F::splat(0.0); 4], [F::splat(0.0); 4]);
+fn components<F: Lanes>(row: &ReferenceRow, chunk: usize) -> [F; 4] {
+    let mut c = [F::splat(0.0); 4];
     for i in 0..4 {
-        a[i] = F::load(&from.components[i].as_chunks().0[chunk]);
-        b[i] = F::load(&to.components[i].as_chunks().0[chunk]);
+        c[i] = F::load(&row.components[i].as_chunks().0[chunk]);
     }
-    let dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-    // The nearer of the two quaternions that represent the same orientation.
-    let (keep, share) = (F::splat(1.0 - ratio), F::splat(ratio));
-    let share = F::select_lt(dot, F::splat(0.0), -share, share);
-    for i in 0..4 {
-        a[i] = a[i] * keep + b[i] * share;
+    c
+}
+
+impl BlendSpace {
+    /// The reference orientations of eight joints at a generic time, not of unit length.
+    #[inline(always)]
+    fn reference<F: Lanes>(&self, place: &PhaseInterval, chunk: usize) -> Q<F> {
+        let first = components::<F>(&self.references[place.rows[0]], chunk);
+        let keep = F::splat(place.shares[0]);
+        let mut a = [first[0] * keep, first[1] * keep, first[2] * keep, first[3] * keep];
+        let rest = [
+            (place.rows[1], place.shares[1]),
+            (place.outer[0], place.outer_shares[0]),
+            (place.outer[1], place.outer_shares[1]),
+        ];
+        for (row, share) in rest {
+            if share == 0.0 {
+                continue;
+            }
+            let b = components::<F>(&self.references[row], chunk);
+            let dot = first[0] * b[0] + first[1] * b[1] + first[2] * b[2] + first[3] * b[3];
+            // The nearer of the two quaternions that represent the same orientation.
+            let share = F::splat(share);
+            let share = F::select_lt(dot, F::splat(0.0), -share, share);
+            for i in 0..4 {
+                a[i] = a[i] + b[i] * share;
+            }
+        }
+        Q::new(V::new(a[0], a[1], a[2]), a[3])
     }
-    Q::new(V::new(a[0], a[1], a[2]), a[3])
 }
 
 /// Largest squared length of a log-displacement, which is pi: a full turn.
@@ -204,7 +253,7 @@ impl LaneWork for BlendPosturesJob<'_> {
     fn run<F: Lanes>(self) {
         let rows = self.weights.chunks_exact(self.space.stride());
         for ((weights, &phase), posture) in rows.zip(self.phases).zip(self.postures) {
-            self.space.blend_posture::<F>(weights, &self.space.phase_interval(phase), posture);
+            self.space.blend_posture::<F>(weights, &self.space.phase_interval(phase, 0.0), posture);
         }
     }
 }

@@ -35,13 +35,11 @@ pub struct FootLockConfig {
     /// Largest distances of a planted foot from its position in the motion, before it takes a step, of a body that stands and of
     /// one that moves (m, of the database skeleton, > 0).
     pub reach_m: [f32; 2],
-    /// Speed at which a planted foot comes back to its position in the motion: slow enough not to be seen (m/s, >= 0).
-    pub return_mps: f32,
 }
 
 impl Default for FootLockConfig {
     fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.08, reach_m: [0.12, 0.3], return_mps: 0.004 }
+        Self { enabled: true, half_life_s: 0.08, reach_m: [0.12, 0.3] }
     }
 }
 
@@ -51,12 +49,12 @@ impl FootLockConfig {
     /// # Errors
     /// [`throng_base::Error::Value`] for the first that is out of its range.
     pub(crate) fn check(&self) -> Result<()> {
-        let Self { enabled: _, half_life_s, reach_m, return_mps } = *self;
+        let Self { enabled: _, half_life_s, reach_m } = *self;
         check_range("foot_lock.half_life_s", half_life_s, 1e-3..10.0, "between 0.001 and 10")?;
         for reach_m in reach_m {
             check_range("foot_lock.reach_m", reach_m, 0.01..10.0, "between 0.01 and 10")?;
         }
-        check_range("foot_lock.return_mps", return_mps, 0.0..10.0, "between 0 and 10")
+        Ok(())
     }
 }
 
@@ -216,7 +214,6 @@ impl<'a> FeetTick<'a> {
             landing: &self.landing,
             step_s: F::splat(STEP_S) * F::load(&body.pace),
             reach: reach * scale,
-            returned: F::splat(self.config.return_mps * self.dt_s),
             other_stands,
         };
         let (sole, mut bearing) = lock_foot(&inputs, foot, sole);

@@ -122,8 +122,6 @@ pub(crate) struct FootLockInputs<'a, F> {
     pub step_s: F,
     /// Offset of a planted foot from which it takes a step (m).
     pub reach: F,
-    /// Way by which a planted foot comes back in the tick (m).
-    pub returned: F,
     /// 1 where the other foot stands.
     pub other_stands: F,
 }
@@ -260,8 +258,6 @@ fn offset_of<F: Lanes>(
     let (before, rate) = (load::<F>(&foot.offset), load::<F>(&foot.offset_rate));
     let ((x, rate_x), (z, rate_z)) = (t.air.pull_lanes(before.x, rate.x), t.air.pull_lanes(before.z, rate.z));
     let holding = t.place.vector_to_world(holding);
-    let length = (holding.x * holding.x + holding.z * holding.z).sqrt().max(F::splat(1e-6));
-    let holding = holding * ((length - t.returned).max(zero) / length);
     let offset = V::select_lt(half, held, holding, V::new(x, zero, z));
     let rate = V::select_lt(half, held, (offset - before) * t.rate, V::new(rate_x, zero, rate_z));
     let (none, lost) = (V::new(zero, zero, zero), F::splat(LOST_M) * t.scale);
@@ -394,7 +390,6 @@ mod tests {
                 landing: &spring(0.02),
                 step_s: number(0.35),
                 reach: number(REACH_M),
-                returned: number(0.0),
                 other_stands: number(other_stands),
             };
             let turn = Q::new(V::splat(turn.xyz()), number(turn.w));
@@ -425,6 +420,16 @@ mod tests {
                     assert!(moved < 1e-4, "{name}: part {k} ({is_held}) has moved by {moved} m at step {step}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_planted_foot_stays_for_minutes_beside_its_motion() {
+        let at = |t: f32| Wanted { place: Vec3::X * 0.05 * t.min(1.0), turn: Quat::IDENTITY, contacts: [1.0; 2] };
+        let feet = show(60 * 60, 1.0, at);
+        for part in 0..2 {
+            let moved = feet[3599].parts[part].distance(feet[0].parts[part]);
+            assert!(moved < 1e-3, "part {part} has moved by {moved} m in a minute");
         }
     }
 

@@ -3,7 +3,7 @@
 use super::lane_body::LaneBody;
 use super::lanes::get_lane;
 use super::sample::LanePose;
-use super::springs::DampedSpring;
+use super::upper::LayerTick;
 use crate::planar::wrap_angle;
 use crate::skeleton::Joint;
 use bytemuck::Zeroable;
@@ -17,8 +17,6 @@ const RANGE: [f32; 2] = [70.0 * RADIANS, 35.0 * RADIANS];
 const RADIANS: f32 = std::f32::consts::PI / 180.0;
 /// Distance from the head below which a point is not looked at (m).
 const NEAR_M: f32 = 0.2;
-/// Time in which half of the turn to another direction is made (s).
-const HALF_LIFE_S: f32 = 0.16;
 /// Fastest turn, and most that it changes (rad/s, rad/s^2).
 const RATE: f32 = 4.0;
 const ACCELERATION: f32 = 40.0;
@@ -39,18 +37,6 @@ pub(crate) struct Gaze {
     off: [f32; 2],
     /// Rates of the angles (rad/s).
     rate: [f32; 2],
-}
-
-/// Constants of one step, shared by all gazes.
-pub(crate) struct Eyes {
-    spring: DampedSpring,
-    dt_s: f32,
-}
-
-impl Eyes {
-    pub fn new(dt_s: f32) -> Self {
-        Self { spring: DampedSpring::new(dt_s, HALF_LIFE_S), dt_s }
-    }
 }
 
 /// The trunk of a pose in model space.
@@ -78,7 +64,7 @@ impl Gaze {
     /// - `still`: how little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
     pub fn turn_pose<F: Lanes>(
         &mut self,
-        eyes: &Eyes,
+        tick: &LayerTick<'_>,
         point: Option<Vec3>,
         body: &LaneBody,
         lane: usize,
@@ -94,7 +80,7 @@ impl Gaze {
             let seen = yaw.abs() < RANGE[0] && pitch.abs() < RANGE[1] && to.length() > NEAR_M;
             seen.then(|| [wrap_angle(yaw - forward[0]), pitch - forward[1]])
         });
-        self.follow(eyes, to.unwrap_or_default());
+        self.follow(tick, to.unwrap_or_default());
         let turned = trunk.turned(self.off, chest, forward);
         for k in 3..6 {
             let local = maths::compose(turned[k - 1].conjugate(), turned[k]);
@@ -102,16 +88,9 @@ impl Gaze {
         }
     }
 
-    fn follow(&mut self, eyes: &Eyes, to: [f32; 2]) {
-        if eyes.dt_s == 0.0 {
-            return;
-        }
-        let most = ACCELERATION * eyes.dt_s;
+    fn follow(&mut self, tick: &LayerTick<'_>, to: [f32; 2]) {
         for ((off, rate), to) in self.off.iter_mut().zip(&mut self.rate).zip(to) {
-            let (left, _) = eyes.spring.pull_towards_zero(*off - to, *rate);
-            let wanted = (to + left - *off) / eyes.dt_s;
-            *rate = wanted.clamp(*rate - most, *rate + most).clamp(-RATE, RATE);
-            *off += *rate * eyes.dt_s;
+            tick.follow(off, rate, to, [RATE, ACCELERATION]);
         }
         if to == [0.0; 2] && self.off.iter().chain(&self.rate).all(|v| v.abs() < NONE) {
             *self = Self::ZERO;

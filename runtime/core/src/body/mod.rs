@@ -1,10 +1,12 @@
 //! The body: what pose exactly. Eight characters at a time, a step of their bodies is one list for everybody:
 //!
-//! source -> transition -> gaze -> reactions -> feet -> reach -> write
+//! source -> transition -> clips and lean -> gaze -> reactions -> feet -> reach -> arms -> write
 //!
 //! Sources are frame rows and blends. Whoever moves characters chooses source and control, and nothing else.
 
+mod arms;
 mod detail;
+mod events;
 mod feet;
 mod foot_lock;
 mod gaze;
@@ -24,10 +26,14 @@ mod sample;
 mod springs;
 mod step;
 mod times;
+mod upper;
 mod volume;
 
+pub use arms::ArmLayer;
 pub(crate) use detail::unorm;
 pub use detail::{Detail, DetailLevel, PoseInstance};
+pub use events::{BodyEvent, BodyEventKind};
+pub(crate) use events::{BodyEvents, ClipRows, MovedBody, NO_ROW, find_soles};
 pub use feet::FootLockConfig;
 pub(crate) use feet::{FeetMotion, FeetTick, FootMotion};
 pub(crate) use foot_lock::{Bearing, FootLock, SolePose, is_share};
@@ -40,13 +46,12 @@ pub(crate) use lanes::{Lane, Lane3, RANGE_BLOCKS, RANGE_LEN, get_lane, load, pla
 pub(crate) use lanewise::{Lanewise, lanewise_fields};
 pub use matrix::{LocalTransform, Mat3x4};
 pub(crate) use placement::PlacementLanes;
-pub use reach::HandReach;
 pub(crate) use reach::reach_hand;
 pub use reaction::ReactionConfig;
 pub(crate) use sample::{FrameCursor, FramePosition, LanePose, WINDOW, sample_number, sample_pose};
 pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};
-pub use step::BodyLayers;
 pub(crate) use step::{BodyState, BodyTick, LayerLanes, PlantFeet, PoseOutput, pose_block};
 pub use times::StepTimes;
 pub(crate) use times::{Laps, PhaseClock, StepPhase};
+pub use upper::{BodyLayers, ClipLayer};
 pub use volume::{BodyVolume, JointCapsule};

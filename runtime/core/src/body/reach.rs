@@ -1,5 +1,6 @@
 //! Reaching: hips low enough for both legs, then legs and arms by analytic inverse kinematics.
 
+use super::arms::ArmLayer;
 use super::feet::FeetMotion;
 use super::foot_lock::{Bearing, FootLock, SolePose};
 use super::hierarchy::ModelPose;
@@ -13,10 +14,7 @@ use crate::hits::FIST_PER_FOREARM;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
-use throng_base::error::check_value;
 use throng_base::simd::{Functions, LANES, Lanes, Q, V};
-use throng_base::{Id, Result};
 
 /// Share of a leg's length beyond which its distance is softened, and the share that it never exceeds.
 const SOFT: f32 = 0.97;
@@ -201,34 +199,6 @@ pub(crate) fn reach_hand<F: Lanes>(body: &LaneBody, side: usize, to: V<F>, touch
     }
 }
 
-/// Target of a palm, reached by turning upper arm and forearm; the hand keeps its direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct HandReach {
-    /// A place in the world (m), and how far the palm is taken there (0 to 1): the trunk leans and hips sink for it as far, where
-    /// the arm is too short.
-    pub place: (Vec3, f32),
-    /// A place relative to the root, on the ground below the hips (m), and the weight with which the palm is taken
-    /// there (0 to 1, and no more than the other one leaves).
-    pub level: (Vec3, f32),
-}
-
-impl HandReach {
-    /// Checks all numbers.
-    ///
-    /// # Errors
-    /// [`throng_base::Error::Value`] for a place that is not finite, or shares that are none.
-    pub(crate) fn check(&self, who: Option<Id>) -> Result<()> {
-        for (at, share) in [self.place, self.level] {
-            for got in at.to_array() {
-                check_value("place of a hand", who, got, got.abs() < 1e6, "a finite number below 1e6")?;
-            }
-            check_value("share of a reach", who, share, (0.0..=1.0).contains(&share), "between 0 and 1")?;
-        }
-        let both = self.place.1 + self.level.1;
-        check_value("shares of a reach", who, both, both <= 1.0 + 1e-6, "at most 1 together")
-    }
-}
-
 /// Targets of the hands of eight characters.
 pub(crate) struct Hands {
     /// Position of the left and right palm in model space (m), and its weight: a place in the world, for which the
@@ -244,18 +214,18 @@ impl Hands {
     /// - `root`: planar root of a lane.
     /// - `base`: height of the ground that the hips are held over (m).
     pub fn from_orders(
-        orders: impl Iterator<Item = [Option<HandReach>; 2]> + Clone,
+        orders: impl Iterator<Item = [Option<ArmLayer>; 2]> + Clone,
         root: impl Fn(usize) -> Planar,
         base: &Lane,
     ) -> Option<Self> {
-        if orders.clone().all(|hands| hands == [None; 2]) {
+        if !orders.clone().flatten().flatten().any(|arm| matches!(arm, ArmLayer::Reach { .. })) {
             return None;
         }
         let none = [([[0.0; LANES]; 3], [0.0; LANES]); 2];
         let mut out = Self { place: none, to: none };
         for (lane, hands) in orders.enumerate() {
             for (side, reach) in hands.iter().enumerate() {
-                let Some(HandReach { place: (place, near), level: (level, raised) }) = *reach else { continue };
+                let Some(ArmLayer::Reach { place: (place, near), level: (level, raised) }) = *reach else { continue };
                 let flat = root(lane).inverse_transform_point(Vec2::new(place.x, place.z));
                 let place = Vec3::new(flat.x, place.y, flat.y);
                 let level = level + Vec3::Y * base[lane];
@@ -333,7 +303,7 @@ pub(super) fn soft_length<F: Lanes>([l1, l2]: &[Lane; 2]) -> F {
 }
 
 #[inline(always)]
-fn pair_lengths<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
+pub(super) fn pair_lengths<F: Lanes>(lengths: &[Lane; 2]) -> [F; 2] {
     [F::load(&lengths[0]), F::load(&lengths[1])]
 }
 
@@ -375,7 +345,7 @@ fn natural_reach<F: Lanes>(lengths: &[Lane; 2], natural: F) -> F {
 ///
 /// - `natural`: the length in its motion; 0 where none is known (m).
 #[inline(always)]
-fn soft_distance<F: Lanes>(distance: F, [l1, l2]: [F; 2], natural: F) -> F {
+pub(super) fn soft_distance<F: Lanes>(distance: F, [l1, l2]: [F; 2], natural: F) -> F {
     let length = l1 + l2;
     let from = natural.max(length * F::splat(SOFT)).min(length * F::splat(NATURAL));
     let room = length * F::splat(HARD) - from;

@@ -142,20 +142,12 @@ pub(crate) struct LanePose<F> {
 impl<F: Lanes> LanePose<F> {
     /// Rotation of a joint of one lane.
     pub fn rotation(&self, joint: usize, lane: usize) -> Quat {
-        let Q { v, w } = self.rotations[joint];
-        let [x, y, z, w] = [v.x, v.y, v.z, w].map(|part| part.to_array()[lane]);
-        Quat::from_xyzw(x, y, z, w)
+        self.rotations[joint].lane(lane)
     }
 
     /// Replaces the rotation of a joint of one lane.
     pub fn set_rotation(&mut self, joint: usize, lane: usize, to: Quat) {
-        let Q { v, w } = self.rotations[joint];
-        let mut parts = [v.x, v.y, v.z, w].map(|part| part.to_array());
-        for (part, value) in parts.iter_mut().zip(to.to_array()) {
-            part[lane] = value;
-        }
-        let [x, y, z, w] = parts.map(F::from_array);
-        self.rotations[joint] = Q::new(V::new(x, y, z), w);
+        self.rotations[joint].set_lane(lane, to);
     }
 }
 

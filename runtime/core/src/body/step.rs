@@ -1,50 +1,30 @@
 //! The list of a step: what happens to eight bodies between their motion and their matrices.
 
-use super::gaze::{Eyes, Gaze};
+use super::arms::{ArmLayer, layer_arms};
+use super::events::{ClipRows, FootSwing};
+use super::gaze::Gaze;
 use super::ground::HeightField;
 use super::ground_plane::{BASE_HALF_LIFE_S, hips_ground_height};
 use super::hierarchy::{ModelPose, to_model, write_locals, write_matrices};
-use super::lane_body::LaneBody;
+use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, load};
 use super::lanewise::Lanewise;
 use super::matrix::{LocalTransform, Mat3x4};
 use super::placement::PlacementLanes;
-use super::reach::{HandReach, Hands};
+use super::reach::Hands;
 use super::reaction::{Reaction, ReactionConfig, ReactionStep, any_lane_reacts, push, react_lanes};
 use super::sample::LanePose;
 use super::springs::DampedSpring;
 use super::times::{Laps, StepPhase};
+use super::upper::{BodyLayers, LayerStates, LayerTick};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::error::check_value;
-use throng_base::simd::{LANES, Lanes};
+use throng_base::simd::{LANES, Lanes, V};
 use throng_base::{Id, Result};
-
-/// What a body does beside its motion: a point that it looks at, and places that its palms reach for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BodyLayers {
-    /// A point in the world that head and neck turn to, and the chest a little, while it lies within 70 degrees to the
-    /// sides and 35 degrees up and down of where the body faces (m).
-    pub look_at: Option<Vec3>,
-    /// Targets of the left and the right hand.
-    pub hands: [Option<HandReach>; 2],
-}
-
-impl BodyLayers {
-    /// Checks all numbers.
-    ///
-    /// # Errors
-    /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more.
-    pub(crate) fn check(&self, who: Option<Id>) -> Result<()> {
-        for got in self.look_at.unwrap_or_default().to_array() {
-            check_value("look_at", who, got, got.abs() < 1e6, "a finite number below 1e6 (m)")?;
-        }
-        self.hands.iter().flatten().try_for_each(|reach| reach.check(who))
-    }
-}
 
 /// State of eight bodies on which their next pose depends, whatever moves them.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Zeroable)]
@@ -52,6 +32,8 @@ impl BodyLayers {
 pub(crate) struct BodyState {
     pub reaction: Reaction,
     pub gaze: [Gaze; LANES],
+    pub layers: LayerStates,
+    pub swing: FootSwing,
     /// Height of the ground that the hips are held over (m), and how fast it changes (m/s).
     pub base: Lane,
     pub base_rate: Lane,
@@ -66,6 +48,8 @@ impl BodyState {
     pub const ZERO: Self = Self {
         reaction: Reaction::ZERO,
         gaze: [Gaze::ZERO; LANES],
+        layers: LayerStates::ZERO,
+        swing: FootSwing::ZERO,
         base: [0.0; LANES],
         base_rate: [0.0; LANES],
         drop: [0.0; LANES],
@@ -78,6 +62,7 @@ impl BodyState {
         self.seen[lane] != 0.0
             || self.reaction.active[lane] != 0.0
             || !self.gaze[lane].is_off()
+            || self.layers.active[lane] != 0.0
             || self.base[lane] != 0.0
             || self.drop[lane] != 0.0
     }
@@ -130,9 +115,11 @@ impl BodyState {
 
 impl Lanewise for BodyState {
     fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        let Self { reaction, gaze, base, base_rate, drop, drop_rate, seen } = self;
+        let Self { reaction, gaze, layers, swing, base, base_rate, drop, drop_rate, seen } = self;
         reaction.copy_lane(lane, &from.reaction, from_lane);
         gaze[lane] = from.gaze[from_lane];
+        layers.copy_lane(lane, &from.layers, from_lane);
+        swing.copy_lane(lane, &from.swing, from_lane);
         base.copy_lane(lane, &from.base, from_lane);
         base_rate.copy_lane(lane, &from.base_rate, from_lane);
         drop.copy_lane(lane, &from.drop, from_lane);
@@ -141,10 +128,12 @@ impl Lanewise for BodyState {
     }
 
     fn is_near(&self, lane: usize) -> bool {
-        let Self { reaction, gaze, base, base_rate, drop, drop_rate, seen } = self;
+        let Self { reaction, gaze, layers, swing, base, base_rate, drop, drop_rate, seen } = self;
         reaction.is_near(lane)
             && reaction.is_moderate(lane)
             && gaze[lane].is_sound()
+            && layers.is_near(lane)
+            && swing.is_near(lane)
             && [base, base_rate, drop, drop_rate, seen].iter().all(|of| of.is_near(lane))
     }
 }
@@ -156,25 +145,26 @@ pub(crate) struct BodyTick<'a> {
     /// Spring by which the hips follow the ground.
     pub base: DampedSpring,
     reaction_step: ReactionStep,
-    eyes: Eyes,
+    layers: LayerTick<'a>,
 }
 
 impl<'a> BodyTick<'a> {
-    pub fn new(ground: &'a HeightField, reaction: &'a ReactionConfig, dt_s: f32) -> Self {
+    /// - `rows`: frames that layers may show.
+    pub fn new(ground: &'a HeightField, reaction: &'a ReactionConfig, rows: &'a ClipRows, dt_s: f32) -> Self {
         Self {
             ground,
             reaction,
             base: DampedSpring::new(dt_s, BASE_HALF_LIFE_S),
             reaction_step: ReactionStep::new(reaction, dt_s),
-            eyes: Eyes::new(dt_s),
+            layers: LayerTick::new(rows, dt_s),
         }
     }
 }
 
 /// Layers of eight bodies.
 pub(crate) struct LayerLanes {
-    /// Points in model space that are looked at (m).
-    look_at: [Option<Vec3>; LANES],
+    /// Places that are looked at and pointed at are in model space.
+    layers: [BodyLayers; LANES],
     /// How little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
     still: Lane,
     hands: Option<Hands>,
@@ -186,20 +176,26 @@ impl LayerLanes {
     /// - `root`: planar root of a lane.
     /// - `ground`: height of the ground below the hips (m).
     pub fn new(
-        layers: impl Iterator<Item = BodyLayers> + Clone,
+        orders: impl Iterator<Item = BodyLayers> + Clone,
         still: Lane,
         root: impl Fn(usize) -> Planar,
         ground: &Lane,
     ) -> Self {
-        let mut look_at = [None; LANES];
-        for (lane, layers) in layers.clone().enumerate() {
-            look_at[lane] = layers.look_at.map(|point| {
-                let flat = root(lane).inverse_transform_point(Vec2::new(point.x, point.z));
-                Vec3::new(flat.x, point.y, flat.y)
-            });
+        let to_model = |lane: usize, point: Vec3| {
+            let flat = root(lane).inverse_transform_point(Vec2::new(point.x, point.z));
+            Vec3::new(flat.x, point.y, flat.y)
+        };
+        let mut layers = [BodyLayers::NONE; LANES];
+        for (lane, order) in orders.clone().enumerate() {
+            layers[lane] = BodyLayers { look_at: order.look_at.map(|point| to_model(lane, point)), ..order };
+            for arm in layers[lane].arms.iter_mut().flatten() {
+                if let ArmLayer::Point(at) = arm {
+                    *at = to_model(lane, *at);
+                }
+            }
         }
-        let hands = Hands::from_orders(layers.map(|layers| layers.hands), root, ground);
-        Self { look_at, still, hands }
+        let hands = Hands::from_orders(orders.map(|layers| layers.arms), root, ground);
+        Self { layers, still, hands }
     }
 
     /// Distance by which hips sink so that hands reach low targets; none where no hand reaches (m).
@@ -222,7 +218,8 @@ pub(crate) trait PlantFeet<F: Lanes> {
     fn plant(&mut self, layers: &LayerLanes, place: &PlacementLanes<F>, state: &mut BodyState, pose: &mut ModelPose<F>);
 }
 
-/// Poses a block from what its motion is, transitions included: gaze -> reactions -> feet -> reach -> write.
+/// Poses a block from what its motion is, transitions included: clips -> gaze -> reactions -> feet -> reach -> arms -> write.
+/// Returns where the balls of the feet are in the world (left, right).
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "what the list has from each of its callers")]
 pub(crate) fn pose_block<F: Lanes>(
@@ -235,10 +232,18 @@ pub(crate) fn pose_block<F: Lanes>(
     feet: &mut impl PlantFeet<F>,
     to: PoseOutput<'_>,
     laps: &mut Laps<'_>,
-) {
+) -> [V<F>; 2] {
+    let orders = &layers.layers;
+    let shows = F::load(&state.layers.active).any_gt(F::splat(0.5)) || !orders.iter().all(BodyLayers::is_plain);
+    if shows {
+        for (lane, (layers, order)) in state.layers.lanes.iter_mut().zip(orders).enumerate() {
+            layers.turn_trunk(&tick.layers, order, lane, &mut motion);
+        }
+    }
     for (lane, gaze) in state.gaze.iter_mut().enumerate() {
-        if layers.look_at[lane].is_some() || !gaze.is_off() {
-            gaze.turn_pose(&tick.eyes, layers.look_at[lane], body, lane, layers.still[lane], &mut motion);
+        let look_at = orders[lane].look_at;
+        if look_at.is_some() || !gaze.is_off() {
+            gaze.turn_pose(&tick.layers, look_at, body, lane, layers.still[lane], &mut motion);
         }
     }
     let mut pose = to_model(|j| load(&body.offsets[j]), motion);
@@ -253,9 +258,13 @@ pub(crate) fn pose_block<F: Lanes>(
     if let Some(hands) = &layers.hands {
         hands.reach_places(body, &mut pose);
     }
+    if shows {
+        layer_arms(body, &tick.layers, orders, &mut state.layers, &mut pose);
+    }
     write_matrices(&pose, to.matrices);
     if !to.locals.is_empty() {
         write_locals(|j| load(&body.offsets[j]), &pose, to.locals.len() / NUM_JOINTS, to.locals);
     }
     laps.end(StepPhase::Poses);
+    LEGS.map(|leg| place.to_world(pose.positions[leg[3].index()]))
 }

@@ -163,7 +163,9 @@ pub(super) fn graph(t: &Bundle) -> Result<(), FormatError> {
         let (stored, shown) = (s.displacement(), root_seen_from(t, s.start, last as u32));
         let turned = wrap_angle(stored.heading - shown.heading).abs();
         let is_there = is_near(shown, stored.x, stored.z) && turned < ASTRAY && stored.heading.abs() < FARTHEST;
-        ensure(is_there && s.reserved == 0, || error("its displacement is not that of its frames"))?;
+        ensure(is_there, || error("its displacement is not that of its frames"))?;
+        let idles = s.idle >= s.num_frames && u64::from(s.start) + u64::from(s.idle) < clip_end;
+        ensure(s.idle == 0 || idles, || error("it idles for a time that its clip does not have"))?;
     }
     let [states, offsets] = [g.states.len(), g.action_offsets.len()];
     let error = || FormatError::layout(format!("{offsets} action offsets for {states} states"));

@@ -7,6 +7,7 @@ mod sections;
 pub use sections::tags;
 
 use crate::blend::{Activity, ActivitySet, BlendSpace, Blends};
+use crate::body::ClipRows;
 use crate::contacts::Contacts;
 use crate::format::{
     ActivityMeta, AlignedBytes, ClipRecord, FileStorage, FormatError, FrameRow, Meta, RotationCode, SectionLayout,
@@ -144,7 +145,8 @@ impl Bundle {
                 segments: s.segments.clone(),
                 action_offsets: s.action_offsets.clone(),
                 action_segments: s.action_segments.clone(),
-                action_errors: s.action_errors.clone(),
+                // Those of policies with errors of their own follow.
+                action_errors: s.action_errors.part(0..s.action_segments.len()).unwrap_or_default(),
             },
             stops: StopTables { sweeps: s.sweeps.clone(), nodes: s.sweep_nodes.clone(), stops: s.stops.clone() },
             patches: PatchTables {
@@ -284,18 +286,19 @@ impl Bundle {
     /// The activities; empty where the bundle was built without them.
     pub fn activities(&self) -> ActivitySet {
         let (activities, rate_hz) = (&self.meta().activities, self.meta().rate_hz as f32);
-        if activities.is_empty() {
-            return ActivitySet::default();
-        }
         let activity = |a: &ActivityMeta| Activity::new(a, &self.clips()[a.clip as usize], rate_hz);
         ActivitySet {
             activities: activities.iter().map(activity).collect(),
-            frames: self.frames().clone(),
             contacts: self.contacts().clone(),
-            code: self.shared.sections.rotation_code.clone(),
             skeleton: self.skeleton().clone(),
-            rate_hz,
+            rows: self.clip_rows(),
         }
+    }
+
+    /// Frames that layers may show.
+    pub(crate) fn clip_rows(&self) -> ClipRows {
+        let (frames, code) = (self.frames().clone(), self.shared.sections.rotation_code.clone());
+        ClipRows::new(frames, code, self.clips(), self.meta())
     }
 
     /// A hash of the whole content. All bytes are read when it is asked for the first time.

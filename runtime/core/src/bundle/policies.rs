@@ -21,6 +21,7 @@ pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError>
     let mut rest = PolicySlices {
         segments: s.policy_segments.clone(),
         paths: s.policy_paths.clone(),
+        errors: s.action_errors.part(errors.len()..s.action_errors.len()).unwrap_or_default(),
         state_grids: s.policy_state_grids.clone(),
         values: s.policy_values.clone(),
         best: s.policy_best.clone(),
@@ -29,6 +30,7 @@ pub(super) fn open_policies(t: &Bundle) -> Result<Vec<PolicyTable>, FormatError>
     let sections = [
         (tags::POLICY_SEGMENTS, s.policy_segments.len(), rest.segments.len()),
         (tags::POLICY_PATHS, s.policy_paths.len(), rest.paths.len()),
+        (tags::ACTION_ERRORS, s.action_errors.len(), rest.errors.len()),
         (tags::POLICY_STATE_GRIDS, s.policy_state_grids.len(), rest.state_grids.len()),
         (tags::POLICY_VALUES, s.policy_values.len(), rest.values.len()),
         (tags::POLICY_BEST, s.policy_best.len(), rest.best.len()),
@@ -46,9 +48,8 @@ fn policy(
 ) -> Result<PolicyTable, FormatError> {
     let wrong = |e: Error| FormatError::value(tags::POLICIES, index, e.to_string());
     let r = &t.policy_records()[index];
-    let fault = "its reserved fields are not zero";
-    ensure(r.reward.reserved == 0, || FormatError::value(tags::POLICIES, index, fault))?;
     let (num_states, num_segments) = (actions.num_states(), actions.num_segments());
+    let num_errors = if r.reward.own_errors == 0 { 0 } else { actions.num_actions() };
     let num_paths = if r.grid.kind == KIND_SPACE_TIME { num_segments } else { 0 };
     let state_grids = take_rows(&mut rest.state_grids, if r.adaptive == 0 { 0 } else { num_states });
     let num_values = match r.adaptive {
@@ -58,6 +59,7 @@ fn policy(
     let slices = PolicySlices {
         segments: take_rows(&mut rest.segments, num_segments),
         paths: take_rows(&mut rest.paths, num_paths),
+        errors: take_rows(&mut rest.errors, num_errors),
         state_grids,
         values: take_rows(&mut rest.values, num_values),
         best: take_rows(&mut rest.best, num_values.saturating_mul(r.num_choices as usize)),

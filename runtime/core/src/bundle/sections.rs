@@ -60,7 +60,7 @@ sections! {
     ACTION_OFFSETS = b"AOFF", action_offsets: u32;
     /// Segment of each action (u32).
     ACTION_SEGMENTS = b"ASEG", action_segments: u32;
-    /// Error of each action (f32).
+    /// Error of each action (f32), then per policy with errors of its own, and action.
     ACTION_ERRORS = b"AERR", action_errors: f32;
     /// [`crate::stops::SweepRecord`] per segment.
     SWEEPS = b"SWEP", sweeps: SweepRecord;

@@ -2,7 +2,7 @@
 
 use super::{AvoidConfig, FootLockConfig, ReactionConfig};
 use throng_base::Result;
-use throng_base::error::check_value;
+use throng_base::error::{check_range, check_value};
 use throng_base::limits::{BEND, TEMPERATURE};
 
 /// Method by which a character chooses among the actions of its state.
@@ -37,6 +37,8 @@ pub struct CharactersConfig {
     /// Largest bending of a walked action towards the target; 0 leaves motion as captured (Lee, Choi and Lee 2006,
     /// section 6, linear path editing) (rad/m, >= 0).
     pub bend_rad_per_m: f32,
+    /// How much persons differ in the way they hold trunk, arms and head; 0 leaves all as captured (0 to 1).
+    pub carriage: f32,
     /// Avoidance of other characters and walls; without it characters ignore both.
     pub avoid: Option<AvoidConfig>,
     /// Also write local transforms.
@@ -57,6 +59,7 @@ impl Default for CharactersConfig {
             foot_lock: FootLockConfig::default(),
             reaction: ReactionConfig::default(),
             bend_rad_per_m: 0.0,
+            carriage: 0.0,
             avoid: None,
             local_transforms: false,
             instances: false,
@@ -85,6 +88,7 @@ impl CharactersConfig {
         self.foot_lock.check()?;
         self.reaction.check()?;
         self.avoid.map_or(Ok(()), |avoid| avoid.check())?;
+        check_range("carriage", self.carriage, 0.0..=1.0, "between 0 and 1")?;
         BEND.check("bend_rad_per_m", None, self.bend_rad_per_m)?;
         if let ActionChoice::LookAhead { temperature } = self.choice {
             TEMPERATURE.check("temperature", None, temperature)?;

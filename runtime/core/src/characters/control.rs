@@ -1,9 +1,10 @@
 //! Control: a character at the end of its segment chooses the next action.
 
-use super::avoid::SegmentPlan;
+use super::avoid::{SegmentPlan, stop_of};
 use super::bent;
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::blow::PassedHits;
+use super::idle::StandingChooser;
 use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
@@ -11,14 +12,19 @@ use super::step::CharactersTick;
 use super::transition::{SegmentChange, StartTransitionsJob};
 use super::{ActionChoice, Characters, CharactersConfig, pace};
 use crate::body::set_lane;
+use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::policy::{self, BestActionJob, LookAheadJob, RankedActions};
+use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::{LANES, dispatch};
 
 /// Characters that choose together; the batch lives on the stack.
 pub(crate) const BATCH: usize = 64;
+/// Choices after which a character likes other blows.
+const SAME_TASTE: u32 = 4;
+/// Difference of the scores of a blow that a character likes and of one that it does not, in temperatures.
+const DISLIKE: f32 = 8.0;
 /// Behaviours that may be weighed against each other.
 pub(crate) const MAX_GOALS: usize = 4;
 
@@ -50,6 +56,8 @@ struct PendingChoices {
     targets: [[Vec3; BATCH]; MAX_GOALS],
     weights: [[f32; BATCH]; MAX_GOALS],
     actions: [u8; BATCH],
+    /// Rate at which a turn on the spot is bent (rad/frame).
+    bends: [f32; BATCH],
     /// Behaviours that all of them ask.
     policies: [usize; MAX_GOALS],
     num_goals: usize,
@@ -75,6 +83,7 @@ pub(crate) fn choose_all(
         targets: [[Vec3::ZERO; BATCH]; MAX_GOALS],
         weights: [[0.0; BATCH]; MAX_GOALS],
         actions: [0; BATCH],
+        bends: [0.0; BATCH],
         policies: [0; MAX_GOALS],
         num_goals: 0,
     };
@@ -91,17 +100,20 @@ pub(crate) fn choose_all(
             from = next;
             continue;
         }
-        pending.select_actions(blocks, tick);
+        pending.select_actions(blocks, first, tick);
         apply_choices(&pending, blocks, bodies, passed, first, tick);
     }
 }
 
 impl PendingChoices {
-    /// Adds a character that has played its segment to the end.
+    /// Adds a character that has played its segment to the end, unless it is to stay there.
     fn collect(&mut self, blocks: &[MotionBlock], character: usize, first: usize, tick: &CharactersTick<'_>) {
         let motion_set = tick.motion_set;
         let (b, lane) = (&blocks[character / LANES], character % LANES);
         if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == SCHEDULED {
+            return;
+        }
+        if b.pace[lane] == pace::HELD_STILL && tick.orders[first + character].is_to_stand() {
             return;
         }
         let (num_goals, goals) = active_goals(&tick.orders[first + character], motion_set);
@@ -130,12 +142,18 @@ impl PendingChoices {
     }
 
     /// Fills in the actions.
-    fn select_actions(&mut self, blocks: &[MotionBlock], tick: &CharactersTick<'_>) {
+    fn select_actions(&mut self, blocks: &[MotionBlock], first: usize, tick: &CharactersTick<'_>) {
         let CharactersTick { motion_set, config, .. } = *tick;
         let (n, num_goals, policies) = (self.len, self.num_goals, self.policies);
         let states = &self.states[..n];
+        self.bends[..n].fill(0.0);
         match config.choice {
-            _ if num_goals == 0 => self.actions[..n].fill(0),
+            _ if num_goals == 0 => {
+                for i in 0..n {
+                    let order = &tick.orders[first + self.characters[i] as usize];
+                    (self.actions[i], self.bends[i]) = self.standing_chooser(i, blocks, tick).choose_stand(order);
+                }
+            }
             ActionChoice::BestAction if num_goals == 1 => {
                 let policy = &motion_set.policies[policies[0]];
                 let (targets, actions) = (&self.targets[0][..n], &mut self.actions[..n]);
@@ -161,8 +179,55 @@ impl PendingChoices {
                 for i in 0..n {
                     let c = self.characters[i] as usize;
                     let (b, lane) = (&blocks[c / LANES], c % LANES);
+                    vary_blows(&mut ranked[i], motion_set, states[i], |hit| {
+                        let number = config.first_number.wrapping_add(b.name[lane]);
+                        let epoch = u64::from(b.num_choices[lane] / SAME_TASTE);
+                        let taste = uniform_random(config.seed ^ u64::from(hit + 1).rotate_right(16), number, epoch);
+                        temperature * DISLIKE * (taste - 0.5)
+                    });
                     self.actions[i] = ranked[i].choose(temperature, draw_random(b, lane, config));
                 }
+            }
+        }
+        if num_goals == 1 {
+            for i in 0..n {
+                let (policy, weight, target) =
+                    (&motion_set.policies[policies[0]], self.weights[0][i], self.targets[0][i]);
+                let chooser = self.standing_chooser(i, blocks, tick);
+                self.actions[i] = chooser.replace_action(policy, weight, target, self.actions[i]);
+            }
+        }
+    }
+
+    fn standing_chooser<'a>(
+        &self,
+        i: usize,
+        blocks: &'a [MotionBlock],
+        tick: &CharactersTick<'a>,
+    ) -> StandingChooser<'a> {
+        let character = self.characters[i] as usize;
+        let CharactersTick { motion_set, config, .. } = *tick;
+        let b = &blocks[character / LANES];
+        StandingChooser { b, lane: character % LANES, state: self.states[i], root: self.roots[i], motion_set, config }
+    }
+}
+
+/// Changes the scores of blows by what a character likes at the moment, so that nobody throws the same one all the time.
+///
+/// - `dislike`: of a hit, as a share of the best score.
+fn vary_blows(ranked: &mut RankedActions, motion_set: &MotionSet, state: u32, dislike: impl Fn(u32) -> f32) {
+    if motion_set.hits.is_empty() {
+        return;
+    }
+    let (segments, unit) = (motion_set.graph.segments_of(state), ranked.scores[0].abs());
+    for k in 0..MAX_RANKED {
+        let segment = segments.get(usize::from(ranked.actions[k]));
+        let hit = segment.filter(|_| ranked.actions[k] != NO_ACTION).and_then(|s| motion_set.hits_of(*s).next());
+        ranked.scores[k] -= hit.map_or(0.0, |hit| unit * dislike(hit));
+        for i in (1..=k).rev() {
+            if ranked.scores[i] > ranked.scores[i - 1] {
+                ranked.scores.swap(i, i - 1);
+                ranked.actions.swap(i, i - 1);
             }
         }
     }
@@ -186,10 +251,23 @@ fn apply_choices(
         let segment = motion_set.graph.segments_of(state)[usize::from(pending.actions[i])];
         let new = &motion_set.graph.segments[segment as usize];
         let bend = match pending.num_goals {
-            0 => 0.0,
+            0 => pending.bends[i],
             _ => bend_rate(new.displacement(), new.num_frames, pending.targets[0][i], config.bend_rad_per_m),
         };
-        let plan = SegmentPlan { segment, pace: pace::NORMAL, bend };
+        let stands = tick.orders[first + character].is_to_stand();
+        let pace = match b.pace[lane] {
+            pace::SLOWING if stands => {
+                // It came to its stand.
+                (b.pace[lane], b.wait[lane], b.time[lane]) = (pace::HELD_STILL, 0.0, b.length[lane] as f32);
+                continue;
+            }
+            pace::SLOWING | pace::HELD_STILL => pace::STARTING,
+            _ if stands && new.idle == 0 && segment == motion_set.stops.stops[state as usize].segment => {
+                stop_of(state, motion_set).pace
+            }
+            _ => pace_of(new),
+        };
+        let plan = SegmentPlan { segment, pace, bend };
         let left = b.time[lane] - b.length[lane] as f32;
         let begin_it = SegmentBegin { at: first + character, state, root: pending.roots[i], plan, left };
         let change = begin_segment(b, &begin_it, passed, motion_set);
@@ -201,6 +279,11 @@ fn apply_choices(
     for group in changes[..num_changes].chunks(LANES) {
         dispatch(StartTransitionsJob { group, motion_set, half_life_s: config.half_life_s, bodies });
     }
+}
+
+/// Pace at which a segment is played that nothing holds up.
+pub(crate) fn pace_of(segment: &MotionSegment) -> u32 {
+    if segment.idle > 0 { pace::IDLING } else { pace::NORMAL }
 }
 
 /// A segment that begins.
@@ -303,8 +386,13 @@ pub(crate) fn bend_rate(displacement: Planar, num_frames: u32, target: Vec3, lim
     wrap_angle(maths::atan2(left.x, left.y) - displacement.heading).clamp(-limit, limit) / num_frames as f32
 }
 
-/// A number in [0, 1) that depends on nothing but its arguments (SplitMix64 over their combination).
+/// A number in [0, 1) that depends on nothing but its arguments.
 pub fn uniform_random(seed: u64, character: u64, draw: u64) -> f32 {
+    (random_bits(seed, character, draw) >> 40) as f32 / (1u64 << 24) as f32
+}
+
+/// Bits that depend on nothing but the arguments (SplitMix64 over their combination).
+pub(super) fn random_bits(seed: u64, character: u64, draw: u64) -> u64 {
     let mut z = seed ^ character.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ draw.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..2 {
         z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
@@ -312,7 +400,7 @@ pub fn uniform_random(seed: u64, character: u64, draw: u64) -> f32 {
         z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
         z ^= z >> 31;
     }
-    (z >> 40) as f32 / (1u64 << 24) as f32
+    z
 }
 
 #[cfg(test)]
@@ -325,6 +413,29 @@ mod tests {
         let mean = (0..n).map(|i| f64::from(uniform_random(1, i % 100, i / 100))).sum::<f64>() / n as f64;
         assert!((mean - 0.5).abs() < 0.01, "{mean}");
         assert_ne!(uniform_random(1, 2, 3), uniform_random(1, 3, 2));
+    }
+
+    #[test]
+    fn blows_that_a_character_dislikes_are_ranked_lower() {
+        let hit = |frame| crate::hits::HitRecord {
+            frame,
+            force: 1.0,
+            speed_mps: 5.0,
+            direction: [0.0, 0.0, 1.0],
+            ..Default::default()
+        };
+        let ranks = |hits: &[crate::hits::HitRecord]| {
+            let tables = crate::characters::made_up::tables_with(hits);
+            let (mut ranked, none) = (RankedActions::NONE, f32::NEG_INFINITY);
+            ranked.scores = [2.0, 1.8, none, none];
+            (ranked.actions[0], ranked.actions[1]) = (0, 1);
+            vary_blows(&mut ranked, &MotionSet::new(&tables), 0, |hit| if hit == 0 { 0.2 } else { -0.05 });
+            (ranked.actions[..2].to_vec(), ranked.scores[..2].to_vec())
+        };
+        assert_eq!(ranks(&[]), (vec![0, 1], vec![2.0, 1.8]));
+        let (actions, scores) = ranks(&[hit(25), hit(85)]);
+        assert_eq!(actions, [1, 0]);
+        assert!((scores[0] - 1.9).abs() < 1e-6 && (scores[1] - 1.6).abs() < 1e-6, "{scores:?}");
     }
 
     #[test]

@@ -5,11 +5,14 @@ mod avoid;
 mod bent;
 mod block;
 mod blow;
+mod carriage;
 mod config;
 mod control;
 mod decay;
 mod detail;
+mod idle;
 #[cfg(any(test, feature = "made-up"))]
+#[path = "../../tests/common/made_up.rs"]
 pub mod made_up;
 mod motion_set;
 mod order;

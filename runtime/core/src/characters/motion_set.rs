@@ -1,6 +1,7 @@
 //! Views of a bundle that a step reads, checked once.
 
-use crate::body::{FramePosition, LaneBody, WINDOW, sample_number};
+use super::idle::{TurnToStand, WaysToStand, find_turns};
+use crate::body::{ClipRows, FramePosition, LaneBody, WINDOW, sample_number};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::format::{ClipRecord, FrameRow, RotationCode, Table};
@@ -12,7 +13,7 @@ use crate::skeleton::{Joint, Skeleton};
 use crate::stops::StopTables;
 
 use bytemuck::Zeroable;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use throng_base::maths;
 
@@ -31,10 +32,15 @@ pub struct MotionSet {
     segment_hits: Table<[u32; 2]>,
     pub(crate) graph: MotionGraph,
     pub(crate) stops: StopTables,
+    /// What each segment leads to as its clip goes on (number of segments).
+    pub(super) turns: Arc<[TurnToStand]>,
+    pub(super) ways: Arc<WaysToStand>,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     /// The skeleton, in all lanes.
     pub(crate) body: Arc<LaneBody>,
+    /// What layers may show.
+    pub(crate) rows: ClipRows,
     /// Bundle that all views are taken from.
     pub(crate) bundle: Bundle,
     /// Frames a second (Hz).
@@ -44,6 +50,8 @@ pub struct MotionSet {
 impl MotionSet {
     /// Takes the needed views of an open bundle.
     pub fn new(tables: &Bundle) -> Self {
+        let rate_hz = tables.meta().rate_hz as f32;
+        let turns = find_turns(tables.graph(), rate_hz);
         Self {
             frames: ensure_length(tables.frames(), WINDOW),
             rotation_code: Arc::new(*tables.rotation_code()),
@@ -54,11 +62,14 @@ impl MotionSet {
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
             stops: tables.stops().clone(),
+            ways: WaysToStand::find(tables.graph(), &turns, rate_hz).into(),
+            turns: turns.into(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             body: Arc::new(LaneBody::from_skeleton(tables.skeleton())),
+            rows: tables.clip_rows(),
             bundle: tables.clone(),
-            rate_hz: tables.meta().rate_hz as f32,
+            rate_hz,
         }
     }
 
@@ -115,6 +126,15 @@ impl MotionSet {
     /// Number of the clip that a frame belongs to (frame < number of frames).
     pub(crate) fn clip_of(&self, frame: u32) -> usize {
         self.clips.partition_point(|c| c.first_frame <= frame) - 1
+    }
+
+    /// Ankles in a frame, as seen from its planar root.
+    pub(super) fn ankles(&self, frame: u32) -> [Vec2; 2] {
+        let root = self.planar_root(frame);
+        [Joint::LeftFoot, Joint::RightFoot].map(|j| {
+            let at = self.joint_point(frame, j, Vec3::ZERO);
+            root.inverse_transform_point(Vec2::new(at.x, at.z))
+        })
     }
 
     /// Position of a point of a joint in a frame, within its clip (m).

@@ -4,6 +4,7 @@ use super::control::MAX_GOALS;
 use super::motion_set::MotionSet;
 use crate::body::BodyLayers;
 use crate::bundle::Bundle;
+use crate::planar::wrap_angle;
 use crate::policy::PolicyTable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -47,7 +48,19 @@ impl BundlePolicy {
     }
 }
 
-/// Weighted behaviours around one target; stays until it is changed.
+/// What a character does that follows no behaviour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) enum StandOrder {
+    /// The first action of each state.
+    #[default]
+    Follow,
+    /// Comes to a stand, and idles there.
+    Stop,
+    /// Comes to a stand, and turns to a heading (rad).
+    Turn(f32),
+}
+
+/// Weighted behaviours around one target, or a stand; stays until it is changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PolicyOrder {
     policies: [u32; MAX_GOALS],
@@ -57,6 +70,8 @@ pub struct PolicyOrder {
     /// Target of policies on space-time grids.
     threat: Vec3,
     pub(super) layers: BodyLayers,
+    /// Counts where there are no behaviours.
+    pub(super) stands: StandOrder,
 }
 
 impl PolicyOrder {
@@ -67,8 +82,19 @@ impl PolicyOrder {
         num_goals: 0,
         target: Vec3::ZERO,
         threat: Vec3::ZERO,
-        layers: BodyLayers { look_at: None, hands: [None; 2] },
+        layers: BodyLayers::NONE,
+        stands: StandOrder::Follow,
     };
+
+    /// An order to stop as soon as the motion allows, and to stand at ease there.
+    pub const STOP: Self = Self { stands: StandOrder::Stop, ..Self::IDLE };
+
+    /// An order to stop, and to turn to a heading on the spot.
+    ///
+    /// - `heading`: about +Y from +Z (rad).
+    pub fn turn_to(heading: f32) -> Self {
+        Self { stands: StandOrder::Turn(heading), ..Self::IDLE }
+    }
 
     /// Order of one behaviour.
     ///
@@ -90,6 +116,19 @@ impl PolicyOrder {
         self
     }
 
+    /// True where the character is to stand, whatever its policies say.
+    pub(super) fn is_to_stand(&self) -> bool {
+        self.num_goals == 0 && self.stands != StandOrder::Follow
+    }
+
+    /// Turn that is left to a heading that it orders (rad).
+    pub(super) fn turn_left(&self, from: f32) -> f32 {
+        match self.stands {
+            StandOrder::Turn(heading) => wrap_angle(heading - from),
+            _ => 0.0,
+        }
+    }
+
     /// Replaces the target of all behaviours (m).
     pub fn with_target(self, target: Vec3) -> Self {
         Self { target, threat: target, ..self }
@@ -102,9 +141,14 @@ impl PolicyOrder {
         Self { threat, ..self }
     }
 
-    /// Adds what the body does beside its motion: a point to look at, places to reach for.
+    /// Replaces what the body does beside its motion.
     pub fn with_layers(self, layers: BodyLayers) -> Self {
         Self { layers, ..self }
+    }
+
+    /// What the body does beside its motion.
+    pub fn layers(&self) -> BodyLayers {
+        self.layers
     }
 
     /// Replaces the weights of the behaviours (policies().len()).
@@ -156,7 +200,10 @@ impl PolicyOrder {
             check_index("policy", who, policy as usize, motion_set.num_policies())?;
             check_value("weight", who, weight, weight.abs() < 1e6, "a finite number below 1e6")?;
         }
-        self.layers.check(who)?;
+        if let StandOrder::Turn(heading) = self.stands {
+            check_value("heading", who, heading, heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
+        }
+        self.layers.check(who, motion_set.num_frames())?;
         self.check_target(who)
     }
 

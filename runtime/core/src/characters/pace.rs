@@ -1,4 +1,4 @@
-//! Pace of a segment: at its own rate, slowing to a stand, starting from a stand, or in place.
+//! Pace of a segment: at its own rate, slowing to a stand, starting from a stand, in place, or idling.
 
 /// Played at its own rate.
 pub const NORMAL: u32 = 0;
@@ -10,6 +10,8 @@ pub const STARTING: u32 = 2;
 pub const HELD_STILL: u32 = 3;
 /// Played at its own rate, but the root stays at its final place.
 pub const IN_PLACE: u32 = 4;
+/// Played nearly at its own rate, which each character has of its own.
+pub const IDLING: u32 = 5;
 
 /// Frame at a time since the segment began (both in frames; 0 to 2 `length` where its pace changes).
 pub fn frame_at_time(pace: u32, length: f32, time: f32) -> f32 {

@@ -1,14 +1,15 @@
 //! Characters as a character group: they come and go, each with an id and an order of its own.
 
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
+use super::idle::FACING;
 use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::snapshot::is_sound;
 use super::{
-    Blow, CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
+    CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
     segments_into_states,
 };
-use crate::body::{HeightField, LocalTransform, Mat3x4};
+use crate::body::{BodyEvent, BodyEventKind, BodyEvents, BodyLayers, HeightField, LocalTransform, Mat3x4, MovedBody};
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
@@ -70,7 +71,7 @@ pub struct PolicyCharacters {
     roster: Roster,
     pub(super) orders: Vec<PolicyOrder>,
     roots: Vec<Planar>,
-    events: Vec<(Id, Blow)>,
+    events: BodyEvents,
     /// See [`PolicyCharacters::hold_entrants`].
     pub(super) gathers: bool,
 }
@@ -93,7 +94,7 @@ impl PolicyCharacters {
             roster: Roster::with_capacity(capacity),
             orders: Vec::with_capacity(capacity),
             roots: Vec::with_capacity(capacity),
-            events: Vec::with_capacity(characters.blows.max_blows()),
+            events: BodyEvents::with_capacity(capacity, characters.blows.max_blows()),
             gathers: false,
             characters,
         })
@@ -120,6 +121,15 @@ impl PolicyCharacters {
     /// [`Error::Gone`].
     pub fn order_of(&self, id: Id) -> Result<&PolicyOrder> {
         Ok(&self.orders[self.roster.row(id)?])
+    }
+
+    /// Replaces what the body of a character does beside its motion; the rest of its order stays.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or what is wrong with the layers.
+    pub fn set_layers(&mut self, id: Id, layers: BodyLayers) -> Result<()> {
+        let order = self.order_of(id)?.with_layers(layers);
+        self.order(id, order)
     }
 
     /// Planted parts of a character's feet.
@@ -263,6 +273,40 @@ impl PolicyCharacters {
         self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
     }
 
+    /// Frame row of a character.
+    fn frame_row(&self, at: usize) -> u32 {
+        let (block, lane) = (&self.characters.blocks[at / LANES], at % LANES);
+        block.first[lane] + block.time[lane].max(0.0) as u32
+    }
+
+    /// Notes all before a step of so many frames.
+    fn note_before(&mut self, frames: f32) {
+        self.events.clear(frames);
+        for at in 0..self.orders.len() {
+            let seen = self.characters.bodies[at / LANES].state.seen[at % LANES] > 0.5;
+            let contacts = seen.then(|| self.characters.contacts(at));
+            self.events.note_before(contacts, self.frame_row(at));
+        }
+    }
+
+    /// Gathers the events of a step, character by character.
+    fn note_events(&mut self) {
+        let mut num_blows = 0;
+        for at in 0..self.orders.len() {
+            let (id, row, contacts) = (self.roster.ids()[at], self.frame_row(at), self.characters.contacts(at));
+            let Characters { bodies, matrices, blows, .. } = &self.characters;
+            for blow in blows.get()[num_blows..].iter().take_while(|blow| blow.character as usize == at) {
+                num_blows += 1;
+                let event = BodyEvent::new(BodyEventKind::Blow, blow.hit);
+                self.events.add(id, BodyEvent { at: blow.point, strength: blow.force, ..event });
+            }
+            let (root, model) = (self.roots[at], &matrices.as_chunks().0[at]);
+            let of = MovedBody { body: &self.motion_set.body, root, model, swing: &bodies[at / LANES].state.swing };
+            self.events.add_contacts(at, id, contacts, &of);
+            self.events.add_tags(at, id, &self.motion_set.rows, row);
+        }
+    }
+
     fn snapshot_kind(&self) -> SnapshotKind {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.bundle.hash().to_le_bytes());
@@ -270,7 +314,7 @@ impl PolicyCharacters {
         let outputs =
             CharactersConfig { local_transforms: false, instances: false, timed: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 7, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 8, setup: setup.finish() }
     }
 }
 
@@ -286,7 +330,7 @@ pub(super) fn no_graph() -> Error {
 impl CharacterGroup for PolicyCharacters {
     type Start = Spawn;
     type Order = PolicyOrder;
-    type Event = Blow;
+    type Event = BodyEvent;
 
     /// Spawns a character, whose pose is there after the next step.
     ///
@@ -346,20 +390,25 @@ impl CharacterGroup for PolicyCharacters {
 
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
+        self.note_before(dt_s * self.motion_set.rate_hz);
         self.characters.run(&self.motion_set, dt_s, &self.orders, run);
         for (at, root) in self.roots.iter_mut().enumerate() {
             *root = self.characters.root(at);
         }
-        self.events.clear();
-        let ids = self.roster.ids();
-        self.events.extend(self.characters.blows().iter().map(|blow| (ids[blow.character as usize], *blow)));
+        self.note_events();
         Ok(())
     }
 
-    /// Going until the place that the first behaviour brings to its target is within [`ARRIVED_M`] of it.
+    /// Going until the place that the first behaviour brings to its target is within [`ARRIVED_M`] of it, or until the character
+    /// stands, and faces where it is told to.
     fn status(&self, id: Id) -> Result<OrderStatus> {
         let at = self.roster.row(id)?;
         let order = &self.orders[at];
+        if order.is_to_stand() {
+            let turns = order.turn_left(self.roots[at].heading).abs() > FACING;
+            let stands = self.characters.is_at_rest(&self.motion_set, at) && !turns;
+            return Ok(if stands { OrderStatus::Arrived } else { OrderStatus::Going { left_m: 0.0 } });
+        }
         let Some(policy) = order.policies().first().and_then(|&p| self.motion_set.policy(p as usize)) else {
             return Ok(OrderStatus::Idle);
         };
@@ -369,8 +418,8 @@ impl CharacterGroup for PolicyCharacters {
         Ok(if left_m <= ARRIVED_M { OrderStatus::Arrived } else { OrderStatus::Going { left_m } })
     }
 
-    fn events(&self) -> &[(Id, Blow)] {
-        &self.events
+    fn events(&self) -> &[(Id, BodyEvent)] {
+        self.events.get()
     }
 
     fn bodies(&self) -> PosedBodies<'_> {
@@ -420,7 +469,7 @@ impl CharacterGroup for PolicyCharacters {
         self.orders.clone_from(&orders);
         self.roots.clear();
         self.roots.extend((0..n).map(|at| self.characters.root(at)));
-        self.events.clear();
+        self.events.clear(0.0);
         Ok(())
     }
 

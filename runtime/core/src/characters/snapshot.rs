@@ -19,7 +19,7 @@ const MOST_ADDED: f32 = 1.1e6;
 const MOST_BENT: f32 = 3.2;
 
 /// State of characters at one instant: all that their next steps depend on, without poses. It can be written and read,
-/// and be changed there: [`Characters::restore`] checks it. (about 650 bytes a character)
+/// and be changed there: [`Characters::restore`] checks it. (about 810 bytes a character)
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct CharactersSnapshot {
     blocks: Vec<MotionBlock>,
@@ -174,7 +174,7 @@ pub(super) fn is_sound(
     // Endless before the first transition, and below 0 for a clip that is scheduled but has not begun.
     let aged = b.age_s[lane] > -LONGEST_S;
     b.age_s[lane] = 0.0;
-    let paced = b.pace[lane] <= pace::IN_PLACE && b.wait[lane].abs() <= 1e3;
+    let paced = b.pace[lane] <= pace::IDLING && b.wait[lane].abs() <= 1e3;
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
     let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.num_frames());
     let body = &bodies[at / LANES];

@@ -6,9 +6,11 @@
 use super::bent;
 use super::block::{BodyBlock, MotionBlock, SCHEDULED};
 use super::blow::PassedHits;
+use super::carriage::add_carriage;
 use super::control;
 use super::decay::add_offsets;
 use super::detail;
+use super::idle::idle_rate;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharactersConfig, PolicyOrder};
@@ -28,6 +30,9 @@ const MATTERS_BELOW_M: f32 = 0.15;
 const NOT_LOWERED_M: f32 = 1e-5;
 /// Fastest turn of the knee of a leg in the air: that of a sprinter (rad/s).
 const KNEE_RATE: f32 = 18.0;
+
+/// Longest time that a held character is late, which counts for no more (frames).
+const LONGEST_WAIT: f32 = 500.0;
 
 /// Inputs of one tick, shared by all ranges.
 pub(crate) struct CharactersTick<'a> {
@@ -73,7 +78,7 @@ pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
 
 /// The second half of the list: sample -> body, for all blocks of a range.
 pub(crate) fn pose_all(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
-    let body = BodyTick::new(tick.ground, &tick.config.reaction, tick.dt_s);
+    let body = BodyTick::new(tick.ground, &tick.config.reaction, &tick.motion_set.rows, tick.dt_s);
     let feet = FeetTick::new(tick.ground, &tick.config.foot_lock, tick.dt_s);
     dispatch(PoseAllJob { range, tick, body, feet });
 }
@@ -136,11 +141,12 @@ pub(crate) fn advance_all(
         let (b, lane) = (&mut blocks[character / LANES], character % LANES);
         let from = b.time[lane];
         match b.pace[lane] {
-            pace::HELD_STILL => b.wait[lane] -= frames,
+            pace::HELD_STILL => b.wait[lane] = (b.wait[lane] - frames).max(-LONGEST_WAIT),
             pace @ (pace::SLOWING | pace::STARTING) => {
                 let length = b.length[lane] as f32;
                 b.time[lane] = pace::frame_after(pace, length, from, frames);
             }
+            pace::IDLING => b.time[lane] += frames * idle_rate(b.name[lane], tick.config),
             _ => b.time[lane] += frames,
         }
         if b.bend[lane] != 0.0 {
@@ -213,11 +219,13 @@ impl CharacterBlock<'_> {
         let mut motion = sample_pose(&cursor, height);
         motion.root.y = motion.root.y + place.y;
         add_offsets(&mut motion, block, body, tick.config.half_life_s);
+        add_carriage(&mut motion, block, tick.config);
         let orders = orders.iter().map(|order| order.layers);
         let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
         let BodyBlock { state, feet, .. } = body;
+        let seen = state.seen;
         let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);
-        pose_block(
+        let balls = pose_block(
             &r.body,
             motion,
             &place,
@@ -229,6 +237,7 @@ impl CharacterBlock<'_> {
             &mut laps,
         );
         feet_tick.clear_contacts_in_air(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
+        body.state.swing.follow(balls, &block.contacts, &seen, &speed, tick.dt_s);
     }
 }
 

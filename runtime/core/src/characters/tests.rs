@@ -9,6 +9,7 @@ use crate::hits::HitRecord;
 use glam::Quat;
 
 pub(crate) mod blows;
+mod idle;
 mod reactions;
 mod replay;
 

@@ -302,8 +302,7 @@ mod tests {
             let value = table.value_in(s.end, &table.grid_of(s.end), Vec3::new(x, t.y, z));
             (-0.8 * error * error).exp() * (reward + s.discount * value)
         };
-        let actions = table.actions();
-        actions.segments_of(state).iter().zip(actions.errors_of(state)).map(score).collect()
+        table.actions().segments_of(state).iter().zip(table.errors_of(state)).map(score).collect()
     }
 
     fn scores(table: &PolicyTable, state: u32, target: Vec3) -> Vec<f32> {

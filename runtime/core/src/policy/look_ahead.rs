@@ -131,7 +131,7 @@ impl PolicyTable {
     /// - `target`: relative to the grid's centre.
     #[inline(always)]
     fn add_scores<F: Lanes>(&self, state: u32, target: Vec3, weight: f32, scores: &mut [[f32; LANES]]) {
-        let (segments, errors) = (self.actions.segments_of(state), self.actions.errors_of(state));
+        let (segments, errors) = (self.actions.segments_of(state), self.errors_of(state));
         if self.grid.is_space_time() {
             let scores = scores.as_flattened_mut();
             for (score, (&segment, &error)) in scores.iter_mut().zip(segments.iter().zip(errors)) {

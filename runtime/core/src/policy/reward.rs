@@ -40,15 +40,15 @@ pub struct RewardRecord {
     /// distance between the frame it leaves and the frame it goes on from (1/rad^2, >= 0; 0 where gain is negative).
     /// Acceleration grows with the distance, and one far transition is worse than two near ones.
     pub transition_cost: f32,
-    /// Zero.
-    pub reserved: u32,
+    /// 1 if actions have distances of their own ([`super::PolicySlices::errors`]), 0 if those of the motion graph count.
+    pub own_errors: u32,
 }
 const _: () = assert!(size_of::<RewardRecord>() == 32);
 
 impl RewardRecord {
     /// A reward with offset 0 and gain 1, where transitions cost nothing.
     pub fn new(combine: u32, kernel: u32, scale: f32) -> Self {
-        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, transition_cost: 0.0, reserved: 0 }
+        Self { combine, kernel, scale, offset: 0.0, gain: 1.0, height: 0.0, transition_cost: 0.0, own_errors: 0 }
     }
 }
 
@@ -74,6 +74,7 @@ impl Reward {
         for (what, got, kinds) in [("reward combine", record.combine, 2), ("reward kernel", record.kernel, 3)] {
             check_index(what, None, got as usize, kinds)?;
         }
+        check_index("reward own errors", None, record.own_errors as usize, 2)?;
         let scale = record.scale;
         check_value("reward scale", None, scale, scale > 1e-6 && scale < 1e6, "between 1e-6 and 1e6")?;
         for (what, got, low) in [

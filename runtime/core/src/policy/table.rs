@@ -150,12 +150,6 @@ impl ActionTable {
         &self.segments[self.actions_of(state)]
     }
 
-    /// Distances of a state's actions from its frame, in order (1 to 255, state < num_states) (rad).
-    #[inline]
-    pub fn errors_of(&self, state: u32) -> &[f32] {
-        &self.errors[self.actions_of(state)]
-    }
-
     /// The actions of a state.
     #[inline]
     fn actions_of(&self, state: u32) -> Range<usize> {
@@ -171,6 +165,9 @@ pub struct PolicySlices {
     pub segments: Table<SegmentRecord>,
     /// Path of the guarded point over each segment, on a space-time grid (num_segments, 0 on other grids).
     pub paths: Table<PathRecord>,
+    /// Distance of each action that costs as much as its transition and all else that the behaviour counts of it
+    /// (num_actions, or 0 where [`RewardRecord::own_errors`] is 0) (rad).
+    pub errors: Table<f32>,
     /// Resolution of each state, in an adaptive policy (num_states, 0 in other policies).
     pub state_grids: Table<StateGridRecord>,
     /// Value of each (state, cell) (num_states * num_cells, or the cells of all state grids).
@@ -229,6 +226,8 @@ impl PolicyTable {
         check_numbers("centre", None, &record.centre, |v| v.abs() < 1e3, "below 1000")?;
         check_length("paths", slices.paths.len(), if grid.is_space_time() { actions.num_segments() } else { 0 })?;
         check_paths(&slices.paths)?;
+        check_length("own errors", slices.errors.len(), record.reward.own_errors as usize * actions.num_actions())?;
+        check_numbers("own error", None, &slices.errors, |e| (0.0..1e9).contains(&e), "a distance")?;
         let table = Self {
             grid,
             reward,
@@ -288,6 +287,14 @@ impl PolicyTable {
     /// States and their actions.
     pub fn actions(&self) -> &ActionTable {
         &self.actions
+    }
+
+    /// Distances of a state's actions from its frame, in order, with all that the behaviour counts beside (1 to 255,
+    /// state < num_states) (rad).
+    #[inline]
+    pub fn errors_of(&self, state: u32) -> &[f32] {
+        let own = if self.rows.errors.is_empty() { &self.actions.errors } else { &self.rows.errors };
+        &own[self.actions.actions_of(state)]
     }
 
     /// Motion of each segment.

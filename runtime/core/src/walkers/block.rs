@@ -18,6 +18,8 @@ pub(crate) struct WalkerBlock {
     pub aim: Lane,
     /// Speed along the trajectory (m/s).
     pub speed: Lane,
+    /// Direction of the trajectory (rad).
+    pub course: Lane,
     /// Turning rate of the root (rad/s).
     pub turning: Lane,
     /// Velocity of the blend in the facing frame: left, ahead (m/s, of the database skeleton).
@@ -39,7 +41,7 @@ pub(crate) struct WalkerBlock {
 }
 
 lanewise_fields!(WalkerBlock {
-    root, aim, speed, turning, travel, phase, placed, contacts, feet, body;
+    root, aim, speed, course, turning, travel, phase, placed, contacts, feet, body;
     parameters, parameter_rates, asked
 });
 
@@ -48,6 +50,7 @@ impl WalkerBlock {
         root: [[0.0; LANES]; 3],
         aim: [0.0; LANES],
         speed: [0.0; LANES],
+        course: [0.0; LANES],
         turning: [0.0; LANES],
         travel: [[0.0; LANES]; 2],
         parameters: [[0.0; MAX_AXES]; LANES],
@@ -73,8 +76,9 @@ impl WalkerBlock {
             && self.feet.iter().all(|foot| foot.is_sound(lane))
     }
 
-    /// Moves the root of a lane elsewhere and clears the state of its feet.
+    /// Moves the root of a lane elsewhere and clears the state of its feet. Its speed stays, and turns with it.
     pub fn place_root(&mut self, lane: usize, root: Planar) {
+        self.course[lane] += root.heading - self.root[2][lane];
         set_lane(&mut self.root, lane, Vec3::new(root.x, root.z, root.heading));
         self.aim[lane] = root.heading;
         self.turning[lane] = 0.0;

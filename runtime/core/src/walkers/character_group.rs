@@ -1,36 +1,20 @@
 //! Walkers as a character group: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, WalkerActivity, WalkerStart, Walkers, WalkersState, config};
-use crate::body::Lanewise;
+use crate::body::{BodyEvent, BodyEventKind, Lanewise, MovedBody};
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
-use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use crate::walkers::block::WalkerBlock;
-use serde::{Deserialize, Serialize};
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Id, Result, SnapshotKind};
 
-/// An event of a walker.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum WalkerEvent {
-    /// The left foot came down.
-    LeftFootDown,
-    /// The right foot came down.
-    RightFootDown,
-    /// End of a performance: played, cut short, or given up before it began.
-    Performed,
-}
-
-const FEET: [(Contacts, WalkerEvent); 2] =
-    [(Contacts::LEFT, WalkerEvent::LeftFootDown), (Contacts::RIGHT, WalkerEvent::RightFootDown)];
-
 impl CharacterGroup for Walkers {
     type Start = WalkerStart;
     type Order = Control;
-    type Event = WalkerEvent;
+    type Event = BodyEvent;
 
     /// # Errors
     /// [`Error::Index`] for a body that does not exist, [`Error::Value`] for a number out of range, [`Error::Full`].
@@ -94,7 +78,7 @@ impl CharacterGroup for Walkers {
 
     fn order(&mut self, id: Id, order: Control) -> Result<()> {
         let row = self.row(id)?;
-        order.check(id)?;
+        self.check_order(id, &order)?;
         self.state.orders[row] = order;
         self.state.ordered[row] = true;
         Ok(())
@@ -102,20 +86,24 @@ impl CharacterGroup for Walkers {
 
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
-        self.stood.clear();
-        for row in 0..self.len() {
-            let is_new = self.state.blocks[row / LANES].placed[row % LANES] == 0.0;
+        self.events.clear(dt_s * self.space.activities().rows.rate_hz);
+        for (row, act) in self.state.acts.iter().enumerate() {
+            let (block, lane) = (&self.state.blocks[row / LANES], row % LANES);
             // The first pose of a walker is no step of its feet.
-            self.stood.push(if is_new { Contacts(!0) } else { self.contacts(row) });
+            let contacts = (block.placed[lane] > 0.0 && block.body.seen[lane] > 0.5).then_some(block.contacts[lane]);
+            self.events.note_before(contacts, act.acting.row(self.space.activities()));
         }
         self.advance(dt_s, run);
-        self.events.clear();
-        for (row, stood) in self.stood.iter().enumerate() {
-            let stands = self.state.blocks[row / LANES].contacts[row % LANES];
-            let down = FEET.iter().filter(|(foot, _)| stands.any(*foot) && !stood.any(*foot));
-            let done = self.state.acts[row].has_ended.then_some(WalkerEvent::Performed);
-            let id = self.state.roster.ids()[row];
-            self.events.extend(down.map(|(_, event)| *event).chain(done).map(|event| (id, event)));
+        for (row, (&id, act)) in self.state.roster.ids().iter().zip(&self.state.acts).enumerate() {
+            let (block, body) = (&self.state.blocks[row / LANES], &self.bodies[row / LANES]);
+            let (root, model, swing) = (self.roots[row], &self.model[row], &block.body.swing);
+            let of = MovedBody { body, root, model, swing };
+            self.events.add_contacts(row, id, block.contacts[row % LANES], &of);
+            let activities = self.space.activities();
+            self.events.add_tags(row, id, &activities.rows, act.acting.row(activities));
+            if act.has_ended {
+                self.events.add(id, BodyEvent::new(BodyEventKind::Performed, 0));
+            }
         }
         Ok(())
     }
@@ -126,8 +114,8 @@ impl CharacterGroup for Walkers {
         Ok(if is_ordered { OrderStatus::Arrived } else { OrderStatus::Idle })
     }
 
-    fn events(&self) -> &[(Id, WalkerEvent)] {
-        &self.events
+    fn events(&self) -> &[(Id, BodyEvent)] {
+        self.events.get()
     }
 
     fn bodies(&self) -> PosedBodies<'_> {
@@ -152,7 +140,7 @@ impl CharacterGroup for Walkers {
         let can_be = |row: usize, id: Id| {
             let act = &kept.acts[row];
             let acts = act.acting.is_sound(self.space.activities());
-            acts && kept.orders[row].check(id).is_ok() && kept.blocks[row / LANES].is_sound(row % LANES)
+            acts && self.check_order(id, &kept.orders[row]).is_ok() && kept.blocks[row / LANES].is_sound(row % LANES)
         };
         if !kept.roster.ids().iter().enumerate().all(|(row, &id)| can_be(row, id)) {
             return refuse("it has numbers that cannot be; it is damaged");
@@ -166,7 +154,7 @@ impl CharacterGroup for Walkers {
         self.state.acts.clone_from(&kept.acts);
         self.state.blocks.clone_from(&kept.blocks);
         self.state.clear_free_lanes();
-        self.events.clear();
+        self.events.clear(0.0);
         self.pose_again();
         Ok(())
     }
@@ -208,7 +196,7 @@ impl WalkersState {
 
 impl Walkers {
     fn kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "walkers", tag: *b"WALK", version: 7, setup: self.setup }
+        SnapshotKind { what: "walkers", tag: *b"WALK", version: 8, setup: self.setup }
     }
 
     /// Bodies and poses of all walkers, from the state.

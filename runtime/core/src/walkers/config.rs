@@ -8,6 +8,7 @@ use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_range, check_value};
 use throng_base::maths;
+use throng_base::thresholds::PACE_CHANGES_MPS2;
 use throng_base::{Id, Result};
 
 /// Limit of positions, speeds and angles (m, m/s, rad).
@@ -22,8 +23,10 @@ pub struct WalkersConfig {
     /// Half-life of the difference between the heading aimed at and that of the body, after a jump. A heading that turns
     /// steadily is followed without delay (s, 0 to 10).
     pub heading_half_life_s: f32,
-    /// Fastest turn of the body (rad/s, > 0).
+    /// Fastest turn of the body, and of the trajectory where its positions are not given (rad/s, > 0).
     pub max_turning_rate: f32,
+    /// Limits of the trajectory where its positions are not given.
+    pub inertia: InertiaConfig,
     /// Least and greatest tempo of the steps relative to the examples, to match strides to the speed of the trajectory
     /// (0.2 to 1, 1 to 5; 1 and 1 keep the blended rates).
     pub tempo: [f32; 2],
@@ -43,12 +46,32 @@ impl Default for WalkersConfig {
             parameter_half_life_s: 0.25,
             heading_half_life_s: 0.12,
             max_turning_rate: 3.0,
+            inertia: InertiaConfig::default(),
             tempo: [0.8, 1.25],
-            foot_lock: FootLockConfig { reach_m: [0.088, 0.22], return_mps: 0.0, ..FootLockConfig::default() },
+            foot_lock: FootLockConfig { reach_m: [0.088, 0.22], ..FootLockConfig::default() },
             reaction: ReactionConfig::default(),
             local_transforms: false,
             instances: false,
         }
+    }
+}
+
+/// Largest accelerations of a walker that is on no given positions (m/s^2, 0.01 to 1e6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InertiaConfig {
+    /// While it gains speed.
+    pub speeding_up_mps2: f32,
+    /// While it loses speed.
+    pub slowing_down_mps2: f32,
+    /// To its sides, in curves: who has to turn faster at once slows down first.
+    pub sideways_mps2: f32,
+}
+
+impl Default for InertiaConfig {
+    /// As people are captured.
+    fn default() -> Self {
+        let [speeding_up_mps2, slowing_down_mps2, sideways_mps2] = PACE_CHANGES_MPS2;
+        Self { speeding_up_mps2, slowing_down_mps2, sideways_mps2 }
     }
 }
 
@@ -66,7 +89,8 @@ pub struct WalkerStart {
 /// A sample of a walker's trajectory, and how to move there. It may come from any path, or from a crowd.
 ///
 /// It is for the end of the next step. Without another order the walker goes on from there: along the velocity, on an
-/// arc where a turning rate is given.
+/// arc where a turning rate is given. A walker without a given position changes speed and direction within the limits of
+/// [`WalkersConfig::inertia`], unless it is to [`cut`](Self::cut); it starts from rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// x and z in the world; `None` goes on from where the walker is (m).
@@ -77,9 +101,11 @@ pub struct Control {
     pub heading: Option<f32>,
     /// Turning rate, positive to the left; `None` is that of the body (rad/s).
     pub turning_rate: Option<f32>,
+    /// Takes velocity and direction at once, whatever the inertia.
+    pub cut: bool,
     /// Values of the style axes, in their order.
     pub style: [f32; MAX_AXES],
-    /// Gaze, and what hands reach for.
+    /// What the body does beside walking.
     pub layers: BodyLayers,
 }
 
@@ -89,26 +115,24 @@ impl Control {
         Self { velocity, ..Self::default() }
     }
 
-    /// Takes the position at the end of a step that starts at `root`, and continues the turn where no position is
-    /// given.
-    pub(super) fn take_position(&mut self, root: Planar, dt_s: f32) -> Vec2 {
-        if let Some(position) = self.position.take() {
-            return position;
-        }
+    /// Continues the turn of the order.
+    pub(super) fn continue_turn(&mut self, dt_s: f32) {
         if let Some(rate) = self.turning_rate {
             let (sin, cos) = maths::sin_cos(rate * dt_s);
             let v = self.velocity;
             self.velocity = Vec2::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin);
             self.heading = self.heading.map(|heading| heading + rate * dt_s);
         }
-        Vec2::new(root.x, root.z) + self.velocity * dt_s
     }
 
     /// Checks all numbers.
     ///
+    /// - `num_frames`: of the bundle, which layers may show.
+    ///
     /// # Errors
-    /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more.
-    pub fn check(&self, who: Id) -> Result<()> {
+    /// [`throng_base::Error::Value`] for one that is not finite, or 1e6 and more, [`throng_base::Error::Index`] for frames that
+    /// do not exist.
+    pub(super) fn check(&self, who: Id, num_frames: usize) -> Result<()> {
         let position = self.position.unwrap_or_default();
         for (what, got) in [
             ("position x", position.x),
@@ -120,7 +144,7 @@ impl Control {
         ] {
             check_moderate(what, Some(who), got)?;
         }
-        self.layers.check(Some(who))?;
+        self.layers.check(Some(who), num_frames)?;
         self.style.iter().try_for_each(|&got| check_moderate("style", Some(who), got))
     }
 }
@@ -149,6 +173,14 @@ impl WalkersConfig {
         check_range("tempo[1]", self.tempo[1], 1.0..=5.0, "between 1 and 5")?;
         let rate = self.max_turning_rate;
         check_value("max_turning_rate", None, rate, rate > 0.0 && rate < 1e3, "above 0 and below 1000")?;
+        let InertiaConfig { speeding_up_mps2, slowing_down_mps2, sideways_mps2 } = self.inertia;
+        for (what, got) in [
+            ("inertia.speeding_up_mps2", speeding_up_mps2),
+            ("inertia.slowing_down_mps2", slowing_down_mps2),
+            ("inertia.sideways_mps2", sideways_mps2),
+        ] {
+            check_range(what, got, 0.01..=1e6, "between 0.01 and 1e6")?;
+        }
         self.foot_lock.check()
     }
 }

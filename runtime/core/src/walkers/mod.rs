@@ -9,15 +9,16 @@ mod step;
 
 use crate::blend::BlendSpace;
 use crate::blend::MAX_AXES;
-use crate::body::HeightField;
-use crate::body::{Detail, DetailLevel, LEGS, LaneBody, LocalTransform, Mat3x4, PoseInstance, RANGE_BLOCKS, RANGE_LEN};
+use crate::body::{
+    BodyEvents, Detail, DetailLevel, LaneBody, LocalTransform, Mat3x4, PoseInstance, RANGE_BLOCKS, RANGE_LEN,
+};
+use crate::body::{HeightField, find_soles};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use block::WalkerBlock;
-pub use character_group::WalkerEvent;
-pub use config::{Control, WalkerStart, WalkersConfig};
+pub use config::{Control, InertiaConfig, WalkerStart, WalkersConfig};
 use glam::Vec3;
 use perform::PerformanceState;
 pub use perform::{Performance, PerformancePart, PerformanceProgress};
@@ -31,7 +32,7 @@ use throng_base::{Executor, Hash128, Id, Result, run_each};
 /// Characters that follow trajectories with blended bodies, eight to a block. A [`CharacterGroup`](crate::CharacterGroup): they enter and
 /// leave, and are ordered about with [`Control`].
 ///
-/// Every step puts each walker on its trajectory, turns it, finds the weights of the examples for its speed, turning
+/// Every step moves each walker along its trajectory, turns it, finds the weights of the examples for its speed, turning
 /// rate and style, advances generic time, blends a posture, and retargets it to the walker's body: the hips keep the
 /// elevation and sway of the examples, planted feet stay where they are, and legs and touching arms reach by analytic
 /// inverse kinematics (Kim, Kim and Shin 2003a, section 4.2).
@@ -71,9 +72,7 @@ pub struct Walkers {
     detail: Option<Detail>,
     /// Level at which the last step computed each block.
     levels: Vec<DetailLevel>,
-    events: Vec<(Id, WalkerEvent)>,
-    /// Contacts before the step.
-    stood: Vec<Contacts>,
+    events: BodyEvents,
     /// Weights of a block that is only posed.
     block_weights: Vec<f32>,
 }
@@ -144,8 +143,7 @@ impl Walkers {
             instances: Vec::with_capacity(if config.instances { capacity } else { 0 }),
             detail: None,
             levels: Vec::with_capacity(blocks),
-            events: Vec::with_capacity(3 * capacity),
-            stood: Vec::with_capacity(capacity),
+            events: BodyEvents::with_capacity(capacity, 0),
             block_weights: vec![0.0; LANES * stride],
         };
         walkers.setup = walkers.find_setup(capacity);
@@ -196,12 +194,20 @@ impl Walkers {
         self.state.blocks[row / LANES].contacts[row % LANES]
     }
 
+    /// Checks the numbers of an order, and that there is what its layers show.
+    ///
+    /// # Errors
+    /// [`Error::Value`](throng_base::Error::Value), [`Error::Index`](throng_base::Error::Index).
+    pub fn check_order(&self, id: Id, order: &Control) -> Result<()> {
+        order.check(id, self.space.activities().rows.frames.len())
+    }
+
     /// Begins, changes or ends a walker's activity beside locomotion.
     ///
     /// The walker comes to a stand, turns to the heading, and plays the activity; standing feet stay in place. Until
     /// the activity is over it keeps its heading, and its place where the order gives no position. The activity ends at
     /// its end; with `None` or another performance, which follows it; and when the order requests more than 0.3 m/s. A
-    /// walker that sits stands up first: [`Walkers::performing`] shows until when to wait. [`WalkerEvent::Performed`]
+    /// walker that sits stands up first: [`Walkers::performing`] shows until when to wait. [`BodyEventKind::Performed`](crate::body::BodyEventKind::Performed)
     /// reports the end.
     ///
     /// # Errors
@@ -287,15 +293,7 @@ impl Walkers {
 
     /// World positions of the bottom of the heel and of the ball (the toe's joint), left foot first (m, row < len).
     pub fn soles(&self, row: usize) -> [[Vec3; 2]; 2] {
-        let (root, pose) = (self.root(row), self.pose(row));
-        let (turn, move_by) = (root.rotation(), root.translation());
-        let body = &self.bodies[row / LANES];
-        std::array::from_fn(|side| {
-            let [_, _, foot, toe] = LEGS[side].map(Joint::index);
-            let heel = Vec3::from_array(body.legs[side].heel.map(|axis| axis[row % LANES]));
-            let heel = pose[foot].translation() + maths::rotate(pose[foot].rotation(), heel);
-            [heel, pose[toe].translation()].map(|p| maths::rotate(turn, p) + move_by)
-        })
+        find_soles(&self.bodies[row / LANES], row % LANES, self.root(row), self.pose(row))
     }
 
     /// Moves all walkers on, range by range.

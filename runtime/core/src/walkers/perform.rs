@@ -6,7 +6,7 @@
 use super::Control;
 use super::block::WalkerBlock;
 use crate::blend::{Activity, ActivityId, ActivitySample, ActivitySet, AxisRecord, BlendedPosture, MAX_AXES, axis};
-use crate::body::DampedSpring;
+use crate::body::{DampedSpring, NO_ROW};
 use crate::planar::wrap_angle;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -134,6 +134,12 @@ impl PerformanceState {
             part: self.part,
             seconds: self.seconds,
         })
+    }
+
+    /// Frame row of the activity that plays; [`NO_ROW`] for none.
+    pub fn row(&self, activities: &ActivitySet) -> u32 {
+        let playing = activities.get(ActivityId(self.activity)).filter(|_| self.plays_activity());
+        playing.map_or(NO_ROW, |a| a.first_frame as u32 + (self.seconds * activities.rows.rate_hz) as u32)
     }
 
     /// True from the beginning of the activity until it fades.

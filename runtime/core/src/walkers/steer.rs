@@ -1,7 +1,7 @@
 //! Steering: from a trajectory to a position in the parameter box, with heading, speeds and turning rate eased.
 
 use super::block::WalkerBlock;
-use super::{Control, WalkersConfig};
+use super::{Control, InertiaConfig, WalkersConfig};
 use crate::blend::BlendSpace;
 use crate::blend::{AxisRecord, MAX_AXES, axis};
 use crate::body::DampedSpring;
@@ -14,6 +14,10 @@ use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 
 /// Fastest change of a parameter that is followed without delay, in widths of the box per second.
 const STEADY_PER_S: f32 = 0.8;
+/// Change of the turning rate at the end of a turn of the trajectory (rad/s^2).
+const TURN_ENDS: f32 = 12.0;
+/// Speed below which a trajectory has no direction (m/s).
+const AT_REST_MPS: f32 = 1e-4;
 
 /// Constants of one step, shared by all walkers.
 pub(crate) struct WalkerSteering<'a> {
@@ -29,6 +33,7 @@ pub(crate) struct WalkerSteering<'a> {
     keep_heading: f32,
     spring: DampedSpring,
     max_turning_rate: f32,
+    inertia: InertiaConfig,
 }
 
 impl<'a> WalkerSteering<'a> {
@@ -43,15 +48,31 @@ impl<'a> WalkerSteering<'a> {
             keep_heading: remaining_share(dt_s, config.heading_half_life_s),
             spring: DampedSpring::new(dt_s, config.parameter_half_life_s),
             max_turning_rate: config.max_turning_rate,
+            inertia: config.inertia,
         }
     }
 
-    /// Moves the root of one lane onto its trajectory, turns it, and eases its parameters.
-    pub fn steer(&self, block: &mut WalkerBlock, body: &LaneBody, lane: usize, control: &mut Control) {
-        let position = control.take_position(block.root(lane), self.dt_s);
-        let control = &*control;
+    /// Moves the root of one lane along its trajectory, turns it, and eases its parameters.
+    pub fn steer(&self, block: &mut WalkerBlock, body: &LaneBody, lane: usize, order: &mut Control) {
+        let given = order.position.take();
+        let (position, mut control) = match given {
+            Some(position) => (position, *order),
+            None => self.advance_trajectory(block, lane, order),
+        };
         let speed = control.velocity.length();
         let placed = block.placed[lane] != 0.0;
+        if given.is_some() && speed > AT_REST_MPS {
+            let course = maths::atan2(control.velocity.x, control.velocity.y);
+            let faces_travel = control.heading.is_none() || !self.sideways;
+            if placed && faces_travel && self.dt_s > 0.0 && speed.min(block.speed[lane]) > STANDING_MPS {
+                // The blend turns as the path does, however the body leans about it.
+                let rate = wrap_angle(course - block.course[lane]) / self.dt_s;
+                let most = self.max_turning_rate;
+                control.turning_rate = control.turning_rate.or(Some(rate.clamp(-most, most)));
+            }
+            block.course[lane] = course;
+        }
+        let control = &control;
         let heading = block.root[2][lane];
         let aim = self.aim_heading(block, lane, control, speed);
         let turned = if placed { self.ease_heading(heading, block.aim[lane], aim) } else { wrap_angle(aim) };
@@ -71,6 +92,51 @@ impl<'a> WalkerSteering<'a> {
         }
         block.asked[lane] = asked;
         block.placed[lane] = 1.0;
+    }
+
+    /// Moves a trajectory on whose positions are not given: speed and direction follow the order within the limits of
+    /// inertia.
+    ///
+    /// - returns the position at the end of the step, and the order as far as it is followed.
+    fn advance_trajectory(&self, block: &mut WalkerBlock, lane: usize, order: &mut Control) -> (Vec2, Control) {
+        let (root, dt_s, inertia) = (block.root(lane), self.dt_s, &self.inertia);
+        let (was, mut course) = (block.speed[lane], block.course[lane]);
+        let wanted_mps = order.velocity.length();
+        let ordered = |order: &Control| maths::atan2(order.velocity.x, order.velocity.y);
+        let keeps_heading = order.heading.is_some() && (self.sideways || self.backward);
+        if was < AT_REST_MPS {
+            // A body that faces where it goes sets off ahead, and turns on its way.
+            course = if keeps_heading || order.cut { ordered(order) } else { root.heading };
+        }
+        let off = wrap_angle(ordered(order) - course);
+        order.continue_turn(dt_s);
+        let (mut speed, mut turn) = (wanted_mps, order.turning_rate.unwrap_or(0.0));
+        if order.cut || dt_s == 0.0 {
+            course += if wanted_mps > AT_REST_MPS { off } else { 0.0 };
+        } else {
+            let closing = (2.0 * TURN_ENDS * off.abs()).sqrt().min(off.abs() / dt_s);
+            turn = (turn + closing.copysign(off)).clamp(-self.max_turning_rate, self.max_turning_rate);
+            // Who keeps facing elsewhere goes back through a stand.
+            let reverses = keeps_heading && off.abs() > FRAC_PI_2;
+            let wanted_mps = match wanted_mps < AT_REST_MPS || reverses {
+                true => 0.0,
+                false => wanted_mps.min(inertia.sideways_mps2 / turn.abs().max(1e-6)),
+            };
+            speed = wanted_mps.clamp(was - inertia.slowing_down_mps2 * dt_s, was + inertia.speeding_up_mps2 * dt_s);
+            let most = if wanted_mps > 0.0 { inertia.sideways_mps2 / speed.max(AT_REST_MPS) } else { 0.0 };
+            turn = turn.clamp(-most, most);
+        }
+        course += turn * dt_s;
+        let along = |angle: f32| {
+            let (sin, cos) = maths::sin_cos(angle);
+            Vec2::new(sin, cos)
+        };
+        // Exact for a constant acceleration, and of second order on an arc.
+        let moved = along(course - 0.5 * turn * dt_s) * (if order.cut { speed } else { 0.5 * (was + speed) } * dt_s);
+        block.course[lane] = wrap_angle(course);
+        let turning_rate = (speed > STANDING_MPS && wanted_mps > AT_REST_MPS).then_some(turn).or(order.turning_rate);
+        let followed = Control { velocity: along(course) * speed, turning_rate, ..*order };
+        (Vec2::new(root.x, root.z) + moved, followed)
     }
 
     /// Follows parameters that change steadily without delay, and eases to those that jump.

@@ -8,7 +8,7 @@ use super::block::WalkerBlock;
 use super::perform::PerformanceInputs;
 use super::steer::WalkerSteering;
 use super::{Control, WalkerActivity, WalkersConfig};
-use crate::blend::{BlendSpace, BlendedPosture, channel};
+use crate::blend::{BlendSpace, BlendedPosture, channel, smooth_share};
 use crate::body::{
     Bearing, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, HeightField, LEGS, Lane,
     LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
@@ -35,6 +35,8 @@ pub(crate) struct WalkersTick<'a> {
     body: BodyTick<'a>,
     feet: FeetTick<'a>,
     dt_s: f32,
+    /// Share of cubic paths between the rows of the posture tables.
+    smooth: f32,
     stage: PerformanceInputs<'a>,
 }
 
@@ -44,9 +46,10 @@ impl<'a> WalkersTick<'a> {
             space,
             config,
             steering: WalkerSteering::new(space, config, dt_s),
-            body: BodyTick::new(ground, &config.reaction, dt_s),
+            body: BodyTick::new(ground, &config.reaction, &space.activities().rows, dt_s),
             feet: FeetTick::new(ground, &config.foot_lock, dt_s),
             dt_s,
+            smooth: smooth_share(dt_s),
             stage: PerformanceInputs::new(space.activities(), space.axes(), dt_s),
         }
     }
@@ -134,7 +137,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let mut postures = [BlendedPosture::default(); LANES];
             let (mut importance, mut still) = ([[0.0; LANES]; 2], [0.0; LANES]);
             for (lane, weights) in weights.chunks_exact(space.stride()).enumerate() {
-                let place = space.phase_interval(block.phase[lane]);
+                let place = space.phase_interval(block.phase[lane], self.tick.smooth);
                 space.blend_posture::<F>(weights, &place, &mut postures[lane]);
                 let both = space.timing.importance::<F>(weights, place.rows, place.ratio);
                 let share = acts[from + lane].overlay_posture(self.tick, &mut postures[lane]);
@@ -145,20 +148,31 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let mut root = postures.hips * F::load(&body.scale);
             root.y = root.y + F::load(&body.lift) + place.y;
             let motion = LanePose { root, rotations: postures.rotations };
+            let seen = block.body.seen;
             let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
             let root = |lane: usize| planar_of_lane(root, lane);
             let orders = controls[from..from + count].iter().map(|control| control.layers);
             let layers = LayerLanes::new(orders, still, root, &state.base);
             let has_feet = self.tick.config.foot_lock.enabled && *level == DetailLevel::Full;
-            let mut walking =
-                WalkingFeet { has_feet, feet, contacts, speed, body, postures: &postures, importance, tick: self.tick };
+            let stands = &mut *contacts;
+            let mut walking = WalkingFeet {
+                has_feet,
+                feet,
+                contacts: stands,
+                speed,
+                body,
+                postures: &postures,
+                importance,
+                tick: self.tick,
+            };
             let joints = from * NUM_JOINTS..(from + count) * NUM_JOINTS;
             let to = PoseOutput {
                 matrices: &mut matrices[joints.clone()],
                 locals: locals.get_mut(joints).unwrap_or_default(),
             };
             let mut laps = Laps::start(None);
-            pose_block(body, motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
+            let balls = pose_block(body, motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
+            state.swing.follow(balls, contacts, &seen, speed, self.tick.dt_s);
             from += count;
         }
     }

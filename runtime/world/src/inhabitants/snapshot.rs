@@ -45,7 +45,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.world.hash().to_le_bytes());
         setup.add_bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 9, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 10, setup: setup.finish() }
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.

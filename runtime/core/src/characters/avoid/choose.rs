@@ -2,6 +2,7 @@
 
 use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
+use super::super::idle::StandingChooser;
 use super::super::motion_set::MotionSet;
 use super::super::transition::{SegmentChange, StartTransitionsJob};
 use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
@@ -93,6 +94,7 @@ impl Characters {
         let found = own.clear_plan(avoiding, b);
         let b = &mut blocks[at / LANES];
         b.blocked[lane] = match found {
+            _ if own.order().is_to_stand() => 0,
             Some((_, true)) => 0,
             Some((plan, false)) if leads_away(plan, motion_set) => b.blocked[lane],
             _ => b.blocked[lane].saturating_add(1),
@@ -159,6 +161,16 @@ impl ChoosingCharacter<'_> {
     fn clear_plan(&self, avoiding: &mut PathAvoidance, b: &MotionBlock) -> Option<(SegmentPlan, bool)> {
         let motion_set = self.step.motion_set;
         let segments = motion_set.graph.segments_of(self.state);
+        if self.order().is_to_stand() {
+            let (action, bend) = self.standing_chooser(b).choose_stand(self.order());
+            let segment = segments[usize::from(action)];
+            let stop = path::stop_of(self.state, motion_set);
+            if segment == stop.segment && motion_set.graph.segments[segment as usize].idle == 0 {
+                return None;
+            }
+            let plan = SegmentPlan { bend, ..self.segment_plan(segment, 0.0) };
+            return self.is_clear(plan, avoiding).then_some((plan, true));
+        }
         let turns = match self.goals.first() {
             Some(goal) if self.can_turn(goal) => {
                 let chooser = SteeringQuery {
@@ -203,6 +215,15 @@ impl ChoosingCharacter<'_> {
         plans.find(|&plan| self.is_clear(plan, avoiding)).map(|plan| (plan, false))
     }
 
+    fn order(&self) -> &PolicyOrder {
+        &self.step.orders[self.at]
+    }
+
+    fn standing_chooser<'a>(&'a self, b: &'a MotionBlock) -> StandingChooser<'a> {
+        let ChoiceInputs { motion_set, config, .. } = *self.step;
+        StandingChooser { b, lane: self.at % LANES, state: self.state, root: self.root, motion_set, config }
+    }
+
     /// Notes that an action is tried; false where it has been.
     fn is_first(&self, action: u8, tried: &mut [u64; 4]) -> bool {
         let (word, bit) = (usize::from(action) / 64, 1u64 << (action % 64));
@@ -216,11 +237,11 @@ impl ChoosingCharacter<'_> {
         let new = &self.step.motion_set.graph.segments[segment as usize];
         match self.goals.first() {
             _ if self.is_held => SegmentPlan { segment, pace: pace::STARTING, bend: 0.0 },
-            None => SegmentPlan { segment, pace: pace::NORMAL, bend: 0.0 },
+            None => SegmentPlan { segment, pace: control::pace_of(new), bend: 0.0 },
             Some(goal) => {
                 let (target, limit) = (self.target_seen_turned(goal, turn), self.step.config.bend_rad_per_m);
                 let bend = control::bend_rate(new.displacement(), new.num_frames, target, limit);
-                SegmentPlan { segment, pace: pace::NORMAL, bend }
+                SegmentPlan { segment, pace: control::pace_of(new), bend }
             }
         }
     }
@@ -244,8 +265,22 @@ impl ChoosingCharacter<'_> {
         Vec3::new(local.x * cos + local.y * sin, goal.target.y, local.y * cos - local.x * sin)
     }
 
-    /// The best actions towards a target that is turned aside.
+    /// The best actions towards a target that is turned aside; who has arrived idles first.
     fn ranked_actions(&self, b: &MotionBlock, turn: f32) -> [u8; MAX_RANKED] {
+        let mut actions = self.policy_actions(b, turn);
+        if let ([goal], true) = (self.goals, turn == 0.0 && actions[0] != NO_ACTION) {
+            let (policy, target) = (&self.step.motion_set.policies[goal.policy], self.target_seen_turned(goal, turn));
+            let first = self.standing_chooser(b).replace_action(policy, goal.weight, target, actions[0]);
+            if first != actions[0] {
+                actions.rotate_right(1);
+                actions[0] = first;
+            }
+        }
+        actions
+    }
+
+    /// The best actions towards a target that is turned aside, by the policies.
+    fn policy_actions(&self, b: &MotionBlock, turn: f32) -> [u8; MAX_RANKED] {
         let (motion_set, config) = (self.step.motion_set, self.step.config);
         let mut actions = [NO_ACTION; MAX_RANKED];
         if self.goals.is_empty() {

@@ -27,7 +27,7 @@ use throng_base::thresholds::WALKING_MPS;
 use throng_geometry::Capsule2d;
 
 pub(crate) use choose::ChoiceInputs;
-pub(crate) use path::SegmentPlan;
+pub(crate) use path::{SegmentPlan, stop_of};
 
 /// Settings of collision avoidance.
 #[derive(Clone, Copy, Debug, PartialEq)]

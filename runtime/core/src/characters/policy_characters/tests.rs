@@ -232,3 +232,67 @@ fn another_bundle_is_taken_over_without_a_jump() {
     step(&mut group, 50);
     assert_eq!(group.order_of(Id::first(2)).unwrap().target(), target(2));
 }
+
+/// Layers of a character, of all kinds in turn.
+fn layered(i: usize) -> BodyLayers {
+    let arm = |number| crate::body::ArmLayer::from_number(number % 7, target(i) + Vec3::Y);
+    let arms = [arm(i), arm(i / 7)];
+    let layers = BodyLayers { arms, lean: [0.1 * (i % 3) as f32, 0.0], ..BodyLayers::NONE };
+    if i.is_multiple_of(4) { layers.with_clip(60..110, !0, true) } else { layers }
+}
+
+#[test]
+fn layers_and_events_are_the_same_on_threads_and_after_a_snapshot() {
+    let n = 300;
+    let (mut whole, mut split) = (group_of(n, n), group_of(n, n));
+    for group in [&mut whole, &mut split] {
+        (0..n).for_each(|i| group.set_layers(Id::first(i), layered(i)).unwrap());
+    }
+    step(&mut whole, 30);
+    (0..30).for_each(|_| split.step(DT, &TwoThreads).unwrap());
+    assert_eq!(whole.hash(), split.hash());
+    let mut kept = Vec::new();
+    whole.save(&mut kept);
+    let mut other = group_of(3, n);
+    other.load(&kept).unwrap();
+    for k in 0..60 {
+        if k == 20 {
+            for group in [&mut whole, &mut split, &mut other] {
+                (0..n).for_each(|i| group.set_layers(Id::first(i), layered(i + k)).unwrap());
+            }
+        }
+        step(&mut whole, 1);
+        step(&mut other, 1);
+        split.step(DT, &TwoThreads).unwrap();
+        assert!(whole.events() == split.events() && whole.events() == other.events(), "step {k}");
+        assert!(
+            whole.bodies().model == split.bodies().model && whole.bodies().model == other.bodies().model,
+            "step {k}"
+        );
+    }
+    assert_eq!(whole.hash(), other.hash());
+    let refused = |layers: BodyLayers| whole.order_of(Id::first(0)).unwrap().with_layers(layers);
+    for bad in [
+        BodyLayers { lean: [f32::NAN, 0.0], ..BodyLayers::NONE },
+        BodyLayers::NONE.with_clip(0..1, !0, false),
+        BodyLayers::NONE.with_clip(100..121, !0, false),
+        BodyLayers { arms: [Some(crate::body::ArmLayer::Point(Vec3::INFINITY)), None], ..BodyLayers::NONE },
+    ] {
+        assert!(other.order(Id::first(0), refused(bad)).is_err(), "{bad:?}");
+    }
+}
+
+/// Layers fade in, show, and are gone without a trace.
+#[test]
+fn who_has_had_layers_moves_as_who_has_had_none() {
+    let (mut group, mut plain) = (group_of(20, 20), group_of(20, 20));
+    (0..20).for_each(|i| group.set_layers(Id::first(i), layered(i)).unwrap());
+    step(&mut group, 60);
+    step(&mut plain, 60);
+    let moved = (0..20).filter(|&i| seen(&group, Id::first(i)).1 != seen(&plain, Id::first(i)).1).count();
+    assert!(moved >= 18, "{moved} show their layers");
+    (0..20).for_each(|i| group.set_layers(Id::first(i), BodyLayers::NONE).unwrap());
+    step(&mut group, 100);
+    step(&mut plain, 100);
+    assert_eq!(group.hash(), plain.hash());
+}

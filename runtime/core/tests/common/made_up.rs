@@ -8,7 +8,7 @@ use crate::hits::HitRecord;
 use crate::planar::Planar;
 use crate::policy::{PolicyRecord, RewardRecord, SegmentRecord, StateGridRecord, TargetGrid};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
-use crate::stops::{SLOW_DOWN, StopRecord, SweepNode, SweepRecord};
+use crate::stops::{REST, SLOW_DOWN, StopRecord, SweepNode, SweepRecord};
 use bytemuck::Zeroable;
 use glam::Quat;
 use throng_base::maths;
@@ -69,7 +69,7 @@ fn bytes_of(hits: &[HitRecord], adaptive: bool, stands: bool) -> Vec<u8> {
     out.section(tags::CONTACTS, &vec![contacts; rows.len()]);
     out.section(tags::HITS, hits);
     let frames = [20, 40, FRAMES + 20, FRAMES + 40];
-    out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: 0 }));
+    out.section(tags::STATES, &frames.map(|frame| StateRecord { frame, standing: u32::from(stands) }));
     // Segments: 0 -> 20 and 20 -> 40 in each clip.
     let segments = [(0, 0, 0), (20, 1, 0), (FRAMES, 2, 1), (FRAMES + 20, 3, 1)];
     let planar = |f: u32| {
@@ -78,7 +78,8 @@ fn bytes_of(hits: &[HitRecord], adaptive: bool, stands: bool) -> Vec<u8> {
     };
     let segment = |(start, end, clip): (u32, u32, u32)| {
         let d = planar(start).to_local(planar(start + 20));
-        MotionSegment { start, num_frames: 20, end, clip, displacement: [d.x, d.z, d.heading], reserved: 0 }
+        let idle = if stands { FRAMES - 1 - start % FRAMES } else { 0 };
+        MotionSegment { start, num_frames: 20, end, clip, displacement: [d.x, d.z, d.heading], idle }
     };
     let segments = segments.map(segment);
     out.section(tags::SEGMENTS, &segments);
@@ -94,7 +95,8 @@ fn bytes_of(hits: &[HitRecord], adaptive: bool, stands: bool) -> Vec<u8> {
     out.section(tags::SWEEPS, &[0, 1, 2, 3].map(sweeps));
     let nodes: Vec<SweepNode> = segments.iter().flat_map(|s| (0..=20).map(|f| node(s, f))).collect();
     out.section(tags::SWEEP_NODES, &nodes);
-    let stop = |segment| StopRecord { segment, kind: SLOW_DOWN, frames: 40, radius: 0.3, pose_radius: 0.3 };
+    let [kind, frames] = if stands { [REST, 0] } else { [SLOW_DOWN, 40] };
+    let stop = |segment| StopRecord { segment, kind, frames, radius: 0.3, pose_radius: 0.3 };
     out.section(tags::STOPS, &[1, 0, 3, 2].map(stop));
     let grid = TargetGrid::polar(4, 8, 6.0, 1.0, 1.0).unwrap();
     let policy = PolicyRecord {
