@@ -92,19 +92,27 @@ pub fn build_shared(
         true => StageOutput { key: CacheKey::for_stage("motion", &[from.key()?], &motion_cfg)?, value: collect()? },
         false => s.run_group("motion", &[from.key()?], &motion_cfg, collect)?,
     };
+    let mut made = make::MadeMotion::default();
+    if makes_motion(cfg, &motion.clips) {
+        let (clips, mirror) = (&motion.clips, cfg.resample.mirror);
+        made = s.run("stands", |_| make::make_stands(clips, mirror, comm))?;
+        if !made.clips.is_empty() {
+            motion.key = CacheKey::for_stage("stands", &[motion.key], &mirror)?;
+            motion.value.clips.clips.append(&mut made.clips);
+        }
+    }
     let mut connected = match connect(cfg, &motion, &s) {
         Err(e) if !is_of_motion(&e) => return Err(e),
         connected => connected,
     };
-    let mut made = make::MadeMotion::default();
     if let Some(lacks) = missing_motion(cfg, &motion.clips, connected.as_ref().ok()) {
         let (clips, mirror) = (&motion.clips, cfg.resample.mirror);
         let settings = (lacks, &cfg.graph, mirror);
         let output =
             s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, lacks, &cfg.graph, mirror, comm))?;
         if !output.clips.is_empty() {
-            made = output.value;
             motion.key = output.key;
+            made.append(output.value);
             motion.value.clips.clips.append(&mut made.clips);
             connected = connect(cfg, &motion, &s);
         }
@@ -186,12 +194,16 @@ fn missing_motion(
     clips: &ClipSet,
     connected: Option<&StageOutput<Connected>>,
 ) -> Option<make::Lacks> {
+    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0));
+    (makes_motion(cfg, clips) && lacks.any()).then_some(lacks)
+}
+
+/// True if motion is made where it lacks.
+fn makes_motion(cfg: &BuildConfig, clips: &ClipSet) -> bool {
     // Fighters that bring their fists to a target are no walkers.
     let usual = PolicyBehaviourConfig::default().centre;
     let goes = cfg.behaviours.iter().any(|b| b.kind == BehaviourKind::Approach && b.centre == usual);
-    let wanted = goes && cfg.graph.enabled && cfg.graph.make == graph::MakeMotion::Missing && shows_walking(clips);
-    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0));
-    (wanted && lacks.any()).then_some(lacks)
+    goes && cfg.graph.enabled && cfg.graph.make == graph::MakeMotion::Missing && shows_walking(clips)
 }
 
 /// Error of a build that has nothing to play.

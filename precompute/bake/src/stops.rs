@@ -1,4 +1,9 @@
-//! Stop tables: the area that each segment sweeps, and the cheapest path to a stand from every state.
+//! Stop tables: the area that each segment sweeps, the cheapest path to a stand from every state, and the segments in
+//! which a body idles.
+
+mod idle;
+
+pub(crate) use idle::frames_left as idle_frames_left;
 
 use crate::graph::{RawMotionGraph, SegmentId, StateId};
 use crate::share::{clip_owners, sort_by_owner};
@@ -36,6 +41,8 @@ pub struct StopRows {
     pub nodes: Vec<SweepNode>,
     /// Stop of each state.
     pub stops: Vec<StopRecord>,
+    /// Frames for which the body idles from each segment's first one on; 0 where it does not until the segment's end.
+    pub idle: Vec<u32>,
 }
 
 /// Times in which characters can stop.
@@ -73,7 +80,14 @@ pub fn find_stops(clips: &ClipSet, graph: &RawMotionGraph, comm: &dyn Comm) -> R
         radius(clips, clip, (frame.0 - starts[clip]) as usize, num_frames) + SWEEP_TOLERANCE_M
     })?;
     let (of_segments, of_states) = radii.split_at(graph.segments.len());
-    let mut out = StopRows::default();
+    let left = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |c| {
+        idle::frames_left(&clips.clips[c], &clips.skeleton)
+    })?;
+    let left = left.concat();
+    let idles =
+        |s: &crate::graph::GraphSegment| left.get(s.start.0 as usize).copied().filter(|left| *left >= s.num_frames);
+    let idle = graph.segments.iter().map(|s| idles(s).unwrap_or(0)).collect();
+    let mut out = StopRows { idle, ..StopRows::default() };
     let mut paths = Vec::with_capacity(graph.segments.len());
     for (s, &radius) in graph.segments.iter().zip(of_segments) {
         let c = clip_of(s.start);

@@ -284,21 +284,22 @@ fn graph(baked: &BundleInputs<'_>, out: &mut BundleWriter<'_>) {
     let states = g.states.iter().zip(&g.standing);
     let states: Vec<_> =
         states.map(|(s, &standing)| StateRecord { frame: s.0, standing: u32::from(standing) }).collect();
-    let segment = |s: &GraphSegment| MotionSegment {
+    let segment = |(i, s): (usize, &GraphSegment)| MotionSegment {
         start: s.start.0,
         num_frames: s.num_frames,
         end: s.end.0,
         clip: (starts.partition_point(|&f| f <= s.start.0) - 1) as u32,
         displacement: [s.displacement.x, s.displacement.z, s.displacement.heading],
-        reserved: 0,
+        idle: baked.stops.idle.get(i).copied().unwrap_or(0),
     };
-    let segments: Vec<_> = g.segments.iter().map(segment).collect();
+    let segments: Vec<_> = g.segments.iter().enumerate().map(segment).collect();
     out.section(tags::STATES, &states);
     out.section(tags::SEGMENTS, &segments);
     // A graph without states still stores the end of its empty actions.
     out.section(tags::ACTION_OFFSETS, if g.action_offsets.is_empty() { &[0] } else { g.action_offsets.as_slice() });
     out.section(tags::ACTION_SEGMENTS, &g.actions.iter().map(|a| a.segment.0).collect::<Vec<_>>());
-    out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).collect::<Vec<_>>());
+    let own = baked.policies.iter().flat_map(|p| p.errors.iter().copied());
+    out.section(tags::ACTION_ERRORS, &g.actions.iter().map(|a| a.error).chain(own).collect::<Vec<_>>());
     out.section(tags::SWEEPS, &baked.stops.sweeps);
     out.section(tags::SWEEP_NODES, &baked.stops.nodes);
     out.section(tags::STOPS, &baked.stops.stops);

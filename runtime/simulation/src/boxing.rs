@@ -90,7 +90,7 @@ pub(crate) fn characters_config(compiled: &CompiledScene, group: usize) -> Chara
     let spars = compiled.scene().groups[group].motion == GroupMotion::Sparring;
     let avoid = Some(AvoidConfig { pairs_m: spars.then_some(PAIR_DEPTH_M), ..AvoidConfig::default() });
     let config = CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() };
-    if spars { config.with_boxers_feet() } else { config }
+    if spars { config.with_boxers_feet() } else { CharactersConfig { carriage: 1.0, ..config } }
 }
 
 /// Depth to which opponents may enter each other's discs. A disc covers the head on all sides of the root, and would keep

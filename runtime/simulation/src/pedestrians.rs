@@ -18,7 +18,7 @@ use throng_crowd::{Agent, AgentOrder, Crowd, CrowdError, Id};
 const EVENTS: usize = 4;
 
 /// Kind of the snapshot; both parts have a hash of their setup.
-const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 2, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "pedestrians", tag: *b"PEDS", version: 3, setup: 0 };
 
 /// State that changes with time.
 #[derive(Serialize, Deserialize)]

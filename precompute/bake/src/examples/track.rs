@@ -55,13 +55,22 @@ impl<'a> ClipTrack<'a> {
         self.facing[a] + (self.facing[b] - self.facing[a]) * part
     }
 
-    /// Pose at a time, in the world.
+    /// Pose at a time, in the world: on smooth paths through the frames (Catmull and Rom 1974).
     pub fn pose_at(&self, time: f64) -> FractionalPose {
         let (a, b, part) = self.frames_around(time);
-        let (from, to) = (self.clip.frame_rotations(a), self.clip.frame_rotations(b));
-        let rotations = std::array::from_fn(|j| maths::slerp_f32(from[j], to[j], part as f32));
-        let hips = self.clip.root_positions[a].lerp(self.clip.root_positions[b], part as f32);
-        FractionalPose { hips, rotations }
+        let (t, left) = (part as f32, 1.0 - part as f32);
+        let [before, after] = [-0.5 * t * left * left, -0.5 * t * t * left];
+        let frames = [a.saturating_sub(1), a, b, (b + 1).min(self.path.len() - 1)];
+        let shares = [before, left - 2.0 * before + after, t - 2.0 * after + before, after];
+        let (mut hips, mut rotations) = (Vec3::ZERO, [Quat::from_array([0.0; 4]); NUM_JOINTS]);
+        for (frame, share) in frames.into_iter().zip(shares) {
+            hips += self.clip.root_positions[frame] * share;
+            let pairs = self.clip.frame_rotations(a).iter().zip(self.clip.frame_rotations(frame));
+            for (q, (near, of)) in rotations.iter_mut().zip(pairs) {
+                *q += *of * share.copysign(share * near.dot(*of));
+            }
+        }
+        FractionalPose { hips, rotations: rotations.map(Quat::normalize) }
     }
 
     /// Share of contact of some parts of the body at a time: 0 or 1 at frames.

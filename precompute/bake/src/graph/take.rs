@@ -144,7 +144,7 @@ impl TakenFrames {
 /// Neutral and all upright standing, mirrored copies not counted (s).
 fn standing(clips: &ClipSet) -> [f64; 2] {
     let mut out = [0.0; 2];
-    for clip in clips.clips.iter().filter(|c| !c.mirrored) {
+    for clip in clips.clips.iter().filter(|c| !c.mirrored && !c.is_made()) {
         for span in clip.usable_ranges().into_iter().flatten().filter_map(|f| clip.span_at(f)) {
             let class = &span.class;
             if class.posture == Posture::Upright && class.gait == Gait::Stand {
@@ -156,9 +156,12 @@ fn standing(clips: &ClipSet) -> [f64; 2] {
     out
 }
 
-/// True for every frame whose class is taken; all where classes are not known.
+/// True for every frame whose class is taken; all where classes are not known, and where motion was made as it is needed.
 fn taken_frames(clip: &Clip, take: &[TakenMotion]) -> Vec<bool> {
     let mut out = vec![true; clip.num_frames()];
+    if clip.is_made() {
+        return out;
+    }
     let has = |what| take.contains(&what);
     let goes = |span: Option<&ClassSpan>| {
         span.is_some_and(|s| TakenMotion::of_span(s, clip) == TakenMotion::Upright && s.class.gait != Gait::Stand)

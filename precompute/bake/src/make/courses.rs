@@ -1,10 +1,11 @@
 //! Courses of made motion: starts, stops, turns, arcs and steps, frame by frame.
 
 use super::gait::{GaitCycle, LEAD};
-use super::smooth;
 use super::stance::RestStance;
 use super::stepping::MadeCourse;
+use super::{smooth, smoother};
 use glam::Vec2;
+use std::f32::consts::PI;
 use throng_core::Planar;
 
 /// What a body is to do.
@@ -18,6 +19,8 @@ pub(super) enum MadeMove {
     Turn(f32, usize),
     /// Walks a cycle along an arc (rad).
     Arc(f32),
+    /// Turns while walking, on a planted foot (rad).
+    Pivot(f32),
     /// Goes somewhere else without turning: to the left and ahead, with so many steps (m).
     Step(f32, f32, usize),
 }
@@ -28,8 +31,10 @@ pub(super) const STAND_S: f32 = 0.5;
 const SHIFT_S: f32 = 0.3;
 /// Share of the gait in the pose of who steps on the spot.
 const IN_PLACE: f32 = 0.3;
-/// Speed from which starts and stops take four steps in place of two (m/s).
-const FAST_MPS: f32 = 1.9;
+/// Shares of pace and of the gait's pose that a half turn takes away in its middle.
+const PIVOT: [f32; 2] = [0.9, 0.4];
+/// Speeds from which starts, and from which stops and pivots, take four steps in place of two (m/s).
+const FAST_MPS: [f32; 2] = [1.3, 1.9];
 /// Frames after the last event.
 const TAIL: usize = LEAD + 2;
 
@@ -41,6 +46,7 @@ impl MadeMove {
             Self::Stop => "stop".into(),
             Self::Turn(angle, _) => format!("turn-{:.0}", angle.to_degrees()),
             Self::Arc(angle) => format!("arc-{:.0}", angle.to_degrees()),
+            Self::Pivot(angle) => format!("pivot-{:.0}", angle.to_degrees()),
             Self::Step(x, z, _) => format!("step-{:.0}-{:.0}", 100.0 * x, 100.0 * z),
         }
     }
@@ -62,11 +68,11 @@ impl MadeMove {
         };
         let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
         let last = gait.clip.num_frames() - 1;
-        let cycles = if gait.speed_mps() > FAST_MPS { 2 } else { 1 };
+        let [fast, cycles] = FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
         Some(match *self {
             Self::Start(angle) => {
                 // The faster, the more steps it takes.
-                let over = gait.period * cycles;
+                let over = gait.period * fast;
                 let n = lift + over + TAIL;
                 let until = lift + over - 1;
                 // A turn takes the time before the first step is long.
@@ -76,7 +82,7 @@ impl MadeMove {
                     ramp(
                         f,
                         stand as f32 + late,
-                        (shift as f32 + 1.2 * step * cycles as f32).min(over as f32 - 0.1 * step - late),
+                        (shift as f32 + 1.2 * step * fast as f32).min(over as f32 - 0.1 * step - late),
                     )
                 };
                 MadeCourse {
@@ -115,6 +121,28 @@ impl MadeMove {
                     stance_at: vec![0; n],
                     weight: vec![1.0; n],
                     path: path(gait, gait.course(0), n, heading, |_| 1.0),
+                    stands: [false; 2],
+                    captured: [event, until],
+                    ..none
+                }
+            }
+            Self::Pivot(angle) => {
+                // Slower, and the arms swing less, the farther it turns; half turns take a step more, and so do runs.
+                let depth = angle.abs() / PI;
+                let steps = if depth > 0.6 { 2 + cycles } else { 1 + cycles };
+                let over = steps as f32 * step;
+                let until = event + over as usize;
+                let n = until + TAIL;
+                let heading = |f: usize| angle * ramp(f, event as f32, over - 1.0);
+                let dip = |f: usize| {
+                    let t = ((f as f32 - event as f32) / (over - 1.0)).clamp(0.0, 1.0);
+                    16.0 * t * t * (1.0 - t) * (1.0 - t)
+                };
+                MadeCourse {
+                    gait_at: (0..n).map(|f| f.min(last)).collect(),
+                    stance_at: vec![0; n],
+                    weight: (0..n).map(|f| 1.0 - PIVOT[1] * depth * dip(f)).collect(),
+                    path: path(gait, gait.course(0), n, heading, |f| 1.0 - PIVOT[0] * depth * dip(f)),
                     stands: [false; 2],
                     captured: [event, until],
                     ..none
@@ -183,10 +211,4 @@ fn path(
         here
     };
     (0..num_frames).map(place).collect()
-}
-
-/// From 0 to 1, with velocity and acceleration 0 at both ends.
-fn smoother(t: f32) -> f32 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }

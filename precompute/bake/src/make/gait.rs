@@ -4,7 +4,7 @@ use super::feet::{MadeFoot, foot_point};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::thresholds::WALKING_MPS;
-use throng_core::format::{Gait, Posture};
+use throng_core::format::{Gait, MotionClass, Posture};
 use throng_core::planar::{twist_about_y, wrap_angle};
 use throng_core::{Contacts, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, FrameRange};
@@ -23,6 +23,8 @@ const SEAM: usize = 10;
 const STRAIGHT: [f32; 2] = [0.35, 0.6];
 /// Cost of a gait that is crouched, carries something or goes otherwise than ahead (rad).
 const SPECIAL: f32 = 0.4;
+/// Shares of a step over which a foot leaves its place, and comes to the next.
+const EASE: f32 = 0.35;
 /// Shortest time for which a foot leaves the ground (s).
 const MIN_SWING_S: f64 = 0.1;
 
@@ -43,8 +45,8 @@ pub struct GaitCycle {
     pub travel: [f32; 2],
     /// Difference of the poses a cycle apart (rad a joint); smaller is steadier.
     pub unsteadiness: f32,
-    /// Time for which the clip it is from walks (s).
-    pub walking_s: f64,
+    /// Its class.
+    pub class: MotionClass,
 }
 
 /// A stay of a foot on the ground.
@@ -57,6 +59,8 @@ pub(super) struct FootStay {
     pub flat: usize,
     /// Place of the ball, and direction of the foot, there.
     pub base: Planar,
+    /// True for a foot that is in the air where the clip begins, instead of a stay.
+    pub in_air: bool,
 }
 
 impl GaitCycle {
@@ -75,7 +79,7 @@ impl GaitCycle {
                 }
             }
         }
-        best.into_iter().flatten().map(|g| Self { walking_s: walking_s(clip), ..g }).collect()
+        best.into_iter().flatten().collect()
     }
 
     /// The gait of one cycle, if it is steady and goes ahead.
@@ -100,8 +104,8 @@ impl GaitCycle {
             return None;
         }
         let apart = |j: usize| clip.frame_rotations(from)[j].angle_between(clip.frame_rotations(to)[j]);
-        let is_plain = clip
-            .class_at(from)
+        let class = clip.class_at(from);
+        let is_plain = class
             .is_none_or(|c| c.posture == Posture::Upright && !c.carrying && matches!(c.gait, Gait::Walk | Gait::Run));
         let unsteadiness = (1..NUM_JOINTS).map(apart).sum::<f32>() / NUM_JOINTS as f32
             + turn
@@ -110,7 +114,8 @@ impl GaitCycle {
         let lead = (from - run.start).min(LEAD);
         let frames = (CYCLES * period as f32) as usize + LEAD;
         let cut = play_round(clip, from - lead..run.end, lead + frames, period);
-        let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, walking_s: 0.0 };
+        let class = class.cloned().unwrap_or_default();
+        let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };
         gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
     }
 
@@ -125,7 +130,7 @@ impl GaitCycle {
         self.base.compose(Planar::new(self.travel[0] * k, self.travel[1] * k, 0.0))
     }
 
-    /// Stays of a foot on the ground, in order.
+    /// Stays of a foot on the ground, in order, after one in the air if the clip begins so.
     pub(super) fn plants(&self, skeleton: &Skeleton, foot: usize) -> Vec<FootStay> {
         let (clip, [heel, toe]) = (&self.clip, Contacts::FEET[foot]);
         let planted = |f: usize| clip.contacts[f].any(FEET[foot]);
@@ -144,13 +149,16 @@ impl GaitCycle {
             let both: Vec<usize> = run.clone().filter(|&f| clip.contacts[f].all(Contacts(heel.0 | toe.0))).collect();
             let flat = both.get(both.len() / 2).copied().unwrap_or((run.start + run.end) / 2);
             let base = foot_point(clip, skeleton, flat, foot).planar();
-            FootStay { first: run.start, last: run.end - 1, flat, base }
+            FootStay { first: run.start, last: run.end - 1, flat, base, in_air: false }
         };
-        runs.into_iter().map(plant).collect()
+        let place = foot_point(clip, skeleton, 0, foot).planar();
+        let begins = FootStay { first: 0, last: 0, flat: 0, base: place, in_air: true };
+        let in_air = runs.first().is_some_and(|r| r.start > 0).then_some(begins);
+        in_air.into_iter().chain(runs.into_iter().map(plant)).collect()
     }
 
-    /// The foot at a frame, for its stay on the ground or between two of them: how far its step is (0 to 1), and its
-    /// pose in the frame of where it is then.
+    /// The foot at a frame, for its stay on the ground or between two of them: how far its step is (0 to 1, or a little
+    /// beyond, as feet swing past their place), and its pose in the frame of where it is then.
     pub(super) fn foot(
         &self,
         skeleton: &Skeleton,
@@ -162,13 +170,15 @@ impl GaitCycle {
         let [a, b] = between;
         let (dx, dz) = (b.base.x - a.base.x, b.base.z - a.base.z);
         let square = dx * dx + dz * dz;
-        let share = if a.first == b.first {
-            0.0
-        } else if square > 0.01 {
-            (((at.toe.x - a.base.x) * dx + (at.toe.z - a.base.z) * dz) / square).clamp(0.0, 1.0)
-        } else {
-            (frame.saturating_sub(a.last)) as f32 / (b.first - a.last).max(1) as f32
-        };
+        if a.first == b.first {
+            return (0.0, at.seen_from(a.base));
+        }
+        let time = (frame as f32 - a.last as f32) / b.first.saturating_sub(a.last).max(1) as f32;
+        let eased = super::smoother(time);
+        let gone =
+            if square > 0.01 { ((at.toe.x - a.base.x) * dx + (at.toe.z - a.base.z) * dz) / square } else { eased };
+        // As far as it has come, but at rest where it leaves and lands, so that longer and shorter steps are as smooth.
+        let share = eased + super::smooth(time / EASE) * super::smooth((1.0 - time) / EASE) * (gone - eased);
         (share, at.seen_from(lerp_planar(a.base, b.base, share)))
     }
 }

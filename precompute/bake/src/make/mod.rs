@@ -9,6 +9,7 @@ mod feet;
 mod gait;
 mod needs;
 mod stance;
+mod stand;
 mod stepping;
 
 use crate::graph::MotionGraphConfig;
@@ -19,25 +20,23 @@ pub use needs::Lacks;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stance::RestStance;
+pub use stand::make_stands;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use stepping::CourseWalker;
 use throng_base::Comm;
 use throng_core::Skeleton;
-use throng_core::format::MADE_TAG;
+use throng_core::format::{Gait, MADE_TAG, MotionClass};
+use throng_motion::annotate::classes::{NameHints, classify};
 use throng_motion::clip::{Clip, ClipSet, ClipTag};
 use throng_motion::error::Result;
 use throng_motion::mirror;
 
 /// Most gaits that get starts and stops.
-const MAX_GAITS: usize = 10;
+const MAX_GAITS: usize = 14;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
 const OTHER_GAIT: f32 = 0.12;
-
-/// Speed of the gait that is preferred (m/s).
-const USUAL_MPS: f32 = 1.1;
-/// Weight of the likeness of a stance to the gait, and unrest from which no clip stands at ease.
-const LIKENESS: f32 = 1.0;
-const MOST_UNREST: f32 = 1.0;
+/// Speed of the gait that is preferred: slow ones turn and stop among others (m/s).
+const USUAL_MPS: f32 = 0.6;
 
 /// Made motion of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,16 +51,18 @@ pub struct MadeReport {
     pub turns: usize,
     /// Arcs of walks.
     pub arcs: usize,
+    /// Turns round while walking.
+    pub pivots: usize,
     /// Steps aside and back.
     pub steps: usize,
-    /// Stands, where no clip stands at ease.
+    /// Stands, where no clip stands at ease, or none for long.
     pub stands: usize,
     /// Made frames (s).
     pub seconds: f64,
     /// Clips whose gait was used.
     pub gaits: Vec<String>,
-    /// Clip whose stance was used; empty where it was made.
-    pub stance: String,
+    /// Clips whose stances were used.
+    pub stances: Vec<String>,
 }
 
 impl MadeReport {
@@ -72,6 +73,7 @@ impl MadeReport {
             (self.stops, "stop"),
             (self.turns, "turn"),
             (self.arcs, "arc"),
+            (self.pivots, "pivot"),
             (self.steps, "step"),
             (self.stands, "stand"),
         ];
@@ -94,6 +96,24 @@ pub struct MadeMotion {
     pub report: MadeReport,
 }
 
+impl MadeMotion {
+    /// Adds other made motion.
+    pub fn append(&mut self, mut other: Self) {
+        self.clips.append(&mut other.clips);
+        let (to, from) = (&mut self.report, other.report);
+        to.clips += from.clips;
+        to.starts += from.starts;
+        to.stops += from.stops;
+        to.turns += from.turns;
+        to.arcs += from.arcs;
+        to.pivots += from.pivots;
+        to.steps += from.steps;
+        to.stands += from.stands;
+        to.seconds += from.seconds;
+        (to.gaits, to.stances) = (from.gaits, from.stances);
+    }
+}
+
 /// Makes the motion that behaviours need and clips lack.
 ///
 /// - `comm`: processes that hold the other poses.
@@ -109,28 +129,46 @@ pub fn make_missing(
 ) -> Result<MadeMotion> {
     let found = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |c| {
         let clip = &clips.clips[c];
-        match clip.mirrored {
-            true => (Vec::new(), None),
+        let is_made = clip.tags.iter().any(|tag| tag.name == MADE_TAG);
+        match clip.mirrored || is_made {
+            true => (Vec::new(), Vec::new()),
             false => (GaitCycle::find(clip, &clips.skeleton), RestStance::find(clip, &clips.skeleton, cfg)),
         }
     })?;
     let (gaits, stances): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut made = MadeMotion::default();
     let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored);
-    let Some(first) = gaits.first() else { return Ok(made) };
-    let cost = |s: &RestStance| s.unrest + LIKENESS * s.distance_from(first);
-    let stance = stances.into_iter().flatten().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-    let stance = stance.filter(|s| s.unrest < MOST_UNREST).or_else(|| RestStance::of_gait(first, &clips.skeleton));
-    let Some(stance) = stance else { return Ok(made) };
-    let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made };
-    maker.make_all(&gaits, &stance, lacks);
-    made.report.stance = if stance.made { String::new() } else { stance.clip.name.clone() };
+    let stances: Vec<RestStance> = stances.into_iter().flatten().collect();
+    let mut manners: Vec<&str> = gaits.iter().map(|g| &*g.class.manner).collect();
+    manners.sort_unstable();
+    manners.dedup();
+    let of_manner = |manner: &&str| {
+        let gaits: Vec<&GaitCycle> = gaits.iter().filter(|g| g.class.manner == **manner).collect();
+        RestStance::choose(&stances, &gaits, &clips.skeleton)
+    };
+    let of_manners: Vec<Vec<RestStance>> = manners.iter().map(of_manner).collect();
+    let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
+    for stances in &of_manners {
+        maker.make_stands(stances);
+    }
+    let mut seen = Vec::new();
+    for (k, gait) in gaits.iter().enumerate() {
+        let of = manners.binary_search(&&*gait.class.manner).unwrap_or(0);
+        let key = (gait.foot, of);
+        let is_first = !seen.contains(&key);
+        seen.push(key);
+        maker.make_all(gait, k, &of_manners[of], is_first, lacks);
+    }
+    made.report.stances = of_manners.iter().flatten().filter(|s| !s.made).map(|s| s.clip.name.clone()).collect();
+    made.report.stances.sort_unstable();
+    made.report.stances.dedup();
     made.report.gaits = gaits.iter().map(|g| g.clip.name.clone()).collect();
     made.report.gaits.dedup();
     Ok(made)
 }
 
-/// Gaits that are worth a start and a stop, the most usual one first, and each unlike those before it.
+/// Gaits that are worth a start and a stop, the most usual one first, one of each manner before others, and each unlike
+/// those before it.
 fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     // Mirrored copies start with the other foot.
     let of_foot = |foot: usize| all.iter().filter(|g| g.foot == foot).count();
@@ -144,9 +182,14 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     let costs: Vec<f32> = all.iter().map(cost).collect();
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+    let kind = |k: usize| (all[k].foot, all[k].class.gait, &all[k].class.manner);
+    let is_first = |i: usize| !order[..i].iter().any(|&k| kind(k) == kind(order[i]));
+    let (firsts, others): (Vec<usize>, Vec<usize>) = (0..order.len()).partition(|&i| is_first(i));
     let mut out: Vec<GaitCycle> = Vec::new();
-    for k in order {
-        let unlike = |other: &GaitCycle| other.foot != all[k].foot || gait_distance(other, &all[k]) > OTHER_GAIT;
+    for k in firsts.into_iter().chain(others).map(|i| order[i]) {
+        let unlike = |o: &GaitCycle| {
+            o.foot != all[k].foot || o.class.manner != all[k].class.manner || gait_distance(o, &all[k]) > OTHER_GAIT
+        };
         if out.len() < MAX_GAITS && out.iter().all(unlike) {
             out.push(all[k].clone());
         }
@@ -154,70 +197,105 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     out
 }
 
+/// Angle up to which a joint is as it was captured (rad).
+const SAME_RAD: f32 = 0.005;
+
 /// Makes clips of gaits and a stance, and counts them.
 struct MotionMaker<'a> {
     skeleton: &'a Skeleton,
     mirrored: bool,
     made: &'a mut MadeMotion,
+    /// True for feet with which a gait has set off.
+    feet: [bool; 2],
 }
 
 impl MotionMaker<'_> {
-    fn make_all(&mut self, gaits: &[GaitCycle], stance: &RestStance, lacks: Lacks) {
-        if stance.made {
-            self.push(Clip { name: "made/stand".into(), ..stance.clip.clone() }, 0..stance.clip.num_frames());
+    /// Makes stands of stances that nobody has captured, or for a short time only.
+    fn make_stands(&mut self, stances: &[RestStance]) {
+        for s in stances.iter().filter(|s| s.made) {
+            let number = self.made.report.stands;
+            let name = format!("made/stand-{number}");
+            self.push(Clip { name, ..s.clip.clone() }, 0..s.clip.num_frames(), &s.class);
             self.made.report.stands += 1;
         }
-        let mut feet = [false; 2];
-        for (k, gait) in gaits.iter().enumerate() {
-            let side = if gait.foot == 0 { 1.0 } else { -1.0 };
-            // The first gait of each foot does all; others start and stop.
-            let is_first = !std::mem::replace(&mut feet[gait.foot], true);
-            let mut moves = Vec::new();
-            if lacks.joins || lacks.starts && is_first {
-                moves.extend([MadeMove::Start(0.0), MadeMove::Stop]);
-            }
-            if lacks.starts && is_first {
-                moves.extend([FRAC_PI_4, FRAC_PI_2].map(|a| MadeMove::Start(side * a)));
-            }
-            if (lacks.starts || lacks.turns) && is_first {
-                moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 3), (PI, 5)].map(|(a, n)| MadeMove::Turn(side * a, n)));
-                let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, -0.4]];
-                moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
-            }
-            if lacks.arcs && (is_first || k < 4) {
-                moves.extend([0.4, 0.8].iter().flat_map(|&a| [MadeMove::Arc(a), MadeMove::Arc(-a)]));
-            }
-            for what in moves {
-                self.make(what, gait, stance, k);
+    }
+
+    /// Makes what a gait gives.
+    ///
+    /// - `number`: its number; the first one of each foot does most.
+    /// - `is_first`: true for the first gait of its foot and manner.
+    fn make_all(&mut self, gait: &GaitCycle, number: usize, stances: &[RestStance], is_first: bool, lacks: Lacks) {
+        let Some(stance) = stances.first() else { return };
+        let side = if gait.foot == 0 { 1.0 } else { -1.0 };
+        let usual = !std::mem::replace(&mut self.feet[gait.foot], true);
+        let mut moves = Vec::new();
+        if lacks.starts && usual {
+            moves.extend([FRAC_PI_4, FRAC_PI_2].map(|a| MadeMove::Start(side * a)));
+        }
+        if (lacks.starts || lacks.turns) && usual {
+            moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 3), (PI, 5)].map(|(a, n)| MadeMove::Turn(side * a, n)));
+            let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, -0.4]];
+            moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
+        }
+        if lacks.pivots && usual {
+            moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
+        }
+        if lacks.arcs && (usual || number < 4) {
+            moves.extend([0.4, 0.8].iter().flat_map(|&a| [MadeMove::Arc(a), MadeMove::Arc(-a)]));
+        }
+        for what in moves {
+            self.make(what, gait, stance, number.to_string());
+        }
+        if lacks.joins || lacks.starts && usual {
+            let all: Vec<usize> = if is_first { (0..stances.len()).collect() } else { vec![number % stances.len()] };
+            for s in all {
+                let number = if s == 0 || !is_first { number.to_string() } else { format!("{number}.{s}") };
+                self.make(MadeMove::Start(0.0), gait, &stances[s], number.clone());
+                self.make(MadeMove::Stop, gait, &stances[s], number);
             }
         }
     }
 
     /// Makes one clip.
-    fn make(&mut self, what: MadeMove, gait: &GaitCycle, stance: &RestStance, number: usize) {
+    fn make(&mut self, what: MadeMove, gait: &GaitCycle, stance: &RestStance, number: String) {
         let Some(course) = what.course(gait, stance) else { return };
         let walker = CourseWalker { gait, stance, skeleton: self.skeleton, course: &course };
         let Some(clip) = walker.walk() else { return };
-        let stand = (courses::STAND_S * gait.clip.rate_hz as f32) as usize;
-        let from = if course.stands[0] { stand } else { course.captured[0] };
-        let rest = course.weight.iter().rposition(|w| *w > 0.0).unwrap_or(0) + 1;
-        let to = if course.stands[1] { rest } else { course.captured[1] }.min(clip.num_frames());
+        // What is neither the gait's pose nor the stance's is made.
+        let is_captured = |f: &usize| {
+            let wanted = &clip.frame_rotations(*f)[1..];
+            [(&gait.clip, course.gait_at[*f]), (&stance.clip, course.stance_at[*f])].iter().any(|(of, g)| {
+                of.frame_rotations(*g)[1..].iter().zip(wanted).all(|(a, b)| a.angle_between(*b) < SAME_RAD)
+            })
+        };
+        let made = (0..clip.num_frames()).filter(|f| !is_captured(f));
+        let (from, to) = made.fold((clip.num_frames(), 0), |(from, to), f| (from.min(f), to.max(f + 1)));
+        let from = if course.stands[0] { from } else { course.captured[0] };
+        let to = if course.stands[1] { to } else { course.captured[1].min(clip.num_frames()) };
         let report = &mut self.made.report;
         *match what {
             MadeMove::Start(_) => &mut report.starts,
             MadeMove::Stop => &mut report.stops,
             MadeMove::Turn(..) => &mut report.turns,
             MadeMove::Arc(_) => &mut report.arcs,
+            MadeMove::Pivot(_) => &mut report.pivots,
             MadeMove::Step(..) => &mut report.steps,
         } += 1;
-        self.push(Clip { name: format!("made/{}-{number}", what.name()), ..clip }, from..to.max(from));
+        self.push(Clip { name: format!("made/{}-{number}", what.name()), ..clip }, from.min(to)..to, &gait.class);
     }
 
-    fn push(&mut self, clip: Clip, made: std::ops::Range<usize>) {
+    /// Adds a clip, and its mirrored copy.
+    ///
+    /// - `made`: its made frames.
+    /// - `class`: class of the motion that it is made of.
+    fn push(&mut self, clip: Clip, made: std::ops::Range<usize>, class: &MotionClass) {
         let report = &mut self.made.report;
         report.clips += 1;
         report.seconds += made.len() as f64 / clip.rate_hz;
-        let clip = Clip { tags: vec![ClipTag { name: MADE_TAG.into(), range: made }], ..clip };
+        let [walk, run, idle] = [Gait::Walk, Gait::Run, Gait::Stand].map(|g| class.gait == g);
+        let hints = NameHints { walk, run, idle, manner: Some(class.manner.clone()), ..NameHints::default() };
+        let classes = classify(&clip, self.skeleton, &hints);
+        let clip = Clip { tags: vec![ClipTag { name: MADE_TAG.into(), range: made }], classes, ..clip };
         let copy = self.mirrored.then(|| mirror::mirror_clip(&clip));
         self.made.clips.push(clip);
         self.made.clips.extend(copy);
@@ -228,6 +306,12 @@ impl MotionMaker<'_> {
 fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
+}
+
+/// From 0 to 1, with velocity and acceleration 0 at both ends.
+fn smoother(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * t * (10.0 + t * (6.0 * t - 15.0))
 }
 
 #[cfg(test)]

@@ -24,6 +24,9 @@ const START_S: f64 = 2.5;
 /// Least angle and largest distance between the stands before and after a turn on the spot (rad, m).
 const TURN: [f32; 2] = [0.7, 0.7];
 
+/// Least angle of a turn round while walking, and the time that it takes at most (rad, s).
+const PIVOT: (f32, f64) = (2.2, 1.4);
+
 /// What the captured motion lacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lacks {
@@ -35,15 +38,17 @@ pub struct Lacks {
     pub turns: bool,
     /// Walks that turn to both sides.
     pub arcs: bool,
+    /// Turns round while walking.
+    pub pivots: bool,
 }
 
 impl Lacks {
     /// Everything.
-    pub const ALL: Self = Self { starts: true, joins: true, turns: true, arcs: true };
+    pub const ALL: Self = Self { starts: true, joins: true, turns: true, arcs: true, pivots: true };
 
     /// True if there is something to make.
     pub fn any(self) -> bool {
-        self.starts || self.joins || self.turns || self.arcs
+        self.starts || self.joins || self.turns || self.arcs || self.pivots
     }
 
     /// What the motion of a graph lacks.
@@ -62,27 +67,29 @@ impl Lacks {
                 .any(|s| f64::from(side * s.displacement.heading) > f64::from(TURN_RATE) * seconds(s.num_frames))
         };
         let played = played_frames(graph, clips);
-        let (mut starts, mut stops, mut on_the_spot) = (0, 0, 0);
+        let (mut starts, mut stops, mut on_the_spot, mut pivots) = (0, 0, 0, 0);
         for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
             for run in clip.usable_ranges() {
                 for run in runs_where(run, |f| played[first as usize + f]) {
-                    let [a, b, c] = count_changes(clip, &run);
-                    (starts, stops, on_the_spot) = (starts + a, stops + b, on_the_spot + c);
+                    let [a, b, c, d] = count_changes(clip, &run);
+                    (starts, stops, on_the_spot, pivots) = (starts + a, stops + b, on_the_spot + c, pivots + d);
                 }
             }
         }
         let rests = graph.standing.iter().filter(|s| **s).count();
+        let changes = starts.min(stops);
         Self {
-            starts: rests < LEAST_RESTS || starts.min(stops) < ENOUGH_STARTS,
-            joins: rests < LEAST_RESTS || starts.min(stops) == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
+            starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
+            joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
             turns: on_the_spot < ENOUGH_TURNS,
             arcs: !(turns(1.0) && turns(-1.0)),
+            pivots: pivots < ENOUGH_TURNS,
         }
     }
 }
 
-/// Starts, stops and turns on the spot within a run.
-fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 3] {
+/// Starts, stops, turns on the spot, and turns round while walking within a run.
+fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 4] {
     let frames = |s: f64| ((s * clip.rate_hz) as usize).max(1);
     let half = frames(0.2);
     let speed = |f: usize| {
@@ -101,5 +108,14 @@ fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 3] {
         let turned = wrap_angle(b.heading - a.heading).abs() > TURN[0];
         turned && (a.x - b.x).hypot(a.z - b.z) < TURN[1] && w[1].start - w[0].end < 2 * near
     };
-    [starts, stops, stands.windows(2).filter(turns).count()]
+    let over = frames(PIVOT.1);
+    let heading = |f: usize| clip.planar(f).heading;
+    let goes = |f: usize| speed(f) > WALKING_MPS;
+    let (mut pivots, mut f) = (0, run.start);
+    while f + over < run.end {
+        let is_pivot = goes(f) && goes(f + over) && wrap_angle(heading(f + over) - heading(f)).abs() > PIVOT.0;
+        pivots += usize::from(is_pivot);
+        f += if is_pivot { over } else { 1 };
+    }
+    [starts, stops, stands.windows(2).filter(turns).count(), pivots]
 }

@@ -8,6 +8,7 @@ use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::TAU;
 use throng_base::maths;
+use throng_core::format::{Gait, MotionClass};
 use throng_core::planar::twist_about_y;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, FrameRange};
@@ -21,14 +22,24 @@ const UPRIGHT: [f32; 2] = [0.88, 0.85];
 const FEET_APART: (f32, f32) = (0.55, 1.4);
 /// Cost of a stance that is not neutral, as unrest.
 const GESTURE: f32 = 0.3;
-/// Breaths of a made stance (1/s), and how far the trunk turns with them (rad).
-const BREATH: (f32, f32) = (0.27, 0.008);
+/// Weight of the likeness of a stance to the gait, and unrest from which no clip stands at ease.
+const LIKENESS: f32 = 1.0;
+const MOST_UNREST: f32 = 1.0;
+/// Most stances of a clip, and of a manner, and difference from which two are unlike (rad a joint).
+const MAX_STANCES: usize = 3;
+const OTHER_STANCE: f32 = 0.1;
+/// Time of a made stance, in which it breathes and sways once; how far the trunk turns and the hips sway (s, rad, m).
+const HELD_S: f64 = 5.0;
+const BREATH: f32 = 0.008;
+const SWAY_M: f32 = 0.02;
 
 /// Frames that stand at ease.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RestStance {
     /// The frames.
     pub clip: Clip,
+    /// Their class.
+    pub class: MotionClass,
     /// Unrest: speed of joints and arms away from the body; smaller is calmer.
     pub unrest: f32,
     /// True if its frames are made, as no clip stands at ease.
@@ -36,18 +47,15 @@ pub struct RestStance {
 }
 
 impl RestStance {
-    /// The calmest stance of a clip.
-    pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &MotionGraphConfig) -> Option<Self> {
+    /// The calmest stances of a clip, each unlike those before it.
+    pub fn find(clip: &Clip, skeleton: &Skeleton, cfg: &MotionGraphConfig) -> Vec<Self> {
         let long = (LONG_S * clip.rate_hz) as usize;
         let rest = skeleton.rest_positions();
-        let mut best: Option<(f32, FrameRange)> = None;
+        let mut all: Vec<(f32, f32, FrameRange)> = Vec::new();
         for run in clip.usable_ranges() {
             for stand in standing_runs_of(clip, &run, cfg) {
-                let step = (long / 2).max(1);
-                let mut from = stand.start;
-                while from < stand.end {
+                for from in stand.clone().step_by((long / 2).max(1)) {
                     let window = from..(from + long).min(stand.end);
-                    from += step;
                     if window.len() < long / 6 {
                         continue;
                     }
@@ -56,14 +64,47 @@ impl RestStance {
                     let short = 1.0 - window.len() as f32 / long as f32;
                     let gestures = clip.class_at(window.start).is_some_and(|c| !c.neutral);
                     let unrest = unrest + if gestures { GESTURE } else { 0.0 };
-                    let cost = unrest + 0.3 * short;
-                    if best.as_ref().is_none_or(|b| cost < b.0) {
-                        best = Some((cost, window));
-                    }
+                    all.push((unrest + 0.3 * short, unrest, window));
                 }
             }
         }
-        best.map(|(unrest, window)| Self { clip: cut(clip, window), unrest, made: false })
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let best = pick_unlike(all.iter(), |(_, _, window)| clip.frame_rotations(window.start));
+        let stance = |(_, unrest, window): &(f32, f32, FrameRange)| {
+            let known = clip.class_at(window.start).cloned();
+            let class = known.unwrap_or(MotionClass { neutral: true, ..MotionClass::default() });
+            Self { clip: cut(clip, window.clone()), class, unrest: *unrest, made: false }
+        };
+        best.into_iter().map(stance).collect()
+    }
+
+    /// Stances in which those stop and set off who go in the manner of some gaits, the calmest and likest first: captured
+    /// neutral ones of that manner, else one that is made.
+    ///
+    /// - `all`: the captured ones, of all manners.
+    pub fn choose(all: &[Self], gaits: &[&GaitCycle], skeleton: &Skeleton) -> Vec<Self> {
+        let Some(first) = gaits.first() else { return Vec::new() };
+        let cost = |s: &Self| s.unrest + LIKENESS * s.distance_from(first);
+        let mut calm: Vec<&Self> = all.iter().filter(|s| s.unrest < MOST_UNREST).collect();
+        calm.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        calm.sort_by_key(|s| !s.class.neutral);
+        let own = calm.iter().copied().filter(|s| s.class.neutral && s.class.manner == first.class.manner);
+        let long = |s: &Self| match (s.clip.num_frames() + 1) as f64 >= LONG_S * s.clip.rate_hz {
+            true => s.clone(),
+            false => s.held(skeleton),
+        };
+        let own = pick_unlike(own, |s| s.clip.frame_rotations(0));
+        let mut out: Vec<Self> = own.into_iter().map(long).collect();
+        if out.is_empty() {
+            // Who runs stands as those do who walk so, or as anybody stands.
+            let walk = gaits.iter().find(|g| g.class.gait != Gait::Run);
+            let made = || Self::of_gait(walk.unwrap_or(first), skeleton);
+            out.extend(match (walk, calm.first().filter(|s| s.class.neutral)) {
+                (None, Some(stance)) => Some(long(stance)),
+                _ => made(),
+            });
+        }
+        out
     }
 
     /// A stance made of a gait: the mean of its poses, feet side by side on the ground, breathing.
@@ -97,23 +138,39 @@ impl RestStance {
             [of(0)?, of(1)?]
         };
         let height = standing_height(gait, cycle, skeleton, &rotations, &flat);
-        let n = (2.0 * LONG_S * gait.clip.rate_hz) as usize;
+        let class = MotionClass { gait: Gait::Stand, neutral: true, ..gait.class.clone() };
+        Some(Self::hold(CoursePose { hips: Vec3::Y * height, rotations }, &flat, gait.clip.rate_hz, skeleton, class))
+    }
+
+    /// A stance that holds the pose of this one for longer.
+    fn held(&self, skeleton: &Skeleton) -> Self {
+        let f = self.clip.num_frames() / 2;
+        let rotations = std::array::from_fn(|j| self.clip.frame_rotations(f)[j]);
+        let feet = [0, 1].map(|foot| foot_point(&self.clip, skeleton, f, foot));
+        let pose = CoursePose { hips: self.clip.root_positions[f], rotations };
+        Self::hold(pose, &feet, self.clip.rate_hz, skeleton, self.class.clone())
+    }
+
+    /// A stance of one pose, feet at rest: it breathes, and sways from foot to foot.
+    fn hold(pose: CoursePose, feet: &[MadeFoot; 2], rate_hz: f64, skeleton: &Skeleton, class: MotionClass) -> Self {
+        let n = (HELD_S * rate_hz) as usize;
+        let along = maths::rotation_y(twist_about_y(pose.rotations[0])) * Vec3::X;
         let (mut roots, mut all) = (Vec::with_capacity(n), Vec::with_capacity(n * NUM_JOINTS));
         for f in 0..n {
-            let phase = TAU * BREATH.0 * f as f32 / gait.clip.rate_hz as f32;
-            let (sin, cos) = maths::sin_cos(phase);
-            let mut pose = CoursePose { hips: Vec3::new(0.004 * sin, height - 0.002 * cos, 0.0), rotations };
+            let (sin, cos) = maths::sin_cos(TAU * f as f32 / n as f32);
+            let mut now =
+                CoursePose { hips: pose.hips + along * (SWAY_M * sin) - Vec3::Y * (0.002 + 0.002 * cos), ..pose };
             for (joint, share) in [(Joint::Chest, 1.0), (Joint::UpperChest, 0.6), (Joint::Neck, -1.2)] {
                 let j = joint.index();
-                pose.rotations[j] = maths::compose(pose.rotations[j], maths::rotation_x(-share * BREATH.1 * sin));
+                now.rotations[j] = maths::compose(now.rotations[j], maths::rotation_x(-share * BREATH * sin));
             }
-            reach_feet(&mut pose, skeleton, &flat);
-            roots.push(pose.hips);
-            all.extend(pose.rotations);
+            reach_feet(&mut now, skeleton, feet);
+            roots.push(now.hips);
+            all.extend(now.rotations);
         }
         let contacts = vec![Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0); n];
-        let clip = Clip { contacts, ..Clip::new("stand", gait.clip.rate_hz, roots, all) };
-        Some(Self { clip, unrest: 0.0, made: true })
+        let clip = Clip { contacts, ..Clip::new("stand", rate_hz, roots, all) };
+        Self { clip, class, unrest: 0.0, made: true }
     }
 
     /// Difference of the body above the legs from the mean of a gait (rad a joint).
@@ -196,6 +253,23 @@ fn unrest(clip: &Clip, skeleton: &Skeleton, window: &FrameRange, rest: &[Vec3; N
     }
     let n = window.len() as f32;
     Some(moved / n + 0.3 * arms / n)
+}
+
+/// The first few whose poses are unlike those before them.
+fn pick_unlike<'a, T>(all: impl Iterator<Item = &'a T>, pose: impl Fn(&'a T) -> &'a [Quat]) -> Vec<&'a T> {
+    let mut out: Vec<&T> = Vec::new();
+    for item in all {
+        let is_new = out.iter().copied().all(|o| pose_distance(pose(o), pose(item)) > OTHER_STANCE);
+        if out.len() < MAX_STANCES && is_new {
+            out.push(item);
+        }
+    }
+    out
+}
+
+/// Mean angle between the joints of two poses (rad).
+fn pose_distance(a: &[Quat], b: &[Quat]) -> f32 {
+    a.iter().zip(b).skip(1).map(|(a, b)| a.angle_between(*b)).sum::<f32>() / (NUM_JOINTS - 1) as f32
 }
 
 /// Frames of a clip as a clip.

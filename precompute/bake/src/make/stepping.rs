@@ -10,6 +10,7 @@ use super::smooth;
 use super::stance::RestStance;
 use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
+use throng_core::planar::wrap_angle;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, joint_transforms};
 use throng_motion::retarget::{LEGS, bend_leg};
@@ -20,12 +21,16 @@ const LEAST_SWING: f32 = 0.45;
 const ROLL_S: f32 = 0.3;
 /// Share of the roll of a gait below which a foot stands flat.
 const FLAT: f32 = 0.03;
+/// Turn of the body over a planted foot from which the foot turns with it (rad).
+const TWIST: f32 = 0.4;
 /// Longest leg, as a share of its length.
 const STRAIGHT_LEG: f32 = 0.992;
 /// Share of the way to the standing foot that hips move aside before a first step, and times before and after it (s).
 const SHIFT: f32 = 0.35;
 const SHIFT_S: [f32; 2] = [0.3, 0.2];
-/// Frames by which hips go down before a leg would be too short.
+/// Frames from captured ones to those that are corrected wholly.
+const FREE: f32 = 6.0;
+/// Frames by which hips go down before a leg would be too short; twice as many change.
 const LOWER: usize = 4;
 
 /// A pose.
@@ -73,7 +78,26 @@ struct CourseStay {
     last: usize,
     /// Stay of the gait that it plays.
     of_gait: usize,
+    /// Frame at which the foot is flat, and its place then.
+    flat: usize,
     base: Planar,
+}
+
+impl CourseStay {
+    /// Place of the foot at a frame: it turns on its ball where the body would twist the leg.
+    fn place(&self, path: &[Planar], f: usize) -> Planar {
+        let f = f.clamp(self.first, self.last.max(self.first)).min(path.len() - 1);
+        let twist = wrap_angle(path[f].heading - path[self.flat].heading);
+        let over = (twist.abs() - TWIST).max(0.0);
+        let turn = (over * over / (over + 0.3)).copysign(twist);
+        Planar { heading: self.base.heading + turn, ..self.base }
+    }
+
+    /// True where the foot turns on its ball.
+    fn turns(&self, path: &[Planar], f: usize) -> bool {
+        let by = self.place(path, f + 1).heading - self.place(path, f.saturating_sub(1)).heading;
+        by.abs() > 0.02
+    }
 }
 
 /// Walks a course.
@@ -122,6 +146,14 @@ impl CourseWalker<'_> {
         frames / self.gait.clip.rate_hz as f32
     }
 
+    /// Share of corrections that a frame takes: none where the gait goes on as captured, all some frames on.
+    fn free_share(&self, f: usize) -> f32 {
+        let ([begin, end], [from_stand, to_stand]) = (self.course.captured, self.course.stands);
+        let from = if from_stand { 1.0 } else { smooth((f as f32 - begin as f32) / FREE) };
+        let to = if to_stand { 1.0 } else { smooth((end as f32 - f as f32) / FREE) };
+        from * to
+    }
+
     /// The pose above the feet.
     fn body(&self, f: usize) -> CoursePose {
         let (g, s, share) = (self.course.gait_at[f], self.course.stance_at[f], self.course.weight[f]);
@@ -147,7 +179,7 @@ impl CourseWalker<'_> {
         let mut out = Vec::new();
         for (foot, plants) in plants.iter().enumerate() {
             for (from, w) in plants.windows(2).enumerate() {
-                let lift = at.partition_point(|&g| g <= w[0].last).checked_sub(1);
+                let lift = at.partition_point(|&g| g <= w[0].last).checked_sub(1).filter(|_| !w[0].in_air);
                 let land = at.partition_point(|&g| g < w[1].first);
                 let is_begun = land > 0 && (lift.is_some() || !self.course.stands[0]);
                 if is_begun && lift.is_none_or(|l| l + 1 < n) {
@@ -157,7 +189,8 @@ impl CourseWalker<'_> {
         }
         out.sort_by_key(|s| (s.lift, s.foot));
         if self.course.stands[1] {
-            out.truncate(self.course.num_swings);
+            let begun = out.iter().filter(|s| s.lift.is_none()).count();
+            out.truncate(self.course.num_swings.saturating_add(begun));
         }
         out
     }
@@ -181,23 +214,28 @@ impl CourseWalker<'_> {
         let stance = self.stance_foot(foot);
         let place = |(k, (first, end, of_gait)): (usize, (usize, usize, usize))| {
             let plant = &plants[of_gait.min(plants.len() - 1)];
-            let captured = |f: usize| course.path[f].compose(self.gait.course(course.gait_at[f]).inverse());
             let flat = course.gait_at.partition_point(|&g| g < plant.flat).min(last);
-            let base = if k == 0 && course.stands[0] {
-                course.path[0].compose(stance)
+            let (flat, base) = if k == 0 && course.stands[0] {
+                (0, course.path[0].compose(stance))
             } else if k + 1 == n && course.stands[1] {
-                course.path[last].compose(stance)
-            } else if first <= course.captured[0] && !course.stands[0] {
-                captured(0).compose(plant.base)
+                (last, course.path[last].compose(stance))
+            } else if k == 0 && !course.stands[0] {
+                // It stands, or its step had begun.
+                (0, self.captured(0).compose(plant.base))
             } else if end >= course.captured[1] && !course.stands[1] {
-                captured(last).compose(plant.base)
+                (last, self.captured(last).compose(plant.base))
             } else {
                 let seen = self.gait.course(plant.flat).to_local(plant.base);
-                course.path[flat].compose(lerp_planar(stance, seen, course.weight[flat]))
+                (flat, course.path[flat].compose(lerp_planar(stance, seen, course.weight[flat])))
             };
-            CourseStay { first, last: end, of_gait, base }
+            CourseStay { first, last: end, of_gait, flat, base }
         };
         stays.into_iter().enumerate().map(place).collect()
+    }
+
+    /// The world of the gait's clip, as it lies at a frame of the course.
+    fn captured(&self, f: usize) -> Planar {
+        self.course.path[f].compose(self.gait.course(self.course.gait_at[f]).inverse())
     }
 
     /// Place of a foot in the stance, as seen from its course.
@@ -220,7 +258,7 @@ impl CourseWalker<'_> {
         let sole = Contacts(heel.0 | toe.0);
         let base = self.stance.course().compose(self.stance_foot(foot));
         let still = foot_point(&self.stance.clip, self.skeleton, course.stance_at[f], foot).seen_from(base);
-        let share = course.weight[f].max(LEAST_SWING);
+        let share = LEAST_SWING + (1.0 - LEAST_SWING) * course.weight[f] * course.weight[f];
         let k = made.partition_point(|p| p.last < f).min(made.len() - 1);
         let stay = &made[k];
         let roll = |frames: usize| smooth(self.seconds(frames as f32) / ROLL_S);
@@ -242,10 +280,11 @@ impl CourseWalker<'_> {
             let bits = match (begins || ends, weight < FLAT, bits) {
                 // While it rolls, it stands on its ball.
                 (true, false, _) => toe,
+                _ if stay.turns(&course.path, f) => toe,
                 (false, _, bits) if bits != Contacts::NONE => bits,
                 _ => sole,
             };
-            return (still.lerp(&goes, weight).laid_at(stay.base), bits);
+            return (still.lerp(&goes, weight).laid_at(stay.place(&course.path, f)), bits);
         }
         let swing = swings.iter().rfind(|s| s.foot == foot && s.lift.is_none_or(|l| l < f));
         let from = swing.map_or(0, |s| s.from).min(plants.len() - 1);
@@ -253,13 +292,21 @@ impl CourseWalker<'_> {
         let (step, goes) = self.gait.foot(self.skeleton, g, foot, [&plants[from], &plants[next]]);
         let start = match k {
             // The step had begun before.
-            0 => {
-                let captured = course.path[0].compose(self.gait.course(course.gait_at[0]).inverse());
-                captured.compose(plants[from].base)
-            }
-            _ => made[k - 1].base,
+            0 => self.captured(0).compose(plants[from].base),
+            _ => made[k - 1].place(&course.path, f),
         };
-        (still.lerp(&goes, share).laid_at(lerp_planar(start, stay.base, step)), Contacts::NONE)
+        // A step that is not over where the gait goes on as captured ends as it does there.
+        let end = course.captured[1];
+        let start = match swing.filter(|s| !course.stands[1] && s.land > end) {
+            Some(s) => {
+                let lift = s.lift.unwrap_or(0);
+                let share = smooth((f as f32 - lift as f32) / end.saturating_sub(lift).max(1) as f32);
+                lerp_planar(start, self.captured(course.path.len() - 1).compose(plants[from].base), share)
+            }
+            None => start,
+        };
+        let land = stay.place(&course.path, f);
+        (still.lerp(&goes, share).laid_at(lerp_planar(start, land, step)), Contacts::NONE)
     }
 
     /// Moves the hips over the foot that stands before another one leaves a stance.
@@ -277,7 +324,7 @@ impl CourseWalker<'_> {
             for (f, pose) in poses.iter_mut().enumerate() {
                 let before = 1.0 + (f as f32 - lift as f32) / (SHIFT_S[0] * rate);
                 let after = 1.0 - (f as f32 - land as f32 + 0.3 * (land - lift) as f32) / (SHIFT_S[1] * rate);
-                pose.hips += along * (SHIFT * idle * aside * smooth(before) * smooth(after));
+                pose.hips += along * (SHIFT * idle * aside * smooth(before) * smooth(after) * self.free_share(f));
             }
         }
     }
@@ -303,7 +350,7 @@ impl CourseWalker<'_> {
             (0..needs.len()).map(|f| needs[around(f, LOWER)].iter().copied().fold(0.0, f32::max)).collect();
         for (f, pose) in poses.iter_mut().enumerate() {
             let near = &most[around(f, LOWER)];
-            pose.hips.y -= near.iter().sum::<f32>() / near.len() as f32;
+            pose.hips.y -= self.free_share(f) * near.iter().sum::<f32>() / near.len() as f32;
         }
     }
 }

@@ -3,6 +3,7 @@ use crate::features::FeaturesConfig;
 use crate::graph;
 use glam::Vec3;
 use throng_base::SingleRank;
+use throng_core::format::{ClassSpan, MotionClass};
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::annotate::contacts::FOOT_PARTS;
 use throng_motion::progress::Silent;
@@ -12,6 +13,9 @@ use throng_synth::{SynthConfig, SynthSet, make_set};
 fn library(names: &[&str]) -> ClipSet {
     let mut set = make_set(SynthSet::Locomotion, &SynthConfig::for_set(SynthSet::Locomotion)).unwrap();
     set.clips.retain(|c| names.iter().any(|n| c.name.starts_with(n)));
+    for clip in &mut set.clips {
+        clip.classes = classify(clip, &set.skeleton, &NameHints::new(&clip.name, ""));
+    }
     set.clips = set.clips.into_iter().flat_map(|c| [c.clone(), mirror::mirror_clip(&c)]).collect();
     set
 }
@@ -20,14 +24,34 @@ fn made_of(set: &ClipSet) -> MadeMotion {
     make_missing(set, Lacks::ALL, &MotionGraphConfig::default(), true, &SingleRank).unwrap()
 }
 
-/// 95th percentile of the speed of planted feet, largest acceleration of a joint, lowest part of a foot (m, s).
-fn figures(set: &ClipSet, clips: &[Clip]) -> [f32; 3] {
-    let (mut slip, mut most, mut low) = (Vec::new(), 0.0f32, 0.0f32);
+/// How clips look.
+#[derive(Debug)]
+struct Looks {
+    /// 95th percentile of the speed of planted feet (m/s).
+    slip: f32,
+    /// Largest acceleration of a joint (m/s2).
+    jolt: f32,
+    /// 99.9th percentile of the turn of knees (rad/s).
+    knees: f32,
+    /// Lowest part of a foot, and lowest hips (m).
+    low: f32,
+    hips: f32,
+}
+
+fn percentile(all: &mut [f32], share: f32) -> f32 {
+    all.sort_by(f32::total_cmp);
+    all[((all.len() - 1) as f32 * share) as usize]
+}
+
+fn looks(set: &ClipSet, clips: &[Clip]) -> Looks {
+    let (mut slip, mut knees, mut jolt, mut low) = (Vec::new(), Vec::new(), 0.0f32, 0.0f32);
+    let mut hips = f32::MAX;
     for clip in clips {
         let rate = clip.rate_hz as f32;
         let at: Vec<[Vec3; NUM_JOINTS]> =
             (0..clip.num_frames()).map(|f| clip.joint_positions(&set.skeleton, f)).collect();
         for f in 1..at.len() - 1 {
+            hips = hips.min(at[f][0].y);
             for (joint, part) in FOOT_PARTS {
                 let j = joint.index();
                 if clip.contacts[f].any(part) && clip.contacts[f - 1].any(part) {
@@ -35,28 +59,125 @@ fn figures(set: &ClipSet, clips: &[Clip]) -> [f32; 3] {
                 }
                 low = low.min(at[f][j].y);
             }
+            for knee in [Joint::LeftShin, Joint::RightShin].map(Joint::index) {
+                let angle = |f: usize| clip.frame_rotations(f)[knee].angle_between(glam::Quat::IDENTITY);
+                knees.push((angle(f) - angle(f - 1)).abs() * rate);
+            }
             let bends = (0..NUM_JOINTS).map(|j| (at[f + 1][j] - 2.0 * at[f][j] + at[f - 1][j]).length() * rate * rate);
-            most = bends.fold(most, f32::max);
+            jolt = bends.fold(jolt, f32::max);
         }
     }
-    slip.sort_by(f32::total_cmp);
-    [slip[slip.len() * 95 / 100], most, low]
+    Looks { slip: percentile(&mut slip, 0.95), jolt, knees: percentile(&mut knees, 0.999), low, hips }
 }
 
 #[test]
-fn made_walks_slip_and_jolt_no_more_than_captured_ones() {
-    for names in [&["walk_", "idle_"][..], &["walk_"]] {
+fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
+    for names in [&["walk_", "idle_"][..], &["walk_"], &["jog_", "idle_"], &["run_", "idle_"], &["run_"]] {
         let set = library(names);
         let made = made_of(&set);
-        assert!(
-            made.report.starts > 2 && made.report.stops > 0 && made.report.turns > 2,
-            "{names:?}: {:?}",
-            made.report
-        );
-        let [captured, made] = [&set.clips, &made.clips].map(|clips| figures(&set, clips));
-        assert!(made[0] < 1.2 * captured[0] + 0.01, "{names:?}: planted feet slip {} m/s of {}", made[0], captured[0]);
-        assert!(made[1] < 1.2 * captured[1], "{names:?}: joints jolt by {} m/s2 of {}", made[1], captured[1]);
-        assert!(made[2] > captured[2] - 0.02, "{names:?}: feet go {} m into the ground of {}", made[2], captured[2]);
+        let MadeReport { starts, stops, turns, pivots, .. } = made.report;
+        assert!(starts > 2 && stops > 0 && turns > 2 && pivots == 2, "{names:?}: {:?}", made.report);
+        let captured = looks(&set, &set.clips);
+        let steps: Vec<Clip> = set.clips.iter().filter(|c| !c.name.starts_with("idle")).cloned().collect();
+        let [captured_steps, made] = [&steps, &made.clips].map(|clips| looks(&set, clips));
+        assert!(made.slip < 1.2 * captured.slip + 0.01, "{names:?}: planted feet slip {made:?} of {captured:?}");
+        assert!(made.jolt < 1.2 * captured.jolt, "{names:?}: joints jolt {made:?} of {captured:?}");
+        assert!(made.knees < 1.2 * captured_steps.knees, "{names:?}: knees turn {made:?} of {captured_steps:?}");
+        // Who sets off to a fast run still sinks lower.
+        let sinks = made.hips < captured_steps.hips - 0.1;
+        assert!(!sinks || names[0] == "run_", "{names:?}: hips sink {made:?} of {captured_steps:?}");
+        assert!(made.low > captured.low - 0.02, "{names:?}: feet go into the ground {made:?} of {captured:?}");
+    }
+}
+
+#[test]
+fn starts_and_stops_begin_and_end_as_their_clips_do() {
+    let set = library(&["walk_", "idle_"]);
+    let made = made_of(&set);
+    assert!(!made.report.stances.is_empty() && made.report.stands == 0, "{:?}", made.report);
+    let pose = |clip: &Clip, f: usize| clip.frame_rotations(f)[1..].to_vec();
+    let is_captured = |clip: &Clip, f: usize| {
+        let wanted = pose(clip, f);
+        let apart =
+            |c: &Clip, g: usize| pose(c, g).iter().zip(&wanted).map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max);
+        set.clips.iter().any(|c| (0..c.num_frames()).any(|g| apart(c, g) < 0.01))
+    };
+    for clip in made.clips.iter().filter(|c| !c.mirrored) {
+        let range = &clip.tags[0].range;
+        assert!(clip.is_made() && range.start > 0 && range.end < clip.num_frames(), "{}: {range:?}", clip.name);
+        for f in [range.start - 1, range.end, range.end + 2] {
+            assert!(is_captured(clip, f), "{}: frame {f} is no captured one, made are {range:?}", clip.name);
+        }
+    }
+}
+
+#[test]
+fn who_walks_in_a_manner_stops_in_a_captured_stance_of_that_manner() {
+    let set = library(&["walk_", "idle_"]);
+    let idles: Vec<&Clip> = set.clips.iter().filter(|c| c.name.starts_with("idle_")).collect();
+    let made = made_of(&set);
+    let apart =
+        |a: &[glam::Quat], b: &[glam::Quat]| a[1..].iter().zip(&b[1..]).map(|(a, b)| a.angle_between(*b)).sum::<f32>();
+    let mut stances = std::collections::BTreeSet::new();
+    for clip in made.clips.iter().filter(|c| c.name.starts_with("made/stop")) {
+        let end = clip.frame_rotations(clip.num_frames() - 1);
+        let far = |c: &Clip| (0..c.num_frames()).map(|f| apart(c.frame_rotations(f), end)).fold(f32::MAX, f32::min);
+        let near = idles.iter().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap();
+        let manner = &clip.classes[0].class.manner;
+        assert_eq!(manner, &near.classes[0].class.manner, "{} ends as {}", clip.name, near.name);
+        stances.insert((manner.clone(), near.name.clone()));
+    }
+    let manners: std::collections::BTreeSet<_> = stances.iter().map(|s| &s.0).collect();
+    assert!(manners.len() > 2 && stances.len() > manners.len(), "{stances:?}");
+}
+
+#[test]
+fn short_stands_are_held_for_longer() {
+    let mut set = library(&["walk_", "idle_"]);
+    for clip in set.clips.iter_mut().filter(|c| c.name.starts_with("idle_")) {
+        *clip = Clip { classes: clip.classes.clone(), mirrored: clip.mirrored, ..stance::cut(clip, 0..25) };
+    }
+    let made = made_of(&set);
+    let stands: Vec<&Clip> = made.clips.iter().filter(|c| c.name.starts_with("made/stand")).collect();
+    assert!(stands.len() >= 6 && made.report.stands * 2 == stands.len(), "{:?}", made.report);
+    for clip in stands {
+        let at: Vec<_> = (0..clip.num_frames()).map(|f| clip.joint_positions(&set.skeleton, f)).collect();
+        let goes = |j: Joint| at.iter().map(|p| p[j.index()].distance(at[0][j.index()])).fold(0.0, f32::max);
+        assert!(clip.num_frames() as f64 > 4.0 * clip.rate_hz && clip.classes.iter().all(|s| s.class.neutral));
+        assert!(goes(Joint::LeftToe).max(goes(Joint::RightFoot)) < 0.002, "{}: feet move", clip.name);
+        assert!((0.01..0.06).contains(&goes(Joint::Hips)), "{}: hips sway by {} m", clip.name, goes(Joint::Hips));
+    }
+}
+
+#[test]
+fn pivots_turn_round_within_two_or_three_steps() {
+    for names in [&["walk_", "idle_"][..], &["walk_"], &["jog_"]] {
+        let set = library(names);
+        let made = made_of(&set);
+        let pivots: Vec<&Clip> = made.clips.iter().filter(|c| c.name.starts_with("made/pivot")).collect();
+        assert_eq!(pivots.len(), 4, "{names:?}");
+        for clip in pivots {
+            let last = clip.num_frames() - 1;
+            let mut heading = vec![0.0f32];
+            for f in 1..=last {
+                let by = throng_core::planar::wrap_angle(clip.planar(f).heading - clip.planar(f - 1).heading);
+                heading.push(heading[f - 1] + by);
+            }
+            let named = clip.name.split('-').rev().nth(1).and_then(|n| n.parse::<f32>().ok()).unwrap().to_radians();
+            let turned = heading[last] * heading[last].signum();
+            assert!((turned - named.abs()).abs() < 0.3, "{} turns by {turned} rad", clip.name);
+            let turns = heading.iter().filter(|h| (0.25..named.abs() - 0.25).contains(&h.abs())).count();
+            let seconds = turns as f32 / clip.rate_hz as f32;
+            assert!(seconds < 1.2, "{} takes {seconds} s", clip.name);
+            // Hips over planted feet.
+            for f in 0..=last {
+                for foot in [0, 1] {
+                    let foot_at = feet::foot_point(clip, &set.skeleton, f, foot).planar();
+                    let twist = throng_core::planar::wrap_angle(foot_at.heading - clip.planar(f).heading).abs();
+                    assert!(twist < 1.3, "{} twists a leg by {twist} rad at frame {f}", clip.name);
+                }
+            }
+        }
     }
 }
 
@@ -83,7 +204,7 @@ fn walks_alone_give_people_who_set_off_and_stand() {
     let lacks = Lacks::of_graph(&set, &before);
     assert!(lacks.starts && lacks.turns && !before.standing.contains(&true));
     let made = made_of(&set);
-    assert!(made.report.stance.is_empty() && made.report.stands == 1);
+    assert!(made.report.stances.is_empty() && made.report.stands == 1);
     set.clips.extend(made.clips);
     let after = graph(&set);
     assert!(after.standing.iter().filter(|s| **s).count() > 4);
@@ -114,4 +235,39 @@ fn what_was_made_is_told_in_a_sentence() {
     let report = MadeReport { clips: 12, starts: 4, stops: 4, turns: 3, stands: 1, ..MadeReport::default() };
     assert_eq!(report.summary(), "12 clips made: 4 starts, 4 stops, 3 turns, 1 stand");
     assert_eq!(MadeReport::default().summary(), "");
+}
+
+#[test]
+fn short_stands_become_long_ones_over_feet_that_stay() {
+    let mut set = library(&["walk_neutral", "idle_"]);
+    let frames = 40u32;
+    for clip in &mut set.clips {
+        let neutral = clip.name.starts_with("idle_");
+        if neutral {
+            *clip = Clip { mirrored: clip.mirrored, ..stance::cut(clip, 0..frames as usize) };
+        }
+        let class = MotionClass { neutral, manner: "calm".into(), ..MotionClass::default() };
+        clip.classes = vec![ClassSpan { frames: 0..clip.num_frames() as u32, class, ..ClassSpan::default() }];
+    }
+    let made = make_stands(&set, true, &SingleRank).unwrap();
+    assert!(made.report.stands > 0 && made.clips.len() == 2 * made.report.stands, "{:?}", made.report);
+    for clip in &made.clips {
+        let seconds = clip.num_frames() as f64 / clip.rate_hz;
+        assert!((11.0..20.0).contains(&seconds), "{} lasts {seconds} s", clip.name);
+        let class = &clip.classes[0].class;
+        assert!(class.neutral && class.manner == "calm");
+        let at: Vec<[Vec3; NUM_JOINTS]> =
+            (0..clip.num_frames()).map(|f| clip.joint_positions(&set.skeleton, f)).collect();
+        for j in [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe].map(Joint::index) {
+            let far = at.iter().map(|p| p[j].distance(at[0][j])).fold(0.0, f32::max);
+            assert!(far < 2e-3, "{}: a foot moves by {far} m", clip.name);
+        }
+        let hips = at.iter().map(|p| p[0].distance(at[0][0])).fold(0.0, f32::max);
+        assert!(hips > 0.01, "{}: the body sways by {hips} m", clip.name);
+    }
+    let [captured, made] = [&set.clips, &made.clips].map(|clips| looks(&set, clips));
+    assert!(made.jolt < captured.jolt && made.low > captured.low - 0.02, "{made:?} of {captured:?}");
+    // Who has long stands needs none that are made.
+    let long = Clip { classes: Vec::new(), ..set.clips[0].clone() };
+    assert!(make_stands(&ClipSet { clips: vec![long], ..set }, true, &SingleRank).unwrap().clips.is_empty());
 }

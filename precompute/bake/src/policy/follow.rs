@@ -42,7 +42,7 @@ pub struct PlayedAction {
 pub fn play(table: &PolicyTable, from: PolicySituation, action: u8) -> PlayedAction {
     let (action, target) = (usize::from(action), from.target);
     let segment = table.actions().segments_of(from.state)[action];
-    let left = table.reward().after_transition(table.actions().errors_of(from.state)[action]);
+    let left = table.reward().after_transition(table.errors_of(from.state)[action]);
     let (record, place) = (&table.segments()[segment as usize], table.to_grid(target));
     let [x, z, distance] = record.target_after(place);
     let (y, reward) = match table.paths().get(segment as usize) {

@@ -108,6 +108,7 @@ impl SyntheticProblem {
             action_errors: (0..num_segments)
                 .map(|a| if a % self.actions == 0 { 0.0 } else { 0.1 * (a % 5) as f32 })
                 .collect(),
+            action_traits: Vec::new(),
         }
     }
 

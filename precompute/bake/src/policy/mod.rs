@@ -5,6 +5,7 @@ mod bake;
 mod behaviour;
 mod compare;
 mod config;
+mod costs;
 mod export;
 mod follow;
 pub mod made_up;
@@ -18,13 +19,15 @@ mod sweep;
 pub use adapt::{AdaptiveReport, Approximation, adapt};
 pub use bake::bake;
 pub use behaviour::{
-    Approach, BehaviourSpec, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits, segment_records,
+    ActionCosts, Approach, BehaviourSpec, Evade, PolicyBehaviour, SegmentHit, ThrowPunches, segment_hits,
+    segment_records,
 };
 pub use compare::{Comparison, compare, random_target};
 pub use config::{
-    AdaptiveConfig, BehaviourKind, BoundsConfig, CentreConfig, GridConfig, KernelConfig, PolicyBehaviourConfig,
-    PolicyConfig, RegionConfig, RewardForm,
+    AdaptiveConfig, BehaviourKind, BoundsConfig, CentreConfig, CostsConfig, GridConfig, KernelConfig,
+    PolicyBehaviourConfig, PolicyConfig, RegionConfig, RewardForm,
 };
+pub use costs::ActionTraits;
 pub use export::write_csv;
 pub use follow::{ActionSelection, PlayedAction, PolicySituation, collect_rewards, play};
 pub use model::{ActionModel, SegmentMotion};

@@ -1,5 +1,6 @@
 //! State-action model that a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
+use super::costs::{ActionTraits, action_traits};
 use super::solve::stage_error;
 use crate::graph::RawMotionGraph;
 use glam::Vec2;
@@ -54,6 +55,8 @@ pub struct ActionModel {
     pub action_segments: Vec<u32>,
     /// Distance of each action's transition, 0 if the clip continues (rad).
     pub action_errors: Vec<f32>,
+    /// What each action shows, for costs; may be empty.
+    pub action_traits: Vec<ActionTraits>,
     /// The segments.
     pub segments: Vec<SegmentMotion>,
 }
@@ -95,6 +98,7 @@ impl ActionModel {
             action_offsets: graph.action_offsets.clone(),
             action_segments: graph.actions.iter().map(|a| a.segment.0).collect(),
             action_errors: graph.actions.iter().map(|a| a.error).collect(),
+            action_traits: action_traits(clips, graph),
             segments: segments.collect(),
         })
     }

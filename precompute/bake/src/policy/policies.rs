@@ -47,6 +47,8 @@ pub struct RawPolicy {
     /// Paths (num_segments in a space-time grid, else 0).
     #[serde(with = "throng_motion::pod")]
     pub paths: Vec<PathRecord>,
+    /// Distances of actions with their costs (num_actions, or 0 where those of the graph count).
+    pub errors: Vec<f32>,
     /// State grids (num_states in an adaptive policy, else 0).
     #[serde(with = "throng_motion::pod")]
     pub state_grids: Vec<StateGridRecord>,
@@ -77,7 +79,7 @@ pub struct PolicyReport {
     /// Proven bound of the distance of values from the optimal ones: residual / (1 - discount of the shortest segment).
     /// In an adaptive policy the error of its grids, in `adaptive`, comes on top.
     pub error_bound: f64,
-    /// Bytes of values, best actions, segments, paths and state grids.
+    /// Bytes of values, best actions, segments, paths, errors and state grids.
     pub bytes: usize,
     /// Bytes of the values only, as stored by Lee and Lee (2004).
     pub value_bytes: usize,
@@ -103,6 +105,7 @@ impl PolicyTables {
         let slices = PolicySlices {
             segments: (&p.segments).into(),
             paths: (&p.paths).into(),
+            errors: (&p.errors).into(),
             state_grids: (&p.state_grids).into(),
             values: (&p.values).into(),
             best: (&p.best).into(),
@@ -194,9 +197,10 @@ impl PolicySolver<'_> {
         let table = solution.table(model, &best)?;
         let comparison = compare(&table, cfg.compare_samples, rng);
         let BehaviourSpec { name, grid, discount, .. } = behaviour.spec();
-        let Solution { record, segments, paths, state_grids, values, residual, .. } = solution;
+        let Solution { record, segments, paths, errors, state_grids, values, residual, .. } = solution;
         let value_bytes = size_of_val(&*values);
-        let record_bytes = size_of_val(&*segments) + size_of_val(&*paths) + size_of_val(&*state_grids);
+        let [own, grids] = [size_of_val(&*errors), size_of_val(&*state_grids)];
+        let record_bytes = size_of_val(&*segments) + size_of_val(&*paths) + own + grids;
         let report = PolicyReport {
             name: name.to_owned(),
             cells: grid.num_cells(),
@@ -212,6 +216,6 @@ impl PolicySolver<'_> {
             promise: promise(&table, name),
             adaptive,
         };
-        Ok(RawPolicy { name: name.into(), record, segments, paths, state_grids, values, best, report })
+        Ok(RawPolicy { name: name.into(), record, segments, paths, errors, state_grids, values, best, report })
     }
 }

@@ -2,6 +2,7 @@
 
 use super::behaviour::{PolicyBehaviour, segment_records};
 use super::config::PolicyConfig;
+use super::costs::own_errors;
 use super::model::ActionModel;
 use super::pairs::{BackupPairs, MAX_PLANE, RowShape};
 use super::sweep::Sweeper;
@@ -21,6 +22,8 @@ pub struct Solution {
     pub segments: Vec<SegmentRecord>,
     /// Paths (num_segments in a space-time grid, else 0).
     pub paths: Vec<PathRecord>,
+    /// Distances of actions with their costs (num_actions, or 0 where those of the model count).
+    pub errors: Vec<f32>,
     /// State grids (num_states in an adaptive policy, else 0).
     pub state_grids: Vec<StateGridRecord>,
     /// Values (num_states * num_cells, in an adaptive policy the cells of all state grids).
@@ -93,7 +96,8 @@ impl PolicySolver<'_> {
         let own = comm.own_range(model.num_states());
         let pairs =
             BackupPairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
-        let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, own);
+        let errors = if solution.errors.is_empty() { &model.action_errors } else { &solution.errors };
+        let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, errors, own);
         solution.bytes_per_sweep = sweeper.bytes_per_sweep();
         solution.setup_s = begin.elapsed().as_secs_f64();
         let begin = Instant::now();
@@ -211,6 +215,7 @@ fn blank_table(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &Polic
         record,
         segments,
         paths: behaviour.paths().to_vec(),
+        errors: own_errors(model, &behaviour.spec()),
         values: vec![0.0; num_values],
         num_pairs: (model.action_segments.len() * grid.num_cells()) as u64,
         residual: f32::INFINITY,
@@ -229,6 +234,7 @@ impl Solution {
         let slices = PolicySlices {
             segments: (&self.segments).into(),
             paths: (&self.paths).into(),
+            errors: (&self.errors).into(),
             state_grids: (&self.state_grids).into(),
             values: (&self.values).into(),
             best: best.into(),

@@ -37,7 +37,8 @@ struct SweepScratch {
 }
 
 impl<'a> Sweeper<'a> {
-    pub fn new(pairs: BackupPairs, model: &'a ActionModel, reward: Reward, own: Range<usize>) -> Self {
+    /// - `errors`: distance of each action, with its costs.
+    pub fn new(pairs: BackupPairs, model: &'a ActionModel, reward: Reward, errors: &[f32], own: Range<usize>) -> Self {
         let mut uses = vec![0u32; model.segments.len()];
         model.segments_of(own.clone()).iter().for_each(|&s| uses[s as usize] += 1);
         let shared_segments: Vec<u32> = (0..uses.len() as u32).filter(|&s| uses[s as usize] > 1).collect();
@@ -47,7 +48,7 @@ impl<'a> Sweeper<'a> {
         let per_segment = shape.heights * shape.row();
         let shared = vec![0.0; shared_segments.len() * per_segment];
         let greedy = vec![BackupPair::default(); own.len() * per_segment];
-        let errors = &model.action_errors[model.actions_of(own.clone())];
+        let errors = &errors[model.actions_of(own.clone())];
         let left = errors.iter().map(|&error| reward.after_transition(error)).collect();
         Self { pairs, model, left, own, shared_rows, shared_segments, shared, greedy }
     }

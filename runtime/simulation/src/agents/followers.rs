@@ -13,7 +13,7 @@ use std::sync::Arc;
 use throng_base::Result;
 use throng_base::maths;
 use throng_core::blend::ActivityId;
-use throng_core::body::HandReach;
+use throng_core::body::ArmLayer;
 use throng_core::walkers::{Performance, PerformanceProgress, Walkers, WalkersConfig};
 use throng_core::{Mat3x4, NUM_JOINTS, Skeleton};
 use throng_crowd::{Id, Space};
@@ -172,7 +172,7 @@ impl Followers {
     }
 
     /// Orders a hand of an agent's body (0 left, 1 right) to reach for something in the next step.
-    pub fn order_reach(&mut self, agent: usize, side: usize, reach: HandReach) {
+    pub fn order_reach(&mut self, agent: usize, side: usize, reach: ArmLayer) {
         let (t, row) = self.locate(agent);
         self.troops[t].order_reach(row, side, reach);
     }

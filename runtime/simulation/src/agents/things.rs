@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use throng_base::maths;
 use throng_core::blend::{ActivityId, ActivitySet};
-use throng_core::body::HandReach;
+use throng_core::body::ArmLayer;
 use throng_core::hits::FIST_PER_FOREARM;
 use throng_core::walkers::PerformanceProgress;
 use throng_core::{Joint, Planar, Skeleton};
@@ -386,7 +386,7 @@ impl Things {
             let [beside, above, before] = LEVEL_M;
             let level = Vec3::new(if side == 0 { beside } else { -beside }, hips.y + above, before);
             let place = at_it.map_or(level, |(handling, _)| handling.at);
-            let reach = HandReach { place: (place, near), level: (level, raised) };
+            let reach = ArmLayer::Reach { place: (place, near), level: (level, raised) };
             body.order_reach(agent, side, reach);
             self.reaches = true;
         }

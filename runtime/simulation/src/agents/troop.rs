@@ -7,7 +7,7 @@ use throng_base::maths;
 use throng_base::thresholds::{EYES_M, WALKING_MPS};
 use throng_base::{Bytes, Error, Executor, Result, run_each};
 use throng_core::blend::ActivityId;
-use throng_core::body::HandReach;
+use throng_core::body::ArmLayer;
 use throng_core::walkers::{Control, Performance, WalkerStart, Walkers};
 use throng_core::{CharacterGroup, Planar, PosedBodies};
 use throng_crowd::{Crowd, Id};
@@ -105,12 +105,12 @@ impl Troop {
 
     /// Ends the reaching of all hands.
     pub fn free_hands(&mut self) {
-        self.controls.iter_mut().for_each(|c| c.layers.hands = [None; 2]);
+        self.controls.iter_mut().for_each(|c| c.layers.arms = [None; 2]);
     }
 
     /// Orders a hand of the body of a row (0 left, 1 right) to reach for something (row < number of bodies).
-    pub fn order_reach(&mut self, row: usize, side: usize, reach: HandReach) {
-        self.controls[row].layers.hands[side] = Some(reach);
+    pub fn order_reach(&mut self, row: usize, side: usize, reach: ArmLayer) {
+        self.controls[row].layers.arms[side] = Some(reach);
     }
 
     /// Orders the body of a row to perform an activity (row < number of bodies).
@@ -163,7 +163,7 @@ impl Troop {
         if still.len() != controls.len() || !still.iter().all(is_finite) {
             return Err(refused_snapshot("bodies", "they stand where none can"));
         }
-        if controls.len() != self.agents.len() || !pairs.all(|(&id, c)| c.check(id).is_ok()) {
+        if controls.len() != self.agents.len() || !pairs.all(|(&id, c)| self.walkers.check_order(id, c).is_ok()) {
             return Err(refused_snapshot("bodies", "their controls are impossible"));
         }
         self.walkers.load(&walkers.0)?;

@@ -329,11 +329,16 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
     )),
     primitive!("flee", [("flee", WordKind::Target), SPEED, ("distance_m", WordKind::Amount)], None, |sight, said| {
         let from = said.targets[0].unwrap_or(sight.home);
-        let mut away = sight.position - from;
-        away.y = 0.0;
-        let away = away.try_normalize().unwrap_or(Vec3::X);
-        let at = from + away * said.amount(2, 10.0) as f32;
-        walk_at_speed(said, WalkCommand::To { at, arrival_m: 1.0 })
+        let (offset, far) = ((sight.position - from).with_y(0.0), said.amount(2, 10.0) as f32);
+        // Who is far enough away already does not walk towards it.
+        let walk = match offset.length() < far {
+            true => {
+                let at = from + offset.try_normalize().unwrap_or(Vec3::X) * far;
+                WalkCommand::To { at, arrival_m: 1.0 }
+            }
+            false => WalkCommand::Halt,
+        };
+        walk_at_speed(said, walk)
     }),
     primitive!("roam", [("roam", WordKind::Target), SPEED, ("within_m", WordKind::Amount)], None, |sight, said| {
         let middle = said.targets[0].unwrap_or(sight.home);
@@ -407,4 +412,32 @@ pub(super) enum ActionOperand {
     Point([f32; 3]),
     Number(u16),
     Flag(bool),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_flees_towards_the_threat() {
+        let flee = BUILT_IN.iter().find(|p| p.name == "flee").unwrap();
+        for (x, distance_m) in [(1.0, 4.0), (3.9, 4.0), (5.5, 4.0), (8.8, 4.0), (-20.0, 10.0)] {
+            let sight = PrimitiveInput {
+                time_s: 0.0,
+                position: Vec3::new(x, 0.0, 0.0),
+                velocity: Vec3::ZERO,
+                desired_mps: 1.3,
+                home: Vec3::ZERO,
+                chance: [0.5; 2],
+            };
+            let mut said = ActionArguments::default();
+            (said.targets[0], said.amounts[2]) = (Some(Vec3::ZERO), Some(distance_m));
+            match (flee.act)(&sight, &said).walk {
+                WalkCommand::To { at, .. } => {
+                    assert!((at.length() - distance_m as f32).abs() < 1e-4 && at.x * x > 0.0, "{at}")
+                }
+                walk => assert!(walk == WalkCommand::Halt && x.abs() >= distance_m as f32, "{walk:?} at {x}"),
+            }
+        }
+    }
 }

@@ -233,8 +233,9 @@ impl Sparring {
     fn resolve_blows(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
         self.events.clear();
-        for i in 0..self.boxers.events().len() {
-            let (id, blow) = self.boxers.events()[i];
+        for i in 0..self.boxers.characters().blows().len() {
+            let blow = self.boxers.characters().blows()[i];
+            let id = self.boxers.ids()[blow.character as usize];
             let landing = self.find_landing(blow);
             self.state.tallies[blow.character as usize].count_blow(match &landing {
                 Some(l) if l.is_blocked() => BlowOutcome::Blocked,
@@ -242,7 +243,8 @@ impl Sparring {
                 None => BlowOutcome::Missed,
             });
             if let Some(landing) = landing {
-                let displacement = blow.direction * (blow.speed_mps * self.config.push_m_per_mps);
+                let length_m = (blow.speed_mps * self.config.push_m_per_mps).min(FARTHEST_PUSH_M);
+                let displacement = blow.direction * length_m;
                 self.boxers.push(landing.opponent, landing.joint, displacement)?;
                 self.events.push((id, landing));
                 self.step_away(&landing)?;
@@ -268,7 +270,7 @@ impl Sparring {
             return Ok(());
         }
         let (c, characters) = (self.boxers.row(landing.opponent)?, self.boxers.characters());
-        let step = self.steps_away.best_step(config, characters.pose(c), characters.root(c), blow.direction);
+        let step = self.steps_away.best_step(config, characters.pose(c), characters.root(c), blow);
         match step.map(|segment| self.boxers.play_segment(landing.opponent, segment)) {
             None | Some(Err(Error::Occupied { .. })) => Ok(()),
             Some(played) => played,
@@ -428,6 +430,9 @@ impl CharacterGroup for Sparring {
         Ok(adopted)
     }
 }
+
+/// Largest displacement by a blow (m).
+const FARTHEST_PUSH_M: f32 = 0.14;
 
 /// Number of pairs in one part of a step.
 const PART: usize = 64;

@@ -123,7 +123,7 @@ impl Default for SparringConfig {
             body: BodyShape::default(),
             reach_m: 0.06,
             strike_path_m: 0.15,
-            push_m_per_mps: 0.012,
+            push_m_per_mps: 0.018,
             separation: SeparationConfig::default(),
             touch: TouchConfig::default(),
             stagger: StaggerConfig::default(),

@@ -163,8 +163,9 @@ impl TargetPractice {
         s.seconds += f64::from(dt_s);
         s.targets.iter_mut().for_each(|t| t.step(&config.target, dt_s));
         self.events.clear();
-        for &(id, blow) in self.boxers.events() {
+        for &blow in self.boxers.characters().blows() {
             let c = blow.character as usize;
+            let id = self.boxers.ids()[c];
             let distance = s.targets[c].position().distance(blow.point);
             let depth_m = config.target.radius_m + config.reach_m - distance;
             let is_hit = depth_m >= 0.0 && !self.boxers.order_of(id)?.policies().is_empty();

@@ -41,7 +41,7 @@ impl SavedState for practice::PracticeState {
     }
 }
 
-/// Appends a snapshot of characters and state (about 970 bytes a character).
+/// Appends a snapshot of characters and state (about 1130 bytes a character).
 pub(super) fn save(kind: SnapshotKind, characters: &PolicyCharacters, state: &impl SavedState, out: &mut Vec<u8>) {
     let mut bytes = Bytes::default();
     characters.save(&mut bytes.0);

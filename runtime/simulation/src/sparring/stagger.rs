@@ -3,7 +3,7 @@
 use super::config::{StaggerConfig, check_within};
 use glam::{Vec2, Vec3};
 use throng_base::{Result, maths};
-use throng_core::characters::{MotionSet, SampleJob};
+use throng_core::characters::{Blow, MotionSet, SampleJob};
 use throng_core::skeleton::{Joint, NUM_JOINTS};
 use throng_core::{Mat3x4, Planar};
 
@@ -14,6 +14,8 @@ const COMPARED_JOINTS: [Joint; 6] =
 const STEP_LENGTH_M: [f32; 2] = [0.2, 0.9];
 /// Least cosine of the angle between a step away and the blow (1).
 const ASIDE: f32 = 0.5;
+/// Difference in pose by which a step may be worse for each metre that its length is nearer to that of the blow's force (1).
+const LENGTH_COUNTS: f32 = 0.3;
 /// Difference in pose by which a step along the blow may be worse than one at a right angle (m).
 const STRAIGHT_M: f32 = 0.2;
 
@@ -30,6 +32,8 @@ struct StepAway {
     segment: u32,
     /// Direction of the step, of unit length.
     direction: Vec2,
+    /// Length of the step (m).
+    length_m: f32,
     /// Positions of the compared joints at its beginning, relative to the planar root (m).
     joint_positions: [Vec3; COMPARED_JOINTS.len()],
 }
@@ -55,16 +59,20 @@ impl StepsAway {
             let (frames, ratios) = (&[segment.start], &[0.0]);
             SampleJob { motion_set, frames, ratios, matrices: &mut pose }.run()?;
             let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
-            steps.push(StepAway { segment: i as u32, direction: offset.normalize(), joint_positions: looks });
+            let (direction, length_m) = (offset.normalize(), offset.length());
+            steps.push(StepAway { segment: i as u32, direction, length_m, joint_positions: looks });
         }
         Ok(Self(steps))
     }
 
     /// Best step away of a struck character; `None` where no action leads there from a similar pose.
     ///
-    /// - `direction`: direction of the blow, in the world.
-    pub fn best_step(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, direction: Vec3) -> Option<u32> {
-        let local = maths::rotate(root.rotation().conjugate(), direction);
+    /// The stronger the blow, the longer the step.
+    pub fn best_step(&self, config: &StaggerConfig, pose: &[Mat3x4], root: Planar, blow: &Blow) -> Option<u32> {
+        let local = maths::rotate(root.rotation().conjugate(), blow.direction);
+        let [shortest, longest] = STEP_LENGTH_M;
+        let strength = (blow.force - config.force) / (1.0 - config.force).max(0.01);
+        let length_m = shortest + (longest - shortest) * strength.clamp(0.0, 1.0);
         let along = Vec2::new(local.x, local.z).try_normalize()?;
         let looks = COMPARED_JOINTS.map(|j| pose[j.index()].translation());
         let steps = self.0.iter().filter_map(|step| {
@@ -72,8 +80,32 @@ impl StepsAway {
             let sum: f32 = looks.iter().zip(&step.joint_positions).map(|(a, b)| a.distance(*b)).sum();
             let off = sum / COMPARED_JOINTS.len() as f32;
             let is_fit = straight >= ASIDE && off <= config.alike_m;
-            is_fit.then_some((off + STRAIGHT_M * (1.0 - straight), step.segment))
+            let other_length = LENGTH_COUNTS * (step.length_m - length_m).abs();
+            is_fit.then_some((off + STRAIGHT_M * (1.0 - straight) + other_length, step.segment))
         });
         steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, segment)| segment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stronger_the_blow_the_longer_the_step() {
+        let step = |(segment, length_m): (u32, f32)| StepAway {
+            segment,
+            direction: Vec2::Y,
+            length_m,
+            joint_positions: [Vec3::ZERO; COMPARED_JOINTS.len()],
+        };
+        let steps = StepsAway([(3, 0.25), (5, 0.5), (9, 0.85)].map(step).to_vec());
+        let (pose, config) = ([Mat3x4::default(); NUM_JOINTS], StaggerConfig::default());
+        let best = |force: f32| {
+            let blow = Blow { direction: Vec3::Z, force, ..Blow::NONE };
+            steps.best_step(&config, &pose, Planar::IDENTITY, &blow)
+        };
+        let middle = 0.5 * (config.force + 1.0);
+        assert_eq!([config.force, middle, 1.0].map(best), [Some(3), Some(5), Some(9)]);
     }
 }

@@ -3,7 +3,7 @@
 use super::super::config::{CentreConfig, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::throw_punches::SCALE;
-use super::{BehaviourSpec, PolicyBehaviour};
+use super::{ActionCosts, BehaviourSpec, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
@@ -28,6 +28,7 @@ pub struct Approach {
     grid: TargetGrid,
     region: RegionRecord,
     reward: Reward,
+    costs: ActionCosts,
     discount: f64,
     rate_hz: f64,
 }
@@ -56,10 +57,12 @@ impl Approach {
                 hit_centre.ok_or_else(|| BuildError::key("centre", why))?
             }
         };
+        let (reward, costs) = c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?;
         Ok(Self {
             grid: c.grid.make_polar()?,
             region: region_of(c, centre)?,
-            reward: c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?,
+            reward,
+            costs,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
             form,
@@ -106,7 +109,8 @@ fn region_of(c: &PolicyBehaviourConfig, centre: Vec2) -> Result<RegionRecord> {
 impl PolicyBehaviour for Approach {
     fn spec(&self) -> BehaviourSpec<'_> {
         let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
-        BehaviourSpec { region: self.region, centre: self.centre, adaptive: self.config.grid.adaptive, ..spec }
+        let (region, centre, costs) = (self.region, self.centre, self.costs);
+        BehaviourSpec { region, centre, costs, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {

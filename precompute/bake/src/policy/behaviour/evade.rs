@@ -7,7 +7,7 @@
 use super::super::config::{KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{BehaviourSpec, PolicyBehaviour, joint_named};
+use super::{ActionCosts, BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
 use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
@@ -29,6 +29,7 @@ pub struct Evade {
     grid: TargetGrid,
     region: RegionRecord,
     reward: Reward,
+    costs: ActionCosts,
     discount: f64,
     paths: Vec<PathRecord>,
 }
@@ -56,11 +57,12 @@ impl Evade {
         let horizon = r.height_spacing * (r.num_heights - 1) as f32;
         let default =
             RegionRecord { distance: [0.0, grid.radius()], height: [0.0, horizon], ..RegionRecord::EVERYWHERE };
-        let reward = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
+        let (reward, costs) = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
         Ok(Self {
             region: c.region.make_region(true, default)?,
             reward: Reward::new(reward).map_err(|e| BuildError::key("height", e))?,
+            costs,
             discount: c.discount_at(rate_hz),
             config: config.clone(),
             grid,
@@ -112,6 +114,7 @@ fn median_height(paths: &[PathRecord]) -> f64 {
 impl PolicyBehaviour for Evade {
     fn spec(&self) -> BehaviourSpec<'_> {
         BehaviourSpec {
+            costs: self.costs,
             region: self.region,
             ..BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount)
         }

@@ -31,12 +31,24 @@ pub struct BehaviourSpec<'a> {
     pub centre: Vec2,
     /// Memory for per-state resolutions; `None` for one grid. Not in a space-time grid.
     pub adaptive: Option<AdaptiveConfig>,
+    /// Costs of actions, where the reward has errors of its own.
+    pub costs: ActionCosts,
+}
+
+/// Costs of actions, as squares of the distance of a transition that costs as much.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ActionCosts {
+    /// Cost of the square of a transition's distance: 1, or 0 where transitions cost nothing.
+    pub transition: f64,
+    /// Costs of the traits of actions, in the order of [`super::ActionTraits`].
+    pub traits: [f64; 6],
 }
 
 impl<'a> BehaviourSpec<'a> {
     /// Specification of a behaviour that is active everywhere, around the character's root, with one grid.
     pub fn new(name: &'a str, grid: TargetGrid, reward: Reward, discount: f64) -> Self {
-        Self { name, grid, reward, discount, region: RegionRecord::EVERYWHERE, centre: Vec2::ZERO, adaptive: None }
+        let (region, centre, costs) = (RegionRecord::EVERYWHERE, Vec2::ZERO, ActionCosts::default());
+        Self { name, grid, reward, discount, region, centre, adaptive: None, costs }
     }
 }
 

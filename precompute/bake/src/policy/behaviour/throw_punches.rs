@@ -3,7 +3,7 @@
 use super::super::config::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::super::solve::stage_error;
-use super::{BehaviourSpec, PolicyBehaviour, joint_named};
+use super::{ActionCosts, BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
 use glam::Vec3;
 use throng_core::Joint;
@@ -68,6 +68,7 @@ pub struct ThrowPunches {
     grid: TargetGrid,
     region: RegionRecord,
     reward: Reward,
+    costs: ActionCosts,
     discount: f64,
     /// Weight and position of the two strongest hits of each segment.
     blows: Vec<[(f32, Vec3); 2]>,
@@ -102,12 +103,14 @@ impl ThrowPunches {
             [0, 1].map(|k| all.get(k).copied().unwrap_or_default())
         };
         let reach = bounds_of_hits(hits.iter().flatten().filter(counts)).ok_or_else(|| nothing_counts(hits))?;
-        let reward = c.make_reward(form, KernelConfig::Linear, SCALE, 1.0)?;
+        let (reward, costs) = c.make_reward(form, KernelConfig::Linear, SCALE, 1.0)?;
         let scale = reward.record().scale;
         let grid = c.grid.make_cylinder(widen_volume(reach, scale), scale)?;
+        let above = if c.grid.bounds.height_m.is_some() { 0.0 } else { (1.0 - LAYERS_BEYOND) * scale };
         Ok(Self {
-            region: c.region.make_region(false, region_of(&grid, reach))?,
+            region: c.region.make_region(false, region_of(&grid, reach, above))?,
             reward,
+            costs,
             blows: hits.iter().map(strongest).collect(),
             config: config.clone(),
             grid,
@@ -120,6 +123,9 @@ impl ThrowPunches {
 /// Default `scale`: distance of a hit from the target beyond which it has no reward (m).
 pub(super) const SCALE: f64 = 0.3;
 
+/// Distance of the outermost layers of the grid beyond the heights of hits, as a share of `scale`: who stands at `scale` from
+/// them is hardly ever hit, and layers there promise what lies between them and the next ones.
+const LAYERS_BEYOND: f32 = 0.5;
 /// Extent of the active region beyond the grid (m).
 const REACH_OUT: f32 = 1.0;
 
@@ -148,22 +154,22 @@ fn nothing_counts(hits: &[Vec<SegmentHit>]) -> BuildError {
     BuildError::key("hits", why)
 }
 
-/// Volume widened in every direction, so that its cells include hits slightly outside.
+/// Volume widened in every direction, less in height, so that its cells include hits slightly outside.
 fn widen_volume([low, high]: [Vec3; 2], by: f32) -> [Vec3; 2] {
     /// Largest angle that is added (rad).
     const WIDEST: f32 = 0.5;
     let angle = (by / (0.5 * (low.y + high.y)).max(by)).min(WIDEST);
-    let by = Vec3::new(angle, by, by);
+    let by = Vec3::new(angle, by, LAYERS_BEYOND * by);
     [low - by, high + by]
 }
 
-/// Active region: all around, up to [`REACH_OUT`] beyond the grid, at its heights; for a single height, at those of the
-/// hits.
-fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
+/// Active region: all around, up to [`REACH_OUT`] beyond the grid, at its heights and `above` and below them; for a single
+/// height, at those of the hits (m).
+fn region_of(grid: &TargetGrid, reach: [Vec3; 2], above: f32) -> RegionRecord {
     let [first, last] = [0, grid.num_cells() - 1].map(|cell| grid.cell_coordinates(cell));
     RegionRecord {
         distance: [0.0, last.y + REACH_OUT],
-        height: if last.z > first.z { [first.z, last.z] } else { reach.map(|r| r.z) },
+        height: if last.z > first.z { [first.z - above, last.z + above] } else { reach.map(|r| r.z) },
         ..RegionRecord::EVERYWHERE
     }
 }
@@ -171,7 +177,7 @@ fn region_of(grid: &TargetGrid, reach: [Vec3; 2]) -> RegionRecord {
 impl PolicyBehaviour for ThrowPunches {
     fn spec(&self) -> BehaviourSpec<'_> {
         let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
-        BehaviourSpec { region: self.region, adaptive: self.config.grid.adaptive, ..spec }
+        BehaviourSpec { region: self.region, costs: self.costs, adaptive: self.config.grid.adaptive, ..spec }
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -237,6 +243,9 @@ mod tests {
         {
             assert_eq!(region.contains(place.into()), inside, "{place:?}");
         }
+        // Layers are where some blow lands, within half of what a reward reaches.
+        let layers = [0, b.grid.num_cells() - 1].map(|cell| b.grid.cell_coordinates(cell).z);
+        assert!((layers[0] - 1.05).abs() < 1e-3 && (layers[1] - 1.65).abs() < 1e-3, "{layers:?}");
         // With one height, heights are those of the hits all the same.
         let mut flat = config();
         flat.grid.heights = Some(1);

@@ -1,6 +1,7 @@
 //! Settings of a behaviour.
 
-use super::{CentreConfig, GridConfig, RegionConfig};
+use super::super::behaviour::ActionCosts;
+use super::{CentreConfig, CostsConfig, GridConfig, RegionConfig};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_core::policy::{
@@ -47,6 +48,8 @@ pub struct PolicyBehaviourConfig {
     /// Transitions are weighed against control in Treuille, Lee and Popovic (2007), *Near-optimal Character Animation
     /// with Continuous Control*. Differs: the cost is a delay, so it weighs as much far from the target as near it.
     pub transition_cost_s: Option<f64>,
+    /// Costs of motion that nobody asked for; none if absent, and the defaults of its keys for `costs = {}`.
+    pub costs: Option<CostsConfig>,
     /// For `approach`: point that is to reach the target.
     pub centre: CentreConfig,
     /// For `approach` with `integral`: additional weight of moments of standing, as a share (0 to 1).
@@ -82,6 +85,7 @@ impl Default for PolicyBehaviourConfig {
             offset: 0.0,
             gain: None,
             transition_cost_s: None,
+            costs: None,
             centre: CentreConfig::default(),
             stand_bonus: 0.2,
             stand_speed: 0.3,
@@ -152,6 +156,7 @@ impl PolicyBehaviourConfig {
         }
         self.refuse_unread()?;
         self.grid.check()?;
+        self.costs.map_or(Ok(()), CostsConfig::check)?;
         check_ranges([
             ("discount", self.discount, 0.5, 0.9999),
             ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
@@ -190,14 +195,14 @@ impl PolicyBehaviourConfig {
         self.discount.powf(30.0 / rate_hz)
     }
 
-    /// Reward, with the kind's defaults.
+    /// Reward and costs of actions, with the kind's defaults.
     pub(in crate::policy) fn make_reward(
         &self,
         form: RewardForm,
         kernel: KernelConfig,
         scale: f64,
         gain: f64,
-    ) -> Result<Reward> {
+    ) -> Result<(Reward, ActionCosts)> {
         let combine = if form == RewardForm::Max { COMBINE_MAX } else { COMBINE_SUM };
         let kernel = match self.kernel.unwrap_or(kernel) {
             KernelConfig::Exponential => KERNEL_EXPONENTIAL,
@@ -208,11 +213,23 @@ impl PolicyBehaviourConfig {
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
         let per_s = -30.0 * self.discount.ln();
         let usual_s = if self.kind == BehaviourKind::Approach && gain > 0.0 { TRANSITION_COST_S } else { 0.0 };
-        let transition_cost = (per_s * self.transition_cost_s.unwrap_or(usual_s)) as f32;
-        if transition_cost > 0.0 && gain <= 0.0 {
-            return Err(BuildError::key("transition_cost_s", format!("expected 0 with a gain of {gain}")));
+        let transition_s = self.transition_cost_s.unwrap_or(usual_s);
+        let costs = self.costs.unwrap_or(CostsConfig::NONE);
+        for (key, cost) in [("transition_cost_s", transition_s), ("costs", costs.to_array().iter().sum())] {
+            if cost > 0.0 && gain <= 0.0 {
+                return Err(BuildError::key(key, format!("expected 0 with a gain of {gain}")));
+            }
         }
-        Reward::new(RewardRecord { offset, gain, transition_cost, ..record }).map_err(|e| BuildError::key("scale", e))
+        let has_costs = costs != CostsConfig::NONE;
+        // What a distance of 1 rad costs (s).
+        let unit_s = if has_costs && transition_s == 0.0 { 1.0 } else { transition_s };
+        let (transition_cost, own_errors) = ((per_s * unit_s) as f32, u32::from(has_costs));
+        let costs = ActionCosts {
+            transition: f64::from(u8::from(transition_s > 0.0)),
+            traits: costs.to_array().map(|c| if has_costs { c / unit_s } else { 0.0 }),
+        };
+        let reward = Reward::new(RewardRecord { offset, gain, transition_cost, own_errors, ..record });
+        Ok((reward.map_err(|e| BuildError::key("scale", e))?, costs))
     }
 }
 

@@ -3,12 +3,14 @@
 mod adaptive;
 mod behaviour;
 mod centre;
+mod costs;
 mod grid;
 mod region;
 
 pub use adaptive::AdaptiveConfig;
 pub use behaviour::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 pub use centre::CentreConfig;
+pub use costs::CostsConfig;
 pub use grid::{BoundsConfig, GridConfig};
 pub use region::RegionConfig;
 use schemars::JsonSchema;

@@ -1,0 +1,149 @@
+//! Costs of actions beside their transitions: travel against the front, gestures, changes of manner.
+
+use super::behaviour::BehaviourSpec;
+use super::model::ActionModel;
+use crate::graph::RawMotionGraph;
+use glam::Vec2;
+use throng_base::thresholds::WALKING_MPS;
+use throng_core::format::{Gait, MotionClass};
+use throng_motion::clip::{Clip, ClipSet};
+
+/// What an action shows: backwards, sideways, gesturing, carrying (s), transitions to another manner, and transitions
+/// within standing (0 or 1).
+pub type ActionTraits = [f32; 6];
+
+/// Half of the time over which travel and front are measured (s).
+const HALF_S: f64 = 0.25;
+/// Cosines of the angles between travel and front from which travel is sideways, and backwards: 45 and 120 degrees.
+const OFF_FRONT: [f32; 2] = [std::f32::consts::FRAC_1_SQRT_2, -0.5];
+
+/// What every action shows.
+pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<ActionTraits> {
+    let starts = clips.frame_starts();
+    let at = |frame: u32| {
+        let clip = starts.partition_point(|&s| s <= frame) - 1;
+        (clip, (frame - starts[clip]) as usize)
+    };
+    let class = |frame: u32| clips.clips[at(frame).0].class_at(at(frame).1);
+    let of_frames: Vec<Vec<[f32; 4]>> = clips.clips.iter().map(frame_traits).collect();
+    let of_segments = graph.segments.iter().map(|s| {
+        let ((clip, first), n) = (at(s.start.0), s.num_frames as usize);
+        let mut sums = [0.0; 4];
+        for frame in &of_frames[clip][first..first + n] {
+            sums.iter_mut().zip(frame).for_each(|(sum, share)| *sum += share / clips.clips[clip].rate_hz as f32);
+        }
+        (sums, (first..=first + n).all(|f| clips.clips[clip].class_at(f).is_some_and(stands)))
+    });
+    let of_segments: Vec<([f32; 4], bool)> = of_segments.collect();
+    let mut out = Vec::with_capacity(graph.actions.len());
+    for (state, pair) in graph.states.iter().zip(graph.action_offsets.windows(2)) {
+        for action in &graph.actions[pair[0] as usize..pair[1] as usize] {
+            let segment = action.segment.0 as usize;
+            let ([backwards, sideways, gesture, carrying], is_standing) = of_segments[segment];
+            let entered = graph.segments[segment].start;
+            let (mut manner, mut standing) = (0.0, 0.0);
+            if let (false, Some(from), Some(to)) = (entered == *state, class(state.0), class(entered.0)) {
+                manner = f32::from(from.manner != to.manner);
+                standing = f32::from(stands(from) && is_standing);
+            }
+            out.push([backwards, sideways, gesture, carrying, manner, standing]);
+        }
+    }
+    out
+}
+
+fn stands(class: &MotionClass) -> bool {
+    class.gait == Gait::Stand
+}
+
+/// Shares of every frame that go backwards, go sideways, gesture and carry.
+fn frame_traits(clip: &Clip) -> Vec<[f32; 4]> {
+    let (n, half) = (clip.num_frames(), ((HALF_S * clip.rate_hz).round() as usize).max(1));
+    let roots: Vec<_> = (0..n).map(|f| clip.planar(f)).collect();
+    let of_frame = |f: usize| {
+        let (from, to) = (f.saturating_sub(half), (f + half).min(n - 1));
+        let way = Vec2::new(roots[to].x - roots[from].x, roots[to].z - roots[from].z);
+        let front: Vec2 = roots[from..=to].iter().map(|r| Vec2::new(r.heading.sin(), r.heading.cos())).sum();
+        let goes = way.length() * clip.rate_hz as f32 > WALKING_MPS * (to - from) as f32;
+        let ahead = way.normalize_or_zero().dot(front.normalize_or_zero());
+        let class = clip.class_at(f);
+        let gestures = |c: &MotionClass| c.gait == Gait::Other || stands(c) && !c.neutral;
+        [
+            f32::from(goes && ahead < OFF_FRONT[1]),
+            f32::from(goes && (OFF_FRONT[1]..OFF_FRONT[0]).contains(&ahead)),
+            f32::from(class.is_some_and(gestures)),
+            f32::from(class.is_some_and(|c| c.carrying)),
+        ]
+    };
+    (0..n).map(of_frame).collect()
+}
+
+/// Distance of each action that costs as much as its transition and its traits together; empty where traits cost nothing.
+pub(super) fn own_errors(model: &ActionModel, spec: &BehaviourSpec<'_>) -> Vec<f32> {
+    if spec.reward.record().own_errors == 0 {
+        return Vec::new();
+    }
+    let (transition, costs) = (spec.costs.transition, spec.costs.traits);
+    let own = |(action, &error): (usize, &f32)| {
+        let traits = model.action_traits.get(action).copied().unwrap_or_default();
+        let extra: f64 = traits.iter().zip(costs).map(|(&amount, cost)| f64::from(amount) * cost).sum();
+        (transition * f64::from(error).powi(2) + extra).sqrt() as f32
+    };
+    model.action_errors.iter().enumerate().map(own).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{GraphAction, GraphSegment, SegmentId, StateId};
+    use glam::{Quat, Vec3};
+    use throng_core::format::ClassSpan;
+    use throng_core::{NUM_JOINTS, Planar, Skeleton};
+    use throng_motion::clip::FrameId;
+
+    /// A clip at 30 Hz that goes `way` in every frame, facing +Z, of one class.
+    fn clip(name: &str, num_frames: usize, way: Vec3, class: MotionClass) -> Clip {
+        let places = (0..num_frames).map(|f| Vec3::Y + way * f as f32).collect();
+        let mut clip = Clip::new(name, 30.0, places, vec![Quat::IDENTITY; num_frames * NUM_JOINTS]);
+        clip.classes = vec![ClassSpan { frames: 0..num_frames as u32, class, ..ClassSpan::default() }];
+        clip
+    }
+
+    #[test]
+    fn travel_against_the_front_gestures_and_changes_are_found() {
+        let class =
+            |gait, neutral, manner: &str| MotionClass { gait, neutral, manner: manner.into(), ..Default::default() };
+        let ahead = clip("ahead", 31, 0.04 * Vec3::Z, class(Gait::Walk, false, "sad"));
+        let back = clip("back", 31, -0.04 * Vec3::Z, class(Gait::Backwards, false, "sad"));
+        let side = clip("side", 31, 0.04 * Vec3::X, class(Gait::Strafe, false, "angry"));
+        let rest = clip("rest", 31, Vec3::ZERO, class(Gait::Stand, true, "sad"));
+        let bow = clip("bow", 31, Vec3::ZERO, class(Gait::Stand, false, "sad"));
+        let clips = ClipSet { skeleton: Skeleton::default(), clips: vec![ahead, back, side, rest, bow] };
+        // A state at the begin and at the end of each clip; the last ones of `ahead` and `rest` lead to every clip.
+        let states: Vec<FrameId> = (0..5).flat_map(|c| [FrameId(31 * c), FrameId(31 * c + 30)]).collect();
+        let segment = |c: u32| GraphSegment {
+            start: FrameId(31 * c),
+            num_frames: 30,
+            end: StateId(2 * c + 1),
+            displacement: Planar::IDENTITY,
+        };
+        let action = |c: u32| GraphAction { segment: SegmentId(c), error: 0.1 };
+        let mut graph = RawMotionGraph { segments: (0..5).map(segment).collect(), states, ..Default::default() };
+        for state in 0..10 {
+            graph.action_offsets.push(graph.actions.len() as u32);
+            let leads_on = state == 1 || state == 7;
+            graph.actions.extend(if leads_on { 0..5 } else { state / 2..state / 2 + 1 }.map(action));
+        }
+        graph.action_offsets.push(graph.actions.len() as u32);
+        let traits = action_traits(&clips, &graph);
+        let of = |state: usize| {
+            let range = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
+            traits[range].iter().map(|t| t.map(|v| (v * 100.0).round() as i32)).collect::<Vec<_>>()
+        };
+        assert_eq!(of(0), [[0; 6]], "a clip that goes on");
+        let from_walking = [[0; 6], [100, 0, 0, 0, 0, 0], [0, 100, 0, 0, 100, 0], [0; 6], [0, 0, 100, 0, 0, 0]];
+        assert_eq!(of(1), from_walking);
+        let from_standing = [[0; 6], from_walking[1], from_walking[2], [0, 0, 0, 0, 0, 100], [0, 0, 100, 0, 0, 100]];
+        assert_eq!(of(7), from_standing);
+    }
+}
