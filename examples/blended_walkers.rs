@@ -7,6 +7,7 @@
 
 use glam::Vec2;
 use std::path::Path;
+use throng_runtime::body::BodyEventKind;
 use throng_runtime::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_runtime::{Bundle, CharacterGroup, Inline, Joint, Planar};
 
@@ -30,7 +31,7 @@ pub fn run(bundle: &Path, space: &str) -> Result<(), Box<dyn std::error::Error>>
     let mut num_steps = 0;
     for _ in 0..300 {
         walkers.step(1.0 / 60.0, &Inline)?;
-        num_steps += walkers.events().len();
+        num_steps += walkers.events().iter().filter(|(_, e)| e.kind == BodyEventKind::Footstep).count();
     }
     let body = walkers.bodies().get(ids[19]).ok_or("the last one is there")?;
     println!("{num_steps} steps; the head of the last walker is at {:.2}", body.position(Joint::Head));

@@ -163,9 +163,8 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
         let plays = trial
             .and_then(|t| t.made)
             .map_or(String::new(), |m| format!("; {:.0} % of what plays on the way", 100.0 * m.share_of_moving));
-        let stance = if r.made.stance.is_empty() { "a stance of its own" } else { r.made.stance.as_str() };
-        let from = r.made.gaits.join(", ");
-        rows.push(("made motion", format!("{}{plays} (of {from}; {stance})", r.made.summary())));
+        let from: Vec<&str> = r.made.gaits.iter().chain(&r.made.stances).map(String::as_str).collect();
+        rows.push(("made motion", format!("{}{plays} (of {})", r.made.summary(), from.join(", "))));
     }
     rows.extend([
         ("performers", format!("{}, in {files} files", r.performers.len())),

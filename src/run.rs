@@ -39,7 +39,7 @@ pub struct Args {
     /// vx_mps and vz_mps.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     trajectories: Option<PathBuf>,
-    /// Points of a trajectory a simulated second, at most one a step.
+    /// Points of a trajectory a simulated second.
     #[arg(long, help_heading = "Scenes", value_name = "HZ", default_value_t = 10.0, allow_negative_numbers = true,
         value_parser = limits::number_parser::<f64>(&limits::TRAJECTORY_HZ))]
     trajectory_hz: f64,

@@ -2,7 +2,7 @@
 
 use crate::common;
 use glam::{Vec2, Vec3};
-use throng_core::body::{BodyLayers, HandReach, HeightField};
+use throng_core::body::{ArmLayer, BodyEventKind, BodyLayers, HeightField};
 use throng_core::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::{Bundle, CharacterGroup, Contacts, Inline, Joint, Planar, Skeleton};
 
@@ -224,9 +224,9 @@ fn heads_of_policy_characters_turn_to_what_they_look_at() {
 fn palms_of_policy_characters_reach_high_and_low() {
     for (height, ahead, near) in [(1.2, 0.4, 0.02), (0.95, 0.55, 0.03), (0.35, 0.45, 0.05)] {
         let at = Vec3::new(0.2, height, ahead);
-        let reach = |root| HandReach { place: (in_world(root, at), 1.0), level: (Vec3::ZERO, 0.0) };
+        let reach = |root| ArmLayer::Reach { place: (in_world(root, at), 1.0), level: (Vec3::ZERO, 0.0) };
         let layers = |c: usize, root| BodyLayers {
-            hands: if c.is_multiple_of(2) { [Some(reach(root)), None] } else { [None; 2] },
+            arms: if c.is_multiple_of(2) { [Some(reach(root)), None] } else { [None; 2] },
             ..BodyLayers::default()
         };
         let (people, skeleton) = walk_with(layers, 2.0);
@@ -248,5 +248,87 @@ fn palms_of_policy_characters_reach_high_and_low() {
                 assert!(a.distance(b) < 0.03, "character {c}: reaching moves foot {side} by {} m", a.distance(b));
             }
         }
+    }
+}
+
+/// Joints that no layer but a reach may move.
+const LOWER: [Joint; 9] = [
+    Joint::Hips,
+    Joint::LeftThigh,
+    Joint::LeftShin,
+    Joint::LeftFoot,
+    Joint::LeftToe,
+    Joint::RightThigh,
+    Joint::RightShin,
+    Joint::RightFoot,
+    Joint::RightToe,
+];
+
+#[test]
+fn layers_over_walking_leave_hips_legs_and_neighbours_as_they_are() {
+    let tables = common::tables();
+    let clip = tables.clips()[0];
+    let of = |c: usize, root: Planar| {
+        let arm = |number| ArmLayer::from_number(number, in_world(root, Vec3::new(1.0, 1.5, 3.0)));
+        match c {
+            0..=5 => BodyLayers { arms: [arm(1 + c), arm(6 - c)], ..BodyLayers::NONE },
+            6 => BodyLayers {
+                lean: [0.4, -0.2],
+                look_at: Some(in_world(root, Vec3::new(2.0, 1.0, 2.0))),
+                ..BodyLayers::NONE
+            },
+            7 => BodyLayers::NONE.with_clip(clip.first_frame..clip.first_frame + 60, !0, true),
+            _ => BodyLayers::NONE,
+        }
+    };
+    let ((people, _), (plain, _)) = (walk_with(of, 3.0), walk_with(|_, _| BodyLayers::NONE, 3.0));
+    for c in 0..PEOPLE {
+        let [body, same] = [&people, &plain].map(|p| *p.bodies().model.get(c).expect("a pose"));
+        assert!(LOWER.iter().all(|j| body[j.index()] == same[j.index()]), "{c}: a layer moves hips or legs");
+        assert_eq!(body == same, c >= 8, "{c}");
+    }
+    let events = |p: &PolicyCharacters| p.events().iter().map(|(id, e)| (*id, format!("{e:?}"))).collect::<Vec<_>>();
+    assert_eq!(events(&people), events(&plain), "feet come down where they did");
+}
+
+#[test]
+fn steps_of_policy_characters_take_turns_and_lie_below_their_soles() {
+    let tables = common::tables();
+    let skeleton = tables.skeleton().clone();
+    let mut people = people(&tables, HeightField::flat());
+    let mut steps: Vec<Vec<(usize, usize, Vec3)>> = vec![Vec::new(); PEOPLE];
+    let mut seen = Vec::new();
+    let mut way = [0.0f32; PEOPLE];
+    for k in 0..1200 {
+        for c in 0..PEOPLE {
+            people.order(people.ids()[c], order(c, k as f32 * DT_S)).expect("an order");
+        }
+        let before = people.bodies().roots.to_vec();
+        people.step(DT_S, &Inline).expect("a step");
+        for (way, (a, b)) in way.iter_mut().zip(before.iter().zip(people.bodies().roots)) {
+            *way += Vec2::new(b.x - a.x, b.z - a.z).length();
+        }
+        seen.push((0..PEOPLE).map(|c| [0, 1].map(|side| sole(&people, &skeleton, c, side))).collect::<Vec<_>>());
+        for (id, e) in people.events().iter().filter(|(_, e)| e.kind == BodyEventKind::Footstep) {
+            steps[id.index()].push((k, usize::from(e.number == Joint::RightFoot as u32), e.at));
+        }
+    }
+    for (c, steps) in steps.iter().enumerate() {
+        let turns = steps.windows(2).filter(|two| two[0].1 != two[1].1).count();
+        let lengths = way[c] / steps.len() as f32;
+        println!("{c}: {} steps, {turns} turns, {lengths} m a step", steps.len());
+        assert!(steps.len() > 10 && turns * 10 >= (steps.len() - 1) * 9, "{c}: sides take turns");
+        assert!((0.2..1.0).contains(&lengths), "{c}: {lengths} m a step");
+        let mut off: Vec<f32> = steps
+            .iter()
+            .filter(|step| step.0 + 6 < seen.len())
+            .map(|(k, side, at)| {
+                let [heel, ball] = seen[k + 6][c][*side];
+                let off = (heel + ball) * 0.5 - *at;
+                Vec2::new(off.x, off.z).length()
+            })
+            .collect();
+        off.sort_by(f32::total_cmp);
+        assert!(p95(&off) < 0.03, "{c}: steps are off by {} m", p95(&off));
     }
 }

@@ -145,10 +145,10 @@ fn the_same_seed_gives_the_same_crowd_and_another_seed_another() {
     assert!(first[299] != crowd(&tables, other, 300, on_this_thread)[299]);
     let sure = config(ActionChoice::LookAhead { temperature: 0.0 });
     let other = CharactersConfig { seed: 2, ..sure };
-    assert!(
-        crowd(&tables, sure, 300, on_this_thread) == crowd(&tables, other, 300, on_this_thread),
-        "without temperature the seed must not matter"
-    );
+    // Whatever the temperature, the seed draws who stands how, so that nobody is in step with a neighbour.
+    let calm = crowd(&tables, sure, 300, on_this_thread);
+    assert!(calm == crowd(&tables, sure, 300, on_this_thread));
+    assert!(calm[299] != crowd(&tables, other, 300, on_this_thread)[299], "all idle alike");
 }
 
 #[test]

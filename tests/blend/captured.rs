@@ -9,7 +9,7 @@ use throng_core::walkers::{Control, WalkerStart, Walkers, WalkersConfig};
 use throng_core::{Bundle, CharacterGroup, Inline};
 use throng_precompute::cache::Cache;
 use throng_precompute::config::BuildConfig;
-use throng_precompute::slip::{Feet, SlipMeter, Soles};
+use throng_precompute::slip::{SlipMeter, Soles};
 
 const DT_S: f32 = 1.0 / 60.0;
 
@@ -31,7 +31,7 @@ fn feet_hold(tables: &Bundle, number: usize) {
     let name = &tables.meta().blends[number].name;
     let space = BlendSpace::new(tables.blends(), number).expect("a space");
     let fastest = space.axes()[space.axis_of(axis::SPEED).expect("an axis of speed")].high;
-    let (mut meter, mut control) = (SlipMeter::new(1), Control::default());
+    let (mut meter, mut control) = (SlipMeter::new(1, tables.skeleton()), Control::default());
     let mut walkers = Walkers::with_capacity(space, &[], WalkersConfig::default(), 1).expect("walkers");
     let id = walkers.spawn(WalkerStart::default()).expect("a walker");
     let (mut at_rest, mut moved) = (Soles::default(), 0.0f32);
@@ -44,7 +44,7 @@ fn feet_hold(tables: &Bundle, number: usize) {
         let joints = walkers.joint_positions(0);
         assert!(joints.iter().all(|p| p.is_finite() && p.y > -0.1 && p.y < 2.5), "{name} at {t} s: {joints:?}");
         let soles = walkers.soles(0);
-        meter.observe(0, DT_S, walkers.contacts(0), Feet::Soles(soles));
+        meter.observe(0, DT_S, walkers.contacts(0), soles);
         if t > 18.5 {
             moved = (0..4).map(|k| soles[k / 2][k % 2].distance(at_rest[k / 2][k % 2]) / DT_S).fold(moved, f32::max);
         }

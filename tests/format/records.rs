@@ -77,7 +77,8 @@ fn segments_lie_in_their_clip_and_end_at_their_state() {
             ("plays no frame", &|p| segments(p, |s| s[0].num_frames = 0)),
             ("plays a frame more", &|p| segments(p, |s| s[1].num_frames += 1)),
             ("plays for ever", &|p| segments(p, |s| s[1].num_frames = u32::MAX)),
-            ("reserved field", &|p| segments(p, |s| s[1].reserved = 1)),
+            ("idles beyond its clip", &|p| segments(p, |s| s[1].idle = u32::MAX)),
+            ("idles for less than it lasts", &|p| segments(p, |s| s[1].idle = s[1].num_frames - 1)),
         ],
     );
     for bad in BAD.into_iter().chain([1e9]) {

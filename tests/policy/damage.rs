@@ -15,7 +15,8 @@ use throng_precompute::policy::{PolicyConfig, RewardForm};
 fn sound() -> Parts {
     let mut rng = Pcg64::seed_from_u64(8);
     let tables = solved(&random_model(&mut rng, 3), &approach(4, 5, RewardForm::Max, 0.9), &PolicyConfig::default());
-    let p = tables.policies.into_iter().next().expect("one policy");
+    let mut p = tables.policies.into_iter().next().expect("one policy");
+    p.record.reward.own_errors = 0;
     (p.record, tables.action_offsets, tables.action_segments, p.segments, p.values, p.best, tables.action_errors)
 }
 
@@ -42,7 +43,7 @@ fn spoilt_tables_are_refused() {
         f(&mut parts);
         !opens(&parts)
     };
-    let changes: [Change; 21] = [
+    let changes: [Change; 23] = [
         ("value missing", &|p| p.4.truncate(1)),
         ("value too many", &|p| p.4.push(0.0)),
         ("value not finite", &|p| p.4[7] = f32::NAN),
@@ -59,6 +60,8 @@ fn spoilt_tables_are_refused() {
         ("first offset not zero", &|p| p.1[0] = 1),
         ("states", &|p| p.0.num_states = 4),
         ("choices", &|p| p.0.num_choices = 0),
+        ("own errors missing", &|p| p.0.reward.own_errors = 1),
+        ("own errors unknown", &|p| p.0.reward.own_errors = 2),
         ("transition cost negative", &|p| p.0.reward.transition_cost = -0.1),
         ("transition cost where the gain is negative", &|p| p.0.reward.gain = -1.0),
         ("error missing", &|p| p.6.truncate(1)),

@@ -14,8 +14,8 @@ use throng_core::base::SingleRank;
 use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, NO_ACTION, RankedActions};
 use throng_precompute::policy::made_up::SyntheticProblem;
 use throng_precompute::policy::{
-    ActionModel, Approach, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, PolicySolver, RewardForm,
-    bake,
+    ActionModel, Approach, CostsConfig, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig, PolicySolver,
+    RewardForm, bake,
 };
 use throng_precompute::progress::Silent;
 
@@ -62,6 +62,42 @@ fn a_transition_is_taken_where_it_pays_for_its_cost() {
 }
 
 #[test]
+fn a_trait_is_shown_where_it_pays_for_its_delay() {
+    // A step of half a second to the target walks backwards; one ahead is longer by so many frames.
+    for (trait_at, cost_s) in (0..6).flat_map(|t| [(t, 0.0), (t, 2.0)]) {
+        let mut costs = [0.0; 6];
+        costs[trait_at] = cost_s;
+        let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s] = costs;
+        let costs = CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s };
+        for transition_cost_s in [0.0, 1.0] {
+            for longer in [15, 150] {
+                let step = Planar::new(0.0, 2.0, 0.0);
+                let segments =
+                    vec![segment(1, 15, step), segment(1, 15 + longer, step), segment(1, 10, Planar::IDENTITY)];
+                let mut model = model(&[0, 2, 3], &[0, 1, 2], segments);
+                model.action_errors = vec![0.1; 3];
+                model.action_traits = vec![[0.0; 6]; 3];
+                model.action_traits[0][trait_at] = 0.5;
+                let grid = GridConfig::polar(9, 9, 4.0, 0.4, 1.0);
+                let config = PolicyBehaviourConfig {
+                    grid,
+                    transition_cost_s: Some(transition_cost_s),
+                    costs: Some(costs),
+                    ..PolicyBehaviourConfig::default()
+                };
+                let behaviour = Approach::new(&config, 30.0, None).expect("a valid behaviour");
+                let table = solved(&model, &behaviour, &PolicyConfig::default()).table(0).expect("sound tables");
+                let cell = table.nearest_cell(0, 2.0 * Vec3::Z);
+                // A delay of one second outweighs half a second on the way, which is worth something, and not five.
+                let best = u8::from(cost_s > 0.0 && longer == 15);
+                let what = format!("trait {trait_at}, {cost_s} s, {longer} frames longer");
+                assert_eq!(table.best_of(0, cell)[0], best, "{what}");
+            }
+        }
+    }
+}
+
+#[test]
 fn values_are_within_epsilon_of_brute_force() {
     for seed in 0..6 {
         let mut rng = Pcg64::seed_from_u64(seed);
@@ -86,6 +122,7 @@ fn offsets_and_gains_are_within_epsilon_of_brute_force() {
             discount: 0.95,
             offset,
             gain: Some(gain),
+            costs: Some(CostsConfig::NONE),
             ..PolicyBehaviourConfig::default()
         };
         let behaviour = Approach::new(&config, 30.0, None).expect("a valid behaviour");
@@ -123,6 +160,7 @@ fn values_are_those_of_an_exhaustive_search() {
         model.action_segments = vec![own[0], extra[0], own[1], extra[1], own[2], extra[2]];
         model.action_offsets = vec![0, 2, 4, 6];
         model.action_errors = vec![0.0, 0.3, 0.0, 0.2, 0.4, 0.1];
+        model.action_traits = (0..6).map(|a| std::array::from_fn(|k| 0.05 * ((a + 2 * k) % 5) as f32)).collect();
         let behaviour = approach(4, 7, RewardForm::Integral, 0.5);
         let tables = solved(&model, &behaviour, &PolicyConfig { epsilon: 1e-5, ..PolicyConfig::default() });
         let naive = Naive::new(&model, &behaviour);

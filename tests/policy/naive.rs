@@ -7,8 +7,8 @@ use throng_core::Planar;
 use throng_core::base::SingleRank;
 use throng_core::policy::{COMBINE_MAX, KERNEL_LINEAR, KERNEL_WITHIN, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_precompute::policy::{
-    ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig,
-    PolicySolver, PolicyTables, RewardForm, SegmentMotion, segment_records,
+    ActionModel, Approach, BehaviourSpec, CostsConfig, GridConfig, PolicyBehaviour, PolicyBehaviourConfig,
+    PolicyConfig, PolicySolver, PolicyTables, RewardForm, SegmentMotion, segment_records,
 };
 use throng_precompute::progress::Silent;
 
@@ -53,6 +53,7 @@ pub fn model(offsets: &[u32], actions: &[u32], segments: Vec<SegmentMotion>) -> 
         action_offsets: offsets.to_vec(),
         action_segments: actions.to_vec(),
         action_errors: errors.collect(),
+        action_traits: Vec::new(),
         segments,
     }
 }
@@ -71,17 +72,24 @@ pub fn random_model(rng: &mut Pcg64, num_states: u32) -> ActionModel {
         (0..rng.random_range(1..5)).for_each(|_| actions.push(rng.random_range(0..num_segments)));
         offsets.push(actions.len() as u32);
     }
-    model(&offsets, &actions, segments)
+    let action_traits = actions.iter().map(|_| std::array::from_fn(|_| rng.random_range(0.0..0.4))).collect();
+    ActionModel { action_traits, ..model(&offsets, &actions, segments) }
 }
+
+/// Costs in the order of traits (s).
+const COSTS: [f64; 6] = [2.0, 0.7, 0.4, 0.9, 1.5, 0.3];
 
 pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> Approach {
     let reward = Some(reward);
     let grid = GridConfig::polar(rings, angles, 3.0, 0.4, 1.0);
+    let [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s] = COSTS;
+    let costs = CostsConfig { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s };
     let config = PolicyBehaviourConfig {
         grid,
         reward,
         discount,
         transition_cost_s: Some(3.0),
+        costs: Some(costs),
         ..PolicyBehaviourConfig::default()
     };
     Approach::new(&config, 30.0, None).expect("valid")
@@ -94,13 +102,25 @@ pub struct Naive<'a> {
     pub reward: RewardRecord,
     pub records: Vec<SegmentRecord>,
     pub discount: f64,
+    /// Logarithm of what is lost with an action, for its transition and its traits (num_actions).
+    costs: Vec<f64>,
 }
 
 impl<'a> Naive<'a> {
     pub fn new(model: &'a ActionModel, behaviour: &dyn PolicyBehaviour) -> Self {
         let records = segment_records(behaviour, &model.segments);
         let (grid, reward) = (behaviour.spec().grid, *behaviour.spec().reward.record());
-        Self { model, grid, reward, records, discount: behaviour.spec().discount }
+        let discount = behaviour.spec().discount;
+        // Only behaviours of `approach` have costs beside those of transitions.
+        let cost = |a: usize| {
+            let traits = model.action_traits.get(a).copied().unwrap_or_default();
+            let delay_s: f64 = traits.iter().zip(COSTS).map(|(t, c)| f64::from(*t) * c).sum();
+            let delay_s = if reward.own_errors == 0 { 0.0 } else { delay_s };
+            f64::from(reward.transition_cost) * f64::from(model.action_errors[a]).powi(2)
+                - 30.0 * discount.ln() * delay_s
+        };
+        let costs = (0..model.action_errors.len()).map(cost).collect();
+        Self { model, grid, reward, records, discount, costs }
     }
 
     fn reward(&self, r: &SegmentRecord, target: [f64; 3]) -> f64 {
@@ -183,7 +203,7 @@ impl<'a> Naive<'a> {
         let next = self.weights(cos * dx - sin * dz, sin * dx + cos * dz);
         let next: f64 = next.iter().map(|&(c, w)| w * value(self.model.segments[segment].end, height + c)).sum();
         let discount = self.discount.powi(self.model.segments[segment].num_frames as i32);
-        self.after_transition(action) * (self.reward(&self.records[segment], target) + discount * next)
+        (-self.costs[action]).exp() * (self.reward(&self.records[segment], target) + discount * next)
     }
 
     pub fn segments_of(&self, state: usize) -> &[u32] {
@@ -194,11 +214,6 @@ impl<'a> Naive<'a> {
     pub fn actions_of(&self, state: usize) -> std::ops::Range<usize> {
         let o = &self.model.action_offsets;
         o[state] as usize..o[state + 1] as usize
-    }
-
-    /// What a transition leaves of an action's score.
-    fn after_transition(&self, action: usize) -> f64 {
-        (-f64::from(self.reward.transition_cost) * f64::from(self.model.action_errors[action]).powi(2)).exp()
     }
 
     pub fn best(&self, state: usize, cell: usize, value: &mut dyn FnMut(u32, usize) -> f64) -> f64 {

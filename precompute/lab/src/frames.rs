@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use throng_core::Bundle;
+use throng_core::format::MotionClass;
 
 /// Runs of usable frames, in order: those of each clip between the frames that were excluded.
 pub fn runs(tables: &Bundle) -> Vec<Range<u32>> {
@@ -19,5 +20,21 @@ pub fn runs(tables: &Bundle) -> Vec<Range<u32>> {
         }
     }
     out.retain(|r| r.start < r.end);
+    out
+}
+
+/// A value of each frame's class, in a bundle's frames; `usual` where a frame has none.
+pub(crate) fn of_classes<'a, T: Clone>(
+    tables: &'a Bundle,
+    usual: T,
+    mut of: impl FnMut(&'a MotionClass) -> T,
+) -> Vec<T> {
+    let mut out = vec![usual; tables.frames().len()];
+    for (record, meta) in tables.clips().iter().zip(&tables.meta().clips) {
+        for span in &meta.classes {
+            let [from, to] = [span.frames.start, span.frames.end].map(|f| (record.first_frame + f) as usize);
+            out[from..to].fill(of(&span.class));
+        }
+    }
     out
 }

@@ -1,6 +1,7 @@
 //! Measures, compares and pictures what Throng bakes and runs.
 
 pub mod abilities;
+pub mod drills;
 pub mod frames;
 mod histogram;
 pub mod inspect;

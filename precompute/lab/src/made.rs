@@ -2,7 +2,7 @@
 
 use crate::frames::runs;
 use crate::quality::{QualityMeter, Track, clip_joints};
-use crate::slip::{Feet, SlipMeter};
+use crate::slip::SlipMeter;
 use serde::Serialize;
 use throng_core::Bundle;
 use throng_core::format::MADE_TAG;
@@ -39,7 +39,7 @@ impl MadeFigures {
             return None;
         }
         let rate = tables.meta().rate_hz as f32;
-        let mut slip = [SlipMeter::new(1), SlipMeter::new(1)];
+        let mut slip = [(); 2].map(|()| SlipMeter::new(1, tables.skeleton()));
         let mut knees = [QualityMeter::new(rate, rate), QualityMeter::new(rate, rate)];
         for run in runs(tables) {
             let frames: Vec<u32> = run.collect();
@@ -49,11 +49,10 @@ impl MadeFigures {
                 let mut positions = Vec::with_capacity(part.len());
                 for &f in part {
                     let joints = clip_joints(tables, f);
-                    let feet = Feet::joints(|j| joints[j.index()].0);
-                    slip[kind].observe(0, 1.0 / rate, tables.contacts()[f as usize], feet);
+                    slip[kind].observe_joints(0, 1.0 / rate, tables.contacts()[f as usize], |j| joints[j.index()]);
                     positions.push(joints.map(|j| j.0));
                 }
-                knees[kind].add(&Track { positions, changes: Vec::new() });
+                knees[kind].add(&Track::of(positions));
             }
         }
         let ratio = |[captured, made]: [f64; 2]| made / captured.max(1e-6);

@@ -1,7 +1,12 @@
 //! How much motion at run time looks like the clips that it comes from: speed of low toes, knees, jumps at changes of
 //! segment, smoothness between frames, life of the hands.
 
-use crate::frames::runs;
+mod apart;
+
+use crate::frames::{of_classes, runs};
+pub use apart::ApartFigures;
+use apart::ApartMeter;
+pub(crate) use apart::median;
 use glam::Vec3;
 use serde::Serialize;
 use std::f32::consts::TAU;
@@ -24,13 +29,25 @@ const LEGS: [[Joint; 4]; 2] = [
     [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
 ];
 
+/// Rate of a knee that snaps, over the 99.9th percentile of the clips.
+const SNAP: f64 = 1.2;
+
 /// Joints in the world (m), sample by sample.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
     /// (samples)
     pub positions: Vec<[Vec3; NUM_JOINTS]>,
+    /// Number of them on the way; what comes later is measured apart alone.
+    pub on_the_way: usize,
     /// Where segments began that do not go on where the last one ended, in the order of the samples.
     pub changes: Vec<Change>,
+}
+
+impl Track {
+    /// A track without changes.
+    pub fn of(positions: Vec<[Vec3; NUM_JOINTS]>) -> Self {
+        Self { on_the_way: positions.len(), positions, changes: Vec::new() }
+    }
 }
 
 /// A change of segment.
@@ -73,6 +90,8 @@ pub struct MotionQuality {
     pub knee_rate_max_ratio: f64,
     /// 99.9th percentile of the turn of knees over that of the clips.
     pub knee_rate_p999_ratio: f64,
+    /// Knees that turn more than 1.2 times as fast as that percentile of the clips, a minute of a character.
+    pub knee_snaps_per_min: f64,
     /// Mean acceleration of all joints within 5 frames of a change of segment, over that elsewhere; none without changes.
     pub change_acceleration_ratio: Option<f64>,
     /// The same of the clips: their mean acceleration within 5 frames of the same changes, over that of characters elsewhere.
@@ -85,6 +104,10 @@ pub struct MotionQuality {
     pub hand_power_above_6hz: f64,
     /// The same of the clips.
     pub source_hand_power_above_6hz: f64,
+    /// Moving, standing and changing, each by itself.
+    pub apart: ApartFigures,
+    /// The same of the clips, where it is about single frames and spans.
+    pub source_apart: ApartFigures,
 }
 
 impl MotionQuality {
@@ -94,7 +117,25 @@ impl MotionQuality {
         let frame_hz = tables.meta().rate_hz as f32;
         let mut meter = QualityMeter::new(sample_hz.max(frame_hz), frame_hz);
         tracks.iter().for_each(|t| meter.add(t));
-        let (here, source) = (meter.figures(), of_clips(tables));
+        let mut names = vec![""];
+        let manners = of_classes(tables, 0, |class| match names.iter().position(|n| *n == class.manner) {
+            Some(number) => number as u16,
+            None => {
+                names.push(&class.manner);
+                names.len() as u16 - 1
+            }
+        });
+        let mut apart = ApartMeter::new(meter.stride, meter.frame_hz, &manners);
+        tracks.iter().for_each(|t| apart.add(t));
+        let mut of_clips = (QualityMeter::new(frame_hz, frame_hz), ApartMeter::new(1, frame_hz, &manners));
+        for run in runs(tables) {
+            let track = Track::of(run.map(|f| clip_joints(tables, f).map(|joint| joint.0)).collect());
+            of_clips.0.add(&track);
+            of_clips.1.add(&track);
+        }
+        let source = of_clips.0.figures();
+        let snaps = meter.snaps_per_min(SNAP * source.knee_rate_p999_dps);
+        let here = meter.figures();
         let at_changes = acceleration_at(tables, tracks.iter().flat_map(|t| &t.changes));
         let of_source = at_changes.map(|a| a / here.acceleration_elsewhere);
         Self {
@@ -102,11 +143,14 @@ impl MotionQuality {
             source_toe_speed_low_p95_mps: source.toe_speed_low_p95_mps,
             knee_rate_max_ratio: here.knee_rate_max_dps / source.knee_rate_max_dps.max(1e-6),
             knee_rate_p999_ratio: here.knee_rate_p999_dps / source.knee_rate_p999_dps.max(1e-6),
+            knee_snaps_per_min: snaps,
             change_acceleration_ratio: here.change_acceleration_ratio,
             source_change_acceleration_ratio: here.change_acceleration_ratio.and(of_source),
             hips_acceleration_between_frames: here.hips_acceleration_between_frames,
             hand_power_above_6hz: here.hand_power_above_6hz,
             source_hand_power_above_6hz: source.hand_power_above_6hz,
+            apart: apart.figures(),
+            source_apart: of_clips.1.figures(),
         }
     }
 }
@@ -135,28 +179,29 @@ impl QualityMeter {
         Self { stride: stride as usize, frame_hz: sample_hz / stride, ..Self::default() }
     }
 
-    /// Adds a track.
+    /// Adds a track, as far as it is on the way.
     pub fn add(&mut self, track: &Track) {
-        self.add_legs(track);
+        let positions = &track.positions[..track.on_the_way];
+        self.add_legs(positions);
         self.add_changes(track);
-        let hips = |i: usize| track.positions[i][Joint::Hips.index()];
+        let hips = |i: usize| positions[i][Joint::Hips.index()];
         for (sums, step) in self.hips.iter_mut().zip([1, self.stride]) {
             let rate = self.frame_hz * (self.stride / step) as f32;
-            for i in step..track.positions.len().saturating_sub(step) {
+            for i in step..positions.len().saturating_sub(step) {
                 let a = (hips(i + step) - 2.0 * hips(i) + hips(i - step)) * rate * rate;
                 *sums = (sums.0 + f64::from(a.length_squared()), sums.1 + 1);
             }
         }
-        self.add_hand(track);
+        self.add_hand(positions);
     }
 
     /// Speeds of toes that are low, and of knees.
-    fn add_legs(&mut self, track: &Track) {
-        let at = |i: usize, joint: Joint| track.positions[i][joint.index()];
+    fn add_legs(&mut self, positions: &[[Vec3; NUM_JOINTS]]) {
+        let at = |i: usize, joint: Joint| positions[i][joint.index()];
         for [hip, knee, ankle, toe] in LEGS {
-            let lowest = track.positions.iter().map(|p| p[toe.index()].y).fold(f32::INFINITY, f32::min);
+            let lowest = positions.iter().map(|p| p[toe.index()].y).fold(f32::INFINITY, f32::min);
             let bend = |i: usize| (at(i, hip) - at(i, knee)).angle_between(at(i, ankle) - at(i, knee));
-            for i in self.stride..track.positions.len() {
+            for i in self.stride..positions.len() {
                 let before = i - self.stride;
                 if at(i, toe).y.max(at(before, toe).y) < lowest + TOE_LOW_M {
                     self.low_speeds.push((at(i, toe) - at(before, toe)).length() * self.frame_hz);
@@ -168,8 +213,8 @@ impl QualityMeter {
 
     /// Accelerations near changes of segment, and elsewhere.
     fn add_changes(&mut self, track: &Track) {
-        let (s, n) = (self.stride, track.positions.len());
-        let mut changes = track.changes.iter().map(|c| c.sample).peekable();
+        let (s, n) = (self.stride, track.on_the_way);
+        let mut changes = track.changes.iter().map(|c| c.sample).filter(|c| *c < n).peekable();
         let mut last = None;
         for i in s..n.saturating_sub(s) {
             while let Some(change) = changes.next_if(|c| *c <= i) {
@@ -182,9 +227,9 @@ impl QualityMeter {
     }
 
     /// The spectrum of the right hand's acceleration, as seen from the hips, window by window.
-    fn add_hand(&mut self, track: &Track) {
+    fn add_hand(&mut self, positions: &[[Vec3; NUM_JOINTS]]) {
         let from_hips = |p: &[Vec3; NUM_JOINTS]| p[Joint::RightHand.index()] - p[Joint::Hips.index()];
-        let hand: Vec<Vec3> = track.positions.iter().step_by(self.stride).map(from_hips).collect();
+        let hand: Vec<Vec3> = positions.iter().step_by(self.stride).map(from_hips).collect();
         let rate = self.frame_hz;
         let acceleration: Vec<Vec3> = hand.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]) * rate * rate).collect();
         for window in acceleration.chunks_exact(WINDOW) {
@@ -204,6 +249,15 @@ impl QualityMeter {
                 self.power[1] += power;
             }
         }
+    }
+
+    /// Turns of a knee that begin to be faster than a rate, a minute of a character (degrees/s).
+    fn snaps_per_min(&self, above_dps: f64) -> f64 {
+        let is_fast = |rate: &f32| f64::from(rate.to_degrees()) > above_dps;
+        let snaps = self.knee_rates.windows(2).filter(|w| !is_fast(&w[0]) && is_fast(&w[1])).count();
+        // Two knees a character.
+        let minutes = self.knee_rates.len() as f64 / f64::from(120.0 * self.frame_hz * self.stride as f32);
+        snaps as f64 / minutes.max(1e-9)
     }
 
     /// What all tracks show.
@@ -246,17 +300,6 @@ fn acceleration_at<'a>(tables: &Bundle, changes: impl Iterator<Item = &'a Change
     (count > 0).then(|| sum / count as f64)
 }
 
-/// What the clips of a bundle show themselves.
-fn of_clips(tables: &Bundle) -> MotionFigures {
-    let rate = tables.meta().rate_hz as f32;
-    let mut meter = QualityMeter::new(rate, rate);
-    for run in runs(tables) {
-        let positions = run.map(|frame| clip_joints(tables, frame).map(|joint| joint.0)).collect();
-        meter.add(&Track { positions, changes: Vec::new() });
-    }
-    meter.figures()
-}
-
 /// Joints of a frame, where its clip has them: positions (m) and rotations (frame < number of frames).
 pub(crate) fn clip_joints(tables: &Bundle, frame: u32) -> [(Vec3, glam::Quat); NUM_JOINTS] {
     let (row, code) = (&tables.frames()[frame as usize], tables.rotation_code());
@@ -282,7 +325,7 @@ mod tests {
 
     /// All joints at one place, which moves.
     fn track(num: usize, at: impl Fn(usize) -> Vec3) -> Track {
-        Track { positions: (0..num).map(|i| [at(i); NUM_JOINTS]).collect(), changes: Vec::new() }
+        Track::of((0..num).map(|i| [at(i); NUM_JOINTS]).collect())
     }
 
     fn figures(sample_hz: f32, track: &Track) -> MotionFigures {
@@ -324,8 +367,8 @@ mod tests {
             place.0 += place.1;
         }
         // The acceleration at a sample is that between it and its neighbours.
-        let ratio = figures(30.0, &Track { positions, changes: vec![Change { sample: 50, frames: [0, 0] }] })
-            .change_acceleration_ratio;
+        let changes = vec![Change { sample: 50, frames: [0, 0] }];
+        let ratio = figures(30.0, &Track { changes, ..Track::of(positions) }).change_acceleration_ratio;
         assert!((ratio.unwrap_or_default() - 2.0).abs() < 0.05, "{ratio:?}");
     }
 

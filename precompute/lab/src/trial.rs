@@ -55,7 +55,11 @@ impl Default for TrialConfig {
             reach_m: 0.5,
             snapshot_s: 3.5,
             recorded: Some(0),
-            motion: CharactersConfig { avoid: Some(AvoidConfig::default()), ..CharactersConfig::default() },
+            motion: CharactersConfig {
+                avoid: Some(AvoidConfig::default()),
+                carriage: 1.0,
+                ..CharactersConfig::default()
+            },
         }
     }
 }

@@ -116,8 +116,7 @@ impl ValueBounds {
             }
             for (state, most) in out.chunks_exact_mut(side).enumerate() {
                 let actions = table.actions();
-                for (&segment, &error) in actions.segments_of(state as u32).iter().zip(actions.errors_of(state as u32))
-                {
+                for (&segment, &error) in actions.segments_of(state as u32).iter().zip(table.errors_of(state as u32)) {
                     let (of_segment, left) =
                         (&of_segments[segment as usize * side..][..side], table.reward().after_transition(error));
                     most.iter_mut().zip(of_segment).for_each(|(m, &s)| *m = m.max(left * s));

@@ -66,6 +66,7 @@ fn line() -> ActionModel {
         action_offsets: vec![0, 2],
         action_segments: vec![0, 1],
         action_errors: vec![0.0, 0.0],
+        action_traits: Vec::new(),
     }
 }
 

@@ -138,7 +138,8 @@ impl CrowdSimulation {
         let n = config.characters;
         let (reached, choices) = (vec![0; n], ChoiceRecord::new(n));
         let around = RunSurroundings { targets, reached, weights: weights.into(), choices, step: 0 };
-        Ok(Self { config, characters, goals, around, eye: Vec2::ZERO, slip: SlipMeter::new(n) })
+        let slip = SlipMeter::new(n, bundle.tables().skeleton());
+        Ok(Self { config, characters, goals, around, eye: Vec2::ZERO, slip })
     }
 
     pub(super) fn keyframe(&self) -> CrowdKeyframe {

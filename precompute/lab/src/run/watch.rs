@@ -15,7 +15,7 @@ use glam::{Vec2, Vec3};
 use partners::PartnerMeter;
 use throng_core::body::HeightField;
 use throng_core::stops::BODY_RADIUS_M;
-use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody};
+use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody, Skeleton};
 use throng_motion::error::Result;
 use throng_simulation::scene::{AtEndConfig, engine};
 use throng_simulation::sparring::BlowTally;
@@ -57,7 +57,7 @@ impl SceneWatch {
         let volume = |g: &SceneGroup| Some(BodyVolume::new(sim.compiled().find_bundle(g.number)?.skeleton()));
         let mut watch = Self {
             groups: groups.to_vec(),
-            feet: SlipMeter::new(sim.num_characters()),
+            feet: SlipMeter::new(sim.num_characters(), &Skeleton::default()),
             fights: FightMeter::default(),
             touch: TouchMeter::default(),
             partners: PartnerMeter::default(),

@@ -89,7 +89,7 @@ impl<'a> TrialWatch<'a> {
         Self {
             tables,
             record,
-            slip: SlipMeter::new(n),
+            slip: SlipMeter::new(n, tables.skeleton()),
             before: starts.clone(),
             starts,
             choices,
@@ -162,11 +162,11 @@ impl<'a> TrialWatch<'a> {
         self.record.frames.push(TrialFrame { time_s, root, positions, contacts, segment: characters.segment(c).0 });
     }
 
-    /// Adds a sample to each track of a character that is still on its way.
+    /// Adds a sample to each track.
     fn extend_tracks(&mut self, characters: &Characters) {
         let segments = &self.tables.graph().segments;
         for (c, (track, last)) in self.tracks.iter_mut().zip(&mut self.segments).enumerate() {
-            if self.record.arrivals_s[c].is_finite() || track.positions.len() == MOST_POSES {
+            if track.positions.len() == MOST_POSES {
                 continue;
             }
             let now = characters.segment(c).0;
@@ -179,6 +179,9 @@ impl<'a> TrialWatch<'a> {
             }
             *last = now;
             track.positions.push(characters.joint_positions(c));
+            if self.record.arrivals_s[c].is_infinite() {
+                track.on_the_way = track.positions.len();
+            }
         }
     }
 

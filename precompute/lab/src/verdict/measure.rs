@@ -20,6 +20,10 @@ const MIN_GROUP: usize = 10;
 const BEHIND_SHARE: f64 = 0.1;
 /// Share of a wait below which its longest action does not explain it, so that other characters are the reason.
 const HELD_UP_SHARE: f64 = 0.7;
+/// Limits of a good and of a fair share of moving time that goes backwards.
+const BACKWARDS: [f64; 2] = [0.05, 0.25];
+/// Limits of good and fair changes of manner (1/min).
+const MANNERS_PER_MIN: [f64; 2] = [1.0, 6.0];
 /// Limits of a good and of a fair wait for a choice (s).
 const WAIT_S: [f64; 2] = [4.0, 8.0];
 /// Limits of good and of fair slip of feet in the clips: mean and 95th percentile (m/s).
@@ -109,6 +113,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     all.extend(staying_at_targets(facts));
     all.extend(standing_at_targets(facts));
     all.push(walking_backwards(facts));
+    all.extend(what_nobody_asked_for(facts.trial));
     all.push(standing_on_the_way(facts.trial));
     all.push(longest_wait(facts));
     all.extend(foot_slip(facts));
@@ -245,6 +250,21 @@ fn walking_backwards(facts: &VerdictInputs<'_>) -> Measure {
     let sentence = format!("{} of the walking is backwards", percent(share));
     let m = measure("walking backwards", share, [MOSTLY_BACKWARDS, 0.75], sentence);
     m.with_advice(|| facts.motion.missing(facts.mirrored))
+}
+
+/// Travel against the front, and changes of manner, of people who only have a target.
+fn what_nobody_asked_for(trial: &TrialReport) -> [Measure; 2] {
+    let (share, per_min) = (trial.quality.apart.backwards_share, trial.quality.apart.manner_changes_per_min);
+    let back = format!("people go backwards for {} of the time in which they move", percent(share));
+    let manners = format!("people change their manner {per_min:.1} times a minute");
+    [
+        measure("going backwards", share, BACKWARDS, back).with_advice(|| {
+            vec!["set `costs.backwards` of the behaviour, or leave clips that go backwards out (`--leave NAME`)".into()]
+        }),
+        measure("changes of manner (1/min)", per_min, MANNERS_PER_MIN, manners).with_advice(|| {
+            vec!["set `costs.manner_change_s` of the behaviour, or build each manner by itself".into()]
+        }),
+    ]
 }
 
 fn standing_on_the_way(trial: &TrialReport) -> Measure {

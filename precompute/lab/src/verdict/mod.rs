@@ -3,9 +3,9 @@
 mod measure;
 
 use crate::abilities::{Abilities, LITTLE_WALKING_S, unused_clips};
-use crate::frames::runs;
+use crate::frames::{of_classes, runs};
 use crate::quality::clip_joints;
-use crate::slip::{Feet, SlipMeter};
+use crate::slip::SlipMeter;
 use crate::trial::{self, TrialConfig, TrialReport};
 pub use measure::Measure;
 use measure::{GOOD_REACH, LongestAction, SourceFeet, VerdictInputs};
@@ -132,16 +132,10 @@ fn class_is_taken(tables: &Bundle) -> Vec<bool> {
     let config = BuildConfig::parse(&tables.meta().config, "bundle".as_ref());
     let take =
         config.map_or_else(|_| Vec::new(), |c| if c.select.wanted.is_empty() { c.graph.take } else { Vec::new() });
-    let mut out = vec![true; tables.frames().len()];
-    for (record, meta) in tables.clips().iter().zip(&tables.meta().clips) {
-        for span in &meta.classes {
-            let what = TakenMotion::of_class(&span.class);
-            let is_taken = take.is_empty() || take.contains(&what) || what == TakenMotion::Gestures;
-            let [from, to] = [span.frames.start, span.frames.end].map(|f| (record.first_frame + f) as usize);
-            out[from..to].fill(is_taken);
-        }
-    }
-    out
+    of_classes(tables, true, |class| {
+        let what = TakenMotion::of_class(class);
+        take.is_empty() || take.contains(&what) || what == TakenMotion::Gestures
+    })
 }
 
 /// Advice for a set of which most walking is played by no action, as it leads to no other motion.
@@ -166,7 +160,7 @@ fn clip_names(clips: &[&str]) -> String {
 /// Measures planted heels and toes in the clips, and the distances of standing feet from the ground.
 fn source_feet(tables: &Bundle) -> SourceFeet {
     let (clips, dt_s) = (tables.clips(), 1.0 / tables.meta().rate_hz as f32);
-    let mut all = SlipMeter::new(1);
+    let mut all = SlipMeter::new(1, tables.skeleton());
     let mut each = vec![(0.0, 0u64); clips.len()];
     let mut far: Vec<Vec<f32>> = vec![Vec::new(); clips.len()];
     for run in runs(tables) {
@@ -174,15 +168,15 @@ fn source_feet(tables: &Bundle) -> SourceFeet {
         if clips[clip].mirrored != 0 {
             continue;
         }
-        let mut one = SlipMeter::new(1);
+        let mut one = SlipMeter::new(1, tables.skeleton());
         all.forget_step();
         let mut at = Vec::new();
         for f in run {
             let joints = clip_joints(tables, f);
             at.push(stance::FEET.map(|j| joints[j.index()].0));
-            let feet = Feet::joints(|j| joints[j.index()].0);
-            all.observe(0, dt_s, tables.contacts()[f as usize], feet);
-            one.observe(0, dt_s, tables.contacts()[f as usize], feet);
+            for meter in [&mut all, &mut one] {
+                meter.observe_joints(0, dt_s, tables.contacts()[f as usize], |j| joints[j.index()]);
+            }
         }
         let (sum, samples) = &mut each[clip];
         *sum += one.mean_mps() * one.samples() as f64;

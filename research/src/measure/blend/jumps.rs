@@ -5,10 +5,10 @@ use super::{STEP_S, advance_control, random_parameters, start_control};
 use glam::Vec3;
 use throng_core::blend::BlendSpace;
 use throng_core::walkers::{WalkerStart, Walkers, WalkersConfig};
-use throng_core::{Bundle, CharacterGroup, Contacts, Inline, NUM_JOINTS, Planar};
+use throng_core::{Bundle, CharacterGroup, Contacts, Inline, NUM_JOINTS, Planar, Skeleton};
 use throng_lab::measure::timing::fail;
 use throng_lab::run::knee_angles;
-use throng_lab::slip::{Feet, SlipMeter, Soles};
+use throng_lab::slip::{SlipMeter, Soles};
 use throng_motion::error::BuildError;
 
 /// Number of measured characters, and for how long (s).
@@ -117,7 +117,7 @@ struct JumpMeter {
 
 impl Default for JumpMeter {
     fn default() -> Self {
-        Self { last: Vec::new(), slip: SlipMeter::new(1), knee_rate: 0.0, acceleration: 0.0 }
+        Self { last: Vec::new(), slip: SlipMeter::new(1, &Skeleton::default()), knee_rate: 0.0, acceleration: 0.0 }
     }
 }
 
@@ -128,7 +128,7 @@ impl JumpMeter {
     }
 
     fn observe(&mut self, BodySample { joints, contacts, soles }: BodySample, jumped: bool) {
-        self.slip.observe(0, STEP_S, contacts, Feet::Soles(soles));
+        self.slip.observe(0, STEP_S, contacts, soles);
         if let Some(before) = self.last.first() {
             let (now, was) = (knee_angles(&joints), knee_angles(before));
             self.knee_rate = (0..2).map(|k| (now[k] - was[k]).abs() / STEP_S).fold(self.knee_rate, f32::max);

@@ -1,8 +1,8 @@
 //! Entering, leaving, orders that stay, events.
 
 use super::*;
+use throng_core::body::BodyEventKind;
 use throng_core::characters::{Detail, MotionSet, SampleJob};
-use throng_core::walkers::WalkerEvent;
 
 #[test]
 fn those_who_stay_do_not_notice_who_enters_and_leaves() {
@@ -53,8 +53,9 @@ fn orders_stay_until_the_next_one() {
     let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 2);
     let [a, b] = [outing.ids[0], outing.ids[1]];
     assert_eq!(outing.walkers.status(a).expect("a walker"), OrderStatus::Idle);
-    outing.walkers.order(a, Control::walk(Vec2::new(0.0, 1.5))).expect("an order");
-    let arc = Control { turning_rate: Some(0.5), ..Control::walk(Vec2::new(0.0, 1.0)) };
+    let walk = |speed: f32| Control { cut: true, ..Control::walk(Vec2::new(0.0, speed)) };
+    outing.walkers.order(a, walk(1.5)).expect("an order");
+    let arc = Control { turning_rate: Some(0.5), ..walk(1.0) };
     outing.walkers.order(b, arc).expect("an order");
     for _ in 0..120 {
         outing.walkers.step(DT_S, &Inline).expect("a step");
@@ -65,7 +66,7 @@ fn orders_stay_until_the_next_one() {
     // A radius of 2 m, and 1 rad of it.
     let end = Vec2::new(4.0 + 2.0 * (1.0 - 1f32.cos()), 2.0 * 1f32.sin());
     assert!(Vec2::new(turned.x, turned.z).distance(end) < 0.02, "{turned:?}, expected {end}");
-    outing.walkers.order(a, Control::default()).expect("an order");
+    outing.walkers.order(a, walk(0.0)).expect("an order");
     outing.walkers.step(DT_S, &Inline).expect("a step");
     assert_eq!(outing.walkers.root(0).z, straight.z);
 }
@@ -96,20 +97,47 @@ fn each_foot_comes_down_once_a_cycle() {
     outing.step(straight);
     assert!(outing.walkers.events().is_empty(), "a first pose is no step");
     let (mut downs, mut cycles) = ([[0usize; 2]; 5], [0.0f32; 5]);
+    let mut steps: Vec<(usize, usize, usize, Vec3)> = Vec::new();
+    let mut soles = Vec::new();
     for i in 0..900 {
         let before: Vec<f32> = (0..5).map(|c| outing.walkers.phase(c)).collect();
         outing.step(straight);
         for c in (0..5).filter(|_| i >= 100) {
             cycles[c] += (outing.walkers.phase(c) - before[c]).rem_euclid(1.0);
         }
-        for (id, event) in outing.walkers.events().iter().filter(|_| i >= 100) {
-            downs[id.index()][usize::from(*event == WalkerEvent::RightFootDown)] += 1;
+        soles.push((0..5).map(|c| outing.walkers.soles(c)).collect::<Vec<_>>());
+        for (id, event) in outing.walkers.events().iter().filter(|(_, e)| i >= 100 && e.kind == BodyEventKind::Footstep)
+        {
+            let side = usize::from(event.number == Joint::RightFoot as u32);
+            assert!((0.02..1.0).contains(&event.strength), "{}", event.strength);
+            downs[id.index()][side] += 1;
+            steps.push((id.index(), i, side, event.at));
+        }
+    }
+    for c in 0..5 {
+        let own: Vec<_> = steps.iter().filter(|step| step.0 == c).collect();
+        assert!(own.windows(2).all(|two| two[0].2 != two[1].2), "{c}: sides take turns");
+        // A tenth of a second later the foot is flat where the step was.
+        for (_, i, side, at) in own.into_iter().filter(|step| step.1 + 6 < 900) {
+            let [heel, ball] = soles[i + 6][c][*side];
+            let off = (heel + ball) * 0.5 - *at;
+            assert!(Vec2::new(off.x, off.z).length() < 0.03 && at.y.abs() < 0.03, "{c}: a step is off by {off}");
         }
     }
     for (c, (downs, cycles)) in downs.iter().zip(cycles).enumerate() {
         for n in downs {
             assert!(cycles > 5.0 && (*n as f32 - cycles).abs() < 2.0, "{c}: {n} steps in {cycles} cycles");
         }
+    }
+}
+
+#[test]
+fn nobody_who_stands_makes_footsteps() {
+    let mut outing = Outing::new(&MadeUp::locomotion(), WalkersConfig::default(), 5);
+    for i in 0..400 {
+        outing.step(|_, _| (Vec2::ZERO, None));
+        let steps = outing.walkers.events().iter().filter(|(_, e)| e.kind == BodyEventKind::Footstep);
+        assert_eq!(steps.filter(|_| i >= 100).count(), 0);
     }
 }
 

@@ -3,6 +3,7 @@
 mod feet;
 mod ground;
 mod group;
+mod inertia;
 mod paths;
 mod state;
 

@@ -185,14 +185,8 @@ mod tests {
 
     #[test]
     fn segments_that_overlap_in_time_lie_in_different_tracks() {
-        let segment = |start, num_frames| MotionSegment {
-            start,
-            num_frames,
-            end: 0,
-            clip: 0,
-            displacement: [0.0; 3],
-            reserved: 0,
-        };
+        let segment =
+            |start, num_frames| MotionSegment { start, num_frames, end: 0, clip: 0, displacement: [0.0; 3], idle: 0 };
         let segments = [segment(10, 20), segment(12, 18), segment(15, 30), segment(30, 5), segment(31, 4)];
         let mut layout = GraphLayout { rate_hz: 30.0, ..GraphLayout::default() };
         layout.add_lane(&segments, &[0, 1, 2, 3, 4]);

@@ -6,7 +6,7 @@ use crate::run::figures::{BoutFigures, Slip, StepFigures};
 use crate::run::{RunInput, STEP_HZ};
 use glam::Vec3;
 use std::sync::Arc;
-use throng_core::{Executor as Threads, Inline, Rayon, Result};
+use throng_core::{Executor as Threads, Inline, Rayon, Result, Skeleton};
 use throng_precompute::run::{AgentsMeter, policy_characters};
 use throng_precompute::slip::SlipMeter;
 use throng_simulation::sparring::NO_THREAT_S;
@@ -46,7 +46,7 @@ impl SceneRunState {
         let choosing = groups.filter_map(|g| ChoosingGroup::new(&simulation, g.character_group, &g.characters));
         let mut state = Self {
             choosing: choosing.collect(),
-            feet: SlipMeter::new(simulation.num_characters()),
+            feet: SlipMeter::new(simulation.num_characters(), &Skeleton::default()),
             agents: AgentsMeter::new(&simulation),
             traces: AgentTrace::for_all_agents(&simulation),
             figures: StepFigures::default(),

@@ -122,6 +122,11 @@ fn the_verdict_is_that_of_the_worst_measure() {
         assert!(v.sentences.iter().any(|s| s.contains("% of the targets were")), "{v:?}");
     };
     check(verdict(|t, _, _| t.reached_fraction = 0.85), "fair", "targets reached", "85 %", "lead to each other");
+    let back = |t: &mut TrialReport, share| t.quality.apart.backwards_share = share;
+    check(verdict(|t, _, _| back(t, 0.47)), "poor", "going backwards", "47 %", "costs.backwards");
+    check(verdict(|t, _, _| back(t, 0.1)), "fair", "going backwards", "10 %", "costs.backwards");
+    let moody = |t: &mut TrialReport| t.quality.apart.manner_changes_per_min = 18.0;
+    check(verdict(|t, _, _| moody(t)), "poor", "changes of manner (1/min)", "18.0 times", "manner_change_s");
     let crowd = |t: &mut TrialReport| (t.making_way, t.reached_fraction) = (true, 0.85);
     check(verdict(|t, _, _| crowd(t)), "fair", "targets reached", "15 s", "others were in the way");
     let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
