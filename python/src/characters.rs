@@ -61,11 +61,13 @@ impl PyCharacters {
     fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let targets = points(&targets)?;
         self.characters.aim_all(&targets, &targets).map_err(error::runtime_error)?;
-        // Who was told to stop goes, too.
-        let mut orders = self.ids.iter().zip(targets);
-        orders
-            .try_for_each(|(id, target)| self.characters.order(*id, PolicyOrder::towards(self.policy, target)))
-            .map_err(error::runtime_error)
+        // Who was told to stop goes, too; layers stay.
+        for (id, target) in self.ids.iter().zip(targets) {
+            let layers = self.characters.order_of(*id).map_err(error::runtime_error)?.layers();
+            let order = PolicyOrder::towards(self.policy, target).with_layers(layers);
+            self.characters.order(*id, order).map_err(error::runtime_error)?;
+        }
+        Ok(())
     }
 
     /// Tells a character to stop as soon as its motion allows, and to stand at ease until it gets another target.
