@@ -250,11 +250,14 @@ impl BodyEvents {
                 self.add(id, BodyEvent { at, strength, ..step });
             }
         }
-        let changed = stood.0 ^ now.0;
-        for (bit, part) in PARTS.into_iter().enumerate().filter(|(bit, _)| changed >> bit & 1 == 1) {
+        let mut changed = stood.0 ^ now.0;
+        while changed != 0 {
+            let bit = changed.trailing_zeros();
+            changed &= changed - 1;
+            let Some(part) = PARTS.get(bit as usize) else { return };
             let began = now.0 >> bit & 1 == 1;
             let kind = if began { BodyEventKind::ContactBegan } else { BodyEventKind::ContactEnded };
-            self.add(id, BodyEvent::new(kind, part as u32));
+            self.add(id, BodyEvent::new(kind, *part as u32));
         }
     }
 
@@ -263,6 +266,9 @@ impl BodyEvents {
     /// - `frame`: its frame row now; [`NO_ROW`] for none.
     pub fn add_tags(&mut self, row: usize, id: Id, rows: &ClipRows, frame: u32) {
         let (_, was) = self.before[row];
+        if was == frame || rows.tags.is_empty() {
+            return;
+        }
         if ![was, frame].contains(&NO_ROW) {
             let begun = rows.begun([was, frame], self.most_rows);
             begun.for_each(|tag| self.add(id, BodyEvent::new(BodyEventKind::Tag, tag)));

@@ -266,5 +266,7 @@ pub(crate) fn pose_block<F: Lanes>(
         write_locals(|j| load(&body.offsets[j]), &pose, to.locals.len() / NUM_JOINTS, to.locals);
     }
     laps.end(StepPhase::Poses);
-    LEGS.map(|leg| place.to_world(pose.positions[leg[3].index()]))
+    // No closure: those are compiled without the processor's vectors.
+    let [left, right] = [LEGS[0][3].index(), LEGS[1][3].index()];
+    [place.to_world(pose.positions[left]), place.to_world(pose.positions[right])]
 }
