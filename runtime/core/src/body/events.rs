@@ -1,7 +1,7 @@
 //! Events of bodies: feet that come down, parts that touch, tags of clips that begin.
 
 use super::lane_body::{LEGS, LaneBody};
-use super::lanes::{Lane, Lane3, get_lane, store};
+use super::lanes::{Lane, Lane3, get_lane, load, store};
 use super::lanewise::lanewise_fields;
 use super::matrix::Mat3x4;
 use crate::contacts::Contacts;
@@ -99,6 +99,7 @@ impl FootSwing {
     /// - `balls`: in the world (m).
     /// - `seen`: 1 where the body was posed before.
     /// - `speed`: of travel (m/s).
+    #[inline(always)]
     pub fn follow<F: Lanes>(
         &mut self,
         balls: [V<F>; 2],
@@ -110,23 +111,24 @@ impl FootSwing {
         if dt_s == 0.0 {
             return;
         }
-        let keep = maths::exp2(-dt_s / FALL_HALF_LIFE_S);
+        let (zero, half, one) = (F::splat(0.0), F::splat(0.5), F::splat(1.0));
+        let keep = F::splat(maths::exp2(-dt_s / FALL_HALF_LIFE_S));
+        let (seen, travel) = (F::load(seen), F::load(speed).abs() * F::splat(OF_TRAVEL));
         for (side, ball) in balls.into_iter().enumerate() {
-            let was = self.ball[side];
-            store(&mut self.ball[side], ball);
-            for (lane, contacts) in contacts.iter().enumerate() {
-                let moved = get_lane(&self.ball[side], lane) - get_lane(&was, lane);
-                let (way, fall) = (&mut self.way[side][lane], &mut self.fall[side][lane]);
-                *fall = (-moved.y / dt_s).max(*fall * keep).min(10.0);
-                let is_down = contacts.any([Contacts::LEFT, Contacts::RIGHT][side]);
-                let speed = fall.max(OF_TRAVEL * speed[lane].abs());
-                let landed = is_down && *way > STEP_M;
-                self.strength[side][lane] = if landed { (speed / STRONGEST_MPS).clamp(0.02, 1.0) } else { 0.0 };
-                *way = if is_down { 0.0 } else { (*way + moved.length()).min(1.0) };
-                if seen[lane] < 0.5 {
-                    (*way, *fall, self.strength[side][lane]) = (0.0, 0.0, 0.0);
-                }
+            let moved = ball - load(&self.ball[side]);
+            let mut is_down = [0.0; LANES];
+            for (is_down, contacts) in is_down.iter_mut().zip(contacts) {
+                *is_down = f32::from(u8::from(contacts.any([Contacts::LEFT, Contacts::RIGHT][side])));
             }
+            let (is_down, way) = (F::load(&is_down), F::load(&self.way[side]));
+            let fall = (zero - moved.y / F::splat(dt_s)).max(F::load(&self.fall[side]) * keep).min(F::splat(10.0));
+            let strength = (fall.max(travel) / F::splat(STRONGEST_MPS)).max(F::splat(0.02)).min(one);
+            let strength = F::select_lt(F::splat(STEP_M), way, F::select_lt(half, is_down, strength, zero), zero);
+            let way = F::select_lt(half, is_down, zero, (way + moved.length()).min(one));
+            store(&mut self.ball[side], ball);
+            F::select_lt(seen, half, zero, way).store(&mut self.way[side]);
+            F::select_lt(seen, half, zero, fall).store(&mut self.fall[side]);
+            F::select_lt(seen, half, zero, strength).store(&mut self.strength[side]);
         }
     }
 }
@@ -182,9 +184,9 @@ impl ClipRows {
     fn begun(&self, [from, to]: [u32; 2], most: u32) -> impl Iterator<Item = u32> + '_ {
         let goes_on = (1..=most).contains(&to.wrapping_sub(from));
         let since = if goes_on { self.tags.partition_point(|tag| tag.rows[0] <= from) } else { 0 };
-        let until = self.tags.partition_point(|tag| tag.rows[0] <= to && from != to);
+        let begins = move |tag: &&TagRows| tag.rows[0] <= to && from != to;
         let begun = move |tag: &&TagRows| goes_on || tag.rows[1] > to && !(tag.rows[0]..tag.rows[1]).contains(&from);
-        self.tags[since.min(until)..until].iter().filter(begun).map(|tag| tag.number)
+        self.tags[since..].iter().take_while(begins).filter(begun).map(|tag| tag.number)
     }
 }
 
@@ -240,8 +242,12 @@ impl BodyEvents {
     /// Adds what feet, hands and seat have done since the character of a row was noted.
     pub fn add_contacts(&mut self, row: usize, id: Id, now: Contacts, of: &MovedBody<'_>) {
         let ((Some(stood), _), lane) = (self.before[row], row % LANES) else { return };
+        let strength = &of.swing.strength;
+        if stood == now && strength[0][lane] + strength[1][lane] == 0.0 {
+            return;
+        }
         for (side, leg) in LEGS.into_iter().enumerate() {
-            let strength = of.swing.strength[side][lane];
+            let strength = strength[side][lane];
             if strength > 0.0 {
                 let [heel, ball] = find_soles(of.body, lane, of.root, of.model)[side];
                 let middle = heel.lerp(ball, 0.5);
