@@ -260,7 +260,7 @@ impl QualityMeter {
         snaps as f64 / minutes.max(1e-9)
     }
 
-    /// What all tracks show.
+    /// Returns the figures of all tracks.
     pub fn figures(mut self) -> MotionFigures {
         let mean = |(sum, count): (f64, u64)| sum / count.max(1) as f64;
         let [samples, frames] = self.hips.map(mean);

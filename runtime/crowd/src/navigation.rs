@@ -47,7 +47,7 @@ pub struct NavigatedBody {
     pub velocity: Vec2,
 }
 
-/// Next metres of a body.
+/// Next part of a body's route: the point that it goes to, and the velocity to go there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NavigationAim {
     /// Point on the path that it goes to: its goal, or a place at the next corner (m).
@@ -78,8 +78,8 @@ pub struct RouteProgress {
 /// Paths of bodies that something else moves.
 ///
 /// Every body has a route, and gets the next point to go to: its goal where it sees it, otherwise the place at the next
-/// corner by which it expects to arrive first, as agents of a [`crate::Crowd`] do. Whether a body may go there is another's
-/// to decide: nothing here keeps bodies apart.
+/// corner by which it expects to arrive first, as agents of a [`crate::Crowd`] do. Navigation does not keep bodies apart:
+/// reserved paths do.
 ///
 /// ```
 /// use glam::{Vec2, Vec3};
@@ -313,7 +313,7 @@ impl Navigation {
         }
     }
 
-    /// Next metres of a body, as of the last update (body < number of bodies).
+    /// Next part of a body's route, as of the last update (body < number of bodies).
     pub fn aim(&self, body: usize) -> NavigationAim {
         let RouteProgress { cursor, velocity, has_arrived, progressed_at_s, .. } = self.progress[body];
         let is_stuck = !has_arrived && self.time_s - progressed_at_s > STUCK_AFTER_S;

@@ -28,6 +28,7 @@ const POSES_TRIED: usize = 16;
 const GOAL_NEAR_M: f32 = 1.0;
 /// Desired speed below which a character waits (m/s).
 const WAITS_BELOW_MPS: f32 = 0.1;
+
 /// Group of characters with policies on the way to goals.
 #[derive(Clone, Debug)]
 pub struct Travellers {
@@ -38,7 +39,7 @@ pub struct Travellers {
     navigation: Navigation,
     travels: Vec<TravelState>,
     layout: CrowdLayout<Vec2>,
-    /// Targets of the present characters, and what threatens them: nothing.
+    /// Targets of the present characters, in the order of their rows (m).
     targets: Vec<Vec3>,
 }
 

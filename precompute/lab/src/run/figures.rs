@@ -87,12 +87,12 @@ pub struct BlowFigures {
 /// Figures of characters with policies on the way to goals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct TravelFigures {
-    /// Mean speed towards the goal, along the planned path, of those who have not arrived (m/s).
+    /// Mean speed towards the goal, along the planned path, of characters that have not arrived (m/s).
     pub progress_mps: f64,
-    /// Those who at the end have stayed within half a metre for 10 s on their way, or not come half a metre nearer to their goal
-    /// in 20 s.
+    /// Characters that at the end have stayed within half a metre for 10 s on their way, or not come half a metre nearer to their
+    /// goal in 20 s.
     pub stuck_at_end: usize,
-    /// Those who reached their goal.
+    /// Characters that reached their goal.
     pub arrived: usize,
 }
 

@@ -1,4 +1,4 @@
-//! What arms do over any motion: they point, wave, carry and hold a telephone, each within limits of speed.
+//! Arms over any motion: they point, wave, carry and hold a telephone, each within limits of speed.
 //!
 //! A posture of an arm is a place of its wrist, the side to which its elbow points and the direction of its hand, as seen from
 //! chest or head. The limb's inverse kinematics finds the elbow; joints then turn from the motion's rotations to these by a
@@ -90,7 +90,7 @@ struct ArmAim {
     wrist: Vec3,
     /// To the side of which the elbow lies, from the line between shoulder and wrist.
     pole: Vec3,
-    /// Of the palm, and of the hand.
+    /// Directions of the palm and of the hand.
     palm: Vec3,
     hand: Vec3,
 }

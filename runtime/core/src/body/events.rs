@@ -201,7 +201,7 @@ pub(crate) struct MovedBody<'a> {
     pub swing: &'a FootSwing,
 }
 
-/// What was before a step, character by character, and the events since.
+/// The state of each character before a step, and the events since.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyEvents {
     /// Contacts, where the body was posed, and the frame row.

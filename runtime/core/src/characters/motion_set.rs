@@ -32,7 +32,7 @@ pub struct MotionSet {
     segment_hits: Table<[u32; 2]>,
     pub(crate) graph: MotionGraph,
     pub(crate) stops: StopTables,
-    /// What each segment leads to as its clip goes on (number of segments).
+    /// The stand to which each segment leads as its clip goes on (number of segments).
     pub(super) turns: Arc<[TurnToStand]>,
     pub(super) ways: Arc<WaysToStand>,
     pub(crate) policies: Arc<[PolicyTable]>,

@@ -146,7 +146,7 @@ impl PolicyOrder {
         Self { layers, ..self }
     }
 
-    /// What the body does beside its motion.
+    /// Layers of the body over its motion.
     pub fn layers(&self) -> BodyLayers {
         self.layers
     }

@@ -68,7 +68,7 @@ pub struct InertiaConfig {
 }
 
 impl Default for InertiaConfig {
-    /// As people are captured.
+    /// The largest accelerations of captured people.
     fn default() -> Self {
         let [speeding_up_mps2, slowing_down_mps2, sideways_mps2] = PACE_CHANGES_MPS2;
         Self { speeding_up_mps2, slowing_down_mps2, sideways_mps2 }
