@@ -86,6 +86,10 @@ pub fn twist_about_y(q: Quat) -> f32 {
 
 /// Angle wrapped to (-pi, pi] (rad).
 pub fn wrap_angle(a: f32) -> f32 {
+    // Most are; rounding is a call on processors without an instruction for it.
+    if a.abs() < std::f32::consts::PI {
+        return a;
+    }
     let two_pi = std::f32::consts::TAU;
     let r = a - two_pi * (a / two_pi).round();
     if r <= -std::f32::consts::PI { r + two_pi } else { r }

@@ -392,7 +392,7 @@ mod tests {
         }
         let all = |q: &Quat| Q::new(V::<ArrayLanes>::splat(q.xyz()), ArrayLanes::splat(q.w));
         let pose = LanePose { root: V::splat(skeleton.offsets[0]), rotations: rotations.each_ref().map(all) };
-        to_model(shared(skeleton), pose)
+        to_model(shared(skeleton), &pose)
     }
 
     /// Deepest that forearms and hands are in trunk and head (m).

@@ -178,6 +178,11 @@ impl ClipRows {
         Self { frames, code, rate_hz: meta.rate_hz as f32, tags: all.into() }
     }
 
+    /// True where clips name no ranges.
+    pub fn has_no_tags(&self) -> bool {
+        self.tags.is_empty()
+    }
+
     /// Tags into which motion has come that goes from one row to another, of another clip or not.
     ///
     /// - `most`: rows that a step plays at most; what goes further has changed its clip.
@@ -201,11 +206,21 @@ pub(crate) struct MovedBody<'a> {
     pub swing: &'a FootSwing,
 }
 
-/// The state of each character before a step, and the events since.
+/// Eight characters before a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockBefore {
+    pub contacts: [Contacts; LANES],
+    /// Above 0.5 where the body was posed.
+    pub seen: Lane,
+    /// Frame rows of their motion; [`NO_ROW`] for none.
+    pub rows: [u32; LANES],
+}
+
+/// The state of all characters before a step, and the events since.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyEvents {
-    /// Contacts, where the body was posed, and the frame row.
-    before: Vec<(Option<Contacts>, u32)>,
+    /// (blocks)
+    before: Vec<BlockBefore>,
     /// Rows that the step plays at most.
     most_rows: u32,
     events: Vec<(Id, BodyEvent)>,
@@ -215,7 +230,7 @@ impl BodyEvents {
     /// Room for a number of characters, and for so many further events.
     pub fn with_capacity(characters: usize, more: usize) -> Self {
         let events = Vec::with_capacity(characters * EVENTS_EACH + more);
-        Self { before: Vec::with_capacity(characters), most_rows: 0, events }
+        Self { before: Vec::with_capacity(characters.div_ceil(LANES)), most_rows: 0, events }
     }
 
     /// Forgets the last step; before one of so many frames.
@@ -225,11 +240,15 @@ impl BodyEvents {
         self.events.clear();
     }
 
-    /// Notes a character before a step.
-    ///
-    /// - `contacts`: none where its body was not posed.
-    pub fn note_before(&mut self, contacts: Option<Contacts>, row: u32) {
-        self.before.push((contacts, row));
+    /// Notes the next block before a step.
+    pub fn note_before(&mut self, block: BlockBefore) {
+        self.before.push(block);
+    }
+
+    /// True where feet, hands or seat of a character are not as they were before the step, or a foot came down.
+    pub fn has_changed(&self, row: usize, now: Contacts, swing: &FootSwing) -> bool {
+        let (before, lane) = (&self.before[row / LANES], row % LANES);
+        before.contacts[lane] != now || swing.strength[0][lane] + swing.strength[1][lane] != 0.0
     }
 
     /// Adds an event, as long as there is room.
@@ -241,13 +260,13 @@ impl BodyEvents {
 
     /// Adds what feet, hands and seat have done since the character of a row was noted.
     pub fn add_contacts(&mut self, row: usize, id: Id, now: Contacts, of: &MovedBody<'_>) {
-        let ((Some(stood), _), lane) = (self.before[row], row % LANES) else { return };
-        let strength = &of.swing.strength;
-        if stood == now && strength[0][lane] + strength[1][lane] == 0.0 {
+        let (before, lane) = (&self.before[row / LANES], row % LANES);
+        let stood = before.contacts[lane];
+        if before.seen[lane] <= 0.5 {
             return;
         }
         for (side, leg) in LEGS.into_iter().enumerate() {
-            let strength = strength[side][lane];
+            let strength = of.swing.strength[side][lane];
             if strength > 0.0 {
                 let [heel, ball] = find_soles(of.body, lane, of.root, of.model)[side];
                 let middle = heel.lerp(ball, 0.5);
@@ -271,11 +290,8 @@ impl BodyEvents {
     ///
     /// - `frame`: its frame row now; [`NO_ROW`] for none.
     pub fn add_tags(&mut self, row: usize, id: Id, rows: &ClipRows, frame: u32) {
-        let (_, was) = self.before[row];
-        if was == frame || rows.tags.is_empty() {
-            return;
-        }
-        if ![was, frame].contains(&NO_ROW) {
+        let was = self.before[row / LANES].rows[row % LANES];
+        if was != frame && ![was, frame].contains(&NO_ROW) {
             let begun = rows.begun([was, frame], self.most_rows);
             begun.for_each(|tag| self.add(id, BodyEvent::new(BodyEventKind::Tag, tag)));
         }
@@ -390,9 +406,11 @@ mod tests {
         let mut swing = FootSwing::ZERO;
         swing.strength[1][2] = 0.4;
         let mut log = BodyEvents::with_capacity(4, 0);
-        (0..2).for_each(|_| log.note_before(None, NO_ROW));
-        log.note_before(Some(Contacts::LEFT), NO_ROW);
-        log.note_before(None, 3);
+        let mut before = BlockBefore { contacts: [Contacts::NONE; LANES], seen: [0.0; LANES], rows: [NO_ROW; LANES] };
+        (before.contacts[2], before.seen[2], before.rows[3]) = (Contacts::LEFT, 1.0, 3);
+        log.note_before(before);
+        assert!((0..4).all(|row| log.has_changed(row, before.contacts[row], &swing) == (row == 2)));
+        assert!(log.has_changed(1, Contacts::LEFT, &FootSwing::ZERO));
         let root = Planar::new(3.0, -1.0, 0.0);
         let of = MovedBody { body: &body, root, model: &pose, swing: &swing };
         for row in 2..4 {

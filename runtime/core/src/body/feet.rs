@@ -225,14 +225,18 @@ impl<'a> FeetTick<'a> {
     /// the ground.
     ///
     /// - `lift`: ground of the motion over that of the field (m).
-    pub fn clear_contacts_in_air(
+    #[inline(always)]
+    pub fn clear_contacts_in_air<F: Lanes>(
         &self,
         body: &LaneBody,
         feet: &[FootLock; 2],
         lift: &Lane,
         contacts: &mut [Contacts; LANES],
     ) {
-        let is_flat = self.ground.is_flat();
+        let (is_flat, one) = (self.ground.is_flat(), F::splat(1.0));
+        if is_flat && !feet.iter().any(|foot| one.any_gt(F::load(&foot.step))) {
+            return;
+        }
         for (side, FootLock { plane, step, .. }) in feet.iter().enumerate() {
             let parts = [(&plane.heel, &[0.0; LANES]), (&plane.ball, &body.legs[side].thickness)];
             for (bit, (part, thickness)) in Contacts::FEET[side].into_iter().zip(parts) {

@@ -31,17 +31,32 @@ pub(crate) struct ModelPose<F> {
     pub positions: [V<F>; NUM_JOINTS],
 }
 
-/// Applies the hierarchy; `offset` returns the position of each joint relative to its parent in rest pose.
-#[inline(always)]
-pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: LanePose<F>) -> ModelPose<F> {
-    let LanePose { root, mut rotations } = pose;
-    let mut positions = [root; NUM_JOINTS];
-    for j in 1..NUM_JOINTS {
-        let (r, p) = (rotations[PARENTS[j]], positions[PARENTS[j]]);
-        rotations[j] = r * rotations[j];
-        positions[j] = p + r.rotate(offset(j));
+impl<F: Lanes> ModelPose<F> {
+    /// A pose to be filled. One that is returned filled would be copied.
+    #[inline(always)]
+    pub fn unposed(zero: F) -> Self {
+        let (rotation, position) = (Q { v: V { x: zero, y: zero, z: zero }, w: zero }, V { x: zero, y: zero, z: zero });
+        Self { rotations: [rotation; NUM_JOINTS], positions: [position; NUM_JOINTS] }
     }
-    ModelPose { rotations, positions }
+
+    /// Applies the hierarchy; `offset` returns the position of each joint relative to its parent in rest pose.
+    #[inline(always)]
+    pub fn set_local(&mut self, offset: impl Fn(usize) -> V<F>, pose: &LanePose<F>) {
+        (self.rotations[0], self.positions[0]) = (pose.rotations[0], pose.root);
+        for j in 1..NUM_JOINTS {
+            let (r, p) = (self.rotations[PARENTS[j]], self.positions[PARENTS[j]]);
+            self.rotations[j] = r * pose.rotations[j];
+            self.positions[j] = p + r.rotate(offset(j));
+        }
+    }
+}
+
+/// The pose in model space, see [`ModelPose::set_local`].
+#[inline(always)]
+pub(crate) fn to_model<F: Lanes>(offset: impl Fn(usize) -> V<F>, pose: &LanePose<F>) -> ModelPose<F> {
+    let mut model = ModelPose::unposed(F::splat(0.0));
+    model.set_local(offset, pose);
+    model
 }
 
 /// Writes the matrices of the first lanes (at most LANES * NUM_JOINTS).

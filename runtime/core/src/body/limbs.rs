@@ -103,7 +103,7 @@ mod tests {
             let mut rotations = [all(Quat::IDENTITY); crate::skeleton::NUM_JOINTS];
             rotations[thigh_at] = all(Quat::from_scaled_axis(Vec3::from_array(thigh)));
             rotations[shin_at] = all(Quat::from_rotation_x(bent));
-            let mut pose = to_model(shared(&skeleton), LanePose { root: V::<ArrayLanes>::splat(Vec3::Y), rotations });
+            let mut pose = to_model(shared(&skeleton), &LanePose { root: V::<ArrayLanes>::splat(Vec3::Y), rotations });
             let before = hinge(&pose);
             let [hip, ankle] = [thigh_at, foot_at].map(|j| pose.positions[j]);
             let aim = V::splat(Vec3::from_array(to));

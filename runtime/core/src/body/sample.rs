@@ -140,6 +140,13 @@ pub(crate) struct LanePose<F> {
 }
 
 impl<F: Lanes> LanePose<F> {
+    /// A pose to be filled. One that is returned filled would be copied.
+    #[inline(always)]
+    pub fn unposed(zero: F) -> Self {
+        let (rotation, root) = (Q { v: V { x: zero, y: zero, z: zero }, w: zero }, V { x: zero, y: zero, z: zero });
+        Self { root, rotations: [rotation; NUM_JOINTS] }
+    }
+
     /// Rotation of a joint of one lane.
     pub fn rotation(&self, joint: usize, lane: usize) -> Quat {
         self.rotations[joint].lane(lane)
@@ -155,13 +162,11 @@ impl<F: Lanes> LanePose<F> {
 ///
 /// - `height`: of the hips (m).
 #[inline(always)]
-pub(crate) fn sample_pose<F: Lanes>(cursor: &FrameCursor<'_, F>, height: F) -> LanePose<F> {
-    let zero = F::splat(0.0);
-    let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
-    for (j, rotation) in rotations.iter_mut().enumerate() {
+pub(crate) fn sample_pose<F: Lanes>(cursor: &FrameCursor<'_, F>, height: F, pose: &mut LanePose<F>) {
+    pose.root = V::new(F::splat(0.0), height, F::splat(0.0));
+    for (j, rotation) in pose.rotations.iter_mut().enumerate() {
         *rotation = cursor.code.rotations_between(&cursor.rows, &cursor.weights, j);
     }
-    LanePose { root: V::new(zero, height, zero), rotations }
 }
 
 #[cfg(test)]

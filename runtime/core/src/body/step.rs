@@ -5,7 +5,7 @@ use super::events::{ClipRows, FootSwing};
 use super::gaze::Gaze;
 use super::ground::HeightField;
 use super::ground_plane::{BASE_HALF_LIFE_S, hips_ground_height};
-use super::hierarchy::{ModelPose, to_model, write_locals, write_matrices};
+use super::hierarchy::{ModelPose, write_locals, write_matrices};
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, load};
 use super::lanewise::Lanewise;
@@ -163,8 +163,8 @@ impl<'a> BodyTick<'a> {
 
 /// Layers of eight bodies.
 pub(crate) struct LayerLanes {
-    /// Places that are looked at and pointed at are in model space.
-    layers: [BodyLayers; LANES],
+    /// Places that are looked at and pointed at are in model space; none where nobody has any layer.
+    layers: Option<[BodyLayers; LANES]>,
     /// How little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
     still: Lane,
     hands: Option<Hands>,
@@ -175,19 +175,22 @@ impl LayerLanes {
     ///
     /// - `root`: planar root of a lane.
     /// - `ground`: height of the ground below the hips (m).
-    pub fn new(
-        orders: impl Iterator<Item = BodyLayers> + Clone,
+    pub fn new<'a>(
+        orders: impl Iterator<Item = &'a BodyLayers> + Clone,
         still: Lane,
         root: impl Fn(usize) -> Planar,
         ground: &Lane,
     ) -> Self {
+        if orders.clone().all(BodyLayers::is_none) {
+            return Self { layers: None, still, hands: None };
+        }
         let to_model = |lane: usize, point: Vec3| {
             let flat = root(lane).inverse_transform_point(Vec2::new(point.x, point.z));
             Vec3::new(flat.x, point.y, flat.y)
         };
         let mut layers = [BodyLayers::NONE; LANES];
         for (lane, order) in orders.clone().enumerate() {
-            layers[lane] = BodyLayers { look_at: order.look_at.map(|point| to_model(lane, point)), ..order };
+            layers[lane] = BodyLayers { look_at: order.look_at.map(|point| to_model(lane, point)), ..*order };
             for arm in layers[lane].arms.iter_mut().flatten() {
                 if let ArmLayer::Point(at) = arm {
                     *at = to_model(lane, *at);
@@ -195,7 +198,7 @@ impl LayerLanes {
             }
         }
         let hands = Hands::from_orders(orders.map(|layers| layers.arms), root, ground);
-        Self { layers, still, hands }
+        Self { layers: Some(layers), still, hands }
     }
 
     /// Distance by which hips sink so that hands reach low targets; none where no hand reaches (m).
@@ -224,7 +227,7 @@ pub(crate) trait PlantFeet<F: Lanes> {
 #[expect(clippy::too_many_arguments, reason = "what the list has from each of its callers")]
 pub(crate) fn pose_block<F: Lanes>(
     body: &LaneBody,
-    mut motion: LanePose<F>,
+    motion: &mut LanePose<F>,
     place: &PlacementLanes<F>,
     layers: &LayerLanes,
     tick: &BodyTick<'_>,
@@ -233,20 +236,24 @@ pub(crate) fn pose_block<F: Lanes>(
     to: PoseOutput<'_>,
     laps: &mut Laps<'_>,
 ) -> [V<F>; 2] {
-    let orders = &layers.layers;
-    let shows = F::load(&state.layers.active).any_gt(F::splat(0.5)) || !orders.iter().all(BodyLayers::is_plain);
+    let orders = layers.layers.as_ref().unwrap_or(&const { [BodyLayers::NONE; LANES] });
+    let is_ordered = layers.layers.is_some();
+    let shows =
+        F::load(&state.layers.active).any_gt(F::splat(0.5)) || is_ordered && !orders.iter().all(BodyLayers::is_plain);
     if shows {
         for (lane, (layers, order)) in state.layers.lanes.iter_mut().zip(orders).enumerate() {
-            layers.turn_trunk(&tick.layers, order, lane, &mut motion);
+            layers.turn_trunk(&tick.layers, order, lane, motion);
         }
     }
-    for (lane, gaze) in state.gaze.iter_mut().enumerate() {
-        let look_at = orders[lane].look_at;
-        if look_at.is_some() || !gaze.is_off() {
-            gaze.turn_pose(&tick.layers, look_at, body, lane, layers.still[lane], &mut motion);
+    if is_ordered || !state.gaze.iter().all(Gaze::is_off) {
+        for (lane, (gaze, order)) in state.gaze.iter_mut().zip(orders).enumerate() {
+            if order.look_at.is_some() || !gaze.is_off() {
+                gaze.turn_pose(&tick.layers, order.look_at, body, lane, layers.still[lane], motion);
+            }
         }
     }
-    let mut pose = to_model(|j| load(&body.offsets[j]), motion);
+    let mut pose = ModelPose::unposed(F::splat(0.0));
+    pose.set_local(|j| load(&body.offsets[j]), motion);
     laps.end(StepPhase::Sample);
     if tick.reaction.enabled && any_lane_reacts::<F>(&state.reaction) {
         react_lanes(body, tick.reaction, &tick.reaction_step, place, &mut state.reaction, &mut pose);

@@ -136,6 +136,11 @@ impl BodyLayers {
         self.arms.iter().flatten().try_for_each(|arm| arm.check(who))
     }
 
+    /// True where nothing is ordered.
+    pub(super) fn is_none(&self) -> bool {
+        self.look_at.is_none() && self.clip.is_none() && self.lean == [0.0; 2] && self.arms.iter().all(Option::is_none)
+    }
+
     /// True where nothing but a gaze or a reach is ordered, which have no state here.
     pub(super) fn is_plain(&self) -> bool {
         let reaches = |arm: &Option<ArmLayer>| matches!(arm, None | Some(ArmLayer::Reach { .. }));

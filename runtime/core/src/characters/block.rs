@@ -196,6 +196,11 @@ impl MotionBlock {
         planar_of_lane(&self.root, lane)
     }
 
+    /// Frame rows that play.
+    pub fn frame_rows(&self) -> [u32; LANES] {
+        std::array::from_fn(|lane| self.first[lane] + self.time[lane].max(0.0) as u32)
+    }
+
     /// Planar root of one lane at its segment's first frame.
     pub fn choice_root(&self, lane: usize) -> Planar {
         planar_of_lane(&self.choice_root, lane)

@@ -9,7 +9,10 @@ use super::{
     CharacterStart, Characters, CharactersConfig, Detail, PoseInstance, check_root, occupied_error,
     segments_into_states,
 };
-use crate::body::{BodyEvent, BodyEventKind, BodyEvents, BodyLayers, HeightField, LocalTransform, Mat3x4, MovedBody};
+use crate::body::{
+    BlockBefore, BodyEvent, BodyEventKind, BodyEvents, BodyLayers, HeightField, LocalTransform, Mat3x4, MovedBody,
+    NO_ROW,
+};
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
@@ -273,37 +276,46 @@ impl PolicyCharacters {
         self.motion_set.graph().states.iter().position(|s| s.standing == 1).unwrap_or(0) as u32
     }
 
-    /// Frame row of a character.
-    fn frame_row(&self, at: usize) -> u32 {
-        let (block, lane) = (&self.characters.blocks[at / LANES], at % LANES);
-        block.first[lane] + block.time[lane].max(0.0) as u32
-    }
-
     /// Notes all before a step of so many frames.
     fn note_before(&mut self, frames: f32) {
         self.events.clear(frames);
-        for at in 0..self.orders.len() {
-            let seen = self.characters.bodies[at / LANES].state.seen[at % LANES] > 0.5;
-            let contacts = seen.then(|| self.characters.contacts(at));
-            self.events.note_before(contacts, self.frame_row(at));
+        let has_tags = !self.motion_set.rows.has_no_tags();
+        let Characters { blocks, bodies, .. } = &self.characters;
+        for (block, body) in blocks.iter().zip(bodies) {
+            let rows = if has_tags { block.frame_rows() } else { [NO_ROW; LANES] };
+            self.events.note_before(BlockBefore { contacts: block.contacts, seen: body.state.seen, rows });
         }
     }
 
-    /// Gathers the events of a step, character by character.
-    fn note_events(&mut self) {
-        let mut num_blows = 0;
-        for at in 0..self.orders.len() {
-            let (id, row, contacts) = (self.roster.ids()[at], self.frame_row(at), self.characters.contacts(at));
-            let Characters { bodies, matrices, blows, .. } = &self.characters;
-            for blow in blows.get()[num_blows..].iter().take_while(|blow| blow.character as usize == at) {
-                num_blows += 1;
-                let event = BodyEvent::new(BodyEventKind::Blow, blow.hit);
-                self.events.add(id, BodyEvent { at: blow.point, strength: blow.force, ..event });
+    /// Takes the roots of a step, and gathers its events character by character.
+    fn note_after(&mut self) {
+        let (mut num_blows, rows) = (0, &self.motion_set.rows);
+        let has_tags = !rows.has_no_tags();
+        let Characters { blocks, bodies, matrices, blows, .. } = &self.characters;
+        let (ids, blows, models) = (self.roster.ids(), blows.get(), matrices.as_chunks().0);
+        for (b, (roots, (block, body))) in self.roots.chunks_mut(LANES).zip(blocks.iter().zip(bodies)).enumerate() {
+            for (lane, root) in roots.iter_mut().enumerate() {
+                *root = block.root(lane);
             }
-            let (root, model) = (self.roots[at], &matrices.as_chunks().0[at]);
-            let of = MovedBody { body: &self.motion_set.body, root, model, swing: &bodies[at / LANES].state.swing };
-            self.events.add_contacts(at, id, contacts, &of);
-            self.events.add_tags(at, id, &self.motion_set.rows, row);
+            let (first, swing) = (b * LANES, &body.state.swing);
+            let strikes = blows.get(num_blows).is_some_and(|blow| (blow.character as usize) < first + LANES);
+            let frames = has_tags.then(|| block.frame_rows());
+            for (lane, root) in roots.iter().enumerate() {
+                let (at, contacts) = (first + lane, block.contacts[lane]);
+                let strikes = blows[num_blows..].iter().take_while(|blow| strikes && blow.character as usize == at);
+                for blow in strikes {
+                    num_blows += 1;
+                    let event = BodyEvent::new(BodyEventKind::Blow, blow.hit);
+                    self.events.add(ids[at], BodyEvent { at: blow.point, strength: blow.force, ..event });
+                }
+                if self.events.has_changed(at, contacts, swing) {
+                    let of = MovedBody { body: &self.motion_set.body, root: *root, model: &models[at], swing };
+                    self.events.add_contacts(at, ids[at], contacts, &of);
+                }
+                if let Some(frames) = frames {
+                    self.events.add_tags(at, ids[at], rows, frames[lane]);
+                }
+            }
         }
     }
 
@@ -392,10 +404,7 @@ impl CharacterGroup for PolicyCharacters {
         STEP_S.check("dt_s", None, dt_s)?;
         self.note_before(dt_s * self.motion_set.rate_hz);
         self.characters.run(&self.motion_set, dt_s, &self.orders, run);
-        for (at, root) in self.roots.iter_mut().enumerate() {
-            *root = self.characters.root(at);
-        }
-        self.note_events();
+        self.note_after();
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! Poses straight from the database, without characters.
 
 use super::motion_set::MotionSet;
-use crate::body::{FrameCursor, Mat3x4, sample_pose, shared, to_model, write_matrices};
+use crate::body::{FrameCursor, LanePose, Mat3x4, sample_pose, shared, to_model, write_matrices};
 use crate::skeleton::NUM_JOINTS;
 use throng_base::Result;
 use throng_base::error::{check_index, check_length, check_range};
@@ -66,7 +66,9 @@ impl LaneWork for SampleJob<'_> {
             });
             let cursor: FrameCursor<'_, F> = FrameCursor::at_positions(&spots, &set.frames, &set.rotation_code);
             let [.., height] = cursor.root();
-            write_matrices(&to_model(shared(&set.skeleton), sample_pose(&cursor, height)), out);
+            let mut pose = LanePose::unposed(F::splat(0.0));
+            sample_pose(&cursor, height, &mut pose);
+            write_matrices(&to_model(shared(&set.skeleton), &pose), out);
         }
     }
 }

@@ -16,9 +16,9 @@ use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
     BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor, FramePosition,
-    HeightField, LEGS, Lane, LaneBody, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PhaseClock, PlacementLanes,
-    PlantFeet, PoseInstance, PoseOutput, SolePose, StepPhase, hips_ground_height, load, planar_of_lane, pose_block,
-    sample_pose,
+    HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose,
+    PhaseClock, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose, StepPhase, hips_ground_height, load,
+    pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -193,10 +193,7 @@ impl CharacterBlock<'_> {
         let was = block.root;
         let mut place = update_roots(block, [x, z, heading]);
         let lift = place.y;
-        let speed: Lane = std::array::from_fn(|lane| {
-            let moved = planar_of_lane(&was, lane).to_local(block.root(lane)).z;
-            if tick.dt_s > 0.0 && body.state.seen[lane] > 0.5 { moved / tick.dt_s } else { 0.0 }
-        });
+        let speed = forward_speed(&was, block, &place, &body.state.seen, tick.dt_s);
         if tick.ground.is_flat() {
             if body.state.base != [0.0; LANES] {
                 (body.state.base, body.state.base_rate) = ([0.0; LANES], [0.0; LANES]);
@@ -216,18 +213,18 @@ impl CharacterBlock<'_> {
             laps.end(StepPhase::Sample);
             return;
         }
-        let mut motion = sample_pose(&cursor, height);
-        motion.root.y = motion.root.y + place.y;
+        let mut motion = LanePose::unposed(F::splat(0.0));
+        sample_pose(&cursor, height + place.y, &mut motion);
         add_offsets(&mut motion, block, body, tick.config.half_life_s);
         add_carriage(&mut motion, block, tick.config);
-        let orders = orders.iter().map(|order| order.layers);
+        let orders = orders.iter().map(|order| &order.layers);
         let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
         let BodyBlock { state, feet, .. } = body;
         let seen = state.seen;
         let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);
         let balls = pose_block(
             &r.body,
-            motion,
+            &mut motion,
             &place,
             &layers,
             body_tick,
@@ -236,7 +233,7 @@ impl CharacterBlock<'_> {
             to,
             &mut laps,
         );
-        feet_tick.clear_contacts_in_air(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
+        feet_tick.clear_contacts_in_air::<F>(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
         body.state.swing.follow(balls, &block.contacts, &seen, &speed, tick.dt_s);
     }
 }
@@ -302,6 +299,23 @@ impl CapturedFeet<'_, '_> {
             leg: (pose.positions[foot] - pose.positions[thigh]).length(),
         }
     }
+}
+
+/// Speed along where bodies face since they were last posed; 0 for new ones (m/s).
+#[inline(always)]
+fn forward_speed<F: Lanes>(
+    was: &Lane3,
+    block: &MotionBlock,
+    place: &PlacementLanes<F>,
+    seen: &Lane,
+    dt_s: f32,
+) -> Lane {
+    if dt_s == 0.0 {
+        return [0.0; LANES];
+    }
+    let (x, z) = (F::load(&block.root[0]) - F::load(&was[0]), F::load(&block.root[1]) - F::load(&was[1]));
+    let speed = (place.sin * x + place.cos * z) / F::splat(dt_s);
+    F::select_lt(F::splat(0.5), F::load(seen), speed, F::splat(0.0)).to_array()
 }
 
 /// Updates the planar roots.

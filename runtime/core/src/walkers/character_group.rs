@@ -1,7 +1,7 @@
 //! Walkers as a character group: they enter, leave, take orders, are saved and loaded.
 
 use super::{Control, WalkerActivity, WalkerStart, Walkers, WalkersState, config};
-use crate::body::{BodyEvent, BodyEventKind, Lanewise, MovedBody};
+use crate::body::{BlockBefore, BodyEvent, BodyEventKind, Lanewise, MovedBody, NO_ROW};
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::planar::Planar;
@@ -86,23 +86,31 @@ impl CharacterGroup for Walkers {
 
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         STEP_S.check("dt_s", None, dt_s)?;
-        self.events.clear(dt_s * self.space.activities().rows.rate_hz);
-        for (row, act) in self.state.acts.iter().enumerate() {
-            let (block, lane) = (&self.state.blocks[row / LANES], row % LANES);
+        let activities = self.space.activities();
+        self.events.clear(dt_s * activities.rows.rate_hz);
+        for (block, acts) in self.state.blocks.iter().zip(self.state.acts.chunks(LANES)) {
+            let mut rows = [NO_ROW; LANES];
+            for (row, act) in rows.iter_mut().zip(acts) {
+                *row = act.acting.row(activities);
+            }
             // The first pose of a walker is no step of its feet.
-            let contacts = (block.placed[lane] > 0.0 && block.body.seen[lane] > 0.5).then_some(block.contacts[lane]);
-            self.events.note_before(contacts, act.acting.row(self.space.activities()));
+            let seen = std::array::from_fn(|lane| if block.placed[lane] > 0.0 { block.body.seen[lane] } else { 0.0 });
+            self.events.note_before(BlockBefore { contacts: block.contacts, seen, rows });
         }
         self.advance(dt_s, run);
-        for (row, (&id, act)) in self.state.roster.ids().iter().zip(&self.state.acts).enumerate() {
-            let (block, body) = (&self.state.blocks[row / LANES], &self.bodies[row / LANES]);
-            let (root, model, swing) = (self.roots[row], &self.model[row], &block.body.swing);
-            let of = MovedBody { body, root, model, swing };
-            self.events.add_contacts(row, id, block.contacts[row % LANES], &of);
-            let activities = self.space.activities();
-            self.events.add_tags(row, id, &activities.rows, act.acting.row(activities));
-            if act.has_ended {
-                self.events.add(id, BodyEvent::new(BodyEventKind::Performed, 0));
+        let (ids, activities) = (self.state.roster.ids(), self.space.activities());
+        for (b, (block, acts)) in self.state.blocks.iter().zip(self.state.acts.chunks(LANES)).enumerate() {
+            let (body, swing) = (&self.bodies[b], &block.body.swing);
+            for (lane, act) in acts.iter().enumerate() {
+                let row = b * LANES + lane;
+                if self.events.has_changed(row, block.contacts[lane], swing) {
+                    let of = MovedBody { body, root: self.roots[row], model: &self.model[row], swing };
+                    self.events.add_contacts(row, ids[row], block.contacts[lane], &of);
+                }
+                self.events.add_tags(row, ids[row], &activities.rows, act.acting.row(activities));
+                if act.has_ended {
+                    self.events.add(ids[row], BodyEvent::new(BodyEventKind::Performed, 0));
+                }
             }
         }
         Ok(())

@@ -144,14 +144,14 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 still[lane] = share;
                 [importance[0][lane], importance[1][lane]] = both.map(|of| of + (1.0 - of) * share);
             }
-            let postures = transpose::<F>(&postures);
-            let mut root = postures.hips * F::load(&body.scale);
-            root.y = root.y + F::load(&body.lift) + place.y;
-            let motion = LanePose { root, rotations: postures.rotations };
+            let mut motion = LanePose::unposed(F::splat(0.0));
+            let postures = transpose(&postures, &mut motion);
+            motion.root = postures.hips * F::load(&body.scale);
+            motion.root.y = motion.root.y + F::load(&body.lift) + place.y;
             let seen = block.body.seen;
             let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
             let root = |lane: usize| planar_of_lane(root, lane);
-            let orders = controls[from..from + count].iter().map(|control| control.layers);
+            let orders = controls[from..from + count].iter().map(|control| &control.layers);
             let layers = LayerLanes::new(orders, still, root, &state.base);
             let has_feet = self.tick.config.foot_lock.enabled && *level == DetailLevel::Full;
             let stands = &mut *contacts;
@@ -171,7 +171,8 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 locals: locals.get_mut(joints).unwrap_or_default(),
             };
             let mut laps = Laps::start(None);
-            let balls = pose_block(body, motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
+            let balls =
+                pose_block(body, &mut motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
             state.swing.follow(balls, contacts, &seen, speed, self.tick.dt_s);
             from += count;
         }
@@ -223,7 +224,6 @@ fn advance_phase<F: Lanes>(
 
 /// Eight postures as one lane each.
 struct PostureLanes<F> {
-    rotations: [Q<F>; NUM_JOINTS],
     hips: V<F>,
     ankles: [V<F>; 2],
     hands: [V<F>; 2],
@@ -231,17 +231,17 @@ struct PostureLanes<F> {
     touches: [F; 2],
 }
 
+/// Takes eight postures as lanes; the rotations of joints become those of a pose.
 #[inline(always)]
-fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
+fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES], pose: &mut LanePose<F>) -> PostureLanes<F> {
     let zero = F::splat(0.0);
-    let mut rotations = [Q::new(V::new(zero, zero, zero), zero); NUM_JOINTS];
     for quad in 0..NUM_JOINTS.div_ceil(4) {
         let mut c = [[zero; 4]; 4];
         for (component, c) in c.iter_mut().enumerate() {
             *c = F::columns(postures.each_ref().map(|p| &p.rotations[component].as_chunks().0[quad]));
         }
         for k in 0..4.min(NUM_JOINTS - 4 * quad) {
-            rotations[4 * quad + k] = Q::new(V::new(c[0][k], c[1][k], c[2][k]), c[3][k]);
+            pose.rotations[4 * quad + k] = Q::new(V::new(c[0][k], c[1][k], c[2][k]), c[3][k]);
         }
     }
     let mut c = [zero; 20];
@@ -252,7 +252,6 @@ fn transpose<F: Lanes>(postures: &[BlendedPosture; LANES]) -> PostureLanes<F> {
     let at = |channel: usize| c[channel - channel::HIPS];
     let vector = |channel: usize| V::new(at(channel), at(channel + 1), at(channel + 2));
     PostureLanes {
-        rotations,
         hips: vector(channel::HIPS),
         ankles: [vector(channel::LEFT_ANKLE), vector(channel::RIGHT_ANKLE)],
         hands: [vector(channel::LEFT_HAND), vector(channel::RIGHT_HAND)],
