@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> CommandResult {
         let [off, repeat] = [pair(a.hips_off_feet_cm, b.hips_off_feet_cm), pair(a.repeat_s, b.repeat_s)];
         text.push_str(&format!("{moving} {facing} {drift:>20} {off:>18} {repeat:>18}  {name}\n"));
     }
-    text.push_str("\na minute: changes moving, standing, manner  knee snaps  turn 90 s, m  180 s, m  stop s, m  answer s  lag m\n");
+    text.push_str("\na minute: changes moving, standing, manner  knee snaps  turn 90 s, m  180 s, m  standing 180 s  stop s, m  answer s  lag m\n");
     for MotionBenchFigures { name, quality: q, drills: d, .. } in &results {
         let [moving, standing] = [q.apart.changes_moving_per_min, q.apart.changes_standing_per_min];
         let changes = format!(
@@ -97,7 +97,8 @@ pub fn run(args: &Args) -> CommandResult {
             q.apart.manner_changes_per_min, q.knee_snaps_per_min
         );
         let turns = format!("{:8.1} {:5.1} {:5.1} {:4.1}", d.turn_90_s, d.turn_90_m, d.turn_180_s, d.turn_180_m);
-        let rest = format!("{:6.1} {:4.1} {:9.2} {:6.1}", d.stop_s, d.stop_m, d.answer_s, d.lag_m);
+        let rest =
+            format!("{:14.1} {:6.1} {:4.1} {:9.2} {:6.1}", d.turn_standing_s, d.stop_s, d.stop_m, d.answer_s, d.lag_m);
         text.push_str(&format!("{changes} {turns} {rest}  {name}\n"));
     }
     output::text(text)

@@ -35,7 +35,9 @@ pub struct DrillFigures {
     pub turn_180_s: f64,
     /// Way until then (m).
     pub turn_180_m: f64,
-    /// Time until they stand, with their own place as the target (s).
+    /// Time until who stands faces the other way, with an order to turn (s).
+    pub turn_standing_s: f64,
+    /// Time until they stand, with an order to stop (s).
     pub stop_s: f64,
     /// Way until then (m).
     pub stop_m: f64,
@@ -54,10 +56,13 @@ type Course = Vec<Vec<[Vec3; NUM_JOINTS]>>;
 /// [`throng_core::Error`] where it has none.
 pub fn run(tables: &Bundle) -> Result<DrillFigures> {
     let ahead = |at: Vec3, to: Vec2, angle: f32| at + FAR_M * Vec2::from_angle(angle).rotate(to).extend(0.0).xzy();
-    let turn = |angle: f32| play(tables, |from, to, _| ahead(from, to, angle));
+    let go = |to: Vec3| PolicyOrder::towards(0, to);
+    let on_way = |from: Vec3| go(from + 4.0 * FAR_M * Vec3::Z);
+    let turn = |angle: f32| play(tables, on_way, |from, to, _| go(ahead(from, to, angle)));
     let (on, left, back) = (turn(0.0)?, turn(0.5 * PI)?, turn(PI)?);
-    let stop = play(tables, |from, _, _| from)?;
-    let follow = play(tables, |from, to, s| from + (FOLLOWED_MPS * s * to).extend(0.0).xzy())?;
+    let stop = play(tables, on_way, |_, _, _| PolicyOrder::STOP)?;
+    let follow = play(tables, on_way, |from, to, s| go(from + (FOLLOWED_MPS * s * to).extend(0.0).xzy()))?;
+    let spin = play(tables, |_| PolicyOrder::turn_to(0.0), |_, _, _| PolicyOrder::turn_to(PI))?;
     let ordered = (SECONDS[0] * DRILLED.1) as usize;
     // Seconds and metres from the order until something is so.
     let until = |course: &Course, is_done: &dyn Fn(&[[Vec3; NUM_JOINTS]], usize) -> bool| {
@@ -76,9 +81,11 @@ pub fn run(tables: &Bundle) -> Result<DrillFigures> {
             now.length() > WALKING_MPS && now.angle_to(wanted).abs() < TURNED
         }
     };
+    let is_behind = |track: &[[Vec3; NUM_JOINTS]], f: usize| front(&track[f]).angle_to(Vec2::NEG_Y).abs() < TURNED;
     let stands = |track: &[[Vec3; NUM_JOINTS]], f: usize| velocity(track, f).length() < STANDING_MPS;
     let [turn_90_s, turn_90_m] = until(&left, &turned(0.5 * PI));
     let [turn_180_s, turn_180_m] = until(&back, &turned(PI));
+    let [turn_standing_s, _] = until(&spin, &is_behind);
     let [stop_s, stop_m] = until(&stop, &stands);
     let answer = |(track, other): (&Vec<[Vec3; NUM_JOINTS]>, &Vec<[Vec3; NUM_JOINTS]>)| {
         let is_seen = |f: &usize| (0..NUM_JOINTS).any(|j| track[*f][j].distance(other[*f][j]) > SEEN_M);
@@ -93,11 +100,17 @@ pub fn run(tables: &Bundle) -> Result<DrillFigures> {
     };
     let mut lags: Vec<f32> = follow.iter().map(lag).collect();
     let [answer_s, lag_m] = [&mut answers, &mut lags].map(|values| median(values).unwrap_or(0.0));
-    Ok(DrillFigures { turn_90_s, turn_90_m, turn_180_s, turn_180_m, stop_s, stop_m, answer_s, lag_m })
+    Ok(DrillFigures { turn_90_s, turn_90_m, turn_180_s, turn_180_m, turn_standing_s, stop_s, stop_m, answer_s, lag_m })
 }
 
 fn hips(track: &[[Vec3; NUM_JOINTS]], f: usize) -> Vec2 {
     track[f][Joint::Hips.index()].xz()
+}
+
+/// Where the hips face: x, z.
+fn front(joints: &[Vec3; NUM_JOINTS]) -> Vec2 {
+    let left = joints[Joint::LeftThigh.index()] - joints[Joint::RightThigh.index()];
+    Vec2::new(-left.z, left.x).normalize_or_zero()
 }
 
 /// Direction over ground in the time before.
@@ -112,10 +125,15 @@ fn velocity(track: &[[Vec3; NUM_JOINTS]], f: usize) -> Vec2 {
     (hips(track, to) - hips(track, from)) * DRILLED.1 / (to - from) as f32
 }
 
-/// Lets characters walk to far targets, then gives each another one.
+/// Gives characters an order, then each another one.
 ///
-/// - `then`: the target, of the place at the order, the direction of travel there, and the time since (m, s).
-fn play(tables: &Bundle, then: impl Fn(Vec3, Vec2, f32) -> Vec3) -> Result<Course> {
+/// - `first`: the order, of the place at the start (m).
+/// - `then`: the other, of the place when it is given, the direction of travel there, and the time since (m, s).
+fn play(
+    tables: &Bundle,
+    first: impl Fn(Vec3) -> PolicyOrder,
+    then: impl Fn(Vec3, Vec2, f32) -> PolicyOrder,
+) -> Result<Course> {
     let (n, hz, apart) = DRILLED;
     let config = CharactersConfig::default();
     let mut group = PolicyCharacters::with_capacity(tables, n, config)?;
@@ -124,7 +142,7 @@ fn play(tables: &Bundle, then: impl Fn(Vec3, Vec2, f32) -> Vec3) -> Result<Cours
     for i in 0..n {
         let root = Planar::new(apart * i as f32, 0.0, 0.0);
         let id = group.spawn(Spawn { root, state: Some(states[i * states.len() / n]) })?;
-        group.order(id, PolicyOrder::towards(0, Vec3::new(root.x, 0.0, 4.0 * FAR_M)))?;
+        group.order(id, first(Vec3::new(root.x, 0.0, 0.0)))?;
         ids.push(id);
     }
     let mut course: Course = vec![Vec::new(); n];
@@ -133,8 +151,7 @@ fn play(tables: &Bundle, then: impl Fn(Vec3, Vec2, f32) -> Vec3) -> Result<Cours
         if let Some(since) = step.checked_sub(ordered + 1) {
             for (id, track) in ids.iter().zip(&course) {
                 let from = track[ordered][0].with_y(0.0);
-                let target = then(from, travel(track, ordered), since as f32 / hz);
-                group.order(*id, PolicyOrder::towards(0, target))?;
+                group.order(*id, then(from, travel(track, ordered), since as f32 / hz))?;
             }
         }
         group.step(1.0 / hz, &Inline)?;
@@ -151,7 +168,7 @@ mod tests {
     #[test]
     fn all_drills_are_measured() {
         let figures = run(&made_up::tables()).expect("a behaviour");
-        let times = [figures.turn_90_s, figures.turn_180_s, figures.stop_s, figures.answer_s];
+        let times = [figures.turn_90_s, figures.turn_180_s, figures.turn_standing_s, figures.stop_s, figures.answer_s];
         assert!(times.iter().all(|s| (0.0..=8.0).contains(s)), "{figures:?}");
         assert!(figures.answer_s < figures.turn_180_s && figures.lag_m > 0.0, "{figures:?}");
     }
