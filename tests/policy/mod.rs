@@ -119,7 +119,7 @@ fn offsets_and_gains_are_within_epsilon_of_brute_force() {
         let config = PolicyBehaviourConfig {
             grid: GridConfig::polar(5, 9, 3.0, 0.4, 1.0),
             reward: Some(if seed % 2 == 0 { RewardForm::Integral } else { RewardForm::Max }),
-            discount: 0.95,
+            discount: Some(0.95),
             offset,
             gain: Some(gain),
             costs: Some(CostsConfig::NONE),

@@ -87,7 +87,7 @@ pub fn approach(rings: u32, angles: u32, reward: RewardForm, discount: f64) -> A
     let config = PolicyBehaviourConfig {
         grid,
         reward,
-        discount,
+        discount: Some(discount),
         transition_cost_s: Some(3.0),
         costs: Some(costs),
         ..PolicyBehaviourConfig::default()

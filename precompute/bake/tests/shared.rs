@@ -161,7 +161,7 @@ proptest! {
         let (folder, mut config) = motion(SynthSet::Walk, seed, minutes, "");
         config.resample.mirror = mirror;
         config.behaviours[0].grid = GridConfig::polar(rings, angles, 6.0, 0.5, 2.0);
-        config.behaviours[0].discount = discount;
+        config.behaviours[0].discount = Some(discount);
         let out = folder.path().join("small.throng");
         let built = build(&config, &out, &Cache::disabled(), &Silent);
         // Too little motion for a graph is refused by all.

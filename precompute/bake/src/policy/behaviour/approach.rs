@@ -214,7 +214,7 @@ mod tests {
 
     #[test]
     fn refuses_numbers_out_of_range_by_name() {
-        let config = PolicyBehaviourConfig { discount: 1.0, ..PolicyBehaviourConfig::default() };
+        let config = PolicyBehaviourConfig { discount: Some(1.0), ..PolicyBehaviourConfig::default() };
         let message = Approach::new(&config, 30.0, None).expect_err("out of range").to_string();
         assert!(message.starts_with("discount: ") && message.contains("0.9999"), "{message}");
         let mut config = PolicyBehaviourConfig::default();

@@ -25,9 +25,9 @@ pub struct PolicyBehaviourConfig {
     pub grid: GridConfig,
     /// Active region.
     pub region: RegionConfig,
-    /// Discount per frame at 30 Hz, for any database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here (0.5 to
-    /// 0.9999).
-    pub discount: f64,
+    /// Discount per frame at 30 Hz, for any database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here. If absent, that, and
+    /// 0.992 where `costs` count: with less, people would stop on their way to save a cost (0.5 to 0.9999).
+    pub discount: Option<f64>,
     /// Combination of an action's moments to its reward; if absent, `integral` for `approach` and `max` for
     /// `throw_punches`.
     pub reward: Option<RewardForm>,
@@ -48,7 +48,8 @@ pub struct PolicyBehaviourConfig {
     /// Transitions are weighed against control in Treuille, Lee and Popovic (2007), *Near-optimal Character Animation
     /// with Continuous Control*. Differs: the cost is a delay, so it weighs as much far from the target as near it.
     pub transition_cost_s: Option<f64>,
-    /// Costs of motion that nobody asked for; none if absent, and the defaults of its keys for `costs = {}`.
+    /// Costs of motion that nobody asked for. If absent, the defaults of its keys for `approach` by the body with a positive gain,
+    /// else none; with zeros, none.
     pub costs: Option<CostsConfig>,
     /// For `approach`: point that is to reach the target.
     pub centre: CentreConfig,
@@ -70,6 +71,9 @@ pub struct PolicyBehaviourConfig {
 
 /// [`PolicyBehaviourConfig::transition_cost_s`] of `approach`.
 const TRANSITION_COST_S: f64 = 1.0;
+/// [`PolicyBehaviourConfig::discount`] without and with costs.
+const DISCOUNT: f64 = 0.985;
+const PATIENT_DISCOUNT: f64 = 0.992;
 
 impl Default for PolicyBehaviourConfig {
     fn default() -> Self {
@@ -78,7 +82,7 @@ impl Default for PolicyBehaviourConfig {
             kind: BehaviourKind::Approach,
             grid: GridConfig::default(),
             region: RegionConfig::default(),
-            discount: 0.985,
+            discount: None,
             reward: None,
             kernel: None,
             scale: None,
@@ -158,7 +162,7 @@ impl PolicyBehaviourConfig {
         self.grid.check()?;
         self.costs.map_or(Ok(()), CostsConfig::check)?;
         check_ranges([
-            ("discount", self.discount, 0.5, 0.9999),
+            ("discount", self.discount.unwrap_or(DISCOUNT), 0.5, 0.9999),
             ("scale", self.scale.unwrap_or(1.0), 1e-3, 1e3),
             ("offset", self.offset, 0.0, 100.0),
             ("gain", self.gain.unwrap_or(1.0), -100.0, 100.0),
@@ -190,9 +194,24 @@ impl PolicyBehaviourConfig {
         Ok(())
     }
 
+    /// True for behaviours that bring the body to a place.
+    fn goes_somewhere(&self) -> bool {
+        self.kind == BehaviourKind::Approach && self.centre == CentreConfig::default() && self.gain.unwrap_or(1.0) > 0.0
+    }
+
+    fn costs(&self) -> CostsConfig {
+        let usual = if self.goes_somewhere() { CostsConfig::default() } else { CostsConfig::NONE };
+        self.costs.unwrap_or(usual)
+    }
+
+    fn discount(&self) -> f64 {
+        let usual = if self.costs() == CostsConfig::NONE { DISCOUNT } else { PATIENT_DISCOUNT };
+        self.discount.unwrap_or(usual)
+    }
+
     /// Discount per frame at the database's rate.
     pub(in crate::policy) fn discount_at(&self, rate_hz: f64) -> f64 {
-        self.discount.powf(30.0 / rate_hz)
+        self.discount().powf(30.0 / rate_hz)
     }
 
     /// Reward and costs of actions, with the kind's defaults.
@@ -211,10 +230,10 @@ impl PolicyBehaviourConfig {
         };
         let record = RewardRecord::new(combine, kernel, self.scale.unwrap_or(scale) as f32);
         let (offset, gain) = (self.offset as f32, self.gain.unwrap_or(gain) as f32);
-        let per_s = -30.0 * self.discount.ln();
+        let per_s = -30.0 * self.discount().ln();
         let usual_s = if self.kind == BehaviourKind::Approach && gain > 0.0 { TRANSITION_COST_S } else { 0.0 };
         let transition_s = self.transition_cost_s.unwrap_or(usual_s);
-        let costs = self.costs.unwrap_or(CostsConfig::NONE);
+        let costs = self.costs();
         for (key, cost) in [("transition_cost_s", transition_s), ("costs", costs.to_array().iter().sum())] {
             if cost > 0.0 && gain <= 0.0 {
                 return Err(BuildError::key(key, format!("expected 0 with a gain of {gain}")));

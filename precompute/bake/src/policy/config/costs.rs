@@ -17,8 +17,7 @@ pub struct CostsConfig {
     pub gesture: f64,
     /// Hands that hold a load (s a second of it, 0 to 60).
     pub carrying: f64,
-    /// Transition to a frame of another manner; where a manner lacks turns and stops of its own, a cost keeps people from their goals
-    /// (s, 0 to 60).
+    /// Transition to a frame of another manner (s, 0 to 60).
     pub manner_change_s: f64,
     /// Transition from standing to more standing (s, 0 to 60).
     pub standing_change_s: f64,
@@ -31,7 +30,7 @@ impl Default for CostsConfig {
             sideways: 0.3,
             gesture: 0.5,
             carrying: 0.5,
-            manner_change_s: 0.0,
+            manner_change_s: 1.0,
             standing_change_s: 0.3,
         }
     }
