@@ -79,11 +79,11 @@ impl BoxGrid {
     pub fn visit_intersecting(&self, bounds: &Bounds2d, mut found: impl FnMut(usize) -> bool) {
         let wide = bounds.expanded_by(self.most_half_m);
         let (low, high) = (cell_at(wide.min), cell_at(wide.max));
-        let mut is_found = |at: usize| !self.slots[at].bounds.intersects(bounds) || found(at);
+        let meets = |at: usize| self.slots[at].bounds.intersects(bounds);
         let size = [0, 1].map(|k| i64::from(high[k]) - i64::from(low[k]) + 1);
         if size[0].saturating_mul(size[1]) > 4 * self.slots.len() as i64 {
             // Fewer boxes than cells.
-            (0..self.slots.len()).all(is_found);
+            (0..self.slots.len()).all(|at| !meets(at) || found(at));
             return;
         }
         // Cells of one bucket are met together: each box is found where its own cell is.
@@ -93,7 +93,7 @@ impl BoxGrid {
                 let mut at = self.buckets[self.bucket(here)];
                 while at != NONE {
                     let slot = &self.slots[at as usize];
-                    if cell_at(box_centre(&slot.bounds)) == here && !is_found(at as usize) {
+                    if meets(at as usize) && cell_at(box_centre(&slot.bounds)) == here && !found(at as usize) {
                         return;
                     }
                     at = slot.next;

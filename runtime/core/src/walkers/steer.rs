@@ -153,7 +153,7 @@ impl<'a> WalkerSteering<'a> {
 
     /// Heading to turn to (rad).
     fn aim_heading(&self, block: &WalkerBlock, lane: usize, control: &Control, speed: f32) -> f32 {
-        let travel = maths::atan2(control.velocity.x, control.velocity.y);
+        let travel = block.course[lane];
         match control.heading {
             Some(heading) if self.sideways || speed < STANDING_MPS => heading,
             // Without side steps, the body has to face along or against the movement.
