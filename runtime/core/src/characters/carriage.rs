@@ -9,12 +9,12 @@ use throng_base::simd::{LANES, Lanes, Q};
 
 /// Middle and largest difference from it of the turns of a joint about its parent's axes: to the left, up and ahead (rad).
 const TURNS: [(Joint, [[f32; 2]; 3]); 6] = [
-    (Joint::Spine, [[0.0, 0.04], [0.0, 0.06], [0.0, 0.04]]),
+    (Joint::Spine, [[0.0, 0.05], [0.0, 0.08], [0.0, 0.05]]),
     (Joint::Head, [[0.0, 0.08], [0.0, 0.15], [0.0, 0.06]]),
-    (Joint::LeftUpperArm, [[0.0, 0.12], [0.0, 0.05], [0.04, 0.07]]),
-    (Joint::RightUpperArm, [[0.0, 0.12], [0.0, 0.05], [-0.04, 0.07]]),
-    (Joint::LeftForearm, [[-0.03, 0.12], [0.0, 0.05], [0.0, 0.02]]),
-    (Joint::RightForearm, [[-0.03, 0.12], [0.0, 0.05], [0.0, 0.02]]),
+    (Joint::LeftUpperArm, [[0.0, 0.16], [0.0, 0.07], [0.05, 0.08]]),
+    (Joint::RightUpperArm, [[0.0, 0.16], [0.0, 0.07], [-0.05, 0.08]]),
+    (Joint::LeftForearm, [[-0.04, 0.16], [0.0, 0.07], [0.0, 0.03]]),
+    (Joint::RightForearm, [[-0.04, 0.16], [0.0, 0.07], [0.0, 0.03]]),
 ];
 /// Distinguishes these draws from others.
 const DRAWS: u64 = 0xCA22;

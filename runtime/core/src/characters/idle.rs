@@ -26,6 +26,8 @@ const FOOT_M: f32 = 0.04;
 const FOOT_FAR_M: f32 = 0.07;
 /// Idle time beyond which a clip is no likelier (s).
 const LONG_S: f32 = 8.0;
+/// Idle time below which a clip is left for a longer one (s).
+const MOMENT_S: f32 = 1.5;
 /// Distances from a target within which a character that would stand has arrived, and any other that can stand (m).
 const NEAR_TARGET_M: [f32; 2] = [0.5, 0.3];
 /// Largest displacement and turn of a segment that stays in its place (m, rad).
@@ -40,7 +42,7 @@ const MAX_WAY: usize = 8;
 const WAY_M: f32 = 0.25;
 const ERROR_FRAMES: f32 = 60.0;
 /// Cost of each frame that a stand lasts less than a long one (frames).
-const SHORT: f32 = 0.25;
+const SHORT: f32 = 1.0;
 
 /// Error of the heading up to which a character has turned (rad).
 pub(super) const FACING: f32 = 0.15;
@@ -212,7 +214,7 @@ impl StandingChooser<'_> {
     /// An idle action, or one on the way to a longer stand; `None` where any is far.
     fn rest_action(&self) -> Option<u8> {
         let way = self.motion_set.ways.to_idle[self.state as usize];
-        match self.onwards().is_none() && way != NO_ACTION {
+        match self.long_onwards().is_none() && way != NO_ACTION {
             true => Some(way),
             false => self.idle_action(),
         }
@@ -225,13 +227,21 @@ impl StandingChooser<'_> {
         next.filter(|s| s.start == graph.states[self.state as usize].frame && s.idle > 0)
     }
 
+    /// The same, if it idles for some time yet. Who has a far longer stand at hand does not wait for its end.
+    fn long_onwards(&self) -> Option<&MotionSegment> {
+        let (graph, rate) = (&self.motion_set.graph, self.motion_set.rate_hz);
+        let longest = graph.segments_of(self.state).iter().map(|&s| self.segment(s).idle).max().unwrap_or(0) as f32;
+        let enough = (0.5 * longest.min(LONG_S * rate)).max(MOMENT_S * rate);
+        self.onwards().filter(|s| s.idle as f32 >= enough)
+    }
+
     /// An idle action: the clip goes on while it idles, up to a time that is drawn; then a random one. `None` where the
     /// state has none.
     fn idle_action(&self) -> Option<u8> {
         let graph = &self.motion_set.graph;
         let (segments, errors) = graph.actions_of(self.state);
         let frame = graph.states[self.state as usize].frame;
-        let goes_on = self.onwards();
+        let goes_on = self.long_onwards();
         let [least, most] = CHANGE_S;
         let seed = self.config.seed ^ DRAWS;
         let draw = u64::from(self.b.change[1][self.lane]);
@@ -260,7 +270,7 @@ impl StandingChooser<'_> {
         };
         let total: f32 = segments.iter().zip(errors).map(weight).sum();
         let mut left = total * uniform_random(seed, self.number(), u64::from(self.b.num_choices[self.lane]));
-        let mut last = goes_on.map(|_| 0);
+        let mut last = self.onwards().map(|_| 0);
         for (action, pair) in segments.iter().zip(errors).enumerate() {
             let weight = weight(pair);
             if weight > 0.0 {
