@@ -370,6 +370,35 @@ mod tests {
         assert_eq!(find_turns(&graph, 5.0)[1].frames, 0);
     }
 
+    /// Action of somebody who idles in the first clip, at a state where that idles on for some frames, and another clip for others.
+    fn rest_between(onwards: u32, other: u32) -> Option<u8> {
+        let mut motion_set = MotionSet::new(&super::super::made_up::standing_tables());
+        let segment = |start, idle| MotionSegment { start, num_frames: 10, idle, ..bytemuck::Zeroable::zeroed() };
+        motion_set.graph = MotionGraph {
+            states: vec![StateRecord { frame: 20, standing: 1 }].into(),
+            segments: vec![segment(10, onwards + 10), segment(20, onwards), segment(80, other)].into(),
+            action_offsets: vec![0, 2].into(),
+            action_segments: vec![1, 2].into(),
+            action_errors: vec![0.0, 0.1].into(),
+        };
+        let rate_hz = motion_set.rate_hz;
+        motion_set.turns = find_turns(&motion_set.graph, rate_hz).into();
+        motion_set.ways = WaysToStand::find(&motion_set.graph, &motion_set.turns, rate_hz).into();
+        let b = MotionBlock { segment: [0; LANES], age_s: [1.0; LANES], ..MotionBlock::ZERO };
+        let (root, config) = (Planar::IDENTITY, CharactersConfig::default());
+        let chooser = StandingChooser { b: &b, lane: 0, state: 0, root, motion_set: &motion_set, config: &config };
+        chooser.rest_action()
+    }
+
+    #[test]
+    fn a_long_stand_goes_on_and_a_short_one_is_left_for_a_longer_one() {
+        assert_eq!(rest_between(300, 300), Some(0));
+        assert_eq!(rest_between(130, 900), Some(0), "two long ones");
+        assert_eq!(rest_between(50, 300), Some(1), "a far longer one");
+        assert_eq!(rest_between(20, 60), Some(1), "what lasts a moment");
+        assert_eq!(rest_between(20, 0), Some(0), "nothing else");
+    }
+
     #[test]
     fn a_turn_is_bent_by_no_more_than_a_share_of_it() {
         assert!((bend_of(1.6, 1.5) + 0.1).abs() < 1e-6);
