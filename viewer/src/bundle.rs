@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use throng_core::blend::BlendSpace;
 use throng_core::characters::{MotionSet, SampleJob};
-use throng_core::format::{BlendMeta, ClipMeta, ClipRecord};
+use throng_core::format::{BlendMeta, ClipMeta, ClipRecord, MADE_TAG};
 use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
@@ -94,6 +94,14 @@ impl OpenBundle {
     /// Name of a clip; empty if there is no such clip.
     pub fn clip_name(&self, clip: usize) -> &str {
         self.tables().meta().clips.get(clip).map_or("", |c| &c.name)
+    }
+
+    /// True for a frame row that a build has made, and nobody has captured (row < number of frames).
+    pub fn is_made(&self, row: u32) -> bool {
+        let clip = self.clip_of(row);
+        let frame = row - self.tables().clips()[clip].first_frame;
+        let mut tags = self.tables().meta().clips[clip].tags.iter();
+        tags.any(|(name, from, to)| name == MADE_TAG && (*from..*to).contains(&frame))
     }
 
     /// Planar root of a frame row within its clip (row < number of frames).

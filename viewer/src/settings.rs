@@ -105,14 +105,21 @@ pub enum Colouring {
     Clip,
     /// Speed of the character.
     Speed,
+    /// Whether the motion is made or captured.
+    Made,
     /// Nothing: all alike.
     Plain,
 }
 
 impl Colouring {
     /// All colourings with their names.
-    pub const ALL: [(Self, &'static str); 4] =
-        [(Self::Target, "target reached"), (Self::Clip, "clip"), (Self::Speed, "speed"), (Self::Plain, "plain")];
+    pub const ALL: [(Self, &'static str); 5] = [
+        (Self::Target, "target reached"),
+        (Self::Clip, "clip"),
+        (Self::Speed, "speed"),
+        (Self::Made, "made motion (pink)"),
+        (Self::Plain, "plain"),
+    ];
 }
 
 /// Shown parts of a motion file.

@@ -11,8 +11,10 @@ use throng_simulation::AnyCharacterGroup;
 use throng_viewer::command::{SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
+use throng_viewer::render::Rgba;
 use throng_viewer::run::{CrowdRun, CrowdRunConfig};
-use throng_viewer::settings::PanelKind;
+use throng_viewer::settings::{Colouring, PanelKind};
+use throng_viewer::stage::StageLayout;
 
 fn scene(v: &Viewing) -> &SceneDocument {
     v.model().document.scene().expect("a scene")
@@ -116,6 +118,35 @@ fn a_target_dragged_in_the_view_is_walked_to() {
         nearest = nearest.min(far(&v));
     }
     assert!(nearest < 0.6, "came only as near as {nearest} m from {before} m");
+}
+
+#[test]
+fn who_plays_made_motion_is_pink() {
+    let folder = tempfile::tempdir().expect("a folder");
+    common::walk(folder.path(), 0.5);
+    let mut v = Viewing::of(folder.path());
+    v.until("the crowd", |v| v.model().document.crowd().is_some());
+    v.harness.get_by_label("Colours").click();
+    v.harness.run_steps(2);
+    v.harness.get_by_label("made motion (pink)").click();
+    v.harness.run_steps(2);
+    assert_eq!(v.model().settings.colouring, Colouring::Made);
+    let (mut layout, mut seen) = (StageLayout::default(), [0; 2]);
+    for _ in 0..300 {
+        v.harness.step();
+        layout.lay_out(v.model(), true);
+        let (tables, characters) = (v.model().document.bundle().expect("a bundle").tables(), run(&v).characters());
+        for (c, shown) in layout.instances.iter().enumerate() {
+            let (segment, frames) = characters.segment(c);
+            let s = &tables.graph().segments[segment as usize];
+            let clip = &tables.meta().clips[s.clip as usize];
+            let at = s.start - tables.clips()[s.clip as usize].first_frame + frames as u32;
+            let is_made = clip.tags.iter().any(|(tag, from, to)| tag == "made" && (*from..*to).contains(&at));
+            assert_eq!(shown.colour == Rgba::hex(0xe0457b), is_made, "{} {at}", clip.name);
+            seen[usize::from(is_made)] += 1;
+        }
+    }
+    assert!(seen[0] > 0 && seen[1] > 0, "captured and made: {seen:?}");
 }
 
 #[test]

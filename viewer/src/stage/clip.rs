@@ -41,7 +41,8 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, bundle: &OpenBundle,
         return;
     }
     for (i, &frame) in frames.iter().enumerate() {
-        let colour = if i == 0 { palette.on_the_way } else { palette.plain.alpha(0.42 / (0.6 + 0.4 * ages[i] as f32)) };
+        let shown = if bundle.is_made(frame) { palette.target } else { palette.on_the_way };
+        let colour = if i == 0 { shown } else { palette.plain.alpha(0.42 / (0.6 + 0.4 * ages[i] as f32)) };
         let root = planar(bundle, frame, ratios[i]);
         out.instances.push(CharacterInstance { root, colour, is_selected: false, look: 0 });
     }

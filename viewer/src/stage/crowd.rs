@@ -71,18 +71,22 @@ fn colour(model: &Model, bundle: &OpenBundle, run: &CrowdRun, c: usize, palette:
             let distance = (root.x - target.x).hypot(root.z - target.z);
             if distance < run.config().reach_m { palette.reached } else { palette.on_the_way }
         }
-        Colouring::Clip | Colouring::Speed => run
+        Colouring::Clip | Colouring::Speed | Colouring::Made => run
             .chooser(bundle, c)
             .map_or(palette.plain, |chooser| colour_of_segment(&chooser, model.settings.colouring, palette)),
     }
 }
 
-/// By the speed or the clip of the segment that is played.
+/// By the speed or the clip of the segment that is played, or whether it is made.
 pub(super) fn colour_of_segment(chooser: &PolicyChooser<'_>, colouring: Colouring, palette: &StagePalette) -> Rgba {
-    let segment = chooser.characters.segment(chooser.number).0;
+    let (segment, played) = chooser.characters.segment(chooser.number);
     let s = &chooser.bundle.tables().graph().segments[segment as usize];
     if colouring == Colouring::Clip {
         return cues::category(s.clip as usize);
+    }
+    if colouring == Colouring::Made {
+        let row = s.start + (played as u32).min(s.num_frames);
+        return if chooser.bundle.is_made(row) { palette.target } else { palette.plain };
     }
     let metres = s.displacement[0].hypot(s.displacement[1]);
     let speed = metres / s.num_frames as f32 * chooser.bundle.rate_hz();

@@ -109,12 +109,12 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
         (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / RUN_SPEED_MPS),
         (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_desired(a.layout().setup.agents[m].speed),
-        (Colouring::Speed | Colouring::Clip, (group, _))
+        (Colouring::Speed | Colouring::Clip | Colouring::Made, (group, _))
             if throng_precompute::run::policy_characters(group).is_some() =>
         {
             scene.chooser(who).map_or(palette.plain, |c| crowd::colour_of_segment(&c, colouring, palette))
         }
-        (Colouring::Speed, _) => palette.plain,
+        (Colouring::Speed | Colouring::Made, _) => palette.plain,
         (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::colour_of(i.state(m).activity),
         (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => bout::corner_colour(m, palette),
         (Colouring::Target, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Travel(_), _)) => palette.on_the_way,

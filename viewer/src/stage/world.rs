@@ -132,7 +132,7 @@ fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, pale
     let colour = |c: usize| match model.settings.colouring {
         Colouring::Target => colour_of(moment.states[c].activity),
         Colouring::Clip => cues::category(moment.states[c].node.instance as usize),
-        Colouring::Speed | Colouring::Plain => palette.plain,
+        Colouring::Speed | Colouring::Made | Colouring::Plain => palette.plain,
     };
     out.instances.extend(moment.roots.iter().enumerate().map(|(c, &root)| {
         let is_selected = selected == Some(c);

@@ -29,6 +29,8 @@ pub(super) enum MadeMove {
 pub(super) const STAND_S: f32 = 0.5;
 /// Time from the first shift of weight to the first step (s).
 const SHIFT_S: f32 = 0.3;
+/// Share of the steps of a start over which it gains speed.
+const GAIN: f32 = 0.85;
 /// Share of the gait in the pose of who steps on the spot.
 const IN_PLACE: f32 = 0.3;
 /// Shares of pace and of the gait's pose that a half turn takes away in its middle.
@@ -78,13 +80,9 @@ impl MadeMove {
                 // A turn takes the time before the first step is long.
                 let late = 0.5 * step * angle.abs();
                 let heading = |f: usize| angle * ramp(f, stand as f32, shift as f32 + 1.3 * step);
-                let pace = |f: usize| {
-                    ramp(
-                        f,
-                        stand as f32 + late,
-                        (shift as f32 + 1.2 * step * fast as f32).min(over as f32 - 0.1 * step - late),
-                    )
-                };
+                // Slowly at first, so that hips stay over the foot that stands.
+                let gain = (shift as f32 + GAIN * over as f32).min((shift + over - 1) as f32 - late);
+                let pace = |f: usize| ramp(f, stand as f32 + late, gain);
                 MadeCourse {
                     gait_at: (0..n).map(|f| (event + f.saturating_sub(lift)).min(last)).collect(),
                     stance_at: (0..n).map(|f| stance.frame(f)).collect(),

@@ -23,6 +23,8 @@ const SEAM: usize = 10;
 const STRAIGHT: [f32; 2] = [0.35, 0.6];
 /// Cost of a gait that is crouched, carries something or goes otherwise than ahead (rad).
 const SPECIAL: f32 = 0.4;
+/// Cost of a gait that is all played round, beside its seams (rad).
+const SEAMS: f32 = 0.1;
 /// Shares of a step over which a foot leaves its place, and comes to the next.
 const EASE: f32 = 0.35;
 /// Shortest time for which a foot leaves the ground (s).
@@ -107,12 +109,14 @@ impl GaitCycle {
         let class = clip.class_at(from);
         let is_plain = class
             .is_none_or(|c| c.posture == Posture::Upright && !c.carrying && matches!(c.gait, Gait::Walk | Gait::Run));
+        let lead = (from - run.start).min(LEAD);
+        let frames = (CYCLES * period as f32) as usize + LEAD;
+        let missing = 1.0 - ((run.end - from) as f32 / frames as f32).min(1.0);
         let unsteadiness = (1..NUM_JOINTS).map(apart).sum::<f32>() / NUM_JOINTS as f32
             + turn
             + 0.3 * aside
+            + SEAMS * missing
             + if is_plain { 0.0 } else { SPECIAL };
-        let lead = (from - run.start).min(LEAD);
-        let frames = (CYCLES * period as f32) as usize + LEAD;
         let cut = play_round(clip, from - lead..run.end, lead + frames, period);
         let class = class.cloned().unwrap_or_default();
         let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };

@@ -59,6 +59,8 @@ pub struct MadeReport {
     pub stands: usize,
     /// Made frames (s).
     pub seconds: f64,
+    /// Starts that the clips have, mirrored copies not counted, or stops if these are fewer.
+    pub captured_starts: usize,
     /// Clips whose gait was used.
     pub gaits: Vec<String>,
     /// Clips whose stances were used.
@@ -110,7 +112,7 @@ impl MadeMotion {
         to.steps += from.steps;
         to.stands += from.stands;
         to.seconds += from.seconds;
-        (to.gaits, to.stances) = (from.gaits, from.stances);
+        (to.captured_starts, to.gaits, to.stances) = (from.captured_starts, from.gaits, from.stances);
     }
 }
 
@@ -129,8 +131,7 @@ pub fn make_missing(
 ) -> Result<MadeMotion> {
     let found = sort_by_owner(comm, &clip_owners(clips, comm.num_ranks()), |c| {
         let clip = &clips.clips[c];
-        let is_made = clip.tags.iter().any(|tag| tag.name == MADE_TAG);
-        match clip.mirrored || is_made {
+        match clip.mirrored {
             true => (Vec::new(), Vec::new()),
             false => (GaitCycle::find(clip, &clips.skeleton), RestStance::find(clip, &clips.skeleton, cfg)),
         }
@@ -149,7 +150,7 @@ pub fn make_missing(
     let of_manners: Vec<Vec<RestStance>> = manners.iter().map(of_manner).collect();
     let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
     for stances in &of_manners {
-        maker.make_stands(stances);
+        maker.make_stands("stand", stances);
     }
     let mut seen = Vec::new();
     for (k, gait) in gaits.iter().enumerate() {
@@ -164,6 +165,7 @@ pub fn make_missing(
     made.report.stances.dedup();
     made.report.gaits = gaits.iter().map(|g| g.clip.name.clone()).collect();
     made.report.gaits.dedup();
+    made.report.captured_starts = needs::count_starts(clips);
     Ok(made)
 }
 
@@ -211,10 +213,9 @@ struct MotionMaker<'a> {
 
 impl MotionMaker<'_> {
     /// Makes stands of stances that nobody has captured, or for a short time only.
-    fn make_stands(&mut self, stances: &[RestStance]) {
+    fn make_stands(&mut self, what: &str, stances: &[RestStance]) {
         for s in stances.iter().filter(|s| s.made) {
-            let number = self.made.report.stands;
-            let name = format!("made/stand-{number}");
+            let name = format!("made/{what}-{}", self.made.report.stands);
             self.push(Clip { name, ..s.clip.clone() }, 0..s.clip.num_frames(), &s.class);
             self.made.report.stands += 1;
         }
@@ -234,7 +235,7 @@ impl MotionMaker<'_> {
         }
         if (lacks.starts || lacks.turns) && usual {
             moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 3), (PI, 5)].map(|(a, n)| MadeMove::Turn(side * a, n)));
-            let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, -0.4]];
+            let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, 0.7], [0.0, -0.4]];
             moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
         }
         if lacks.pivots && usual {
@@ -270,8 +271,6 @@ impl MotionMaker<'_> {
         };
         let made = (0..clip.num_frames()).filter(|f| !is_captured(f));
         let (from, to) = made.fold((clip.num_frames(), 0), |(from, to), f| (from.min(f), to.max(f + 1)));
-        let from = if course.stands[0] { from } else { course.captured[0] };
-        let to = if course.stands[1] { to } else { course.captured[1].min(clip.num_frames()) };
         let report = &mut self.made.report;
         *match what {
             MadeMove::Start(_) => &mut report.starts,

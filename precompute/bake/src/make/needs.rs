@@ -21,6 +21,8 @@ const TURN_RATE: f32 = 0.6;
 /// Shortest stand, and longest time from it to walking, of a start; likewise of a stop (s).
 const STAND_S: f64 = 0.3;
 const START_S: f64 = 2.5;
+/// Shortest stand that shows that somebody starts or stops, where clips are cut soon before or after it (s).
+const SHORT_STAND_S: f64 = 0.1;
 /// Least angle and largest distance between the stands before and after a turn on the spot (rad, m).
 const TURN: [f32; 2] = [0.7, 0.7];
 
@@ -71,7 +73,7 @@ impl Lacks {
         for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
             for run in clip.usable_ranges() {
                 for run in runs_where(run, |f| played[first as usize + f]) {
-                    let [a, b, c, d] = count_changes(clip, &run);
+                    let [a, b, c, d] = count_changes(clip, &run, STAND_S);
                     (starts, stops, on_the_spot, pivots) = (starts + a, stops + b, on_the_spot + c, pivots + d);
                 }
             }
@@ -88,8 +90,19 @@ impl Lacks {
     }
 }
 
+/// Captured starts of clips, or stops if these are fewer.
+pub(super) fn count_starts(clips: &ClipSet) -> usize {
+    let captured = clips.clips.iter().filter(|c| !c.mirrored && !c.is_made());
+    let of_clip =
+        |c: &Clip| c.usable_ranges().iter().map(|run| count_changes(c, run, SHORT_STAND_S)).collect::<Vec<_>>();
+    let all: Vec<[usize; 4]> = captured.flat_map(of_clip).collect();
+    [0, 1].map(|what| all.iter().map(|counts| counts[what]).sum()).into_iter().min().unwrap_or(0)
+}
+
 /// Starts, stops, turns on the spot, and turns round while walking within a run.
-fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 4] {
+///
+/// - `stand_s`: shortest time of a stand (s).
+fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 4] {
     let frames = |s: f64| ((s * clip.rate_hz) as usize).max(1);
     let half = frames(0.2);
     let speed = |f: usize| {
@@ -98,7 +111,7 @@ fn count_changes(clip: &Clip, run: &FrameRange) -> [usize; 4] {
         by * clip.rate_hz as f32 / (b - a).max(1) as f32
     };
     let mut stands = runs_where(run.clone(), |f| speed(f) < STANDING_MPS);
-    stands.retain(|r| r.len() >= frames(STAND_S));
+    stands.retain(|r| r.len() >= frames(stand_s));
     let walks = |mut range: FrameRange| range.any(|f| speed(f) > WALKING_MPS);
     let near = frames(START_S);
     let starts = stands.iter().filter(|r| walks(r.end..(r.end + near).min(run.end))).count();

@@ -6,11 +6,10 @@ use super::stepping::{CoursePose, ankle_of, reach_feet};
 use crate::graph::{MotionGraphConfig, holds_arm_out, standing_runs_of};
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
-use std::f32::consts::TAU;
 use throng_base::maths;
 use throng_core::format::{Gait, MotionClass};
 use throng_core::planar::twist_about_y;
-use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, FrameRange};
 use throng_motion::retarget::LEGS;
 
@@ -28,10 +27,10 @@ const MOST_UNREST: f32 = 1.0;
 /// Most stances of a clip, and of a manner, and difference from which two are unlike (rad a joint).
 const MAX_STANCES: usize = 3;
 const OTHER_STANCE: f32 = 0.1;
-/// Time of a made stance, in which it breathes and sways once; how far the trunk turns and the hips sway (s, rad, m).
-const HELD_S: f64 = 5.0;
-const BREATH: f32 = 0.008;
-const SWAY_M: f32 = 0.02;
+/// Share of the bend of a runner's elbows that is left where it stands.
+const BENT: f32 = 0.3;
+/// Least time of a made stance (s).
+const HELD_S: f32 = 6.0;
 
 /// Frames that stand at ease.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -87,20 +86,18 @@ impl RestStance {
         let cost = |s: &Self| s.unrest + LIKENESS * s.distance_from(first);
         let mut calm: Vec<&Self> = all.iter().filter(|s| s.unrest < MOST_UNREST).collect();
         calm.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        calm.sort_by_key(|s| !s.class.neutral);
+        let is_long = |s: &Self| (s.clip.num_frames() + 1) as f64 >= LONG_S * s.clip.rate_hz;
+        calm.sort_by_key(|s| (!s.class.neutral, !is_long(s)));
         let own = calm.iter().copied().filter(|s| s.class.neutral && s.class.manner == first.class.manner);
-        let long = |s: &Self| match (s.clip.num_frames() + 1) as f64 >= LONG_S * s.clip.rate_hz {
-            true => s.clone(),
-            false => s.held(skeleton),
-        };
+        let long = |(s, k): (&Self, u64)| if is_long(s) { s.clone() } else { s.prolong(skeleton, HELD_S, k) };
         let own = pick_unlike(own, |s| s.clip.frame_rotations(0));
-        let mut out: Vec<Self> = own.into_iter().map(long).collect();
+        let mut out: Vec<Self> = own.into_iter().zip(0..).map(long).collect();
         if out.is_empty() {
             // Who runs stands as those do who walk so, or as anybody stands.
             let walk = gaits.iter().find(|g| g.class.gait != Gait::Run);
             let made = || Self::of_gait(walk.unwrap_or(first), skeleton);
             out.extend(match (walk, calm.first().filter(|s| s.class.neutral)) {
-                (None, Some(stance)) => Some(long(stance)),
+                (None, Some(stance)) => Some(long((stance, 0))),
                 _ => made(),
             });
         }
@@ -122,7 +119,12 @@ impl RestStance {
                 .fold(Quat::from_xyzw(0.0, 0.0, 0.0, 0.0), |sum, q| if first.dot(q) < 0.0 { sum - q } else { sum + q });
             maths::normalize_or_identity(sum)
         };
-        let rotations: [Quat; NUM_JOINTS] = std::array::from_fn(mean);
+        let mut rotations: [Quat; NUM_JOINTS] = std::array::from_fn(mean);
+        if gait.class.gait == Gait::Run {
+            for elbow in [Joint::LeftForearm, Joint::RightForearm].map(Joint::index) {
+                rotations[elbow] = maths::slerp_f32(Quat::IDENTITY, rotations[elbow], BENT);
+            }
+        }
         let flat: [MadeFoot; 2] = {
             let of = |foot: usize| {
                 let plants = gait.plants(skeleton, foot);
@@ -139,38 +141,10 @@ impl RestStance {
         };
         let height = standing_height(gait, cycle, skeleton, &rotations, &flat);
         let class = MotionClass { gait: Gait::Stand, neutral: true, ..gait.class.clone() };
-        Some(Self::hold(CoursePose { hips: Vec3::Y * height, rotations }, &flat, gait.clip.rate_hz, skeleton, class))
-    }
-
-    /// A stance that holds the pose of this one for longer.
-    fn held(&self, skeleton: &Skeleton) -> Self {
-        let f = self.clip.num_frames() / 2;
-        let rotations = std::array::from_fn(|j| self.clip.frame_rotations(f)[j]);
-        let feet = [0, 1].map(|foot| foot_point(&self.clip, skeleton, f, foot));
-        let pose = CoursePose { hips: self.clip.root_positions[f], rotations };
-        Self::hold(pose, &feet, self.clip.rate_hz, skeleton, self.class.clone())
-    }
-
-    /// A stance of one pose, feet at rest: it breathes, and sways from foot to foot.
-    fn hold(pose: CoursePose, feet: &[MadeFoot; 2], rate_hz: f64, skeleton: &Skeleton, class: MotionClass) -> Self {
-        let n = (HELD_S * rate_hz) as usize;
-        let along = maths::rotation_y(twist_about_y(pose.rotations[0])) * Vec3::X;
-        let (mut roots, mut all) = (Vec::with_capacity(n), Vec::with_capacity(n * NUM_JOINTS));
-        for f in 0..n {
-            let (sin, cos) = maths::sin_cos(TAU * f as f32 / n as f32);
-            let mut now =
-                CoursePose { hips: pose.hips + along * (SWAY_M * sin) - Vec3::Y * (0.002 + 0.002 * cos), ..pose };
-            for (joint, share) in [(Joint::Chest, 1.0), (Joint::UpperChest, 0.6), (Joint::Neck, -1.2)] {
-                let j = joint.index();
-                now.rotations[j] = maths::compose(now.rotations[j], maths::rotation_x(-share * BREATH * sin));
-            }
-            reach_feet(&mut now, skeleton, feet);
-            roots.push(now.hips);
-            all.extend(now.rotations);
-        }
-        let contacts = vec![Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0); n];
-        let clip = Clip { contacts, ..Clip::new("stand", rate_hz, roots, all) };
-        Self { clip, class, unrest: 0.0, made: true }
+        let mut pose = CoursePose { hips: Vec3::Y * height, rotations };
+        reach_feet(&mut pose, skeleton, &flat);
+        let still = Clip::new("stand", gait.clip.rate_hz, vec![pose.hips], pose.rotations.to_vec());
+        Some(Self { clip: still, class, unrest: 0.0, made: true }.prolong(skeleton, HELD_S, 0))
     }
 
     /// Difference of the body above the legs from the mean of a gait (rad a joint).

@@ -2,7 +2,7 @@
 //! over feet that stay, with the sway and the breath of people who wait.
 
 use super::feet::foot_point;
-use super::stance::cut;
+use super::stance::{RestStance, cut};
 use super::stepping::{CoursePose, reach_feet};
 use super::{MadeMotion, MotionMaker, smooth};
 use crate::share::{clip_owners, sort_by_owner};
@@ -10,7 +10,6 @@ use crate::stops::idle_frames_left;
 use glam::{Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::f32::consts::TAU;
 use throng_base::{Comm, maths};
@@ -24,7 +23,7 @@ const LONG_S: f64 = 6.0;
 const ENOUGH_S: f64 = 30.0;
 /// Shortest stretch that a stand is made of (s).
 const SHORTEST_S: f64 = 0.7;
-/// Most stands that are made, and the time of each (s).
+/// Most stands that are made, and the least time of each (s).
 const MAX_STANDS: usize = 6;
 const STAND_S: f32 = 14.0;
 /// Largest share of the captured rate, and least time of a way to or fro (s).
@@ -35,14 +34,6 @@ const FADE_S: f32 = 1.5;
 /// Sways of the hips aside and ahead, turns of the head, and breaths of the chest: size (m, m, rad, rad) and period (s).
 const SWAYS: [(f32, [f32; 2]); 4] =
     [(0.016, [8.0, 12.0]), (0.006, [5.0, 8.0]), (0.07, [9.0, 14.0]), (0.008, [3.4, 4.2])];
-
-/// The longest stretch of a clip in which somebody stands at ease.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct IdleStretch {
-    /// Its frames.
-    clip: Clip,
-    manner: String,
-}
 
 /// Makes long stands where clips have short ones alone.
 ///
@@ -59,42 +50,40 @@ pub fn make_stands(clips: &ClipSet, mirrored: bool, comm: &dyn Comm) -> Result<M
     if found.iter().map(|(_, long_s)| long_s).sum::<f64>() >= ENOUGH_S {
         return Ok(made);
     }
-    let mut all: Vec<IdleStretch> = found.into_iter().filter_map(|(stretch, _)| stretch).collect();
+    let mut all: Vec<RestStance> = found.into_iter().filter_map(|(stretch, _)| stretch).collect();
     all.sort_by_key(|s| Reverse(s.clip.num_frames()));
-    let skeleton = &clips.skeleton;
-    let mut maker = MotionMaker { skeleton, mirrored, made: &mut made, feet: [false; 2] };
-    for (number, stretch) in all.iter().take(MAX_STANDS).enumerate() {
-        let stand = stretch.play_to_and_fro(skeleton, number as u64);
-        let len = stand.num_frames();
-        let class = MotionClass { neutral: true, manner: stretch.manner.clone(), ..MotionClass::default() };
-        maker.push(Clip { name: format!("made/idle-{number}"), ..stand }, 0..len, &class);
-        maker.made.report.stands += 1;
-    }
+    let prolong = |(k, s): (usize, &RestStance)| s.prolong(&clips.skeleton, STAND_S, k as u64);
+    let all: Vec<RestStance> = all.iter().take(MAX_STANDS).enumerate().map(prolong).collect();
+    let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
+    maker.make_stands("idle", &all);
     Ok(made)
 }
 
 /// The longest idle stretch of a clip, if it is long enough, and the time of those that repeat themselves seldom (s).
-fn longest_stretch(clip: &Clip, skeleton: &Skeleton) -> (Option<IdleStretch>, f64) {
+fn longest_stretch(clip: &Clip, skeleton: &Skeleton) -> (Option<RestStance>, f64) {
     let left = idle_frames_left(clip, skeleton);
     let frames = |seconds: f64| (seconds * clip.rate_hz) as u32;
     let begins = |f: &usize| left[*f] > 0 && (*f == 0 || left[*f - 1] != left[*f] + 1);
     let starts: Vec<usize> = (0..left.len()).filter(begins).collect();
     let long: u32 = starts.iter().map(|&f| left[f]).filter(|n| *n >= frames(LONG_S)).sum();
     let longest = starts.into_iter().max_by_key(|&f| (left[f], Reverse(f))).filter(|&f| left[f] >= frames(SHORTEST_S));
-    let stretch = longest.map(|f| IdleStretch {
-        clip: cut(clip, f..f + left[f] as usize + 1),
-        manner: clip.class_at(f).map_or(String::new(), |class| class.manner.clone()),
+    let stretch = longest.map(|f| {
+        let manner = clip.class_at(f).map_or(String::new(), |class| class.manner.clone());
+        let class = MotionClass { neutral: true, manner, ..MotionClass::default() };
+        RestStance { clip: cut(clip, f..f + left[f] as usize + 1), class, unrest: 0.0, made: false }
     });
     (stretch, f64::from(long) / clip.rate_hz)
 }
 
-impl IdleStretch {
-    /// A stand of [`STAND_S`].
-    fn play_to_and_fro(&self, skeleton: &Skeleton, number: u64) -> Clip {
+impl RestStance {
+    /// A stand of at least so many seconds.
+    ///
+    /// - `number`: of its ways and sways, which are drawn.
+    pub(super) fn prolong(&self, skeleton: &Skeleton, seconds: f32, number: u64) -> Self {
         let clip = &self.clip;
         let rate = clip.rate_hz as f32;
         let mut rng = Pcg64::seed_from_u64(number);
-        let places = draw_places(clip.num_frames() - 1, rate, &mut rng);
+        let places = draw_places(clip.num_frames() - 1, rate, seconds, &mut rng);
         let sways = SWAYS.map(|(size, [least, most])| {
             (size * rng.random_range(0.7..1.3f32), TAU / rng.random_range(least..most), rng.random_range(0.0..TAU))
         });
@@ -127,16 +116,17 @@ impl IdleStretch {
             rotations.extend(pose.rotations);
         }
         let contacts = vec![Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0); roots.len()];
-        Clip { contacts, ..Clip::new(clip.name.clone(), clip.rate_hz, roots, rotations) }
+        let clip = Clip { contacts, ..Clip::new(clip.name.clone(), clip.rate_hz, roots, rotations) };
+        Self { clip, class: self.class.clone(), unrest: 0.0, made: true }
     }
 }
 
 /// Places in a stretch over time, from its first frame to its last one: ways to and fro that end here and there (frames).
-fn draw_places(last: usize, rate: f32, rng: &mut Pcg64) -> Vec<f32> {
+fn draw_places(last: usize, rate: f32, seconds: f32, rng: &mut Pcg64) -> Vec<f32> {
     let (length, mut out, mut at, mut to_end) = (last as f32, vec![0.0], 0.0, true);
     loop {
         let inset = length * rng.random_range(0.0..0.3f32);
-        let is_last = out.len() as f32 > (STAND_S - WAY_S) * rate && to_end;
+        let is_last = out.len() as f32 > (seconds - WAY_S) * rate && to_end;
         let to = match (is_last, to_end) {
             (true, _) => length,
             (_, true) => length - inset,

@@ -15,8 +15,9 @@ use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::clip::{Clip, joint_transforms};
 use throng_motion::retarget::{LEGS, bend_leg};
 
-/// Share of a gait's swing that even the slowest step has, so that feet clear the ground.
-const LEAST_SWING: f32 = 0.45;
+/// Share of a gait's swing that even the slowest step has, so that feet clear the ground, and speed of a gait from which
+/// they do so with less (m/s).
+const LEAST_SWING: (f32, f32) = (0.45, 1.3);
 /// Time in which a foot rolls off its first stand, and comes to rest on its last (s).
 const ROLL_S: f32 = 0.3;
 /// Share of the roll of a gait below which a foot stands flat.
@@ -258,7 +259,8 @@ impl CourseWalker<'_> {
         let sole = Contacts(heel.0 | toe.0);
         let base = self.stance.course().compose(self.stance_foot(foot));
         let still = foot_point(&self.stance.clip, self.skeleton, course.stance_at[f], foot).seen_from(base);
-        let share = LEAST_SWING + (1.0 - LEAST_SWING) * course.weight[f] * course.weight[f];
+        let least = LEAST_SWING.0 * (LEAST_SWING.1 / self.gait.speed_mps()).min(1.0);
+        let share = least + (1.0 - least) * course.weight[f] * course.weight[f];
         let k = made.partition_point(|p| p.last < f).min(made.len() - 1);
         let stay = &made[k];
         let roll = |frames: usize| smooth(self.seconds(frames as f32) / ROLL_S);

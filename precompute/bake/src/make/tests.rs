@@ -83,30 +83,33 @@ fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
         assert!(made.slip < 1.2 * captured.slip + 0.01, "{names:?}: planted feet slip {made:?} of {captured:?}");
         assert!(made.jolt < 1.2 * captured.jolt, "{names:?}: joints jolt {made:?} of {captured:?}");
         assert!(made.knees < 1.2 * captured_steps.knees, "{names:?}: knees turn {made:?} of {captured_steps:?}");
-        // Who sets off to a fast run still sinks lower.
-        let sinks = made.hips < captured_steps.hips - 0.1;
-        assert!(!sinks || names[0] == "run_", "{names:?}: hips sink {made:?} of {captured_steps:?}");
+        assert!(made.hips > captured_steps.hips - 0.1, "{names:?}: hips sink {made:?} of {captured_steps:?}");
         assert!(made.low > captured.low - 0.02, "{names:?}: feet go into the ground {made:?} of {captured:?}");
     }
 }
 
 #[test]
 fn starts_and_stops_begin_and_end_as_their_clips_do() {
-    let set = library(&["walk_", "idle_"]);
-    let made = made_of(&set);
-    assert!(!made.report.stances.is_empty() && made.report.stands == 0, "{:?}", made.report);
-    let pose = |clip: &Clip, f: usize| clip.frame_rotations(f)[1..].to_vec();
-    let is_captured = |clip: &Clip, f: usize| {
-        let wanted = pose(clip, f);
-        let apart =
-            |c: &Clip, g: usize| pose(c, g).iter().zip(&wanted).map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max);
-        set.clips.iter().any(|c| (0..c.num_frames()).any(|g| apart(c, g) < 0.01))
-    };
-    for clip in made.clips.iter().filter(|c| !c.mirrored) {
-        let range = &clip.tags[0].range;
-        assert!(clip.is_made() && range.start > 0 && range.end < clip.num_frames(), "{}: {range:?}", clip.name);
-        for f in [range.start - 1, range.end, range.end + 2] {
-            assert!(is_captured(clip, f), "{}: frame {f} is no captured one, made are {range:?}", clip.name);
+    for gait in ["walk_", "jog_", "run_"] {
+        let set = library(&[gait, "idle_"]);
+        let made = made_of(&set);
+        assert!(!made.report.stances.is_empty() && made.report.stands == 0, "{gait}: {:?}", made.report);
+        let pose = |clip: &Clip, f: usize| clip.frame_rotations(f)[1..].to_vec();
+        let from_captured = |clip: &Clip, f: usize| {
+            let wanted = pose(clip, f);
+            let apart = |c: &Clip, g: usize| {
+                pose(c, g).iter().zip(&wanted).map(|(a, b)| a.angle_between(*b)).fold(0.0, f32::max)
+            };
+            let nearest = |c: &Clip| (0..c.num_frames()).map(|g| apart(c, g)).fold(f32::MAX, f32::min);
+            set.clips.iter().map(nearest).fold(f32::MAX, f32::min)
+        };
+        for clip in made.clips.iter().filter(|c| !c.mirrored) {
+            let range = &clip.tags[0].range;
+            assert!(clip.is_made() && range.start > 0 && range.end < clip.num_frames(), "{}: {range:?}", clip.name);
+            for f in [range.start - 1, range.end, range.end + 2] {
+                let (name, apart) = (&clip.name, from_captured(clip, f));
+                assert!(apart < 0.01, "{gait} {name}: frame {f} is {apart} rad from captured ones, made are {range:?}");
+            }
         }
     }
 }

@@ -5,17 +5,19 @@ use super::model::ActionModel;
 use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use throng_base::thresholds::WALKING_MPS;
-use throng_core::format::{Gait, MotionClass};
+use throng_core::format::{Gait, MADE_TAG, MotionClass};
 use throng_motion::clip::{Clip, ClipSet};
 
-/// What an action shows: backwards, sideways, gesturing, carrying (s), transitions to another manner, and transitions
-/// within standing (0 or 1).
-pub type ActionTraits = [f32; 6];
+/// What an action shows: backwards, sideways, gesturing, carrying (s), transitions to another manner, transitions
+/// within standing (0 or 1), and made motion (s).
+pub type ActionTraits = [f32; 7];
 
 /// Half of the time over which travel and front are measured (s).
 const HALF_S: f64 = 0.25;
 /// Cosines of the angles between travel and front from which travel is sideways, and backwards: 45 and 120 degrees.
 const OFF_FRONT: [f32; 2] = [std::f32::consts::FRAC_1_SQRT_2, -0.5];
+/// Share of made motion that counts where nobody goes anywhere: without small steps people would stay short of targets.
+const MADE_ON_THE_SPOT: f32 = 0.1;
 
 /// What every action shows.
 pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<ActionTraits> {
@@ -25,28 +27,28 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
         (clip, (frame - starts[clip]) as usize)
     };
     let class = |frame: u32| clips.clips[at(frame).0].class_at(at(frame).1);
-    let of_frames: Vec<Vec<[f32; 4]>> = clips.clips.iter().map(frame_traits).collect();
+    let of_frames: Vec<Vec<[f32; 5]>> = clips.clips.iter().map(frame_traits).collect();
     let of_segments = graph.segments.iter().map(|s| {
         let ((clip, first), n) = (at(s.start.0), s.num_frames as usize);
-        let mut sums = [0.0; 4];
+        let mut sums = [0.0; 5];
         for frame in &of_frames[clip][first..first + n] {
             sums.iter_mut().zip(frame).for_each(|(sum, share)| *sum += share / clips.clips[clip].rate_hz as f32);
         }
         (sums, (first..=first + n).all(|f| clips.clips[clip].class_at(f).is_some_and(stands)))
     });
-    let of_segments: Vec<([f32; 4], bool)> = of_segments.collect();
+    let of_segments: Vec<([f32; 5], bool)> = of_segments.collect();
     let mut out = Vec::with_capacity(graph.actions.len());
     for (state, pair) in graph.states.iter().zip(graph.action_offsets.windows(2)) {
         for action in &graph.actions[pair[0] as usize..pair[1] as usize] {
             let segment = action.segment.0 as usize;
-            let ([backwards, sideways, gesture, carrying], is_standing) = of_segments[segment];
+            let ([backwards, sideways, gesture, carrying, made], is_standing) = of_segments[segment];
             let entered = graph.segments[segment].start;
             let (mut manner, mut standing) = (0.0, 0.0);
             if let (false, Some(from), Some(to)) = (entered == *state, class(state.0), class(entered.0)) {
                 manner = f32::from(from.manner != to.manner);
                 standing = f32::from(stands(from) && is_standing);
             }
-            out.push([backwards, sideways, gesture, carrying, manner, standing]);
+            out.push([backwards, sideways, gesture, carrying, manner, standing, made]);
         }
     }
     out
@@ -56,10 +58,11 @@ fn stands(class: &MotionClass) -> bool {
     class.gait == Gait::Stand
 }
 
-/// Shares of every frame that go backwards, go sideways, gesture and carry.
-fn frame_traits(clip: &Clip) -> Vec<[f32; 4]> {
+/// Shares of every frame that go backwards, go sideways, gesture, carry and are made.
+fn frame_traits(clip: &Clip) -> Vec<[f32; 5]> {
     let (n, half) = (clip.num_frames(), ((HALF_S * clip.rate_hz).round() as usize).max(1));
     let roots: Vec<_> = (0..n).map(|f| clip.planar(f)).collect();
+    let is_made = |f: usize| clip.tags.iter().any(|t| t.name == MADE_TAG && t.range.contains(&f));
     let of_frame = |f: usize| {
         let (from, to) = (f.saturating_sub(half), (f + half).min(n - 1));
         let way = Vec2::new(roots[to].x - roots[from].x, roots[to].z - roots[from].z);
@@ -73,6 +76,7 @@ fn frame_traits(clip: &Clip) -> Vec<[f32; 4]> {
             f32::from(goes && (OFF_FRONT[1]..OFF_FRONT[0]).contains(&ahead)),
             f32::from(class.is_some_and(gestures)),
             f32::from(class.is_some_and(|c| c.carrying)),
+            if is_made(f) { if goes { 1.0 } else { MADE_ON_THE_SPOT } } else { 0.0 },
         ]
     };
     (0..n).map(of_frame).collect()
@@ -99,7 +103,7 @@ mod tests {
     use glam::{Quat, Vec3};
     use throng_core::format::ClassSpan;
     use throng_core::{NUM_JOINTS, Planar, Skeleton};
-    use throng_motion::clip::FrameId;
+    use throng_motion::clip::{ClipTag, FrameId};
 
     /// A clip at 30 Hz that goes `way` in every frame, facing +Z, of one class.
     fn clip(name: &str, num_frames: usize, way: Vec3, class: MotionClass) -> Clip {
@@ -116,7 +120,8 @@ mod tests {
         let ahead = clip("ahead", 31, 0.04 * Vec3::Z, class(Gait::Walk, false, "sad"));
         let back = clip("back", 31, -0.04 * Vec3::Z, class(Gait::Backwards, false, "sad"));
         let side = clip("side", 31, 0.04 * Vec3::X, class(Gait::Strafe, false, "angry"));
-        let rest = clip("rest", 31, Vec3::ZERO, class(Gait::Stand, true, "sad"));
+        let mut rest = clip("rest", 31, Vec3::ZERO, class(Gait::Stand, true, "sad"));
+        rest.tags = vec![ClipTag { name: MADE_TAG.into(), range: 0..15 }];
         let bow = clip("bow", 31, Vec3::ZERO, class(Gait::Stand, false, "sad"));
         let clips = ClipSet { skeleton: Skeleton::default(), clips: vec![ahead, back, side, rest, bow] };
         // A state at the begin and at the end of each clip; the last ones of `ahead` and `rest` lead to every clip.
@@ -140,10 +145,10 @@ mod tests {
             let range = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
             traits[range].iter().map(|t| t.map(|v| (v * 100.0).round() as i32)).collect::<Vec<_>>()
         };
-        assert_eq!(of(0), [[0; 6]], "a clip that goes on");
-        let from_walking = [[0; 6], [100, 0, 0, 0, 0, 0], [0, 100, 0, 0, 100, 0], [0; 6], [0, 0, 100, 0, 0, 0]];
-        assert_eq!(of(1), from_walking);
-        let from_standing = [[0; 6], from_walking[1], from_walking[2], [0, 0, 0, 0, 0, 100], [0, 0, 100, 0, 0, 100]];
+        assert_eq!(of(0), [[0; 7]], "a clip that goes on");
+        let (back, side, bow) = ([100, 0, 0, 0, 0, 0, 0], [0, 100, 0, 0, 100, 0, 0], [0, 0, 100, 0, 0, 0, 0]);
+        assert_eq!(of(1), [[0; 7], back, side, [0, 0, 0, 0, 0, 0, 5], bow]);
+        let from_standing = [[0; 7], back, side, [0, 0, 0, 0, 0, 100, 5], [0, 0, 100, 0, 0, 100, 0]];
         assert_eq!(of(7), from_standing);
     }
 }

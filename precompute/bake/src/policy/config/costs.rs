@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use throng_motion::error::{Result, check_ranges};
 
 /// Costs of motion that nobody asked for, each a delay for which the behaviour takes it; 0 turns it off. In clips whose
-/// frames have no class, only the first two count.
+/// frames have no class, only the first two and `made` count.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CostsConfig {
@@ -21,6 +21,8 @@ pub struct CostsConfig {
     pub manner_change_s: f64,
     /// Transition from standing to more standing (s, 0 to 60).
     pub standing_change_s: f64,
+    /// Made motion, on the spot a tenth of it (s a second of it, 0 to 60).
+    pub made: f64,
 }
 
 impl Default for CostsConfig {
@@ -32,6 +34,7 @@ impl Default for CostsConfig {
             carrying: 0.5,
             manner_change_s: 1.0,
             standing_change_s: 0.3,
+            made: 0.3,
         }
     }
 }
@@ -45,16 +48,17 @@ impl CostsConfig {
         carrying: 0.0,
         manner_change_s: 0.0,
         standing_change_s: 0.0,
+        made: 0.0,
     };
 
     /// Costs in the order of [`super::super::ActionTraits`].
-    pub(in crate::policy) fn to_array(self) -> [f64; 6] {
-        let Self { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s } = self;
-        [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s]
+    pub(in crate::policy) fn to_array(self) -> [f64; 7] {
+        let Self { backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made } = self;
+        [backwards, sideways, gesture, carrying, manner_change_s, standing_change_s, made]
     }
 
     pub(super) fn check(self) -> Result<()> {
-        let keys = ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s"];
+        let keys = ["backwards", "sideways", "gesture", "carrying", "manner_change_s", "standing_change_s", "made"];
         let ranges: Vec<_> = keys.into_iter().zip(self.to_array()).map(|(key, cost)| (key, cost, 0.0, 60.0)).collect();
         check_ranges(ranges).map_err(|e| e.within_key("costs"))
     }
