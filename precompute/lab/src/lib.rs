@@ -1,4 +1,8 @@
 //! Measures, compares and pictures what Throng bakes and runs.
+//!
+//! [`run`] runs scenes; its figures are declared in `run/figures.rs`, filled in `run/watch.rs` and printed by the program.
+//! [`trial`] sends people of a bundle to targets, [`quality`] measures their motion, [`slip`] their feet, [`drills`] how soon
+//! they obey, and [`verdict`] says whether a build is good.
 
 pub mod abilities;
 pub mod drills;

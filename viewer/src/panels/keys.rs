@@ -1,4 +1,4 @@
-//! The list of keys.
+//! The list of keys, which docs/viewer.md repeats. Keys of units are in `viewport/world.rs`.
 
 use super::PANELS;
 use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};

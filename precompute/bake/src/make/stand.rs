@@ -1,7 +1,7 @@
 //! Long stands, made of short stretches in which somebody stands at ease: played to and fro, ever slower than captured,
 //! over feet that stay, with the sway and the breath of people who wait.
 
-use super::feet::foot_point;
+use super::feet::{MadeFoot, foot_point};
 use super::stance::{RestStance, cut};
 use super::stepping::{CoursePose, reach_feet};
 use super::{MadeMotion, MotionMaker, smooth};
@@ -31,6 +31,9 @@ const RATE: f32 = 0.7;
 const WAY_S: f32 = 2.6;
 /// Time in which the sway begins and ends (s).
 const FADE_S: f32 = 1.5;
+/// Least and greatest distance of the hips ahead of the balls of the feet, and to a side, at which a body is in balance (m).
+const BALANCED_M: [f32; 2] = [-0.14, -0.06];
+const BALANCED_ASIDE_M: f32 = 0.06;
 /// Sways of the hips aside and ahead, turns of the head, and breaths of the chest: size (m, m, rad, rad) and period (s).
 const SWAYS: [(f32, [f32; 2]); 4] =
     [(0.016, [8.0, 12.0]), (0.006, [5.0, 8.0]), (0.07, [9.0, 14.0]), (0.008, [3.4, 4.2])];
@@ -57,6 +60,15 @@ pub fn make_stands(clips: &ClipSet, mirrored: bool, comm: &dyn Comm) -> Result<M
     let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
     maker.make_stands("idle", &all);
     Ok(made)
+}
+
+/// Way of the hips to where they balance over the balls of the feet (m).
+fn way_to_balance(hips: Vec3, feet: &[MadeFoot; 2], ahead: Vec3) -> Vec3 {
+    let off = hips - 0.5 * (feet[0].toe + feet[1].toe);
+    let across = Vec3::Y.cross(ahead);
+    let [along, aside] = [ahead, across].map(|axis| off.dot(axis));
+    let [back, forth] = BALANCED_M;
+    ahead * (along.clamp(back, forth) - along) + across * (aside.clamp(-BALANCED_ASIDE_M, BALANCED_ASIDE_M) - aside)
 }
 
 /// The longest idle stretch of a clip, if it is long enough, and the time of those that repeat themselves seldom (s).
@@ -90,6 +102,7 @@ impl RestStance {
         let feet = [0, 1].map(|foot| foot_point(clip, skeleton, 0, foot));
         let across = (feet[0].toe - feet[1].toe).with_y(0.0).normalize_or(Vec3::X);
         let ahead = across.cross(Vec3::Y);
+        let balance = way_to_balance(pose_between(clip, 0.0).hips, &feet, ahead);
         let (mut roots, mut rotations) = (Vec::new(), Vec::new());
         for (f, place) in places.iter().enumerate() {
             let mut pose = pose_between(clip, *place);
@@ -97,7 +110,7 @@ impl RestStance {
             let fade = smooth(left / (FADE_S * rate));
             let [aside, along, turn, breath] =
                 sways.map(|(size, per_s, phase)| fade * size * maths::sin(phase + per_s * f as f32 / rate));
-            pose.hips += across * aside + ahead * along;
+            pose.hips += across * aside + ahead * along + fade * balance;
             // The trunk stays upright over hips that go aside; head and chest turn a little.
             let (sin, cos) = maths::sin_cos(-0.3 * aside);
             let lean = Quat::from_xyzw(ahead.x * sin, ahead.y * sin, ahead.z * sin, cos);

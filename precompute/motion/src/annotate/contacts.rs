@@ -208,7 +208,8 @@ fn height_spread(tracks: &[JointHeights], slow: f32) -> f32 {
     left.max(right)
 }
 
-/// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped.
+/// Runs of `weak` that hold a `strong` frame, pauses of up to `max_gap` filled, runs below `min_frames` dropped. Contacts of feet,
+/// of hands and seats, and places in patches are found by it.
 pub fn hysteresis(weak: &[bool], strong: &[bool], min_frames: usize, max_gap: usize) -> Vec<bool> {
     let mut out = vec![false; weak.len()];
     for run in runs_where(0..weak.len(), |f| weak[f]) {

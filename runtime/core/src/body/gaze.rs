@@ -1,4 +1,4 @@
-//! Looking at a point: head, neck and chest turn from where the motion has them, within limits.
+//! Looking at a point: head, neck and chest turn from where the motion has them, within limits. `tests/bodies.rs` tests it.
 
 use super::lane_body::LaneBody;
 use super::lanes::get_lane;

@@ -200,7 +200,8 @@ impl<V: Space> Decider<'_, V> {
         let plan = match taken {
             Some(plan) => plan,
             None if old.end <= self.time => {
-                // A trapped agent that stands can wait: its neighbours make it act when they do.
+                // A trapped agent that stands can wait: its neighbours make it act when they do. No longer than this: cells are
+                // sized by it (`CrowdScenery::side`).
                 let stands = fresh.velocity.length_squared() < 1e-6;
                 let intervals = if stands { self.scenery.steering.blocked_intervals } else { 1.0 };
                 let length = intervals * self.scenery.interval;

@@ -81,7 +81,7 @@ SteeringConfig {
     retry_length: f32 = 0.8, 0.1, 1.0;
     /// Factor by which a push away from an obstruction exceeds a linear guess (1 to 2).
     push_factor: f32 = 1.1, 1.0, 2.0;
-    /// Wait of a blocked agent, in smallest intervals (1 to 10).
+    /// Wait of a blocked agent, in smallest intervals; no plan may be longer, as cells are sized by it (1 to 10).
     blocked_intervals: f32 = 2.0, 1.0, 10.0;
     /// Factor by which an agent that yields may exceed its desired speed (1 to 2).
     largest_speed_ratio: f32 = 1.25, 1.0, 2.0;
