@@ -1,11 +1,14 @@
 //! `throng check`: checks a scene before it runs, and a task before any search.
 
+mod expectations;
 mod task;
 
 use crate::args::{CacheArgs, CommandResult};
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::PathBuf;
+use throng_core::base::limits;
+use throng_precompute::run::ExpectationReport;
 use throng_simulation::{Scene, Simulation};
 
 /// Check a scene: every name, number, rule and state, and actions that its bundles have no motion for. Or check a task of
@@ -16,6 +19,13 @@ pub struct Args {
     /// Scene, or task.
     #[arg(value_name = "SCENE")]
     scene: PathBuf,
+    /// Also run the scene, and check its expectations (`[[expect]]`); the exit status is 1 where one is broken.
+    #[arg(long)]
+    run: bool,
+    /// Number of runs, each with the next seed.
+    #[arg(long, value_name = "N", requires = "run", default_value_t = 1, allow_negative_numbers = true,
+        value_parser = limits::number_parser::<u64>(&limits::REPEATS))]
+    seeds: u64,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object; `throng help keys` lists its keys.
@@ -34,6 +44,9 @@ struct SceneCheckReport {
     tables: Vec<TableSize>,
     /// Motion that actions ask for and that a bundle lacks: people stand meanwhile.
     missing_motion: Vec<String>,
+    /// Outcomes of the scene's expectations, with `--run`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    expectations: Vec<ExpectationReport>,
 }
 
 #[derive(Serialize, schemars::JsonSchema)]
@@ -66,12 +79,16 @@ pub fn run(args: &Args) -> CommandResult {
         characters: sim.num_characters(),
         tables: sizes.into_iter().map(|(name, rows)| TableSize { name: name.into(), rows }).collect(),
         missing_motion: compiled.missing_motion(),
+        expectations: expectations::run(&scene, args)?,
     };
     if args.json {
-        return output::json(&checked);
+        output::json(&checked)?;
+        return expectations::verdict(&checked.expectations);
     }
     let tables = checked.tables.iter().map(|table| format!(", {} {}", table.rows, table.name));
     let missing = checked.missing_motion.iter().map(|missing| format!("no motion: {missing}\n"));
     let (tables, missing): (String, String) = (tables.collect(), missing.collect());
-    output::text(format!("{}: {} characters{tables}\n{missing}", checked.scene, checked.characters))
+    output::text(format!("{}: {} characters{tables}\n{missing}", checked.scene, checked.characters))?;
+    output::text(expectations::describe(&checked.expectations, args.seeds))?;
+    expectations::verdict(&checked.expectations)
 }

@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> CommandResult {
         (Some(event), _) => print_event_spread(brains, event, args.json),
         (None, Some(agent)) if agent < sim.num_characters() => {
             let why = brains.explain(agent, sim.time_s());
-            if args.json { output::json(&why) } else { output::text(explanation_text(&why)) }
+            if args.json { output::json(&why) } else { output::text(why.to_string()) }
         }
         (None, Some(agent)) => fail(format!("--agent {agent}: expected less than {}", sim.num_characters())),
         (None, None) => fail("expected `--agent A` or `--message NAME`"),
@@ -90,43 +90,4 @@ fn print_event_spread(brains: &AgentBrains, event: &str, json: bool) -> CommandR
         text = format!("nobody knows of `{event}`\n");
     }
     output::text(text)
-}
-
-fn explanation_text(why: &Explanation) -> String {
-    let mut text = format!("agent {} of {} at {:.2} s", why.agent, why.group, why.time_s);
-    if !why.is_there {
-        text.push_str(" is not there");
-    }
-    if !why.states.is_empty() {
-        _ = write!(text, ": {}", why.states.join(" > "));
-    }
-    if !why.action.is_empty() {
-        _ = write!(text, ", action `{}`", why.action);
-    }
-    text.push('\n');
-    let b = &why.because;
-    _ = write!(text, "because of `{}` at {:.2} s", b.event, b.time_s);
-    if let Some(other) = b.other {
-        _ = write!(text, ", with agent {other}");
-    }
-    if let Some(place) = &b.place {
-        _ = write!(text, ", at {place}");
-    }
-    match (&b.rule, &b.edge_to) {
-        (Some(rule), _) => _ = write!(text, ", by rule \"{rule}\""),
-        (None, Some(state)) => _ = write!(text, ", by an edge to `{state}`"),
-        (None, None) => {}
-    }
-    text.push('\n');
-    for value in &why.values {
-        _ = writeln!(text, "{} = {:.3}", value.name, value.value);
-    }
-    for known in &why.knows {
-        _ = write!(text, "knows of `{}` since {:.2} s ({}", known.event, known.time_s, known.how);
-        if let Some(from) = known.from {
-            _ = write!(text, " by agent {from}");
-        }
-        _ = writeln!(text, ")");
-    }
-    text
 }

@@ -18,4 +18,5 @@ mod patch;
 mod pipeline;
 mod policy;
 mod retarget;
+mod scenes;
 mod things;

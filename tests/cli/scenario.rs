@@ -34,6 +34,20 @@ fn what_people_did_is_checked_recorded_and_explained() {
     assert_eq!(results.len(), 2);
     assert_eq!(results[0]["state_hash"], results[1]["state_hash"], "at any number of threads");
     assert_eq!((&results[0]["queued_twice"], &results[0]["max_overlap_m"]), (&0.into(), &0.0.into()));
+    // Expectations are evaluated, with who breaks them; the exit status tells.
+    let expects = |that: &str| {
+        std::fs::write(scene, format!("{STORY}[[expect]]\nname = \"they hear\"\n{that}\n")).unwrap();
+        let out = throng(&["check", scene, "--run", "--seeds", "2", "--json"]);
+        (out.status.code(), serde_json::from_str::<Value>(&text(&out.stdout)).unwrap()["expectations"][0].clone())
+    };
+    let (code, good) = expects("that.passes = [\"'bell' in me.news\"]");
+    assert_eq!((code, &good["holds"], &good["worst"]), (Some(0), &true.into(), &1.0.into()), "{good}");
+    let (code, bad) = expects("that.passes = [\"me.z > 60\"]");
+    assert_eq!((code, &bad["holds"], bad["broken_seeds"].as_array().unwrap().len()), (Some(1), &false.into(), 2));
+    assert!(bad["agents"][0]["why"].as_str().unwrap().contains("of people at"), "{bad}");
+    let told = text(&throng(&["check", scene, "--run"]).stdout);
+    assert!(told.contains("BROKEN  they hear: 0.000 (expected 1 to ..)"), "{told}");
+    std::fs::write(scene, STORY).unwrap();
     // What is refused is refused with the way out.
     for (args, expected) in [
         (vec!["explain", record], "expected `--agent A` or `--message NAME`"),

@@ -198,6 +198,13 @@ impl Crowd {
         each!(&mut self.engine, e => e.set_open(obstacle, open))
     }
 
+    /// True where a straight line keeps a clearance from all obstacles that paths lead round, and from closed doors or from all
+    /// doors (m).
+    pub fn sees(&self, from: Vec3, to: Vec3, clearance_m: f32, through_doors: bool) -> bool {
+        let streets = each!(&self.engine, e => e.scenery.streets.as_ref());
+        streets.is_none_or(|s| s.sees(from, to, clearance_m, through_doors))
+    }
+
     /// True for an obstacle that is open; false for one that is not there.
     pub fn is_open(&self, obstacle: usize) -> bool {
         each!(&self.engine, e => obstacle < e.scenery.obstacles.len() && e.scenery.is_open(obstacle))

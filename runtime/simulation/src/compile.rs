@@ -18,6 +18,8 @@ pub struct CompiledScene {
     bundles: Vec<Option<Bundle>>,
     /// Rules, events and graphs of agents, where the scene has any.
     scenario: Option<Arc<Scenario>>,
+    /// Expectations, where the scene has any.
+    pub(crate) expected: Option<Arc<Scenario>>,
     /// Stitched worlds, each once.
     worlds: Vec<OpenWorld>,
     /// World of each group, by its number; `None` for a group without one.
@@ -72,8 +74,13 @@ impl Scene {
         self.check()?;
         let mut opened: Vec<(PathBuf, Bundle)> = Vec::new();
         let scenario = Scenario::new(self, primitives)?.map(Arc::new);
+        let expected = match (&scenario, self.expect.is_empty()) {
+            (_, true) => None,
+            (Some(scenario), _) => Some(scenario.clone()),
+            (None, _) => Some(Arc::new(Scenario::compile(self, primitives)?)),
+        };
         let (bundles, worlds, world_of) = Default::default();
-        let mut out = CompiledScene { scene: Arc::new(self.clone()), bundles, scenario, worlds, world_of };
+        let mut out = CompiledScene { scene: Arc::new(self.clone()), bundles, scenario, expected, worlds, world_of };
         for (g, group) in self.groups.iter().enumerate() {
             let own = own.filter(|_| group.bundle.is_none());
             let bundle = match (self.bundle_of(g).0, own) {

@@ -8,6 +8,7 @@ pub mod agents;
 pub mod boxing;
 mod character_groups;
 mod compile;
+mod expectations;
 pub mod inhabitant_group;
 mod motion_kind;
 mod paths;
@@ -21,6 +22,7 @@ pub mod wander;
 
 pub use character_groups::AnyCharacterGroup;
 pub use compile::{CompiledScene, OpenWorld};
+pub use expectations::ExpectationWatch;
 pub use motion_kind::{GroupStep, MotionKind};
 pub use pedestrians::Pedestrians;
 pub use scene::{GroupMotion, Scene};

@@ -2,6 +2,7 @@
 
 mod built_in_scenes;
 mod ensure;
+mod expect;
 mod figures;
 mod groups;
 mod meter;
@@ -20,6 +21,7 @@ pub use ensure::{
     BuildContext, blend_scene, ensure_bundle, ensure_motion, ensure_scene, ensure_world, is_complete, is_motion,
     motion_name,
 };
+pub use expect::{ExpectationReport, check_expectations};
 pub use figures::{
     AgentFigures, BlowFigures, FollowedPathFigures, InhabitedFigures, SceneFigures, ThingFigures, TravelFigures,
 };

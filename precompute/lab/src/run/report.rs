@@ -15,7 +15,8 @@ use throng_core::{Executor, Inline, Rayon};
 use throng_crowd::Space;
 use throng_motion::error::{BuildError, Result};
 use throng_simulation::agents::SceneAgents;
-use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation};
+use throng_simulation::scenario::ExpectationOutcome;
+use throng_simulation::{AnyCharacterGroup, CompiledScene, ExpectationWatch, MotionKind, Simulation};
 use throng_world::UnitRecord;
 
 /// Samples of agents a simulated second (Hz).
@@ -52,6 +53,9 @@ pub struct SceneReport {
     pub total: SceneFigures,
     /// Figures of each group.
     pub groups: Vec<GroupReport>,
+    /// Outcomes of the scene's expectations, if it has any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub expectations: Vec<ExpectationOutcome>,
 }
 
 /// Figures of a group.
@@ -64,6 +68,17 @@ pub struct GroupReport {
     /// Figures of its characters.
     #[serde(flatten)]
     pub figures: SceneFigures,
+}
+
+impl SceneReport {
+    /// Figure of all, or of a group, by its JSON key; `None` where there is none.
+    fn figure(&self, group: Option<&str>, key: &str) -> Option<f64> {
+        let figures = match group {
+            Some(name) => &self.groups.iter().find(|g| g.group == name)?.figures,
+            None => &self.total,
+        };
+        serde_json::to_value(figures).ok()?.get(key)?.as_f64()
+    }
 }
 
 /// An error of a config, by its message.
@@ -105,11 +120,13 @@ pub fn run_recorded(
     let apart = if all.len() > 1 { &all[..] } else { &[] };
     let mut groups = apart.iter().map(|&g| SceneWatch::new(&sim, &[g])).collect::<Result<Vec<_>>>()?;
     let mut recorder = SceneRecorder::new(config, &sim, seconds);
+    let mut expected = ExpectationWatch::new(scene);
     let busy_s = play_scene(&mut sim, seconds, hz, seconds, |sim, moment| {
         let ObservedStep { step, dt_s, is_last } = moment;
         total.observe(sim, dt_s, step, hz);
         groups.iter_mut().for_each(|w| w.observe(sim, dt_s, step, hz));
         recorder.observe(sim, step, hz);
+        expected.iter_mut().for_each(|w| w.observe(sim));
         if let Some(recording) = recording.as_mut().filter(|_| step > 0) {
             recording.observe(sim, is_last);
         }
@@ -123,7 +140,10 @@ pub fn run_recorded(
         GroupReport { group: group.name.clone(), motion: group.motion.name(), figures }
     });
     let groups = groups.collect();
-    let report = SceneReport { scene: scene.scene().name.clone(), total: figures, groups };
+    let (scene, expectations) = (scene.scene().name.clone(), Vec::new());
+    let mut report = SceneReport { scene, total: figures, groups, expectations };
+    let outcomes = expected.map(|w| w.finish(&sim, |group, key| report.figure(group, key))).transpose();
+    report.expectations = outcomes.map_err(config_error)?.unwrap_or_default();
     let record = recorder.finish(&sim, &total);
     Ok((report, record, sim))
 }

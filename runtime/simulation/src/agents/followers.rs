@@ -99,8 +99,9 @@ impl Followers {
             return Ok(());
         };
         let troop = &mut self.troops[t];
-        let ahead = shown.faces.map(|faces| (faces - at).xz());
-        troop.order_look(row, ahead, shown.faces);
+        let faces = outside.faced_position(agent);
+        let ahead = faces.map(|faces| (faces - at).xz());
+        troop.order_look(row, ahead, faces);
         troop.order_stand(row, shown.stands.map(|at| at.xz()));
         let is_new = std::mem::replace(&mut self.ordered[agent - self.agents.start], shown) != shown;
         let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };

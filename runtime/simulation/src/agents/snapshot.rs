@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use throng_base::{Bytes, Id, Result, SnapshotKind};
 use throng_crowd::Space;
 
-const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 6, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agents", tag: *b"AGNT", version: 7, setup: 0 };
 
 /// State that changes with time. Names are those of [`super::stage::Outside`] and its layout.
 #[derive(Serialize, Deserialize)]
@@ -109,6 +109,7 @@ impl<V: Space> SceneAgents<V> {
         let num_motions = self.brains.as_ref().map_or(0, AgentBrains::num_motions);
         let is_seen = saved.shown.iter().all(|s| {
             s.motion.is_none_or(|motion| usize::from(motion) < num_motions)
+                && s.other.is_none_or(|other| (other as usize) < n)
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);

@@ -39,6 +39,8 @@ pub(crate) struct CrowdStage<V> {
     pub newcomers: Vec<u32>,
     /// Whether agents have brains.
     pub has_brains: bool,
+    /// Least acceleration of the agents at the start; 0 without agents (m/s2).
+    weakest_mps2: f32,
     /// Computing time of finding paths, where it is measured (s).
     pub paths_s: Option<f64>,
 }
@@ -50,6 +52,8 @@ pub(crate) struct BodyActivity {
     pub motion: Option<u16>,
     /// Position that it faces (m).
     pub faces: Option<Vec3>,
+    /// Number of the agent that it faces, in place of the position.
+    pub other: Option<u32>,
     /// Activity that it performs once, in place of repeated motion of the tag: it takes a thing, or puts it down.
     pub once: Option<ActivityId>,
     /// Position at which the body stands meanwhile, whatever moves its disc about (m).
@@ -66,6 +70,7 @@ impl<V: Space> CrowdStage<V> {
         setup.agents.retain(|_| kept.next().copied().unwrap_or(true));
         setup.config.capacity = num;
         setup.config.largest_radius_m = layout.setup.agents.iter().map(|a| a.radius).fold(0.01, f32::max);
+        let weakest_mps2 = setup.agents.iter().map(|a| a.acceleration).reduce(f32::min).unwrap_or(0.0);
         let setup = setup.map(V::to_world);
         let crowd = if V::DIMENSIONS == 2 { Crowd::on_ground(setup) } else { Crowd::in_air(setup) };
         let crowd = crowd.map_err(|e| layout.explain_crowd_error(&e))?;
@@ -89,6 +94,7 @@ impl<V: Space> CrowdStage<V> {
             things: Things::new(&layout.scene.things),
             newcomers: Vec::with_capacity(num),
             has_brains: false,
+            weakest_mps2,
             paths_s: None,
             layout,
         })
@@ -105,6 +111,12 @@ impl<V: Space> CrowdStage<V> {
             return Ok(());
         }
         self.crowd.set_companions(&there).map_err(|e| self.layout.explain_crowd_error(&e))
+    }
+
+    /// Position that the body of an agent faces, if any (m).
+    pub fn faced_position(&self, agent: usize) -> Option<Vec3> {
+        let shown = self.shown[agent];
+        shown.other.and_then(|other| self.position(other)).or(shown.faces)
     }
 
     /// Signal to the brains for an event of the engine; `None` for events that do not concern them.
@@ -183,6 +195,12 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
         let then = if again { AtEnd::Again } else { AtEnd::Stay };
+        if let Some(from) = self.current_position(agent) {
+            let path = &mut self.layout.paths[agent as usize];
+            path.clear();
+            path.extend(std::iter::once(from).chain(points.iter().map(|p| V::from_world(*p))));
+            self.layout.arrivals[agent as usize] = 1.0;
+        }
         self.order(agent, AgentOrder::along_subgoals(points.to_vec()).with_arrival(1.0).then_at_end(then))
     }
 
@@ -222,6 +240,14 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn show_activity(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>) {
         self.shown[agent as usize] = BodyActivity { motion, faces, ..BodyActivity::default() };
+    }
+
+    fn face_agent(&mut self, agent: u32, other: u32) {
+        self.shown[agent as usize].other = Some(other);
+    }
+
+    fn sees(&self, from: Vec3, to: Vec3, clearance_m: f32, through_doors: bool) -> bool {
+        self.crowd.sees(from, to, clearance_m, through_doors)
     }
 
     fn thing_position(&self, thing: u16) -> Vec3 {
@@ -269,8 +295,16 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn enter_agent(&mut self, agent: u32) -> Result<bool> {
         for k in 0..TRIES {
             let mut start = self.layout.setup.agents[agent as usize];
+            // The crowd is made for agents that stop as fast as those at the start.
+            start.acceleration = start.acceleration.max(self.weakest_mps2);
             start.position = self.layout.entrance(agent as usize, k as u32 + 16 * self.sent[agent as usize]);
-            if let Ok(id) = self.crowd.spawn(start.map(V::to_world)) {
+            let spawned = self.crowd.spawn(start.map(V::to_world));
+            if let Err(e) = &spawned
+                && !matches!(e, CrowdError::Overlap { .. } | CrowdError::Inside { .. })
+            {
+                return Err(self.layout.explain_crowd_error(e));
+            }
+            if let Ok(id) = spawned {
                 self.ids[agent as usize] = Some(id);
                 self.agent_of[id.index()] = agent;
                 self.newcomers.push(agent);

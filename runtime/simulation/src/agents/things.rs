@@ -310,7 +310,7 @@ impl Things {
         (thing.handling, thing.is_over, thing.is_missed) = (Some((who.agent, handling, grasp)), false, false);
         let aside = to - to.normalize_or_zero() * stand_m;
         let (once, stands) = (Some(grasp.activity?), Some(who.from + aside.clamp_length_max(ASIDE_M)));
-        Some(BodyActivity { motion: who.motion, faces: Some(faces), once, stands })
+        Some(BodyActivity { motion: who.motion, faces: Some(faces), once, stands, other: None })
     }
 
     /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].

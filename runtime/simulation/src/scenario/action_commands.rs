@@ -15,6 +15,12 @@ use throng_base::Result;
 
 /// Distance from a slot at which an agent has arrived (m).
 const SLOT_M: f32 = 0.15;
+/// Distance from the end of a line at which an agent joins it (m), and time between two looks where it ends (s).
+const JOIN_M: f32 = 1.5;
+const JOIN_S: f64 = 0.5;
+/// Clearance from walls of a place that is seen (m), and positions that are tried on the line to it.
+const NEAR_M: f32 = 0.5;
+const NEAR_TRIES: u32 = 10;
 /// Largest amount of an argument of an action; larger ones are clamped.
 pub(super) const MAX_AMOUNT: f64 = 1e9;
 
@@ -107,6 +113,7 @@ impl AgentBrains {
         };
         let context = brain.context;
         let mut said = self.evaluate_arguments(stage, Occasion { agent, context }, &words);
+        let mut joins = None;
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
             self.release_slot(stage, agent)?;
             return self.fetch_thing(stage, agent, claims, &said);
@@ -120,6 +127,11 @@ impl AgentBrains {
             let [first, last] = self.scenario.places[usize::from(place)].slots;
             if first == last {
                 said.arrival_m = self.arrival_distance(place);
+            } else if let Some(slot) = self.queue_end(stage, agent, place) {
+                // Agents join a line where they come to its end.
+                self.release_slot(stage, agent)?;
+                joins = Some(slot);
+                (said.targets[0], said.arrival_m) = (Some(self.scenario.slots[slot as usize].at), 0.8 * JOIN_M);
             } else if let Some(slot) = self.claim_slot(stage, agent, place)? {
                 let slot = self.scenario.slots[slot as usize];
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
@@ -132,7 +144,22 @@ impl AgentBrains {
         let chance = [self.draw_chance(agent) as f32, self.draw_chance(agent) as f32];
         let velocity = stage.velocity(agent);
         let sight = PrimitiveInput { velocity, chance, ..self.primitive_input(&brain, position) };
-        let command = (self.scenario.primitives.get(number).act)(&sight, &said);
+        let mut command = (self.scenario.primitives.get(number).act)(&sight, &said);
+        if let WalkCommand::Near { middle, at, arrival_m } = command.walk {
+            let tries = (0..NEAR_TRIES).map(|k| at.lerp(middle, k as f32 / NEAR_TRIES as f32));
+            let seen = tries.into_iter().find(|at| stage.sees(middle, *at, NEAR_M, false));
+            command.walk = WalkCommand::To { at: seen.unwrap_or(middle), arrival_m };
+        }
+        let own = self.brains[m].slot;
+        let stands = brain.phase == ActionPhase::Waiting || !matches!(claims, ActionClaim::Queue(_));
+        let aim = joins.unwrap_or(if stands { NONE } else { own });
+        let before = std::mem::replace(&mut self.brains[m].aim, aim);
+        if let Some(slot) = joins {
+            command.again_s = JOIN_S;
+            if is_again && before == slot && brain.phase == ActionPhase::Walking {
+                command.walk = WalkCommand::Keep;
+            }
+        }
         if let Some(speed) = command.speed_mps {
             stage.set_speed(agent, speed)?;
         }
@@ -142,17 +169,22 @@ impl AgentBrains {
         }
         brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
         let goes = match command.walk {
+            WalkCommand::Keep if joins.is_some() => return Ok(false),
+            // An agent that stands already does not stop anew.
+            WalkCommand::Halt if is_again && brain.phase == ActionPhase::Standing => return Ok(false),
             WalkCommand::Keep => return self.stand_until(agent, command.stay_s),
             WalkCommand::Halt => {
                 stage.order_halt(agent)?;
-                stage.show_activity(agent, motion, command.faces);
+                self.show_action(stage, agent, motion, command.faces);
                 return if command.stay_s > 0.0 { self.stand_until(agent, command.stay_s) } else { Ok(true) };
             }
             WalkCommand::To { at, arrival_m } if position.distance(at) <= arrival_m => {
                 self.brains[m].phase = ActionPhase::Walking;
                 return self.handle_arrival(stage, agent);
             }
-            WalkCommand::To { at, arrival_m } => stage.order_walk(agent, at, arrival_m, false)?,
+            WalkCommand::To { at, arrival_m } | WalkCommand::Near { at, arrival_m, .. } => {
+                stage.order_walk(agent, at, arrival_m, false)?
+            }
             WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
             WalkCommand::Along => {
                 let scenario = self.scenario.clone();
@@ -191,9 +223,20 @@ impl AgentBrains {
         if let ActionClaim::Queue(into) = claims {
             let held = self.scenario.slots.get(brain.slot as usize).map(|slot| slot.place);
             let Some(place) = self.place_of(&words[0], brain.context).filter(|place| held == Some(*place)) else {
+                let line = self.place_of(&words[0], brain.context);
                 // No agent waits at a place without slots.
-                return Ok(true);
+                let Some(place) = line.filter(|p| self.scenario.places[usize::from(*p)].is_queue) else {
+                    return Ok(true);
+                };
+                // At the end of a line it joins the line, unless another one has been faster.
+                if brain.aim != NONE && self.free_slot(place, None) == Some(brain.aim) {
+                    self.claim_slot(stage, agent, place)?;
+                }
+                return self.run_primitive(stage, agent, true);
             };
+            if std::mem::replace(&mut self.brains[m].aim, NONE) != NONE && self.pass_absent(stage, agent, place)? {
+                return Ok(false);
+            }
             stage.show_activity(agent, motion, said.facing);
             let table = &self.scenario.places[usize::from(place)];
             let (is_queue, is_first) = (table.is_queue, brain.slot == table.slots[0]);
@@ -218,8 +261,21 @@ impl AgentBrains {
         if command.stay_s <= 0.0 {
             return Ok(true);
         }
-        stage.show_activity(agent, motion, command.faces);
+        self.show_action(stage, agent, motion, command.faces);
         self.stand_until(agent, command.stay_s)
+    }
+
+    /// Shows the motion of an action; an agent that faces the other one goes on facing it.
+    fn show_action(&self, stage: &mut impl ScenarioStage, agent: u32, motion: Option<u16>, faces: Option<Vec3>) {
+        stage.show_activity(agent, motion, faces);
+        let brain = &self.brains[agent as usize];
+        if let CompiledAction::Primitive { words, .. } = self.action(brain.action)
+            && words.contains(&ActionOperand::Spot(SpotName::Other))
+            && brain.context.other != NONE
+            && faces.is_some()
+        {
+            stage.face_agent(agent, brain.context.other);
+        }
     }
 
     /// Input of a primitive behaviour for an agent that stands still.
@@ -330,6 +386,38 @@ impl AgentBrains {
         relationships[0] = (other, liking.clamp(-2.0, 2.0));
     }
 
+    /// Lets an agent that has come to its slot in a queue pass those that have not come to theirs yet; true where it has.
+    fn pass_absent(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<bool> {
+        let table = &self.scenario.places[usize::from(place)];
+        let (first, is_queue, own) = (table.slots[0], table.is_queue, self.brains[agent as usize].slot);
+        let holder = |slot: &u32| self.brains.get(self.holders[*slot as usize] as usize);
+        let is_absent = |slot: &u32| holder(slot).is_some_and(|brain| brain.aim != NONE);
+        let passed = (first..own).rev().take_while(is_absent).count() as u32;
+        if !is_queue || passed == 0 {
+            return Ok(false);
+        }
+        self.holders[(own - passed) as usize..=own as usize].rotate_right(1);
+        for slot in own - passed..=own {
+            let holder = self.holders[slot as usize];
+            self.brains[holder as usize].slot = slot;
+            self.brains[holder as usize].phase = ActionPhase::Walking;
+            self.mark_touched(holder);
+            stage.order_walk(holder, self.scenario.slots[slot as usize].at, SLOT_M, false)?;
+        }
+        Ok(true)
+    }
+
+    /// Free end of the queue of a place, where an agent that holds no slot there is still far from it.
+    fn queue_end(&self, stage: &impl ScenarioStage, agent: u32, place: u16) -> Option<u32> {
+        let held = self.scenario.slots.get(self.brains[agent as usize].slot as usize);
+        if !self.scenario.places[usize::from(place)].is_queue || held.is_some_and(|slot| slot.place == place) {
+            return None;
+        }
+        let end = self.free_slot(place, None)?;
+        let far = stage.position(agent)?.distance(self.scenario.slots[end as usize].at);
+        (far > JOIN_M).then_some(end)
+    }
+
     /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.
     fn free_slot(&self, place: u16, near: Option<Vec3>) -> Option<u32> {
         let table = &self.scenario.places[usize::from(place)];
@@ -363,6 +451,7 @@ impl AgentBrains {
         if slot == NONE {
             return Ok(());
         }
+        self.brains[agent as usize].aim = NONE;
         self.holders[slot as usize] = NONE;
         let place = self.scenario.slots[slot as usize].place;
         let table = &self.scenario.places[usize::from(place)];

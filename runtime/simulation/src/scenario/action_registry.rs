@@ -152,6 +152,15 @@ pub enum WalkCommand {
         /// Distance at which the agent has arrived (m).
         arrival_m: f32,
     },
+    /// Walks to a place, or, where a wall or a door is before it, to a nearer one that is seen from a middle.
+    Near {
+        /// The middle (m).
+        middle: Vec3,
+        /// Position (m).
+        at: Vec3,
+        /// Distance at which the agent has arrived (m).
+        arrival_m: f32,
+    },
     /// Walks to a place, and leaves the scene there.
     Out {
         /// Position (m).
@@ -256,9 +265,14 @@ impl ActionRegistry {
         effect.or_else(|| own().map(|n| (RegisteredAction::Primitive(n as u16), self.0[n].words)))
     }
 
+    /// Names of the primitive behaviours, by number.
+    pub(super) fn primitive_names(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.0.iter().map(|p| p.name)
+    }
+
     /// Names of all actions.
     pub fn action_names(&self) -> impl Iterator<Item = &'static str> + '_ {
-        EFFECTS.iter().map(|e| e.0).chain(self.0.iter().map(|p| p.name))
+        EFFECTS.iter().map(|e| e.0).chain(self.primitive_names())
     }
 }
 
@@ -346,7 +360,7 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         let far = far.sqrt() * said.amount(2, 10.0) as f32;
         let by = throng_base::maths::direction_at_angle(turn * std::f32::consts::TAU) * far;
         let at = middle + Vec3::new(by.x, 0.0, by.y);
-        walk_at_speed(said, WalkCommand::To { at, arrival_m: 0.6 })
+        walk_at_speed(said, WalkCommand::Near { middle, at, arrival_m: 0.6 })
     }),
     primitive!("leave", [("leave", WordKind::Target), SPEED], None, |sight, said| {
         let (at, arrival_m) = (said.targets[0].unwrap_or(sight.position), said.arrival_m);

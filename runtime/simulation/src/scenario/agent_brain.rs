@@ -48,6 +48,13 @@ pub struct AgentBrain {
     pub(super) crossing_at: f64,
     /// Slot that the agent holds; [`NONE`] for none.
     pub(super) slot: u32,
+    /// Slot of a queue to which the agent walks, to join the queue there, until it has come to a slot of its own; [`NONE`] for none.
+    pub(super) aim: u32,
+    /// Agent that tells it news; [`NONE`] for none. Time at which these are told (s).
+    pub(super) told_by: u32,
+    pub(super) told_at: f64,
+    /// Time at which it tells its own news again to those around it (s).
+    pub(super) tells_at: f64,
     /// Number of random numbers drawn so far.
     pub(super) draws: u32,
     /// Position at which the agent entered (m).
@@ -132,6 +139,11 @@ pub struct LearntEvent {
 }
 
 impl AgentBrain {
+    /// Times at which it has to act by itself (s).
+    pub(super) fn wake_times(&self) -> [f64; 7] {
+        [self.until, self.again, self.most, self.timer, self.crossing_at, self.told_at, self.tells_at]
+    }
+
     pub(super) fn new(group: u16) -> Self {
         let context = EventContext::default();
         Self {
@@ -156,6 +168,10 @@ impl AgentBrain {
             crossing: NO_NUMBER,
             crossing_at: f64::INFINITY,
             slot: NONE,
+            aim: NONE,
+            told_by: NONE,
+            told_at: f64::INFINITY,
+            tells_at: f64::INFINITY,
             draws: 0,
             home: [0.0; 3],
             speed: 0.0,

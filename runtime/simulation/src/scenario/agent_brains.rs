@@ -222,7 +222,7 @@ impl AgentBrains {
             if !brain.is_there {
                 continue;
             }
-            let wake_s = brain.until.min(brain.again).min(brain.most).min(brain.timer).min(brain.crossing_at);
+            let wake_s = brain.wake_times().into_iter().fold(f64::INFINITY, f64::min);
             let (sends, receives) = self.senses_of(agent);
             stage.set_timer(agent, Some(wake_s).filter(|t| t.is_finite()))?;
             stage.set_senses(agent, sends, receives)?;
@@ -244,15 +244,16 @@ impl AgentBrains {
 
     /// Events that an agent tells and hears of, as bits: (tells, hears).
     fn senses_of(&self, agent: u32) -> (u32, u32) {
-        let news = self.brains[agent as usize].news;
+        let AgentBrain { news, told_at, .. } = self.brains[agent as usize];
         let meets = if self.scenario.meets { MEETINGS } else { 0 };
         let (mut sends, mut receives) = (meets, meets);
         for (e, event) in self.scenario.events.iter().enumerate() {
             let Some(channel) = event.channel else { continue };
             match news >> e & 1 == 1 {
                 true if self.now - self.happened[e] <= event.fresh_s => sends |= 1 << channel,
-                true => {}
-                false => receives |= 1 << channel,
+                // An agent listens to one at a time.
+                false if told_at == f64::INFINITY => receives |= 1 << channel,
+                _ => {}
             }
         }
         (sends, receives)

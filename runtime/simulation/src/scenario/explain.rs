@@ -5,6 +5,7 @@ use super::agent_brains::AgentBrains;
 use super::blackboards::{BlackboardPost, Blackboards};
 use super::tables::{CompiledAction, LearningMode, NONE, Scenario};
 use serde::Serialize;
+use std::fmt;
 use throng_base::Error;
 
 /// Activity of an agent, and its causes.
@@ -91,6 +92,44 @@ pub struct EventSpread {
     pub passed_on: usize,
     /// Time at which the last of them learnt of it (s).
     pub last_s: Option<f64>,
+}
+
+impl fmt::Display for Explanation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "agent {} of {} at {:.2} s", self.agent, self.group, self.time_s)?;
+        if !self.is_there {
+            f.write_str(" is not there")?;
+        }
+        if !self.states.is_empty() {
+            write!(f, ": {}", self.states.join(" > "))?;
+        }
+        if !self.action.is_empty() {
+            write!(f, ", action `{}`", self.action)?;
+        }
+        let b = &self.because;
+        write!(f, "\nbecause of `{}` at {:.2} s", b.event, b.time_s)?;
+        if let Some(other) = b.other {
+            write!(f, ", with agent {other}")?;
+        }
+        if let Some(place) = &b.place {
+            write!(f, ", at {place}")?;
+        }
+        match (&b.rule, &b.edge_to) {
+            (Some(rule), _) => write!(f, ", by rule \"{rule}\"")?,
+            (None, Some(state)) => write!(f, ", by an edge to `{state}`")?,
+            (None, None) => {}
+        }
+        writeln!(f)?;
+        self.values.iter().try_for_each(|value| writeln!(f, "{} = {:.3}", value.name, value.value))?;
+        for known in &self.knows {
+            write!(f, "knows of `{}` since {:.2} s ({}", known.event, known.time_s, known.how)?;
+            if let Some(from) = known.from {
+                write!(f, " by agent {from}")?;
+            }
+            writeln!(f, ")")?;
+        }
+        Ok(())
+    }
 }
 
 impl AgentBrains {

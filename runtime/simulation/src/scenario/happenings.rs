@@ -15,6 +15,11 @@ const INTERESTS: usize = 4;
 const INTEREST_MPS2: f32 = 1.0;
 const INTEREST_RADII: f32 = 4.0;
 
+/// Time after which an agent tells its news again, over that of telling.
+const TELLS_AGAIN: f64 = 2.0;
+/// Clearance from walls with which agents hear each other (m).
+const SIGHT_M: f32 = 0.01;
+
 /// Time after which a door that could not close is tried again, and a source that found no room (s).
 pub(super) const RETRY_S: f64 = 0.5;
 
@@ -157,6 +162,8 @@ impl AgentBrains {
         (brain.is_there, brain.action, brain.phase) = (false, NONE, ActionPhase::Idle);
         (brain.until, brain.again, brain.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         (brain.timer, brain.crossing_at) = (f64::INFINITY, f64::INFINITY);
+        (brain.told_by, brain.aim) = (NONE, NONE);
+        (brain.told_at, brain.tells_at) = (f64::INFINITY, f64::INFINITY);
         Ok(())
     }
 
@@ -196,6 +203,9 @@ impl AgentBrains {
             return;
         }
         self.brains[m].news |= bit;
+        if self.scenario.events[e].channel.is_some() && self.scenario.telling_s > 0.0 {
+            self.brains[m].tells_at = self.now + TELLS_AGAIN * self.scenario.telling_s;
+        }
         if !is_known {
             let at = stage.position(agent).unwrap_or_default();
             let learnt = LearntEvent { time_s: self.now, from: context.other, how: context.how, at: [at.x, at.z] };
@@ -214,21 +224,59 @@ impl AgentBrains {
         (0..self.happened.len()).filter(is_told).fold(0, |bits, e| bits | 1 << e)
     }
 
-    /// Handles a meeting: both agents tell each other the events that they know.
+    /// Handles a meeting: both agents begin to tell each other the events that they know.
     pub(super) fn exchange_news(&mut self, stage: &mut impl ScenarioStage, a: u32, b: u32) {
         let shared = self.shared_events();
         for (from, to) in [(a, b), (b, a)] {
-            let mut news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
-            while news != 0 {
-                let (event, how) = (news.trailing_zeros() as u16, LearningMode::PassedOn);
-                news &= news - 1;
-                self.learn_event(stage, to, EventContext { other: from, event, how, ..EventContext::default() });
+            let news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
+            if self.scenario.telling_s == 0.0 {
+                self.learn_news(stage, from, to, news);
+            } else if news != 0 && self.brains[to as usize].told_at == f64::INFINITY {
+                if self.hears(stage, to, from) {
+                    let told_at = self.now + self.scenario.telling_s;
+                    (self.brains[to as usize].told_by, self.brains[to as usize].told_at) = (from, told_at);
+                }
             }
         }
         if self.scenario.meets {
             for (agent, other) in [(a, b), (b, a)] {
                 self.push_stimulus(agent, trigger::MEETS, EventContext { other, ..EventContext::default() });
             }
+        }
+    }
+
+    /// Ends the telling of news to an agent, which learns them where it has heard all.
+    pub(super) fn end_telling(&mut self, stage: &mut impl ScenarioStage, agent: u32) {
+        let brain = &mut self.brains[agent as usize];
+        let from = std::mem::replace(&mut brain.told_by, NONE);
+        brain.told_at = f64::INFINITY;
+        if from != NONE && self.brains[from as usize].is_there && self.hears(stage, agent, from) {
+            let news = self.brains[from as usize].news & !self.brains[agent as usize].news & self.shared_events();
+            self.learn_news(stage, from, agent, news);
+        }
+    }
+
+    /// Tells news again to those around an agent that have not heard them, such as behind a wall.
+    pub(super) fn tell_again(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
+        let has_news = self.brains[agent as usize].news & self.shared_events() != 0;
+        let again = self.now + TELLS_AGAIN * self.scenario.telling_s;
+        self.brains[agent as usize].tells_at = if has_news { again } else { f64::INFINITY };
+        // Whoever is near counts as met anew once the senses change.
+        stage.set_senses(agent, 0, 0)
+    }
+
+    /// True where an agent is near another one, without a wall or a closed door between them.
+    fn hears(&self, stage: &impl ScenarioStage, agent: u32, other: u32) -> bool {
+        let (Some(a), Some(b)) = (stage.position(agent), stage.position(other)) else { return false };
+        a.distance(b) <= self.scenario.hearing_m && stage.sees(a, b, SIGHT_M, true)
+    }
+
+    /// Lets an agent learn events from another one, as bits.
+    fn learn_news(&mut self, stage: &impl ScenarioStage, from: u32, to: u32, mut news: u64) {
+        while news != 0 {
+            let (event, how) = (news.trailing_zeros() as u16, LearningMode::PassedOn);
+            news &= news - 1;
+            self.learn_event(stage, to, EventContext { other: from, event, how, ..EventContext::default() });
         }
     }
 

@@ -7,6 +7,7 @@ mod agent_brain;
 mod agent_brains;
 mod blackboards;
 mod compile;
+mod expectations;
 mod explain;
 mod hands;
 mod happenings;
@@ -27,6 +28,8 @@ pub use action_registry::{
 pub use agent_brain::{AgentBrain, LearntEvent};
 pub use agent_brains::{AgentBrains, Signal};
 pub use blackboards::{BlackboardArea, BlackboardPost};
+pub(crate) use expectations::{AgentsView, ExpectationMeters};
+pub use expectations::{ExpectationOutcome, WorstAgent};
 pub use explain::{ActionCause, CurrentValue, EventSpread, Explanation, KnownEvent};
 pub(crate) use perceive::hashed_chance;
 pub use sample::evaluate_sample;

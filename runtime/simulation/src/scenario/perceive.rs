@@ -64,6 +64,10 @@ impl<S: ScenarioStage> AgentView<'_, S> {
             },
             Attribute::StateSeconds => brains.now - brain.state_since,
             Attribute::News => f64::from_bits(brain.news),
+            Attribute::Waits => {
+                let slot = brains.scenario.slots.get(brain.slot as usize);
+                f64::from(u8::from(slot.is_some_and(|s| brains.scenario.places[usize::from(s.place)].is_queue)))
+            }
             Attribute::Busy => f64::from(u8::from(brain.is_busy)),
             Attribute::Number => f64::from(agent - brains.scenario.groups[usize::from(brain.group)].agents[0]),
         }
@@ -158,7 +162,9 @@ impl AgentBrains {
         };
         for (number, r) in self.scenario.relations.iter().enumerate().rev() {
             let value = what(r);
-            if value.is_nan() || !is(r.of, Party::Agent(of)) || !is(r.to, to) {
+            let holds = is(r.of, Party::Agent(of)) && is(r.to, to);
+            let is_turned = !r.one_sided && is(r.of, to) && is(r.to, Party::Agent(of));
+            if value.is_nan() || !holds && !is_turned {
                 continue;
             }
             // The draw is the same from both sides.

@@ -97,6 +97,9 @@ impl AgentBrains {
             if rule.probability < 1.0 && self.draw_chance(stimulus.on.agent) >= f64::from(rule.probability) {
                 continue;
             }
+            if rule.both && !self.join_partner(stage, stimulus, number)? {
+                continue;
+            }
             if rule.pause_s > 0.0 {
                 self.followed[pause] = self.now;
             }
@@ -110,15 +113,44 @@ impl AgentBrains {
                 self.at_once = (self.now, number);
                 return Ok(false);
             }
-            let brain = &mut self.brains[m];
-            if !brain.is_busy {
-                (brain.resumed, brain.resumed_context) = (brain.action, brain.context);
-            }
-            (brain.is_busy, brain.priority) = (true, rule.priority);
-            self.start_behaviour(stage, stimulus.on, rule.actions)?;
+            self.begin_rule(stage, stimulus.on, number)?;
             return Ok(true);
         }
         Ok(false)
+    }
+
+    fn begin_rule(&mut self, stage: &mut impl ScenarioStage, on: Occasion, number: u32) -> Result<()> {
+        let (actions, priority) =
+            (self.scenario.rules[number as usize].actions, self.scenario.rules[number as usize].priority);
+        let brain = &mut self.brains[on.agent as usize];
+        if !brain.is_busy {
+            (brain.resumed, brain.resumed_context) = (brain.action, brain.context);
+        }
+        (brain.is_busy, brain.priority) = (true, priority);
+        self.start_behaviour(stage, on, actions)
+    }
+
+    /// Lets the other agent of an event follow the same rule; false where it cannot.
+    fn join_partner(&mut self, stage: &mut impl ScenarioStage, stimulus: Stimulus, number: u32) -> Result<bool> {
+        let (me, other) = (stimulus.on.agent, stimulus.on.context.other);
+        let rule = &self.scenario.rules[number as usize];
+        let Some(partner) = self.brains.get(other as usize) else { return Ok(false) };
+        let pause = other as usize * self.scenario.num_pauses + rule.pause as usize;
+        let is_paused = rule.pause_s > 0.0 && self.now - self.followed[pause] < f64::from(rule.pause_s);
+        let is_free = partner.is_there && !partner.is_busy && rule.who >> partner.group & 1 == 1;
+        if !is_free || is_paused || self.brains[me as usize].is_busy {
+            return Ok(false);
+        }
+        if rule.pause_s > 0.0 {
+            self.followed[pause] = self.now;
+        }
+        let on = Occasion { agent: other, context: EventContext { other: me, ..stimulus.on.context } };
+        let theirs = Stimulus { on, ..stimulus };
+        self.brains[other as usize].reason = ActionReason { rule: number, ..self.new_reason(theirs) };
+        self.record_turn(theirs, TurnKind::Follows(number as usize));
+        self.mark_touched(other);
+        self.begin_rule(stage, on, number)?;
+        Ok(true)
     }
 
     /// Chooses among the edges that an event opens, by their probabilities.
@@ -188,6 +220,12 @@ impl AgentBrains {
             self.brains[m].passed |= 1 << t;
             self.push_stimulus(agent, trigger::EVENTS + self.scenario.events.len() as u16 + t, EventContext::default());
             self.find_crossing(agent);
+        }
+        if self.brains[m].told_at <= self.now {
+            self.end_telling(stage, agent);
+        }
+        if self.brains[m].tells_at <= self.now {
+            self.tell_again(stage, agent)?;
         }
         if self.brains[m].timer <= self.now {
             self.brains[m].timer = f64::INFINITY;

@@ -7,7 +7,7 @@ use super::tables::{CompiledAction, NONE};
 use crate::motion_kind::refused_snapshot;
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 4, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 5, setup: 0 };
 
 impl AgentBrains {
     /// Appends the state that changes with time; between two calls there is no other.
@@ -82,7 +82,9 @@ impl AgentBrains {
                 && is_doing(brain)
                 && is_action(brain.resumed)
                 && [brain.context, brain.resumed_context].iter().all(is_context)
-                && [brain.until, brain.again, brain.most, brain.timer, brain.crossing_at].iter().all(|t| is_later(*t))
+                && brain.wake_times().iter().all(|t| is_later(*t))
+                && is_agent(brain.told_by)
+                && (brain.aim == NONE || (brain.aim as usize) < scenario.slots.len())
                 && (brain.crossing == NO_NUMBER && brain.crossing_at == f64::INFINITY
                     || usize::from(brain.crossing) < scenario.thresholds.len())
                 && (brain.slot == NONE || saved.holders.get(brain.slot as usize) == Some(&agent))

@@ -79,6 +79,12 @@ pub trait ScenarioStage {
     /// Orders what the body of an agent does from now on: motion of a tag, facing a place.
     fn show_activity(&mut self, agent: u32, motion: Option<u16>, faces: Option<Vec3>);
 
+    /// Lets the body of an agent face another agent from now on, wherever that goes.
+    fn face_agent(&mut self, agent: u32, other: u32);
+
+    /// True where a straight line keeps a clearance from all walls, and from closed doors or from all doors (m).
+    fn sees(&self, from: Vec3, to: Vec3, clearance_m: f32, through_doors: bool) -> bool;
+
     /// Position of a thing (m).
     fn thing_position(&self, thing: u16) -> Vec3;
 

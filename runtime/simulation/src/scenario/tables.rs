@@ -86,7 +86,11 @@ pub struct Scenario {
     /// Motion tags that actions name.
     pub(super) motions: Vec<String>,
     pub(super) blackboards: BlackboardTable,
+    /// Time to tell news (s), and distance at which they can be heard (m).
+    pub(super) telling_s: f64,
+    pub(super) hearing_m: f32,
     pub(super) end: EndTable,
+    pub(super) expectations: Vec<ExpectationTable>,
     /// Whether any rule or edge needs places, meetings and cells to be sensed.
     pub(crate) senses_zones: bool,
     pub(super) meets: bool,
@@ -173,6 +177,8 @@ pub(super) struct RuleTable {
     /// Whether all of its actions take no time.
     pub is_instant: bool,
     pub priority: i8,
+    /// Whether the other agent follows it, too.
+    pub both: bool,
     pub pause_s: f32,
     /// Number among the rules with a pause.
     pub pause: u32,
@@ -247,6 +253,8 @@ pub(super) enum Party {
 pub(super) struct RelationTable {
     pub of: Party,
     pub to: Party,
+    /// Whether it does not hold the other way round.
+    pub one_sided: bool,
     pub share: f32,
     pub friendship: f32,
     pub curiosity: f32,
@@ -272,6 +280,19 @@ pub(super) struct BlackboardTable {
     /// Side of the smallest cells; 0 where there are none (m).
     pub cell_m: f32,
     pub levels: u32,
+}
+
+/// Compiled expectation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ExpectationTable {
+    /// Groups that it is about, as bits.
+    pub who: u64,
+    /// Predicates, or an amount.
+    pub programs: Vec<Program>,
+    /// Whether its amount is one of all agents together.
+    pub is_of_all: bool,
+    /// Number of its event, place or action.
+    pub number: u16,
 }
 
 /// End of the scene.

@@ -106,8 +106,10 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     check_each("relations", &scene.relations, |relation, key| relation.find_fault(key))?;
     check_each("rules", &scene.rules, |r, key| check_numbers(&[(&format!("{key}.pause_s"), r.pause_s, 0.0, 1e6)]))?;
     check_each("events", &scene.events, |event, key| event.find_fault(key))?;
+    check_each("expect", &scene.expect, |expect, key| expect.find_fault(key))?;
     check_numbers(&[
         ("agents.meeting_m", scene.agents.meeting_m, 0.1, 100.0),
+        ("agents.telling_s", scene.agents.telling_s, 0.0, 1000.0),
         ("agents.cell_m", scene.agents.cell_m, 0.0, 1000.0),
     ])?;
     check_each("happenings", &scene.happenings, |happening, key| happening.find_fault(key, dimensions))?;

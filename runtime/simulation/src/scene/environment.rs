@@ -101,6 +101,9 @@ pub struct AgentsConfig {
     pub engine: Scheme,
     /// Distance between the centres of two agents at which they tell each other news, and `meets` happens (m, 0.1 to 100).
     pub meeting_m: f32,
+    /// Time that an agent takes to tell another one news; both have to stay near each other, without a wall or closed door between
+    /// them; 0 tells at once, and through walls (s, 0 to 1000).
+    pub telling_s: f32,
     /// Side of the smallest cells with blackboards; 0 for none (m, 0 to 1000).
     pub cell_m: f32,
     /// Whether paths lead around fixed obstacles; otherwise agents go straight and only avoid them.
@@ -112,7 +115,14 @@ pub struct AgentsConfig {
 
 impl Default for AgentsConfig {
     fn default() -> Self {
-        Self { engine: Scheme::default(), meeting_m: 2.0, cell_m: 0.0, routes: true, field: ForceField::default() }
+        Self {
+            engine: Scheme::default(),
+            meeting_m: 2.0,
+            telling_s: 1.5,
+            cell_m: 0.0,
+            routes: true,
+            field: ForceField::default(),
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod check;
 mod environment;
+mod expect;
 mod goal;
 mod group;
 mod happening;
@@ -12,6 +13,7 @@ mod story;
 
 pub(crate) use check::check_point;
 pub use environment::{AgentsConfig, EnvironmentConfig, SpaceConfig, engine};
+pub use expect::{ExpectConfig, ExpectedQuantity, ExpectedStatistic};
 pub use goal::{AtEndConfig, GoalConfig};
 pub use group::{
     ANY_PARTNER, BodiesConfig, DragPoint, GroupConfig, GroupMotion, InhabitantGoalConfig, PathsConfig,
@@ -101,6 +103,9 @@ pub struct Scene {
     /// State-transition graphs, by name.
     #[serde(default)]
     pub graphs: BTreeMap<String, StateGraphConfig>,
+    /// Conditions that a run has to meet, for `throng check SCENE --run`.
+    #[serde(default)]
+    pub expect: Vec<ExpectConfig>,
     /// Conditions of which any ends the scene early.
     #[serde(default)]
     pub end: EndConfig,
@@ -321,7 +326,7 @@ impl Scene {
 
     /// Contents of the scene, independent of the paths of files, for hashing.
     pub(crate) fn content(&self) -> String {
-        let mut scene = Self { source: TomlSource::default(), name: String::new(), ..self.clone() };
+        let mut scene = Self { source: TomlSource::default(), name: String::new(), expect: Vec::new(), ..self.clone() };
         scene.paths_mut().for_each(|p| *p = PathBuf::new());
         format!("{scene:?}")
     }

@@ -296,6 +296,12 @@ impl Streets {
         self.is_clear(at.xz(), at.xz(), self.clearance)
     }
 
+    /// True if a straight line keeps a clearance from all obstacles, and from closed doors or from all doors (m).
+    pub fn sees(&self, from: Vec3, to: Vec3, clearance: f32, through_doors: bool) -> bool {
+        let shut = if through_doors { self.closed } else { Doors::MAX };
+        self.doors_between(from.xz(), to.xz(), clearance).is_some_and(|doors| doors & shut == 0)
+    }
+
     /// Obstacles that paths lead round.
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles

@@ -238,7 +238,8 @@ impl ScenarioCompiler<'_> {
                 return compile_fault(format!("{key}.friendship"), why);
             }
             let (friendship, curiosity) = (r.friendship.unwrap_or(f32::NAN), r.curiosity.unwrap_or(f32::NAN));
-            self.out.relations.push(RelationTable { of, to, share: r.share, friendship, curiosity });
+            let one_sided = r.one_sided || matches!(to, Party::Place(_));
+            self.out.relations.push(RelationTable { of, to, one_sided, share: r.share, friendship, curiosity });
         }
         Ok(())
     }

@@ -169,8 +169,12 @@ impl ScenarioCompiler<'_> {
                 return compile_fault(format!("{key}.pause_s"), why);
             }
             let name = if rule.name.is_empty() { format!("rule {i}") } else { rule.name.clone() };
-            let &RuleConfig { probability, priority, pause_s, .. } = rule;
-            let table = RuleTable { name, who, when, probability, actions, is_instant, priority, pause_s, pause };
+            let &RuleConfig { probability, priority, pause_s, both, .. } = rule;
+            if both && (is_instant || !self.out.names.has_other) {
+                let why = "expected a behaviour that takes time, on an event with an `other`";
+                return compile_fault(format!("{key}.both"), why);
+            }
+            let table = RuleTable { name, who, when, probability, actions, is_instant, priority, both, pause_s, pause };
             self.out.rules.push(table);
             triggers.push(trigger);
         }

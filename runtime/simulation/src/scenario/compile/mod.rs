@@ -1,6 +1,7 @@
 //! Compiler from a scene file to flat tables.
 
 mod action_commands;
+mod expectations;
 mod facts;
 mod graphs;
 
@@ -30,6 +31,9 @@ const MOST_NUMBERS: usize = NO_NUMBER as usize;
 const MOST_SLOTS: usize = 1_000_000;
 /// Most stored times at which agents followed rules with a pause (2 GB).
 const MOST_PAUSES: usize = 1 << 28;
+
+/// Distance at which agents hear news that are being told, over that at which telling begins.
+const HEARING: f32 = 1.5;
 
 /// Fault of a key's value, with its byte in the text of the value.
 struct CompileFault {
@@ -69,9 +73,14 @@ impl Scenario {
         if !scene.has_story() {
             return Ok(None);
         }
+        Self::compile(scene, primitives).map(Some)
+    }
+
+    /// Compiles a scene, whether it has a story or not.
+    pub(crate) fn compile(scene: &Scene, primitives: &ActionRegistry) -> Result<Self> {
         let compiler = ScenarioCompiler::new(scene, primitives.clone());
         let compiled = compiler.and_then(ScenarioCompiler::compile);
-        compiled.map(Some).map_err(|w| scene.fault_within(&w.key, w.at, w.why))
+        compiled.map_err(|w| scene.fault_within(&w.key, w.at, w.why))
     }
 }
 
@@ -161,6 +170,9 @@ impl<'a> ScenarioCompiler<'a> {
         self.compile_rules()?;
         self.group_starts()?;
         self.compile_end()?;
+        self.compile_expectations()?;
+        let agents = &self.scene.agents;
+        (self.out.telling_s, self.out.hearing_m) = (agents.telling_s.into(), HEARING * agents.meeting_m);
         check_counts(&[
             (self.out.paths.len(), MOST_NUMBERS, "ways that actions follow", "rules"),
             (self.out.motions.len(), MOST_NUMBERS, "tags of motion", "rules"),

@@ -103,6 +103,8 @@ pub enum Attribute {
     /// Number of the agent.
     Number,
     Y,
+    /// Truth: it is in a queue.
+    Waits,
 }
 
 /// Attribute of an event.

@@ -96,6 +96,7 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("news", Attribute::News, Type::Set),
     ("busy", Attribute::Busy, Type::Truth),
     ("number", Attribute::Number, Type::Number),
+    ("waits", Attribute::Waits, Type::Truth),
 ];
 
 /// Message for words of one agent in an expression about no agent.

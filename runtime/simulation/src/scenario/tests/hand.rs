@@ -125,7 +125,8 @@ fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
         [graphs.life]\nlevel = \"social\"\nstart = \"a\"\nedges = [{ from = \"a\", to = \"b\" }, { from = \"a\", to = \"c\", on = \"full\" }]\n\
         [graphs.life.states]\na = { do = [{ queue = \"line\", into = \"till\" }, { buy = \"till\", for_s = 10 }, { release = true }] }\n\
         b = { do = [{ stay = 1000 }] }\nc = { do = [{ stay = 1000 }] }\n";
-    // The line has six slots. The first of eight stands at its head and goes on to the till at once; one finds it full.
+    // The line has six slots. The first of eight stands at its head and goes on to the till at once; others join where the line ends when
+    // they come there, one after the other, and the last finds it full.
     let at = |until: f64| {
         let (brains, _) = played(8, story, &[], until);
         assert_eq!(brains.num_holding_twice(), 0);
@@ -133,9 +134,10 @@ fn those_in_a_queue_move_up_and_nobody_holds_two_slots() {
         states.sort();
         (states, brains.holders.iter().filter(|h| **h != super::super::tables::NONE).count())
     };
-    assert_eq!(at(1.0), (vec![("a".into(), 7), ("c".into(), 1)], 7));
+    assert_eq!(at(1.0), (vec![("a".into(), 8)], 1));
+    assert_eq!(at(5.2), (vec![("a".into(), 8)], 4), "one in each 1.7 s");
     // One at the till, six in line; it is done 1.7 + 10 s after it is its turn.
-    assert_eq!(at(11.6).1, 7);
+    assert_eq!(at(11.6), (vec![("a".into(), 7), ("c".into(), 1)], 7));
     assert_eq!(at(11.8), (vec![("a".into(), 6), ("b".into(), 1), ("c".into(), 1)], 6));
 }
 

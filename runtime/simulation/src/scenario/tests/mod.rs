@@ -1,5 +1,6 @@
 //! Agent brains on a stage of paper, whose agents are moved by hand.
 
+mod expectations;
 mod hand;
 mod language;
 mod plain;
@@ -92,6 +93,10 @@ impl ScenarioStage for Paper {
     }
     fn show_activity(&mut self, agent: u32, motion: Option<u16>, _: Option<Vec3>) {
         self.note(agent, format!("show {}", motion.is_some()));
+    }
+    fn face_agent(&mut self, _: u32, _: u32) {}
+    fn sees(&self, _: Vec3, _: Vec3, _: f32, _: bool) -> bool {
+        true
     }
     fn thing_position(&self, thing: u16) -> Vec3 {
         Vec3::new(f32::from(thing), 1.0, 9.0)
@@ -208,15 +213,22 @@ pub(super) fn play(lives: &mut impl Lives, stage: &mut Paper, script: &[(f64, Si
     }
 }
 
-/// A scene of so many agents, with more.
+/// A scene of so many agents, with more, in which news are told at once.
 pub(super) fn scene(num: usize, more: &str) -> Scene {
+    scene_of_tellers(num, more, 0.0)
+}
+
+/// A scene of so many agents, with more, in which telling takes time.
+pub(super) fn scene_of_tellers(num: usize, more: &str, telling_s: f32) -> Scene {
     let text = format!(
         "seed = 5\n{more}\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = {num}\ngraph = \"life\"\n\
          place = {{ block = {{ from = [0.0, 0.0], to = [99.0, 9.0] }} }}\n"
     );
     let text =
         if more.contains("[graphs.life]") { text } else { text.replace("graph = \"life\"", "goal = { stay = {} }") };
-    Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"))
+    let mut scene = Scene::parse(&text, Path::new("scene.toml")).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    scene.agents.telling_s = telling_s;
+    scene
 }
 
 pub(super) fn brains(scene: &Scene) -> AgentBrains {

@@ -485,7 +485,8 @@ impl Plain {
                 stage.show_activity(a, ["greet", "buy"].contains(&Self::action_name(action)).then_some(0), None);
                 if command.stay_s > 0.0 { person.until = now + command.stay_s } else { self.ended(stage, a) }
             }
-            WalkCommand::To { at, arrival_m } => {
+            // Nothing is in the way on paper.
+            WalkCommand::To { at, arrival_m } | WalkCommand::Near { at, arrival_m, .. } => {
                 person.walks = true;
                 if position.distance(at) <= arrival_m {
                     self.arrived(stage, a);

@@ -154,6 +154,9 @@ pub struct RelationConfig {
     pub of: String,
     /// A group, one agent of it, or a place.
     pub to: String,
+    /// Whether it holds from `of` to `to` alone; otherwise also the other way round, for the same pairs.
+    #[serde(default)]
+    pub one_sided: bool,
     /// Share of the pairs for which it holds, drawn at random, alike from both sides (0 to 1).
     #[serde(default = "whole")]
     pub share: f32,
@@ -222,6 +225,10 @@ pub struct RuleConfig {
     /// Behaviour: a name, or actions.
     #[serde(rename = "do")]
     pub does: StoryBehaviour,
+    /// Whether the other agent of the event (`other`) follows the rule at the same time, with this one as its `other`; nobody does where
+    /// either is busy with a rule.
+    #[serde(default)]
+    pub both: bool,
     /// Priority: it interrupts behaviours of rules with the same or a lower one.
     #[serde(default)]
     pub priority: i8,

@@ -1,0 +1,160 @@
+//! Each kind of expectation holds in a good run, and is seen to break in one that was spoilt on purpose.
+
+use super::super::agent_brain::ActionPhase;
+use super::super::expectations::{AgentsView, ExpectationMeters};
+use super::super::tables::NONE;
+use super::super::{ExpectationOutcome, Scenario};
+use super::{Paper, brains};
+use crate::scene::Scene;
+use crate::{ExpectationWatch, Simulation};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Eight people who walk 20 m to the right.
+const WALKERS: &str = "seconds = 20.0\n[[groups]]\nname = \"walkers\"\nmotion = \"none\"\ncount = 8\n\
+    place = { block = { from = [0.0, 0.0], to = [6.0, 4.0] } }\ngoal = { shift = { by = [20.0, 0.0] } }\n";
+
+/// The outcome of one expectation of a scene.
+fn outcome(scene: &str, that: &str) -> ExpectationOutcome {
+    let text = format!("{scene}\n[[expect]]\nname = \"it\"\n{that}\n");
+    let compiled = Scene::parse(&text, Path::new("a.toml")).and_then(|s| s.open()).unwrap_or_else(|e| panic!("{e}"));
+    let mut sim = Simulation::new(&compiled).unwrap();
+    let mut watch = ExpectationWatch::new(&compiled).unwrap();
+    watch.observe(&sim);
+    while sim.time_s() < compiled.scene().seconds {
+        sim.step(1.0 / 30.0).unwrap();
+        watch.observe(&sim);
+    }
+    watch.finish(&sim, |group, key| (key == "deep" && group.is_none()).then_some(0.5)).unwrap().remove(0)
+}
+
+/// Holds in a good scene, and breaks in a spoilt one.
+fn breaks(good: &str, spoilt: &str, that: &str) -> ExpectationOutcome {
+    let [good, spoilt] = [good, spoilt].map(|scene| outcome(scene, that));
+    assert!(good.holds && good.values > 0 && good.worst.is_empty(), "{that}: {good:?}");
+    assert!(!spoilt.holds, "{that}: {spoilt:?}");
+    spoilt
+}
+
+#[test]
+fn who_goes_where_nobody_may_is_named_with_time_and_cause() {
+    let spoilt = WALKERS.replace("20.0, 0.0] } }", "20.0, 9.0] } }");
+    for that in ["that.never = \"me.z > 5\"", "that.always = \"me.z <= 5\""] {
+        let broken = breaks(WALKERS, &spoilt, that);
+        assert!(broken.worst.len() == 3 && broken.worst[0].at[1] > 5.0, "{:?}", broken.worst);
+        assert!(broken.worst[0].why.contains("of walkers at"), "{:?}", broken.worst);
+    }
+}
+
+#[test]
+fn checkpoints_are_passed_by_all_in_order_and_in_time() {
+    let spoilt = WALKERS.replace("20.0, 0.0] } }", "-20.0, 0.0] } }");
+    let that = "that.passes = [\"me.x > 8\", \"me.x > 18\"]";
+    let broken = breaks(WALKERS, &spoilt, that);
+    assert_eq!((broken.figure, broken.worst.len()), (0.0, 3));
+    let times = format!("{that}\ntake = \"median\"\nleast = 6.0\nmost = 9.0");
+    breaks(WALKERS, &WALKERS.replace("goal =", "speed_mps = [2.5, 2.6]\ngoal ="), &times);
+    let early = format!("{that}\nbetween_s = [0.0, 12.0]\nleast = 0.1");
+    breaks(WALKERS, &WALKERS.replace("goal =", "speed_mps = [0.4, 0.5]\ngoal ="), &early);
+    // The other way round, the first is passed last.
+    let turned = outcome(WALKERS, "that.passes = [\"me.x > 18\", \"me.x > 8\"]");
+    assert!(!turned.holds && turned.figure == 0.0, "{turned:?}");
+}
+
+#[test]
+fn durations_and_amounts_have_bounds() {
+    let short = WALKERS.replace("20.0, 0.0] } }", "2.0, 0.0] } }");
+    breaks(WALKERS, &short, "that.lasts = \"me.speed > 0.5\"\ntake = \"median\"\nleast = 8.0");
+    breaks(WALKERS, &short, "that.amount = \"me.x\"\ntake = \"max\"\nleast = 20.0");
+    let left = WALKERS.replace("goal =", "at_end = \"leave\"\ngoal =");
+    breaks(WALKERS, &left, "that.amount = \"count('walkers')\"\ntake = \"min\"\nleast = 8");
+    let none = outcome(WALKERS, "that.lasts = \"me.speed > 50\"\nmost = 1.0");
+    assert!(!none.holds && none.values == 0, "what nothing was measured for is broken");
+}
+
+#[test]
+fn figures_are_those_of_the_report() {
+    assert!(outcome(WALKERS, "that.figure = \"deep\"\nmost = 0.6").holds);
+    assert!(!outcome(WALKERS, "that.figure = \"deep\"\nmost = 0.4").holds);
+}
+
+#[test]
+fn news_that_come_at_once_are_no_wave() {
+    let line = "seconds = 40.0\nagents.meeting_m = 3.0\n[[groups]]\nname = \"row\"\nmotion = \"none\"\ncount = 20\n\
+        place = { block = { from = [0.0, 0.0], to = [40.0, 1.0], jitter = 0.0 } }\ngoal = { stay = {} }\n\
+        [[events]]\nname = \"fire\"\nat_s = 1.0\nwho = \"me.x < 2\"\npassed_on = true\n";
+    let spoilt = line.replace("meeting_m = 3.0", "meeting_m = 3.0\nagents.telling_s = 0.0");
+    let that = "that.news = \"fire\"\nleast = 0.5\nmost = 3.0";
+    breaks(line, &spoilt, that);
+    // A wall with nobody round it keeps news back, as a closed door does.
+    let walled = format!("{line}[[environment.obstacles]]\nwall = {{ points = [[20.0, -40.0], [20.0, 40.0]] }}\n");
+    let reached = "that.passes = [\"'fire' in me.news\"]";
+    breaks(line, &walled, reached);
+}
+
+#[test]
+fn greetings_of_one_are_monologues() {
+    let both = "seconds = 12.0\nagents.meeting_m = 2.2\n[values.far]\n[[groups]]\nname = \"a\"\nmotion = \"none\"\ncount = 4\n\
+        place = { block = { from = [0.0, 0.0], to = [0.8, 30.0], jitter = 0.0 } }\ngoal = { shift = { by = [20.0, 0.0] } }\n\
+        [[groups]]\nname = \"b\"\nmotion = \"none\"\ncount = 4\n\
+        place = { block = { from = [14.0, 0.4], to = [14.8, 30.4], jitter = 0.0 } }\ngoal = { shift = { by = [-20.0, 0.0] } }\n\
+        [[rules]]\nname = \"greet\"\non = \"meets\"\nwhen = \"not other.busy and me.group != other.group\"\n\
+        pause_s = 30\nboth = true\ndo = [{ greet = \"other\", for_s = 2.5 }]\n";
+    let broken = breaks(both, &both.replace("both = true\n", ""), "that.mutual = \"greet\"\nleast = 0.9");
+    assert!(broken.worst[0].why.contains("by rule \"greet\""), "{:?}", broken.worst);
+}
+
+#[test]
+fn overtaking_in_a_line_is_seen() {
+    let story = "[[places]]\nname = \"line\"\nat = [0.0, 0.0]\nqueue = { points = [[0.0, 0.0], [0.0, 5.0]], spacing_m = 1.0 }\n\
+        [[rules]]\non = \"starts\"\ndo = [{ stay = 100 }]\n[[expect]]\nname = \"in order\"\nthat.queue = \"line\"\n";
+    let scene = super::scene(3, story);
+    let scenario = Arc::new(Scenario::new(&scene, &Default::default()).unwrap().unwrap());
+    let (mut brains, mut stage) = (brains(&scene), Paper::new(3));
+    brains.begin_scene(&mut stage, &[1.3; 3]).unwrap();
+    // Since when each agent stands in line, and when it is let in (s).
+    let mut share = |waits: [[f64; 2]; 3]| {
+        let mut meters = ExpectationMeters::new(&scenario, &scene.expect);
+        let facing = |_: u32| None;
+        for step in 0..=100 {
+            let now = f64::from(step) * 0.1;
+            for (a, [since, until]) in waits.into_iter().enumerate() {
+                let stands = (since..until).contains(&now);
+                // All that are let in have come to the head.
+                brains.brains[a].slot = if stands { if until - now < 0.35 { 0 } else { a as u32 + 1 } } else { NONE };
+                brains.brains[a].phase = if stands { ActionPhase::Waiting } else { ActionPhase::Idle };
+            }
+            let view = AgentsView { brains: Some(&brains), stage: &stage, first: 0, facing: &facing, now };
+            meters.observe(view, step == 100);
+        }
+        meters.finish(|_, _| None).unwrap().remove(0)
+    };
+    let good = share([[1.0, 3.0], [2.5, 5.0], [4.0, 7.0]]);
+    assert!(good.holds && good.values == 3, "{good:?}");
+    let overtaken = share([[1.0, 6.0], [2.5, 5.0], [4.0, 7.0]]);
+    assert!(!overtaken.holds && (overtaken.figure - 2.0 / 3.0).abs() < 1e-6, "{overtaken:?}");
+    assert_eq!(overtaken.worst[0].agent, 1, "it was let in before another one");
+    let forgotten = share([[1.0, 99.0], [2.5, 5.0], [4.0, 7.0]]);
+    assert!((forgotten.figure - 1.0 / 3.0).abs() < 1e-6, "{forgotten:?}");
+}
+
+#[test]
+fn faults_of_expectations_name_their_line() {
+    let told = |that: &str| {
+        let text = format!("{WALKERS}\n[[expect]]\nname = \"it\"\n{that}\n");
+        Scene::parse(&text, Path::new("a.toml")).and_then(|s| s.open()).unwrap_err().to_string()
+    };
+    for (that, wanted) in [
+        ("that.never = \"me.q > 5\"", vec!["a.toml:11:", "`me.q`"]),
+        ("that.passes = [\"me.x > 5\",\n\"me.x >\"]", vec!["a.toml:12:"]),
+        ("that.news = \"fire\"\nmost = 1.0", vec!["a.toml:11:", "event `fire`"]),
+        ("that.amount = \"me.x\"", vec!["`least` or `most`"]),
+        ("that.amount = \"me.x\"\nleast = 3.0\nmost = 1.0", vec!["a.toml:13:", "at least 3"]),
+        ("that.mutual = \"great\"", vec!["a.toml:11:", "`greet`"]),
+        ("that.sometimes = \"me.x > 5\"", vec!["a.toml:11:", "sometimes"]),
+        ("that.figure = \"stuck\"\nmost = 1.0\nwho = [\"walker\"]", vec!["a.toml:13:", "walkers"]),
+    ] {
+        let message = told(that);
+        assert!(wanted.iter().all(|w| message.contains(w)), "{that}: {message}");
+    }
+}
