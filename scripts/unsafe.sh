@@ -19,7 +19,7 @@ for part in "${parts[@]}"; do
         fi
         # Miri would make arithmetic inexact at random, and reads no assembly.
         export MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-permissive-provenance -Zmiri-deterministic-floats" PROPTEST_CASES=2
-        for tests in ${MIRI_TESTS:-throng-base:snapshot throng-base:checksum throng-base:simd throng-core:format:: throng-core:policy:: throng-core:blend::}; do
+        for tests in ${MIRI_TESTS:-throng-base:snapshot throng-base:checksum throng-base:frame:: throng-base:simd throng-core:format:: throng-core:policy:: throng-core:blend::}; do
             crate=${tests%%:*} filter=${tests#*:}
             soft=throng-base/soft-floats
             [ "$crate" != throng-base ] || soft=soft-floats

@@ -7,17 +7,17 @@ use crate::args::{CommandResult, ReadArgs, SelectArgs, fail, is_bundle};
 use crate::{help, keys, output, progress};
 use std::path::PathBuf;
 use throng_core::base::error::ensure;
-use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, hit_picture};
+use throng_precompute::inspect::{self, BundleReport, ClipReport, FolderReport, LevelReport, hit_picture};
 use throng_precompute::{files, import, picture};
 
 /// Report the content of a motion file (format, units, axes, rest pose, roles, foot contacts, effective hits, and why), of
-/// many files (one line each, and what they lack for which behaviour), or of a bundle; or infer the surroundings of the
+/// many files (one line each, and what they lack for which behaviour), of a bundle or of a level; or infer the surroundings of the
 /// captured clips from contacts.
 #[derive(clap::Args)]
 #[command(after_long_help = help())]
 pub struct Args {
     /// Motion: files (.bvh, .amc, .npz, .glb, .gltf, .fbx; FILE/CLIP for one of several in a file), folders and archives
-    /// (.zip), searched to any depth, and patterns; or one bundle (.throng).
+    /// (.zip), searched to any depth, and patterns; or one bundle (.throng) or level (.level).
     #[arg(required = true, value_name = "FILE_OR_FOLDER")]
     files: Vec<PathBuf>,
     #[command(flatten)]
@@ -53,7 +53,9 @@ fn help() -> String {
     let with = "JSON keys (with --environment-out or --environment-png)";
     let folder = keys::json_keys_under::<FolderReport>("JSON keys (of several motion files or a folder)");
     let scene = keys::json_keys_under::<scene::SceneCollisionReport>("JSON keys (with --scene)");
-    [clip, folder, bundle, scene, keys::json_keys_under::<environment::EnvironmentReport<'static>>(with)].join("\n")
+    let level = keys::json_keys_under::<LevelReport>("JSON keys (of a level)");
+    [clip, folder, bundle, level, scene, keys::json_keys_under::<environment::EnvironmentReport<'static>>(with)]
+        .join("\n")
 }
 
 pub fn run(args: &Args) -> CommandResult {
@@ -62,6 +64,15 @@ pub fn run(args: &Args) -> CommandResult {
     }
     if args.environment_out.is_some() || args.environment_png.is_some() {
         return environment::run(args);
+    }
+    if let [file] = &args.files[..]
+        && crate::level::is_level(file)
+    {
+        let none = args.hits_png.is_none() && args.blends_png.is_none();
+        ensure(none, || "a level has neither hits nor blend spaces; `throng level FILE.level --png OUT.png` draws it")?;
+        return output::report(&LevelReport::new(file, &throng_level::Level::open(file)?), args.json, |r| {
+            output::text(format_args!("{r}\n"))
+        });
     }
     files::check_targets(args.hits_png.iter().chain(&args.blends_png), &args.files)?;
     let is_clip = |p: &PathBuf| {

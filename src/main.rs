@@ -22,6 +22,7 @@ mod figures;
 mod help;
 mod inspect;
 mod keys;
+mod level;
 mod output;
 mod plan;
 mod progress;
@@ -57,6 +58,7 @@ enum MainCommand {
     #[command(subcommand)]
     Query(query::QueryCommand),
     Stitch(stitch::Args),
+    Level(level::Args),
     Check(check::Args),
     Run(run::Args),
     Explain(explain::Args),
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         MainCommand::Verify(a) => verify::run(&a),
         MainCommand::Query(a) => query::run(&a),
         MainCommand::Stitch(a) => stitch::run(&a),
+        MainCommand::Level(a) => level::run(&a),
         MainCommand::Check(a) => check::run(&a),
         MainCommand::Run(a) => run::run(&a),
         MainCommand::Explain(a) => explain::run(&a),

@@ -25,7 +25,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// Every subcommand.
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "demo",
     "synth",
     "build",
@@ -34,6 +34,7 @@ const COMMANDS: [&str; 19] = [
     "verify",
     "query",
     "stitch",
+    "level",
     "check",
     "run",
     "explain",

@@ -58,10 +58,21 @@ const NUMBERS: [(&[&str], Options); 10] = [
         ],
     ),
     (
+        &["level", LEVEL, "--out", "OUT/a.level"],
+        &[
+            ("radius", &limits::RADIUS_M),
+            ("height", &limits::HEIGHT_M),
+            ("climb", &limits::CLIMB_M),
+            ("slope", &limits::SLOPE_DEG),
+        ],
+    ),
+    (
         &["query", "path", "BUNDLE", "--from", "1,1", "--to", "1,1"],
         &[("from", &limits::COORDINATE), ("to", &limits::COORDINATE)],
     ),
 ];
+
+const LEVEL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/level.geojson");
 
 const RUN: Options = &[
     ("characters", &limits::CHARACTERS),

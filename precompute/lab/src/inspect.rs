@@ -4,10 +4,12 @@ mod bundle;
 mod classes;
 mod folder;
 pub mod hit_picture;
+mod level;
 
 pub use bundle::BundleReport;
 pub use classes::{ClassLine, ClassTime};
 pub use folder::{FileLine, FolderReport, inspect_all};
+pub use level::{LevelLinkLine, LevelPlaceLine, LevelReport, floors as level_floors};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;

@@ -1,10 +1,11 @@
-//! Foundation of all crates of the runtime: ids, errors, limits, files, snapshots, hashes, threads, vectors of eight floats.
+//! Foundation of all crates of the runtime: ids, errors, limits, files and their frame, snapshots, hashes, threads, vectors of eight floats.
 
 mod checksum;
 pub mod clock;
 mod comm;
 pub mod error;
 pub mod file;
+pub mod frame;
 pub mod ground;
 mod hash;
 mod id;

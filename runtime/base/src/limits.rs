@@ -67,12 +67,15 @@ limits! {
     COORDINATE = "coordinate": -100_000 to 100_000 " m";
     EXPORT_HZ = "frames a second that are written": 1 to 1000 " Hz";
     FOLLOWED = "number of a character": 0 to 999_999 "";
+    CLIMB_M = "highest step": 0 to 10 " m";
     FRAMES = "number of frames": 1 to 1_000_000 "";
+    HEIGHT_M = "free height": 0.1 to 100 " m";
     LIVE_SPEED = "simulated seconds a second": 0 to 1000 "";
     MEASURING_S = "time given to a figure": 0.000_1 to 3600 " s";
     METRES_PER_UNIT = "length of a unit": 0.000_001 to 1_000_000 " m";
     MOMENT_S = "moment of a run": 0 to 100_000 " s";
     MOTION_HZ = "frames a second of motion files": 0.1 to 100_000 " Hz";
+    RADIUS_M = "radius of who walks": 0.01 to 10 " m";
     PATH_STEPS = "steps of all paths that are kept": 0 to 300_000_000 "";
     PICTURE_SIDE = "side of a picture or a window": 16 to 8192 " pixels";
     RATE_HZ = "frames a second": 20 to 240 " Hz";
@@ -82,6 +85,7 @@ limits! {
     SEED = "seed": 0 to 18_446_744_073_709_551_615u64 "";
     SHOWN_CHARACTERS = "number of characters shown": 1 to 100_000 "";
     SHOWN_FRAME = "frame of a clip": 0 to 4_294_967_295u32 "";
+    SLOPE_DEG = "steepest slope": 0 to 89 " degrees";
     STATE = "state of a motion graph": 0 to 4_294_967_295u32 "";
     STEP_HZ = "steps a second": 1 to 10_000 " Hz";
     STEP_S = "time step": 0 to 1 " s";

@@ -276,7 +276,7 @@ fn short_stands_become_long_ones_over_feet_that_stay() {
     for clip in &mut leaning.clips {
         let ankle = clip.joint_positions(&set.skeleton, 0)[Joint::LeftFoot.index()];
         let heading = maths::rotation_y(clip.planar(0).heading);
-        let lean = maths::compose(maths::compose(heading, maths::rotation_x(0.1)), heading.conjugate());
+        let lean = maths::compose(maths::compose(heading, maths::rotation_x(0.15)), heading.conjugate());
         for f in 0..clip.num_frames() {
             clip.root_positions[f] = ankle + lean * (clip.root_positions[f] - ankle);
             clip.rotations[f * NUM_JOINTS] = maths::compose(lean, clip.rotations[f * NUM_JOINTS]);

@@ -16,6 +16,7 @@ mod glitches;
 pub mod gltf;
 pub(crate) mod nodes;
 pub mod npz;
+pub mod obj;
 mod oddities;
 mod performers;
 mod person;

@@ -1,13 +1,12 @@
 //! Meshes of tasks: OBJ and glTF files.
 
-use super::obj;
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use throng_base::file::{MAX_TEXT_BYTES, read_file};
 use throng_geometry::{SolidShape, TriangleMesh};
-use throng_motion::import::gltf;
+use throng_motion::import::{gltf, obj};
 
 /// Reads a mesh.
 ///

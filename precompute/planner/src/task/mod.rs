@@ -11,7 +11,6 @@ mod grips;
 mod held_capsules;
 mod lean;
 mod mesh;
-mod obj;
 mod preview;
 mod run;
 mod scenery;
@@ -25,9 +24,9 @@ mod write_back;
 
 pub use entries::{PaceEntry, WalkEntry};
 pub use file::{ClipEntry, Task, TaskCharacter, TaskThing, ThingStart, WornFigure};
-pub use obj::triangles as obj_triangles;
 pub use preview::{MeshPreview, StepPreview};
 pub use run::{Attachment, ClipMismatch, RunOptions, StepOutcome, TaskEvent, TaskOutcome, UnresolvedSpan};
 pub use scenery::{Handle, TaskScenery};
 pub use stage::{ActorClip, TaskGaze};
+pub use throng_motion::import::obj::triangles as obj_triangles;
 pub use walk::{ActorSource, WalkError, WalkedTask};

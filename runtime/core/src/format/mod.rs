@@ -1,8 +1,6 @@
 //! The bundle: one little-endian file of checked sections (`*.throng`).
 //!
-//! A 64-byte [`FileHeader`] is followed by a table of [`SectionEntry`] rows and by the sections themselves, each starting
-//! on 64 bytes with zero padding between, in the order of the table, and nothing after the last. Sections hold
-//! plain-old-data records that are viewed in place.
+//! It has the frame of [`throng_base::frame`]; sections hold plain-old-data records that are viewed in place.
 //!
 //! Version history (a number is never used twice; any change of layout or meaning takes the next one):
 //!
@@ -15,28 +13,16 @@
 //! - 7: activities say when hands hold a thing; links and pairs of links that two people play together.
 //! - 8: clips say of every frame what class of motion it is.
 
-#[cfg(not(target_endian = "little"))]
-compile_error!("bundles are little-endian and viewed in place; this target is big-endian");
-
-mod error;
-mod header;
-mod layout;
 mod meta;
 mod motion_class;
 mod records;
 mod rotation_code;
-mod storage;
-mod table;
-mod writer;
 
-pub use error::FormatError;
-pub use header::{ALIGN, FileHeader, FileKind, MAGIC, SectionEntry, SectionTag, VERSION};
-pub use layout::SectionLayout;
 pub use meta::{ActivityMeta, BlendMeta, ClipMeta, MADE_TAG, Meta, PatchMeta, SourceMeta, decode, encode};
 pub use motion_class::{ClassSpan, Gait, MotionClass, Posture};
 pub use records::{ClipRecord, FrameRow, ROTATION_BYTES, SkeletonRecord};
 pub use rotation_code::{JointCode, RotationCode};
-pub use storage::{AlignedBytes, FileStorage};
-pub use table::Table;
-pub use throng_base::{crc32, crc32_of_pieces};
-pub use writer::BundleWriter;
+pub use throng_base::frame::{
+    ALIGN, AlignedBytes, BundleWriter, FileHeader, FileKind, FileStorage, FormatError, MAGIC, SectionEntry,
+    SectionLayout, SectionTag, Table, VERSION, crc32, crc32_of_pieces,
+};

@@ -281,7 +281,7 @@ fn goal_position<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
             let along = |i: usize| from.get(i).map_or(0.0, |f| f + (to[i] - f) * share(i));
             V::from_coordinates(std::array::from_fn(along))
         }
-        GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
+        GoalConfig::Place { .. } | GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Goals of groups of agents.
 
-use super::check::{KeyFault, check_corners, check_numbers, check_point};
+use super::check::{KeyFault, check_corners, check_numbers, check_point, key_fault};
 use serde::{Deserialize, Serialize};
 use throng_crowd::AtEnd;
 
@@ -13,6 +13,11 @@ pub enum GoalConfig {
     Point {
         /// The point (m).
         at: Vec<f32>,
+    },
+    /// A place of the scene, or of its level.
+    Place {
+        /// Name of the place.
+        name: String,
     },
     /// The same displacement for all agents.
     Shift {
@@ -77,6 +82,13 @@ impl GoalConfig {
     pub(super) fn find_fault(&self, key: &str, dimensions: usize) -> Result<(), KeyFault> {
         match self {
             Self::Point { at } => check_point(&format!("{key}.point.at"), at, dimensions),
+            // Known ones were replaced by their points.
+            Self::Place { name } => key_fault(
+                &format!("{key}.place.name"),
+                format!(
+                    "there is no place \"{name}\" in the scene or its level; `throng inspect` lists those of a level"
+                ),
+            ),
             Self::Shift { by } => check_point(&format!("{key}.shift.by"), by, dimensions),
             Self::Opposite { centre } => check_point(&format!("{key}.opposite.centre"), centre, dimensions),
             Self::Area { from, to } => check_corners(&format!("{key}.area"), from, to, dimensions),
@@ -94,7 +106,7 @@ impl GoalConfig {
             Self::Shift { by: far } => scale_points(&mut [far], by),
             Self::Opposite { centre } => scale_points(&mut [centre], by),
             Self::Area { from, to } | Self::Wander { from, to, .. } => scale_points(&mut [from, to], by),
-            Self::Stay {} => {}
+            Self::Place { .. } | Self::Stay {} => {}
         }
     }
 }

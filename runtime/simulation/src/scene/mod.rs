@@ -6,6 +6,7 @@ mod expect;
 mod goal;
 mod group;
 mod happening;
+mod level;
 mod measure;
 mod obstacle;
 mod place;
@@ -20,6 +21,7 @@ pub use group::{
     StruckTargetConfig, WeightedBehaviour, WeightedGoal,
 };
 pub use happening::{HappeningConfig, NearConfig};
+pub use level::SceneLevelConfig;
 pub use measure::{GateConfig, LanesConfig, PictureConfig, PictureStyle, SceneMeasureConfig};
 pub(crate) use obstacle::to_point;
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PathPoint, PolygonConfig, WallConfig};
@@ -71,6 +73,9 @@ pub struct Scene {
     /// Environment: space, obstacles, doors, ground and world.
     #[serde(default)]
     pub environment: EnvironmentConfig,
+    /// Level, whose borders are walls and whose places are places of the scene.
+    #[serde(default)]
+    pub level: Option<SceneLevelConfig>,
     /// Settings of agents: how they avoid each other, and what they sense.
     #[serde(default)]
     pub agents: AgentsConfig,
@@ -169,6 +174,7 @@ impl Scene {
         scene.source = source;
         scene.convert_to_metres();
         check::refuse_foreign_keys(&scene)?;
+        scene.add_level()?;
         scene.check()?;
         Ok(scene)
     }
@@ -333,10 +339,11 @@ impl Scene {
 
     fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let e = &mut self.environment;
+        let level = self.level.as_mut().map(|l| &mut l.file);
         let own = [&mut self.bundle, &mut self.config, &mut e.world, &mut e.world_config];
         let groups = self.groups.iter_mut();
         let of_groups = groups.flat_map(|g| [&mut g.bundle, &mut g.config, &mut g.world, &mut g.world_config]);
-        own.into_iter().chain(of_groups).flatten()
+        own.into_iter().chain(of_groups).flatten().chain(level)
     }
 }
 

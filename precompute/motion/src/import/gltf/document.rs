@@ -31,6 +31,9 @@ pub struct GltfDocument {
     /// All meshes.
     #[serde(deserialize_with = "limited")]
     pub meshes: Vec<GltfMesh>,
+    /// All materials.
+    #[serde(deserialize_with = "limited")]
+    pub materials: Vec<GltfMaterial>,
     /// All skins.
     #[serde(deserialize_with = "limited")]
     pub skins: Vec<Skin>,
@@ -81,6 +84,16 @@ pub struct GltfNode {
     pub rotation: Option<[f32; 4]>,
     /// Scale along its own axes.
     pub scale: Option<[f32; 3]>,
+    /// Properties that a program added.
+    pub extras: serde_json::Value,
+}
+
+/// A material.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct GltfMaterial {
+    /// Its name.
+    pub name: String,
 }
 
 /// Geometry in parts.

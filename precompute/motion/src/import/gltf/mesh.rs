@@ -29,6 +29,47 @@ const TRIANGLES: u32 = 4;
 /// # Errors
 /// [`BuildError::Io`], or [`BuildError::Config`] with file and mesh, accessor or buffer.
 pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>> {
+    Ok(scene(path)?.triangles)
+}
+
+/// Triangles of a scene, and the nodes that show them.
+#[derive(Debug, Default)]
+pub struct TriangleScene {
+    /// Corners of all triangles (m).
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Parts of meshes, in the order of their triangles.
+    pub parts: Vec<ScenePart>,
+    /// Nodes, parents before their children.
+    pub nodes: Vec<SceneNode>,
+}
+
+/// Triangles of a node with one material.
+#[derive(Debug)]
+pub struct ScenePart {
+    /// First triangle.
+    pub first: usize,
+    /// Node in [`TriangleScene::nodes`].
+    pub node: usize,
+    /// Name of the material.
+    pub material: String,
+}
+
+/// Node of a scene.
+#[derive(Debug)]
+pub struct SceneNode {
+    /// Name; the text of its extra property `throng` where it has one.
+    pub name: String,
+    /// Origin (m).
+    pub at: Vec3,
+    /// Parent in [`TriangleScene::nodes`].
+    pub parent: Option<usize>,
+}
+
+/// Reads the triangles of a file as [`triangles`] does, with names.
+///
+/// # Errors
+/// As [`triangles`].
+pub fn scene(path: &Path) -> Result<TriangleScene> {
     let fail = |what: String| BuildError::Config { message: format!("{}: {what}", path.display()) };
     let bytes = read_file(path, "a mesh", MAX_BYTES)?;
     let (document, binary) = document(&bytes).map_err(fail)?;
@@ -38,11 +79,12 @@ pub fn triangles(path: &Path) -> Result<Vec<[Vec3; 3]>> {
     }
     let reader = AccessorReader::new(&document, binary, path)?;
     let seen = vec![false; document.nodes.len()];
-    let mut scene = TriangleScene { document: &document, reader, seen, positions: 0, parts: 0, out: Vec::new() };
+    let out = TriangleScene::default();
+    let mut scene = SceneCollector { document: &document, reader, seen, positions: 0, parts: 0, out };
     for root in roots(&document).map_err(fail)? {
-        scene.node(root, Mat4::IDENTITY, 0).map_err(fail)?;
+        scene.node(root, Mat4::IDENTITY, None, 0).map_err(fail)?;
     }
-    if scene.out.is_empty() {
+    if scene.out.triangles.is_empty() {
         return Err(fail("expected triangles in the scene's meshes, found none".into()));
     }
     Ok(scene.out)
@@ -61,7 +103,7 @@ fn roots(document: &GltfDocument) -> Result<Vec<usize>, String> {
 }
 
 /// A scene whose triangles are being collected.
-struct TriangleScene<'a> {
+struct SceneCollector<'a> {
     document: &'a GltfDocument,
     reader: AccessorReader<'a>,
     /// True for nodes that were visited.
@@ -70,11 +112,11 @@ struct TriangleScene<'a> {
     positions: usize,
     /// Parts of meshes that were visited so far.
     parts: usize,
-    out: Vec<[Vec3; 3]>,
+    out: TriangleScene,
 }
 
-impl TriangleScene<'_> {
-    fn node(&mut self, index: usize, outer: Mat4, depth: usize) -> Result<(), String> {
+impl SceneCollector<'_> {
+    fn node(&mut self, index: usize, outer: Mat4, parent: Option<usize>, depth: usize) -> Result<(), String> {
         let node = self.document.nodes.get(index).ok_or_else(|| format!("nodes[{index}]: there is no such node"))?;
         if depth > MAX_DEPTH {
             return Err(format!("nodes[{index}]: expected at most {MAX_DEPTH} levels of nodes"));
@@ -83,14 +125,20 @@ impl TriangleScene<'_> {
             return Err(format!("nodes[{index}]: it is held more than once; nodes have one parent"));
         }
         let here = outer * transform(node).map_err(|e| format!("nodes[{index}].{e}"))?;
+        let name = node.extras.get("throng").and_then(|mark| mark.as_str()).unwrap_or(&node.name).to_owned();
+        let own = self.out.nodes.len();
+        self.out.nodes.push(SceneNode { name, at: here.transform_point3(Vec3::ZERO), parent });
         if let Some(m) = node.mesh {
             let mesh =
                 self.document.meshes.get(m).ok_or_else(|| format!("nodes[{index}].mesh: there is no mesh {m}"))?;
             for (i, primitive) in mesh.primitives.iter().enumerate() {
+                let material = primitive.material.and_then(|m| self.document.materials.get(m));
+                let material = material.map_or_else(String::new, |m| m.name.clone());
+                self.out.parts.push(ScenePart { first: self.out.triangles.len(), node: own, material });
                 self.primitive(primitive, here).map_err(|e| format!("meshes[{m}].primitives[{i}]: {e}"))?;
             }
         }
-        node.children.iter().try_for_each(|&c| self.node(c, here, depth + 1))
+        node.children.iter().try_for_each(|&c| self.node(c, here, Some(own), depth + 1))
     }
 
     fn primitive(&mut self, primitive: &GltfPrimitive, at: Mat4) -> Result<(), String> {
@@ -112,7 +160,7 @@ impl TriangleScene<'_> {
         let positions = self.reader.count(accessor)?;
         self.positions = self.positions.saturating_add(positions);
         let triangles = primitive.indices.map_or(Ok(positions), |i| self.reader.count(i))? / 3;
-        if self.positions > MAX_POSITIONS || triangles > MAX_TRIANGLES - self.out.len() {
+        if self.positions > MAX_POSITIONS || triangles > MAX_TRIANGLES - self.out.triangles.len() {
             return Err(format!(
                 "a file may have {MAX_TRIANGLES} triangles and {MAX_POSITIONS} positions at most, each node that shows a \
                  mesh counted; export a simpler mesh"
@@ -134,7 +182,7 @@ impl TriangleScene<'_> {
                 let known = points.len();
                 points.get(i).copied().ok_or_else(|| format!("index {i} of {known} positions: expected less"))
             };
-            self.out.push([corner(0)?, corner(1)?, corner(2)?]);
+            self.out.triangles.push([corner(0)?, corner(1)?, corner(2)?]);
         }
         Ok(())
     }

@@ -22,7 +22,7 @@ pub use document::{
 };
 use glam::{DMat4, DQuat, DVec3, Mat4};
 pub(crate) use mesh::MAX_PARTS;
-pub use mesh::{MAX_TRIANGLES, triangles};
+pub use mesh::{MAX_TRIANGLES, SceneNode, ScenePart, TriangleScene, scene, triangles};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

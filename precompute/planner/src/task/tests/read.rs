@@ -1,6 +1,7 @@
 //! Files of tasks and meshes: what is refused, and where.
 
 use super::*;
+use throng_motion::import::obj;
 
 #[test]
 fn faults_name_their_line() {

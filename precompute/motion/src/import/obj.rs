@@ -1,16 +1,27 @@
 //! Triangles of Wavefront OBJ files.
 
+use super::gltf::{SceneNode, ScenePart, TriangleScene};
 use glam::Vec3;
 
 /// Most corners of a file.
 const MAX_CORNERS: usize = 15_000_000;
 
-/// Positions and faces of a text; polygons become fans of triangles, all else is left out.
+/// Triangles of a text, see [`scene`].
+///
+/// # Errors
+/// As [`scene`].
+pub fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
+    Ok(scene(text)?.triangles)
+}
+
+/// Positions, faces and the names of objects, groups and materials of a text; polygons become fans of triangles, all else is left
+/// out.
 ///
 /// # Errors
 /// Number of the line (from 1), and the fault in it.
-pub fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
+pub fn scene(text: &str) -> Result<TriangleScene, (usize, String)> {
     let (mut points, mut out) = (Vec::new(), Vec::new());
+    let (mut parts, mut nodes, mut material) = (Vec::new(), Vec::new(), String::new());
     for (i, line) in text.lines().enumerate() {
         let fail = |why: String| (i + 1, why);
         let mut words = line.split_whitespace();
@@ -30,13 +41,23 @@ pub fn triangles(text: &str) -> Result<Vec<[Vec3; 3]>, (usize, String)> {
                 }
                 out.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
             }
+            Some(key @ ("o" | "g" | "usemtl")) => {
+                let name = line.trim_start()[key.len()..].trim().to_owned();
+                if key == "usemtl" {
+                    material = name;
+                } else {
+                    nodes.push(SceneNode { name, at: Vec3::ZERO, parent: None });
+                }
+                let node = nodes.len().saturating_sub(1);
+                parts.push(ScenePart { first: out.len(), node, material: material.clone() });
+            }
             _ => {}
         }
         if points.len() > MAX_CORNERS || 3 * out.len() > MAX_CORNERS {
             return Err(fail(format!("expected at most {MAX_CORNERS} corners, found more")));
         }
     }
-    Ok(out)
+    Ok(TriangleScene { triangles: out, parts, nodes })
 }
 
 /// A corner such as `7`, `7/1/2` or `-1`: numbers count from 1, or from the last one backwards.

@@ -1,9 +1,9 @@
 //! Checks a file's frame: header, section table, padding, checksums. What the records say is checked by `Bundle`.
 
 use super::{ALIGN, FileHeader, FileKind, FormatError, SectionEntry, SectionTag, crc32};
+use crate::error::ensure;
 use bytemuck::Pod;
 use std::ops::Range;
-use throng_base::error::ensure;
 
 /// Most sections a bundle may have; a larger count is damage.
 const MAX_SECTIONS: u32 = 1024;

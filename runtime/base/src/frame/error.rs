@@ -4,14 +4,15 @@ use super::SectionTag;
 use std::path::PathBuf;
 
 /// Remedy of every fault, for messages.
-const AGAIN: &str = "Make it again with `throng build` (a bundle) or `throng stitch` (a world).";
+const AGAIN: &str =
+    "Make it again with `throng build` (a bundle), `throng stitch` (a world) or `throng level` (a level).";
 
 /// Reason why a file was refused. Every message ends with a remedy.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum FormatError {
     /// The file could not be opened, read or mapped.
-    #[error("{}: cannot be opened: {source}. Check the path, or make the file with `throng build` (a bundle) or `throng stitch` (a world).", path.display())]
+    #[error("{}: cannot be opened: {source}. Check the path, or make the file with `throng build` (a bundle), `throng stitch` (a world) or `throng level` (a level).", path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -39,7 +39,7 @@ impl std::fmt::Display for SectionTag {
     }
 }
 
-/// Fixed 64-byte file header, little-endian. Version history: `format/mod.rs`.
+/// Fixed 64-byte file header, little-endian. Versions of bundles: `format` of `throng-core`.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct FileHeader {

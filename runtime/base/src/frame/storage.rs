@@ -3,11 +3,11 @@
 #![allow(unsafe_code)]
 
 use super::{FileHeader, FormatError};
+use crate::Error;
+use crate::error::ensure;
+use crate::file::{MAX_BUNDLE_BYTES, open_file};
 use std::io::{ErrorKind, Read, Seek};
 use std::{fs::File, path::Path};
-use throng_base::Error;
-use throng_base::error::ensure;
-use throng_base::file::{MAX_BUNDLE_BYTES, open_file};
 
 #[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C, align(64))]
@@ -177,7 +177,9 @@ mod tests {
     #[cfg_attr(miri, ignore = "Miri maps no files")]
     fn of_a_file_that_is_refused_for_its_header_no_more_is_read() {
         let path = std::env::temp_dir().join(format!("throng-header-{}", std::process::id()));
-        let bytes = crate::characters::made_up::bytes(&[], false);
+        let (mut file, mut bytes) = (super::super::BundleWriter::new(), Vec::new());
+        file.section(super::super::SectionTag(*b"TEST"), &[1u32, 2]);
+        file.write(&mut bytes).unwrap();
         let read = |bytes: &[u8]| {
             std::fs::write(&path, bytes).unwrap();
             FileStorage::read(&path, "a bundle")
