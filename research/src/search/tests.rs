@@ -163,7 +163,7 @@ fn walks_to_the_target_and_stands_there() {
         let kernel = table.reward().kernel(z);
         f64::from(table.reward().of_segment::<true>(&records[0], Vec3::new(0.0, 0.0, z), kernel, end))
     };
-    let step = 0.992f64.powi(10);
+    let step = 0.996f64.powi(10);
     let exact = reward(1.0) + step * (reward(0.5) + step);
     assert!((f64::from(found.score) - exact).abs() < 2e-4, "{} {exact}", found.score);
 }

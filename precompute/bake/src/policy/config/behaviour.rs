@@ -26,7 +26,7 @@ pub struct PolicyBehaviourConfig {
     /// Active region.
     pub region: RegionConfig,
     /// Discount per frame at 30 Hz, for any database rate; 0.97 of Lee and Lee (2004) at 15 Hz is 0.985 here. If absent, that, and
-    /// 0.992 where `costs` count: with less, people would stop on their way to save a cost (0.5 to 0.9999).
+    /// 0.996 where `costs` count: with less, people would stop on their way to save a cost (0.5 to 0.9999).
     pub discount: Option<f64>,
     /// Combination of an action's moments to its reward; if absent, `integral` for `approach` and `max` for
     /// `throw_punches`.
@@ -73,7 +73,7 @@ pub struct PolicyBehaviourConfig {
 const TRANSITION_COST_S: f64 = 1.0;
 /// [`PolicyBehaviourConfig::discount`] without and with costs.
 const DISCOUNT: f64 = 0.985;
-const PATIENT_DISCOUNT: f64 = 0.992;
+const PATIENT_DISCOUNT: f64 = 0.996;
 
 impl Default for PolicyBehaviourConfig {
     fn default() -> Self {

@@ -29,12 +29,12 @@ impl Default for CostsConfig {
     fn default() -> Self {
         Self {
             backwards: 1.0,
-            sideways: 0.3,
-            gesture: 0.5,
+            sideways: 0.1,
+            gesture: 0.3,
             carrying: 0.5,
-            manner_change_s: 1.0,
-            standing_change_s: 0.3,
-            made: 0.3,
+            manner_change_s: 0.3,
+            standing_change_s: 0.0,
+            made: 0.2,
         }
     }
 }
