@@ -195,7 +195,8 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
         let then = if again { AtEnd::Again } else { AtEnd::Stay };
-        if let Some(from) = self.current_position(agent) {
+        // Rounds have no end that progress could be measured to.
+        if let Some(from) = self.current_position(agent).filter(|_| !again) {
             let path = &mut self.layout.paths[agent as usize];
             path.clear();
             path.extend(std::iter::once(from).chain(points.iter().map(|p| V::from_world(*p))));

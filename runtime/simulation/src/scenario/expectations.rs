@@ -210,29 +210,23 @@ impl ExpectationMeter {
                     }
                 }
             }
-            ExpectedQuantity::Lasts(_) => {
-                for a in 0..self.agents.len() as u32 {
-                    let brain = &view.brains.brains[a as usize];
-                    let holds = brain.is_there && table.who >> brain.group & 1 == 1 && view.holds(a, first);
-                    self.end_spell(view, config, a, !holds);
-                    if holds {
-                        let own = &mut self.agents[a as usize];
-                        own.since = own.since.min(view.agents.now);
-                    }
-                }
-            }
-            ExpectedQuantity::Amount(_) if table.is_of_all => self.values.push(view.evaluate(0, first) as f32),
             ExpectedQuantity::Amount(_) => {
                 view.members(table.who).for_each(|a| self.add(view, config, a, view.evaluate(a, first)))
             }
             ExpectedQuantity::Queue(_) => self.observe_queue(view, config, table.number),
-            ExpectedQuantity::Mutual(_) => {
+            ExpectedQuantity::Lasts(_) | ExpectedQuantity::Mutual(_) => {
                 for a in 0..self.agents.len() as u32 {
-                    let partner = view.partner(a, table.number).unwrap_or(NONE);
-                    self.end_spell(view, config, a, partner != self.agents[a as usize].other);
+                    let brain = &view.brains.brains[a as usize];
+                    let is_one = brain.is_there && table.who >> brain.group & 1 == 1;
+                    // A spell that only has to last is one of the agent with itself.
+                    let with = match config.that {
+                        ExpectedQuantity::Mutual(_) => view.partner(a, table.number).filter(|_| is_one),
+                        _ => (is_one && view.holds(a, first)).then_some(a),
+                    };
+                    self.end_spell(view, config, a, with.unwrap_or(NONE) != self.agents[a as usize].other);
                     let own = &mut self.agents[a as usize];
-                    if partner != NONE {
-                        (own.since, own.other) = (own.since.min(view.agents.now), partner);
+                    if let Some(with) = with {
+                        (own.since, own.other) = (own.since.min(view.agents.now), with);
                     }
                 }
                 for a in 0..self.agents.len() as u32 {

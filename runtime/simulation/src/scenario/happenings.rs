@@ -231,11 +231,9 @@ impl AgentBrains {
             let news = self.brains[from as usize].news & !self.brains[to as usize].news & shared;
             if self.scenario.telling_s == 0.0 {
                 self.learn_news(stage, from, to, news);
-            } else if news != 0 && self.brains[to as usize].told_at == f64::INFINITY {
-                if self.hears(stage, to, from) {
-                    let told_at = self.now + self.scenario.telling_s;
-                    (self.brains[to as usize].told_by, self.brains[to as usize].told_at) = (from, told_at);
-                }
+            } else if news != 0 && self.brains[to as usize].told_by == NONE && self.hears(stage, to, from) {
+                let told_at = self.now + self.scenario.telling_s;
+                (self.brains[to as usize].told_by, self.brains[to as usize].told_at) = (from, told_at);
             }
         }
         if self.scenario.meets {

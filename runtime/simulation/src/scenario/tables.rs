@@ -289,8 +289,6 @@ pub(super) struct ExpectationTable {
     pub who: u64,
     /// Predicates, or an amount.
     pub programs: Vec<Program>,
-    /// Whether its amount is one of all agents together.
-    pub is_of_all: bool,
     /// Number of its event, place or action.
     pub number: u16,
 }

@@ -43,7 +43,7 @@ pub enum ExpectedQuantity {
     Passes(Vec<String>),
     /// Duration of each spell in which a predicate holds for an agent (s, `p90`).
     Lasts(String),
-    /// Value of an expression for each agent at each time, or once for all where it has no `me` (`mean`).
+    /// Value of an expression for each agent at each time (`mean`).
     Amount(String),
     /// Speed at which the news of an event have come to each agent that was told, from the agents that saw it happen, where these are 5 m away
     /// or farther (m/s, `p95`).

@@ -1,7 +1,7 @@
 //! Compilation of expectations.
 
 use super::{CompileFault, CompileResult, ScenarioCompiler, compile_fault};
-use crate::scenario::language::{NameKind, Program, Type};
+use crate::scenario::language::{NameKind, Type};
 use crate::scenario::tables::{ExpectationTable, trigger};
 use crate::scene::{ExpectConfig, ExpectedQuantity};
 use throng_base::text::did_you_mean;
@@ -48,8 +48,7 @@ impl ScenarioCompiler<'_> {
                 }
             }
             ExpectedQuantity::Amount(text) => {
-                let key = format!("{key}.that.amount");
-                (table.is_of_all, table.programs) = self.compile_amount_of_all(text, &key)?;
+                table.programs.push(self.compile_expression(text, Type::Number, &format!("{key}.that.amount"))?);
             }
             ExpectedQuantity::News(name) => {
                 table.number = self.name_number(NameKind::Event, name, &format!("{key}.that.news"))?;
@@ -71,16 +70,5 @@ impl ScenarioCompiler<'_> {
             ExpectedQuantity::Figure(_) => {}
         }
         Ok(table)
-    }
-
-    /// Compiles an amount of all agents together where it is one, else of each agent.
-    fn compile_amount_of_all(&mut self, text: &str, key: &str) -> CompileResult<(bool, Vec<Program>)> {
-        self.out.names.is_of_all = true;
-        let of_all = self.compile_expression(text, Type::Number, key);
-        self.out.names.is_of_all = false;
-        match of_all {
-            Ok(program) => Ok((true, vec![program])),
-            Err(_) => Ok((false, vec![self.compile_expression(text, Type::Number, key)?])),
-        }
     }
 }

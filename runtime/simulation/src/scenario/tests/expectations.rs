@@ -158,3 +158,40 @@ fn faults_of_expectations_name_their_line() {
         assert!(wanted.iter().all(|w| message.contains(w)), "{that}: {message}");
     }
 }
+
+/// People of a graph with one state, which begins again.
+fn doing(does: &str, more: &str) -> String {
+    format!(
+        "seconds = 40.0\n{more}\n[[groups]]\nname = \"people\"\nmotion = \"none\"\ncount = 6\ngraph = \"life\"\n\
+         place = {{ block = {{ from = [-3.0, -3.0], to = [3.0, 3.0] }} }}\n[graphs.life]\nlevel = \"social\"\nstart = \"it\"\n\
+         edges = [{{ from = \"it\", to = \"it\" }}]\n[graphs.life.states]\nit = {{ do = [{does}, {{ stay = 0.2 }}] }}\n"
+    )
+}
+
+#[test]
+fn who_roams_stays_on_this_side_of_walls_and_open_doors() {
+    let hall = "[[environment.obstacles]]\nwall = { points = [[-1.0, -5.0], [-5.0, -5.0], [-5.0, 5.0], [5.0, 5.0], [5.0, -5.0], [1.0, -5.0]] }\n\
+        [[environment.doors]]\nname = \"gate\"\nfrom = [-1.0, -5.0]\nto = [1.0, -5.0]\nopen = true\n";
+    let that = "that.never = \"max(abs(me.x), abs(me.z)) > 5\"";
+    let roams = doing("{ roam = [0.0, 0.0], within_m = 12 }", hall);
+    breaks(&roams, &doing("{ go = [0.0, -12.0] }", hall), that);
+    let walked = outcome(&roams, "that.amount = \"me.speed\"\nleast = 0.5");
+    assert!(walked.holds, "{walked:?}");
+}
+
+#[test]
+fn who_follows_somebody_that_stands_stands() {
+    let that = "that.amount = \"me.speed\"\nbetween_s = [20.0, 30.0]\nmost = 0.1";
+    let [follows, roams] = ["{ follow = [12.0, 0.0], for_s = 100, within_m = 3.0 }", "{ roam = [0.0, 0.0] }"]
+        .map(|does| doing(does, "").replace("count = 6", "count = 1"));
+    breaks(&follows, &roams, that);
+}
+
+#[test]
+fn sources_admit_everybody_who_finds_room() {
+    let source = "seconds = 20.0\n[[groups]]\nname = \"comers\"\nmotion = \"none\"\ncount = 12\nacceleration_mps2 = [3.0, 6.0]\n\
+        place = { block = { from = [0.0, 0.0], to = [20.0, 20.0] } }\ngoal = { stay = {} }\n\
+        source = { start = 1, rates = [[0.0, 2.0]] }\n[[rules]]\non = \"starts\"\ndo = [{ stay = 1 }]\n";
+    let that = "that.amount = \"count('comers')\"\ntake = \"max\"\nleast = 12";
+    breaks(source, &source.replace("[[0.0, 2.0]]", "[[0.0, 0.05]]"), that);
+}
