@@ -10,6 +10,7 @@ mod files;
 mod folders;
 mod help;
 mod keys;
+mod level;
 mod live;
 mod numbers;
 mod plan;

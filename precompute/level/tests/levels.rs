@@ -262,6 +262,57 @@ fn links_lead_where_no_walk_does() {
 }
 
 #[test]
+fn scenes_take_walls_and_places_from_their_level() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (plan, file) = (folder.path().join("plan.geojson"), folder.path().join("a.level"));
+    let ring = |low: [f32; 2], high: [f32; 2]| {
+        let [[a, b], [c, d]] = [low, high];
+        format!("[[{a}, {b}], [{c}, {b}], [{c}, {d}], [{a}, {d}]]")
+    };
+    let feature = |rings: &str, mark: &str| {
+        format!(
+            r#"{{"geometry": {{"type": "Polygon", "coordinates": [{rings}]}}, "properties": {{"throng": "{mark}"}}}}"#
+        )
+    };
+    let ground = feature(&format!("{}, {}", ring([0.0, 0.0], [20.0, 12.0]), ring([8.0, 4.0], [12.0, 8.0])), "");
+    let goal = feature(&ring([16.0, 8.0], [19.0, 11.0]), "goal:exit");
+    std::fs::write(&plan, format!(r#"{{"features": [{ground}, {goal}]}}"#)).expect("a plan");
+    let source = LevelSource::read(&plan).expect("a plan");
+    let (level, data) = level_of(&source);
+    assert!(level.walls().len() >= 8, "{:?}", level.walls());
+    let mut bytes = Vec::new();
+    data.write(&mut bytes).expect("bytes");
+    std::fs::write(&file, bytes).expect("a level");
+    let parse = |level: &str, goal: &str| {
+        let text = format!(
+            "level = {{ file = \"{level}\" }}\n[[groups]]\nmotion = \"none\"\ncount = 8\narrival_m = 2.0\n\
+             place = {{ block = {{ from = [1.5, 1.5], to = [6.0, 4.0] }} }}\ngoal = {{ place = {{ name = \"{goal}\" }} }}\n"
+        );
+        throng_simulation::Scene::parse(&text, &folder.path().join("a.toml"))
+    };
+    let scene = parse("a.level", "exit").expect("a scene");
+    assert_eq!(scene.environment.obstacles.len(), level.walls().len());
+    let compiled = scene.open().expect("a scene");
+    let mut simulation = throng_simulation::Simulation::new(&compiled).expect("a simulation");
+    for _ in 0..400 {
+        simulation.step(0.1).expect("a step");
+        for who in 0..8 {
+            let at = simulation.disc(who).expect("an agent").centre;
+            let is_in_hole = at.x > 7.9 && at.x < 12.1 && at.z > 3.9 && at.z < 8.1;
+            assert!(level.nearest(at, 0.4).is_some() && !is_in_hole, "{at}");
+        }
+    }
+    for who in 0..8 {
+        let at = simulation.disc(who).expect("an agent").centre;
+        assert!((at.xz() - Vec2::new(17.5, 9.5)).length() < 4.0, "{who} is at {at}");
+    }
+    let unknown = parse("a.level", "moon").expect_err("no such place").to_string();
+    assert!(unknown.contains("there is no place \"moon\""), "{unknown}");
+    let absent = parse("b.level", "exit").expect_err("no such file").to_string();
+    assert!(absent.contains("throng level"), "{absent}");
+}
+
+#[test]
 fn sources_that_are_no_ground_are_refused_with_the_way_out() {
     let refused = |source: &LevelSource| bake(source, &LevelSettings::default(), &mut Vec::new()).unwrap_err();
     let triangle = [Vec3::ZERO, Vec3::X * 9.0, Vec3::Z * 9.0];

@@ -33,7 +33,7 @@ struct PathRoot {
 
 /// Part of an edge that is seen from a root.
 #[derive(Clone, Copy, Debug)]
-struct LevelPathNode {
+struct SeenInterval {
     root: u32,
     /// Polygon behind the edge, and the number of the edge as one of its own.
     polygon: u32,
@@ -75,13 +75,13 @@ struct SearchTarget {
 /// Memory of searches. Allocates until it is as large as the largest search.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LevelSearch {
-    nodes: Vec<LevelPathNode>,
+    nodes: Vec<SeenInterval>,
     roots: Vec<PathRoot>,
     waiting: BinaryHeap<WaitingNode>,
     /// Search in which each vertex was reached last, and the length of the path to it (m).
     reached: Vec<(u32, f64)>,
     round: u32,
-    fresh: Vec<LevelPathNode>,
+    fresh: Vec<SeenInterval>,
 }
 
 /// Position on the plane of x and z (m).
@@ -147,12 +147,12 @@ impl LevelSearch {
     }
 
     /// Expands nodes up to that by which the path ends.
-    fn run(&mut self, level: &Level, start: u32, target: &SearchTarget, most_m: f64) -> Option<LevelPathNode> {
+    fn run(&mut self, level: &Level, start: u32, target: &SearchTarget, most_m: f64) -> Option<SeenInterval> {
         let (polygons, edges) = (&level.0.polygons, &level.0.edges);
         let own = polygons[start as usize];
         for k in 0..own.num_edges {
             let [a, b] = [k, (k + 1) % own.num_edges].map(|k| edges[(own.first_edge + k) as usize]);
-            let node = LevelPathNode {
+            let node = SeenInterval {
                 root: 0,
                 polygon: a.neighbour,
                 edge: a.twin,
@@ -195,7 +195,7 @@ impl LevelSearch {
     }
 
     /// Puts a node among those that wait, with the least length of a path by it.
-    fn wait(&mut self, node: LevelPathNode, target: &SearchTarget, most_m: f64) {
+    fn wait(&mut self, node: SeenInterval, target: &SearchTarget, most_m: f64) {
         let root = self.roots[node.root as usize];
         let left = length_through(root.at, node.ends, target.at).0;
         // In the target's own polygon the length is known.
@@ -207,7 +207,7 @@ impl LevelSearch {
     }
 
     /// Finds what is seen through a node on the far edges of its polygon, and what is reached round its ends.
-    fn expand(&mut self, level: &Level, node: &LevelPathNode, target: &SearchTarget) {
+    fn expand(&mut self, level: &Level, node: &SeenInterval, target: &SearchTarget) {
         let (polygon, edges) = (level.0.polygons[node.polygon as usize], &level.0.edges);
         let root = self.roots[node.root as usize];
         let rays = node.ends.map(|end| end - root.at);
@@ -258,8 +258,13 @@ impl LevelSearch {
                 };
                 let [(from, a), (to, b)] = [from, to].map(cut);
                 if edge.neighbour != NONE {
-                    let node =
-                        LevelPathNode { root, polygon: edge.neighbour, edge: edge.twin, ends: [from, to], vertices: [a, b] };
+                    let node = SeenInterval {
+                        root,
+                        polygon: edge.neighbour,
+                        edge: edge.twin,
+                        ends: [from, to],
+                        vertices: [a, b],
+                    };
                     self.fresh.push(node);
                 }
             }
@@ -267,7 +272,7 @@ impl LevelSearch {
     }
 
     /// Root at an end of a node; none where no shortest path bends there.
-    fn bend_at(&mut self, level: &Level, node: &LevelPathNode, side: usize) -> Option<u32> {
+    fn bend_at(&mut self, level: &Level, node: &SeenInterval, side: usize) -> Option<u32> {
         let (at, vertex) = (node.ends[side], node.vertices[side]);
         if vertex == NONE || level.0.vertices[vertex as usize].is_corner == 0 {
             return None;
