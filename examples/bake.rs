@@ -25,7 +25,7 @@ pub fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut config = BuildConfig::new("walk", vec![folder.path().to_path_buf()]);
     config.behaviours.push(PolicyBehaviourConfig {
         name: "far".into(),
-        discount: 0.99,
+        discount: Some(0.99),
         ..PolicyBehaviourConfig::default()
     });
 

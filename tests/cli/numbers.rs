@@ -8,7 +8,7 @@ type Options = &'static [(&'static str, &'static Limit)];
 
 /// Commands, and their options that are numbers. `BUNDLE` and `OUT` stand for a file and a folder, and what else is given
 /// keeps runs short.
-const NUMBERS: [(&[&str], Options); 10] = [
+const NUMBERS: [(&[&str], Options); 11] = [
     (&["check", "OUT/absent.toml", "--run"], &[("seeds", &limits::REPEATS)]),
     (&["run", "BUNDLE", "--characters", "2", "--seconds", "0.1"], RUN),
     (&["demo", "--characters", "2", "--seconds", "0.1", "--out", "OUT/a.png", "--bundle", "OUT/a.throng"], TRIAL),
