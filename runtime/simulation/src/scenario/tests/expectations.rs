@@ -180,14 +180,6 @@ fn who_roams_stays_on_this_side_of_walls_and_open_doors() {
 }
 
 #[test]
-fn who_follows_somebody_that_stands_stands() {
-    let that = "that.amount = \"me.speed\"\nbetween_s = [20.0, 30.0]\nmost = 0.1";
-    let [follows, roams] = ["{ follow = [12.0, 0.0], for_s = 100, within_m = 3.0 }", "{ roam = [0.0, 0.0] }"]
-        .map(|does| doing(does, "").replace("count = 6", "count = 1"));
-    breaks(&follows, &roams, that);
-}
-
-#[test]
 fn sources_admit_everybody_who_finds_room() {
     let source = "seconds = 20.0\n[[groups]]\nname = \"comers\"\nmotion = \"none\"\ncount = 12\nacceleration_mps2 = [3.0, 6.0]\n\
         place = { block = { from = [0.0, 0.0], to = [20.0, 20.0] } }\ngoal = { stay = {} }\n\
