@@ -95,7 +95,7 @@ typedef enum ThrongProgress {
   /**
    * No path leads to its target.
    */
-  THRONG_PROGRESS_NO_WAY = 4,
+  THRONG_PROGRESS_NO_PATH = 4,
 } ThrongProgress;
 
 /**
@@ -139,7 +139,7 @@ typedef enum ThrongHappened {
    */
   THRONG_HAPPENED_CONTACT_BEGAN = 8,
   /**
-   * It has ended to.
+   * A part, joint `other`, has ended to touch.
    */
   THRONG_HAPPENED_CONTACT_ENDED = 9,
   /**

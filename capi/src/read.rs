@@ -48,7 +48,7 @@ pub enum ThrongHappened {
     Footstep = 7,
     /// A part of the body, joint `other`, began to touch the ground or a thing.
     ContactBegan = 8,
-    /// It has ended to.
+    /// A part, joint `other`, has ended to touch.
     ContactEnded = 9,
     /// The motion has come into a named range of a clip: `other` is 256 times the clip, plus the tag.
     Tag = 10,

@@ -292,7 +292,7 @@ pub enum ThrongProgress {
     /// Blocked: no progress.
     Blocked = 3,
     /// No path leads to its target.
-    NoWay = 4,
+    NoPath = 4,
 }
 
 /// Progress of a character's order.
@@ -315,7 +315,7 @@ pub unsafe extern "C" fn throng_characters_progress(
             OrderStatus::Going { left_m } => (ThrongProgress::Going, left_m),
             OrderStatus::Arrived => (ThrongProgress::There, 0.0),
             OrderStatus::Blocked { .. } => (ThrongProgress::Blocked, 0.0),
-            OrderStatus::NoPath => (ThrongProgress::NoWay, 0.0),
+            OrderStatus::NoPath => (ThrongProgress::NoPath, 0.0),
         };
         check_pointer("left_m", left_m)?;
         // SAFETY: promised by the caller.

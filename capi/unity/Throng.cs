@@ -18,7 +18,7 @@ namespace Throng
         Ok, Pointer, Handle, Busy, Value, TooSmall, Io, Format, Gone, Full, Place, Unsupported, Panic
     }
 
-    public enum Progress { Idle, Going, There, Blocked, NoWay }
+    public enum Progress { Idle, Going, There, Blocked, NoPath }
 
     /// Axes and order of matrices: Unity's are columns of a left-handed Matrix4x4, X right, Y up, Z forward (m).
     public enum Layout { Throng, Unity, Unreal }

@@ -117,9 +117,11 @@ fn actions_exist() {
             ("segment after the last", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s[0] = num_segments)),
             ("no segment at all", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s[7] = u32::MAX)),
             ("an action too few", &|p| p.edit::<u32>(tags::ACTION_SEGMENTS, |s| s.truncate(s.len() - 1))),
-            ("an error too few", &|p| p.edit::<f32>(tags::ACTION_ERRORS, |e| e.truncate(e.len() - 1))),
         ],
     );
+    // Errors with the costs of a policy follow those of the graph.
+    let fewer: &dyn Fn(&mut Parts) = &|p| p.edit::<f32>(tags::ACTION_ERRORS, |e| e.truncate(e.len() - 1));
+    refuses(Some(tags::POLICIES), &[("an error too few", fewer)]);
     for bad in BAD.into_iter().chain([-1.0]) {
         let change = |p: &mut Parts| p.edit::<f32>(tags::ACTION_ERRORS, |e| e[1] = bad);
         refuses(Some(tags::ACTION_ERRORS), &[("action error", &change)]);

@@ -126,6 +126,8 @@ fn who_plays_made_motion_is_pink() {
     common::walk(folder.path(), 0.5);
     let mut v = Viewing::of(folder.path());
     v.until("the crowd", |v| v.model().document.crowd().is_some());
+    v.harness.get_by_label("View").click();
+    v.harness.run_steps(2);
     v.harness.get_by_label("Colours").click();
     v.harness.run_steps(2);
     v.harness.get_by_label("made motion (pink)").click();

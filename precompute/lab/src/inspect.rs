@@ -9,7 +9,7 @@ mod level;
 pub use bundle::BundleReport;
 pub use classes::{ClassLine, ClassTime};
 pub use folder::{FileLine, FolderReport, inspect_all};
-pub use level::{LevelLinkLine, LevelPlaceLine, LevelReport, floors as level_floors};
+pub use level::{LevelLinkLine, LevelPlaceLine, LevelReport};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;

@@ -1,5 +1,6 @@
 //! Content of a level: its ground, what is reachable from where, and how long path queries take.
 
+use crate::picture::level_floors;
 use glam::{Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -11,8 +12,6 @@ use throng_level::{Level, LevelPath, NamedPlace};
 
 /// Path queries that are timed.
 const QUERIES: usize = 2000;
-/// Height by which ground has to differ for another floor (m).
-const FLOOR_M: f32 = 1.5;
 
 /// Content of a level. The names of the fields are keys of the JSON report.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]
@@ -115,7 +114,7 @@ impl LevelReport {
             file: file.display().to_string(),
             polygons: level.num_polygons(),
             area_m2: parts_m2.iter().sum(),
-            floors_m: floors(level),
+            floors_m: level_floors(level),
             parts_m2,
             bytes: level.num_bytes(),
             walls: level.walls().len(),
@@ -144,28 +143,6 @@ fn time_paths(level: &Level, centre: impl Fn(u32) -> Vec3) -> (usize, [f64; 3]) 
     times.sort_by(f64::total_cmp);
     let at = |share: f64| times.get(((times.len() as f64 - 1.0) * share) as usize).copied().unwrap_or_default();
     (times.len(), [at(0.5), at(0.95), at(1.0)])
-}
-
-/// Heights of the floors: of level ground, with gaps between (m).
-pub fn floors(level: &Level) -> Vec<f32> {
-    let corners: Vec<Vec3> = level.vertices().collect();
-    let heights = |p: u32| {
-        let own = level.vertices_of(p).map(|v| corners[v as usize].y);
-        own.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)])
-    };
-    let all = (0..level.num_polygons() as u32).map(heights);
-    let mut flat: Vec<f32> = all.clone().filter(|[low, high]| high - low < 0.2).map(|[low, _]| low).collect();
-    if flat.is_empty() {
-        flat.extend(all.map(|[low, _]| low).reduce(f32::min));
-    }
-    flat.sort_by(f32::total_cmp);
-    let mut out: Vec<f32> = Vec::new();
-    for y in flat {
-        if out.last().is_none_or(|last| y - last > FLOOR_M) {
-            out.push(y);
-        }
-    }
-    out
 }
 
 impl fmt::Display for LevelReport {

@@ -4,7 +4,6 @@ use super::canvas::Picture;
 use super::furniture::header;
 use super::text::{Align, TextStyle, draw_text};
 use super::{Colour, colour};
-use crate::inspect::level_floors;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_level::Level;
 
@@ -14,10 +13,34 @@ const TALLEST: f32 = 1200.0;
 /// Height of the title, and margin (px).
 const TOP: f32 = 84.0;
 const EDGE: f32 = 16.0;
+/// Height by which ground has to differ for another floor (m).
+const FLOOR_M: f32 = 1.5;
 /// Colours of ground by its part, and of named places.
 const GROUND: [u32; 4] = [0xdbe7d3, 0xd3dbe7, 0xe7ddd3, 0xe3d3e7];
 const PLACE: Colour = Colour::hex(0xe8c86a);
 const WALL: Colour = Colour::hex(0x23282f);
+
+/// Heights of the floors: of level ground, with gaps between (m).
+pub fn level_floors(level: &Level) -> Vec<f32> {
+    let corners: Vec<Vec3> = level.vertices().collect();
+    let heights = |p: u32| {
+        let own = level.vertices_of(p).map(|v| corners[v as usize].y);
+        own.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)])
+    };
+    let all = (0..level.num_polygons() as u32).map(heights);
+    let mut flat: Vec<f32> = all.clone().filter(|[low, high]| high - low < 0.2).map(|[low, _]| low).collect();
+    if flat.is_empty() {
+        flat.extend(all.map(|[low, _]| low).reduce(f32::min));
+    }
+    flat.sort_by(f32::total_cmp);
+    let mut out: Vec<f32> = Vec::new();
+    for y in flat {
+        if out.last().is_none_or(|last| y - last > FLOOR_M) {
+            out.push(y);
+        }
+    }
+    out
+}
 
 /// Draws the plans of all floors, with places, links and a path if there is one.
 pub fn level_sheet(title: &str, level: &Level, path: &[Vec3]) -> Picture {

@@ -39,7 +39,7 @@ pub use colour::Colour;
 pub use crowd::{ArrivalState, CrowdCharacter, CrowdView, Focus, crowd_overview};
 pub use figure::{BodyColours, BodyFigure};
 pub use hits::{HitView, hit_views};
-pub use level::level_sheet;
+pub use level::{level_floors, level_sheet};
 pub use plot::{Plot, plot, step_up};
 pub use scene::scene_sheet;
 pub use sheet::sheet;

@@ -3,12 +3,11 @@
 use super::Track;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
+use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Half of the time over which a speed is measured (s).
 const HALF_S: f32 = 0.25;
-/// Speeds below which a body stands, and above which it moves (m/s).
-const STANDS_MOVES_MPS: [f32; 2] = [0.12, 0.5];
 /// Cosines of the angle between travel and front below which travel is sideways, and backwards: 45 and 120 degrees.
 const OFF_FRONT: [f32; 2] = [std::f32::consts::FRAC_1_SQRT_2, -0.5];
 /// Time over which standing is observed (s).
@@ -79,8 +78,8 @@ impl<'a> ApartMeter<'a> {
             (ground(to, Joint::Hips) - ground(from, Joint::Hips)) * hz / (to - from).max(1) as f32
         };
         let velocities: Vec<Vec2> = (0..frames.len()).map(velocity).collect();
-        let stands = |f: usize| velocities[f].length() < STANDS_MOVES_MPS[0];
-        let moves = |f: usize| velocities[f].length() > STANDS_MOVES_MPS[1];
+        let stands = |f: usize| velocities[f].length() < STANDING_MPS;
+        let moves = |f: usize| velocities[f].length() > WALKING_MPS;
         self.all += frames.len() as u64;
         self.standing += (0..frames.len()).filter(|f| stands(*f)).count() as u64;
         for f in (0..frames.len()).filter(|f| moves(*f)) {

@@ -313,7 +313,7 @@ impl Things {
         Some(BodyActivity { motion: who.motion, faces: Some(faces), once, stands, other: None })
     }
 
-    /// Ends the handling of a thing, see [`crate::scenario::Stage::settle`].
+    /// Ends the handling of a thing.
     pub fn end_handling(&mut self, agent: u32, thing: u16, is_done: bool) -> bool {
         let thing = &mut self.all[usize::from(thing)];
         if let Some((by, handling, grasp)) = thing.handling

@@ -128,6 +128,7 @@ impl PolicyBehaviour for Approach {
 mod tests {
     use super::super::segment_records;
     use super::*;
+    use crate::policy::config::CostsConfig;
 
     fn straight(num_frames: u32, speed: f32) -> SegmentMotion {
         let length = speed * num_frames as f32 / 30.0;
@@ -207,9 +208,12 @@ mod tests {
 
     #[test]
     fn discount_follows_the_rate() {
-        let config = PolicyBehaviourConfig::default();
-        let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").spec().discount;
-        assert!((at(15.0) - 0.985f64.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - 0.985).abs() < 1e-12);
+        // Who pays for motion is more patient.
+        for (costs, discount) in [(Some(CostsConfig::NONE), 0.985f64), (None, 0.996)] {
+            let config = PolicyBehaviourConfig { costs, ..PolicyBehaviourConfig::default() };
+            let at = |rate| Approach::new(&config, rate, None).expect("a valid behaviour").spec().discount;
+            assert!((at(15.0) - discount.powi(2)).abs() < 1e-12 && (at(60.0).powi(2) - discount).abs() < 1e-12);
+        }
     }
 
     #[test]

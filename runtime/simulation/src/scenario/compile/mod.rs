@@ -183,7 +183,7 @@ impl<'a> ScenarioCompiler<'a> {
                 |a| matches!(a, CompiledAction::Effect(Effect::Post, words) if words[1] != ActionOperand::Nothing),
             );
         if needs_cells && self.out.blackboards.cell_m == 0.0 {
-            return compile_fault("agents.cell_m", "boards of cells need cells: set `agents.cell_m`, such as 5.0");
+            return compile_fault("agents.cell_m", "blackboards of cells need cells: set `agents.cell_m`, such as 5.0");
         }
         let has = |t: u16, out: &Scenario| {
             out.rules_of[usize::from(t)][0] < out.rules_of[usize::from(t)][1]
