@@ -51,6 +51,8 @@ const TURN_COSTS: [f32; 3] = [0.1, 0.4, 0.3];
 /// Turns to which ways are known, and error of the heading up to which a turn is taken for one of them (rad).
 const TURNS: [f32; 7] = [-2.356, -1.571, -0.785, 0.785, 1.571, 2.356, std::f32::consts::PI];
 const TURN_MISSES: f32 = 0.45;
+/// Least part of a turn for which motion is taken that turns less far (rad).
+const PART: f32 = 0.35;
 /// Longest turn that is looked at (s).
 const LONGEST_TURN_S: f32 = 3.0;
 /// Largest change of a turn on the spot so that it ends where it is to face, as a share of it.
@@ -116,11 +118,14 @@ impl WaysToStand {
         Self { to_idle, to_turns: TURNS.iter().map(|&wanted| to_turn(wanted)).collect() }
     }
 
-    /// Action on the way to a turn.
-    fn to_turn(&self, state: u32, turn: f32) -> Option<u8> {
-        let off = |k: &usize| wrap_angle(turn - TURNS[*k]).abs();
-        let nearest = (0..TURNS.len()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        Some(self.to_turns[nearest][state as usize]).filter(|&action| action != NO_ACTION)
+    /// Action on the way to the turn that leaves least of one.
+    ///
+    /// - `most`: of it that may be left (rad).
+    fn to_turn(&self, state: u32, turn: f32, most: f32) -> Option<u8> {
+        let left = |k: &usize| wrap_angle(turn - TURNS[*k]).abs();
+        let is_known = |k: &usize| self.to_turns[*k][state as usize] != NO_ACTION && left(k) < most;
+        let best = (0..TURNS.len()).filter(is_known).min_by(|a, b| left(a).total_cmp(&left(b)))?;
+        Some(self.to_turns[best][state as usize])
     }
 }
 
@@ -292,6 +297,20 @@ impl StandingChooser<'_> {
         if turn.abs() < FACING {
             return None;
         }
+        let way = |most: f32| Some((r.ways.to_turn(self.state, turn, most)?, 0.0));
+        let least = turn.abs() - PART;
+        // Where no motion turns as far, it turns in parts.
+        self.direct_turn(turn, TURN_MISSES)
+            .or_else(|| way(TURN_MISSES))
+            .or_else(|| self.direct_turn(turn, least))
+            .or_else(|| way(least))
+    }
+
+    /// The action whose clip turns nearest to a heading, and how far it is bent.
+    ///
+    /// - `most`: of the turn that may be left (rad).
+    fn direct_turn(&self, turn: f32, most: f32) -> Option<(u8, f32)> {
+        let r = self.motion_set;
         let (segments, errors) = r.graph.actions_of(self.state);
         let [per_s, per_m, per_error] = TURN_COSTS;
         let mut best = (turn.abs() - FACING, None);
@@ -304,11 +323,11 @@ impl StandingChooser<'_> {
             let left = wrap_angle(turn - to.by.heading - bent).abs();
             let way = maths::hypot(to.by.x, to.by.z);
             let cost = left + per_s * to.frames as f32 / r.rate_hz + per_m * way + per_error * error;
-            if cost < best.0 && left < TURN_MISSES {
+            if cost < best.0 && left < most {
                 best = (cost, Some((action as u8, bent / to.frames as f32)));
             }
         }
-        best.1.or_else(|| Some((r.ways.to_turn(self.state, turn)?, 0.0)))
+        best.1
     }
 }
 
@@ -364,8 +383,10 @@ mod tests {
         assert_eq!(found, [(10, 0.0), (20, 1.1), (10, 0.6)]);
         let ways = WaysToStand::find(&graph, &turns, 1.0);
         assert_eq!(ways.to_idle, [0, 0, NO_ACTION]);
-        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, 0.9)), [None, None, Some(0)]);
-        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, -1.5)), [None; 3]);
+        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, 0.9, TURN_MISSES)), [None, None, Some(0)]);
+        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, -1.5, TURN_MISSES)), [None; 3]);
+        // A part of a turn that no motion turns as far as.
+        assert_eq!([TURN_MISSES, 0.9].map(|most| ways.to_turn(2, 1.5, most)), [None, Some(0)]);
         // What takes longer than a turn may is no turn.
         assert_eq!(find_turns(&graph, 5.0)[1].frames, 0);
     }
