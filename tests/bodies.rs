@@ -158,6 +158,30 @@ fn feet_of_policy_characters_stand_on_uneven_ground() {
 }
 
 #[test]
+fn who_is_told_to_turn_by_any_angle_turns_and_stands() {
+    let tables = common::tables();
+    let mut people = people(&tables, HeightField::flat());
+    let ids = people.ids().to_vec();
+    let order_all = |people: &mut PolicyCharacters, order: &dyn Fn(usize, f32) -> PolicyOrder, seconds: f32| {
+        for (c, id) in ids.iter().enumerate() {
+            let heading = people.bodies().get(*id).expect("a body").root.heading;
+            people.order(*id, order(c, heading)).expect("an order");
+        }
+        (0..(seconds / DT_S) as usize).for_each(|_| people.step(DT_S, &Inline).expect("a step"));
+    };
+    order_all(&mut people, &|_, _| PolicyOrder::STOP, 4.0);
+    let stood: Vec<f32> = ids.iter().map(|id| people.bodies().get(*id).expect("a body").root.heading).collect();
+    // From a quarter of a turn to nearly half a turn, to both sides.
+    let turn = |c: usize| if c % 2 == 0 { 1.5 + 0.15 * c as f32 } else { -1.5 - 0.15 * c as f32 };
+    order_all(&mut people, &|c, heading| PolicyOrder::turn_to(heading + turn(c)), 6.0);
+    for (c, id) in ids.iter().enumerate() {
+        let left = stood[c] + turn(c) - people.bodies().get(*id).expect("a body").root.heading;
+        let left = left.sin().atan2(left.cos()).abs();
+        assert!(left < 0.5, "{c} was told to turn by {} rad, and {left} are left", turn(c));
+    }
+}
+
+#[test]
 fn walking_feet_stay_planted_while_bodies_are_pushed() {
     let ground = HeightField::flat();
     let [calm, pushed] = [false, true].map(|pushes| walk(&ground, pushes));
