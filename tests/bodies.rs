@@ -172,7 +172,7 @@ fn who_is_told_to_turn_by_any_angle_turns_and_stands() {
     order_all(&mut people, &|_, _| PolicyOrder::STOP, 4.0);
     let stood: Vec<f32> = ids.iter().map(|id| people.bodies().get(*id).expect("a body").root.heading).collect();
     // From a quarter of a turn to nearly half a turn, to both sides.
-    let turn = |c: usize| if c % 2 == 0 { 1.5 + 0.15 * c as f32 } else { -1.5 - 0.15 * c as f32 };
+    let turn = |c: usize| if c.is_multiple_of(2) { 1.5 + 0.15 * c as f32 } else { -1.5 - 0.15 * c as f32 };
     order_all(&mut people, &|c, heading| PolicyOrder::turn_to(heading + turn(c)), 6.0);
     for (c, id) in ids.iter().enumerate() {
         let left = stood[c] + turn(c) - people.bodies().get(*id).expect("a body").root.heading;
