@@ -59,13 +59,13 @@ pub(crate) fn move_leg<F: Lanes>(body: &LaneBody, side: usize, correction: V<F>,
 
 /// Vector `new` where the correction is not negligible, else `old` (`amount`: m^2).
 #[inline(always)]
-fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {
+pub(super) fn chosen_v<F: Lanes>(amount: F, old: V<F>, new: V<F>) -> V<F> {
     V::select_lt(F::splat(NO_CORRECTION), amount, new, old)
 }
 
 /// Rotation `new` where the correction is not negligible, else `old` (`amount`: m^2).
 #[inline(always)]
-fn chosen_q<F: Lanes>(amount: F, old: Q<F>, new: Q<F>) -> Q<F> {
+pub(super) fn chosen_q<F: Lanes>(amount: F, old: Q<F>, new: Q<F>) -> Q<F> {
     Q::new(chosen_v(amount, old.v, new.v), F::select_lt(F::splat(NO_CORRECTION), amount, new.w, old.w))
 }
 

@@ -1,6 +1,6 @@
 //! The body: what pose exactly. Eight characters at a time, a step of their bodies is one list for everybody:
 //!
-//! source -> transition -> clips and lean -> gaze -> reactions -> feet -> reach -> arms -> write
+//! source -> transition -> clips and lean -> gaze -> reactions -> feet -> reach -> arms -> touch -> write
 //!
 //! Sources are frame rows and blends. Whoever moves characters chooses source and control, and nothing else.
 
@@ -26,6 +26,7 @@ mod sample;
 mod springs;
 mod step;
 mod times;
+mod touch;
 mod upper;
 mod volume;
 
@@ -53,5 +54,7 @@ pub(crate) use springs::{DampedSpring, Decay, HALF_LIVES_KEPT};
 pub(crate) use step::{BodyState, BodyTick, LayerLanes, PlantFeet, PoseOutput, pose_block};
 pub use times::StepTimes;
 pub(crate) use times::{Laps, PhaseClock, StepPhase};
+pub use touch::TouchConfig;
+pub(crate) use touch::{BlockTouch, LimbTouch, PartnerTouch};
 pub use upper::{BodyLayers, ClipLayer};
 pub use volume::{BodyVolume, JointCapsule};

@@ -16,6 +16,7 @@ use super::reaction::{Reaction, ReactionConfig, ReactionStep, any_lane_reacts, p
 use super::sample::LanePose;
 use super::springs::DampedSpring;
 use super::times::{Laps, StepPhase};
+use super::touch::BlockTouch;
 use super::upper::{BodyLayers, LayerStates, LayerTick};
 use crate::planar::Planar;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -162,15 +163,17 @@ impl<'a> BodyTick<'a> {
 }
 
 /// Layers of eight bodies.
-pub(crate) struct LayerLanes {
+pub(crate) struct LayerLanes<'t> {
     /// Places that are looked at and pointed at are in model space; none where nobody has any layer.
     layers: Option<[BodyLayers; LANES]>,
     /// How little the chest may turn, 0 to 1: what the arms do is meant to be where it is.
     still: Lane,
     hands: Option<Hands>,
+    /// Limbs that stop at a partner's body.
+    pub touch: Option<BlockTouch<'t>>,
 }
 
-impl LayerLanes {
+impl LayerLanes<'_> {
     /// The layers of the characters of a block.
     ///
     /// - `root`: planar root of a lane.
@@ -182,7 +185,7 @@ impl LayerLanes {
         ground: &Lane,
     ) -> Self {
         if orders.clone().all(BodyLayers::is_none) {
-            return Self { layers: None, still, hands: None };
+            return Self { layers: None, still, hands: None, touch: None };
         }
         let to_model = |lane: usize, point: Vec3| {
             let flat = root(lane).inverse_transform_point(Vec2::new(point.x, point.z));
@@ -198,7 +201,7 @@ impl LayerLanes {
             }
         }
         let hands = Hands::from_orders(orders.map(|layers| layers.arms), root, ground);
-        Self { layers: Some(layers), still, hands }
+        Self { layers: Some(layers), still, hands, touch: None }
     }
 
     /// Distance by which hips sink so that hands reach low targets; none where no hand reaches (m).
@@ -218,10 +221,17 @@ pub(crate) struct PoseOutput<'a> {
 
 /// Puts the feet of eight bodies where they belong. A trait and no closure: those are compiled without the processor's vectors.
 pub(crate) trait PlantFeet<F: Lanes> {
-    fn plant(&mut self, layers: &LayerLanes, place: &PlacementLanes<F>, state: &mut BodyState, pose: &mut ModelPose<F>);
+    fn plant(
+        &mut self,
+        layers: &LayerLanes<'_>,
+        place: &PlacementLanes<F>,
+        state: &mut BodyState,
+        pose: &mut ModelPose<F>,
+    );
 }
 
-/// Poses a block from what its motion is, transitions included: clips -> gaze -> reactions -> feet -> reach -> arms -> write.
+/// Poses a block from what its motion is, transitions included: clips -> gaze -> reactions -> feet -> reach -> arms -> touch ->
+/// write.
 /// Returns where the balls of the feet are in the world (left, right).
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "what the list has from each of its callers")]
@@ -229,7 +239,7 @@ pub(crate) fn pose_block<F: Lanes>(
     body: &LaneBody,
     motion: &mut LanePose<F>,
     place: &PlacementLanes<F>,
-    layers: &LayerLanes,
+    layers: &mut LayerLanes<'_>,
     tick: &BodyTick<'_>,
     state: &mut BodyState,
     feet: &mut impl PlantFeet<F>,
@@ -267,6 +277,9 @@ pub(crate) fn pose_block<F: Lanes>(
     }
     if shows {
         layer_arms(body, &tick.layers, orders, &mut state.layers, &mut pose);
+    }
+    if let Some(touch) = &mut layers.touch {
+        touch.stop_limbs(place, &mut pose);
     }
     write_matrices(&pose, to.matrices);
     if !to.locals.is_empty() {

@@ -31,8 +31,11 @@ pub use crate::body::FootLockConfig;
 pub use crate::body::ReactionConfig;
 pub use crate::body::StepTimes;
 pub use crate::body::head_centre;
+use crate::body::{
+    BodyVolume, HeightField, Laps, LimbTouch, LocalTransform, Mat3x4, PartnerTouch, PhaseClock, RANGE_BLOCKS,
+    RANGE_LEN, StepPhase, TouchConfig,
+};
 pub use crate::body::{Detail, DetailLevel, PoseInstance};
-use crate::body::{HeightField, Laps, LocalTransform, Mat3x4, PhaseClock, RANGE_BLOCKS, RANGE_LEN, StepPhase};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
 use crate::planar::Planar;
@@ -104,6 +107,9 @@ pub struct Characters {
     instances: Vec<PoseInstance>,
     /// The ground that all stand on.
     ground: HeightField,
+    /// What stops limbs at the body of a partner, if anything does, and their displacements (num_characters, or 0).
+    touch: Option<Box<PartnerTouch>>,
+    touches: Vec<LimbTouch>,
     /// Collision avoidance, if it is on.
     avoiding: Option<Box<PathAvoidance>>,
     times: StepTimes,
@@ -166,6 +172,8 @@ impl Characters {
             locals: vec![LocalTransform::default(); if config.local_transforms { capacity * NUM_JOINTS } else { 0 }],
             instances: zeroed_vec(if config.instances { capacity } else { 0 }),
             ground: HeightField::flat(),
+            touch: None,
+            touches: Vec::new(),
             avoiding: config.avoid.map(|avoid| Box::new(PathAvoidance::new(motion_set, &avoid, capacity))),
             times: StepTimes::default(),
         })
@@ -216,8 +224,17 @@ impl Characters {
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder], run: &dyn Executor) {
         let clock = self.config.timed.then(PhaseClock::default);
         let config = self.config;
-        let ground = self.ground.clone();
-        let tick = CharactersTick { dt_s, motion_set, config: &config, ground: &ground, orders, clock: clock.as_ref() };
+        let (ground, touch) = (self.ground.clone(), self.touch.take());
+        let tick = CharactersTick {
+            dt_s,
+            motion_set,
+            config: &config,
+            ground: &ground,
+            orders,
+            touch: touch.as_deref(),
+            moves: true,
+            clock: clock.as_ref(),
+        };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_LEN);
         if let Some(detail) = &self.detail {
@@ -243,6 +260,7 @@ impl Characters {
             None => run_each(run, self.ranges(), |range| step::step(range, &tick)),
         }
         self.blows.gather_blows(&self.passed[..num_ranges], motion_set);
+        self.touch = touch;
         self.times = clock.map_or(self.times, |c| c.times());
     }
 
@@ -253,12 +271,13 @@ impl Characters {
         let bodies = self.bodies.chunks_mut(RANGE_BLOCKS).zip(self.levels.chunks(RANGE_BLOCKS));
         let matrices = self.matrices[..n * NUM_JOINTS].chunks_mut(RANGE_LEN * NUM_JOINTS);
         let mut locals = self.locals.chunks_mut(RANGE_LEN * NUM_JOINTS);
-        let mut instances = self.instances.chunks_mut(RANGE_LEN);
+        let (mut instances, mut touches) = (self.instances.chunks_mut(RANGE_LEN), self.touches.chunks_mut(RANGE_LEN));
         let parts = blocks.zip(bodies).zip(&mut self.passed).zip(matrices).enumerate();
         parts.map(move |(i, (((blocks, (bodies, levels)), passed), matrices))| {
             let (first, count) = range_span(i, n);
             let (locals, instances) = (locals.next().unwrap_or_default(), instances.next().unwrap_or_default());
-            CharacterRange { first, count, blocks, bodies, levels, passed, matrices, locals, instances }
+            let touches = touches.next().unwrap_or_default();
+            CharacterRange { first, count, blocks, bodies, levels, passed, matrices, locals, instances, touches }
         })
     }
 
@@ -269,6 +288,21 @@ impl Characters {
             self.bodies.iter_mut().filter(|b| b.awake == 1).for_each(|b| b.state.seen = [0.0; LANES]);
         }
         self.ground = ground;
+    }
+
+    /// Stops the limbs of characters in rows 2i and 2i + 1 at each other's bodies, from the next step on.
+    ///
+    /// - `volume`: of the skeleton's body, with the radii that stop limbs.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a setting out of its range.
+    pub fn set_partner_touch(&mut self, motion_set: &MotionSet, volume: BodyVolume, config: TouchConfig) -> Result<()> {
+        config.check()?;
+        self.touch = Some(Box::new(PartnerTouch::new(motion_set.skeleton(), volume, config)));
+        self.touches.clear();
+        self.touches.reserve_exact(self.matrices.len() / NUM_JOINTS);
+        self.touches.resize(self.num_characters, LimbTouch::default());
+        Ok(())
     }
 
     /// Sets viewpoint and distances of the level of detail from the next step on; with none, all characters are posed
@@ -438,17 +472,6 @@ impl Characters {
     /// (num_characters * NUM_JOINTS)
     pub fn model_matrices(&self) -> &[Mat3x4] {
         &self.matrices[..self.num_characters * NUM_JOINTS]
-    }
-
-    /// Planted parts of each character's feet, by number, and joints of all characters in model space, and relative to
-    /// their parents where the config requests that, to be displaced after a step; the next step poses every character
-    /// anew. (num_characters * NUM_JOINTS, and as many or 0)
-    pub fn poses_mut(&mut self) -> (impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
-        let num = self.num_characters * NUM_JOINTS;
-        let num_locals = num.min(self.locals.len());
-        let blocks = &self.blocks;
-        let contacts = |character: usize| blocks[character / LANES].contacts[character % LANES];
-        (contacts, &mut self.matrices[..num], &mut self.locals[..num_locals])
     }
 
     /// Joints of one character in model space (NUM_JOINTS, character < num_characters).

@@ -10,8 +10,8 @@ use super::{
     segments_into_states,
 };
 use crate::body::{
-    BlockBefore, BodyEvent, BodyEventKind, BodyEvents, BodyLayers, HeightField, LocalTransform, Mat3x4, MovedBody,
-    NO_ROW,
+    BlockBefore, BodyEvent, BodyEventKind, BodyEvents, BodyLayers, BodyVolume, HeightField, LimbTouch, MovedBody,
+    NO_ROW, TouchConfig,
 };
 use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
@@ -148,12 +148,12 @@ impl PolicyCharacters {
         &self.characters
     }
 
-    /// Planar roots of all characters, and the result of [`Characters::poses_mut`].
-    pub fn poses_mut(
-        &mut self,
-    ) -> (&[Planar], impl Fn(usize) -> Contacts + Sync, &mut [Mat3x4], &mut [LocalTransform]) {
-        let (contacts, model, locals) = self.characters.poses_mut();
-        (&self.roots, contacts, model, locals)
+    /// Stops the limbs of characters in rows 2i and 2i + 1 at each other's bodies, see [`Characters::set_partner_touch`].
+    ///
+    /// # Errors
+    /// As [`Characters::set_partner_touch`].
+    pub fn set_partner_touch(&mut self, volume: BodyVolume, config: TouchConfig) -> Result<()> {
+        self.characters.set_partner_touch(&self.motion_set, volume, config)
     }
 
     /// Row of a character, in the order of bodies.
@@ -326,7 +326,7 @@ impl PolicyCharacters {
         let outputs =
             CharactersConfig { local_transforms: false, instances: false, timed: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 8, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 9, setup: setup.finish() }
     }
 }
 
@@ -389,6 +389,7 @@ impl CharacterGroup for PolicyCharacters {
             self.characters.reserve_path(&self.motion_set, at);
             return Err(occupied_error(id));
         }
+        self.characters.reset_touch(at);
         self.roots[at] = root;
         Ok(())
     }
@@ -438,16 +439,17 @@ impl CharacterGroup for PolicyCharacters {
 
     fn save(&self, out: &mut Vec<u8>) {
         let (blocks, bodies) = self.characters.saved_blocks();
-        self.snapshot_kind().write(&(blocks, bodies, &self.roster, &self.orders), out);
+        self.snapshot_kind().write(&(blocks, bodies, &self.characters.touches, &self.roster, &self.orders), out);
     }
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         let kind = self.snapshot_kind();
-        let (blocks, bodies, roster, orders): (Vec<MotionBlock>, Vec<BodyBlock>, Roster, Vec<PolicyOrder>) =
-            kind.read_all(bytes)?;
+        type Saved = (Vec<MotionBlock>, Vec<BodyBlock>, Vec<LimbTouch>, Roster, Vec<PolicyOrder>);
+        let (blocks, bodies, touches, roster, orders): Saved = kind.read_all(bytes)?;
         let refuse = |why: String| Err(Error::Snapshot { what: kind.what, why });
         let n = roster.ids().len();
-        if (orders.len(), blocks.len(), bodies.len()) != (n, n.div_ceil(LANES), n.div_ceil(LANES)) {
+        let are_rows = (orders.len(), blocks.len(), bodies.len()) == (n, n.div_ceil(LANES), n.div_ceil(LANES));
+        if !are_rows || !self.characters.is_touch_sound(&touches, n) {
             return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
         }
         if !self.roster.clone().restore(&roster) {
@@ -472,7 +474,7 @@ impl CharacterGroup for PolicyCharacters {
             return refuse(format!("character {} is in another's way, though they make way", roster.ids()[at]));
         }
         self.roster.restore(&roster);
-        self.characters.set_state(&blocks, &bodies, n);
+        self.characters.set_state(&blocks, &bodies, &touches, n);
         self.characters.pose_again(&self.motion_set);
         // The vector keeps its capacity.
         self.orders.clone_from(&orders);

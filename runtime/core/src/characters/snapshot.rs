@@ -5,7 +5,7 @@ use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::step::{self, CharactersTick};
-use crate::body::{Lanewise, Mat3x4};
+use crate::body::{Lanewise, LimbTouch, Mat3x4};
 use crate::skeleton::NUM_JOINTS;
 use serde::{Deserialize, Serialize};
 use throng_base::simd::LANES;
@@ -24,6 +24,7 @@ const MOST_BENT: f32 = 3.2;
 pub struct CharactersSnapshot {
     blocks: Vec<MotionBlock>,
     bodies: Vec<BodyBlock>,
+    touches: Vec<LimbTouch>,
     num_characters: usize,
     /// Hash of the bundle's content.
     bundle: u128,
@@ -32,7 +33,7 @@ pub struct CharactersSnapshot {
 impl CharactersSnapshot {
     /// Memory that it takes (bytes).
     pub fn num_bytes(&self) -> usize {
-        size_of_val(self.blocks.as_slice()) + size_of_val(self.bodies.as_slice())
+        size_of_val(self.blocks.as_slice()) + size_of_val(self.bodies.as_slice()) + size_of_val(self.touches.as_slice())
     }
 
     /// Changes the first block.
@@ -47,7 +48,7 @@ impl Characters {
     pub fn snapshot(&self) -> CharactersSnapshot {
         let (num_characters, bundle) = (self.num_characters, self.bundle.hash());
         let (blocks, bodies) = self.saved_blocks();
-        CharactersSnapshot { blocks, bodies, num_characters, bundle }
+        CharactersSnapshot { blocks, bodies, touches: self.touches.clone(), num_characters, bundle }
     }
 
     /// Restores a snapshot. Steps from there repeat those of the saved characters bit by bit where config and goals are
@@ -70,13 +71,13 @@ impl Characters {
     /// # Errors
     /// As [`Characters::restore`].
     pub fn restore_any(&mut self, motion_set: &MotionSet, snapshot: &CharactersSnapshot) -> Result<()> {
-        let CharactersSnapshot { blocks, bodies, num_characters: n, bundle } = snapshot;
+        let CharactersSnapshot { blocks, bodies, touches, num_characters: n, bundle } = snapshot;
         let refuse = |why: String| Err(Error::Snapshot { what: "characters", why });
         let room = self.matrices.len() / NUM_JOINTS;
         if *n > room {
             return refuse(format!("it has {n} characters, the capacity is {room}; restore it into more room"));
         }
-        if [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] {
+        if [blocks.len(), bodies.len()] != [n.div_ceil(LANES); 2] || !self.is_touch_sound(touches, *n) {
             return refuse(format!("it is damaged: its rows are not those of {n} characters; take a new one"));
         }
         if *bundle != self.bundle.hash() || !self.bundle.is_same(&motion_set.bundle) {
@@ -88,7 +89,7 @@ impl Characters {
         if let Some(c) = self.find_path_conflict(motion_set, blocks, *n) {
             return refuse(format!("character {c} is in another's way, though they make way"));
         }
-        self.set_state(blocks, bodies, *n);
+        self.set_state(blocks, bodies, touches, *n);
         self.pose_again(motion_set);
         Ok(())
     }
@@ -110,13 +111,21 @@ impl Characters {
         (blocks, bodies)
     }
 
+    /// True for displacements of limbs that so many characters may have: one each, where limbs are stopped.
+    pub(super) fn is_touch_sound(&self, touches: &[LimbTouch], num_characters: usize) -> bool {
+        let num = if self.touch.is_some() { num_characters } else { 0 };
+        touches.len() == num && touches.iter().all(LimbTouch::is_valid)
+    }
+
     /// Sets the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
-    pub(super) fn set_state(&mut self, blocks: &[MotionBlock], bodies: &[BodyBlock], n: usize) {
+    pub(super) fn set_state(&mut self, blocks: &[MotionBlock], bodies: &[BodyBlock], touches: &[LimbTouch], n: usize) {
         self.blocks.fill(MotionBlock::ZERO);
         self.blocks[..blocks.len()].copy_from_slice(blocks);
         self.bodies.fill(BodyBlock::ZERO);
         self.bodies[..bodies.len()].copy_from_slice(bodies);
         clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
+        self.touches.clear();
+        self.touches.extend_from_slice(touches);
         self.num_characters = n;
         self.mark_paths_stale();
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
@@ -127,9 +136,19 @@ impl Characters {
         let kept = (self.blocks.clone(), self.bodies.clone());
         self.matrices.fill(Mat3x4::default());
         let config = self.config;
-        let ground = self.ground.clone();
-        let tick = CharactersTick { dt_s: 0.0, motion_set, config: &config, ground: &ground, orders: &[], clock: None };
+        let (ground, touch) = (self.ground.clone(), self.touch.take());
+        let tick = CharactersTick {
+            dt_s: 0.0,
+            motion_set,
+            config: &config,
+            ground: &ground,
+            orders: &[],
+            touch: touch.as_deref(),
+            moves: false,
+            clock: None,
+        };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
+        self.touch = touch;
         (self.blocks, self.bodies) = kept;
         self.blows.gather_blows(&[], motion_set);
     }

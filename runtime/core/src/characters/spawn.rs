@@ -4,7 +4,7 @@ use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharacterStart, Characters};
-use crate::body::{FootLock, Lanewise, LocalTransform, Mat3x4, set_lane};
+use crate::body::{FootLock, Lanewise, LimbTouch, LocalTransform, Mat3x4, set_lane};
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use glam::Vec3;
@@ -19,6 +19,9 @@ impl Characters {
         let state = start.state as usize;
         block.start_at_state(lane, motion_set, start.root, motion_set.graph.states[state].frame, arrivals[state]);
         block.name[lane] = name;
+        if self.touch.is_some() {
+            self.touches.push(LimbTouch::default());
+        }
         self.num_characters += 1;
         self.num_choosers += 1;
     }
@@ -51,6 +54,9 @@ impl Characters {
         }
         if !self.instances.is_empty() {
             self.instances[at] = self.instances[last];
+        }
+        if self.touch.is_some() {
+            self.touches.swap_remove(at);
         }
         self.clear_row(last);
         self.num_characters -= 1;
@@ -131,6 +137,15 @@ impl Characters {
         if body.awake == 1 {
             body.feet.iter_mut().for_each(|foot| foot.copy_lane(lane, &FootLock::ZERO, 0));
             body.state.seen[lane] = 0.0;
+        }
+    }
+
+    /// Ends what the touch of one that was moved elsewhere, and of its partner, displaces (at < num_characters).
+    pub(super) fn reset_touch(&mut self, at: usize) {
+        for (row, was_moved) in [(at, true), (at ^ 1, false)] {
+            if let Some(touch) = self.touches.get_mut(row) {
+                touch.reset(was_moved);
+            }
         }
     }
 

@@ -15,10 +15,10 @@ use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
-    BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor, FramePosition,
-    HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose,
-    PhaseClock, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose, StepPhase, hips_ground_height, load,
-    pose_block, sample_pose,
+    BlockTouch, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor,
+    FramePosition, HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, Laps, LayerLanes, LimbTouch, LocalTransform,
+    Mat3x4, ModelPose, PartnerTouch, PhaseClock, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose,
+    StepPhase, hips_ground_height, load, pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -41,6 +41,10 @@ pub(crate) struct CharactersTick<'a> {
     pub config: &'a CharactersConfig,
     pub ground: &'a HeightField,
     pub orders: &'a [PolicyOrder],
+    /// What stops limbs at the body of a partner, if anything does.
+    pub touch: Option<&'a PartnerTouch>,
+    /// False applies the displacements of the last step's touch again.
+    pub moves: bool,
     /// Sums of the times of each phase, if they are measured.
     pub clock: Option<&'a PhaseClock>,
 }
@@ -64,6 +68,8 @@ pub(crate) struct CharacterRange<'a> {
     pub locals: &'a mut [LocalTransform],
     /// (count, or 0 where no records are wanted)
     pub instances: &'a mut [PoseInstance],
+    /// Displacements of limbs (count, or 0 where nothing stops them).
+    pub touches: &'a mut [LimbTouch],
 }
 
 /// The list.
@@ -96,7 +102,8 @@ impl LaneWork for PoseAllJob<'_, '_> {
 
     #[inline(always)]
     fn run<F: Lanes>(self) {
-        let CharacterRange { blocks, bodies, levels, first, count, matrices, locals, instances, .. } = self.range;
+        let CharacterRange { blocks, bodies, levels, first, count, matrices, locals, instances, touches, .. } =
+            self.range;
         let half_life_s = self.tick.config.half_life_s;
         let mut poses = matrices.chunks_mut(LANES * NUM_JOINTS);
         for (i, (block, body)) in blocks.iter_mut().zip(bodies).enumerate() {
@@ -108,7 +115,8 @@ impl LaneWork for PoseAllJob<'_, '_> {
             let len = locals.len().min(matrices.len());
             let to = PoseOutput { matrices, locals: &mut locals[..len] };
             let orders = self.tick.orders.get(first + at..first + count.min(at + LANES)).unwrap_or_default();
-            let block = CharacterBlock { block, body, level: levels[i], records, orders };
+            let touches = touches.get_mut(at..count.min(at + LANES)).unwrap_or_default();
+            let block = CharacterBlock { block, body, level: levels[i], records, orders, touches };
             block.pose::<F>(to, self.tick, &self.body, &self.feet);
         }
     }
@@ -123,6 +131,8 @@ struct CharacterBlock<'a> {
     records: &'a mut [PoseInstance],
     /// (characters, or 0 where all play scheduled clips)
     orders: &'a [PolicyOrder],
+    /// (characters, or 0)
+    touches: &'a mut [LimbTouch],
 }
 
 /// The first entry of the list: moves time on, turns the path of characters with bent actions, and notes the hits that are
@@ -174,7 +184,7 @@ impl CharacterBlock<'_> {
         body_tick: &BodyTick<'_>,
         feet_tick: &FeetTick<'_>,
     ) {
-        let Self { block, body, level, records, orders } = self;
+        let Self { block, body, level, records, orders, touches } = self;
         let r = tick.motion_set;
         let mut laps = Laps::start(tick.clock);
         let mut spots = [FramePosition::default(); LANES];
@@ -218,7 +228,13 @@ impl CharacterBlock<'_> {
         add_offsets(&mut motion, block, body, tick.config.half_life_s);
         add_carriage(&mut motion, block, tick.config);
         let orders = orders.iter().map(|order| &order.layers);
-        let layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
+        let mut layers = LayerLanes::new(orders, [0.0; LANES], |lane| block.root(lane), &place.y.to_array());
+        layers.touch = tick.touch.map(|partners| BlockTouch {
+            partners,
+            touches,
+            contacts: block.contacts,
+            dt_s: tick.moves.then_some(tick.dt_s),
+        });
         let BodyBlock { state, feet, .. } = body;
         let seen = state.seen;
         let (contacts, locks) = (&block.contacts, level == DetailLevel::Full && tick.config.foot_lock.enabled);
@@ -226,7 +242,7 @@ impl CharacterBlock<'_> {
             &r.body,
             &mut motion,
             &place,
-            &layers,
+            &mut layers,
             body_tick,
             state,
             &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks, speed: &speed, feet },
@@ -254,7 +270,7 @@ impl<F: Lanes> PlantFeet<F> for CapturedFeet<'_, '_> {
     #[inline(always)]
     fn plant(
         &mut self,
-        layers: &LayerLanes,
+        layers: &LayerLanes<'_>,
         place: &PlacementLanes<F>,
         state: &mut BodyState,
         pose: &mut ModelPose<F>,

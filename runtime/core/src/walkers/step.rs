@@ -152,7 +152,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             let WalkerBlock { root, body: state, feet, speed, contacts, .. } = block;
             let root = |lane: usize| planar_of_lane(root, lane);
             let orders = controls[from..from + count].iter().map(|control| &control.layers);
-            let layers = LayerLanes::new(orders, still, root, &state.base);
+            let mut layers = LayerLanes::new(orders, still, root, &state.base);
             let has_feet = self.tick.config.foot_lock.enabled && *level == DetailLevel::Full;
             let stands = &mut *contacts;
             let mut walking = WalkingFeet {
@@ -172,7 +172,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
             };
             let mut laps = Laps::start(None);
             let balls =
-                pose_block(body, &mut motion, &place, &layers, &self.tick.body, state, &mut walking, to, &mut laps);
+                pose_block(body, &mut motion, &place, &mut layers, &self.tick.body, state, &mut walking, to, &mut laps);
             state.swing.follow(balls, contacts, &seen, speed, self.tick.dt_s);
             from += count;
         }
@@ -279,7 +279,7 @@ impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
     #[inline(always)]
     fn plant(
         &mut self,
-        layers: &LayerLanes,
+        layers: &LayerLanes<'_>,
         place: &PlacementLanes<F>,
         state: &mut BodyState,
         pose: &mut ModelPose<F>,

@@ -147,9 +147,9 @@ impl SparringBody {
         }
     }
 
-    /// Radius of a joint's capsule (m).
-    pub(super) fn radius(&self, joint: Joint) -> f32 {
-        self.volume.capsules[joint.index()].radius
+    /// Capsules of all joints, in their own frames.
+    pub(super) fn volume(&self) -> &BodyVolume {
+        &self.volume
     }
 
     /// Capsules of a pose in the world.

@@ -3,15 +3,13 @@
 use super::body::{SparringBody, StruckPart, WorldPose};
 use super::config::{NO_THREAT_S, SparringConfig};
 use super::landing::{BlowLanding, find_struck_capsule};
-use super::limb_segment::LimbShape;
 use super::pair::OpponentPair;
 use super::snapshot;
 use super::stagger::StepsAway;
 use super::tally::{BlowOutcome, BlowTally};
-use super::touch::{LimbTouch, NUM_LIMBS, limb_shapes};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use throng_base::{Error, Executor, Id, Inline, Result, SnapshotKind, maths, run_each};
+use throng_base::{Error, Executor, Id, Result, SnapshotKind, maths, run_each};
 use throng_core::characters::{
     Blow, Characters, MAX_BLOWS, MotionSet, PolicyCharacters, PolicyOrder, SampleJob, Spawn, TravelPoints,
 };
@@ -47,7 +45,6 @@ pub struct Sparring {
     travels: Vec<TravelPoints>,
     /// Time from a choice to its first blow (s).
     pub(super) lead_s: f32,
-    limbs: [LimbShape; NUM_LIMBS],
     steps_away: StepsAway,
 }
 
@@ -61,8 +58,6 @@ pub(super) struct SparringState {
     /// Opponent's next blow, for each character: x, seconds, z.
     pub threats: Vec<Vec3>,
     pub pairs: Vec<OpponentPair>,
-    /// Displacements of the limbs of each pair.
-    pub touches: Vec<LimbTouch>,
     pub tallies: Vec<BlowTally>,
     pub seconds: f64,
 }
@@ -90,23 +85,22 @@ impl Sparring {
     pub fn with_capacity(bundle: &Bundle, num_pairs: usize, config: SparringConfig) -> Result<Self> {
         config.check()?;
         let n = num_pairs.saturating_mul(2);
-        let boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
+        let mut boxers = PolicyCharacters::with_capacity(bundle, n, config.characters)?;
         let state = SparringState {
             heads: Vec::with_capacity(n),
             aims: Vec::with_capacity(n),
             threats: Vec::with_capacity(n),
             pairs: Vec::with_capacity(num_pairs),
-            touches: Vec::with_capacity(num_pairs),
             tallies: Vec::with_capacity(n),
             seconds: 0.0,
         };
         let events = Vec::with_capacity(if bundle.hits().is_empty() { 0 } else { n * MAX_BLOWS });
         let lead_s = usual_lead_s(boxers.motion_set());
         let body = SparringBody::new(bundle.skeleton(), &config.body);
-        let limbs = limb_shapes(bundle.skeleton(), &body);
+        boxers.set_partner_touch(body.volume().clone(), config.touch)?;
         let steps_away = StepsAway::new(boxers.motion_set())?;
         let travels = Vec::with_capacity(n);
-        Ok(Self { body, config, boxers, state, events, travels, lead_s, limbs, steps_away })
+        Ok(Self { body, config, boxers, state, events, travels, lead_s, steps_away })
     }
 
     /// Boxers, row by row as in [`CharacterGroup::bodies`].
@@ -205,30 +199,6 @@ impl Sparring {
         f
     }
 
-    /// Moves limbs out of the opponent's body in the poses of a step; `None` applies the last displacements again.
-    fn displace_limbs(&mut self, dt_s: Option<f32>, run: &dyn Executor) {
-        let (body, limbs, config) = (&self.body, &self.limbs, &self.config.touch);
-        let (roots, contacts, model, locals) = self.boxers.poses_mut();
-        let mut locals = locals.chunks_mut(2 * PART * NUM_JOINTS);
-        let poses = roots.chunks(2 * PART).zip(model.chunks_mut(2 * PART * NUM_JOINTS));
-        let parts = self.state.touches.chunks_mut(PART).zip(poses);
-        let parts = parts.map(|part| (part, locals.next().unwrap_or_default()));
-        run_each(run, parts.enumerate(), |(part, ((touches, (roots, model)), locals))| {
-            let mut locals = locals.chunks_mut(NUM_JOINTS);
-            let pairs = roots.chunks_exact(2).zip(model.chunks_exact_mut(2 * NUM_JOINTS));
-            for (i, (touch, (roots, model))) in touches.iter_mut().zip(pairs).enumerate() {
-                if let Some(dt_s) = dt_s {
-                    let first = 2 * (part * PART + i);
-                    let poses = [0, 1].map(|k| WorldPose::new(&model[k * NUM_JOINTS..], roots[k]));
-                    touch.solve_displacements(body, limbs, &poses, [first, first + 1].map(&contacts), config, dt_s);
-                }
-                for (k, model) in model.chunks_exact_mut(NUM_JOINTS).enumerate() {
-                    touch.apply_to_pose(k, roots[k], model, locals.next().unwrap_or_default());
-                }
-            }
-        });
-    }
-
     /// Applies blows and separates bodies, after all pairs have been observed.
     fn resolve_blows(&mut self, dt_s: f32) -> Result<()> {
         self.state.seconds += f64::from(dt_s);
@@ -297,7 +267,7 @@ impl Sparring {
     }
 
     fn snapshot_kind(&self) -> SnapshotKind {
-        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 5, setup: self.config.hash() }
+        SnapshotKind { what: "sparring", tag: *b"SPAR", version: 6, setup: self.config.hash() }
     }
 }
 
@@ -324,7 +294,6 @@ impl CharacterGroup for Sparring {
         self.state.aims.extend([other, own]);
         self.state.threats.extend([NO_THREAT; 2]);
         self.state.pairs.push(OpponentPair::default());
-        self.state.touches.push(LimbTouch::default());
         self.state.tallies.extend([BlowTally::default(); 2]);
         Ok(first)
     }
@@ -340,7 +309,6 @@ impl CharacterGroup for Sparring {
             self.state.tallies.swap_remove(row);
         }
         self.state.pairs.swap_remove(first / 2);
-        self.state.touches.swap_remove(first / 2);
         Ok(())
     }
 
@@ -349,7 +317,6 @@ impl CharacterGroup for Sparring {
         let row = self.boxers.row(id)?;
         let old = self.characters().root(row);
         self.boxers.place(id, root)?;
-        self.state.touches[row / 2].forget_character(row % 2);
         let turn = maths::rotation_y(root.heading - old.heading);
         for at in [&mut self.state.heads[row ^ 1], &mut self.state.aims[row ^ 1]] {
             *at = maths::rotate(turn, *at - old.translation()) + root.translation();
@@ -364,7 +331,6 @@ impl CharacterGroup for Sparring {
     fn step(&mut self, dt_s: f32, run: &dyn Executor) -> Result<()> {
         self.boxers.aim_all(&self.state.aims, &self.state.threats)?;
         self.boxers.step(dt_s, run)?;
-        self.displace_limbs(Some(dt_s), run);
         let (s, body, config, lead_s) = (&mut self.state, &self.body, &self.config, self.lead_s);
         let (characters, motion_set) = (self.boxers.characters(), self.boxers.motion_set());
         self.travels.resize(s.heads.len(), TravelPoints::default());
@@ -414,7 +380,6 @@ impl CharacterGroup for Sparring {
 
     fn load(&mut self, bytes: &[u8]) -> Result<()> {
         self.state = snapshot::load(self.snapshot_kind(), &mut self.boxers, bytes)?;
-        self.displace_limbs(None, &Inline);
         self.events.clear();
         Ok(())
     }
@@ -423,8 +388,7 @@ impl CharacterGroup for Sparring {
         let adopted = self.boxers.adopt(new)?;
         self.travels.clear();
         self.body = SparringBody::new(new.skeleton(), &self.config.body);
-        self.limbs = limb_shapes(new.skeleton(), &self.body);
-        self.state.touches.fill(LimbTouch::default());
+        self.boxers.set_partner_touch(self.body.volume().clone(), self.config.touch)?;
         self.lead_s = usual_lead_s(self.boxers.motion_set());
         self.steps_away = StepsAway::new(self.boxers.motion_set())?;
         Ok(adopted)

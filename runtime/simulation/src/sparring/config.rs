@@ -2,8 +2,8 @@
 
 use super::body::BodyShape;
 use throng_base::error::check_value;
-use throng_base::thresholds::FLESH_GIVES_M;
 use throng_base::{Hash128, Result};
+use throng_core::body::TouchConfig;
 use throng_core::characters::CharactersConfig;
 
 /// Time until the next blow where no blow is coming (s).
@@ -30,25 +30,6 @@ pub struct SeparationConfig {
 impl Default for SeparationConfig {
     fn default() -> Self {
         Self { enabled: true, margin_m: 0.04, max_speed_mps: 0.6, deep_m: 0.05, heads_m: 0.6, lean_per_s: 3.0 }
-    }
-}
-
-/// Settings of limbs that stop at the opponent's body and guard.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TouchConfig {
-    /// False lets arms pass through the opponent's body.
-    pub enabled: bool,
-    /// Half-life of the displacement of an arm that is free again (s, 0.001 to 10).
-    pub half_life_s: f32,
-    /// Depth to which flesh gives way (m, 0 to 0.1).
-    pub give_m: f32,
-    /// Largest angular speed of an elbow by touch, where its motion does not turn it faster (rad/s, 1 to 1000).
-    pub elbow_radps: f32,
-}
-
-impl Default for TouchConfig {
-    fn default() -> Self {
-        Self { enabled: true, half_life_s: 0.1, give_m: FLESH_GIVES_M, elbow_radps: 33.0 }
     }
 }
 

@@ -8,7 +8,6 @@ mod body;
 mod bout;
 mod config;
 mod landing;
-mod limb_segment;
 mod pair;
 mod practice;
 mod snapshot;
@@ -17,12 +16,12 @@ mod tally;
 mod target;
 #[cfg(test)]
 mod tests;
-mod touch;
 
 pub use body::{BodyShape, NUM_CAPSULES, NUM_CORE, SparringBody, StruckPart, WorldPose};
 pub use bout::{Sparring, SparringFigures};
-pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig, StaggerConfig, TouchConfig};
+pub use config::{NO_THREAT_S, SeparationConfig, SparringConfig, StaggerConfig};
 pub use landing::BlowLanding;
 pub use practice::{PracticeConfig, PracticeFigures, TargetHit, TargetPractice};
 pub use tally::BlowTally;
 pub use target::{StruckTarget, TargetConfig};
+pub use throng_core::body::TouchConfig;

@@ -3,7 +3,6 @@
 use super::pair::OpponentPair;
 use super::tally::BlowTally;
 use super::target::StruckTarget;
-use super::touch::LimbTouch;
 use super::{bout, practice};
 use crate::motion_kind::refused_snapshot;
 use glam::Vec3;
@@ -20,12 +19,10 @@ pub(super) trait SavedState: Serialize + DeserializeOwned {
 
 impl SavedState for bout::SparringState {
     fn is_valid(&self, n: usize) -> bool {
-        let of_pairs = [self.pairs.len(), self.touches.len()];
         [self.heads.len(), self.aims.len(), self.threats.len(), self.tallies.len()] == [n; 4]
-            && of_pairs.iter().all(|num| 2 * num == n)
+            && 2 * self.pairs.len() == n
             && self.heads.iter().chain(&self.aims).chain(&self.threats).all(is_valid_aim)
             && self.pairs.iter().all(OpponentPair::is_valid)
-            && self.touches.iter().all(LimbTouch::is_valid)
             && BlowTally::is_valid(&self.tallies)
             && (0.0..1e9).contains(&self.seconds)
     }

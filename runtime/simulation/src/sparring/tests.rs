@@ -18,7 +18,6 @@ use throng_core::skeleton::{Joint, NUM_JOINTS, Skeleton};
 mod bodies;
 mod pairs;
 mod targets;
-mod touch;
 
 /// A skeleton in its rest pose, arms stretched out to the sides.
 fn rest_pose() -> [Mat3x4; NUM_JOINTS] {

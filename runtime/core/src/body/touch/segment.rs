@@ -18,7 +18,7 @@ const LEAST_LEVER: f32 = 0.5;
 
 /// Constant shape of a limb.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LimbShape {
+pub(super) struct LimbShape {
     /// Lengths of its two bones (m).
     pub lengths: [f32; 2],
     /// Length of the axis beyond its end, into the fist; 0 for legs (m).
@@ -236,7 +236,7 @@ pub(super) fn elbow_angle([shoulder, elbow, wrist]: [Vec3; 3]) -> f32 {
 
 /// Rotation from one direction to another; the identity where either has no length. Small rotations are exact, unlike those
 /// of glam, which omits rotations below 0.7 mrad.
-pub(super) fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
+fn shortest_arc(from: Vec3, to: Vec3) -> Quat {
     let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return Quat::IDENTITY };
     let w = 1.0 + from.dot(to);
     if w < 1e-6 {
