@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use throng_base::ground::ReservedRegion;
 use throng_base::maths;
-use throng_base::thresholds::WALK_SPEED_MPS;
+use throng_base::thresholds::{WAITS_BELOW_MPS, WALK_SPEED_MPS};
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::{PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::stops::BODY_RADIUS_M;
@@ -26,8 +26,6 @@ const TARGET_AHEAD_M: f32 = 2.0;
 const POSES_TRIED: usize = 16;
 /// Distance from the goal at which a character goes straight there (m).
 const GOAL_NEAR_M: f32 = 1.0;
-/// Desired speed below which a character waits (m/s).
-const WAITS_BELOW_MPS: f32 = 0.1;
 
 /// Group of characters with policies on the way to goals.
 #[derive(Clone, Debug)]

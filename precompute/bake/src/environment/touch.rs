@@ -4,9 +4,10 @@ use glam::{Quat, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::{
-    BODY_IN_UNIT_M, FOOT_CONTACT_M, HAND_CONTACT_M, HEEL_PER_BALL, REFERENCE_LEG_M, SEAT_CONTACT_M,
+    BODY_IN_UNIT_M, BUTTOCK_M, FOOT_CONTACT_M, HAND_CONTACT_M, HAND_SKIN_M, HEEL_PER_BALL, REFERENCE_LEG_M,
+    SEAT_CONTACT_M,
 };
-use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
+use throng_core::{BodyVolume, Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::error::{BuildError, Result, check_ranges};
 
 /// Limits within which a part of a body counts as planted on the geometry of an environment (Lee, Choi and Lee 2006,
@@ -150,7 +151,7 @@ fn foot(skeleton: &Skeleton, foot: Joint, toe: Joint, tip: Vec3) -> [Vec<SkinPoi
 /// Wrist, palm and fingers.
 fn hand(skeleton: &Skeleton, hand: Joint, scale: f32) -> Vec<SkinPoint> {
     let along = skeleton.offsets[hand.index()].normalize_or_zero() * scale;
-    let probes = [(0.0, 0.03), (0.06, 0.03), (0.12, 0.022)];
+    let probes = [(0.0, HAND_SKIN_M[0]), (0.06, HAND_SKIN_M[0]), (0.12, HAND_SKIN_M[1])];
     probes.map(|(at, radius)| SkinPoint { joint: hand, offset: along * at, radius: radius * scale }).to_vec()
 }
 
@@ -158,8 +159,12 @@ fn hand(skeleton: &Skeleton, hand: Joint, scale: f32) -> Vec<SkinPoint> {
 fn seat(skeleton: &Skeleton, scale: f32) -> Vec<SkinPoint> {
     let mut out = Vec::with_capacity(4);
     for (thigh, shin) in [(Joint::LeftThigh, Joint::LeftShin), (Joint::RightThigh, Joint::RightShin)] {
-        out.push(SkinPoint { joint: thigh, offset: Vec3::ZERO, radius: 0.092 * scale });
-        out.push(SkinPoint { joint: thigh, offset: skeleton.offsets[shin.index()] / 3.0, radius: 0.08 * scale });
+        out.push(SkinPoint { joint: thigh, offset: Vec3::ZERO, radius: BUTTOCK_M * scale });
+        out.push(SkinPoint {
+            joint: thigh,
+            offset: skeleton.offsets[shin.index()] / 3.0,
+            radius: BodyVolume::radius_m(thigh) * scale,
+        });
     }
     out
 }

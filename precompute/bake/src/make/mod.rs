@@ -24,6 +24,7 @@ pub use stand::make_stands;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use stepping::CourseWalker;
 use throng_base::Comm;
+use throng_base::thresholds::USUAL_GAIT_MPS;
 use throng_core::Skeleton;
 use throng_core::format::{Gait, MADE_TAG, MotionClass};
 use throng_motion::annotate::classes::{NameHints, classify};
@@ -35,8 +36,6 @@ use throng_motion::mirror;
 const MAX_GAITS: usize = 14;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
 const OTHER_GAIT: f32 = 0.12;
-/// Speed of the gait that is preferred: slow ones turn and stop among others (m/s).
-const USUAL_MPS: f32 = 0.6;
 
 /// Made motion of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -179,7 +178,7 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     let cost = |g: &GaitCycle| {
         let alike = |o: &GaitCycle| if o.foot == g.foot { gait_distance(o, g).min(0.5) } else { 0.0 };
         let usual = all.iter().map(alike).sum::<f32>() / all.len() as f32;
-        usual + 0.5 * g.unsteadiness + 0.1 * (g.speed_mps() - USUAL_MPS).abs()
+        usual + 0.5 * g.unsteadiness + 0.1 * (g.speed_mps() - USUAL_GAIT_MPS).abs()
     };
     let costs: Vec<f32> = all.iter().map(cost).collect();
     let mut order: Vec<usize> = (0..all.len()).collect();

@@ -6,6 +6,7 @@ use crate::error::{Result, check_ranges};
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::{BODY_STILL_MPS, POSE_HELD_MPS};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Frames to leave out at the ends of clips.
@@ -28,7 +29,14 @@ pub struct EndsConfig {
 
 impl Default for EndsConfig {
     fn default() -> Self {
-        Self { t_pose: true, still: true, t_pose_within: 1.0, still_duration: 0.5, still_speed: 0.1, still_keep: 0.3 }
+        Self {
+            t_pose: true,
+            still: true,
+            t_pose_within: 1.0,
+            still_duration: 0.5,
+            still_speed: BODY_STILL_MPS,
+            still_keep: 0.3,
+        }
     }
 }
 
@@ -52,10 +60,6 @@ const ARMS_OUT: f32 = 0.6;
 
 /// Turning speed away from the side below which arms have arrived (rad/s).
 const ARRIVED_SPEED: f32 = 0.6;
-
-/// Speed of all joints below which a body holds a T-pose; where a clip is cut in a T-pose, the body may be on the way out of a
-/// full one, and faster (m/s).
-const POSING_SPEED: f32 = 0.5;
 
 /// Distance from a clip's end within which a pose counts as the one that the clip is cut in (s).
 const EDGE: f32 = 0.1;
@@ -131,12 +135,12 @@ fn t_pose_frames(
     let pose = |k: usize| t_pose(&poses[at(k)]);
     let speed = |k: usize| fastest[at(k)];
     let cut = |k: usize| match pose(k) {
-        TPose::Full => speed(k) < 2.5 * POSING_SPEED,
-        TPose::Half => speed(k) < POSING_SPEED,
+        TPose::Full => speed(k) < 2.5 * POSE_HELD_MPS,
+        TPose::Half => speed(k) < POSE_HELD_MPS,
         TPose::No => false,
     };
     let hold = seconds(MIN_HOLD).max(1);
-    let held = |k: usize| k + hold <= n && (k..k + hold).all(|k| pose(k) == TPose::Full && speed(k) < POSING_SPEED);
+    let held = |k: usize| k + hold <= n && (k..k + hold).all(|k| pose(k) == TPose::Full && speed(k) < POSE_HELD_MPS);
     let edge = seconds(EDGE).min(n);
     let Some(first) = (0..edge).find(|&k| cut(k)).or_else(|| (0..searched).find(|&k| held(k))) else { return 0 };
     let last = (first..n).take_while(|&k| pose(k) != TPose::No).last().unwrap_or(first);

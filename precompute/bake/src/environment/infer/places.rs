@@ -2,22 +2,19 @@
 
 use super::super::touch::{PARTS, SkinPoints};
 use glam::{Quat, Vec3};
+use throng_base::thresholds::{HAND_HOLDS_MPS, SEATED_MPS};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::BoundingBox;
 use throng_motion::annotate::contacts::{detect_contacts, hysteresis, speeds};
 use throng_motion::annotate::{ContactConfig, GroundShape};
 use throng_motion::clip::{Clip, FrameRange, runs_where};
 
-/// Speeds of a holding hand: falls below the first and stays below the second (m/s).
-const HOLD_SPEEDS: [f32; 2] = [0.12, 0.25];
 /// Shortest hold and shortest seat (s).
 const SHORTEST: [f32; 2] = [0.2, 0.7];
 /// Least motion of the rest of the body relative to a fixed place (m).
 const BODY_MOVES: f32 = 0.08;
 /// Largest motion of a fixed place (m).
 const PLACE_MOVES: f32 = 0.05;
-/// Speeds of a seated body: falls below the first and stays below the second (m/s).
-const SEAT_SPEEDS: [f32; 2] = [0.1, 0.2];
 /// Largest slope of the thighs of a seated body (fall over length).
 const SEAT_STEEPEST: f32 = 0.6;
 /// Largest difference in height of heel and toes of a flat foot; beyond it the foot stands on its ball (m).
@@ -65,12 +62,12 @@ pub fn find_touches(clip: &Clip, skeleton: &Skeleton, cfg: &ContactConfig) -> Ve
         }
     }
     for (part, joint) in [(4, Joint::LeftHand), (5, Joint::RightHand)] {
-        for run in body.slow_runs(clip, joint, HOLD_SPEEDS, SHORTEST[0]) {
+        for run in body.slow_runs(clip, joint, HAND_HOLDS_MPS, SHORTEST[0]) {
             // The palm is the second of a hand's points.
             out.extend(body.touch_in_run(TouchKind::Hand, part, run, 1));
         }
     }
-    for run in body.slow_runs(clip, Joint::Hips, SEAT_SPEEDS, SHORTEST[1]) {
+    for run in body.slow_runs(clip, Joint::Hips, SEATED_MPS, SHORTEST[1]) {
         if body.is_seated(run.start.midpoint(run.end)) {
             out.extend(body.touch_in_run(TouchKind::Seat, SEAT, run, 0));
         }

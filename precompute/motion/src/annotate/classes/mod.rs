@@ -8,7 +8,7 @@ use crate::clip::Clip;
 pub use hints::NameHints;
 use signals::Signals;
 use spans::{runs_of, settle};
-use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
+use throng_base::thresholds::{STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
 use throng_core::Skeleton;
 pub use throng_core::format::{ClassSpan, Gait, MotionClass, Posture};
 
@@ -23,8 +23,6 @@ const SWAY_M: f32 = 0.45;
 /// Speed plus the correlation of hips and stride from which a body runs: hips of a runner are highest while the feet are
 /// farthest apart, those of a walker lowest. By names: unknown, walk, run.
 const RUN: [f32; 3] = [1.85, 2.3, 1.5];
-/// Speed from which a body runs however its hips move (m/s).
-const RUN_MPS: f32 = 3.2;
 /// Angle between travel and front from which a body goes sideways, and backwards (degrees).
 const SIDE_DEG: [f32; 2] = [29.0, 120.0];
 /// Angle from which a body goes sideways whose name says so (degrees).
@@ -129,7 +127,7 @@ fn gait(s: &Signals, f: usize, moves: bool, hints: &NameHints) -> Gait {
     let kind = if hints.walk == hints.run { 0 } else { 1 + usize::from(hints.run) };
     match s.speed[f] {
         _ if turn > SIDE_DEG[1] => Gait::Backwards,
-        speed if speed > RUN_MPS || speed + s.bounce[f] > RUN[kind] && turn < 2.0 * SIDE_DEG[0] => Gait::Run,
+        speed if speed > SURELY_RUNS_MPS || speed + s.bounce[f] > RUN[kind] && turn < 2.0 * SIDE_DEG[0] => Gait::Run,
         _ if turn > side => Gait::Strafe,
         _ => Gait::Walk,
     }
