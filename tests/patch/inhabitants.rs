@@ -2,9 +2,10 @@
 
 use super::made_up_world::{self, GIVE, SIDE, SIT};
 use glam::Vec3;
+use throng_core::body::{ArmLayer, BodyLayers};
 use throng_core::characters::CharactersConfig;
 use throng_core::patch::Placement;
-use throng_core::{CharacterGroup, Error, Id, Inline, NUM_JOINTS, OrderStatus, Planar, Rayon};
+use throng_core::{CharacterGroup, Error, Id, Inline, Joint, NUM_JOINTS, OrderStatus, Planar, Rayon};
 use throng_world::inhabitants::{
     InhabitantActivity, InhabitantEvent, InhabitantGoal, Inhabitants, InhabitantsConfig, scatter_rest_nodes,
 };
@@ -68,6 +69,44 @@ fn nobody_enters_a_held_unit_and_motion_ends_where_its_node_is() {
         }
     }
     assert_eq!(been.len(), 25, "they roam everywhere");
+}
+
+/// One of two looks up and waves, and is pushed: the other one's pose stays as it is, and a copy goes on alike.
+#[test]
+fn inhabitants_look_wave_and_take_pushes() {
+    let world = open(&PLAIN);
+    let starts = scatter_rest_nodes(world.graph(), 2, 3);
+    let [mut plain, mut people] = [(); 2].map(|()| people_at(&world, &starts));
+    let layers =
+        BodyLayers { look_at: Some(Vec3::new(0.0, 4.0, 0.0)), arms: [None, Some(ArmLayer::Wave)], ..BodyLayers::NONE };
+    people.set_layers(Id::first(0), layers).unwrap();
+    let (mut moved, mut raised) = (0.0f32, f32::MIN);
+    for i in 0..90 {
+        if i == 60 {
+            people.push(Id::first(0), Joint::UpperChest, Vec3::X * 0.08).unwrap();
+        }
+        plain.step(DT, &Inline).unwrap();
+        people.step(DT, &Inline).unwrap();
+        assert_eq!(plain.bodies().model[1], people.bodies().model[1], "step {i}");
+        let [was, now] = [&plain, &people].map(|p| p.bodies().model[0].map(|m| m.translation()));
+        if i < 60 {
+            raised = raised.max(now[Joint::RightHand.index()].y - was[Joint::RightHand.index()].y);
+        } else {
+            moved = moved.max(now[Joint::UpperChest.index()].distance(was[Joint::UpperChest.index()]));
+        }
+    }
+    assert!(raised > 0.3, "the hand is {raised} m higher");
+    assert!(moved > 0.03, "the chest gives way by {moved} m");
+    let mut saved = Vec::new();
+    people.save(&mut saved);
+    let mut copy = people_at(&world, &starts);
+    copy.load(&saved).unwrap();
+    for p in [&mut people, &mut copy] {
+        (0..10).for_each(|_| p.step(DT, &Inline).unwrap());
+    }
+    assert_eq!(people.bodies().model, copy.bodies().model);
+    let bad = BodyLayers { look_at: Some(Vec3::splat(f32::NAN)), ..layers };
+    assert!(matches!(people.set_layers(Id::first(0), bad), Err(Error::Value { .. })));
 }
 
 /// People of two worlds that are alike do the same where they have the same numbers, and else not.

@@ -6,6 +6,14 @@ use std::ops::RangeBounds;
 use std::path::PathBuf;
 
 /// Error of a call: whom it concerns, what was expected, and how to correct it.
+///
+/// ```
+/// use throng_base::{Error, limits::STEP_S};
+///
+/// let error = STEP_S.check("dt_s", None, -1.0).unwrap_err();
+/// assert!(matches!(error, Error::Value { .. }));
+/// assert!(error.to_string().contains("dt_s"), "{error}");
+/// ```
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -8,6 +8,13 @@ use throng_base::maths::sin_cos;
 use throng_geometry::Capsule;
 
 /// Triangles that joints carry, in the rest pose on the ground.
+///
+/// ```
+/// use throng_core::{PlainBody, Skeleton};
+///
+/// let body = PlainBody::coarse(&Skeleton::default());
+/// assert_eq!(body.positions.len(), body.joints.len());
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct PlainBody {
     /// (m)

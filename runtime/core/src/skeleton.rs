@@ -91,6 +91,14 @@ impl Joint {
 /// Rest pose: every joint's rest rotation is the identity in model space (local axes are the model axes:
 /// X left, Y up, Z forward), the character stands in a T-pose: legs straight down, feet pointing along +Z,
 /// arms straight out along +X (left) and -X (right), palms down. The left side is +X.
+///
+/// ```
+/// use throng_core::{Joint, Skeleton};
+///
+/// let adult = Skeleton::default();
+/// assert!((adult.height() - 1.75).abs() < 0.05);
+/// assert!(adult.rest_positions()[Joint::LeftHand.index()].x > 0.0, "the left side is +X");
+/// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Skeleton {
     /// Offset from the parent joint in rest pose; the hips' is their height above the ground (m).

@@ -22,7 +22,7 @@ impl OverlayScope {
     pub const ALL: [(Self, &'static str); 3] = [(Self::None, "none"), (Self::Selected, "selected"), (Self::All, "all")];
 }
 
-/// Which billboards of cells are drawn.
+/// Which blackboards of cells are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BlackboardFilter {
     /// None.
@@ -34,7 +34,7 @@ pub enum BlackboardFilter {
     Level(u32),
 }
 
-/// A cell with a billboard.
+/// A cell with a blackboard.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlackboardCell {
     /// Level, 0 for the smallest cells.
@@ -69,7 +69,7 @@ pub struct SceneViewOptions {
     pub kinds: [bool; AgentEventKind::COUNT],
     /// Number of the message that is shown spreading.
     pub message: Option<usize>,
-    /// Billboards of cells.
+    /// Blackboards of cells.
     pub blackboards: BlackboardFilter,
     /// Cell with the blackboard that is read.
     pub cell: Option<BlackboardCell>,

@@ -163,10 +163,10 @@ impl fmt::Display for LevelReport {
             writeln!(f, "{:10} \"{}\" from {from:.1} to {to:.1}", link.kind, link.name)?;
         }
         for place in &self.places {
-            let end = if place.is_cut_off { "CUT OFF: nothing leads there from the largest part" } else { "" };
+            let end = if place.is_cut_off { ". CUT OFF: nothing leads there from the largest part" } else { "" };
             let from =
                 if place.reached_from.is_empty() { "no other place".into() } else { place.reached_from.join(", ") };
-            writeln!(f, "{:10} \"{}\" reached from {from}. {end}", place.kind, place.name)?;
+            writeln!(f, "{:10} \"{}\" reached from {from}{end}", place.kind, place.name)?;
         }
         let [median, p95, longest] = self.path_us;
         write!(f, "paths      {} random ones: {median:.1} us, p95 {p95:.1} us, longest {longest:.1} us", self.paths)

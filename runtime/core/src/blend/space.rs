@@ -21,6 +21,16 @@ const STEEPEST: f32 = 1e4;
 /// A query has three steps, each a batch over slices: [`BlendSpace::weights`] maps parameters to the weights of the
 /// examples, [`BlendSpace::advance`] moves generic time on by blended rates, and [`BlendSpace::blend_postures`] blends postures.
 /// [`crate::walkers::Walkers`] does all of it for characters on trajectories.
+///
+/// ```no_run
+/// use throng_core::Bundle;
+/// use throng_core::blend::BlendSpace;
+///
+/// let bundle = Bundle::open("walkers.throng")?;
+/// let space = BlendSpace::new(bundle.blends(), 0)?;
+/// println!("{}: {} examples along {} axes", space.name(), space.examples().len(), space.axes().len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct BlendSpace {
     pub(crate) record: BlendRecord,

@@ -9,6 +9,16 @@ use throng_base::{Hash128, Result};
 const MAX_KNOTS: usize = 1 << 25;
 
 /// Heights at the knots of a square grid, interpolated bilinearly; beyond its edge the ground continues level. Clones share them.
+///
+/// ```
+/// use throng_core::body::HeightField;
+/// use throng_core::glam::Vec2;
+///
+/// // A ramp of 2 m by 2 m that rises by 1 m along x.
+/// let ramp = HeightField::new(Vec2::ZERO, 2.0, [2, 2], vec![0.0, 1.0, 0.0, 1.0])?;
+/// assert_eq!(ramp.ground_at(Vec2::new(1.0, 1.0)).height, 0.5);
+/// # Ok::<(), throng_core::Error>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HeightField {
     /// Position of the first knot: x and z (m).

@@ -18,6 +18,16 @@ use std::sync::Arc;
 use throng_base::maths;
 
 /// Everything of a bundle that characters need to move. Owned: it keeps the bundle's file open; clones are cheap.
+///
+/// ```no_run
+/// use throng_core::Bundle;
+/// use throng_core::characters::MotionSet;
+///
+/// let motion_set = MotionSet::new(&Bundle::open("people.throng")?);
+/// let (policies, states) = (motion_set.num_policies(), motion_set.graph().states.len());
+/// println!("{policies} behaviours in {states} states; the first frame is at {:?}", motion_set.planar_root(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct MotionSet {
     /// Frames of the bundle, padded with zeros to a window's length.

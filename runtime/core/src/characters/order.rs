@@ -193,7 +193,11 @@ impl PolicyOrder {
         Ok(self)
     }
 
-    pub(crate) fn check(&self, who: Option<Id>, motion_set: &MotionSet) -> Result<()> {
+    /// Checks it against a motion set.
+    ///
+    /// # Errors
+    /// [`Error::Index`] for a policy that does not exist, [`Error::Value`] for a number out of its range.
+    pub fn check(&self, who: Option<Id>, motion_set: &MotionSet) -> Result<()> {
         let n = self.num_goals as usize;
         check_value("the number of behaviours", who, n as f64, n <= MAX_GOALS, "0 to 4")?;
         for (&policy, &weight) in self.policies().iter().zip(self.weights()) {

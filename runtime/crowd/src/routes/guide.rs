@@ -78,7 +78,7 @@ impl<V: Space> Guide<'_, V> {
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
             // The path past the corner, along which agents in both directions count.
-            let along = corner.way_from(from.xz());
+            let along = corner.direction_from(from.xz());
             let step = self.steering.place_m;
             let num = ((corner.free / step) as usize + 1).min(PLACES);
             // Where many come, each keeps to the right: of what it passes, and in what it passes.
@@ -131,7 +131,7 @@ impl<V: Space> Guide<'_, V> {
         let is_gate = |c: &&RouteCorner| c.free < widest && from.distance(c.at) < self.steering.gate_near_m;
         let corner = corners[..num].iter().flatten().find(is_gate)?;
         let at = corner.at + corner.out * (0.5 * corner.free);
-        Some(Gate { at: V::over_ground(at), along: V::over_ground(corner.way_from(from)) })
+        Some(Gate { at: V::over_ground(at), along: V::over_ground(corner.direction_from(from)) })
     }
 
     /// Cost of the agents on the last metres of the path to a place, and of those that come from there (m).

@@ -137,7 +137,7 @@ impl<V: Space> RoutePath<V> {
                 let (normal, bend) = (along + out).unit_and_length();
                 // Where the path turns back there is no line half-way.
                 let normal = if bend > 0.3 { normal } else { along };
-                let free = [-1.0, 1.0].map(|side| free_way(points[i], normal.right() * side, solids));
+                let free = [-1.0, 1.0].map(|side| free_distance(points[i], normal.right() * side, solids));
                 RouteLeg { to: points[i], along, normal, free, rest: 0.0 }
             })
             .collect();
@@ -266,7 +266,7 @@ pub(crate) fn is_in_solid<V: Space>(goal: V, obstacle: &Obstacle<V>, solids: &[C
 }
 
 /// Free distance from a place along a unit vector (m).
-fn free_way<V: Space>(from: V, along: V, solids: &[ConvexSolid<V>]) -> f32 {
+fn free_distance<V: Space>(from: V, along: V, solids: &[ConvexSolid<V>]) -> f32 {
     let mut distance = 0.0;
     // Moves on by the distance of the nearest solid on any side, and repeats.
     while distance < WIDEST_M && V::DIMENSIONS == 2 {

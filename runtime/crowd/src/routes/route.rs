@@ -19,6 +19,16 @@ pub enum AtEnd {
 /// Route through subgoals. Agents pass the line across the path at each, anywhere between the walls. Differs from Kim,
 /// Kim and Shin (2003b, section 2.2, driving force), whose agents follow a spline: a crowd on one would not use the
 /// width of the path.
+///
+/// ```
+/// use throng_crowd::{AtEnd, Route};
+/// use throng_base::glam::Vec3;
+///
+/// // There and back for ever.
+/// let subgoals = vec![Vec3::new(20.0, 0.0, 0.0), Vec3::ZERO];
+/// let rounds = Route { subgoals, arrival_radius: 0.5, at_end: AtEnd::Again };
+/// assert_eq!(rounds.subgoals.len(), 2);
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Route<V = Vec3> {
     /// Subgoals, in order; an agent begins with the first one, or on the leg of a round that it is nearest to. A single one is a goal that is reached

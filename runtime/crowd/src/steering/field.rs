@@ -6,6 +6,14 @@ use serde::{Deserialize, Serialize};
 use throng_base::Result;
 
 /// Force field that moves an agent: parameters of Kim, Kim and Shin (2003b), eq. 15 to 23, all per unit of mass.
+///
+/// ```
+/// use throng_crowd::{CrowdConfig, ForceField};
+///
+/// // People who look farther ahead.
+/// let field = ForceField { perception_m: 8.0, ..ForceField::default() };
+/// assert!(field.perception_m > ForceField::default().perception_m);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ForceField {

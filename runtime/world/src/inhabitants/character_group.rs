@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use throng_base::error::check_value;
 use throng_base::limits::STEP_S;
 use throng_base::{Error, Executor, Id, Result};
-use throng_core::characters::ScheduledClip;
+use throng_core::characters::{PolicyOrder, ScheduledClip};
 use throng_core::planar::wrap_angle;
 use throng_core::{AdoptReport, Bundle, CharacterGroup, NUM_JOINTS, OrderStatus, Planar, PosedBodies};
 
@@ -107,6 +107,7 @@ impl CharacterGroup for Inhabitants {
         self.num_orders = self.num_orders.wrapping_add(1);
         self.states.push(InhabitantMemory::resting_at(start));
         self.roots.push(clip.root);
+        self.orders.push(PolicyOrder::IDLE);
         self.chains.set(c, &[]);
         self.paths.forget_path(c, None);
         self.reservations.take_units(graph.resources(start.instance), c as u32);
@@ -128,6 +129,7 @@ impl CharacterGroup for Inhabitants {
         self.characters.remove_character(at);
         self.states.swap_remove(at);
         self.roots.swap_remove(at);
+        self.orders.swap_remove(at);
         Ok(())
     }
 
@@ -190,7 +192,7 @@ impl CharacterGroup for Inhabitants {
         let world = self.world.clone();
         self.events.clear();
         self.control_all(&world, dt_s)?;
-        self.characters.step_on(world.motion_set(), dt_s, &[], run)?;
+        self.characters.step_on(world.motion_set(), dt_s, &self.orders, run)?;
         self.update_roots();
         Ok(())
     }

@@ -32,8 +32,10 @@ use reservations::UnitReservations;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use throng_base::{Id, Result};
-use throng_core::characters::Characters;
-use throng_core::{Contacts, Planar, Roster};
+use throng_core::body::BodyLayers;
+use throng_core::characters::{Characters, PolicyOrder};
+use throng_core::glam::Vec3;
+use throng_core::{Contacts, Joint, Planar, Roster};
 
 /// State of an inhabitant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -144,6 +146,8 @@ pub struct Inhabitants {
     roster: Roster,
     characters: Characters,
     roots: Vec<Planar>,
+    /// Orders without policies, for their layers.
+    orders: Vec<PolicyOrder>,
     states: Vec<InhabitantMemory>,
     chains: Chains,
     paths: InhabitantPaths,
@@ -175,6 +179,7 @@ impl Inhabitants {
             roster: Roster::with_capacity(capacity),
             characters: Characters::with_capacity(motion_set, config.characters, capacity)?,
             roots: Vec::with_capacity(capacity),
+            orders: Vec::with_capacity(capacity),
             states: Vec::with_capacity(capacity),
             chains: Chains::new(capacity),
             paths: InhabitantPaths::new(capacity, config.max_path),
@@ -210,6 +215,25 @@ impl Inhabitants {
     /// Motion of the inhabitants, in the order of [`Inhabitants::ids`].
     pub fn characters(&self) -> &Characters {
         &self.characters
+    }
+
+    /// Replaces what the body of a character does beside its motion: where it looks, what its arms do.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], or what is wrong with the layers.
+    pub fn set_layers(&mut self, id: Id, layers: BodyLayers) -> Result<()> {
+        let (at, order) = (self.roster.row(id)?, PolicyOrder::IDLE.with_layers(layers));
+        order.check(Some(id), self.world.motion_set())?;
+        self.orders[at] = order;
+        Ok(())
+    }
+
+    /// Displaces a part of the body of a character, which then comes back, see [`Characters::push`].
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Gone`], [`throng_base::Error::Value`] for a displacement that is not finite (m).
+    pub fn push(&mut self, id: Id, joint: Joint, displacement: Vec3) -> Result<()> {
+        self.characters.push(self.roster.row(id)?, joint, displacement)
     }
 
     /// State of a character.

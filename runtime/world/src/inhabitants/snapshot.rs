@@ -9,11 +9,17 @@ use crate::{WorldGraph, WorldNode, WorldStep};
 use throng_base::maths;
 use throng_base::{Error, Hash128, Result, SnapshotKind};
 use throng_core::Roster;
-use throng_core::characters::CharactersSnapshot;
+use throng_core::characters::{CharactersSnapshot, PolicyOrder};
 
-/// Time, number of orders, ids, bodies, states, chains, paths. Reservations follow from these.
-type SavedInhabitants =
-    ((f64, u32), Roster, CharactersSnapshot, Vec<InhabitantMemory>, Vec<Vec<WorldStep>>, SavedPaths);
+/// Time, number of orders, ids, bodies and their layers, states, chains, paths. Reservations follow from these.
+type SavedInhabitants = (
+    (f64, u32),
+    Roster,
+    (CharactersSnapshot, Vec<PolicyOrder>),
+    Vec<InhabitantMemory>,
+    Vec<Vec<WorldStep>>,
+    SavedPaths,
+);
 
 /// A character's motion ends this far from its node at most: more is a sign of damage (m).
 const ASTRAY_M: f32 = 1.0;
@@ -25,8 +31,8 @@ impl Inhabitants {
     pub(super) fn write(&self, out: &mut Vec<u8>) {
         let chains = (0..self.states.len()).map(|c| self.chains.steps_of(c)).collect::<Vec<_>>();
         let paths = self.paths.saved_paths(self.states.len());
-        let state =
-            ((self.time_s, self.num_orders), &self.roster, self.characters.snapshot(), &self.states, chains, paths);
+        let bodies = (self.characters.snapshot(), &self.orders);
+        let state = ((self.time_s, self.num_orders), &self.roster, bodies, &self.states, chains, paths);
         self.snapshot_kind().write(&state, out);
     }
 
@@ -45,12 +51,12 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.world.hash().to_le_bytes());
         setup.add_bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 10, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 11, setup: setup.finish() }
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.
     fn restore(&mut self, saved: &SavedInhabitants) -> Result<(), &'static str> {
-        let ((time_s, num_orders), roster, characters, states, chains, paths) = saved;
+        let ((time_s, num_orders), roster, (characters, orders), states, chains, paths) = saved;
         let (world, n) = (self.world.clone(), roster.ids().len());
         let graph = world.graph();
         let (mut bodies, mut held) = (self.characters.clone(), UnitReservations::new(graph, self.capacity()));
@@ -59,7 +65,11 @@ impl Inhabitants {
         let check = |good: bool, what| if good { Ok(()) } else { Err(what) };
         check((0.0..LATEST_S).contains(time_s), "its time is out of range")?;
         check(new_roster.restore(roster), "its ids do not fit together")?;
-        check([states.len(), chains.len()] == [n; 2], "its rows do not fit together")?;
+        check([states.len(), chains.len(), orders.len()] == [n; 3], "its rows do not fit together")?;
+        let are_layers = |order: &PolicyOrder| {
+            order.check(None, world.motion_set()).is_ok() && *order == PolicyOrder::IDLE.with_layers(order.layers())
+        };
+        check(orders.iter().all(are_layers), "a body does what nobody can")?;
         bodies.restore_any(world.motion_set(), characters).map_err(|_| "its motion is not of the bundle")?;
         let is_scheduled = |c| bodies.segment(c).0 == u32::MAX;
         check(bodies.num_characters() == n && (0..n).all(is_scheduled), "its rows do not fit together")?;
@@ -88,6 +98,7 @@ impl Inhabitants {
         (self.roster, self.characters, self.reservations) = (new_roster, bodies, held);
         (self.chains, self.paths) = (new_chains, new_paths);
         self.states.clone_from(states);
+        self.orders.clone_from(orders);
         Ok(())
     }
 }

@@ -47,13 +47,13 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     section(ui, "Now", |ui| figures::show(ui, scene));
     section(ui, "Agent", |ui| agent::show(ui, model, scene, commands));
     if let Some(brains) = scene.run.simulation().brains() {
-        section(ui, "What it has in mind", |ui| agent::show_brain(ui, model, scene, brains));
+        section(ui, "Brain", |ui| agent::show_brain(ui, model, scene, brains));
         if !scene.run.simulation().scene().graphs.is_empty() {
             section(ui, "State graphs", |ui| graphs::show(ui, model, scene, brains));
         }
         if brains.has_events() {
             section(ui, "News", |ui| message_spread::show(ui, model, scene, brains, commands));
-            section(ui, "Billboards", |ui| blackboards::show(ui, model, scene, brains, commands));
+            section(ui, "Blackboards", |ui| blackboards::show(ui, model, scene, brains, commands));
         }
     }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));

@@ -39,8 +39,10 @@ impl ContactGraph {
         if self.touched.len() != n || self.group.len() != n || self.changed.len() > n {
             return false;
         }
-        let is_mutual =
-            |m: u32| self.of(m).all(|o| o != m && (o as usize) < n && self.of(o).filter(|&p| p == m).count() == 1);
+        let is_mutual = |m: u32| {
+            self.contacts_of(m)
+                .all(|o| o != m && (o as usize) < n && self.contacts_of(o).filter(|&p| p == m).count() == 1)
+        };
         if !(0..n as u32).all(is_mutual) {
             return false;
         }
@@ -54,7 +56,7 @@ impl ContactGraph {
     }
 
     /// Those that an agent touches.
-    pub fn of(&self, agent: u32) -> impl Iterator<Item = u32> + '_ {
+    pub fn contacts_of(&self, agent: u32) -> impl Iterator<Item = u32> + '_ {
         self.touched[agent as usize].iter().copied().take_while(|&o| o != NONE)
     }
 
@@ -72,11 +74,11 @@ impl ContactGraph {
     /// Notes a contact; false where it is known, or one of them touches as many as can be noted.
     pub fn join(&mut self, a: u32, b: u32) -> bool {
         let is_full = |m: u32| self.nth(m, MOST - 1).is_some();
-        if a == b || is_full(a) || is_full(b) || self.of(a).any(|o| o == b) {
+        if a == b || is_full(a) || is_full(b) || self.contacts_of(a).any(|o| o == b) {
             return false;
         }
         for (m, o) in [(a, b), (b, a)] {
-            let len = self.of(m).count();
+            let len = self.contacts_of(m).count();
             self.touched[m as usize][len] = o;
         }
         let (p, q) = (self.group[a as usize], self.group[b as usize]);
@@ -92,7 +94,7 @@ impl ContactGraph {
     /// in are given by [`ContactGraph::changed`]; otherwise that is empty.
     pub fn part(&mut self, a: u32, b: u32) {
         self.changed.clear();
-        if !self.of(a).any(|o| o == b) {
+        if !self.contacts_of(a).any(|o| o == b) {
             return;
         }
         for (m, o) in [(a, b), (b, a)] {

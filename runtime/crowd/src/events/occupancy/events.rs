@@ -36,7 +36,7 @@ impl<V: Space> Engine<V> {
             if crossing <= plan.end.min(occupant.meeting.0) {
                 self.cross(o, &plan);
             } else if occupant.meeting.0 < plan.end {
-                self.meet(o, agent, occupant.meeting.1);
+                self.process_meeting(o, agent, occupant.meeting.1);
             } else {
                 let is_actual = self.is_actual(&plan, cause);
                 self.act(o, agent, if is_actual { cause } else { Cause::Region });
@@ -91,7 +91,7 @@ impl<V: Space> Engine<V> {
     }
 
     /// The first contact that was found after the last event.
-    fn meet(&mut self, o: &mut Occupancy, agent: u32, cause: Cause) {
+    fn process_meeting(&mut self, o: &mut Occupancy, agent: u32, cause: Cause) {
         let plan = self.cells.plan(agent);
         if self.is_actual(&plan, cause) {
             self.act(o, agent, cause);

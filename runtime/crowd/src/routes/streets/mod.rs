@@ -125,7 +125,7 @@ pub(crate) struct RouteCorner {
 
 impl RouteCorner {
     /// Unit vector along the path by this corner for an agent that comes from a place.
-    pub fn way_from(&self, from: Vec2) -> Vec2 {
+    pub fn direction_from(&self, from: Vec2) -> Vec2 {
         let across = self.out.perp();
         if (self.next - from).dot(across) >= 0.0 { across } else { -across }
     }

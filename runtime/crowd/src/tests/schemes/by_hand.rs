@@ -44,7 +44,7 @@ fn group_in_contact_has_no_collisions_until_one_leaves() {
 
     // An agent that leaves the crowd leaves its group.
     crowd.despawn(ids[0]).unwrap();
-    assert!(occupancy(&crowd).contacts.of(ids[1].index).next().is_none());
+    assert!(occupancy(&crowd).contacts.contacts_of(ids[1].index).next().is_none());
     at_every_event(&mut crowd, 12.0, lists_are_exact);
 }
 

@@ -98,7 +98,7 @@ pub(super) fn contacts_are_true<V: Space>(crowd: &Engine<V>) -> usize {
     let o = occupancy(crowd);
     let mut num_contacts = 0;
     for a in crowd.ids() {
-        for b in o.contacts.of(a.index) {
+        for b in o.contacts.contacts_of(a.index) {
             let (p, q) = (crowd.cells.plan(a.index), crowd.cells.plan(b));
             let ((x, v), (y, w)) = (p.motion_at(crowd.now), q.motion_at(crowd.now));
             let gap = (x - y).length() - p.radius - q.radius;
