@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 /// Files that decide the versions of other crates and how they are compiled.
 const CRATES: [&str; 2] = ["../../Cargo.lock", "../../Cargo.toml"];
 /// Sources of the stages, relative to this crate's folder; files that a packaged crate lacks are skipped.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 9] = [
     "src",
     "../motion/src",
+    "../planner/src",
     "../synth/src",
     "../../runtime/geometry/src",
     "../../runtime/base/src",

@@ -20,7 +20,8 @@ const THIN_M: f32 = 0.01;
 /// Areas that are flatter than this are ground themselves, others are volumes around it (m).
 const FLAT_M: f32 = 0.2;
 
-/// Kinds of places and of links; of the latter, those that lead both ways.
+/// Kinds of places and of links; of the latter, those that lead both ways come first. Files hold names, and readers
+/// take any. `add_links` lays and prices links.
 const PLACES: [&str; 4] = ["goal", "door", "queue", "seat"];
 const LINKS: [&str; 5] = ["ladder", "climb", "elevator", "jump", "escalator"];
 const TWO_WAY: usize = 3;

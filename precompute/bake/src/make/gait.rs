@@ -21,6 +21,11 @@ const CYCLES: f32 = 3.3;
 const SEAM: usize = 10;
 /// Largest turn of a steady gait within a cycle, and largest angle between its travel and its heading (rad).
 const STRAIGHT: [f32; 2] = [0.35, 0.6];
+/// Largest difference of the poses of a steady gait a cycle apart (rad a joint), of the heights of the hips then, and of their
+/// heights within a cycle: a jump or a stair is none (m).
+const STEADY: f32 = 0.25;
+const STEADY_RISE_M: f32 = 0.06;
+const LARGEST_BOB_M: f32 = 0.2;
 /// Cost of a gait that is crouched, carries something or goes otherwise than ahead (rad).
 const SPECIAL: f32 = 0.4;
 /// Cost of a gait that is all played round, beside its seams (rad).
@@ -102,22 +107,32 @@ impl GaitCycle {
         let turn = wrap_angle(clip.planar(to).heading - clip.planar(from).heading).abs();
         let speed = travel[0].hypot(travel[1]) * clip.rate_hz as f32;
         let aside = maths::atan2(travel[0], travel[1]).abs();
+        let heights = || clip.root_positions[from..=to].iter().map(|p| p.y);
+        let bob = heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min);
+        let is_steady = pose_difference(clip, from, to) < STEADY && hips_rise(clip, from, to) < STEADY_RISE_M;
         if others != 1 || turn > STRAIGHT[0] || aside > STRAIGHT[1] || speed < WALKING_MPS {
             return None;
         }
-        let apart = |j: usize| clip.frame_rotations(from)[j].angle_between(clip.frame_rotations(to)[j]);
+        if bob > LARGEST_BOB_M || !is_steady {
+            return None;
+        }
         let class = clip.class_at(from);
         let is_plain = class
             .is_none_or(|c| c.posture == Posture::Upright && !c.carrying && matches!(c.gait, Gait::Walk | Gait::Run));
         let lead = (from - run.start).min(LEAD);
         let frames = (CYCLES * period as f32) as usize + LEAD;
-        let missing = 1.0 - ((run.end - from) as f32 / frames as f32).min(1.0);
-        let unsteadiness = (1..NUM_JOINTS).map(apart).sum::<f32>() / NUM_JOINTS as f32
+        // What comes after the gait, in the same clip, is none of it.
+        let is_like = |f: &usize| {
+            pose_difference(clip, f - period, *f) < STEADY && hips_rise(clip, f - period, *f) < STEADY_RISE_M
+        };
+        let end = (to + 1..run.end).find(|f| !is_like(f)).unwrap_or(run.end);
+        let missing = 1.0 - ((end - from) as f32 / frames as f32).min(1.0);
+        let unsteadiness = pose_difference(clip, from, to)
             + turn
             + 0.3 * aside
             + SEAMS * missing
             + if is_plain { 0.0 } else { SPECIAL };
-        let cut = play_round(clip, from - lead..run.end, lead + frames, period);
+        let cut = play_round(clip, from - lead..end, lead + frames, period);
         let class = class.cloned().unwrap_or_default();
         let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };
         gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
@@ -191,6 +206,17 @@ impl GaitCycle {
 pub(super) fn lerp_planar(a: Planar, b: Planar, share: f32) -> Planar {
     let heading = a.heading + share * wrap_angle(b.heading - a.heading);
     Planar::new(a.x + share * (b.x - a.x), a.z + share * (b.z - a.z), heading)
+}
+
+/// Mean difference of the joints of two frames, beside the hips (rad).
+fn pose_difference(clip: &Clip, a: usize, b: usize) -> f32 {
+    let apart = |j: usize| clip.frame_rotations(a)[j].angle_between(clip.frame_rotations(b)[j]);
+    (1..NUM_JOINTS).map(apart).sum::<f32>() / NUM_JOINTS as f32
+}
+
+/// Difference of the heights of the hips in two frames (m).
+fn hips_rise(clip: &Clip, a: usize, b: usize) -> f32 {
+    (clip.root_positions[a].y - clip.root_positions[b].y).abs()
 }
 
 /// Time for which a clip walks (s).

@@ -295,3 +295,23 @@ fn short_stands_become_long_ones_over_feet_that_stay() {
     let long = Clip { classes: Vec::new(), ..set.clips[0].clone() };
     assert!(make_stands(&ClipSet { clips: vec![long], ..set }, true, &SingleRank).unwrap().clips.is_empty());
 }
+
+/// A walk whose hips leap, and one whose hips climb, half of its time: nobody starts into either.
+#[test]
+fn jumps_and_stairs_are_no_gaits() {
+    let set = library(&["walk_"]);
+    let walk = set.clips.iter().find(|c| GaitCycle::find(c, &set.skeleton).len() == 2).expect("a walk");
+    let spoilt = |height: fn(f32) -> f32| {
+        let mut clip = walk.clone();
+        let n = clip.num_frames() as f32;
+        let at = |f: usize| height(f as f32 / clip.rate_hz as f32);
+        let rises: Vec<f32> = (0..clip.num_frames()).map(at).collect();
+        assert!(n > 60.0);
+        clip.root_positions.iter_mut().zip(rises).for_each(|(p, rise)| p.y += rise);
+        GaitCycle::find(&clip, &set.skeleton).len()
+    };
+    assert_eq!(spoilt(|_| 0.0), 2);
+    assert_eq!(spoilt(|t| 0.01 * (6.0 * t).sin()), 2, "hips that sway are a walk's");
+    assert_eq!(spoilt(|t| 0.3 * (4.0 * t).sin().max(0.0)), 0, "it leaps");
+    assert_eq!(spoilt(|t| 0.3 * t), 0, "it climbs");
+}

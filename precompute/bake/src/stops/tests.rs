@@ -83,7 +83,7 @@ proptest! {
                 prop_assert!(off < SWEEP_TOLERANCE_M + 1e-4, "{off}");
                 let joints = clip.joint_transforms(&clips.skeleton, (s.start.0 + f) as usize);
                 let (root, neck) = (joints[0].0, joints[Joint::Neck.index()].0);
-                let beside = Vec2::new(neck.x - root.x, neck.z - root.z).length() + TRUNK_DISC_M;
+                let beside = Vec2::new(neck.x - root.x, neck.z - root.z).length() + TRUNK_ROOM_M;
                 prop_assert!(beside <= sweep.radius);
             }
         }
@@ -91,7 +91,7 @@ proptest! {
         for (s, frame) in graph.states.iter().enumerate() {
             let joints = clip.joint_transforms(&clips.skeleton, frame.0 as usize);
             let (root, neck) = (joints[0].0, joints[Joint::Neck.index()].0);
-            let beside = Vec2::new(neck.x - root.x, neck.z - root.z).length() + TRUNK_DISC_M;
+            let beside = Vec2::new(neck.x - root.x, neck.z - root.z).length() + TRUNK_ROOM_M;
             prop_assert!((beside..=found.stops[s].radius).contains(&found.stops[s].pose_radius));
         }
         // By brute force: costs settle after as many rounds as there are states.

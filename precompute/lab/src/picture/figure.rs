@@ -3,7 +3,7 @@
 use super::colour::{self, Colour};
 use super::solid::RoundCone;
 use glam::{Quat, Vec3};
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_core::{BodyVolume, Joint, NUM_JOINTS, Skeleton};
 
 /// Joint positions of one character at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,6 +117,11 @@ impl TrunkFrame {
     }
 }
 
+/// A share of the radius that the volume of bodies has at a joint: trunks are wider than deep, limbs thinner at their ends (m).
+fn thickness(joint: Joint, share: f32) -> f32 {
+    share * BodyVolume::radius_m(joint)
+}
+
 /// Adds pelvis, belly, rib cage and shoulders, all wider than deep.
 fn trunk(f: &BodyFigure, frame: &TrunkFrame, colour: Colour, out: &mut Vec<(RoundCone, Colour)>) {
     let at = |j| f.joint(j);
@@ -124,15 +129,22 @@ fn trunk(f: &BodyFigure, frame: &TrunkFrame, colour: Colour, out: &mut Vec<(Roun
     let (hips, spine, chest, upper) = (at(Joint::Hips), at(Joint::Spine), at(Joint::Chest), at(Joint::UpperChest));
     let crotch = hips.lerp(0.5 * (at(Joint::LeftThigh) + at(Joint::RightThigh)), 0.7);
     let front = 0.012 * frame.chest_front;
-    add(RoundCone::limb(crotch, spine, 0.106, 0.098).flattened(frame.pelvis_left, 1.5));
-    add(RoundCone::limb(spine, chest, 0.098, 0.1).flattened(frame.pelvis_left, 1.36));
-    add(RoundCone::limb(chest + front, upper.lerp(at(Joint::Neck), 0.3) + front, 0.1, 0.107)
-        .flattened(frame.chest_left, 1.42));
+    let (waist, ribs) = (thickness(Joint::Spine, 0.82), thickness(Joint::Chest, 0.83));
+    add(RoundCone::limb(crotch, spine, thickness(Joint::Hips, 0.88), waist).flattened(frame.pelvis_left, 1.5));
+    add(RoundCone::limb(spine, chest, waist, ribs).flattened(frame.pelvis_left, 1.36));
     let neck = at(Joint::Neck);
+    let chest_top = thickness(Joint::UpperChest, 0.9);
+    add(RoundCone::limb(chest + front, upper.lerp(neck, 0.3) + front, ribs, chest_top)
+        .flattened(frame.chest_left, 1.42));
     for shoulder in [at(Joint::LeftUpperArm), at(Joint::RightUpperArm)] {
         let inner = upper.lerp(neck, 0.55);
-        add(RoundCone::limb(inner, shoulder, 0.082, 0.06));
-        add(RoundCone::limb(neck, shoulder.lerp(inner, 0.12), 0.05, 0.042));
+        add(RoundCone::limb(inner, shoulder, thickness(Joint::UpperChest, 0.68), thickness(Joint::LeftClavicle, 1.2)));
+        add(RoundCone::limb(
+            neck,
+            shoulder.lerp(inner, 0.12),
+            thickness(Joint::LeftClavicle, 1.0),
+            thickness(Joint::LeftClavicle, 0.85),
+        ));
     }
 }
 
@@ -143,10 +155,17 @@ fn head(f: &BodyFigure, frame: &TrunkFrame, colours: &BodyColours, out: &mut Vec
     let left = (frame.chest_left - up * frame.chest_left.dot(up)).normalize_or(Vec3::X);
     let front = left.cross(up);
     let size = (top - head).length().clamp(0.08, 0.4) / 0.2;
-    out.push((RoundCone::limb(neck - 0.03 * up, head + 0.02 * up, 0.056, 0.052), colours.skin));
+    out.push((
+        RoundCone::limb(neck - 0.03 * up, head + 0.02 * up, thickness(Joint::Neck, 0.93), thickness(Joint::Neck, 0.87)),
+        colours.skin,
+    ));
     let crown = head + up * (0.115 * size) + front * (0.012 * size);
     let jaw = head + up * (0.04 * size) + front * (0.035 * size);
-    out.push((RoundCone::limb(crown, jaw, 0.098 * size, 0.062 * size).flattened(left, 0.84), colours.skin));
+    out.push((
+        RoundCone::limb(crown, jaw, thickness(Joint::Head, size), thickness(Joint::Head, 0.62 * size))
+            .flattened(left, 0.84),
+        colours.skin,
+    ));
     let brow = head + up * (0.085 * size) + front * (0.094 * size);
     let visor = RoundCone::limb(brow + left * (0.03 * size), brow - left * (0.03 * size), 0.023 * size, 0.023 * size);
     out.push((visor, colours.trunk.mix(colour::INK, 0.75)));
@@ -154,29 +173,31 @@ fn head(f: &BodyFigure, frame: &TrunkFrame, colours: &BodyColours, out: &mut Vec
 
 fn arm(f: &BodyFigure, joints: [Joint; 3], colour: Colour, skin: Colour, out: &mut Vec<(RoundCone, Colour)>) {
     let [shoulder, elbow, wrist] = joints.map(|j| f.joint(j));
-    out.push((RoundCone::limb(shoulder, elbow, 0.057, 0.041), colour));
-    out.push((RoundCone::limb(elbow, wrist, 0.042, 0.029), colour));
+    let [upper, fore, hand] = joints.map(BodyVolume::radius_m);
+    out.push((RoundCone::limb(shoulder, elbow, 1.1 * upper, fore), colour));
+    out.push((RoundCone::limb(elbow, wrist, fore, 0.7 * hand), colour));
     let along = (wrist - elbow).normalize_or(-Vec3::Y);
-    out.push((RoundCone::limb(wrist + 0.025 * along, wrist + 0.105 * along, 0.035, 0.026), skin));
+    out.push((RoundCone::limb(wrist + 0.025 * along, wrist + 0.105 * along, 0.83 * hand, 0.62 * hand), skin));
 }
 
 /// Adds thigh, shin with calf, and a wedge-shaped foot: high at the ankle, flat at the tip.
 fn leg(f: &BodyFigure, joints: [Joint; 4], tip: Vec3, colour: Colour, out: &mut Vec<(RoundCone, Colour)>) {
     let [hip, knee, ankle, ball] = joints.map(|j| f.joint(j));
-    out.push((RoundCone::limb(hip, knee, 0.088, 0.057), colour));
-    out.push((RoundCone::limb(knee, ankle, 0.057, 0.037), colour));
+    let [thigh, shin, foot, toe] = joints.map(BodyVolume::radius_m);
+    out.push((RoundCone::limb(hip, knee, 1.1 * thigh, shin), colour));
+    out.push((RoundCone::limb(knee, ankle, shin, 1.1 * foot), colour));
     let down = (ankle - knee).normalize_or(-Vec3::Y);
     let sole = (ball - ankle).normalize_or(Vec3::Z);
     let back = (sole - down * sole.dot(down)).normalize_or(Vec3::Z);
     let [high, low] = [knee + down * 0.1 - back * 0.016, knee + down * 0.2 - back * 0.012];
-    out.push((RoundCone::limb(high, low, 0.054, 0.047), colour));
+    out.push((RoundCone::limb(high, low, shin, 0.85 * shin), colour));
     let shoe = colour.mix(colour::INK, 0.42);
     let up = (back - sole * back.dot(sole)).normalize_or(Vec3::Y);
     let heel = ankle - sole * 0.035 - up * 0.012;
-    out.push((RoundCone::limb(ankle, heel, 0.042, 0.04), shoe));
-    out.push((RoundCone::limb(ankle, ball, 0.042, 0.033), shoe));
-    out.push((RoundCone::limb(heel, ball, 0.036, 0.033), shoe));
-    out.push((RoundCone::limb(ball, tip, 0.033, 0.024), shoe));
+    out.push((RoundCone::limb(ankle, heel, 1.25 * foot, 1.2 * foot), shoe));
+    out.push((RoundCone::limb(ankle, ball, 1.25 * foot, foot), shoe));
+    out.push((RoundCone::limb(heel, ball, 1.1 * foot, foot), shoe));
+    out.push((RoundCone::limb(ball, tip, foot, 1.1 * toe), shoe));
 }
 
 #[cfg(test)]

@@ -321,7 +321,8 @@ fn load(path: &Path) -> Result<Vec<u8>, ImportError> {
     archive::read_file(path, "motion", MAX_MOTION_BYTES)
 }
 
-/// Finds roles, units, axes and rest pose of a clip, and brings it into metres and Y up.
+/// Finds roles, units, axes and rest pose of a clip, and brings it into metres and Y up. Made clips (`import_made`) and the single
+/// rest frame of a body that wears motion pass here too: checks have to admit them.
 ///
 /// # Errors
 /// [`ImportError::Content`] where a required role is missing or the skeleton has no size.

@@ -141,7 +141,8 @@ impl BodyLayers {
         self.look_at.is_none() && self.clip.is_none() && self.lean == [0.0; 2] && self.arms.iter().all(Option::is_none)
     }
 
-    /// True where nothing but a gaze or a reach is ordered, which have no state here.
+    /// True where nothing but a gaze or a reach is ordered, which have no state here. A layer
+    /// with state in [`LayerState`] makes it false, or is never begun.
     pub(super) fn is_plain(&self) -> bool {
         let reaches = |arm: &Option<ArmLayer>| matches!(arm, None | Some(ArmLayer::Reach { .. }));
         self.lean == [0.0; 2] && self.clip.is_none() && self.arms.iter().all(reaches)
@@ -235,6 +236,7 @@ impl LayerState {
         let is_on = is_shown && (self.clip.loops || self.seconds < end - 1.0 / CLIP_RATE);
         // One that has ended stays gone until another is ordered.
         if self.share.follow(tick, is_on, CLIP_RATE) && !is_shown {
+            // All that is not named here is cleared: the state of each other layer is.
             *self = Self { arms: self.arms, lean: self.lean, lean_rate: self.lean_rate, ..Self::ZERO };
         }
     }

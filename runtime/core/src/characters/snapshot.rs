@@ -197,7 +197,8 @@ pub(super) fn is_sound(
     let in_time = (earliest..=length as f32).contains(&b.time[lane]);
     let changed = b.change.iter().all(|row| (row[lane] as usize) < motion_set.num_frames());
     let body = &bodies[at / LANES];
-    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane);
+    let feet = body.feet.iter().all(|foot| foot.is_sound(lane));
+    let near = b.is_near(lane) && adds_little(&b, lane) && body.is_near(lane) && feet;
     exists && chose && aged && paced && in_time && named && changed && near
 }
 
@@ -234,7 +235,7 @@ mod tests {
         let kept = characters.snapshot();
         assert!(kept.blocks[0].time[3] < 5.0);
         characters.restore(&r, &kept).unwrap();
-        let bad: [fn(&mut MotionBlock, &mut BodyBlock); 7] = [
+        let bad: [fn(&mut MotionBlock, &mut BodyBlock); 9] = [
             |b, _| b.time[3] = -1e7 + 1.0,
             |b, _| b.drift_from[3] = -1e6,
             |b, _| b.drift_from[3] = 31.0,
@@ -243,6 +244,9 @@ mod tests {
             // Into the next clip, and beyond all counting.
             |b, _| b.first[3] = 45,
             |b, _| (b.first[3], b.length[3]) = (u32::MAX, 2),
+            // Shares and cosines that are none: poses would have no end.
+            |_, body| body.feet[0].step[3] = -4096.0,
+            |_, body| body.feet[1].bent[3] = 30.0,
         ];
         for spoil in bad {
             let mut kept = kept.clone();

@@ -71,6 +71,8 @@ impl<V: Space> Decider<'_, V> {
     }
 
     /// Fastest that an agent goes: no agent is above the largest speed, on which the safety rule counts.
+    /// A smaller limit is safe, as each plan is checked. Plans do not end where the limit of a place begins: `longest` has to be
+    /// shorter there.
     pub(super) fn max_speed(&self, state: &AgentState<V>) -> f32 {
         let own = state.speed.max(GIVING_WAY_MPS) * self.scenery.steering.largest_speed_ratio;
         own.min(self.scenery.fastest)

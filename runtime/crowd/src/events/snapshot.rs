@@ -79,7 +79,8 @@ impl<V: Space> Engine<V> {
     }
 
     /// Hash of all that a state is meaningless without: the space, fields, obstacles, streets, config and sizes. The same
-    /// with and without the feature `fixed-steps`, unless such steps are taken.
+    /// with and without the feature `fixed-steps`, unless such steps are taken. A new field of [`CrowdSetup`] that changes motion and is
+    /// not saved belongs here; the version stays, as the hash differs.
     pub(crate) fn hash_setup(setup: &CrowdSetup<V>, scenery: &CrowdScenery<V>, cells: &CellGrid<V>) -> u128 {
         let CrowdScenery { fields, obstacles, interests, radius, speed, stopping, .. } = scenery;
         let sizes = [*radius, *speed, *stopping, cells.side, V::DIMENSIONS as f32];

@@ -29,7 +29,8 @@ pub struct ExpectConfig {
     pub most: Option<f64>,
 }
 
-/// Quantity of an expectation. Expressions are about `me`, and evaluated ten times a simulated second.
+/// Quantity of an expectation. Expressions are about `me`, and evaluated ten times a simulated second. A
+/// new one may need arms in `statistic`, `bounds` and `finish` of the measuring expectations, of which the compiler says nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use throng_motion::error::{Result, check_ranges};
 
 /// Costs of motion that nobody asked for, each a delay for which the behaviour takes it; 0 turns it off. In clips whose
-/// frames have no class, only the first two and `made` count.
+/// frames have no class, only the first two and `made` count. A new one of 0 leaves policies as they are; another default changes
+/// every `approach` that names no `costs`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CostsConfig {
