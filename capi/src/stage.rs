@@ -5,7 +5,7 @@ use crate::handles::HandleTable;
 use crate::work_queue::WorkQueue;
 use std::sync::{Arc, Mutex, TryLockError};
 use throng_base::error::ensure;
-use throng_base::{Executor, Inline};
+use throng_base::{Bytes, Executor, Inline, SnapshotKind};
 use throng_runtime::CharacterGroup;
 use throng_runtime::characters::PolicyCharacters;
 use throng_runtime::simulation::Simulation;
@@ -261,8 +261,9 @@ impl LiveSimulation {
         match self {
             Self::Scene(scene) => scene.snapshot(),
             Self::Characters { group, time_s } => {
-                let mut out = time_s.to_le_bytes().to_vec();
-                group.save(&mut out);
+                let (mut saved, mut out) = (Bytes::default(), Vec::new());
+                group.save(&mut saved.0);
+                CHARACTERS.write(&(time_s, saved), &mut out);
                 out
             }
         }
@@ -273,18 +274,19 @@ impl LiveSimulation {
             Self::Scene(scene) => scene.restore(bytes)?,
             Self::Characters { group, time_s } => {
                 let fault = |why: &str| CallFault::new(ThrongStatus::Format, why);
-                let short = || fault("this is no snapshot of these characters: it is cut short");
-                let (time, rest) = bytes.split_first_chunk().ok_or_else(short)?;
-                let time = f64::from_le_bytes(*time);
+                let (time, saved): (f64, Bytes) = CHARACTERS.read_all(bytes)?;
                 let why = || format!("the snapshot's time is {time} s, expected 0 to 1e12");
                 ensure((0.0..=1e12).contains(&time), || fault(&why()))?;
-                group.load(rest)?;
+                group.load(&saved.0)?;
                 *time_s = time;
             }
         }
         Ok(())
     }
 }
+
+/// Time, and the snapshot of the group.
+const CHARACTERS: SnapshotKind = SnapshotKind { what: "simulated characters", tag: *b"SIMC", version: 1, setup: 0 };
 
 #[cfg(test)]
 mod tests {
@@ -294,15 +296,33 @@ mod tests {
     use throng_runtime::Bundle;
     use throng_runtime::characters::CharactersConfig;
 
+    fn one_character() -> PolicyCharacters {
+        let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
+        let bundle = format!("{golden}{}.throng", throng_runtime::format::VERSION);
+        let bundle = Bundle::open(bundle).expect("the golden bundle");
+        PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character")
+    }
+
+    #[test]
+    fn each_damaged_byte_of_a_snapshot_is_noticed() {
+        let mut stage = LiveSimulation::characters(one_character());
+        stage.step(0.5, &Inline).ok().expect("a step");
+        let saved = stage.save();
+        for at in 0..saved.len().min(200) {
+            let mut bad = saved.clone();
+            bad[at] ^= 1;
+            assert!(stage.restore(&bad).is_err(), "byte {at} of {}", saved.len());
+        }
+        assert!(stage.restore(&saved).is_ok() && stage.time_s() == 0.5);
+    }
+
     #[test]
     fn helpers_go_where_a_step_is_refused_and_where_the_simulation_is_freed() {
-        let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/golden/tables_v");
-        let bundle =
-            Bundle::open(format!("{golden}{}.throng", throng_runtime::format::VERSION)).expect("the golden bundle");
-        let group = PolicyCharacters::with_capacity(&bundle, 1, CharactersConfig::default()).expect("one character");
         let mut sim = ThrongSimulation { handle: 0 };
         // SAFETY: `sim` can be written.
-        unsafe { register_simulation(LiveSimulation::characters(group), &raw mut sim) }.ok().expect("a handle");
+        unsafe { register_simulation(LiveSimulation::characters(one_character()), &raw mut sim) }
+            .ok()
+            .expect("a handle");
         let helper = || {
             throng_simulation_announce(sim);
             let (tell, status) = mpsc::channel();

@@ -16,8 +16,10 @@ use throng_motion::error::{BuildError, Result};
 use throng_motion::progress::StopRequested;
 use throng_simulation::{CompiledScene, Simulation};
 
-/// Most clients at a time; further ones are refused.
+/// Most clients at a time; further ones are refused, unless one of these no longer reads.
 const MAX_CLIENTS: usize = 16;
+/// Frames in a row from which a client that has missed them makes room for a new one.
+const IDLE_FRAMES: u64 = 60;
 /// Time between two polls of the sockets (s).
 const POLL_S: f64 = 0.001;
 /// Time that clients have at the end to receive the last messages (s).
@@ -141,6 +143,8 @@ struct LiveClient {
     /// The message in flight, and how much of it is sent (bytes).
     message: Arc<Vec<u8>>,
     num_sent: usize,
+    /// Frames in a row that it has missed.
+    missed: u64,
 }
 
 impl LiveClients<'_> {
@@ -148,9 +152,14 @@ impl LiveClients<'_> {
     fn accept_and_push(&mut self) {
         while let Ok((stream, _)) = self.listener.accept() {
             let is_ready = stream.set_nonblocking(true).and_then(|()| stream.set_nodelay(true)).is_ok();
+            if self.all.len() >= MAX_CLIENTS {
+                // Clients that no longer read make room.
+                self.all.sort_by_key(|c| c.missed);
+                self.all.truncate(self.all.partition_point(|c| c.missed < IDLE_FRAMES).max(MAX_CLIENTS - 1));
+            }
             if is_ready && self.all.len() < MAX_CLIENTS {
                 self.report.clients += 1;
-                self.all.push(LiveClient { stream, message: Arc::clone(&self.hello), num_sent: 0 });
+                self.all.push(LiveClient { stream, message: Arc::clone(&self.hello), num_sent: 0, missed: 0 });
             }
         }
         self.all.retain_mut(|c| c.push_bytes());
@@ -161,8 +170,9 @@ impl LiveClients<'_> {
         self.report.frames += 1;
         for client in &mut self.all {
             if client.has_sent_all() {
-                (client.message, client.num_sent) = (Arc::clone(frame), 0);
+                (client.message, client.num_sent, client.missed) = (Arc::clone(frame), 0, 0);
             } else {
+                client.missed += 1;
                 self.report.missed_frames += 1;
             }
         }

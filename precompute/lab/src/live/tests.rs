@@ -127,6 +127,29 @@ fn clients_that_are_slow_or_gone_or_talk_hold_nobody_up() {
     assert!(is(&all[2][0], "hello"));
 }
 
+/// As many clients as there may be, of which none reads, and one that comes late.
+#[test]
+fn clients_that_never_read_make_room() {
+    let (scene, server) = (scene(400, 4.0), SceneServer::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port"));
+    let address = server.address().expect("an address");
+    let idle: Vec<TcpStream> = (0..MAX_CLIENTS).map(|_| TcpStream::connect(address).expect("it listens")).collect();
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let late = scope.spawn(|| {
+            let told = (0..200).find_map(|_| {
+                std::thread::sleep(Duration::from_millis(20));
+                TcpStream::connect(address).ok().and_then(|mut stream| next(&mut stream))
+            });
+            stop.store(true, Ordering::Relaxed);
+            told
+        });
+        let config = LiveConfig { speed: 1.0, ..LiveConfig::default() };
+        server.serve(&scene, &config, &stop).expect("it ends");
+        assert!(is(&late.join().expect("a client ends").expect("a message"), "hello"));
+    });
+    drop(idle);
+}
+
 #[test]
 fn it_ends_when_told_and_is_for_this_machine_alone() {
     let server = SceneServer::bind(([127, 0, 0, 1], 0).into(), false).expect("a free port");

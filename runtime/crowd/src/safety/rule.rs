@@ -241,6 +241,80 @@ mod tests {
         Ok(())
     }
 
+    /// A long plan of an agent that is fast and turns sharply: the end of its stop region swerves farthest.
+    fn swerving(index: u32) -> impl Strategy<Value = MotionPlan<Vec2>> {
+        let turn = (0.5f32..2.0, 0.0f32..std::f32::consts::TAU, 0.5f32..5.0, -2.5f32..2.5, 0.3f64..1.2);
+        turn.prop_map(move |(speed, heading, strength, aside, length)| MotionPlan {
+            start: 100.0,
+            end: 100.0 + length,
+            position: Vec2::ZERO,
+            velocity: Vec2::from_angle(heading) * speed,
+            acceleration: Vec2::from_angle(heading + aside) * strength,
+            moving: f32::INFINITY,
+            radius: 0.25,
+            limit: 5.0,
+            index,
+        })
+    }
+
+    /// The least distance in a direction from which on something does not violate the rule, up to a tenth of a millimetre (m).
+    fn least_distance(violates: impl Fn(f32) -> bool) -> Option<f32> {
+        let (mut low, mut high) = (0.0, 12.0);
+        if !violates(low) || violates(high) {
+            return None;
+        }
+        while high - low > 1e-4 {
+            let middle = 0.5 * (low + high);
+            *(if violates(middle) { &mut low } else { &mut high }) = middle;
+        }
+        Some(high)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(3000))]
+
+        /// As near to each other as the rule allows, stop regions are apart at all times: no term of it can be left out.
+        #[test]
+        fn swerving_agents_stay_apart_as_near_as_they_may_come(
+            me in swerving(0), other in swerving(1), stands in any::<bool>(), direction in 0.0f32..std::f32::consts::TAU,
+        ) {
+            let other = if stands { MotionPlan { velocity: Vec2::ZERO, acceleration: Vec2::ZERO, ..other } } else { other };
+            let candidate = PlanCandidate::new(me);
+            let at = |far: f32| MotionPlan { position: Vec2::from_angle(direction) * far, ..other };
+            let Some(far) = least_distance(|far| find_violation(&candidate, &at(far)).is_some()) else { return Ok(()) };
+            let (other, longest) = (at(far), (me.end - 100.0).max(other.end - 100.0));
+            for i in 0..=200 {
+                let s = 100.0 + longest * f64::from(i) / 200.0;
+                let still = |p: &MotionPlan<Vec2>| {
+                    let (position, velocity) = p.motion_at(s.min(p.end));
+                    MotionPlan { position, velocity, ..*p }
+                };
+                let clearance = clearance(&still(&me), &still(&other));
+                prop_assert!(clearance > 0.0, "stop regions overlap by {} m after {} s", -clearance, s - 100.0);
+            }
+        }
+
+        #[test]
+        fn swerving_agents_stay_out_of_solids_as_near_as_they_may_come(
+            me in swerving(0), direction in 0.0f32..std::f32::consts::TAU,
+        ) {
+            let candidate = PlanCandidate::new(me);
+            let at = |far: f32| {
+                let at = Vec2::from_angle(direction) * far;
+                ConvexSolid::Capsule { from: at, to: at, radius: 0.1 }
+            };
+            let Some(far) = least_distance(|far| candidate.violation_of_solid(&at(far)).is_some()) else { return Ok(()) };
+            let solid = at(far);
+            for i in 0..=200 {
+                let (p, q) = me.stop_region(candidate.length * i as f32 / 200.0);
+                for j in 0..=20 {
+                    let x = p + (q - p) * (j as f32 / 20.0);
+                    prop_assert!(solid.direction_and_distance(x).1 >= me.radius, "{x} at {i}");
+                }
+            }
+        }
+    }
+
     /// The largest violation is found for any plans added before.
     fn finds_the_worst<V: Space>(
         me: MotionPlan<V>,
