@@ -53,8 +53,8 @@ pub fn run_interruptibly<T: Send>(
     });
     match (outcome, interrupt) {
         (Err(panic), _) => std::panic::resume_unwind(panic),
-        (Ok(Err(BuildError::Stopped(_))), Some(interrupt)) => Err(interrupt),
-        (Ok(outcome), _) => outcome.map_err(error::build_error),
+        (Ok(_), Some(interrupt)) => Err(interrupt),
+        (Ok(outcome), None) => outcome.map_err(error::build_error),
     }
 }
 

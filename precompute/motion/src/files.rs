@@ -62,6 +62,10 @@ fn replace(
         write(&mut buffered).map_err(io)?;
         buffered.flush().map_err(io)?;
     }
+    // Whoever may not read the file that is replaced may not read the new one.
+    if let Ok(old) = std::fs::metadata(&real) {
+        file.as_file().set_permissions(old.permissions()).map_err(io)?;
+    }
     finish(file.as_file()).map_err(io)?;
     file.persist(&real).map_err(|e| io(e.error))?;
     Ok(real)
@@ -273,6 +277,19 @@ mod tests {
         assert!(e.contains("no storage space") && e.ends_with("Free some space, or write elsewhere."), "{e}");
         assert_eq!(std::fs::read(&path).unwrap(), b"old");
         assert_eq!(names(dir.path()), ["a"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_others_may_not_read_stays_so() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        let mode = || std::fs::metadata(&path).unwrap().permissions().mode() & 0o777;
+        write_atomically(&path, |w| w.write_all(b"old")).unwrap();
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).unwrap();
+        write_atomically(&path, |w| w.write_all(b"new")).unwrap();
+        assert_eq!((mode(), std::fs::read(&path).unwrap()), (0o600, b"new".to_vec()));
     }
 
     #[test]
