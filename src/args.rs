@@ -218,6 +218,11 @@ impl CacheArgs {
     }
 }
 
+/// Reads a scene; that of a stranger names files below its folder alone, and nothing is built for it.
+pub fn load_scene(file: &Path, is_untrusted: bool) -> throng_core::Result<Scene> {
+    if is_untrusted { Scene::load_untrusted(file) } else { Scene::load(file) }
+}
+
 /// Reads a point of the ground plane, X,Z (m).
 pub fn parse_point(text: &str) -> Result<[f32; 2], String> {
     let limit = &limits::COORDINATE;

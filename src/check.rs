@@ -3,13 +3,13 @@
 mod expectations;
 mod task;
 
-use crate::args::{CacheArgs, CommandResult};
+use crate::args::{CacheArgs, CommandResult, load_scene};
 use crate::{keys, output};
 use serde::Serialize;
 use std::path::PathBuf;
 use throng_core::base::limits;
 use throng_precompute::run::ExpectationReport;
-use throng_simulation::{Scene, Simulation};
+use throng_simulation::Simulation;
 
 /// Check a scene: every name, number, rule and state, and actions that its bundles have no motion for. Or check a task of
 /// `throng plan`: which targets limbs reach, how long joints need at least, where clips collide, which meshes have holes.
@@ -26,6 +26,9 @@ pub struct Args {
     #[arg(long, value_name = "N", requires = "run", default_value_t = 1, allow_negative_numbers = true,
         value_parser = limits::number_parser::<u64>(&limits::REPEATS))]
     seeds: u64,
+    /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.
+    #[arg(long)]
+    untrusted: bool,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object; `throng help keys` lists its keys.
@@ -68,7 +71,11 @@ pub fn run(args: &Args) -> CommandResult {
     if throng_precompute::plans::is_task(&args.scene) {
         return task::run(args);
     }
-    let scene = Scene::load(&args.scene)?;
+    let mut scene = load_scene(&args.scene, args.untrusted)?;
+    if !args.run {
+        // Who checks a scene does not know yet what it does.
+        scene.forget_configs();
+    }
     crate::run::ensure_scene(&scene, &args.cache)?;
     let compiled = scene.open()?;
     // Starts and goals are checked when the characters are placed.

@@ -1,6 +1,8 @@
 //! `throng run`: a scene, or characters on a bundle.
 
-use crate::args::{CacheArgs, CommandResult, CrowdArgs, SelectArgs, UnitArgs, fail, is_bundle, is_toml, named_engine};
+use crate::args::{
+    CacheArgs, CommandResult, CrowdArgs, SelectArgs, UnitArgs, fail, is_bundle, is_toml, load_scene, named_engine,
+};
 use crate::figures::print_figures;
 use crate::{build, help, keys, output, progress};
 use schemars::JsonSchema;
@@ -63,6 +65,9 @@ pub struct Args {
     units: UnitArgs,
     #[command(flatten)]
     crowd: CrowdArgs,
+    /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.
+    #[arg(long, help_heading = "Scenes")]
+    untrusted: bool,
     #[command(flatten)]
     cache: CacheArgs,
     /// Print one JSON object; `throng help keys` lists its keys.
@@ -127,7 +132,7 @@ pub fn run(args: &Args) -> CommandResult {
         return fail(format!("{}: {flag} is for motion: it is read already", single.display()));
     }
     match args.what.as_slice() {
-        [scene] if is_toml(scene) => return run_scene(Scene::load(scene)?, scene, args),
+        [scene] if is_toml(scene) => return run_scene(load_scene(scene, args.untrusted)?, scene, args),
         [_] => {}
         several => ensure(!several.iter().any(is_single), || "expected one scene, one bundle, or motion alone")?,
     }

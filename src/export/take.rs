@@ -1,7 +1,7 @@
 //! Takes of scenes, recordings, bundles and clips, written in the formats of other programs.
 
 use super::{Args, Format, holds_motion, retargeted_clip, write};
-use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml, open_bundle};
+use crate::args::{CacheArgs, CommandResult, fail, is_bundle, is_toml, load_scene, open_bundle};
 use crate::{output, progress};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,6 @@ use throng_precompute::perform::{self, PerformConfig, PerformSource, perform};
 use throng_precompute::run::RunRecording;
 use throng_precompute::trial::TrialConfig;
 use throng_precompute::wearer::Wearer;
-use throng_simulation::Scene;
 
 /// Options of takes.
 #[derive(clap::Args)]
@@ -42,6 +41,9 @@ pub struct TakeArgs {
     /// motion files, twist joints take their share, all others stay at rest. Its size follows from the motion's legs.
     #[arg(long, help_heading = "Takes", value_name = "CHARACTER.glb")]
     onto: Option<PathBuf>,
+    /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.
+    #[arg(long, help_heading = "Takes")]
+    untrusted: bool,
     #[command(flatten)]
     cache: CacheArgs,
 }
@@ -110,7 +112,7 @@ fn record_take(args: &Args, folder: &Path) -> CommandResult<Take> {
     let show =
         |show: PerformSource<'_>| perform(show, &config, folder, &bar).map_err(|e| format!("{}: {e}", file.display()));
     if is_toml(file) {
-        let scene = Scene::load(file)?;
+        let scene = load_scene(file, args.take.untrusted)?;
         crate::run::ensure_scene(&scene, &args.take.cache)?;
         return Ok(show(PerformSource::Scene(&scene.open()?))?);
     }

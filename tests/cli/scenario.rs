@@ -63,3 +63,52 @@ fn what_people_did_is_checked_recorded_and_explained() {
     let told = text(&throng(&["check", scene]).stderr);
     assert!(told.contains("story.toml:") && told.contains("there is no place `tonw`"), "{told}");
 }
+
+/// The scene of a stranger names files elsewhere: nothing is read there, written or built.
+#[test]
+fn scenes_of_strangers_reach_no_file_outside_of_their_folder() {
+    let outside = tempfile::tempdir().unwrap();
+    let folder = outside.path().join("scene");
+    std::fs::create_dir(&folder).unwrap();
+    let config = outside.path().join("walks.toml");
+    std::fs::write(&config, "synth = { set = 'locomotion', seconds = 20 }\n").unwrap();
+    let scene = folder.join("story.toml");
+    let group = "[[groups]]\nmotion = \"policy\"\ncount = 1\nbehaviours = [\"approach\"]\n";
+    let write = |bundle: &str| {
+        let keys = format!("bundle = \"{bundle}\"\nconfig = \"../walks.toml\"\nseconds = 1.0\n");
+        std::fs::write(&scene, format!("{keys}{group}")).unwrap();
+    };
+    let names = || {
+        let files = |at: &std::path::Path| {
+            let names = std::fs::read_dir(at).unwrap().map(|f| f.unwrap().file_name().into_string().unwrap());
+            names.collect::<std::collections::BTreeSet<_>>()
+        };
+        (files(outside.path()), files(&folder))
+    };
+    let scene_name = scene.to_str().unwrap();
+    let absolute = outside.path().join("y.throng");
+    for bundle in ["../x.throng", "sub/../../x.throng", absolute.to_str().unwrap()] {
+        write(bundle);
+        let before = names();
+        for args in [
+            vec!["check", scene_name],
+            vec!["check", scene_name, "--untrusted"],
+            vec!["run", scene_name, "--untrusted"],
+            vec!["export", scene_name, "--untrusted", "--format", "csv", "--out", "take.csv"],
+        ] {
+            let out = throng(&args);
+            let told = text(&out.stderr);
+            let expected = if args.contains(&"--untrusted") { "outside of the folder" } else { "no such bundle" };
+            assert!(!out.status.success() && told.contains(expected), "{args:?}: {told}");
+            assert_eq!(names(), before, "{args:?} of {bundle} writes");
+        }
+    }
+    // A link out of the folder is as far as what it leads to.
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink(&config, folder.join("in.throng")).unwrap();
+        write("in.throng");
+        let told = text(&throng(&["run", scene_name, "--untrusted"]).stderr);
+        assert!(told.contains("outside of the folder"), "{told}");
+    }
+}

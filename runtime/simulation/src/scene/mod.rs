@@ -34,7 +34,8 @@ pub use story::{
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
+use throng_base::error::ensure;
 use throng_base::maths;
 use throng_base::text::TomlSource;
 use throng_base::{Error, Result};
@@ -139,7 +140,22 @@ impl Scene {
     /// [`Error::Io`], or [`Error::Text`] with line and column of what is wrong.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        Self::from_source(TomlSource::read(path, "a scene")?)
+        Self::from_source(TomlSource::read(path, "a scene")?, false)
+    }
+
+    /// Reads a scene that a stranger sent: all files that it names lie in its folder or below, and nothing is built for it.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and [`Error::Format`] for a file that lies elsewhere, links followed.
+    pub fn load_untrusted(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        Self::from_source(TomlSource::read(path, "a scene")?, true)
+    }
+
+    /// Leaves out what its bundles and worlds are made from, so that missing ones are an error and not built.
+    pub fn forget_configs(&mut self) {
+        (self.config, self.environment.world_config) = (None, None);
+        self.groups.iter_mut().for_each(|g| (g.config, g.world_config) = (None, None));
     }
 
     /// Reads the text of a scene file; `path` gives its name, its folder and what messages call it.
@@ -147,7 +163,7 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        Self::from_source(TomlSource::new(text, path))
+        Self::from_source(TomlSource::new(text, path), false)
     }
 
     /// Parses a scene that was serialized by the program: every key is there, and paths are relative to the folder of that run.
@@ -162,7 +178,7 @@ impl Scene {
         Ok(scene)
     }
 
-    fn from_source(source: TomlSource) -> Result<Self> {
+    fn from_source(source: TomlSource, is_untrusted: bool) -> Result<Self> {
         check::other_files(&source)?;
         let mut scene: Self = source.parse(HELP)?;
         let path = source.path();
@@ -171,6 +187,10 @@ impl Scene {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         scene.paths_mut().for_each(|p| *p = folder.join(&*p));
+        if is_untrusted {
+            scene.forget_configs();
+            scene.paths_mut().try_for_each(|p| refuse_outside(p, folder))?;
+        }
         scene.source = source;
         scene.convert_to_metres();
         check::refuse_foreign_keys(&scene)?;
@@ -345,6 +365,19 @@ impl Scene {
         let of_groups = groups.flat_map(|g| [&mut g.bundle, &mut g.config, &mut g.world, &mut g.world_config]);
         own.into_iter().chain(of_groups).flatten().chain(level)
     }
+}
+
+/// Refuses a file outside a folder, links followed. One that is not there may not be named from above or from the root.
+fn refuse_outside(file: &Path, folder: &Path) -> Result<()> {
+    let real = |p: &Path| if p.as_os_str().is_empty() { Path::new(".") } else { p }.canonicalize();
+    let is_plain = |p: &Path| p.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    let inside = match (real(file), real(folder)) {
+        (Ok(file), Ok(folder)) => file.starts_with(folder),
+        _ => file.strip_prefix(folder).is_ok_and(is_plain),
+    };
+    let why =
+        "lies outside of the folder of the scene, which is not trusted; put it beside the scene, or trust the scene";
+    ensure(inside, || Error::Format { path: file.to_path_buf(), why: why.into() })
 }
 
 #[cfg(test)]
