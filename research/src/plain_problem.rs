@@ -4,7 +4,7 @@ use serde::Serialize;
 use throng_geometry::{Segment, SolidShape};
 use throng_planner::collide::Checker;
 use throng_planner::limits::{Coordinates, JointLimits, PoseSampler, Style, SwingLimit};
-use throng_planner::linkage::LimbPose;
+use throng_planner::linkage::{LIMB_JOINTS, LimbPose};
 use throng_planner::planner::seeded_rng;
 use throng_planner::problem::{CollisionTarget, LimbState, Problem};
 
@@ -87,15 +87,15 @@ impl PlainProblem {
     ///
     /// - `samples`: number of random poses that are checked.
     pub fn from_problem(problem: &Problem, samples: u32) -> Self {
-        let time_s = problem.init().time_s;
-        let (chain, limits) = (problem.chain(), problem.limits());
+        let time_s = problem.init.time_s;
+        let (chain, limits) = (&problem.chain, &problem.limits);
         let base = problem.base_at(time_s);
         let coordinates = |pose: &LimbPose| -> Vec<[f64; 3]> {
             let of = |Coordinates { swing: [x, y], twist }: Coordinates| [x, y, twist];
-            (0..chain.len()).map(|i| of(limits[i].coordinates(pose.0[i]))).collect()
+            (0..LIMB_JOINTS).map(|i| of(limits[i].coordinates(pose.0[i]))).collect()
         };
         let core = |s: &Segment| [s.a.to_array(), s.b.to_array()];
-        let solids = problem.solids().iter().map(|s| {
+        let solids = problem.solids.iter().map(|s| {
             let at = s.solid.path.place_at(time_s);
             match &s.solid.shape {
                 SolidShape::Round { core: c, radius } => {
@@ -110,15 +110,15 @@ impl PlainProblem {
                 }
             }
         });
-        let bodies = problem.bodies().iter();
+        let bodies = problem.bodies.iter();
         let bodies =
             bodies.map(|b| PlainObstacle::Capsule { core: core(&b.track.sample_at(time_s)), radius: b.radius });
         let pair = |p: &throng_planner::problem::CollisionPair| match p.target {
             CollisionTarget::Solid(s) => Some((p.part, s, p.gap)),
-            CollisionTarget::Body(b) => Some((p.part, problem.solids().len() + b, p.gap)),
+            CollisionTarget::Body(b) => Some((p.part, problem.solids.len() + b, p.gap)),
             CollisionTarget::Tether | CollisionTarget::Upright => None,
         };
-        let sampler = PoseSampler::new(chain.linkage, *limits, &problem.init().pose, Style::default(), 1);
+        let sampler = PoseSampler::new(*limits, &problem.init.pose, Style::default(), 1);
         let (mut rng, mut checker) = (seeded_rng(1), Checker::default());
         let samples = (0..samples).map(|i| {
             let pose = sampler.draw_pose(&mut rng, i + 1);
@@ -128,13 +128,13 @@ impl PlainProblem {
             |p: &throng_planner::problem::LimbPart| PlainPart { joint: p.link, core: core(&p.core), radius: p.radius };
         Self {
             base: (base.position.to_array(), base.rotation.to_array()),
-            joints: (0..chain.len())
+            joints: (0..LIMB_JOINTS)
                 .map(|i| PlainJoint::from_limits(&limits[i], chain.offsets[i].to_array()))
                 .collect(),
-            parts: problem.parts().iter().map(part).collect(),
+            parts: problem.parts.iter().map(part).collect(),
             obstacles: solids.chain(bodies).collect(),
-            pairs: problem.pairs().iter().filter_map(pair).collect(),
-            ends: [problem.init(), problem.goal()].map(|s| coordinates(&s.pose)),
+            pairs: problem.pairs.iter().filter_map(pair).collect(),
+            ends: [&problem.init, &problem.goal].map(|s| coordinates(&s.pose)),
             samples: samples.collect(),
         }
     }

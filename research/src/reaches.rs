@@ -179,7 +179,7 @@ mod tests {
             let share = x * x * x * (x * (6.0 * x - 15.0) + 10.0);
             let arm = s.pose(0.0, -0.9, 2.2 - 1.8 * share);
             let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
-            for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
+            for (i, j) in s.limb.joints().into_iter().enumerate() {
                 row[j.index()] = arm.0[i].as_quat();
             }
             row

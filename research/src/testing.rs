@@ -6,7 +6,7 @@ use throng_geometry::SolidShape;
 use throng_planner::body::BodyCapsules;
 use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
-use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::problem::{LimbState, MovingSolid};
 use throng_planner::rotation::Rigid;
 use throng_planner::setup::ProblemSpec;
@@ -18,7 +18,7 @@ pub struct Somebody {
     pub limits: BodyLimits,
     pub motion: DrivenMotion,
     pub shape: BodyCapsules,
-    pub linkage: Linkage,
+    pub limb: Limb,
 }
 
 impl Somebody {
@@ -30,13 +30,13 @@ impl Somebody {
             shape: BodyCapsules::fitted(&skeleton),
             motion,
             skeleton,
-            linkage: Linkage::limb(Limb::LeftArm),
+            limb: Limb::LeftArm,
         }
     }
 
     /// Shoulder by its swing, elbow by its flexion (rad).
     pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
-        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
+        let limits = self.limits.limb_limits(self.limb).expect("limits");
         let mut pose = LimbPose::REST;
         pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
         pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
@@ -45,7 +45,7 @@ impl Somebody {
 
     pub fn spec(&self, ends: [(LimbPose, f64); 2]) -> ProblemSpec<'_> {
         let ends = ends.map(|(pose, time_s)| LimbState { pose, time_s });
-        ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends)
+        ProblemSpec::new(&self.skeleton, self.limb, &self.limits, &self.motion, &self.shape, ends)
     }
 }
 

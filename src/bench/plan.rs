@@ -153,14 +153,14 @@ fn plan_scene(scene: &PlanScene, args: &Args) -> CommandResult<PlanSamples> {
     let (problem, who) = (scene.problem()?, &scene.actor);
     let (mut planner, config) = (LimbPlanner::new(), PlanConfig::default());
     let mut samples = PlanSamples::default();
-    let joints = who.linkage.limb.joints();
-    let planned: Vec<_> = joints.into_iter().zip(*problem.limits()).collect();
+    let joints = who.limb.joints();
+    let planned: Vec<_> = joints.into_iter().zip(problem.limits).collect();
     let [init, goal] = scene.ends.map(|e| e.time_s);
     for seed in 0..args.seeds {
         let budget = Budget { seed, rate_hz: who.clip.rate_hz, ..Budget::default() };
         let outcome = planner.plan(&problem, &config, &budget);
         let Some(motion) = planner.motion().filter(|_| outcome.is_solved()) else { continue };
-        let after = with_motion(&who.clip, 0.0, who.linkage, &motion)?;
+        let after = with_motion(&who.clip, 0.0, who.limb, &motion)?;
         if seed < args.recheck {
             let recheck = Recheck {
                 skeleton: &who.skeleton,

@@ -1,33 +1,27 @@
 //! Writing planned motion back into clips.
 
-use crate::linkage::Linkage;
+use crate::linkage::Limb;
 use crate::planner::LimbMotion;
 use crate::rotation::angle_between;
+use crate::setup::ProblemError;
 use throng_core::NUM_JOINTS;
 use throng_motion::Clip;
 
 /// Difference below which rotations stay as they are, to the bit (rad).
 const SAME: f64 = 1e-6;
 
-/// Error: a motion does not fit a clip.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("expected motion on frames of `{clip}` ({rate_hz} Hz, {num_frames} frames), found {found}")]
-pub struct Misfit {
-    clip: String,
-    rate_hz: f64,
-    num_frames: usize,
-    found: String,
-}
-
 /// Replaces a limb's rotations of a clip from the first to the last frame of a motion; all else stays, to the bit.
 ///
 /// - `start_s`: time of the clip's frame 0 in the motion's time (s).
 ///
 /// # Errors
-/// [`Misfit`] where the motion's frames are not the clip's.
-pub fn with_motion(clip: &Clip, start_s: f64, linkage: Linkage, motion: &LimbMotion<'_>) -> Result<Clip, Misfit> {
-    let misfit =
-        |found: String| Misfit { clip: clip.name.clone(), rate_hz: clip.rate_hz, num_frames: clip.num_frames(), found };
+/// [`ProblemError::Value`] where the motion's frames are not the clip's.
+pub fn with_motion(clip: &Clip, start_s: f64, limb: Limb, motion: &LimbMotion<'_>) -> Result<Clip, ProblemError> {
+    let misfit = |found: String| {
+        let (name, rate_hz, num_frames) = (&clip.name, clip.rate_hz, clip.num_frames());
+        let what = format!("motion on {found} of `{name}` ({rate_hz} Hz, {num_frames} frames)");
+        ProblemError::Value { what, expected: "frames of the clip" }
+    };
     let first = (motion.start_s - start_s) * clip.rate_hz;
     if (first - first.round()).abs() > 1e-3 || (motion.step_s * clip.rate_hz - 1.0).abs() > 1e-6 {
         return Err(misfit(format!("frames every {} s from frame {first} on", motion.step_s)));
@@ -37,18 +31,18 @@ pub fn with_motion(clip: &Clip, start_s: f64, linkage: Linkage, motion: &LimbMot
         return Err(misfit(format!("frames {first} to {}", first + motion.frames.len() as f64)));
     }
     let mut out = clip.clone();
-    let joints = linkage.joints();
+    let joints = limb.joints();
     for (k, pose) in motion.frames.iter().enumerate() {
         let row = (first as usize + k) * NUM_JOINTS;
-        for i in 0..linkage.len() {
-            let at = row + joints[i].index();
-            if angle_between(out.rotations[at].as_dquat().normalize(), pose.0[i]) > SAME {
-                out.rotations[at] = pose.0[i].as_quat().normalize();
+        for (joint, turn) in joints.iter().zip(pose.0) {
+            let at = row + joint.index();
+            if angle_between(out.rotations[at].as_dquat().normalize(), turn) > SAME {
+                out.rotations[at] = turn.as_quat().normalize();
             }
         }
     }
     // Neighbouring frames keep a positive dot product, also behind the motion's end.
-    for joint in &joints[..linkage.len()] {
+    for joint in joints {
         for frame in 1..out.num_frames() {
             let at = frame * NUM_JOINTS + joint.index();
             if out.rotations[at].dot(out.rotations[at - NUM_JOINTS]) < 0.0 {
@@ -69,16 +63,16 @@ mod tests {
     #[test]
     fn only_the_limb_changes_and_only_in_its_frames() {
         let clip = Clip::new("c", 30.0, vec![Vec3::Y; 20], vec![Quat::IDENTITY; 20 * NUM_JOINTS]);
-        let linkage = Linkage::limb(Limb::LeftArm);
+        let limb = Limb::LeftArm;
         let mut frames = vec![LimbPose::REST; 6];
         frames[2].0[1] = rotation_about(DVec3::Y, 0.3);
         let motion = LimbMotion { start_s: 5.0 / 30.0, step_s: 1.0 / 30.0, frames: &frames };
-        let out = with_motion(&clip, 0.0, linkage, &motion).expect("it fits");
+        let out = with_motion(&clip, 0.0, limb, &motion).expect("it fits");
         let changed: Vec<usize> = (0..out.rotations.len()).filter(|&i| out.rotations[i] != Quat::IDENTITY).collect();
-        assert_eq!(changed, [7 * NUM_JOINTS + linkage.joints()[1].index()]);
+        assert_eq!(changed, [7 * NUM_JOINTS + limb.joints()[1].index()]);
         let late = LimbMotion { start_s: 0.5, ..motion };
-        assert!(with_motion(&clip, 0.0, linkage, &late).unwrap_err().to_string().contains("frames 15 to 21"));
+        assert!(with_motion(&clip, 0.0, limb, &late).unwrap_err().to_string().contains("frames 15 to 21"));
         let between = LimbMotion { start_s: 0.05, ..motion };
-        assert!(with_motion(&clip, 0.0, linkage, &between).is_err());
+        assert!(with_motion(&clip, 0.0, limb, &between).is_err());
     }
 }

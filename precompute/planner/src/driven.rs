@@ -1,6 +1,6 @@
 //! Bodies that an external motion drives: transforms of all joints over time (c^M(t) in the paper).
 
-use crate::linkage::{LimbPose, Linkage};
+use crate::linkage::{Limb, LimbPose};
 use crate::problem::LimbState;
 use crate::rotation::Rigid;
 use crate::track::SampleTimes;
@@ -101,21 +101,17 @@ impl DrivenMotion {
         self.places.iter().map(|p| p[joint.index()]).collect()
     }
 
-    /// State that the motion gives a linkage at a time.
-    pub fn limb_state(&self, linkage: Linkage, time_s: f64) -> LimbState {
-        LimbState { pose: self.limb_pose(linkage, time_s), time_s }
+    /// State that the motion gives a limb at a time.
+    pub fn limb_state(&self, limb: Limb, time_s: f64) -> LimbState {
+        LimbState { pose: self.limb_pose(limb, time_s), time_s }
     }
 
-    /// Pose that the motion gives a linkage at a time (m^P(t) in the paper).
-    pub fn limb_pose(&self, linkage: Linkage, t: f64) -> LimbPose {
+    /// Pose that the motion gives a limb at a time (m^P(t) in the paper).
+    pub fn limb_pose(&self, limb: Limb, t: f64) -> LimbPose {
         let at = ((t - self.start_s) / self.step_s).clamp(0.0, (self.turns.len() - 1) as f64);
         let i = (at as usize).min(self.turns.len().saturating_sub(2));
         let to = &self.turns[(i + 1).min(self.turns.len() - 1)];
-        let mut pose = LimbPose::REST;
-        for (q, joint) in pose.0[..linkage.len()].iter_mut().zip(linkage.joints()) {
-            *q = slerp(self.turns[i][joint.index()], to[joint.index()], at - i as f64);
-        }
-        pose
+        LimbPose(limb.joints().map(|j| slerp(self.turns[i][j.index()], to[j.index()], at - i as f64)))
     }
 }
 
@@ -159,7 +155,7 @@ mod tests {
         assert!(driven.bend_m(|_| true) < 1e-3, "{}", driven.bend_m(|_| true));
         let [from, to] = driven.window_s();
         assert!((from - 1.0).abs() < 1e-9 && (to - 3.0).abs() < 1e-9);
-        let arm = Linkage::limb(crate::linkage::Limb::LeftArm);
+        let arm = crate::linkage::Limb::LeftArm;
         for frame in [30, 47, 90] {
             let expected = clip.joint_transforms(skeleton, frame);
             let t = frame as f64 / clip.rate_hz;
@@ -178,6 +174,6 @@ mod tests {
         let s = Skeleton::default();
         let driven = DrivenMotion::from_pose(&s, s.offsets[0].as_dvec3(), [DQuat::IDENTITY; NUM_JOINTS]);
         assert_eq!((driven.places().len(), driven.bend_m(|_| true)), (1, 0.0));
-        assert_eq!(driven.limb_pose(Linkage::limb(crate::linkage::Limb::RightLeg), 5.0), LimbPose::REST);
+        assert_eq!(driven.limb_pose(crate::linkage::Limb::RightLeg, 5.0), LimbPose::REST);
     }
 }

@@ -1,7 +1,7 @@
-//! Planning problems: a linkage from one pose to another, in time with everything that moves.
+//! Planning problems: a limb from one pose to another, in time with everything that moves.
 
 use crate::limits::JointLimits;
-use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
+use crate::linkage::{Chain, LIMB_JOINTS, LimbPose};
 use crate::rotation::Rigid;
 use crate::track::{MotionTrack, RigidPath};
 use glam::DVec3;
@@ -36,27 +36,34 @@ pub struct MovingSolid {
 pub struct Problem {
     /// Unique number of a prepared problem, so that cached collision samples belong to one problem.
     pub(crate) number: u64,
-    pub(crate) chain: Chain,
-    pub(crate) limits: [JointLimits; MAX_JOINTS],
+    /// The joints that are planned.
+    pub chain: Chain,
+    /// Their limits.
+    pub limits: [JointLimits; LIMB_JOINTS],
     /// The joint that carries the chain.
     pub(crate) base: MotionTrack<Rigid>,
-    pub(crate) parts: Vec<LimbPart>,
-    pub(crate) solids: Vec<PlacedSolid>,
-    pub(crate) bodies: Vec<BodyPart>,
+    /// Capsules that move with the chain.
+    pub parts: Vec<LimbPart>,
+    /// Solids in the way.
+    pub solids: Vec<PlacedSolid>,
+    /// Capsules of bodies in the way.
+    pub bodies: Vec<BodyPart>,
     pub(crate) tether: Option<TetherTrack>,
     pub(crate) upright: Option<UprightConstraint>,
     /// Pairs that may not come near each other; those with the same target are adjacent.
-    pub(crate) pairs: Vec<CollisionPair>,
-    /// Poses of the linkage in the external motion, every [`EXTERNAL_STEP_S`] from `init` on.
+    pub pairs: Vec<CollisionPair>,
+    /// Poses of the limb in the external motion, every [`EXTERNAL_STEP_S`] from `init` on.
     pub(crate) external_poses: Vec<LimbPose>,
-    pub(crate) init: LimbState,
-    pub(crate) goal: LimbState,
+    /// Start of the plan.
+    pub init: LimbState,
+    /// Goal of the plan.
+    pub goal: LimbState,
 }
 
 /// Time step of the external motion's poses (s).
 pub(crate) const EXTERNAL_STEP_S: f64 = 1.0 / 120.0;
 
-/// A capsule that moves with the linkage.
+/// A capsule that moves with the limb.
 #[derive(Clone, Debug)]
 pub struct LimbPart {
     /// Its name, for messages.
@@ -70,7 +77,7 @@ pub struct LimbPart {
     /// Of the capsule (m).
     pub radius: f64,
     /// Longest distance from each joint of the chain to the farther end of the core (m).
-    pub reach: [f64; MAX_JOINTS],
+    pub reach: [f64; LIMB_JOINTS],
     /// Longest distance from the base to the farther end of the core (m).
     pub base_reach: f64,
 }
@@ -103,7 +110,7 @@ pub struct BodyPart {
     pub radius: f64,
 }
 
-/// Things that a part of the linkage may collide with.
+/// Things that a part of the limb may collide with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CollisionTarget {
     /// A solid, by its number.
@@ -119,7 +126,7 @@ pub enum CollisionTarget {
 /// Constraint that keeps a held object upright: a direction of the hand or foot stays near the vertical.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UprightConstraint {
-    /// Direction in the frame of the linkage's last joint (unit).
+    /// Direction in the frame of the limb's last joint (unit).
     pub up: DVec3,
     /// Largest angle from the vertical (rad, > 0, < pi).
     pub within_rad: f64,
@@ -134,7 +141,7 @@ pub(crate) struct TetherTrack {
     pub distances_m: [f64; 2],
 }
 
-/// A part of the linkage, a target that it may not come near, and the least distance between them.
+/// A part of the limb, a target that it may not come near, and the least distance between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CollisionPair {
     /// The part, by its number.
@@ -156,63 +163,23 @@ pub struct CollisionHit {
 }
 
 impl Problem {
-    /// Start of the plan.
-    pub fn init(&self) -> &LimbState {
-        &self.init
-    }
-
-    /// Goal of the plan.
-    pub fn goal(&self) -> &LimbState {
-        &self.goal
-    }
-
-    /// The joints that are planned.
-    pub fn chain(&self) -> &Chain {
-        &self.chain
-    }
-
-    /// Capsules that move with the chain.
-    pub fn parts(&self) -> &[LimbPart] {
-        &self.parts
-    }
-
-    /// Solids in the way.
-    pub fn solids(&self) -> &[PlacedSolid] {
-        &self.solids
-    }
-
-    /// Capsules of bodies in the way.
-    pub fn bodies(&self) -> &[BodyPart] {
-        &self.bodies
-    }
-
-    /// Parts and what each may not come near.
-    pub fn pairs(&self) -> &[CollisionPair] {
-        &self.pairs
-    }
-
-    /// Their limits (chain.len()); the last one's repeated behind it.
-    pub fn limits(&self) -> &[JointLimits; MAX_JOINTS] {
-        &self.limits
-    }
-
     /// World transform of the joint that carries the chain.
     pub fn base_at(&self, time_s: f64) -> Rigid {
         self.base.sample_at(time_s)
     }
 
-    /// World transforms of the planned joints (chain.len()).
-    pub fn place_chain(&self, state: &LimbState) -> [Rigid; MAX_JOINTS] {
+    /// World transforms of the planned joints.
+    pub fn place_chain(&self, state: &LimbState) -> [Rigid; LIMB_JOINTS] {
         self.chain.place_joints(&self.base.sample_at(state.time_s), &state.pose)
     }
 
-    /// Pose of the linkage in the external motion.
+    /// Pose of the limb in the external motion.
     pub fn external_pose_at(&self, time_s: f64) -> LimbPose {
         let last = self.external_poses.len() - 1;
         let at = ((time_s - self.init.time_s) / EXTERNAL_STEP_S).clamp(0.0, last as f64);
         let i = (at as usize).min(last.saturating_sub(1));
         let (a, b) = (&self.external_poses[i], &self.external_poses[(i + 1).min(last)]);
-        a.slerp(b, at - i as f64, self.chain.len())
+        a.slerp(b, at - i as f64)
     }
 
     /// Names of the two things that are too near each other.
@@ -232,9 +199,9 @@ impl Problem {
 
     /// Least time that the joints need from one pose to another (s), and the joint that needs it.
     pub fn least_time(&self, from: &LimbPose, to: &LimbPose) -> (f64, Joint) {
-        let joints = self.chain.linkage.joints();
+        let joints = self.chain.limb.joints();
         let need = |i: usize| crate::rotation::angle_between(from.0[i], to.0[i]) / self.limits[i].speed;
-        let all = (0..self.chain.len()).map(|i| (need(i), joints[i]));
+        let all = (0..LIMB_JOINTS).map(|i| (need(i), joints[i]));
         all.fold((0.0, joints[0]), |a, b| if b.0 > a.0 { b } else { a })
     }
 }

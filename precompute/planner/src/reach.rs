@@ -23,10 +23,8 @@ impl Problem {
         time_s: f64,
         present: &LimbPose,
     ) -> Result<LimbPose, IkError<String>> {
-        let base = self.base_at(time_s);
-        let clavicle = if self.chain.len() > 3 { base.rotation * present.0[0] } else { base.rotation };
-        let low = Swivel::Low { down: clavicle.inverse() * DVec3::NEG_Y };
-        let from = if self.chain.linkage.limb.is_arm() { low } else { Swivel::Present };
+        let low = Swivel::Low { down: self.base_at(time_s).rotation.inverse() * DVec3::NEG_Y };
+        let from = if self.chain.limb.is_arm() { low } else { Swivel::Present };
         self.solve_reach_from(checker, target, time_s, present, from)
     }
 

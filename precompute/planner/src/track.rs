@@ -150,29 +150,12 @@ impl MotionTrack<Segment> {
 }
 
 /// Motion of a rigid body in the world.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub enum RigidPath {
     /// Stands still.
     Still(Rigid),
     /// Through keys, or with a joint of a body.
     Track(Arc<MotionTrack<Rigid>>),
-    /// Given by a function.
-    Function {
-        /// Transform at a time (s).
-        at: Arc<dyn Fn(f64) -> Rigid + Send + Sync>,
-        /// Bound on the speed of all of its points (m/s).
-        speed_mps: f64,
-    },
-}
-
-impl std::fmt::Debug for RigidPath {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Still(at) => write!(f, "Still({at:?})"),
-            Self::Track(track) => write!(f, "Track({} samples)", track.samples.len()),
-            Self::Function { speed_mps, .. } => write!(f, "Function({speed_mps} m/s)"),
-        }
-    }
 }
 
 impl RigidPath {
@@ -197,10 +180,6 @@ impl RigidPath {
                 let samples = track.samples.iter().map(|s| moved(*s)).collect();
                 Self::Track(Arc::new(MotionTrack::rigid(track.clock.clone(), samples)))
             }
-            Self::Function { at, speed_mps } => {
-                let at = Arc::clone(at);
-                Self::Function { at: Arc::new(move |t| moved(at(t))), speed_mps: *speed_mps }
-            }
         }
     }
 
@@ -209,7 +188,6 @@ impl RigidPath {
         match self {
             Self::Still(at) => *at,
             Self::Track(track) => track.sample_at(t),
-            Self::Function { at, .. } => at(t),
         }
     }
 
@@ -218,12 +196,11 @@ impl RigidPath {
         match self {
             Self::Still(_) => 0.0,
             Self::Track(track) => track.speed(from_s, to_s, reach),
-            Self::Function { speed_mps, .. } => *speed_mps,
         }
     }
 
-    /// True where times ascend, numbers are finite and rotations unit; a function is checked at its ends.
-    pub fn is_valid(&self, from_s: f64, to_s: f64) -> bool {
+    /// True where times ascend, numbers are finite and rotations unit.
+    pub fn is_valid(&self) -> bool {
         match self {
             Self::Still(at) => at.is_valid(),
             Self::Track(track) => {
@@ -236,9 +213,6 @@ impl RigidPath {
                     }
                 };
                 times && track.samples.iter().all(Rigid::is_valid)
-            }
-            Self::Function { at, speed_mps } => {
-                speed_mps.is_finite() && *speed_mps >= 0.0 && at(from_s).is_valid() && at(to_s).is_valid()
             }
         }
     }
@@ -298,11 +272,10 @@ mod tests {
         let x = |t: f64| path.place_at(t).position.x;
         assert_eq!((x(0.0), x(1.0), x(1.5), x(2.0), x(9.0)), (0.0, 0.0, 1.5, 3.0, 3.0));
         assert_eq!((path.speed(1.2, 1.3, 0.5), path.speed(2.5, 3.0, 0.5)), (3.0, 0.0));
-        assert!(path.is_valid(0.0, 1.0) && !RigidPath::from_keys(&[]).is_valid(0.0, 1.0));
-        assert!(!RigidPath::from_keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid(0.0, 1.0));
+        assert!(path.is_valid() && !RigidPath::from_keys(&[]).is_valid());
+        assert!(!RigidPath::from_keys(&[(2.0, place(0.0)), (1.0, place(1.0))]).is_valid());
         assert_eq!(RigidPath::from_keys(&[(1.0, place(2.0))]).place_at(7.0), place(2.0));
-        let function = RigidPath::Function { at: Arc::new(place), speed_mps: 1.0 };
-        for path in [path, RigidPath::Still(place(2.0)), function] {
+        for path in [path, RigidPath::Still(place(2.0))] {
             let moved = path.moved_by(DVec3::Y);
             assert!(
                 [0.5, 1.5, 9.0].iter().all(|t| moved.place_at(*t).position == path.place_at(*t).position + DVec3::Y)

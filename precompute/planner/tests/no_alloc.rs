@@ -11,7 +11,7 @@ use throng_geometry::SolidShape;
 use throng_planner::body::BodyCapsules;
 use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
-use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::planner::{Budget, LimbPlanner, PlanConfig};
 use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::Rigid;
@@ -21,8 +21,8 @@ use throng_planner::track::RigidPath;
 fn table() -> Problem {
     let skeleton = Skeleton::default();
     let limits = BodyLimits::built_in(&skeleton);
-    let linkage = Linkage::limb(Limb::LeftArm);
-    let joints = limits.linkage_limits(linkage).expect("limits");
+    let limb = Limb::LeftArm;
+    let joints = limits.limb_limits(limb).expect("limits");
     let pose = |up: f64, flexion: f64| {
         let mut pose = LimbPose::REST;
         pose.0[0] = joints[0].rotation(Coordinates { swing: [0.0, up], twist: 0.0 });
@@ -35,7 +35,7 @@ fn table() -> Problem {
     let plate = SolidShape::cuboid(DVec3::new(0.9, 0.03, 0.6));
     let path = RigidPath::Still(Rigid::from_position(DVec3::new(0.65, 1.2, 0.55)));
     let solids = [MovingSolid { name: "table".into(), shape: plate, path }];
-    let spec = ProblemSpec::new(&skeleton, linkage, &limits, &motion, &shape, ends);
+    let spec = ProblemSpec::new(&skeleton, limb, &limits, &motion, &shape, ends);
     Problem::new(&ProblemSpec { solids: &solids, ..spec }).expect("a problem")
 }
 

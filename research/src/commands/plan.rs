@@ -119,9 +119,9 @@ fn of_scene(scene: &PlanScene, seeds: u64) -> Result<(usize, Vec<ReachFigures>),
         let budget = Budget { seed, rate_hz: who.clip.rate_hz, ..Budget::default() };
         let outcome = planner.plan(&problem, &config, &budget);
         let Some(motion) = planner.motion().filter(|_| outcome.is_solved()) else { continue };
-        let after = with_motion(&who.clip, 0.0, who.linkage, &motion)?;
+        let after = with_motion(&who.clip, 0.0, who.limb, &motion)?;
         plans += 1;
-        reaches.extend(reach_figures(&after, &who.skeleton, who.linkage.limb, window_s));
+        reaches.extend(reach_figures(&after, &who.skeleton, who.limb, window_s));
     }
     Ok((plans, reaches))
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 use throng_core::Skeleton;
 use throng_planner::ik::LimbIk;
 use throng_planner::limits::{BodyLimits, PoseSampler, Style};
-use throng_planner::linkage::{Chain, Limb, LimbPose, Linkage};
+use throng_planner::linkage::{Chain, Limb, LimbPose};
 use throng_planner::rotation::{Rigid, exp};
 
 /// Figures of inverse kinematics.
@@ -17,13 +17,13 @@ pub struct IkFigures {
 
 /// Solves for hand targets taken from random poses within limits, beginning at other poses.
 pub fn measure(poses: u32) -> IkFigures {
-    let (skeleton, linkage) = (Skeleton::default(), Linkage::limb(Limb::LeftArm));
-    let chain = Chain::new(linkage, &skeleton);
-    let Some(limits) = BodyLimits::built_in(&skeleton).linkage_limits(linkage) else {
+    let (skeleton, limb) = (Skeleton::default(), Limb::LeftArm);
+    let chain = Chain::new(limb, &skeleton);
+    let Some(limits) = BodyLimits::built_in(&skeleton).limb_limits(limb) else {
         return IkFigures { ns: 0.0, error_max_m: 0.0, solved_fraction: 0.0 };
     };
     let ik = LimbIk::new(&chain, &limits);
-    let sampler = PoseSampler::new(linkage, limits, &LimbPose::REST, Style::default(), 1);
+    let sampler = PoseSampler::new(limits, &LimbPose::REST, Style::default(), 1);
     let mut rng = throng_planner::planner::seeded_rng(1);
     // Prepared before timing begins.
     let cases: Vec<(Rigid, Rigid, LimbPose)> = (0..poses.min(10_000))

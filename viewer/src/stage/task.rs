@@ -7,7 +7,7 @@ use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use glam::DVec3;
 use std::sync::Arc;
 use throng_core::{Mat3x4, Planar, Skeleton};
-use throng_planner::linkage::{Chain, Linkage};
+use throng_planner::linkage::Chain;
 use throng_planner::rotation::Rigid;
 use throng_planner::search::LoggedTrees;
 use throng_planner::task::{Handle, StepOutcome};
@@ -51,7 +51,7 @@ pub fn inspected_steps<'a>(model: &Model, task: &'a TaskDocument) -> impl Iterat
 /// Position of the end of the limb of a step, in a clip of its character at a frame; the trees show it, too (m).
 pub fn end_of_limb(task: &TaskDocument, done: &StepOutcome, clip: &Clip, frame: usize) -> DVec3 {
     let skeleton = &task.actors()[done.character].skeleton;
-    let tip = Chain::new(Linkage::limb(done.limb), skeleton).tip;
+    let tip = Chain::new(done.limb, skeleton).tip;
     let (at, turn) = clip.joint_transforms(skeleton, frame)[done.limb.joints()[2].index()];
     at.as_dvec3() + turn.as_dquat() * tip
 }

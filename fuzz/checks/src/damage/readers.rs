@@ -25,7 +25,7 @@ use throng_motion::wearer::{SkinnedFigure, Wearer};
 use throng_motion::{Clip, ImportError};
 use throng_planner::collide::EdgeCheck;
 use throng_planner::limits::{BodyLimits, PoseSampler, Style};
-use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::task::{ActorClip, Task, obj_triangles};
 use throng_simulation::{Scene, Simulation};
 use throng_world::made_up_floor;
@@ -361,9 +361,8 @@ pub fn obj(data: &[u8]) -> bool {
 pub fn limits(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
     let Ok(limits) = BodyLimits::parse(text, Path::new("limits.toml"), &Skeleton::default()) else { return false };
-    let linkage = Linkage::limb(Limb::LeftArm);
-    if let Some(of_arm) = limits.linkage_limits(linkage) {
-        let sampler = PoseSampler::new(linkage, of_arm, &LimbPose::REST, Style::default(), 10);
+    if let Some(of_arm) = limits.limb_limits(Limb::LeftArm) {
+        let sampler = PoseSampler::new(of_arm, &LimbPose::REST, Style::default(), 10);
         let mut rng = throng_planner::planner::seeded_rng(1);
         let finite = (0..20).all(|i| sampler.draw_pose(&mut rng, i).0.iter().all(|q| q.is_finite()));
         assert!(finite, "a pose that is not finite");

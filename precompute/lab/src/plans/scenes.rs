@@ -10,7 +10,7 @@ use throng_planner::body::BodyCapsules;
 use throng_planner::collide::Checker;
 use throng_planner::driven::DrivenMotion;
 use throng_planner::limits::{BodyLimits, Coordinates};
-use throng_planner::linkage::{Limb, LimbPose, Linkage};
+use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::problem::{LimbState, MovingSolid, Problem};
 use throng_planner::rotation::{Rigid, rotation_about, rotation_between};
 use throng_planner::setup::{AllowedContact, ProblemSpec};
@@ -36,7 +36,7 @@ pub struct SceneActor {
     /// Capsules of its body.
     pub shape: BodyCapsules,
     /// The limb that is planned.
-    pub linkage: Linkage,
+    pub limb: Limb,
 }
 
 /// A benchmark scene.
@@ -86,7 +86,7 @@ impl SceneActor {
         let end_s = (clip.num_frames() - 1) as f64 / clip.rate_hz;
         let motion = DrivenMotion::from_clip(&clip, &skeleton, 0.0, end_s);
         let (limits, shape) = (BodyLimits::built_in(&skeleton), BodyCapsules::fitted(&skeleton));
-        Self { skeleton, limits, clip, motion, shape, linkage: Linkage::limb(Limb::LeftArm) }
+        Self { skeleton, limits, clip, motion, shape, limb: Limb::LeftArm }
     }
 
     fn standing(seconds: f64) -> Self {
@@ -98,14 +98,14 @@ impl SceneActor {
 
     /// The problem's parts, for ends and surroundings of the caller's.
     pub fn spec<'a>(&'a self, ends: [LimbState; 2], solids: &'a [MovingSolid]) -> ProblemSpec<'a> {
-        let spec = ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends);
+        let spec = ProblemSpec::new(&self.skeleton, self.limb, &self.limits, &self.motion, &self.shape, ends);
         ProblemSpec { solids, ..spec }
     }
 
     /// Arm pose from the swing of the shoulder and the flexion of the elbow (rad).
     fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
         let mut pose = LimbPose::REST;
-        if let Some(limits) = self.limits.linkage_limits(self.linkage) {
+        if let Some(limits) = self.limits.limb_limits(self.limb) {
             pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
             pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
         }
@@ -223,7 +223,7 @@ fn walk() -> SceneResult<PlanScene> {
     let config = SynthConfig { minutes: 0.2, clip_seconds: 12.0, ..SynthConfig::default() };
     let set = make_set(SynthSet::Walk, &config)?;
     let who = SceneActor::from_clip(set.skeleton, set.clips[0].clone());
-    let at = |t: f64| LimbState { pose: who.motion.limb_pose(who.linkage, t), time_s: t };
+    let at = |t: f64| LimbState { pose: who.motion.limb_pose(who.limb, t), time_s: t };
     let ends = [at(3.0), at(5.0)];
     let free = Problem::prepare(&who.spec(ends, &[]))?;
     let hand = free.place_chain(&at(4.0));
@@ -233,7 +233,7 @@ fn walk() -> SceneResult<PlanScene> {
     let triangles = ball(87, 0.05).into_iter().map(|t| t.map(|p| p * Vec3::new(1.0, 12.0, 1.0)));
     let mesh = Arc::new(TriangleMesh::new(triangles.collect())?);
     // Only the arm has to avoid it.
-    let others = Joint::ALL.into_iter().filter(|j| who.linkage.index_of(*j).is_none());
+    let others = Joint::ALL.into_iter().filter(|j| who.limb.index_of(*j).is_none());
     let allowed =
         others.map(|j| AllowedContact { part: Some(j.name().into()), other: "post".into(), window_s: None }).collect();
     Ok(PlanScene { actor: who, solids: vec![solid("post", SolidShape::Mesh(mesh), post)], allowed, ends })

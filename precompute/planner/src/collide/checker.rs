@@ -1,7 +1,7 @@
-//! Collision samples: one pose of a linkage at one time, against everything around it.
+//! Collision samples: one pose of a limb at one time, against everything around it.
 
 use super::sample_cache::SampleCache;
-use crate::linkage::LimbPose;
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::{CollisionHit, CollisionPair, CollisionTarget, LimbState, Problem};
 use crate::rotation::Rigid;
 use glam::DVec3;
@@ -42,7 +42,7 @@ impl Checker {
         self.sample_cache.prepare(problem);
     }
 
-    /// Computes where the parts of the linkage are for a pose at a time.
+    /// Computes where the parts of the limb are for a pose at a time.
     pub(super) fn place_parts(&mut self, problem: &Problem, pose: &LimbPose, time_s: f64) {
         self.checks += 1;
         let placed = problem.chain.place_joints(&problem.base.sample_at(time_s), pose);
@@ -135,7 +135,7 @@ impl Checker {
     pub fn is_free(&mut self, problem: &Problem, state: &LimbState) -> bool {
         self.prepare_if_other(problem);
         let within = |i: usize| problem.limits[i].excess(state.pose.0[i]) <= LIMIT_TOLERANCE;
-        if !(0..problem.chain.len()).all(within) {
+        if !(0..LIMB_JOINTS).all(within) {
             return false;
         }
         self.place_parts(problem, &state.pose, state.time_s);

@@ -1,7 +1,7 @@
 //! Collision checks of edges: is the straight path between two states free?
 
 use super::checker::{Checker, LIMIT_TOLERANCE};
-use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::{CollisionTarget, LimbState, Problem};
 use crate::rotation::{angle_between, mid_rotation};
 
@@ -29,7 +29,7 @@ pub(super) struct EdgeInterval {
     /// Number of halvings of the edge that lead to this piece.
     level: u32,
     /// Joints whose limits are not proved.
-    joints: [bool; MAX_JOINTS],
+    joints: [bool; LIMB_JOINTS],
 }
 
 /// Travel below which a piece that is not proved free counts as blocked (m).
@@ -55,8 +55,8 @@ impl Checker {
         if seconds.is_nan() || seconds < 0.0 {
             return false;
         }
-        let mut turns = [0.0; MAX_JOINTS];
-        for i in 0..problem.chain.len() {
+        let mut turns = [0.0; LIMB_JOINTS];
+        for i in 0..LIMB_JOINTS {
             turns[i] = angle_between(from.pose.0[i], to.pose.0[i]);
             if turns[i] > problem.limits[i].speed * seconds + 1e-9 {
                 return false;
@@ -73,7 +73,7 @@ impl Checker {
     /// - `most`: largest turn of a joint (rad).
     fn bisect_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, most: f64, resolution: f64) -> bool {
         self.intervals.clear();
-        let joints = [true; MAX_JOINTS];
+        let joints = [true; LIMB_JOINTS];
         self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end: 0, level: 0, joints });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
@@ -84,7 +84,7 @@ impl Checker {
             if (turned <= resolution && still) || piece.level > MAX_LEVEL {
                 continue;
             }
-            let at = edge_midpoint(&piece.from, &piece.to, problem.chain.len());
+            let at = edge_midpoint(&piece.from, &piece.to);
             if !self.is_free(problem, &at) {
                 return false;
             }
@@ -95,26 +95,26 @@ impl Checker {
         true
     }
 
-    fn prove_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, turns: &[f64; MAX_JOINTS]) -> bool {
+    fn prove_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, turns: &[f64; LIMB_JOINTS]) -> bool {
         self.open.clear();
         self.open.extend(0..problem.pairs.len() as u16);
         let end = self.open.len() as u32;
         self.intervals.clear();
-        let joints = std::array::from_fn(|i| i < problem.chain.len());
+        let joints = [true; LIMB_JOINTS];
         self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end, level: 0, joints });
         let mut next = 0;
         while let Some(&piece) = self.intervals.get(next) {
             next += 1;
             let half_turns = turns.map(|t| t / f64::from(2u32 << piece.level.min(30)));
             let half_s = 0.5 * (piece.to.time_s - piece.from.time_s);
-            let at = edge_midpoint(&piece.from, &piece.to, problem.chain.len());
+            let at = edge_midpoint(&piece.from, &piece.to);
             let Some(joints) = prove_limits(problem, &at.pose, &half_turns, piece.joints) else { return false };
             let first = self.open.len() as u32;
             if !self.prove_pairs(problem, &piece, &at, &half_turns, half_s) {
                 return false;
             }
             let end = self.open.len() as u32;
-            if end == first && joints == [false; MAX_JOINTS] {
+            if end == first && joints == [false; LIMB_JOINTS] {
                 continue;
             }
             if piece.level >= MAX_LEVEL {
@@ -134,7 +134,7 @@ impl Checker {
         problem: &Problem,
         piece: &EdgeInterval,
         at: &LimbState,
-        half_turns: &[f64; MAX_JOINTS],
+        half_turns: &[f64; LIMB_JOINTS],
         half_s: f64,
     ) -> bool {
         let (from_s, to_s) = (piece.from.time_s, piece.to.time_s);
@@ -185,10 +185,10 @@ impl Checker {
 fn prove_limits(
     problem: &Problem,
     pose: &LimbPose,
-    half_turns: &[f64; MAX_JOINTS],
-    mut open: [bool; MAX_JOINTS],
-) -> Option<[bool; MAX_JOINTS]> {
-    for i in 0..problem.chain.len() {
+    half_turns: &[f64; LIMB_JOINTS],
+    mut open: [bool; LIMB_JOINTS],
+) -> Option<[bool; LIMB_JOINTS]> {
+    for i in 0..LIMB_JOINTS {
         if !open[i] {
             continue;
         }
@@ -203,10 +203,7 @@ fn prove_limits(
 }
 
 /// Midpoint of an edge: the mean of both times and of every joint angle.
-fn edge_midpoint(a: &LimbState, b: &LimbState, len: usize) -> LimbState {
-    let mut pose = a.pose;
-    for i in 0..len {
-        pose.0[i] = mid_rotation(a.pose.0[i], b.pose.0[i]);
-    }
+fn edge_midpoint(a: &LimbState, b: &LimbState) -> LimbState {
+    let pose = LimbPose(std::array::from_fn(|i| mid_rotation(a.pose.0[i], b.pose.0[i])));
     LimbState { pose, time_s: 0.5 * (a.time_s + b.time_s) }
 }

@@ -1,4 +1,4 @@
-//! Collision checks of a linkage: at one time, and along the whole edge from one state to another.
+//! Collision checks of a limb: at one time, and along the whole edge from one state to another.
 
 mod checker;
 mod edge;

@@ -58,7 +58,7 @@ fn edge(seed: u64) -> Option<(Problem, LimbState, LimbState)> {
     let things = things(&mut rng);
     let allowed: Vec<_> = throng_core::Joint::ALL
         .into_iter()
-        .filter(|j| !s.linkage.joints().contains(j))
+        .filter(|j| !s.limb.joints().contains(j))
         .flat_map(|j| {
             let part = Some(j.name().to_owned());
             things.iter().map(move |t| crate::setup::AllowedContact {
@@ -86,7 +86,7 @@ proptest! {
                 let hit = checker.deepest_hit(&problem, &at);
                 prop_assert!(hit.is_none_or(|h| h.depth_m < 1e-9), "{hit:?} {}", at.time_s);
                 for j in 0..3 {
-                    prop_assert!(problem.limits()[j].excess(at.pose.0[j]) < 2e-3);
+                    prop_assert!(problem.limits[j].excess(at.pose.0[j]) < 2e-3);
                 }
             }
         }
@@ -104,7 +104,7 @@ fn ways_that_are_clearly_free_are_proved() {
         for at in samples {
             least = least.min(checker.clearance(&problem, &at, 0.1));
             // Even turns may lead out of an ellipse for a while.
-            let outside = (0..3).map(|j| problem.limits()[j].excess(at.pose.0[j])).fold(-1.0, f64::max);
+            let outside = (0..3).map(|j| problem.limits[j].excess(at.pose.0[j])).fold(-1.0, f64::max);
             least = least.min(if outside > 0.0 { 0.0 } else { 0.1 });
             if checker.deepest_hit(&problem, &at).is_some_and(|h| h.depth_m > 1e-9) {
                 least = -1.0;
@@ -134,11 +134,11 @@ fn plate(thickness: f64) -> MovingSolid {
 fn a_thin_plate_that_bisection_misses_is_found_by_the_proof() {
     let mut s = TestCharacter::standing();
     for c in &mut s.shape.capsules {
-        c.radius = if s.linkage.joints().contains(&c.joint) { 5e-4 } else { c.radius };
+        c.radius = if s.limb.joints().contains(&c.joint) { 5e-4 } else { c.radius };
     }
     let ends = [(s.pose(0.2, 0.0, 0.0), 0.0), (s.pose(-0.2, 0.0, 0.0), 1.0)];
     let open = s.problem(ends, &[]).expect("a problem");
-    let (a, b) = (*open.init(), *open.goal());
+    let (a, b) = (open.init, open.goal);
     let at = open.place_chain(&between(&a, &b, 0.5234));
     let along = at[2].rotation * DVec3::X;
     let mut wall = plate(1e-4);
@@ -160,31 +160,22 @@ fn a_fast_ball_is_found_by_the_proof() {
     let s = TestCharacter::standing();
     let ends = [(s.pose(0.0, 0.0, 0.5), 0.0), (s.pose(0.0, 0.01, 0.5), 1.0)];
     let open = s.problem(ends, &[]).expect("a problem");
-    let (a, b) = (*open.init(), *open.goal());
+    let (a, b) = (open.init, open.goal);
     let hand = open.place_chain(&a)[2].position;
     let (from, to) = (hand + DVec3::new(0.0, 0.0, 3.0), hand + DVec3::new(0.0, 0.0, 6.0));
     let keys = [(0.30, from), (0.305, hand), (0.31, to)].map(|(t, p)| (t, Rigid::from_position(p)));
-    let keys = MovingSolid { name: "ball".into(), shape: SolidShape::ball(0.02), path: RigidPath::from_keys(&keys) };
-    let function = MovingSolid {
-        path: RigidPath::Function {
-            at: Arc::new(move |t| Rigid::from_position(hand + DVec3::Z * (600.0 * (t - 0.305)).clamp(-3.0, 3.0).abs())),
-            speed_mps: 600.0,
-        },
-        ..keys.clone()
-    };
-    for ball in [keys, function] {
-        let problem = s.problem(ends, &[ball]).expect("ends are free");
-        let mut checker = Checker::default();
-        assert!(checker.is_edge_free(&problem, &a, &b, PAPER));
-        assert!(!checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative));
-    }
+    let ball = MovingSolid { name: "ball".into(), shape: SolidShape::ball(0.02), path: RigidPath::from_keys(&keys) };
+    let problem = s.problem(ends, &[ball]).expect("ends are free");
+    let mut checker = Checker::default();
+    assert!(checker.is_edge_free(&problem, &a, &b, PAPER));
+    assert!(!checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative));
 }
 
 #[test]
 fn time_grows_and_joints_keep_their_speed() {
     let s = TestCharacter::standing();
     let problem = s.problem([(s.pose(0.0, 0.5, 0.5), 0.0), (s.pose(0.0, -0.5, 0.5), 1.0)], &[]).expect("a problem");
-    let (a, b) = (*problem.init(), *problem.goal());
+    let (a, b) = (problem.init, problem.goal);
     let mut checker = Checker::default();
     for check in [PAPER, EdgeCheck::Conservative] {
         assert!(checker.is_edge_free(&problem, &a, &b, check));
@@ -199,7 +190,7 @@ fn a_contact_is_allowed_in_its_window_alone() {
     let s = TestCharacter::standing();
     let pose = s.pose(0.0, 0.0, 0.5);
     let ends = [(pose, 0.0), (s.pose(0.0, 0.001, 0.5), 1.0)];
-    let hand = s.problem(ends, &[]).map(|p| p.place_chain(p.init())[2].position).expect("a problem");
+    let hand = s.problem(ends, &[]).map(|p| p.place_chain(&p.init)[2].position).expect("a problem");
     let far = hand + DVec3::Y * 2.0;
     let keys = [(0.3, far), (0.4, hand), (0.6, hand), (0.7, far)].map(|(t, p)| (t, Rigid::from_position(p)));
     let cube = MovingSolid { name: "cube".into(), shape: SolidShape::ball(0.03), path: RigidPath::from_keys(&keys) };
@@ -208,7 +199,7 @@ fn a_contact_is_allowed_in_its_window_alone() {
         let solids = [cube.clone()];
         let spec = crate::setup::ProblemSpec { solids: &solids, allowed: &allowed, ..s.spec(ends) };
         let problem = Problem::new(&spec).expect("a problem");
-        Checker::default().is_edge_free(&problem, problem.init(), problem.goal(), EdgeCheck::Conservative)
+        Checker::default().is_edge_free(&problem, &problem.init, &problem.goal, EdgeCheck::Conservative)
     };
     assert!(free_in([0.3, 0.7]) && !free_in([0.5, 0.7]) && !free_in([0.8, 0.9]));
 }

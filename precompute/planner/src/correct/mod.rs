@@ -111,7 +111,7 @@ pub struct CorrectedSpan {
     pub driven: Vec<CollisionStretch>,
 }
 
-/// Corrects one linkage of a clip: finds its collisions, widens each stretch until both ends are free, and plans it in time
+/// Corrects one limb of a clip: finds its collisions, widens each stretch until both ends are free, and plans it in time
 /// with the rest of the motion.
 ///
 /// The clip begins at time 0 of what is around. Frames outside of the windows and other joints stay as they are, to the bit.
@@ -155,7 +155,7 @@ pub fn correct_clip(
                     let why = outcome.why.unwrap_or(PlanError::Rate);
                     return Err(CorrectionError::Unsolved { from_s: window_s[0], to_s: window_s[1], why });
                 };
-                out = with_motion(&out, 0.0, spec.linkage, &motion).map_err(|e| misfit_error(&e))?;
+                out = with_motion(&out, 0.0, spec.limb, &motion)?;
                 Ok((window_s, outcome, problem.driven_collisions(&spec)))
             });
             match found {
@@ -172,10 +172,6 @@ pub fn correct_clip(
         });
     }
     Ok((out, report))
-}
-
-fn misfit_error(e: &crate::clips::Misfit) -> CorrectionError {
-    ProblemError::Value { what: e.to_string(), expected: "a plan on the clip's frames" }.into()
 }
 
 /// Finds the window in which a limb may give way.
@@ -232,6 +228,6 @@ impl CorrectionWindow<'_> {
 
     /// True where the limb is a leg whose foot is planted.
     fn is_planted(&self, frame: usize) -> bool {
-        self.problem.chain.linkage.limb.is_planted(&self.clip.contacts, frame)
+        self.problem.chain.limb.is_planted(&self.clip.contacts, frame)
     }
 }

@@ -24,7 +24,7 @@ pub struct CollisionStretch {
 /// Penetration below which rounding alone may explain it (m).
 const NEGLIGIBLE_M: f64 = 1e-4;
 
-/// Stretches in which the external motion's own poses of the linkage collide, sampled 120 times a second.
+/// Stretches in which the external motion's own poses of the limb collide, sampled 120 times a second.
 pub fn find_collisions(problem: &Problem) -> Vec<CollisionStretch> {
     let mut checker = Checker::default();
     let mut spans: Vec<CollisionStretch> = Vec::new();

@@ -1,6 +1,6 @@
 use super::*;
 use crate::driven::DrivenMotion;
-use crate::linkage::{Limb, Linkage};
+use crate::linkage::Limb;
 use crate::problem::MovingSolid;
 use crate::recheck::Recheck;
 use crate::setup::AllowedContact;
@@ -35,9 +35,8 @@ fn walk() -> Walk {
 
 impl Walk {
     fn spec(&self, limb: Limb) -> ProblemSpec<'_> {
-        let linkage = Linkage::limb(limb);
-        let state = LimbState { pose: self.motion.limb_pose(linkage, 0.0), time_s: 0.0 };
-        ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, [state; 2])
+        let state = LimbState { pose: self.motion.limb_pose(limb, 0.0), time_s: 0.0 };
+        ProblemSpec::new(&self.skeleton, limb, &self.limits, &self.motion, &self.shape, [state; 2])
     }
 
     fn joint(&self, joint: Joint, time_s: f64) -> DVec3 {
@@ -50,9 +49,8 @@ impl Walk {
         let frames = 0..self.clip.num_frames();
         let good = frames.clone().filter(|f| {
             Limb::ALL.into_iter().all(|limb| {
-                let linkage = Linkage::limb(limb);
-                let limits = self.limits.linkage_limits(linkage).expect("limits");
-                let pose = self.motion.limb_pose(linkage, *f as f64 / self.clip.rate_hz);
+                let limits = self.limits.limb_limits(limb).expect("limits");
+                let pose = self.motion.limb_pose(limb, *f as f64 / self.clip.rate_hz);
                 (0..3).all(|i| limits[i].excess(pose.0[i]) < 0.0)
             })
         });
@@ -106,7 +104,7 @@ fn a_walking_arm_gives_way_to_a_post_and_all_else_stays() {
         assert!((done.span.from_s..done.span.to_s).contains(&5.0) && done.window_s[1] - done.window_s[0] < 3.0);
         let ends = spec.between_times(done.window_s);
         let problem = Problem::new(&ends).expect("a problem");
-        let planned: Vec<_> = limb.joints().into_iter().zip(*problem.limits()).collect();
+        let planned: Vec<_> = limb.joints().into_iter().zip(problem.limits).collect();
         let recheck = Recheck {
             skeleton: &walk.skeleton,
             before: &walk.clip,

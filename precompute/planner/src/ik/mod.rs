@@ -8,7 +8,7 @@ mod swivel_limits;
 mod tests;
 
 use crate::limits::JointLimits;
-use crate::linkage::{Chain, LimbPose, MAX_JOINTS};
+use crate::linkage::{Chain, LIMB_JOINTS, LimbPose};
 use crate::rotation::{Rigid, rotation_about, rotation_between, twist_about};
 use elbow::Elbow;
 use glam::{DQuat, DVec3};
@@ -92,23 +92,20 @@ impl LimbIk {
     /// Prepares for a chain and the limits of its joints.
     ///
     /// # Panics
-    /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::linkage_limits`] gives limits that fit.
-    pub fn new(chain: &Chain, limits: &[JointLimits; MAX_JOINTS]) -> Self {
-        let first = chain.len() - 3;
-        let limits: [JointLimits; 3] = std::array::from_fn(|i| limits[first + i]);
-        let elbow = Elbow::new(chain.offsets[first + 1], chain.offsets[first + 2], &limits[1])
-            .expect("elbows and knees have flexion");
+    /// If the second last joint is not a hinge: [`crate::limits::BodyLimits::limb_limits`] gives limits that fit.
+    pub fn new(chain: &Chain, limits: &[JointLimits; LIMB_JOINTS]) -> Self {
+        let elbow = Elbow::new(chain.offsets[1], chain.offsets[2], &limits[1]).expect("elbows and knees have flexion");
         let elbow_twist = TwistBounds::new(&limits[1], limits[1].mirrored);
         let quick = [QuickLimits::new(&limits[0]), QuickLimits::new(&limits[2])];
         let widest = [widest_swing_square(&limits[0], None), widest_swing_square(&limits[2], Some(elbow.along))];
-        Self { chain: *chain, limits, elbow, elbow_twist, quick, widest }
+        Self { chain: *chain, limits: *limits, elbow, elbow_twist, quick, widest }
     }
 
     /// Poses the limb so that hand or foot is at `goal`.
     ///
     /// - `base`: world transform of the joint that carries the chain.
     /// - `goal`: world transform wanted for the last joint.
-    /// - `present`, `from`: where the search over swivels begins; a clavicle keeps its rotation.
+    /// - `present`, `from`: where the search over swivels begins.
     /// - `blocked`: the obstacle of a pose, if it collides.
     ///
     /// # Errors
@@ -122,16 +119,14 @@ impl LimbIk {
         from: Swivel,
         mut blocked: impl FnMut(&LimbPose) -> Option<B>,
     ) -> Result<LimbPose, IkError<B>> {
-        let first = self.chain.len() - 3;
-        let reach = self.reach_geometry(base, goal, present).map_err(|by_m| IkError::OutOfReach { by_m })?;
-        let [c, s] = self.first_swivel(&reach, present.0[first], from);
+        let reach = self.reach_geometry(&base.to_local(*goal)).map_err(|by_m| IkError::OutOfReach { by_m })?;
+        let [c, s] = self.first_swivel(&reach, present.0[0], from);
         // The swivel with the least excess over limits.
         let mut best = (f64::INFINITY, [c, s]);
         let mut in_the_way = None;
         // Within limits: is it free?
         let mut free = |turns: &[DQuat; 3]| {
-            let mut pose = *present;
-            pose.0[first..first + 3].copy_from_slice(turns);
+            let pose = LimbPose(*turns);
             let Some(by) = blocked(&pose) else { return Some(pose) };
             in_the_way.get_or_insert(by);
             None
@@ -169,7 +164,7 @@ impl LimbIk {
             Some(by) => IkError::Blocked { by },
             None => {
                 let nearest = self.pose_at_half_swivel(&reach, best.1);
-                let joint = self.chain.linkage.limb.joints()[nearest.joint];
+                let joint = self.chain.limb.joints()[nearest.joint];
                 IkError::OutOfLimits { joint, by_rad: nearest.excess.max(0.0) }
             }
         })
@@ -177,20 +172,16 @@ impl LimbIk {
 
     /// The pose with a given swivel, if it is within reach and limits.
     ///
-    /// - `pose`: present pose, of which a clavicle keeps its rotation.
     /// - `swivel`: as [`LimbIk::swivel_of`] defines it (rad).
-    pub(crate) fn solve_at_swivel(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose, swivel: f64) -> Option<LimbPose> {
-        let tried = self.pose_at_half_swivel(&self.reach_geometry(base, goal, pose).ok()?, half_angle(swivel));
-        let first = self.chain.len() - 3;
-        let mut pose = *pose;
-        pose.0[first..first + 3].copy_from_slice(&tried.pose);
-        (tried.excess <= ON_LIMIT).then_some(pose)
+    pub(crate) fn solve_at_swivel(&self, base: &Rigid, goal: &Rigid, swivel: f64) -> Option<LimbPose> {
+        let tried = self.pose_at_half_swivel(&self.reach_geometry(&base.to_local(*goal)).ok()?, half_angle(swivel));
+        (tried.excess <= ON_LIMIT).then_some(LimbPose(tried.pose))
     }
 
     /// The swivel of a pose on its path to a goal: it changes evenly where the pose moves evenly (rad).
     pub(crate) fn swivel_of(&self, base: &Rigid, goal: &Rigid, pose: &LimbPose) -> Option<f64> {
-        let reach = self.reach_geometry(base, goal, pose).ok()?;
-        let [cos, sin] = self.first_swivel(&reach, pose.0[self.chain.len() - 3], Swivel::Present);
+        let reach = self.reach_geometry(&base.to_local(*goal)).ok()?;
+        let [cos, sin] = self.first_swivel(&reach, pose.0[0], Swivel::Present);
         Some(2.0 * maths::atan2(sin, cos))
     }
 
@@ -207,15 +198,8 @@ impl LimbIk {
         self.elbow.distances
     }
 
-    fn reach_geometry(&self, base: &Rigid, goal: &Rigid, present: &LimbPose) -> Result<ReachGeometry, f64> {
-        let first = self.chain.len() - 3;
-        let clavicle = Rigid { position: self.chain.offsets[0], rotation: present.0[0] };
-        let base = if first > 0 { base.compose(clavicle) } else { *base };
-        self.local_reach_geometry(&base.to_local(*goal), first)
-    }
-
-    fn local_reach_geometry(&self, local: &Rigid, first: usize) -> Result<ReachGeometry, f64> {
-        let to_wrist = local.position - self.chain.offsets[first];
+    fn reach_geometry(&self, local: &Rigid) -> Result<ReachGeometry, f64> {
+        let to_wrist = local.position - self.chain.offsets[0];
         let distance = to_wrist.length();
         let flexion = self.elbow.flexion(distance)?;
         let bent = rotation_about(self.elbow.axis, flexion);

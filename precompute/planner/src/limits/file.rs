@@ -1,7 +1,7 @@
 //! Limits as files: `*.limits.toml`.
 
 use super::joint::{AngleInterval, JointLimits, MAX_SWING, SwingLimit};
-use crate::linkage::{Linkage, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, Limb};
 use crate::rotation::exp;
 use glam::{DQuat, DVec3};
 use serde::Deserialize;
@@ -106,11 +106,11 @@ impl BodyLimits {
         Ok(Self { name: file.name, joints })
     }
 
-    /// The limits of a linkage's joints, from the trunk outwards; the last one's repeated behind it. `None` where one of
+    /// The limits of a limb's joints, from the trunk outwards; the last one's repeated behind it. `None` where one of
     /// them has none.
-    pub fn linkage_limits(&self, linkage: Linkage) -> Option<[JointLimits; MAX_JOINTS]> {
-        let [a, b, c, d] = linkage.joints().map(|joint| self.joints[joint.index()]);
-        Some([a?, b?, c?, d?])
+    pub fn limb_limits(&self, limb: Limb) -> Option<[JointLimits; LIMB_JOINTS]> {
+        let [a, b, c] = limb.joints().map(|joint| self.joints[joint.index()]);
+        Some([a?, b?, c?])
     }
 }
 
@@ -210,20 +210,17 @@ fn interval(key: &'static str, least: f64, most: f64, widest: f64) -> Result<Ang
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linkage::Limb;
 
     fn error(text: &str) -> String {
         BodyLimits::parse(text, Path::new("l.toml"), &Skeleton::default()).unwrap_err().to_string()
     }
 
     #[test]
-    fn the_built_in_limits_have_every_joint_of_every_linkage() {
+    fn the_built_in_limits_have_every_joint_of_every_limb() {
         let limits = BodyLimits::built_in(&Skeleton::default());
         for limb in Limb::ALL {
-            for with_clavicle in [false, true] {
-                let of = limits.linkage_limits(Linkage { limb, with_clavicle }).expect("all joints");
-                assert!(of.iter().all(|l| (l.segment.dot(l.axes[0])).abs() < 1e-9 && l.excess(DQuat::IDENTITY) <= 0.0));
-            }
+            let of = limits.limb_limits(limb).expect("all joints");
+            assert!(of.iter().all(|l| (l.segment.dot(l.axes[0])).abs() < 1e-9 && l.excess(DQuat::IDENTITY) <= 0.0));
         }
         assert_eq!(limits.joints[Joint::Head.index()], None);
     }

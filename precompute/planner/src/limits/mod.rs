@@ -6,4 +6,4 @@ mod sample;
 
 pub use file::{BodyLimits, LimitsError};
 pub use joint::{AngleInterval, Coordinates, JointLimits, SwingLimit};
-pub use sample::{Bias, PoseSampler, Style};
+pub use sample::{PoseSampler, Style};

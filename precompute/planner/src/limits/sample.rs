@@ -1,7 +1,7 @@
 //! Random poses within limits: bent elbows first, all of the range as the search goes on.
 
 use super::joint::{AngleInterval, Coordinates, JointLimits, SwingLimit, ellipse_distance};
-use crate::linkage::{LimbPose, Linkage, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
@@ -11,55 +11,35 @@ use rand_pcg::Pcg64Mcg;
 /// Shapiro, Kallmann and Faloutsos 2007, section 4.2 and figure 2: low and high arms for one problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Style {
-    /// About the first and the second axis of each joint of the linkage.
-    pub swing: [[Option<AngleInterval>; 2]; MAX_JOINTS],
+    /// About the first and the second axis of each joint of the limb.
+    pub swing: [[Option<AngleInterval>; 2]; LIMB_JOINTS],
     /// Twist of each joint.
-    pub twist: [Option<AngleInterval>; MAX_JOINTS],
+    pub twist: [Option<AngleInterval>; LIMB_JOINTS],
 }
 
-/// Share of its range from which a joint is sampled at first.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bias {
-    /// The whole range.
-    None,
-    /// The share nearest to full flexion; hinges.
-    Flexed(f64),
-    /// The share around a middle, for joints that only help.
-    Narrow(f64),
-}
+/// Share of their range from which elbows and knees are sampled at first: that nearest to full flexion.
+const FLEXED: f64 = 0.1;
+/// Share of their range from which wrists and ankles are sampled at first.
+const NARROW: f64 = 0.5;
 
-/// Draws poses of a linkage.
+/// Draws poses of a limb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseSampler {
-    linkage: Linkage,
-    limits: [JointLimits; MAX_JOINTS],
-    bias: [Bias; MAX_JOINTS],
-    /// Coordinates around which narrow joints are sampled.
-    centres: [Coordinates; MAX_JOINTS],
+    limits: [JointLimits; LIMB_JOINTS],
+    /// Swing around which the last joint is sampled.
+    middle: [f64; 2],
     style: Style,
     widen_over: f64,
 }
 
 impl PoseSampler {
-    /// The paper's heuristics: flexion of elbow and knee from 90 to 100 % of its range at first, wrist, ankle and clavicle
-    /// from half of theirs around the present pose, shoulder and hip from all of it.
+    /// The paper's heuristics: flexion of elbow and knee from 90 to 100 % of its range at first, wrist and ankle from half of
+    /// theirs around the present pose, shoulder and hip from all of it.
     ///
     /// - `widen_over`: number of draws after which everything is sampled from its whole range (> 0).
-    pub fn new(
-        linkage: Linkage,
-        limits: [JointLimits; MAX_JOINTS],
-        present: &LimbPose,
-        style: Style,
-        widen_over: u32,
-    ) -> Self {
-        let last = linkage.len() - 1;
-        let bias = std::array::from_fn(|i| match limits[i].swing {
-            SwingLimit::Hinge { .. } => Bias::Flexed(0.1),
-            SwingLimit::Ellipse(_) if i == last || (i == 0 && linkage.len() == MAX_JOINTS) => Bias::Narrow(0.5),
-            SwingLimit::Ellipse(_) => Bias::None,
-        });
-        let around = std::array::from_fn(|i| limits[i].coordinates(present.0[i]));
-        Self { linkage, limits, bias, centres: around, style, widen_over: f64::from(widen_over.max(1)) }
+    pub fn new(limits: [JointLimits; LIMB_JOINTS], present: &LimbPose, style: Style, widen_over: u32) -> Self {
+        let middle = limits[2].coordinates(present.0[2]).swing;
+        Self { limits, middle, style, widen_over: f64::from(widen_over.max(1)) }
     }
 
     /// A pose within limits.
@@ -67,44 +47,29 @@ impl PoseSampler {
     /// - `draw`: number of draws before: intervals widen with it.
     pub fn draw_pose(&self, rng: &mut Pcg64Mcg, draw: u32) -> LimbPose {
         let widened = (f64::from(draw) / self.widen_over).min(1.0);
-        let mut pose = LimbPose::REST;
-        for i in 0..self.linkage.len() {
-            pose.0[i] = self.limits[i].rotation(self.coordinates(i, rng, widened));
-        }
-        pose
+        LimbPose(std::array::from_fn(|i| self.limits[i].rotation(self.coordinates(i, rng, widened))))
     }
 
     fn coordinates(&self, i: usize, rng: &mut Pcg64Mcg, widened: f64) -> Coordinates {
-        let limits = &self.limits[i];
+        let (limits, is_last) = (&self.limits[i], i + 1 == LIMB_JOINTS);
         let from = |least: f64| least + (1.0 - least) * widened;
-        let narrow = |whole: AngleInterval, middle: f64| match self.bias[i] {
-            Bias::Narrow(share) => {
-                let half = 0.5 * from(share) * whole.length();
-                AngleInterval::new(middle - half, middle + half).intersection(whole)
-            }
-            Bias::None | Bias::Flexed(_) => whole,
-        };
         let wanted =
             |style: Option<AngleInterval>, whole: AngleInterval| style.map_or(whole, |s| s.intersection(whole));
-        let twist = narrow(limits.twist, self.centres[i].twist);
         // Wrist and ankle only swing: the little twist that they have in clips is play.
-        let swings_only = i + 1 == self.linkage.len();
-        let twist = if swings_only { 0.0 } else { draw_angle(rng, wanted(self.style.twist[i], twist)) };
+        let twist = if is_last { 0.0 } else { draw_angle(rng, wanted(self.style.twist[i], limits.twist)) };
         let [first, second] = self.style.swing[i];
         let swing = match limits.swing {
             SwingLimit::Hinge { flexion, .. } => {
-                let share = match self.bias[i] {
-                    Bias::Flexed(share) => from(share),
-                    Bias::None | Bias::Narrow(_) => 1.0,
-                };
-                let flexed = AngleInterval::new(flexion.angle_at(1.0 - share), flexion.most);
+                let flexed = AngleInterval::new(flexion.angle_at(1.0 - from(FLEXED)), flexion.most);
                 // Angles that the user wants come before those that look best.
                 [draw_angle(rng, first.map_or(flexed, |s| s.intersection(flexion))), 0.0]
             }
             SwingLimit::Ellipse(radii) => {
                 let box_of = |k: usize, style| {
                     let whole = AngleInterval::around_zero(radii[k]);
-                    wanted(style, narrow(whole, self.centres[i].swing[k]))
+                    let half = 0.5 * from(NARROW) * whole.length();
+                    let narrow = AngleInterval::new(self.middle[k] - half, self.middle[k] + half).intersection(whole);
+                    wanted(style, if is_last { narrow } else { whole })
                 };
                 in_ellipse(rng, radii, [box_of(0, first), box_of(1, second)])
             }
@@ -140,10 +105,9 @@ mod tests {
     use rand::SeedableRng;
     use throng_core::Skeleton;
 
-    fn sampler(limb: Limb, style: Style) -> (PoseSampler, [JointLimits; MAX_JOINTS]) {
-        let linkage = Linkage { limb, with_clavicle: true };
-        let limits = BodyLimits::built_in(&Skeleton::default()).linkage_limits(linkage).expect("limits");
-        (PoseSampler::new(linkage, limits, &LimbPose::REST, style, 100), limits)
+    fn sampler(limb: Limb, style: Style) -> (PoseSampler, [JointLimits; LIMB_JOINTS]) {
+        let limits = BodyLimits::built_in(&Skeleton::default()).limb_limits(limb).expect("limits");
+        (PoseSampler::new(limits, &LimbPose::REST, style, 100), limits)
     }
 
     #[test]
@@ -153,7 +117,7 @@ mod tests {
             let mut rng = Pcg64Mcg::seed_from_u64(1);
             for draw in 0..2000 {
                 let pose = s.draw_pose(&mut rng, draw);
-                for i in 0..s.linkage.len() {
+                for i in 0..LIMB_JOINTS {
                     assert!(limits[i].excess(pose.0[i]) < 1e-9, "{limb:?} {i}");
                 }
             }
@@ -166,7 +130,7 @@ mod tests {
         let mut rng = Pcg64Mcg::seed_from_u64(2);
         let most = 150f64.to_radians();
         let mut least = |draw: u32| {
-            let flexion = (0..500).map(|_| limits[2].coordinates(s.draw_pose(&mut rng, draw).0[2]).swing[0]);
+            let flexion = (0..500).map(|_| limits[1].coordinates(s.draw_pose(&mut rng, draw).0[1]).swing[0]);
             flexion.fold(f64::INFINITY, f64::min)
         };
         assert!(least(0) >= 0.9 * most - 1e-9);
@@ -177,14 +141,14 @@ mod tests {
     #[test]
     fn a_style_is_kept() {
         let mut style = Style::default();
-        style.swing[1][1] = Some(AngleInterval::new(0.5, 1.0));
-        style.swing[2][0] = Some(AngleInterval::new(0.2, 0.4));
+        style.swing[0][1] = Some(AngleInterval::new(0.5, 1.0));
+        style.swing[1][0] = Some(AngleInterval::new(0.2, 0.4));
         let (s, limits) = sampler(Limb::RightArm, style);
         let mut rng = Pcg64Mcg::seed_from_u64(3);
         for draw in 0..500 {
             let pose = s.draw_pose(&mut rng, draw);
-            assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&limits[1].coordinates(pose.0[1]).swing[1]));
-            assert!((0.2 - 1e-9..=0.4 + 1e-9).contains(&limits[2].coordinates(pose.0[2]).swing[0]));
+            assert!((0.5 - 1e-9..=1.0 + 1e-9).contains(&limits[0].coordinates(pose.0[0]).swing[1]));
+            assert!((0.2 - 1e-9..=0.4 + 1e-9).contains(&limits[1].coordinates(pose.0[1]).swing[0]));
         }
     }
 

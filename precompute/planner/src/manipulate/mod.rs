@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::clips::{Misfit, with_motion};
+use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::IkError;
@@ -106,7 +106,7 @@ pub fn reach_target(
     if !(held_s >= reach_s && held_s < back_s) {
         return Err(ReachError::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
     }
-    let present = |time_s: f64| spec.motion.limb_state(spec.linkage, time_s);
+    let present = |time_s: f64| spec.motion.limb_state(spec.limb, time_s);
     let whole = Problem::prepare(&spec.between_times([there_s, back_s]))?;
     let (target, pose) = first_reached_target(&whole, task, reach_s)?;
     let at_target = LimbState { pose, time_s: reach_s };
@@ -115,7 +115,7 @@ pub fn reach_target(
     let (out, first) = plan_into_clip(clip, &mut planner, &there, config, "there")?;
     let kept = vec![pose; ((held_s - reach_s) * clip.rate_hz).round() as usize + 1];
     let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
-    let out = with_motion(&out, 0.0, spec.linkage, &kept).map_err(misfit_error)?;
+    let out = with_motion(&out, 0.0, spec.limb, &kept)?;
     let ends = [LimbState { time_s: held_s, ..at_target }, present(back_s)];
     let back = task.return_spec.unwrap_or(spec).between(ends);
     let (out, second) = plan_into_clip(&out, &mut planner, &back, config, "back")?;
@@ -168,11 +168,7 @@ pub(crate) fn plan_into_clip(
     let problem = Problem::new(spec)?;
     let outcome = config.run(planner, &problem, clip.rate_hz);
     match (outcome.why, planner.motion()) {
-        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.linkage, &motion).map_err(misfit_error)?, outcome)),
+        (None, Some(motion)) => Ok((with_motion(clip, 0.0, spec.limb, &motion)?, outcome)),
         (why, _) => Err(ReachError::Unsolved { what, why: why.unwrap_or(PlanError::Rate) }),
     }
-}
-
-pub(crate) fn misfit_error(e: Misfit) -> ProblemError {
-    ProblemError::Value { what: e.to_string(), expected: "the clip's frames" }
 }

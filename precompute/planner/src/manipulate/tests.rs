@@ -13,7 +13,7 @@ use throng_geometry::SolidShape;
 fn still(s: &TestCharacter) -> (Clip, DrivenMotion) {
     let arm = s.pose(0.0, -0.7, 0.6);
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
-    for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
+    for (i, j) in s.limb.joints().into_iter().enumerate() {
         row[j.index()] = arm.0[i].as_quat();
     }
     let clip = Clip::new("still", 30.0, vec![s.skeleton.offsets[0]; 91], row.repeat(91));
@@ -39,8 +39,8 @@ fn a_moving_cup_is_grasped_in_its_moment_and_carried_away() {
     let object = cup();
     let solids = [MovingSolid { name: "cup".into(), shape: SolidShape::ball(0.04), path: object.clone() }];
     let allowed = [AllowedContact { part: Some("left_hand".into()), other: "cup".into(), window_s: Some([1.2, 1.5]) }];
-    let state = LimbState { pose: motion.limb_pose(s.linkage, 0.0), time_s: 0.0 };
-    let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, [state; 2]);
+    let state = LimbState { pose: motion.limb_pose(s.limb, 0.0), time_s: 0.0 };
+    let spec = ProblemSpec::new(&s.skeleton, s.limb, &s.limits, &motion, &s.shape, [state; 2]);
     let spec = ProblemSpec { solids: &solids, allowed: &allowed, ..spec };
     let unreachable = Rigid::from_position(DVec3::new(0.0, 0.0, 5.0));
     let targets = [unreachable, object.place_at(1.4).compose(grip())];
@@ -74,8 +74,8 @@ fn a_moving_cup_is_grasped_in_its_moment_and_carried_away() {
 fn what_is_out_of_reach_or_out_of_time_says_so() {
     let s = TestCharacter::standing();
     let (clip, motion) = still(&s);
-    let state = LimbState { pose: motion.limb_pose(s.linkage, 0.0), time_s: 0.0 };
-    let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, [state; 2]);
+    let state = LimbState { pose: motion.limb_pose(s.limb, 0.0), time_s: 0.0 };
+    let spec = ProblemSpec::new(&s.skeleton, s.limb, &s.limits, &motion, &s.shape, [state; 2]);
     let tried = |object: &RigidPath, times_s: [f64; 3]| {
         let targets = [object.place_at(times_s[1]).compose(grip())];
         let task = ReachTask { targets: &targets, times_s, hold_s: 0.0, return_spec: None };

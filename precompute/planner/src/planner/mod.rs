@@ -7,7 +7,7 @@ mod warm_start;
 pub use warm_start::Planners;
 
 use crate::collide::Checker;
-use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::Problem;
 use crate::rotation::angle_between;
 use crate::search::{SearchConfig, SearchOutcome, SearchRequest, TimeGrid, TreeSearch};
@@ -174,12 +174,12 @@ impl LimbPlanner {
         outcome: &mut PlanOutcome,
         keep_on: impl Fn() -> bool,
     ) {
-        let (smooth, len) = (&config.smooth, problem.chain.len());
+        let smooth = &config.smooth;
         let frames_in = |seconds: f64| (seconds.max(0.0) / grid.step_s()).round().min(grid.steps as f64) as usize;
         let (path, frames, spare) = (&mut self.search.path, &mut self.frames, &mut self.spare);
         let mut smoother = Smoother { problem, grid, check: config.search.edge, checker: &mut self.checker };
         smoother.fill_frames(path, frames);
-        outcome.roughness[0] = roughness(frames, len, grid.step_s());
+        outcome.roughness[0] = roughness(frames, grid.step_s());
         smoother.straighten_path(path, &mut self.spare_path, smooth.straighten, rng, &keep_on);
         smoother.fill_frames(path, frames);
         // Easing speeds up what lies between the ends; where corners cannot be rounded there, even time is smoother.
@@ -196,12 +196,12 @@ impl LimbPlanner {
             outcome.blended = smoother.blend_ends(frames, spare, frames_in(smooth.blend_s), outcome.eased > 0.0);
             // A straight path has no corners that easing could make worse.
             let is_straight = path.len() <= 2;
-            let jerk_rms = roughness(frames, len, grid.step_s()).jerk_rms;
+            let jerk_rms = roughness(frames, grid.step_s()).jerk_rms;
             if outcome.eased == 0.0 || is_straight || jerk_rms <= outcome.roughness[0].jerk_rms {
                 break;
             }
         }
-        outcome.roughness[1] = roughness(frames, len, grid.step_s());
+        outcome.roughness[1] = roughness(frames, grid.step_s());
     }
 
     /// The motion of the last plan that was solved.
@@ -216,7 +216,7 @@ impl LimbPlanner {
     }
 }
 
-/// Poses of a linkage, frame by frame; in between, joints turn evenly along shortest arcs.
+/// Poses of a limb, frame by frame; in between, joints turn evenly along shortest arcs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimbMotion<'a> {
     /// Time of the first frame (s).
@@ -233,7 +233,7 @@ impl LimbMotion<'_> {
     pub fn distance_rad(&self, other: &Self) -> f64 {
         let pairs = || self.frames.iter().zip(other.frames);
         let differs = |i: usize| pairs().any(|(a, b)| a.0[i] != b.0[i]);
-        let joints: Vec<usize> = (0..MAX_JOINTS).filter(|i| differs(*i)).collect();
+        let joints: Vec<usize> = (0..LIMB_JOINTS).filter(|i| differs(*i)).collect();
         let sum: f64 = pairs().flat_map(|(a, b)| joints.iter().map(|i| angle_between(a.0[*i], b.0[*i]))).sum();
         sum / (joints.len() * pairs().count()).max(1) as f64
     }

@@ -40,7 +40,7 @@ impl Planners {
 }
 
 fn planner_key(problem: &Problem) -> Key {
-    (problem.chain.linkage.limb, [problem.init.time_s, problem.goal.time_s].map(f64::to_bits))
+    (problem.chain.limb, [problem.init.time_s, problem.goal.time_s].map(f64::to_bits))
 }
 
 fn lock_despite_panic<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

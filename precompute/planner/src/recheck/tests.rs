@@ -18,7 +18,7 @@ use throng_geometry::{Segment, SolidShape};
 /// A still clip of 60 frames with the arm somewhere.
 fn clip(s: &TestCharacter, arm: &LimbPose) -> Clip {
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
-    for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
+    for (i, j) in s.limb.joints().into_iter().enumerate() {
         row[j.index()] = arm.0[i].as_quat();
     }
     Clip::new("still", 30.0, vec![s.skeleton.offsets[0]; 60], row.repeat(60))
@@ -29,8 +29,8 @@ fn planned(s: &TestCharacter) -> (Clip, Clip, Vec<MovingSolid>, Problem) {
     let arm = s.pose(0.0, -0.2, 0.4);
     let before = clip(s, &arm);
     let motion = DrivenMotion::from_clip(&before, &s.skeleton, 0.0, 2.0);
-    let ends = [0.5, 1.5].map(|t| LimbState { pose: motion.limb_pose(s.linkage, t), time_s: t });
-    let spec = ProblemSpec::new(&s.skeleton, s.linkage, &s.limits, &motion, &s.shape, ends);
+    let ends = [0.5, 1.5].map(|t| LimbState { pose: motion.limb_pose(s.limb, t), time_s: t });
+    let spec = ProblemSpec::new(&s.skeleton, s.limb, &s.limits, &motion, &s.shape, ends);
     let free = Problem::new(&spec).expect("a problem");
     let hand = free.place_chain(&ends[0])[2].position;
     let keys = [(0.6, 2.0), (1.0, 0.0), (1.4, 2.0)].map(|(t, z)| (t, Rigid::from_position(hand + DVec3::Z * z)));
@@ -45,7 +45,7 @@ fn planned(s: &TestCharacter) -> (Clip, Clip, Vec<MovingSolid>, Problem) {
     let mut planner = LimbPlanner::new();
     let outcome = planner.plan(&problem, &PlanConfig::default(), &Budget::default());
     assert!(outcome.is_solved(), "{outcome:?}");
-    let after = with_motion(&before, 0.0, s.linkage, &planner.motion().expect("a motion")).expect("it fits");
+    let after = with_motion(&before, 0.0, s.limb, &planner.motion().expect("a motion")).expect("it fits");
     (before, after, solids, problem)
 }
 
@@ -75,8 +75,8 @@ fn check<'a>(
 fn a_plan_passes_and_what_is_damaged_does_not() {
     let s = TestCharacter::standing();
     let (before, after, solids, problem) = planned(&s);
-    let joints = s.linkage.limb.joints();
-    let planned: Vec<_> = (0..3).map(|i| (joints[i], problem.limits()[i])).collect();
+    let joints = s.limb.joints();
+    let planned: Vec<_> = (0..3).map(|i| (joints[i], problem.limits[i])).collect();
     let report = check(&s, [&before, &after], &solids, &planned).run();
     assert_eq!(report.violations, []);
     assert!(report.samples == 1001 && report.clearance_min_m > 0.003 && report.penetration_max_m == 0.0, "{report:?}");
@@ -106,8 +106,7 @@ fn limits_are_those_of_the_planner_by_another_way() {
     let s = TestCharacter::standing();
     let mut rng = Pcg64Mcg::seed_from_u64(5);
     for limb in crate::linkage::Limb::ALL {
-        let linkage = crate::linkage::Linkage::limb(limb);
-        let limits = s.limits.linkage_limits(linkage).expect("limits");
+        let limits = s.limits.limb_limits(limb).expect("limits");
         for _ in 0..300 {
             let v: [f64; 3] = std::array::from_fn(|_| rand::RngExt::random_range(&mut rng, -1.2..1.2));
             let q = exp(DVec3::from(v));
@@ -144,11 +143,10 @@ fn a_stick_in_the_hand_counts_and_so_does_somebody_else() {
     let s = TestCharacter::standing();
     let arm = s.pose(0.0, -0.2, 0.4);
     let before = clip(&s, &arm);
-    let planned: Vec<_> =
-        s.linkage.limb.joints().into_iter().zip(s.limits.linkage_limits(s.linkage).expect("limits")).collect();
+    let planned: Vec<_> = s.limb.joints().into_iter().zip(s.limits.limb_limits(s.limb).expect("limits")).collect();
     let hand = crate::driven::place_joints(&s.skeleton, s.skeleton.offsets[0].as_dvec3(), &{
         let mut turns = [DQuat::IDENTITY; NUM_JOINTS];
-        for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
+        for (i, j) in s.limb.joints().into_iter().enumerate() {
             turns[j.index()] = arm.0[i];
         }
         turns

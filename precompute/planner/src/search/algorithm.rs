@@ -116,9 +116,8 @@ impl TreeSearch {
         mut keep_on: impl FnMut() -> Option<SearchOutcome>,
     ) -> SearchOutcome {
         let SearchRequest { problem, config, draws, .. } = quest;
-        let limits = *problem.limits();
-        let sampler =
-            PoseSampler::new(problem.chain.linkage, limits, &problem.init.pose, config.style, config.widen_over);
+        let limits = problem.limits;
+        let sampler = PoseSampler::new(limits, &problem.init.pose, config.style, config.widen_over);
         let ik = problem.upright.map(|_| LimbIk::new(&problem.chain, &limits));
         let step = SearchContext { request: quest, problem, sampler, ik };
         let [init, goal] = [&problem.init, &problem.goal].map(|s| step.node(*s, 0));
@@ -233,7 +232,7 @@ impl SearchContext<'_> {
     fn make_upright(&self, state: LimbState) -> Option<LimbState> {
         let (Some(level), Some(ik)) = (self.problem.upright, &self.ik) else { return Some(state) };
         let base = self.problem.base_at(state.time_s);
-        let hand = self.problem.place_chain(&state)[self.problem.chain.len() - 1];
+        let hand = self.problem.place_chain(&state)[2];
         let turn = rotation_between(hand.rotation * level.up, DVec3::Y);
         let upright = Rigid { rotation: turn * hand.rotation, ..hand };
         Some(LimbState { pose: ik.solve_free(&base, &upright, &state.pose).ok()?, ..state })
@@ -266,7 +265,7 @@ impl SearchContext<'_> {
         let d = from.distance(sample, &self.request.config.weights);
         let share = if d > 0.0 { (self.request.config.epsilon_m / d).min(1.0) } else { 1.0 };
         let (own, other) = (&from.state.pose, &sample.state.pose);
-        let pose = if share < 1.0 { own.slerp(other, share, self.problem.chain.len()) } else { *other };
+        let pose = if share < 1.0 { own.slerp(other, share) } else { *other };
         let even = from.state.time_s + share * (sample.state.time_s - from.state.time_s);
         // The new state is no farther than joints turn in time, and leaves time to get to the other end.
         let least = self.problem.least_time(&from.state.pose, &pose).0;

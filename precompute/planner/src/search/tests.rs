@@ -1,7 +1,7 @@
 use super::tree::{MetricWeights, SearchNode, SearchTree};
 use super::*;
 use crate::collide::Checker;
-use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::LimbState;
 use crate::testing::{TestCharacter, stuck};
 use glam::DVec3;
@@ -26,7 +26,7 @@ fn the_nearest_node_is_that_of_brute_force() {
         for _ in 0..200 {
             let at = node(&mut rng);
             let metric = |n: &SearchNode| {
-                let apart = (0..MAX_JOINTS).map(|i| (n.ends[i] - at.ends[i]).length()).fold(0.0, f64::max);
+                let apart = (0..LIMB_JOINTS).map(|i| (n.ends[i] - at.ends[i]).length()).fold(0.0, f64::max);
                 0.3 * (n.state.time_s - at.state.time_s).abs() + apart
             };
             let before = |n: &SearchNode| {
@@ -53,7 +53,7 @@ fn trees_grow_by_free_steps_of_epsilon_forwards_and_backwards_in_time() {
     let found = search.run(quest, &mut checker, &mut Pcg64Mcg::seed_from_u64(4), || None);
     assert_eq!((found, search.draws), (SearchOutcome::NoPath, 1500));
     let apart = |a: &LimbState, b: &LimbState| {
-        let [a, b] = [a, b].map(|s| problem.chain().segment_ends(&problem.place_chain(s)));
+        let [a, b] = [a, b].map(|s| problem.chain.segment_ends(&problem.place_chain(s)));
         (0..3).map(|i| a[i].distance(b[i])).fold(0.0, f64::max)
     };
     for (k, tree) in search.trees().into_iter().enumerate() {

@@ -1,6 +1,6 @@
 //! A tree of states, with the nearest node to a state.
 
-use crate::linkage::MAX_JOINTS;
+use crate::linkage::LIMB_JOINTS;
 use crate::problem::LimbState;
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub struct MetricWeights {
 pub(crate) struct SearchNode {
     pub state: LimbState,
     /// Ends of the segments in the world (m).
-    pub ends: [DVec3; MAX_JOINTS],
+    pub ends: [DVec3; LIMB_JOINTS],
     pub parent: u32,
 }
 

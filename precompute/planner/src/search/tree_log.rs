@@ -35,8 +35,7 @@ pub struct TreeLog(Mutex<Vec<LoggedTrees>>);
 impl TreeLog {
     /// Keeps the trees of the last plan.
     pub(crate) fn keep(&self, problem: &Problem, planner: &LimbPlanner) {
-        let last = problem.chain.len() - 1;
-        let node = |n: &SearchNode| LoggedNode { tip: n.ends[last], time_s: n.state.time_s, parent: n.parent as usize };
+        let node = |n: &SearchNode| LoggedNode { tip: n.ends[2], time_s: n.state.time_s, parent: n.parent as usize };
         let trees = planner.search().nodes().map(|nodes| nodes.iter().map(node).collect());
         let window_s = [problem.init.time_s, problem.goal.time_s];
         let grown = LoggedTrees { window_s, trees, is_solved: planner.motion().is_some() };

@@ -6,7 +6,7 @@ use crate::collide::Checker;
 use crate::correct::CollisionStretch;
 use crate::driven::DrivenMotion;
 use crate::limits::JointLimits;
-use crate::linkage::{Chain, Limb, MAX_JOINTS};
+use crate::linkage::{Chain, LIMB_JOINTS, Limb};
 use crate::problem::{
     BodyPart, CollisionPair, CollisionTarget, EXTERNAL_STEP_S, LimbPart, MovingSolid, PlacedSolid, Problem, TetherTrack,
 };
@@ -53,20 +53,20 @@ impl Problem {
     pub fn prepare(spec: &ProblemSpec<'_>) -> Result<Self, ProblemError> {
         check_numbers(spec)?;
         Self::check_names(spec)?;
-        let chain = Chain::new(spec.linkage, spec.skeleton);
+        let chain = Chain::new(spec.limb, spec.skeleton);
         let mut parts = limb_parts(spec, &chain);
-        parts.extend(spec.held.iter().map(|h| limb_part(&chain, h.name.clone(), chain.len() - 1, h.core, h.radius)));
+        parts.extend(spec.held.iter().map(|h| limb_part(&chain, h.name.clone(), 2, h.core, h.radius)));
         let tether = spec.tether.map(|t| {
             let wrist = Segment::new(t.wrist, t.wrist);
-            parts.push(limb_part(&chain, "the other hand".into(), chain.len() - 1, wrist, 0.0));
+            parts.push(limb_part(&chain, "the other hand".into(), 2, wrist, 0.0));
             let name = format!("the reach from {}", t.from.name());
             let from = MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(t.from));
             TetherTrack { name, from, distances_m: t.distances_m }
         });
         parts.extend(spec.upright.map(|level| {
             let up = Segment::new(DVec3::ZERO, level.up);
-            let part = limb_part(&chain, "what is held".into(), chain.len() - 1, up, 0.0);
-            LimbPart { reach: [1.0; MAX_JOINTS], base_reach: 1.0, ..part }
+            let part = limb_part(&chain, "what is held".into(), 2, up, 0.0);
+            LimbPart { reach: [1.0; LIMB_JOINTS], base_reach: 1.0, ..part }
         }));
         let solids = spec.solids.iter().map(|solid| {
             let (middle, radius) = solid.shape.ball_around();
@@ -76,12 +76,12 @@ impl Problem {
         bodies.extend(spec.others.iter().flat_map(|o| driven_parts(Some(o.name), o.motion, o.shape, |_| true)));
         let (start_s, goal_s) = (spec.init.time_s, spec.goal.time_s);
         let steps = ((goal_s - start_s) / EXTERNAL_STEP_S).ceil() as usize + 1;
-        let present = (0..steps).map(|i| spec.motion.limb_pose(spec.linkage, start_s + i as f64 * EXTERNAL_STEP_S));
+        let present = (0..steps).map(|i| spec.motion.limb_pose(spec.limb, start_s + i as f64 * EXTERNAL_STEP_S));
         let mut problem = Self {
             number: NUMBERS.fetch_add(1, Ordering::Relaxed),
             chain,
             limits: limits_of(spec, &chain)?,
-            base: MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(spec.linkage.base())),
+            base: MotionTrack::rigid(spec.motion.clock(), spec.motion.joint_places(spec.limb.base())),
             parts,
             solids: solids.collect(),
             bodies,
@@ -155,7 +155,7 @@ impl Problem {
     fn touches_at_rest(&self, spec: &ProblemSpec<'_>, part: &LimbPart, target: CollisionTarget) -> bool {
         let CollisionTarget::Body(b) = target else { return false };
         let body = &self.bodies[b];
-        let joints = self.chain.linkage.joints();
+        let joints = self.chain.limb.joints();
         let joint = joints[part.link];
         // Clavicles have no capsules: upper arms are neighbours of the upper chest.
         let is_flesh = |j: &Joint| spec.shape.capsules.iter().any(|c| c.joint == *j);
@@ -230,10 +230,10 @@ impl Problem {
     }
 
     fn check_ends(&self) -> Result<(), ProblemError> {
-        let joints = self.chain.linkage.joints();
+        let joints = self.chain.limb.joints();
         let mut checker = Checker::default();
         for (end, state) in [("start", &self.init), ("goal", &self.goal)] {
-            for i in 0..self.chain.len() {
+            for i in 0..LIMB_JOINTS {
                 let by_rad = self.limits[i].excess(state.pose.0[i]);
                 if by_rad > AT_LIMIT {
                     return Err(ProblemError::EndOutOfLimits { end, joint: joints[i].name().into(), by_rad });
@@ -280,7 +280,7 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
     for MovingSolid { name, shape, path } in spec.solids {
         check(shape.is_valid(), format_args!("shape of `{name}`"), "finite numbers and positive sizes")?;
         let expected = "ascending times, finite places, unit rotations";
-        check(path.is_valid(from, to), format_args!("path of `{name}`"), expected)?;
+        check(path.is_valid(), format_args!("path of `{name}`"), expected)?;
     }
     let is_capsule =
         |core: &Segment, radius: f64| core.a.is_finite() && core.b.is_finite() && radius > 0.0 && radius < 10.0;
@@ -305,14 +305,14 @@ fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
     check(is_valid, format_args!("the motion"), "finite places and unit rotations")
 }
 
-fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_JOINTS], ProblemError> {
-    let joints = chain.linkage.joints();
-    let Some(mut limits) = spec.limits.linkage_limits(chain.linkage) else {
+fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; LIMB_JOINTS], ProblemError> {
+    let joints = chain.limb.joints();
+    let Some(mut limits) = spec.limits.limb_limits(chain.limb) else {
         let missing = joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
         return Err(ProblemError::NoLimits { joint: missing.unwrap_or(joints[0]).name().into() });
     };
     if spec.admit_ends {
-        for i in 0..chain.len() {
+        for i in 0..LIMB_JOINTS {
             limits[i] = limits[i].widened_to_admit(spec.init.pose.0[i]).widened_to_admit(spec.goal.pose.0[i]);
         }
     }
@@ -321,15 +321,15 @@ fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; MAX_
 
 /// Index of the joint of the chain that carries a joint of the body: its own, or the last one for ends of hands and feet.
 fn chain_link(chain: &Chain, joint: Joint) -> Option<usize> {
-    std::iter::successors(Some(joint), |j| j.parent()).find_map(|j| chain.linkage.index_of(j))
+    std::iter::successors(Some(joint), |j| j.parent()).find_map(|j| chain.limb.index_of(j))
 }
 
-/// Capsules of the body that move with the linkage.
+/// Capsules of the body that move with the limb.
 fn limb_parts(spec: &ProblemSpec<'_>, chain: &Chain) -> Vec<LimbPart> {
     let rest = spec.skeleton.rest_positions();
     let of = |c: &BodyCapsule| {
         let link = chain_link(chain, c.joint)?;
-        let carrier = chain.linkage.joints()[link];
+        let carrier = chain.limb.joints()[link];
         // Toes stay in their rest pose.
         let shift = (rest[c.joint.index()] - rest[carrier.index()]).as_dvec3();
         Some(limb_part(chain, c.joint.name().into(), link, c.core.map(|p| p + shift), c.radius))

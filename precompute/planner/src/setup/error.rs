@@ -12,7 +12,7 @@ pub enum ProblemError {
         /// Expected value.
         expected: &'static str,
     },
-    /// A joint of the linkage has no limits.
+    /// A joint of the limb has no limits.
     #[error("{joint} has no limits; add it to the limits file (data/skeletons/README.md says how)")]
     NoLimits {
         /// The joint.
@@ -40,12 +40,12 @@ pub enum ProblemError {
         /// Depth (m).
         depth_m: f64,
     },
-    /// The linkage collides at its start or goal.
+    /// The limb collides at its start or goal.
     #[error("the {end} collides: {part} is {depth_m:.3} m too near {with}; choose another, or allow them to touch")]
     EndCollides {
         /// "start" or "goal".
         end: &'static str,
-        /// Part of the linkage.
+        /// Part of the limb.
         part: String,
         /// Obstacle that it collides with.
         with: String,

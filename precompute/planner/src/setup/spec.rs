@@ -3,7 +3,7 @@
 use crate::body::BodyCapsules;
 use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
-use crate::linkage::Linkage;
+use crate::linkage::Limb;
 use crate::problem::{LimbState, MovingSolid, UprightConstraint};
 use glam::DVec3;
 use throng_base::thresholds::FLESH_GIVES_M;
@@ -29,7 +29,7 @@ pub struct OtherCharacter<'a> {
 pub struct HeldCapsule {
     /// Name in messages and allowances.
     pub name: String,
-    /// Core in the frame of the linkage's last joint (m).
+    /// Core in the frame of the limb's last joint (m).
     pub core: Segment,
     /// Radius (m, > 0).
     pub radius: f64,
@@ -51,7 +51,7 @@ pub struct AllowedContact {
 pub struct Tether {
     /// The joint from which it is reached: the other shoulder.
     pub from: Joint,
-    /// The other wrist, in the frame of the linkage's last joint (m).
+    /// The other wrist, in the frame of the limb's last joint (m).
     pub wrist: DVec3,
     /// Least and greatest distance between both (m).
     pub distances_m: [f64; 2],
@@ -63,7 +63,7 @@ pub struct ProblemSpec<'a> {
     /// Proportions of the character.
     pub skeleton: &'a Skeleton,
     /// Joints that are planned.
-    pub linkage: Linkage,
+    pub limb: Limb,
     /// Limits of angles and speeds.
     pub limits: &'a BodyLimits,
     /// Motion of all joints, the planned ones as they are before.
@@ -101,7 +101,7 @@ impl<'a> ProblemSpec<'a> {
     /// A specification with the usual clearances, in an empty world.
     pub fn new(
         skeleton: &'a Skeleton,
-        linkage: Linkage,
+        limb: Limb,
         limits: &'a BodyLimits,
         motion: &'a DrivenMotion,
         shape: &'a BodyCapsules,
@@ -109,7 +109,7 @@ impl<'a> ProblemSpec<'a> {
     ) -> Self {
         Self {
             skeleton,
-            linkage,
+            limb,
             limits,
             motion,
             shape,
@@ -135,6 +135,6 @@ impl<'a> ProblemSpec<'a> {
 
     /// The specification between the poses of the motion itself at two times (s), which limits admit.
     pub(crate) fn between_times(&self, window_s: [f64; 2]) -> Self {
-        self.between(window_s.map(|time_s| self.motion.limb_state(self.linkage, time_s)))
+        self.between(window_s.map(|time_s| self.motion.limb_state(self.limb, time_s)))
     }
 }

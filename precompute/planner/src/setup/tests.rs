@@ -16,7 +16,7 @@ fn somebody() -> (TestCharacter, [(crate::linkage::LimbPose, f64); 2]) {
 fn an_empty_world_is_no_problem() {
     let (s, ends) = somebody();
     let problem = s.problem(ends, &[]).expect("a problem");
-    assert_eq!((problem.init().time_s, problem.goal().time_s), (0.0, 1.0));
+    assert_eq!((problem.init.time_s, problem.goal.time_s), (0.0, 1.0));
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn a_driven_part_in_a_solid_is_said_before_any_search() {
 fn ends_that_collide_name_the_pair_and_how_deep() {
     let (s, ends) = somebody();
     let free = s.problem(ends, &[]).expect("a problem");
-    let hand = free.place_chain(free.goal())[2].position;
+    let hand = free.place_chain(&free.goal)[2].position;
     let ball = solid("lamp", SolidShape::ball(0.05), hand);
     let e = s.problem(ends, &[ball]).unwrap_err();
     let ProblemError::EndCollides { end, with, depth_m, .. } = &e else { panic!("{e}") };
@@ -121,7 +121,7 @@ fn allowances_name_what_there_is() {
 fn others_and_what_is_held_count() {
     let (s, ends) = somebody();
     let there = s.problem(ends, &[]).expect("a problem");
-    let hand = there.place_chain(there.init())[2];
+    let hand = there.place_chain(&there.init)[2];
     // A stick that reaches into somebody who stands two metres away, along the hand.
     let along = hand.rotation * DVec3::X;
     let mut away =

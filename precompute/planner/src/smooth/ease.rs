@@ -1,7 +1,7 @@
 //! Easing: starts and stops gently where an end is at rest; speed grows and shrinks like a bell.
 
 use super::Smoother;
-use crate::linkage::LimbPose;
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::LimbState;
 use crate::rotation::angle_between;
 
@@ -30,7 +30,7 @@ impl Smoother<'_> {
         let end = if at_goal { &problem.goal } else { &problem.init };
         let inner_s = if at_goal { end.time_s - MEASURED_S } else { end.time_s + MEASURED_S };
         let (here, inner) = (problem.external_pose_at(end.time_s), problem.external_pose_at(inner_s));
-        let mut joints = 0..problem.chain.len();
+        let mut joints = 0..LIMB_JOINTS;
         let follows = joints.clone().all(|i| angle_between(here.0[i], end.pose.0[i]) < SAME);
         let slow = joints.all(|i| angle_between(here.0[i], inner.0[i]) < AT_REST * MEASURED_S);
         PathEnd { follows, at_rest: !follows || slow }

@@ -47,7 +47,7 @@ impl Smoother<'_> {
             let f = if at_goal { last - k } else { k };
             let there = if follows { problem.external_pose_at(self.grid.time_at(f)) } else { end.pose };
             let share = smoothstep(k as f64 / length as f64);
-            spare[f] = there.slerp(&frames[f], share, problem.chain.len());
+            spare[f] = there.slerp(&frames[f], share);
         }
         let first = if at_goal { last - length } else { 0 };
         let free = (first..first + length).all(|f| self.is_edge_free(spare, f));

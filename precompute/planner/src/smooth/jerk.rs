@@ -1,6 +1,6 @@
 //! Roughness of a motion.
 
-use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::rotation::{angle_between, log};
 use glam::DVec3;
 
@@ -18,10 +18,10 @@ pub struct Roughness {
 }
 
 /// Measures poses that are `step_s` apart; only the first `num_joints` joints of each count.
-pub fn roughness(frames: &[LimbPose], num_joints: usize, step_s: f64) -> Roughness {
+pub fn roughness(frames: &[LimbPose], step_s: f64) -> Roughness {
     let mut out = Roughness::default();
     let (mut jerks, mut sum) = (0u32, 0.0);
-    for i in 0..num_joints.min(MAX_JOINTS) {
+    for i in 0..LIMB_JOINTS {
         let velocity = |f: usize| log(frames[f + 1].0[i] * frames[f].0[i].inverse()) / step_s;
         let acceleration = |f: usize| (velocity(f + 1) - velocity(f)) / step_s;
         for f in 0..frames.len().saturating_sub(1) {

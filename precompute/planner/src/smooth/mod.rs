@@ -50,7 +50,7 @@ impl Smoother<'_> {
             return LimbState { pose: path[next.saturating_sub(1)].pose, time_s };
         };
         let share = (time_s - from.time_s) / (to.time_s - from.time_s);
-        LimbState { pose: from.pose.slerp(&to.pose, share, self.problem.chain.len()), time_s }
+        LimbState { pose: from.pose.slerp(&to.pose, share), time_s }
     }
 
     /// Poses of all frames of a path.

@@ -1,7 +1,7 @@
 //! Rounds corners: every frame becomes a mean of those around it, over as wide a window as keeps the motion free.
 
 use super::Smoother;
-use crate::linkage::{LimbPose, MAX_JOINTS};
+use crate::linkage::{LIMB_JOINTS, LimbPose};
 use glam::DQuat;
 
 /// Number of frames to either side over which a frame becomes a mean.
@@ -81,20 +81,17 @@ impl Smoother<'_> {
 
     /// Mean rotations of the frames around a frame, weighted less with distance.
     fn mean_pose(&self, frames: &[LimbPose], f: usize, window: usize) -> LimbPose {
-        let mut pose = frames[f];
         if window == 0 {
-            return pose;
+            return frames[f];
         }
-        let mut sums = [DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0); MAX_JOINTS];
+        let mut sums = [DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0); LIMB_JOINTS];
         for k in f - window..=f + window {
             let weight = (window + 1 - f.abs_diff(k)) as f64;
-            for i in 0..self.problem.chain.len() {
-                let q = frames[k].0[i];
+            for (i, q) in frames[k].0.into_iter().enumerate() {
                 let near = if q.dot(frames[f].0[i]) < 0.0 { -q } else { q };
                 sums[i] += near * weight;
             }
         }
-        (0..self.problem.chain.len()).for_each(|i| pose.0[i] = sums[i].normalize());
-        pose
+        LimbPose(sums.map(DQuat::normalize))
     }
 }

@@ -1,6 +1,7 @@
 //! Straightens a path between any two points of it.
 
 use super::Smoother;
+use crate::linkage::LIMB_JOINTS;
 use crate::problem::LimbState;
 use crate::rotation::angle_between;
 use rand::RngExt;
@@ -54,6 +55,6 @@ impl Smoother<'_> {
 
     /// Sum of the turns of all joints (rad).
     fn total_turn(&self, from: &LimbState, to: &LimbState) -> f64 {
-        (0..self.problem.chain.len()).map(|i| angle_between(from.pose.0[i], to.pose.0[i])).sum()
+        (0..LIMB_JOINTS).map(|i| angle_between(from.pose.0[i], to.pose.0[i])).sum()
     }
 }

@@ -1,6 +1,5 @@
 use super::*;
 use crate::driven::DrivenMotion;
-use crate::linkage::Linkage;
 use crate::planner::{Budget, LimbPlanner, PlanConfig};
 use crate::rotation::{angle_between, rotation_about};
 use crate::setup::ProblemSpec;
@@ -17,7 +16,7 @@ fn roughness_of_an_even_turn_is_its_speed() {
             p
         })
         .collect();
-    let r = roughness(&frames, 3, 0.05);
+    let r = roughness(&frames, 0.05);
     assert!((r.length_rad - 1.9).abs() < 1e-9 && (r.speed_max - 2.0).abs() < 1e-9);
     assert!(r.acceleration_max < 1e-6 && r.jerk_rms < 1e-4);
 }
@@ -36,12 +35,12 @@ fn ends_have_the_velocity_of_the_motion_around_them() {
         (root, turns)
     };
     let motion = DrivenMotion::from_function(0.0, 1.0 / 120.0, 181, &s.skeleton, swinging);
-    let linkage: Linkage = s.linkage;
-    let ends = [0.0, 1.0].map(|t| (motion.limb_pose(linkage, t), t));
+    let limb = s.limb;
+    let ends = [0.0, 1.0].map(|t| (motion.limb_pose(limb, t), t));
     let states = ends.map(|(pose, time_s)| crate::problem::LimbState { pose, time_s });
-    let spec = ProblemSpec::new(&s.skeleton, linkage, &s.limits, &motion, &s.shape, states);
+    let spec = ProblemSpec::new(&s.skeleton, limb, &s.limits, &motion, &s.shape, states);
     // Something in the way, so that there is a way with corners.
-    let middle = motion.limb_pose(linkage, 0.5);
+    let middle = motion.limb_pose(limb, 0.5);
     let free = Problem::new(&spec).expect("a problem");
     let hand = free.place_chain(&crate::problem::LimbState { pose: middle, time_s: 0.5 })[2].position;
     let solids = [crate::testing::solid("lamp", throng_geometry::SolidShape::ball(0.06), hand)];
@@ -55,7 +54,7 @@ fn ends_have_the_velocity_of_the_motion_around_them() {
         let last = m.frames.len() - 1;
         for (a, b) in [(0, 1), (last - 1, last)] {
             let at = |f: usize| m.start_s + f as f64 * m.step_s;
-            let [from, to] = [at(a), at(b)].map(|t| motion.limb_pose(linkage, t).0[0]);
+            let [from, to] = [at(a), at(b)].map(|t| motion.limb_pose(limb, t).0[0]);
             let own = angle_between(m.frames[a].0[0], m.frames[b].0[0]) / m.step_s;
             let clip = angle_between(from, to) / m.step_s;
             assert!((own - clip).abs() < 0.05 * clip, "seed {seed}: {own} {clip}");
@@ -71,12 +70,12 @@ fn rounding_spreads_a_jump_of_velocity_over_its_window() {
     let mut checker = Checker::default();
     let mut smoother = Smoother { problem: &problem, grid, check: EdgeCheck::Conservative, checker: &mut checker };
     let corner = LimbState { pose: s.pose(0.0, -0.4, 0.5), time_s: 0.5 };
-    let path = [*problem.init(), corner, *problem.goal()];
+    let path = [problem.init, corner, problem.goal];
     let (mut frames, mut out, mut windows) = (Vec::new(), Vec::new(), Vec::new());
     smoother.fill_frames(&path, &mut frames);
-    let before = roughness(&frames, 3, grid.step_s());
+    let before = roughness(&frames, grid.step_s());
     smoother.round_corners(&frames, 12, &mut out, &mut windows);
-    let after = roughness(&out, 3, grid.step_s());
+    let after = roughness(&out, grid.step_s());
     // 1.6 rad/s to and fro: a jump of 3.2 rad/s, spread over thirteen frames, less evenly where windows still grow.
     assert!((before.acceleration_max - 3.2 * 60.0).abs() < 1.0, "{before:?}");
     assert!(after.acceleration_max < 3.2 * 60.0 / 8.0, "{after:?}");

@@ -10,8 +10,8 @@ use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, first_success
 use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::ik::LimbIk;
-use crate::linkage::{Limb, LimbPose, Linkage};
-use crate::manipulate::{ReachError, misfit_error, plan_into_clip};
+use crate::linkage::{Limb, LimbPose};
+use crate::manipulate::{ReachError, plan_into_clip};
 use crate::planner::{LimbMotion, LimbPlanner, PlanOutcome};
 use crate::problem::{LimbState, Problem};
 use crate::refuse;
@@ -218,7 +218,7 @@ fn hold_pose(stage: &mut TaskStage<'_>, pair: HandPair, [at_s, until_s]: [f64; 2
     if frames == 0 {
         return Ok(());
     }
-    let pose = actor.motion.limb_pose(Linkage::limb(lead), at_s);
+    let pose = actor.motion.limb_pose(lead, at_s);
     let kept = vec![pose; frames + 1];
     stage.write_frames(who, lead, [at_s, until_s], &kept)?;
     let around = exclude_arm(stage.surroundings_of_limb(who, lead, [at_s, until_s]), second.limb);
@@ -246,12 +246,12 @@ pub(super) fn held_until_s(stage: &TaskStage<'_>, step: &TaskStep, object: usize
 /// Constraint of the second hand: its shoulder, its grip and its reach.
 fn pair_tether(stage: &TaskStage<'_>, pair: HandPair) -> Tether {
     let actor = &stage.actors[pair.who];
-    let linkage = Linkage::limb(pair.second.limb);
-    let chain = crate::linkage::Chain::new(linkage, &actor.skeleton);
-    let limits = actor.limits.linkage_limits(linkage);
+    let SecondHand { limb, grip } = pair.second;
+    let chain = crate::linkage::Chain::new(limb, &actor.skeleton);
+    let limits = actor.limits.limb_limits(limb);
     let [nearest, farthest] = limits.map_or([0.0, f64::MAX], |l| LimbIk::new(&chain, &l).reach_distances());
     let distances_m = [nearest, farthest - SPARE_M];
-    Tether { from: pair.second.limb.joints()[0], wrist: pair.second.grip.position, distances_m }
+    Tether { from: limb.joints()[0], wrist: grip.position, distances_m }
 }
 
 /// Allows contacts of both hands and of what they hold from now on.
@@ -324,7 +324,7 @@ impl TaskStage<'_> {
             StepFailure::new(format!("{} cannot follow the other hand at {t:.2} s: {why}", limb.words()))
         };
         let followed = HandPath { problem: &problem, targets: &targets, start_s, rate_hz };
-        let poses = followed.poses(&problem.init().pose).map_err(cannot)?;
+        let poses = followed.poses(&problem.init.pose).map_err(cannot)?;
         let (off_m, t) = followed.largest_offset(&poses, target);
         if off_m > most_off_m {
             return Err(cannot((t, format!("it would be off by {off_m:.4} m between frames"))));
@@ -336,7 +336,7 @@ impl TaskStage<'_> {
     fn write_frames(&mut self, who: usize, limb: Limb, window_s: [f64; 2], frames: &[LimbPose]) -> Attempt<()> {
         let clip = &self.actors[who].clip;
         let motion = LimbMotion { start_s: window_s[0], step_s: 1.0 / clip.rate_hz, frames };
-        let clip = with_motion(clip, 0.0, Linkage::limb(limb), &motion).map_err(misfit_error)?;
+        let clip = with_motion(clip, 0.0, limb, &motion)?;
         self.actors[who].replace_clip(clip);
         self.record_planned(who, limb, window_s);
         Ok(())

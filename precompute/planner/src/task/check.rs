@@ -4,7 +4,6 @@ use super::stage::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, Trun
 use super::{gaze, lean};
 use crate::balance::distance_off_feet;
 use crate::limits::JointLimits;
-use crate::linkage::Linkage;
 use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, limit_excess, place_at};
 use crate::rotation::{Rigid, angle_between};
 use crate::setup::{AllowedContact, SELF_PRESS_M};
@@ -77,8 +76,8 @@ fn pieces(stage: &TaskStage<'_>, who: usize) -> Vec<PlannedLimb> {
 }
 
 fn recheck_piece<'s>(stage: &'s TaskStage<'_>, who: usize, piece: &PlannedLimb, report: &mut RecheckReport) {
-    let (actor, linkage) = (&stage.actors[who], Linkage::limb(piece.limb));
-    let Some(limits) = actor.limits.linkage_limits(linkage) else { return };
+    let (actor, limb) = (&stage.actors[who], piece.limb);
+    let Some(limits) = actor.limits.limb_limits(limb) else { return };
     // Poses of the clip at the ends of any plan of the limb are admitted.
     let ends = stage.planned_limbs.iter().filter(|p| p.character == who && p.limb == piece.limb).flat_map(|p| p.ends);
     let admitted = |i: usize| ends.clone().fold(limits[i], |l: JointLimits, end| l.widened_to_admit(end.0[i]));

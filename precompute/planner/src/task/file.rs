@@ -300,7 +300,7 @@ impl ThingEntry {
             (None, false) => ThingStart::Path(Motion::from_keys(&keys)),
             (None, true) => ThingStart::Path(Motion::Still(here)),
         };
-        let ascends = if let ThingStart::Path(path) = &start { path.is_valid(0.0, 0.0) } else { true };
+        let ascends = if let ThingStart::Path(path) = &start { path.is_valid() } else { true };
         let is_valid = ascends && is_within_scene(&here) && keys.iter().all(|(_, at)| is_within_scene(at));
         refuse(!is_valid, format_args!("expected finite places within {MOST_M} m, and keys whose times ascend"))?;
         Ok(TaskThing { name: self.name.clone(), shapes, start, is_object })

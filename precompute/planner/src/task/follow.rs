@@ -41,8 +41,8 @@ impl HandPath<'_> {
     /// # Errors
     /// Time at which the elbow as near as possible to the frame before cannot go on, and the reason.
     pub fn poses(&self, first: &LimbPose) -> Result<Vec<LimbPose>, FollowError> {
-        let (mut checker, limits) = (Checker::default(), self.problem.limits());
-        let ik = LimbIk::new(self.problem.chain(), limits);
+        let (mut checker, limits) = (Checker::default(), &self.problem.limits);
+        let ik = LimbIk::new(&self.problem.chain, limits);
         let near = self.nearest_swivel_poses(first, &mut checker);
         let swivel = |k: usize, pose: &LimbPose| ik.swivel_of(&self.base(k), &self.targets[k], pose);
         let leaps = |poses: &[LimbPose]| {
@@ -59,11 +59,10 @@ impl HandPath<'_> {
     ///
     /// - `target`: transform that the hand should have.
     pub fn largest_offset(&self, poses: &[LimbPose], target: impl Fn(f64) -> Rigid) -> (f64, f64) {
-        let last = self.problem.chain().len() - 1;
         let off = |k: usize| {
             let time_s = self.start_s + (k as f64 + 0.5) / self.rate_hz;
             let pose = LimbPose(std::array::from_fn(|i| mid_rotation(poses[k].0[i], poses[k + 1].0[i])));
-            let hand = self.problem.place_chain(&LimbState { pose, time_s })[last];
+            let hand = self.problem.place_chain(&LimbState { pose, time_s })[2];
             (hand.position.distance(target(time_s).position), time_s)
         };
         (1..poses.len()).map(|k| off(k - 1)).fold((0.0, self.start_s), |a, b| if b.0 > a.0 { b } else { a })
@@ -87,7 +86,7 @@ impl HandPath<'_> {
     fn searched_swivel_poses(&self, first: &LimbPose, ik: &LimbIk, checker: &mut Checker) -> Option<Vec<LimbPose>> {
         let step = TAU / SWIVELS as f64;
         let mut at = |k: usize, swivel: f64| {
-            let pose = ik.solve_at_swivel(&self.base(k), &self.targets[k], first, swivel)?;
+            let pose = ik.solve_at_swivel(&self.base(k), &self.targets[k], swivel)?;
             checker.deepest_hit(self.problem, &self.state(k, pose)).is_none().then_some(pose)
         };
         let start = ik.swivel_of(&self.base(0), &self.targets[0], first)?;

@@ -2,7 +2,7 @@
 
 use super::stage::{SecondHand, StageActor, ThingPlacement, hand_joint, palm};
 use super::step::ObjectGrip;
-use crate::linkage::{Chain, Limb, LimbPose, MAX_JOINTS};
+use crate::linkage::{Chain, LIMB_JOINTS, Limb, LimbPose};
 use crate::rotation::{Rigid, angle_between, rotation_about, rotation_between};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -45,11 +45,11 @@ impl StageActor {
 
 /// Measure of how unnatural a pose of an arm is: the bend of the wrist (rad), and the height of the elbow above the middle
 /// between shoulder and hand, weighted so that a hand's breadth counts as half a radian.
-pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; MAX_JOINTS], pose: &LimbPose) -> f64 {
-    if !chain.linkage.limb.is_arm() {
+pub(super) fn awkwardness(chain: &Chain, placed: &[Rigid; LIMB_JOINTS], pose: &LimbPose) -> f64 {
+    if !chain.limb.is_arm() {
         return 0.0;
     }
-    let [shoulder, elbow, wrist, _] = placed.map(|p| p.position.y);
+    let [shoulder, elbow, wrist] = placed.map(|p| p.position.y);
     angle_between(pose.0[2], DQuat::IDENTITY) + 5.0 * (elbow - 0.5 * (shoulder + wrist))
 }
 

@@ -8,7 +8,7 @@ use crate::balance::centre_of_mass;
 use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};
 use crate::limits::BodyLimits;
-use crate::linkage::{Chain, Limb, LimbPose, Linkage};
+use crate::linkage::{Chain, Limb, LimbPose};
 use crate::refuse;
 use crate::rotation::{Rigid, angle_between, rotation_about};
 use crate::smooth::smoothstep;
@@ -118,12 +118,11 @@ impl BendingTrunk<'_> {
     /// Moves the legs so that feet stay where they were.
     fn place_feet(&self, (root, mut turns): RootPose, before: &[Rigid; NUM_JOINTS]) -> Option<RootPose> {
         for limb in [Limb::LeftLeg, Limb::RightLeg] {
-            let (linkage, joints) = (Linkage::limb(limb), limb.joints());
-            let limits = self.limits.linkage_limits(linkage)?;
-            let mut present = LimbPose::REST;
-            (0..3).for_each(|i| present.0[i] = turns[joints[i].index()]);
+            let joints = limb.joints();
+            let limits = self.limits.limb_limits(limb)?;
+            let present = LimbPose(joints.map(|j| turns[j.index()]));
             let admitted = std::array::from_fn(|i| limits[i].widened_to_admit(present.0[i]));
-            let ik = LimbIk::new(&Chain::new(linkage, self.skeleton), &admitted);
+            let ik = LimbIk::new(&Chain::new(limb, self.skeleton), &admitted);
             let base = Rigid { position: root, rotation: turns[0] };
             let pose = ik.solve(&base, &before[joints[2].index()], &present, Swivel::Present, |_| None::<()>).ok()?;
             (0..3).for_each(|i| turns[joints[i].index()] = pose.0[i]);

@@ -143,7 +143,7 @@ fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) 
     let poses: Vec<LimbPose> = all.into_iter().flatten().collect();
     out.reached = Some([poses.len(), hands]);
     out.given_s = Some([at_s - from_s, to_s - at_s - step.hold_s]);
-    let ends = [problem.init().pose, problem.goal().pose];
+    let ends = [problem.init.pose, problem.goal.pose];
     let needs = poses.iter().map(|p| ends.map(|end| problem.least_time(&end, p)));
     let leans = stage.task.lean && step.limb.is_arm();
     let soonest = needs.min_by(|a, b| (a[0].0 + a[1].0).total_cmp(&(b[0].0 + b[1].0)));
@@ -166,7 +166,7 @@ fn preview_visit(stage: &TaskStage<'_>, step: &TaskStep, out: &mut StepPreview) 
     }
     // Part and obstacle of collisions of the clip's poses at both ends.
     let mut checker = Checker::default();
-    let hits = [problem.init(), problem.goal()].map(|state| checker.deepest_hit(&problem, state));
+    let hits = [&problem.init, &problem.goal].map(|state| checker.deepest_hit(&problem, state));
     let mut deep: Vec<[String; 2]> = hits.iter().flatten().map(|hit| problem.hit_names(hit)).collect();
     deep.dedup();
     for [part, with] in deep {

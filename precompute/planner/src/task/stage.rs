@@ -8,7 +8,7 @@ use crate::body::BodyCapsules;
 use crate::correct::{CollisionStretch, CorrectConfig, find_collisions};
 use crate::driven::DrivenMotion;
 use crate::limits::BodyLimits;
-use crate::linkage::{Limb, LimbPose, Linkage};
+use crate::linkage::{Limb, LimbPose};
 use crate::problem::{EXTERNAL_STEP_S, MovingSolid, Problem};
 use crate::rotation::{Rigid, rotation_about};
 use crate::setup::{AllowedContact, HeldCapsule, OtherCharacter, ProblemError, ProblemSpec, UprightConstraint};
@@ -216,9 +216,8 @@ impl StageActor {
 
     /// Specification of a limb over the whole clip, in an empty world.
     fn limb_spec(&self, limb: Limb) -> ProblemSpec<'_> {
-        let linkage = Linkage::limb(limb);
-        let ends = [0.0, self.end_s()].map(|time_s| self.motion.limb_state(linkage, time_s));
-        ProblemSpec::new(&self.skeleton, linkage, &self.limits, &self.motion, &self.shape, ends)
+        let ends = [0.0, self.end_s()].map(|time_s| self.motion.limb_state(limb, time_s));
+        ProblemSpec::new(&self.skeleton, limb, &self.limits, &self.motion, &self.shape, ends)
     }
 
     /// Replaces the clip.
@@ -471,7 +470,7 @@ impl<'a> TaskStage<'a> {
     /// Records that a limb was planned.
     pub fn record_planned(&mut self, character: usize, limb: Limb, window_s: [f64; 2]) {
         let motion = &self.actors[character].motion;
-        let ends = window_s.map(|t| motion.limb_pose(Linkage::limb(limb), t));
+        let ends = window_s.map(|t| motion.limb_pose(limb, t));
         self.planned_limbs.push(PlannedLimb { character, limb, window_s, ends });
     }
 }

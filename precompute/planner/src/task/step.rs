@@ -3,7 +3,7 @@
 use super::entries::{GripEntry, PlaceEntry, SecondEntry, StyleEntry, TaskAction, TaskEntry};
 use super::file::{MOST_M, MOST_S, TaskCharacter, TaskThing, is_within_scene, joint_of, not_many, rigid_of_entry};
 use crate::limits::{AngleInterval, Style};
-use crate::linkage::{Limb, Linkage};
+use crate::linkage::Limb;
 use crate::refuse;
 use crate::rotation::Rigid;
 use glam::DVec3;
@@ -243,11 +243,11 @@ fn second(t: &TaskEntry, second: &SecondEntry, character: usize, walks: bool) ->
 }
 
 fn style(entries: &BTreeMap<String, StyleEntry>, limb: Limb) -> Result<Style, String> {
-    let (mut out, linkage) = (Style::default(), Linkage::limb(limb));
+    let mut out = Style::default();
     for (name, s) in entries {
         let joints = limb.joints().map(Joint::name);
         let i = Joint::from_name(name)
-            .and_then(|j| linkage.index_of(j))
+            .and_then(|j| limb.index_of(j))
             .ok_or_else(|| format!("style: `{}` has no joint `{name}`; it has {}", limb.name(), joints.join(", ")))?;
         let radians = |[from, to]: [f64; 2]| {
             let is_range = from.is_finite() && to.is_finite() && from <= to;

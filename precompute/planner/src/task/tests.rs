@@ -57,7 +57,7 @@ pub fn parse(text: &str) -> Result<Task, String> {
 pub fn stand(s: &TestCharacter) -> Clip {
     let arm = s.pose(0.0, -0.7, 0.6);
     let mut row = vec![Quat::IDENTITY; NUM_JOINTS];
-    for (i, j) in s.linkage.limb.joints().into_iter().enumerate() {
+    for (i, j) in s.limb.joints().into_iter().enumerate() {
         row[j.index()] = arm.0[i].as_quat();
     }
     Clip::new("stand", 30.0, vec![s.skeleton.offsets[0]; 151], row.repeat(151))

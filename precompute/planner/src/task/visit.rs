@@ -130,7 +130,7 @@ pub(super) fn reachable_goals(
     let reached = hands.iter().zip(poses).filter_map(|(goal, pose)| Some((pose?, *goal)));
     let rated = reached.map(|(pose, goal)| {
         let placed = problem.place_chain(&LimbState { pose, time_s: at_s });
-        (awkwardness(problem.chain(), &placed, &pose), goal)
+        (awkwardness(&problem.chain, &placed, &pose), goal)
     });
     let mut out: Vec<(f64, HandTarget)> = rated.collect();
     if let (true, Some(why)) = (out.is_empty(), nearest) {

@@ -3,7 +3,7 @@
 use crate::body::BodyCapsules;
 use crate::driven::DrivenMotion;
 use crate::limits::{BodyLimits, Coordinates, PoseSampler, Style};
-use crate::linkage::{Limb, LimbPose, Linkage};
+use crate::linkage::{Limb, LimbPose};
 use crate::problem::{LimbState, MovingSolid, Problem};
 use crate::rotation::Rigid;
 use crate::setup::{ProblemError, ProblemSpec};
@@ -19,7 +19,7 @@ pub struct TestCharacter {
     pub limits: BodyLimits,
     pub motion: DrivenMotion,
     pub shape: BodyCapsules,
-    pub linkage: Linkage,
+    pub limb: Limb,
 }
 
 impl TestCharacter {
@@ -31,13 +31,13 @@ impl TestCharacter {
             shape: BodyCapsules::fitted(&skeleton),
             motion,
             skeleton,
-            linkage: Linkage::limb(Limb::LeftArm),
+            limb: Limb::LeftArm,
         }
     }
 
     /// Arm pose: shoulder by its swing, elbow by its flexion (rad).
     pub fn pose(&self, across: f64, up: f64, flexion: f64) -> LimbPose {
-        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
+        let limits = self.limits.limb_limits(self.limb).expect("limits");
         let mut pose = LimbPose::REST;
         pose.0[0] = limits[0].rotation(Coordinates { swing: [across, up], twist: 0.0 });
         pose.0[1] = limits[1].rotation(Coordinates { swing: [flexion, 0.0], twist: 0.0 });
@@ -45,13 +45,13 @@ impl TestCharacter {
     }
 
     pub fn any_pose(&self, rng: &mut Pcg64Mcg) -> LimbPose {
-        let limits = self.limits.linkage_limits(self.linkage).expect("limits");
-        PoseSampler::new(self.linkage, limits, &LimbPose::REST, Style::default(), 1).draw_pose(rng, 1)
+        let limits = self.limits.limb_limits(self.limb).expect("limits");
+        PoseSampler::new(limits, &LimbPose::REST, Style::default(), 1).draw_pose(rng, 1)
     }
 
     pub fn spec(&self, ends: [(LimbPose, f64); 2]) -> ProblemSpec<'_> {
         let ends = ends.map(|(pose, time_s)| LimbState { pose, time_s });
-        ProblemSpec::new(&self.skeleton, self.linkage, &self.limits, &self.motion, &self.shape, ends)
+        ProblemSpec::new(&self.skeleton, self.limb, &self.limits, &self.motion, &self.shape, ends)
     }
 
     pub fn problem(&self, ends: [(LimbPose, f64); 2], solids: &[MovingSolid]) -> Result<Problem, ProblemError> {
