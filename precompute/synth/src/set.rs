@@ -33,14 +33,7 @@ impl SynthSet {
 
     /// Name on the command line, in configs and in clips.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Walk => "walk",
-            Self::Boxing => "boxing",
-            Self::Office => "office",
-            Self::Playground => "playground",
-            Self::Locomotion => "locomotion",
-            Self::People => "people",
-        }
+        ["walk", "boxing", "office", "playground", "locomotion", "people"][self as usize]
     }
 
     /// Set with a given name.

@@ -108,18 +108,19 @@ impl Defence {
 
     /// The tag of the defence in a clip.
     pub fn tag(self) -> &'static str {
-        match self {
-            Self::SlipLeft => "slip_left",
-            Self::SlipRight => "slip_right",
-            Self::Duck => "duck",
-            Self::RollLeft => "roll_left",
-            Self::RollRight => "roll_right",
-            Self::PullBack => "pull_back",
-            Self::Block => "block",
-            Self::CoverLeft => "cover_left",
-            Self::CoverRight => "cover_right",
-            Self::Parry => "parry_right",
-        }
+        const TAGS: [&str; 10] = [
+            "slip_left",
+            "slip_right",
+            "duck",
+            "roll_left",
+            "roll_right",
+            "pull_back",
+            "block",
+            "cover_left",
+            "cover_right",
+            "parry_right",
+        ];
+        TAGS[self as usize]
     }
 }
 

@@ -53,116 +53,81 @@ pub fn technique_of(blow: HandPunch) -> Technique {
     }
 }
 
-const JAB: Technique = Technique {
-    load: None,
-    strike: BoxingPosture {
-        hips: -0.64,
-        chest: -0.86,
-        pitch: 0.22,
-        weight: 0.57,
-        flexion: 0.52,
-        heels: [0.0, 0.34],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(0.65, -1.0, 0.1), twist: 1.15, reach: 0.5, shrug: 0.22, ..LEAD_HAND },
-    extend: 0.17,
-    retract: 0.27,
-    stretch: 0.72,
-    along: DVec3::Z,
-    speed: 5.8,
-    follow: 0.21,
-};
-const CROSS: Technique = Technique {
-    strike: BoxingPosture {
-        hips: 0.2,
-        chest: 0.5,
-        pitch: 0.25,
-        list: -0.07,
-        weight: 0.68,
-        flexion: 0.52,
-        heels: [0.0, 0.72],
-        pivots: [0.0, 0.72],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(-0.7, -1.0, 0.1), twist: 1.1, reach: 0.5, shrug: 0.22, ..REAR_HAND },
-    extend: 0.18,
-    retract: 0.31,
-    stretch: 0.71,
-    speed: 6.6,
-    follow: 0.24,
-    ..JAB
-};
+/// Posture of a blow: hips, chest, pitch, list, flexion and weight; heels and pivots, left and right.
+const fn posture(
+    [hips, chest, pitch, list, flexion, weight]: [f64; 6],
+    heels: [f64; 2],
+    pivots: [f64; 2],
+) -> BoxingPosture {
+    BoxingPosture { hips, chest, pitch, list, flexion, weight, heels, pivots, ..GUARD }
+}
+
+/// Arm of a blow: its elbow's direction; twist, reach and shrug.
+const fn arm(hand: BoxingHandPose, pole: [f64; 3], [twist, reach, shrug]: [f64; 3]) -> BoxingHandPose {
+    BoxingHandPose { pole: DVec3::from_array(pole), twist, reach, shrug, ..hand }
+}
+
+/// A technique without load. The numbers are extend, retract, stretch, speed and follow.
+const fn technique(
+    strike: BoxingPosture,
+    arm: BoxingHandPose,
+    along: DVec3,
+    [extend, retract, stretch, speed, follow]: [f64; 5],
+) -> Technique {
+    Technique { load: None, strike, arm, extend, retract, stretch, along, speed, follow }
+}
+
+const JAB: Technique = technique(
+    posture([-0.64, -0.86, 0.22, 0.0, 0.52, 0.57], [0.0, 0.34], [0.0; 2]),
+    arm(LEAD_HAND, [0.65, -1.0, 0.1], [1.15, 0.5, 0.22]),
+    DVec3::Z,
+    [0.17, 0.27, 0.72, 5.8, 0.21],
+);
+const CROSS: Technique = technique(
+    posture([0.2, 0.5, 0.25, -0.07, 0.52, 0.68], [0.0, 0.72], [0.0, 0.72]),
+    arm(REAR_HAND, [-0.7, -1.0, 0.1], [1.1, 0.5, 0.22]),
+    DVec3::Z,
+    [0.18, 0.31, 0.71, 6.6, 0.24],
+);
+const HOOK: [f64; 5] = [0.22, 0.34, 0.72, 6.7, 0.19];
+const ACROSS: DVec3 = DVec3::new(0.82, 0.04, 0.55);
 const LEAD_HOOK: Technique = Technique {
     load: Some((0.2, BoxingPosture { hips: -0.36, chest: -0.12, list: -0.07, weight: 0.6, flexion: 0.66, ..GUARD })),
-    strike: BoxingPosture {
-        hips: -0.95,
-        chest: -1.0,
-        list: 0.05,
-        weight: 0.43,
-        flexion: 0.54,
-        heels: [0.42, 0.12],
-        pivots: [-0.6, 0.0],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(1.0, 0.12, -0.35), twist: 0.1, reach: 0.42, shrug: 0.3, ..LEAD_HAND },
-    extend: 0.22,
-    retract: 0.34,
-    stretch: 0.72,
-    along: DVec3::new(0.82, 0.04, 0.55),
-    speed: 6.7,
-    follow: 0.19,
+    ..technique(
+        posture([-0.95, -1.0, 0.17, 0.05, 0.54, 0.43], [0.42, 0.12], [-0.6, 0.0]),
+        arm(LEAD_HAND, [1.0, 0.12, -0.35], [0.1, 0.42, 0.3]),
+        ACROSS,
+        HOOK,
+    )
 };
 const REAR_HOOK: Technique = Technique {
     load: Some((0.2, BoxingPosture { hips: -0.6, chest: -0.66, list: 0.06, weight: 0.42, flexion: 0.62, ..GUARD })),
-    strike: BoxingPosture {
-        hips: 0.28,
-        chest: 0.66,
-        list: -0.05,
-        pitch: 0.22,
-        weight: 0.66,
-        flexion: 0.54,
-        heels: [0.0, 0.7],
-        pivots: [0.0, 0.75],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(-1.0, 0.12, -0.35), guard: REAR_HAND.guard, ..LEAD_HOOK.arm },
-    ..LEAD_HOOK
+    ..technique(
+        posture([0.28, 0.66, 0.22, -0.05, 0.54, 0.66], [0.0, 0.7], [0.0, 0.75]),
+        arm(REAR_HAND, [-1.0, 0.12, -0.35], [0.1, 0.42, 0.3]),
+        ACROSS,
+        HOOK,
+    )
 };
+const UPPERCUT: [f64; 5] = [0.25, 0.34, 0.56, 6.0, 0.12];
+const UPWARDS: DVec3 = DVec3::new(0.05, 0.86, 0.5);
 const LEAD_UPPERCUT: Technique = Technique {
     load: Some((0.2, BoxingPosture { hips: -0.36, chest: -0.2, list: -0.16, weight: 0.58, ..CROUCHED })),
-    strike: BoxingPosture {
-        hips: -0.78,
-        chest: -0.74,
-        pitch: 0.1,
-        flexion: 0.4,
-        weight: 0.5,
-        heels: [0.3, 0.3],
-        pivots: [-0.35, 0.0],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(0.25, -1.0, -0.35), twist: -1.1, reach: 0.42, shrug: 0.12, ..LEAD_HAND },
-    extend: 0.25,
-    retract: 0.34,
-    stretch: 0.56,
-    along: DVec3::new(0.05, 0.86, 0.5),
-    speed: 6.0,
-    follow: 0.12,
+    ..technique(
+        posture([-0.78, -0.74, 0.1, 0.0, 0.4, 0.5], [0.3, 0.3], [-0.35, 0.0]),
+        arm(LEAD_HAND, [0.25, -1.0, -0.35], [-1.1, 0.42, 0.12]),
+        UPWARDS,
+        UPPERCUT,
+    )
 };
 const REAR_UPPERCUT: Technique = Technique {
     load: Some((0.2, BoxingPosture { hips: -0.6, chest: -0.64, list: 0.17, weight: 0.44, ..CROUCHED })),
-    strike: BoxingPosture {
-        hips: 0.14,
-        chest: 0.42,
-        pitch: 0.12,
-        list: -0.03,
-        flexion: 0.4,
-        weight: 0.66,
-        heels: [0.0, 0.68],
-        pivots: [0.0, 0.6],
-        ..GUARD
-    },
-    arm: BoxingHandPose { pole: DVec3::new(-0.3, -1.0, -0.35), guard: REAR_HAND.guard, ..LEAD_UPPERCUT.arm },
-    ..LEAD_UPPERCUT
+    ..technique(
+        posture([0.14, 0.42, 0.12, -0.03, 0.4, 0.66], [0.0, 0.68], [0.0, 0.6]),
+        arm(REAR_HAND, [-0.3, -1.0, -0.35], [-1.1, 0.42, 0.12]),
+        UPWARDS,
+        UPPERCUT,
+    )
 };
 
 /// One moment of a defence.
@@ -179,14 +144,8 @@ pub struct DefenceMoment {
 /// Moments of a defence. The last one is held for a moment before the guard comes back.
 pub fn defend(defence: Defence) -> Vec<DefenceMoment> {
     let on_guard = |time: f64, body: BoxingPosture| DefenceMoment { time, body, hands: BoxingHandPose::GUARD };
-    let lean = |list: f64, hips: f64, chest: f64, weight: f64| BoxingPosture {
-        list,
-        hips,
-        chest,
-        weight,
-        pitch: 0.32,
-        flexion: 0.78,
-        ..GUARD
+    let lean = |list: f64, hips: f64, chest: f64, weight: f64| {
+        posture([hips, chest, 0.32, list, 0.78, weight], GUARD.heels, GUARD.pivots)
     };
     let back = BoxingPosture { pitch: -0.16, weight: 0.22, shift: [0.0, -0.05], flexion: 0.62, ..GUARD };
     let low = BoxingPosture { flexion: 1.55, pitch: 0.52, chin: 0.05, heels: [0.0, 0.5], ..GUARD };
@@ -238,13 +197,10 @@ fn cover(side: f64) -> DefenceMoment {
 }
 
 fn parry() -> DefenceMoment {
-    let [left, mut right] = BoxingHandPose::GUARD;
-    right.guard = DVec3::new(0.03, -0.01, 0.3);
-    right.pole = DVec3::new(-0.5, -1.0, -0.1);
-    right.twist = 0.7;
-    right.reach = 0.42;
+    let right = arm(REAR_HAND, [-0.5, -1.0, -0.1], [0.7, 0.42, REAR_HAND.shrug]);
+    let right = BoxingHandPose { guard: DVec3::new(0.03, -0.01, 0.3), ..right };
     let body = BoxingPosture { chest: GUARD.chest + 0.14, weight: 0.4, pitch: 0.13, ..GUARD };
-    DefenceMoment { time: 0.15, body, hands: [left, right] }
+    DefenceMoment { time: 0.15, body, hands: [LEAD_HAND, right] }
 }
 
 #[cfg(test)]

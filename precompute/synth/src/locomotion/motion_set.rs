@@ -25,15 +25,7 @@ pub enum GaitKind {
 impl GaitKind {
     /// Name in names and tags of clips.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Turn => "turn",
-            Self::Side => "side",
-            Self::Back => "back",
-            Self::Walk => "walk",
-            Self::Jog => "jog",
-            Self::Run => "run",
-        }
+        ["idle", "turn", "side", "back", "walk", "jog", "run"][self as usize]
     }
 
     /// True for gaits with moments at which neither foot is on the ground.

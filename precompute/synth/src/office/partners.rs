@@ -39,13 +39,7 @@ impl PairActivity {
 
     /// Tag of the activity.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Chat => "chat",
-            Self::Dispute => "dispute",
-            Self::Handshake => "handshake",
-            Self::Handover => "handover",
-            Self::Dance => "dance",
-        }
+        ["chat", "dispute", "handshake", "handover", "dance"][self as usize]
     }
 }
 
