@@ -7,13 +7,20 @@ use throng_core::{Joint, Skeleton};
 use throng_precompute::Warnings;
 use throng_precompute::annotate::HitConfig;
 use throng_precompute::clip::{Clip, ClipSet, HitKind};
-use throng_precompute::import::{ImportConfig, expand, read_clip};
+use throng_precompute::config::BuildConfig;
+use throng_precompute::import::{ImportConfig, ImportedClip, expand, read_clip};
 use throng_precompute::pipeline;
+
+/// Processes one clip as a build with default settings does.
+fn process(raw: &ImportedClip) -> ClipSet {
+    let clips = pipeline::clips_of(std::slice::from_ref(raw), &BuildConfig::default(), &mut Warnings::default());
+    clips.expect("a clip is annotated")
+}
 
 /// A clip as a build with default settings annotates it.
 fn annotated(path: &Path) -> ClipSet {
     let imported = read_clip(&expand(&[path.to_path_buf()]).expect("a clip")[0], &ImportConfig::default());
-    pipeline::process_clip(&imported.expect("a clip reads"), &mut Warnings::default()).expect("a clip is annotated")
+    process(&imported.expect("a clip reads"))
 }
 
 /// Number of hits by the joint that strikes.
@@ -42,7 +49,7 @@ fn synthetic_walking_has_no_hits() {
     let mut frames = 0;
     for file in files {
         let imported = read_clip(&file, &ImportConfig::default()).expect("a clip reads");
-        let set = pipeline::process_clip(&imported, &mut Warnings::default()).expect("a clip is annotated");
+        let set = process(&imported);
         assert!(set.clips[0].hits.is_empty(), "{:?}", set.clips[0].hits);
         frames += set.clips[0].num_frames();
     }
@@ -106,7 +113,7 @@ fn recorded_walks_and_runs_have_next_to_no_hits() {
     let (mut seconds, mut hits, mut clips) = (0.0, 0, 0);
     for file in expand(&patterns.map(|p| root.join(p))).expect("clips") {
         let imported = read_clip(&file, &ImportConfig::default()).expect("a clip reads");
-        let set = pipeline::process_clip(&imported, &mut Warnings::default()).expect("a clip is annotated");
+        let set = process(&imported);
         let clip = &set.clips[0];
         clips += 1;
         seconds += clip.num_frames() as f64 / clip.rate_hz;

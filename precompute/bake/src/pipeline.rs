@@ -355,14 +355,6 @@ impl PartBaker<'_> {
     }
 }
 
-/// Processes one clip as a build does before the motion graph: with default settings, without mirrored copy.
-///
-/// # Errors
-/// As the retarget, resample and annotate stages.
-pub fn process_clip(raw: &ImportedClip, warnings: &mut Warnings) -> Result<ClipSet> {
-    clips_of(std::slice::from_ref(raw), &BuildConfig::default(), warnings)
-}
-
 /// Processes clips as a build does before the motion graph, without mirrored copies, sidecars and surroundings.
 ///
 /// # Errors

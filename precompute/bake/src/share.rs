@@ -85,14 +85,13 @@ pub(crate) fn gather_rows<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<Vec<T>
 /// [`throng_base::Error::Rank`].
 pub(crate) fn gather_each<T: Pod>(comm: &dyn Comm, count: usize, own: Vec<T>) -> Result<Vec<T>> {
     let num_ranks = comm.num_ranks();
-    let all = gather_all(comm, own)?;
-    let mut firsts = vec![0; num_ranks];
-    (1..num_ranks)
-        .for_each(|rank| firsts[rank] = firsts[rank - 1] + count.saturating_sub(rank - 1).div_ceil(num_ranks));
-    if all.len() != count {
-        return Err(unexpected_message(comm.rank()).into());
+    if num_ranks == 1 {
+        return Ok(own);
     }
-    Ok((0..count).map(|n| all[firsts[n % num_ranks] + n / num_ranks]).collect())
+    let of_ranks: Vec<Vec<T>> = decode_messages(comm.all_gather(bytemuck::cast_slice(&own))?)?;
+    let all: Vec<T> = (0..count).map_while(|n| of_ranks[n % num_ranks].get(n / num_ranks).copied()).collect();
+    let sent: usize = of_ranks.iter().map(Vec::len).sum();
+    if [all.len(), sent] == [count; 2] { Ok(all) } else { Err(unexpected_message(comm.rank()).into()) }
 }
 
 /// Gathers the values of all ranks, in the order of ranks.

@@ -98,22 +98,12 @@ pub enum AxisKind {
 impl AxisKind {
     /// Code in bundles.
     pub fn code(self) -> u32 {
-        match self {
-            Self::Style => axis::STYLE,
-            Self::Speed => axis::SPEED,
-            Self::Side => axis::SIDE,
-            Self::Gyration => axis::GYRATION,
-        }
+        [axis::STYLE, axis::SPEED, axis::SIDE, axis::GYRATION][self as usize]
     }
 
     /// Name in configs.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Style => "style",
-            Self::Speed => "speed",
-            Self::Side => "side",
-            Self::Gyration => "gyration",
-        }
+        ["style", "speed", "side", "gyration"][self as usize]
     }
 }
 

@@ -23,12 +23,7 @@ impl RemovalReason {
 
     /// Name in worlds and reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::NoNeighbour => "no_neighbour",
-            Self::Obstacle => "obstacle",
-            Self::DeadEnd => "dead_end",
-            Self::OutsideComponent => "outside_component",
-        }
+        ["no_neighbour", "obstacle", "dead_end", "outside_component"][self as usize]
     }
 }
 
