@@ -15,12 +15,12 @@ const SAME: f64 = 1e-6;
 /// - `start_s`: time of the clip's frame 0 in the motion's time (s).
 ///
 /// # Errors
-/// [`ProblemError::Value`] where the motion's frames are not the clip's.
+/// [`ProblemError::Invalid`] where the motion's frames are not the clip's.
 pub fn with_motion(clip: &Clip, start_s: f64, limb: Limb, motion: &LimbMotion<'_>) -> Result<Clip, ProblemError> {
     let misfit = |found: String| {
         let (name, rate_hz, num_frames) = (&clip.name, clip.rate_hz, clip.num_frames());
-        let what = format!("motion on {found} of `{name}` ({rate_hz} Hz, {num_frames} frames)");
-        ProblemError::Value { what, expected: "frames of the clip" }
+        let expected = format!("frames of `{name}` ({rate_hz} Hz, {num_frames} frames)");
+        ProblemError::Invalid(format!("expected motion on {expected}, found {found}"))
     };
     let first = (motion.start_s - start_s) * clip.rate_hz;
     if (first - first.round()).abs() > 1e-3 || (motion.step_s * clip.rate_hz - 1.0).abs() > 1e-6 {

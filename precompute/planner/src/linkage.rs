@@ -75,12 +75,7 @@ impl Limb {
 
     /// The name in snake_case, as tasks write it.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::LeftArm => "left_arm",
-            Self::RightArm => "right_arm",
-            Self::LeftLeg => "left_leg",
-            Self::RightLeg => "right_leg",
-        }
+        ["left_arm", "right_arm", "left_leg", "right_leg"][self as usize]
     }
 }
 

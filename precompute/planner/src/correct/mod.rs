@@ -60,7 +60,7 @@ impl CorrectConfig<'_> {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CorrectionError {
-    /// The problem is invalid.
+    /// The problem is invalid, has no free pose to plan from, or a planted foot is in the obstacle.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// No plan was found.
@@ -72,28 +72,6 @@ pub enum CorrectionError {
         to_s: f64,
         /// Reason of the failure.
         why: PlanError,
-    },
-    /// The clip begins or ends in the collision.
-    #[error("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")]
-    NoFreeEnd {
-        /// Part of the limb.
-        part: String,
-        /// Obstacle that it collides with.
-        with: String,
-        /// "start" or "end".
-        end: &'static str,
-    },
-    /// A planted foot is in the obstacle.
-    #[error(
-        "{part} stands on the ground where it collides with {with} at {time_s:.2} s: planted feet never move; move {with}"
-    )]
-    Planted {
-        /// Part of the limb.
-        part: String,
-        /// Obstacle that it collides with.
-        with: String,
-        /// (s)
-        time_s: f64,
     },
 }
 
@@ -147,7 +125,7 @@ pub fn correct_clip(
         let mut window = CorrectionWindow { clip, problem: &whole, checker, free_from_s, last };
         let mut margin_s = config.margin_s;
         report.push(loop {
-            let found = window.window_around(&span, margin_s).and_then(|window_s| {
+            let found = window.window_around(&span, margin_s).map_err(CorrectionError::from).and_then(|window_s| {
                 let spec = ProblemSpec { admit_driven: true, ..spec.between_times(window_s) };
                 let problem = Problem::new(&spec)?;
                 let outcome = config.run(&mut planner, &problem, clip.rate_hz);
@@ -187,18 +165,22 @@ struct CorrectionWindow<'a> {
 
 impl CorrectionWindow<'_> {
     /// Window from a margin before a collision to a margin behind it, widened to the next frames that are free.
-    fn window_around(&mut self, span: &CollisionStretch, margin_s: f64) -> Result<[f64; 2], CorrectionError> {
+    fn window_around(&mut self, span: &CollisionStretch, margin_s: f64) -> Result<[f64; 2], ProblemError> {
         let rate = self.clip.rate_hz;
         let last = self.last;
         let least = (self.free_from_s * rate - 1e-6).ceil() as usize;
         let (first_hit, last_hit) =
             ((span.from_s * rate).floor() as usize, ((span.to_s * rate).ceil() as usize).min(last));
-        let (part, with) = (span.part.clone(), span.with.clone());
+        let (part, with) = (&span.part, &span.with);
         if let Some(frame) = (first_hit..=last_hit).find(|f| self.is_planted(*f)) {
-            return Err(CorrectionError::Planted { part, with, time_s: frame as f64 / rate });
+            let there =
+                format!("{part} stands on the ground where it collides with {with} at {:.2} s", frame as f64 / rate);
+            return Err(format!("{there}: planted feet never move; move {with}").into());
         }
         let margin = (margin_s * rate).ceil() as usize;
-        let end = |end| CorrectionError::NoFreeEnd { part: part.clone(), with: with.clone(), end };
+        let end = |end: &str| {
+            format!("{part} is in {with} up to the clip's {end}: there is no free pose to plan from; move {with}")
+        };
         let wanted = first_hit.saturating_sub(margin).max(least);
         let from = self.free_frame(first_hit, wanted, least).ok_or_else(|| end("start"))?;
         let to = self.free_frame(last_hit, (last_hit + margin).min(last), last).ok_or_else(|| end("end"))?;

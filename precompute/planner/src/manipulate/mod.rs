@@ -7,7 +7,6 @@ use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::correct::CorrectConfig;
 use crate::ik::IkError;
-use crate::linkage::LimbPose;
 use crate::planner::{LimbMotion, LimbPlanner, PlanError, PlanOutcome};
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
@@ -17,59 +16,30 @@ use throng_motion::Clip;
 /// A target to reach in time.
 #[derive(Clone, Copy, Debug)]
 pub struct ReachTask<'a> {
-    /// Transforms allowed for hand or foot at t_b, in the order in which they are tried.
-    pub targets: &'a [Rigid],
+    /// Transform of hand or foot at t_b.
+    pub target: Rigid,
     /// Times at which the limb leaves the clip, reaches and is back: t_a < t_b < t_c of the paper, taken to the nearest frames
     /// (s).
     pub times_s: [f64; 3],
     /// Time after t_b for which the limb keeps its pose, in the frame of the joint that carries it (s).
     pub hold_s: f64,
-    /// Surroundings on the path back, where they differ: a grasped object is in the hand.
-    pub return_spec: Option<&'a ProblemSpec<'a>>,
+    /// Surroundings on the path back, where a grasped object is in the hand.
+    pub return_spec: &'a ProblemSpec<'a>,
 }
 
-/// Result of a reach.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReachOutcome {
-    /// Index of the target.
-    pub target: usize,
-    /// The times, on frames (s).
-    pub times_s: [f64; 3],
-    /// Plans of the paths there and back.
-    pub outcomes: [PlanOutcome; 2],
-}
-
-/// Reason why no target was reached.
+/// Reason why a target was not reached.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReachError {
-    /// Times that do not ascend or lie outside of the clip.
-    #[error(
-        "expected three ascending times within the clip's 0 to {end_s:.2} s, at least a frame apart, found {times_s:?}"
-    )]
-    Times {
-        /// Times asked for (s).
-        times_s: [f64; 3],
-        /// Length of the clip (s).
-        end_s: f64,
-    },
-    /// The hold is longer than the time that there is.
-    #[error("expected to hold for less than the {most_s:.2} s until the limb is back, found {hold_s} s")]
-    Hold {
-        /// (s)
-        hold_s: f64,
-        /// (s)
-        most_s: f64,
-    },
-    /// No target is within reach; data of the nearest one.
+    /// The target is not within reach.
     #[error("not reached at {time_s:.2} s: {why}")]
     Target {
         /// (s)
         time_s: f64,
-        /// Failure of the nearest target: limits and obstacles count as nearer than a distance out of reach.
+        /// Reason of the failure.
         why: IkError<String>,
     },
-    /// The problem is invalid.
+    /// The problem is invalid, times among it.
     #[error(transparent)]
     Problem(#[from] ProblemError),
     /// No path was found.
@@ -99,16 +69,19 @@ pub fn reach_target(
     spec: &ProblemSpec<'_>,
     task: &ReachTask<'_>,
     config: &CorrectConfig<'_>,
-) -> Result<(Clip, ReachOutcome), ReachError> {
-    let times_s = on_frames(clip, task.times_s)?;
-    let [there_s, reach_s, back_s] = times_s;
+) -> Result<(Clip, [PlanOutcome; 2]), ReachError> {
+    let [there_s, reach_s, back_s] = on_frames(clip, task.times_s)?;
     let held_s = ((reach_s + task.hold_s) * clip.rate_hz).round() / clip.rate_hz;
     if !(held_s >= reach_s && held_s < back_s) {
-        return Err(ReachError::Hold { hold_s: task.hold_s, most_s: back_s - reach_s });
+        let (hold_s, most_s) = (task.hold_s, back_s - reach_s);
+        let why = format!("expected to hold for less than the {most_s:.2} s until the limb is back, found {hold_s} s");
+        return Err(ProblemError::Invalid(why).into());
     }
     let present = |time_s: f64| spec.motion.limb_state(spec.limb, time_s);
     let whole = Problem::prepare(&spec.between_times([there_s, back_s]))?;
-    let (target, pose) = first_reached_target(&whole, task, reach_s)?;
+    let present_pose = whole.external_pose_at(reach_s);
+    let reached = whole.solve_reach(&mut Checker::default(), &task.target, reach_s, &present_pose);
+    let pose = reached.map_err(|why| ReachError::Target { time_s: reach_s, why })?;
     let at_target = LimbState { pose, time_s: reach_s };
     let mut planner = LimbPlanner::new();
     let there = spec.between([present(there_s), at_target]);
@@ -117,44 +90,25 @@ pub fn reach_target(
     let kept = LimbMotion { start_s: reach_s, step_s: 1.0 / clip.rate_hz, frames: &kept };
     let out = with_motion(&out, 0.0, spec.limb, &kept)?;
     let ends = [LimbState { time_s: held_s, ..at_target }, present(back_s)];
-    let back = task.return_spec.unwrap_or(spec).between(ends);
+    let back = task.return_spec.between(ends);
     let (out, second) = plan_into_clip(&out, &mut planner, &back, config, "back")?;
-    Ok((out, ReachOutcome { target, times_s, outcomes: [first, second] }))
+    Ok((out, [first, second]))
 }
 
-fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], ReachError> {
+fn on_frames(clip: &Clip, times_s: [f64; 3]) -> Result<[f64; 3], ProblemError> {
     let last = clip.num_frames().saturating_sub(1) as f64;
     let frames = times_s.map(|t| (t * clip.rate_hz).round());
     let ascend = frames[0] >= 0.0 && frames[0] < frames[1] && frames[1] < frames[2] && frames[2] <= last;
     if !ascend {
-        return Err(ReachError::Times { times_s, end_s: last / clip.rate_hz });
+        return Err(wrong_times(times_s, last / clip.rate_hz));
     }
     Ok(frames.map(|f| f / clip.rate_hz))
 }
 
-/// The first target that is reached, and the pose that reaches it.
-fn first_reached_target(problem: &Problem, task: &ReachTask<'_>, time_s: f64) -> Result<(usize, LimbPose), ReachError> {
-    let mut checker = Checker::default();
-    let present = problem.external_pose_at(time_s);
-    let mut nearest: Option<IkError<String>> = None;
-    for (i, target) in task.targets.iter().enumerate() {
-        match problem.solve_reach(&mut checker, target, time_s, &present) {
-            Ok(pose) => return Ok((i, pose)),
-            Err(why) => {
-                let is_nearer = match (&nearest, &why) {
-                    (Some(IkError::OutOfReach { by_m: a }), IkError::OutOfReach { by_m: b }) => b < a,
-                    (Some(IkError::OutOfLimits { by_rad: a, .. }), IkError::OutOfLimits { by_rad: b, .. }) => b < a,
-                    (Some(IkError::OutOfReach { .. }) | None, _) => true,
-                    (Some(_), _) => false,
-                };
-                if is_nearer {
-                    nearest = Some(why);
-                }
-            }
-        }
-    }
-    let why = nearest.unwrap_or(IkError::OutOfReach { by_m: f64::INFINITY });
-    Err(ReachError::Target { time_s, why })
+/// The error of times that do not ascend or lie outside of a clip.
+pub(crate) fn wrong_times(times_s: [f64; 3], end_s: f64) -> ProblemError {
+    let within = format!("within the clip's 0 to {end_s:.2} s, at least a frame apart");
+    ProblemError::Invalid(format!("expected three ascending times {within}, found {times_s:?}"))
 }
 
 /// Plans from a spec's start to its goal, and writes the motion into the clip.

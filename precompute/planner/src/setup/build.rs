@@ -107,7 +107,7 @@ impl Problem {
             for (name, known) in known.into_iter().filter_map(|(name, known)| Some((name?, known))) {
                 if !known.contains(&name) {
                     let meant = did_you_mean(name, known.iter().copied());
-                    return Err(ProblemError::Unknown { name: name.into(), meant });
+                    return Err(format!("allowed contact: there is no `{name}`.{meant}").into());
                 }
             }
         }
@@ -263,9 +263,8 @@ fn allows_contact(allowed: &AllowedContact, part: &str, with: &str) -> bool {
 }
 
 fn check_numbers(spec: &ProblemSpec<'_>) -> Result<(), ProblemError> {
-    let check = |holds: bool, what: Arguments<'_>, expected| match holds {
-        true => Ok(()),
-        false => Err(ProblemError::Value { what: what.to_string(), expected }),
+    let check = |holds: bool, what: Arguments<'_>, expected: &str| {
+        crate::refuse(!holds, format_args!("{what}: expected {expected}")).map_err(ProblemError::Invalid)
     };
     let [from, to] = [spec.init.time_s, spec.goal.time_s];
     let ascends = from.is_finite() && to.is_finite() && from < to && to - from <= MAX_SECONDS;
@@ -309,7 +308,8 @@ fn limits_of(spec: &ProblemSpec<'_>, chain: &Chain) -> Result<[JointLimits; LIMB
     let joints = chain.limb.joints();
     let Some(mut limits) = spec.limits.limb_limits(chain.limb) else {
         let missing = joints.into_iter().find(|j| spec.limits.joints[j.index()].is_none());
-        return Err(ProblemError::NoLimits { joint: missing.unwrap_or(joints[0]).name().into() });
+        let (joint, how) = (missing.unwrap_or(joints[0]).name(), "data/skeletons/README.md says how");
+        return Err(format!("{joint} has no limits; add it to the limits file ({how})").into());
     };
     if spec.admit_ends {
         for i in 0..LIMB_JOINTS {

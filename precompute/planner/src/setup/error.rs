@@ -4,28 +4,9 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProblemError {
-    /// A number is invalid or out of range.
-    #[error("{what}: expected {expected}")]
-    Value {
-        /// Name of the quantity.
-        what: String,
-        /// Expected value.
-        expected: &'static str,
-    },
-    /// A joint of the limb has no limits.
-    #[error("{joint} has no limits; add it to the limits file (data/skeletons/README.md says how)")]
-    NoLimits {
-        /// The joint.
-        joint: String,
-    },
-    /// An allowance names something that does not exist.
-    #[error("allowed contact: there is no `{name}`.{meant}")]
-    Unknown {
-        /// The name.
-        name: String,
-        /// The nearest known name, as a sentence.
-        meant: String,
-    },
+    /// A number is out of range, a name is unknown, or a joint has no limits; the text says what to do.
+    #[error("{0}")]
+    Invalid(String),
     /// Joints that are not planned collide: no plan can help.
     #[error(
         "{part} is {depth_m:.3} m too near {with} at {time_s:.2} s, where the motion itself has it; move {with}, or plan {part} too"
@@ -72,4 +53,10 @@ pub enum ProblemError {
         /// (s)
         given_s: f64,
     },
+}
+
+impl From<String> for ProblemError {
+    fn from(why: String) -> Self {
+        Self::Invalid(why)
+    }
 }

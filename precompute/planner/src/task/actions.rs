@@ -326,8 +326,7 @@ fn placement_after_release(
     object: usize,
     at_s: f64,
 ) -> Result<impl Fn(&HandTarget) -> ThingPlacement + use<>, StepFailure> {
-    let is_itself = to.on == Anchor::Thing(object);
-    refuse(is_itself, format_args!("a thing cannot be laid on itself; choose another `on`"))?;
+    refuse(to.on == Anchor::Thing(object), format_args!("a thing cannot be laid on itself; choose another `on`"))?;
     if let Anchor::Joint(character, joint) = to.on {
         let is_full = arm_of_hand(joint).is_some_and(|l| stage.held_by(character, l, at_s).is_some());
         refuse(is_full, format_args!("that hand holds something already"))?;

@@ -357,16 +357,7 @@ pub enum TaskAction {
 impl TaskAction {
     /// Name in tasks.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Correct => "correct",
-            Self::Reach => "reach",
-            Self::Touch => "touch",
-            Self::Switch => "switch",
-            Self::Grab => "grab",
-            Self::Carry => "carry",
-            Self::Drop => "drop",
-            Self::HandOver => "hand_over",
-        }
+        ["correct", "reach", "touch", "switch", "grab", "carry", "drop", "hand_over"][self as usize]
     }
 
     /// True where the object has to be in the hand before.

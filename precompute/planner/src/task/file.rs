@@ -262,8 +262,7 @@ impl CharacterEntry {
     fn character(&self, folder: &Path) -> Result<TaskCharacter, String> {
         let rotation = rotation_about(DVec3::Y, self.heading_deg.to_radians());
         let placed = Rigid { position: DVec3::from(self.at), rotation };
-        let is_far = !is_within_scene(&placed);
-        refuse(is_far, format_args!("expected a finite `heading_deg`, and `at` within {MOST_M} m"))?;
+        refuse(!is_within_scene(&placed), format_args!("expected a finite `heading_deg`, and `at` within {MOST_M} m"))?;
         let body = self.body.as_ref().map(|b| WornFigure::read(&folder.join(b))).transpose()?;
         Ok(TaskCharacter { name: self.name.clone(), clip: resolve_clip(&self.clip, folder)?, placed, body })
     }
@@ -286,8 +285,7 @@ impl ThingEntry {
         let entries: Vec<&ShapeEntry> = self.shape.iter().chain(&self.shapes).collect();
         refuse(!(1..=MOST).contains(&entries.len()), format_args!("expected `shape`, or 1 to {MOST} `shapes`"))?;
         let shapes: Vec<SolidShape> = entries.iter().map(|s| s.shape(folder)).collect::<Result<_, _>>()?;
-        let is_invalid = !shapes.iter().all(SolidShape::is_valid);
-        refuse(is_invalid, format_args!("expected finite numbers and positive sizes"))?;
+        refuse(!shapes.iter().all(SolidShape::is_valid), format_args!("expected finite numbers and positive sizes"))?;
         let here = rigid_of_entry(self.at, self.turn_deg);
         let keys: Vec<(f64, Rigid)> = self.keys.iter().map(|k| (k.t_s, rigid_of_entry(k.at, k.turn_deg))).collect();
         let start = match (&self.attached_to, keys.is_empty()) {

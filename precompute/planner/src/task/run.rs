@@ -3,13 +3,14 @@
 use super::actions::{StepFailure, run_step};
 use super::both_hands;
 use super::entries::TaskAction;
-use super::file::Task;
+use super::file::{Task, TaskCharacter};
 use super::scenery::TaskScenery;
 use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
 use crate::correct::CollisionStretch;
 use crate::linkage::Limb;
 use crate::planner::{PlanError, PlanOutcome, Planners};
 use crate::recheck::RecheckReport;
+use crate::refuse;
 use crate::search::{LoggedTrees, TreeLog};
 use serde::Serialize;
 use std::error::Error;
@@ -166,41 +167,21 @@ impl TaskOutcome {
     }
 }
 
-/// Reason why a task cannot use clips.
+/// Reason why a task cannot use clips: their number, a rate that differs, a clip of one frame, or a character that has to walk
+/// first.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ClipMismatch {
-    /// The number of clips is not that of the characters.
-    #[error("expected {expected} clips, one for each character, found {found}")]
-    Number {
-        /// Number of characters.
-        expected: usize,
-        /// Number of clips.
-        found: usize,
-    },
-    /// The rate of a clip differs from the first one's.
-    #[error("`{name}`: expected {expected_hz} frames a second, as the first clip has, found {found_hz}; resample it")]
-    Rate {
-        /// Name of the character.
-        name: String,
-        /// Its rate (Hz).
-        expected_hz: f64,
-        /// Rate of the first clip (Hz).
-        found_hz: f64,
-    },
-    /// A character has to walk first.
-    #[error("`{name}` walks up to what it does: its clip is made by `Task::walked`, which gives the task its times")]
-    NotWalked {
-        /// Name of the character.
-        name: String,
-    },
-    /// A clip is too short to be changed.
-    #[error("`{name}`: expected a clip of two frames at least, found {found}")]
-    Short {
-        /// Name of the character.
-        name: String,
-        /// Number of frames.
-        found: usize,
-    },
+#[error("{0}")]
+pub struct ClipMismatch(String);
+
+impl ClipMismatch {
+    pub(super) fn number(expected: usize, found: usize) -> Self {
+        Self(format!("expected {expected} clips, one for each character, found {found}"))
+    }
+
+    pub(super) fn not_walked(who: &TaskCharacter) -> Self {
+        let why = "its clip is made by `Task::walked`, which gives the task its times";
+        Self(format!("`{}` walks up to what it does: {why}", who.name))
+    }
 }
 
 impl Task {
@@ -283,19 +264,20 @@ impl Task {
     pub(super) fn check_clips(&self, clips: &[ActorClip]) -> Result<(), ClipMismatch> {
         let (expected, found) = (self.characters.len(), clips.len());
         if expected != found {
-            return Err(ClipMismatch::Number { expected, found });
+            return Err(ClipMismatch::number(expected, found));
         }
         if let Some(step) = self.steps.iter().find(|s| !s.is_timed()) {
-            return Err(ClipMismatch::NotWalked { name: self.characters[step.character].name.clone() });
+            return Err(ClipMismatch::not_walked(&self.characters[step.character]));
         }
         for (clip, who) in clips.iter().map(|c| &c.clip).zip(&self.characters) {
-            let (expected_hz, found_hz) = (clips[0].clip.rate_hz, clip.rate_hz);
-            if expected_hz != found_hz {
-                return Err(ClipMismatch::Rate { name: who.name.clone(), expected_hz, found_hz });
-            }
-            if clip.num_frames() < 2 {
-                return Err(ClipMismatch::Short { name: who.name.clone(), found: clip.num_frames() });
-            }
+            let (name, first_hz, hz) = (&who.name, clips[0].clip.rate_hz, clip.rate_hz);
+            let rate = format_args!(
+                "`{name}`: expected {first_hz} frames a second, as the first clip has, found {hz}; resample it"
+            );
+            refuse(first_hz != hz, rate).map_err(ClipMismatch)?;
+            let found = clip.num_frames();
+            let length = format_args!("`{name}`: expected a clip of two frames at least, found {found}");
+            refuse(found < 2, length).map_err(ClipMismatch)?;
         }
         Ok(())
     }

@@ -247,11 +247,12 @@ fn clips_that_do_not_fit_are_refused() {
     let task = parse(&format!("{TASK}\n[[characters]]\nname = \"Bo\"\nclip = \"b.bvh\"\n")).expect("a task");
     let one = ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() };
     let fast = ActorClip { clip: Clip { rate_hz: 60.0, ..one.clip.clone() }, ..one.clone() };
-    assert!(matches!(task.run(std::slice::from_ref(&one), None), Err(ClipMismatch::Number { expected: 2, found: 1 })));
-    assert!(matches!(task.run(&[one.clone(), fast], None), Err(ClipMismatch::Rate { .. })));
+    let refused = |clips: &[ActorClip]| task.run(clips, None).unwrap_err().to_string();
+    assert!(refused(std::slice::from_ref(&one)).starts_with("expected 2 clips, one for each character, found 1"));
+    assert!(refused(&[one.clone(), fast]).contains("expected 30 frames a second, as the first clip has, found 60"));
     let short = Clip::new("s", 30.0, vec![glam::Vec3::Y], vec![Quat::IDENTITY; NUM_JOINTS]);
     let short = ActorClip { clip: short, ..one.clone() };
-    assert!(matches!(task.run(&[one, short], None), Err(ClipMismatch::Short { .. })));
+    assert!(refused(&[one, short]).contains("expected a clip of two frames at least, found 1"));
 }
 
 #[test]
@@ -287,7 +288,7 @@ fn who_walks_needs_no_times_and_says_so_where_it_was_not_walked() {
     assert_eq!(task.times_s(), [None, None]);
     let s = TestCharacter::standing();
     let clips = [ActorClip { clip: stand(&s), skeleton: s.skeleton.clone() }];
-    assert!(matches!(task.run(&clips, None), Err(ClipMismatch::NotWalked { name }) if name == "main"));
+    assert!(task.run(&clips, None).unwrap_err().to_string().starts_with("`main` walks up to what it does"));
     for (from, to, why) in [
         ("from = [1.0, -2.0]", "from = [nan, 0.0]", "expected `from` within"),
         ("from = [1.0, -2.0]", "speed_mps = 9.0", "expected 0.3 to 4, found 9"),

@@ -8,7 +8,7 @@ use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlaceme
 use super::step::TaskStep;
 use crate::ik::IkError;
 use crate::linkage::Limb;
-use crate::manipulate::{ReachError, ReachTask, reach_target};
+use crate::manipulate::{ReachError, ReachTask, reach_target, wrong_times};
 use crate::planner::PlanOutcome;
 use crate::problem::{LimbState, Problem};
 use crate::rotation::Rigid;
@@ -69,14 +69,13 @@ impl LimbVisit<'_> {
         let others = stage.other_bodies(who);
         let spec = stage.limb_spec(who, limb, there, &others);
         let back_spec = stage.limb_spec(who, limb, &back, &others);
-        let targets = std::slice::from_ref(&goal.hand);
-        let task = ReachTask { targets, times_s, hold_s, return_spec: Some(&back_spec) };
-        let (clip, reached) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
+        let task = ReachTask { target: goal.hand, times_s, hold_s, return_spec: &back_spec };
+        let (clip, outcomes) = reach_target(&stage.actors[who].clip, &spec, &task, &stage.config)?;
         stage.actors[who].replace_clip(clip);
         stage.record_planned(who, limb, [from_s, at_s]);
         stage.record_planned(who, limb, [at_s, to_s]);
         stage.pins.push(Pin { character: who, limb, time_s: at_s, target: goal.hand });
-        Ok(reached.outcomes.to_vec())
+        Ok(outcomes.to_vec())
     }
 }
 
@@ -121,7 +120,7 @@ pub(super) fn reachable_goals(
     let LimbVisit { who, limb, times_s: [from_s, at_s, to_s], .. } = visit;
     let actor = &stage.actors[who];
     if !(from_s >= 0.0 && to_s <= actor.end_s() + 1e-6) {
-        return Err(ReachError::Times { times_s: visit.times_s, end_s: actor.end_s() }.into());
+        return Err(wrong_times(visit.times_s, actor.end_s()).into());
     }
     let others = stage.other_bodies(who);
     let spec = stage.limb_spec(who, limb, there, &others);

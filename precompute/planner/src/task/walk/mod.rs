@@ -130,7 +130,7 @@ impl Task {
     fn walk_all(&self, sources: &[ActorSource], rate_hz: f64, passed: &[usize]) -> Result<WalkedTask, WalkError> {
         let (expected, found) = (self.characters.len(), sources.len());
         if expected != found {
-            return Err(ClipMismatch::Number { expected, found }.into());
+            return Err(ClipMismatch::number(expected, found).into());
         }
         let known = sources.iter().find_map(|s| if let ActorSource::Clip(c) = s { Some(c.clip.rate_hz) } else { None });
         let rate_hz = known.unwrap_or(rate_hz);
@@ -143,7 +143,7 @@ impl Task {
                     gaits.push(None);
                     continue;
                 }
-                (ActorSource::Walks(_), None) => return Err(ClipMismatch::NotWalked { name: who.name.clone() }.into()),
+                (ActorSource::Walks(_), None) => return Err(ClipMismatch::not_walked(who).into()),
                 (ActorSource::Walks(space), Some(walk)) => (space, walk),
             };
             let begin = || {
