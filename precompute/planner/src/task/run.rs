@@ -167,8 +167,8 @@ impl TaskOutcome {
     }
 }
 
-/// Reason why a task cannot use clips: their number, a rate that differs, a clip of one frame, or a character that has to walk
-/// first.
+/// Reason why a task cannot use clips: their number, a rate that differs, a clip of one frame, or a character that has to
+/// walk first.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{0}")]
 pub struct ClipMismatch(String);
