@@ -7,6 +7,7 @@ use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 use throng_core::patch::Placement;
 use throng_geometry::{RayCrossing, ray_crossing};
+use throng_precompute::environment::UnitSolid;
 
 /// Corners around a bar, and rings of each of its ends.
 const AROUND: usize = 10;
@@ -105,6 +106,15 @@ impl SolidMesh {
                 let [a, b, c, d] = [at(r, i), at(r + 1, i), at(r + 1, i + 1), at(r, i + 1)];
                 self.indices.extend([a, c, b, a, d, c]);
             }
+        }
+    }
+
+    /// Adds a solid of a unit.
+    pub fn add_solid(&mut self, solid: &UnitSolid) {
+        match solid {
+            UnitSolid::Box { centre, rotation, half } => self.add_box(*centre, *rotation, *half),
+            UnitSolid::Bar { from, to, radius } => self.add_bar(*from, *to, *radius),
+            UnitSolid::Mesh(triangles) => triangles.corners().iter().for_each(|t| self.add_triangle(*t)),
         }
     }
 

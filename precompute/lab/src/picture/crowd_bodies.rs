@@ -1,15 +1,13 @@
 //! The picture of a crowd with bodies.
 
 use super::discs::{OBSTACLE_COLOUR, WIDTH, group_colour};
+use super::obstacle_solid;
 use super::world::OBLIQUE_VIEW;
 use super::{BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldSheet, world_sheet};
 use crate::run::{AgentsRecord, JointPositions};
-use glam::{Quat, Vec2, Vec3};
-use std::f32::consts::TAU;
+use glam::Vec3;
 use throng_bake::environment::UnitSolid;
 use throng_core::Joint;
-use throng_crowd::Obstacle;
-use throng_geometry::TriangleMesh;
 
 /// Width of the picture of bodies (m).
 const PICTURE_WIDTH_M: f32 = 24.0;
@@ -58,46 +56,12 @@ fn densest_place(places: &[Vec3]) -> Option<Vec3> {
     Some(near(*at).sum::<Vec3>() / near(*at).count() as f32)
 }
 
-/// Solid of a static obstacle on the ground, with a height (m).
-fn obstacle_solid(obstacle: &Obstacle, height: f32) -> Option<UnitSolid> {
-    let up = 0.5 * height * Vec3::Y;
-    Some(match obstacle {
-        Obstacle::Wall { from, to, radius } => {
-            let offset = *to - *from;
-            let half = Vec3::new(*radius, 0.5 * height, 0.5 * offset.length() + radius);
-            let rotation = Quat::from_rotation_y(offset.x.atan2(offset.z));
-            UnitSolid::Box { centre: 0.5 * (*from + *to) + up, rotation, half }
-        }
-        Obstacle::Box { min: low, max: high } => {
-            let half = (0.5 * (*high - *low)).with_y(0.5 * height);
-            UnitSolid::Box { centre: 0.5 * (*low + *high) + up, rotation: Quat::IDENTITY, half }
-        }
-        Obstacle::Polygon { corners } => prism(corners, height)?,
-        Obstacle::Ball { centre, radius } => prism(&circle(*centre, *radius), height)?,
-        // Moving obstacles are left out.
-        _ => return None,
-    })
-}
-
-/// Prism over a convex polygon.
-fn prism(corners: &[Vec3], height: f32) -> Option<UnitSolid> {
-    let (&first, up) = (corners.first()?, height * Vec3::Y);
-    let next = corners.iter().skip(1).chain([&first]);
-    let sides = corners.iter().zip(next).flat_map(|(&a, &b)| [[a, b, b + up], [a, b + up, a + up]]);
-    let top = corners.windows(2).map(|w| [first + up, w[0] + up, w[1] + up]);
-    TriangleMesh::new(sides.chain(top).collect()).ok().map(UnitSolid::Mesh)
-}
-
-/// Points of a circle on the ground.
-fn circle(centre: Vec3, radius: f32) -> Vec<Vec3> {
-    let at = |i: u8| Vec2::from_angle(TAU * f32::from(i) / 40.0) * radius;
-    (0..40).map(|i| centre + Vec3::new(at(i).x, 0.0, at(i).y)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Quat;
     use throng_core::Skeleton;
+    use throng_crowd::Obstacle;
 
     #[test]
     fn bodies_and_outlines_are_drawn_and_an_empty_crowd_is_no_panic() {

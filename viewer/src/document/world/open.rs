@@ -8,7 +8,7 @@ use crate::render::SolidMesh;
 use crate::run::WorldRun;
 use std::path::Path;
 use std::sync::Arc;
-use throng_precompute::environment::{PlacedGeometry, UnitGeometry, UnitSolid};
+use throng_precompute::environment::{PlacedGeometry, UnitGeometry};
 use throng_precompute::run::{BuildContext, ensure_bundle};
 use throng_precompute::stitch::{StitchKit, WorldSource};
 use throng_world::inhabitants::scatter_rest_nodes;
@@ -69,13 +69,7 @@ pub(super) fn populate(roamers: &mut Roamers, ground: &WalkableWorld) -> Result<
 /// Triangles of a unit.
 pub fn unit_mesh(geometry: &UnitGeometry) -> SolidMesh {
     let mut mesh = SolidMesh::default();
-    for solid in &geometry.solids {
-        match solid {
-            UnitSolid::Box { centre, rotation, half } => mesh.add_box(*centre, *rotation, *half),
-            UnitSolid::Bar { from, to, radius } => mesh.add_bar(*from, *to, *radius),
-            UnitSolid::Mesh(triangles) => triangles.corners().iter().for_each(|t| mesh.add_triangle(*t)),
-        }
-    }
+    geometry.solids.iter().for_each(|solid| mesh.add_solid(solid));
     mesh
 }
 
