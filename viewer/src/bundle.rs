@@ -9,6 +9,7 @@ use throng_core::format::{BlendMeta, ClipMeta, ClipRecord, MADE_TAG};
 use throng_core::{Bundle, Error, FormatError, Mat3x4, NUM_JOINTS, Planar};
 
 /// An open bundle.
+#[derive(Debug)]
 pub struct OpenBundle {
     /// The file.
     pub path: PathBuf,
@@ -18,12 +19,6 @@ pub struct OpenBundle {
     /// The blend spaces.
     pub blends: Vec<BlendSpace>,
     rows: OnceLock<Arc<[Mat3x4]>>,
-}
-
-impl fmt::Debug for OpenBundle {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Bundle").field("path", &self.path).finish_non_exhaustive()
-    }
 }
 
 impl OpenBundle {

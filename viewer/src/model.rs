@@ -97,7 +97,7 @@ pub struct FrameTimes {
 }
 
 /// All that the viewer knows. Panels borrow it.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Model {
     /// The open document.
     pub document: OpenDocument,

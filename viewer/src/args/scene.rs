@@ -265,7 +265,7 @@ mod tests {
             (Args { file: file.clone(), message: Some("sale".into()), ..Args::default() }, "[[events]]"),
             (Args { file, character: Some(CharacterArg(Some(100))), ..Args::default() }, "has 100 characters"),
         ] {
-            let e = opened(&args).expect_err(say);
+            let e = opened(&args).err().expect(say);
             assert!(e.contains(say), "{e}");
         }
     }
@@ -282,7 +282,7 @@ mod tests {
             (Args { file: Some(file.clone()), clip: Some("a".into()), ..Args::default() }, "one clip"),
             (Args { file: Some(file.clone()), character: Some(CharacterArg(Some(0))), ..Args::default() }, "no crowd"),
         ] {
-            let e = opened(&args).expect_err(say);
+            let e = opened(&args).err().expect(say);
             assert!(e.contains(say), "{e}");
         }
     }

@@ -59,7 +59,6 @@ impl OpenDocument {
 }
 
 /// Result of reading: a document, or why it could not be read.
-#[derive(Debug)]
 pub struct LoadedDocument {
     /// Files that were requested.
     pub paths: Vec<PathBuf>,
@@ -72,7 +71,6 @@ pub struct LoadedDocument {
 }
 
 /// Reading under way.
-#[derive(Debug)]
 struct RunningLoad {
     paths: Vec<PathBuf>,
     /// The version that was read, and the document or a message.
@@ -81,7 +79,7 @@ struct RunningLoad {
 }
 
 /// Reads requested files on its own thread; a new request stops and replaces the old one.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Loader {
     running: Option<RunningLoad>,
 }

@@ -27,7 +27,7 @@ use crate::run::{BlendRun, CrowdRun, PlayHead, PolicyChooser};
 use std::path::{Path, PathBuf};
 
 /// The open document.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub enum OpenDocument {
     /// Nothing yet.
     #[default]
@@ -45,7 +45,6 @@ pub enum OpenDocument {
 }
 
 /// A bundle and the crowd that runs on it.
-#[derive(Debug)]
 pub struct BundleDocument {
     /// The tables.
     pub bundle: OpenBundle,

@@ -17,12 +17,6 @@ pub struct UserOutfit {
     pub mesh: Arc<WornMesh>,
 }
 
-impl std::fmt::Debug for UserOutfit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Outfit").field("path", &self.path).field("mesh", &self.mesh).finish_non_exhaustive()
-    }
-}
-
 impl UserOutfit {
     /// Reads a character with a skin: a `.glb` file, or a `.gltf` file with one buffer.
     ///
@@ -41,7 +35,6 @@ impl UserOutfit {
 }
 
 /// Reads a character on its own thread.
-#[derive(Debug)]
 pub struct OutfitLoader {
     path: PathBuf,
     read: Background<Result<UserOutfit, String>>,

@@ -112,7 +112,6 @@ pub struct SceneUnit {
 type StartedRun = Result<(SceneRun, SceneSurroundings), String>;
 
 /// A scene of groups that is open.
-#[derive(Debug)]
 pub struct SceneDocument {
     /// The file.
     pub path: PathBuf,

@@ -144,7 +144,7 @@ pub enum SystemDialog {
 }
 
 /// State of all panels.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct PanelStates {
     /// The 3-D view.
     pub viewport: viewport::ViewportState,

@@ -16,7 +16,7 @@ use throng_core::{Mat3x4, Skeleton};
 const STORAGE_BUFFERS: u32 = 3;
 
 /// Everything to show, borrowed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct SceneFrame<'a> {
     /// Proportions of all characters.
     pub skeleton: &'a Skeleton,

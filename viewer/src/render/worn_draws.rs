@@ -13,7 +13,7 @@ use throng_core::Mat3x4;
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, Device, RenderPass, RenderPipeline};
 
 /// Characters that wear a mesh of the user's own, for one frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct WornFrame<'a> {
     /// The triangles.
     pub mesh: &'a Arc<WornMesh>,

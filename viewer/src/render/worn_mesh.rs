@@ -53,12 +53,6 @@ pub struct WornMesh {
     pub(super) reach: f32,
 }
 
-impl std::fmt::Debug for WornMesh {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("WornMesh").field("triangles", &self.num_triangles()).finish_non_exhaustive()
-    }
-}
-
 impl WornMesh {
     /// Makes the levels of detail of a figure, and reads its textures.
     ///

@@ -14,7 +14,6 @@ use super::{RunInput, STEP_HZ};
 use glam::Vec3;
 use state::SceneRunState;
 use std::collections::VecDeque;
-use std::fmt;
 use std::time::Instant;
 use throng_core::Result;
 use throng_crowd::{CrowdEvent, Space};
@@ -63,12 +62,6 @@ pub struct SceneRun {
     figures: VecDeque<(u32, StepFigures)>,
     /// Places of all characters at every [`TRAIL_EVERY`]th step; `None` for one that has left (m).
     trails: VecDeque<(u32, Vec<Option<Vec3>>)>,
-}
-
-impl fmt::Debug for SceneRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SceneRun").field("time_s", &self.simulation().time_s()).field("head", &self.head).finish()
-    }
 }
 
 /// Approximate size of a state of a simulation (bytes).

@@ -23,7 +23,7 @@ use throng_core::{Mat3x4, Skeleton};
 pub use values::ValueCell;
 
 /// Content of one frame of the 3-D view.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct StageLayout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,

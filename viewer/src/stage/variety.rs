@@ -42,12 +42,6 @@ pub struct BodyVariants {
     bodies: Vec<BodyVariant>,
 }
 
-impl std::fmt::Debug for BodyVariants {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Variety").field("bodies", &self.bodies.len()).finish()
-    }
-}
-
 /// A body.
 struct BodyVariant {
     skeleton: Skeleton,

@@ -16,7 +16,6 @@ use crate::render::{Ray, SolidMesh, upright};
 use crate::run::WorldRun;
 use glam::Vec3;
 use orders::EditHistory;
-use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 use throng_core::patch::{LinkRecord, Placement};
@@ -67,12 +66,6 @@ pub struct WorldDocument {
     pub refused: Option<RefusedEdit>,
     /// Number of edits so far.
     pub revision: u64,
-}
-
-impl fmt::Debug for WorldDocument {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("WorldDocument").field("path", &self.path).field("source", &self.source).finish_non_exhaustive()
-    }
 }
 
 impl WorldDocument {

@@ -7,7 +7,6 @@ use eframe::egui::{
     Align, ColorImage, Context, CornerRadius, CursorIcon, Image, Label, Layout, Rect, Response, RichText, Role, Sense,
     StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
 };
-use std::fmt;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use throng_precompute::run::is_complete;
@@ -65,12 +64,6 @@ pub struct DemosState {
     /// True for a scene with all its files; none if the scene does not exist.
     complete: Vec<Option<bool>>,
     pictures: Vec<Option<TextureHandle>>,
-}
-
-impl fmt::Debug for DemosState {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("State").field("folder", &self.folder).field("complete", &self.complete).finish_non_exhaustive()
-    }
 }
 
 impl DemosState {

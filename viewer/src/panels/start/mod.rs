@@ -24,7 +24,7 @@ const GAP: f32 = 20.0;
 const EVERY_S: f64 = 1.0;
 
 /// State of the page.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct StartPageState {
     demos: demos::DemosState,
     /// Recently opened entries, each with true if its files exist.

@@ -44,12 +44,6 @@ pub struct Pads {
     tried: bool,
 }
 
-impl std::fmt::Debug for Pads {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("Pads")
-    }
-}
-
 impl Pads {
     /// Requests since the last frame; none without a pad.
     #[cfg(not(feature = "gamepad"))]
