@@ -122,24 +122,6 @@ impl Colouring {
     ];
 }
 
-/// Shown parts of a motion file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum RawView {
-    /// The source's joints and, beside them, the body that a build would use.
-    #[default]
-    Both,
-    /// The source's own joints.
-    Source,
-    /// The body that a build would use.
-    Retargeted,
-}
-
-impl RawView {
-    /// All views with their names.
-    pub const ALL: [(Self, &'static str); 3] =
-        [(Self::Both, "both"), (Self::Source, "source joints"), (Self::Retargeted, "retargeted")];
-}
-
 /// Settings that the viewer stores between runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -154,8 +136,6 @@ pub struct ViewerSettings {
     pub varied: bool,
     /// Colours of the characters.
     pub colouring: Colouring,
-    /// Shown parts of a motion file.
-    pub raw_view: RawView,
     /// Cues.
     pub overlays: Overlays,
     /// Panel at the right.
@@ -180,7 +160,6 @@ impl Default for ViewerSettings {
             body: BodyStyle::default(),
             varied: true,
             colouring: Colouring::default(),
-            raw_view: RawView::default(),
             overlays: Overlays::default(),
             side_panel: Some(PanelKind::Control),
             bottom_panel: None,

@@ -7,7 +7,7 @@ use crate::command::{Commands, ViewStage, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::{Model, name_of};
 use crate::render::CameraPreset;
-use crate::settings::{Colouring, RawView, ViewerSettings};
+use crate::settings::{Colouring, ViewerSettings};
 use eframe::egui::{self, MenuBar, ThemePreference, Ui};
 use throng_crowd::Scheme;
 use throng_simulation::scene::engine;
@@ -123,7 +123,6 @@ fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
         }
     });
     ui.menu_button("Colours", |ui| radios(ui, &mut s.colouring, Colouring::ALL));
-    ui.menu_button("Motion file", |ui| radios(ui, &mut s.raw_view, RawView::ALL));
     ui.separator();
     let o = &mut s.overlays;
     ui.checkbox(&mut o.contacts, "Contacts");

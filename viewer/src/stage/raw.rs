@@ -5,7 +5,6 @@ use crate::document::RawMotion;
 use crate::model::Model;
 use crate::render::CharacterInstance;
 use crate::render::mesh::BodySide;
-use crate::settings::RawView;
 use glam::Vec3;
 use throng_core::{Joint, Mat3x4, Planar};
 
@@ -13,16 +12,9 @@ use throng_core::{Joint, Mat3x4, Planar};
 const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
-    let view = model.settings.raw_view;
-    if view != RawView::Retargeted {
-        let shift = if view == RawView::Both { BESIDE } else { Vec3::ZERO };
-        source(out, model, motion, shift, palette);
-    }
+    source(out, model, motion, palette);
     let Some(clip) = motion.clips.clips.first() else { return };
     out.skeleton.clone_from(&motion.clips.skeleton);
-    if view == RawView::Source {
-        return;
-    }
     let frame = motion.clip_frame(model.player.frame);
     let joints = clip.joint_transforms(&motion.clips.skeleton, frame);
     out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
@@ -44,7 +36,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, motion: &RawMotion, 
 }
 
 /// The source's joints as limbs and balls, left and right in their colours.
-fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, shift: Vec3, palette: &StagePalette) {
+fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
     let raw = &motion.imported.clip;
     if raw.num_frames == 0 {
         return;
@@ -62,13 +54,13 @@ fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, shift: Vec3,
         };
         // The connection from the origin to the hips is not a limb.
         if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
-            out.shapes.capsule(world[parent].0 + shift, at + shift, radius, colour.mix(palette.middle, 0.25));
+            out.shapes.capsule(world[parent].0 + BESIDE, at + BESIDE, radius, colour.mix(palette.middle, 0.25));
         }
         if !joint.is_end {
-            out.shapes.sphere(at + shift, radius * 1.9, colour);
+            out.shapes.sphere(at + BESIDE, radius * 1.9, colour);
         }
         if model.settings.overlays.joint_axes {
-            out.shapes.axes(at + shift, rotation, 0.07, 1.5);
+            out.shapes.axes(at + BESIDE, rotation, 0.07, 1.5);
         }
     }
 }

@@ -13,8 +13,6 @@ use throng_core::policy::PolicyTable;
 
 /// Longest piece of an arc that is drawn straight (rad).
 const ARC: f32 = TAU / 90.0;
-/// Colours between two cells along each axis, where values are interpolated.
-const FINENESS: usize = 4;
 /// Longest arrow (points).
 const LONGEST: f32 = 22.0;
 /// Space between the feet of arrows (points).
@@ -31,8 +29,6 @@ pub struct HeatKey {
     pub state: u32,
     /// Height of the targets, or time left.
     pub height: u32,
-    /// Interpolated values instead of values of cells.
-    pub smooth: bool,
     /// Part of the screen.
     pub rect: Rect,
     /// Space around it, for the words "ahead" and so on (points).
@@ -103,11 +99,7 @@ impl HeatPicture {
         let values = policy.values_of(key.state);
         let range = values.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[a, b], &v| [a.min(v), b.max(v)]);
         let colour = |v: f32| viridis::map(viridis::ratio(v, range));
-        let mesh = if key.smooth {
-            smooth(&chart, &plan, |p| colour(policy.value(key.state, chart.target(p, key.height) + centre)))
-        } else {
-            cells(&chart, &plan, key.height, |cell| colour(values[cell]))
-        };
+        let mesh = cells(&chart, &plan, key.height, |cell| colour(values[cell]));
         let mut picture = Self { key, plan, mesh: Arc::new(mesh), range, arrows: Vec::new(), arrow_scale: 1.0 };
         picture.add_arrows(&chart, policy, graph);
         picture
@@ -158,25 +150,6 @@ fn cells(chart: &PolicyChart, plan: &MapProjection, height: u32, colour: impl Fn
             }
         }
         stitch(&mut mesh, first, parts as u32);
-    }
-    mesh
-}
-
-/// A net of colours over all of the chart.
-fn smooth(chart: &PolicyChart, plan: &MapProjection, colour: impl Fn(Vec2) -> Color32) -> Mesh {
-    let (mut mesh, record) = (Mesh::default(), &chart.record);
-    let around = (record.num_angles as usize * FINENESS).max(90) as u32;
-    let out = record.num_rings as usize * FINENESS;
-    let [from, to] = chart.angles();
-    for ring in 0..=out {
-        let radius = chart.radius(ring as f32 / FINENESS as f32 - 0.5);
-        for i in 0..=around {
-            let p = polar(from + (to - from) * i as f32 / around as f32, radius);
-            mesh.colored_vertex(plan.screen(p), colour(p));
-        }
-        if ring > 0 {
-            stitch(&mut mesh, (ring as u32 - 1) * (around + 1), around);
-        }
     }
     mesh
 }

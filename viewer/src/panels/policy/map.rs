@@ -90,7 +90,7 @@ impl PolicyPanelState {
     pub fn paint(&mut self, ui: &Ui, shown: &PolicyMapInput<'_>, height: u32, rect: Rect, response: Response) -> f32 {
         let margin = MARGINS[usize::from(self.slices)];
         let (document, policy, state) = (shown.document, shown.number, shown.state);
-        let key = HeatKey { document, policy, state, height, smooth: self.smooth, rect, margin };
+        let key = HeatKey { document, policy, state, height, rect, margin };
         // One picture is kept for each map.
         let at = if self.slices { height as usize } else { 0 };
         if self.heats.get(at).is_none_or(|h| h.key != key) {
@@ -119,8 +119,6 @@ impl PolicyPanelState {
 fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     ui.horizontal_wrapped(|ui| {
-        ui.selectable_value(&mut own.smooth, false, "cells").on_hover_text("The stored value of every cell");
-        ui.selectable_value(&mut own.smooth, true, "interpolated").on_hover_text("Values as the look-ahead reads them");
         ui.checkbox(&mut own.arrows, "best actions");
         if heights > 1 {
             let all = if shown.policy.grid().is_space_time() { "all times" } else { "all heights" };
@@ -249,10 +247,7 @@ fn show_tooltip(response: Response, shown: &PolicyMapInput<'_>, heat: &HeatPictu
     }
     let target = chart.target(place, height) + shown.policy.centre();
     let cell = shown.policy.nearest_cell(shown.state, target);
-    let value = match heat.key.smooth {
-        true => shown.policy.value(shown.state, target),
-        false => shown.policy.values_of(shown.state)[cell],
-    };
+    let value = shown.policy.values_of(shown.state)[cell];
     let graph = shown.bundle.tables().graph();
     let best = usize::from(shown.policy.best_of(shown.state, cell)[0]);
     let segment = graph.segments_of(shown.state)[best];

@@ -24,7 +24,6 @@ pub(super) use why::behaviour_name;
 pub struct PolicyPanelState {
     /// Pictures that are kept, one for each map.
     heats: Vec<HeatPicture>,
-    smooth: bool,
     arrows: bool,
     /// All heights side by side.
     slices: bool,
@@ -41,7 +40,6 @@ impl Default for PolicyPanelState {
     fn default() -> Self {
         Self {
             heats: Vec::new(),
-            smooth: false,
             arrows: true,
             slices: true,
             shown: 6,
