@@ -1,6 +1,6 @@
 //! The viewer without its window: the same code runs in a window, for a picture and in tests.
 
-use crate::command::{Commands, SteerCommand, ViewerCommand, WorldCommand};
+use crate::command::{Commands, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
@@ -213,58 +213,23 @@ impl Viewer {
                 commands.push(ViewerCommand::TogglePanel(panel.kind));
             }
         }
-        for action in keys::take_pressed(ctx, self.states.blend.has_focus()) {
+        for pressed in keys::take_pressed(ctx, self.states.blend.has_focus()) {
             if self.states.help {
                 // Over everything else, the list only waits to be closed.
-                self.states.help = !matches!(action, KeyAction::SelectNone | KeyAction::Help);
-            } else {
-                self.act(action, ctx.theme() == egui::Theme::Dark, commands);
+                self.states.help = ![egui::Key::Escape, egui::Key::H].contains(&pressed.key);
+                continue;
+            }
+            match pressed.action {
+                KeyAction::Ask(command) => commands.push(command(&self.model)),
+                KeyAction::Change(change) => {
+                    let mut settings = self.model.settings.clone();
+                    change(&mut settings, &self.model, ctx.theme() == egui::Theme::Dark);
+                    commands.push(ViewerCommand::Settings(Box::new(settings)));
+                }
+                KeyAction::Open => self.states.dialog = Some(SystemDialog::Files),
+                KeyAction::Help => self.states.help = true,
             }
         }
-    }
-
-    fn act(&mut self, action: KeyAction, is_dark: bool, commands: &mut Commands) {
-        let m = &self.model;
-        let changed = |change: &dyn Fn(&mut ViewerSettings)| {
-            let mut settings = m.settings.clone();
-            change(&mut settings);
-            ViewerCommand::Settings(Box::new(settings))
-        };
-        let second = if m.shows_clip() { m.shown_clip().map_or(30.0, |c| c.1) } else { crate::run::STEP_HZ } as i32;
-        let speed = m.head().map_or(m.player.speed, |h| h.speed());
-        commands.push(match action {
-            KeyAction::PlayPause => ViewerCommand::Play(!m.is_playing()),
-            KeyAction::Back => ViewerCommand::Step(-1),
-            KeyAction::On => ViewerCommand::Step(1),
-            KeyAction::BackSecond => ViewerCommand::Step(-second),
-            KeyAction::OnSecond => ViewerCommand::Step(second),
-            KeyAction::First => ViewerCommand::Seek(0),
-            KeyAction::Last => ViewerCommand::Seek(u32::MAX),
-            KeyAction::Slower => ViewerCommand::Speed(speed * 0.5),
-            KeyAction::Faster => ViewerCommand::Speed(speed * 2.0),
-            KeyAction::Restart => ViewerCommand::Restart,
-            KeyAction::Stage => {
-                let all = m.stages();
-                let now = all.iter().position(|&s| s == m.shown_stage()).unwrap_or(0);
-                let Some(&next) = all.get((now + 1) % all.len().max(1)) else { return };
-                ViewerCommand::Stage(next)
-            }
-            KeyAction::FrameAll => ViewerCommand::FrameAll,
-            KeyAction::Steer => ViewerCommand::Steer(SteerCommand::Toggle),
-            KeyAction::SelectNone => ViewerCommand::SelectCharacter(None),
-            KeyAction::Reload => ViewerCommand::Reload,
-            KeyAction::Open => return self.states.dialog = Some(SystemDialog::Files),
-            KeyAction::Undo => ViewerCommand::World(WorldCommand::Undo),
-            KeyAction::Redo => ViewerCommand::World(WorldCommand::Redo),
-            KeyAction::Help => return self.states.help = !self.states.help,
-            KeyAction::Follow => changed(&|s| s.follow = !s.follow),
-            KeyAction::Body => changed(&|s| s.body = m.next_body()),
-            KeyAction::JointAxes => changed(&|s| s.overlays.joint_axes = !s.overlays.joint_axes),
-            KeyAction::Theme => {
-                let theme = if is_dark { egui::ThemePreference::Light } else { egui::ThemePreference::Dark };
-                changed(&|s| s.theme = theme)
-            }
-        });
     }
 
     /// Asks for files or a folder in the system's own dialog, away from this thread.

@@ -52,6 +52,13 @@ impl Model {
         all.into_iter().filter(|s| s.1).map(|s| s.0).collect()
     }
 
+    /// The available stage after the one that is shown; the first one after the last.
+    pub fn next_stage(&self) -> ViewStage {
+        let (all, shown) = (self.stages(), self.shown_stage());
+        let now = all.iter().position(|&s| s == shown).unwrap_or(0);
+        all.get((now + 1) % all.len().max(1)).copied().unwrap_or(shown)
+    }
+
     /// The bundle and the crowd that the 3-D view shows.
     pub fn shown_crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
         self.document.crowd().filter(|_| self.shown_stage() == ViewStage::Crowd)

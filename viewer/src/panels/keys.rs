@@ -1,78 +1,45 @@
 //! The list of keys, which docs/viewer.md repeats. Keys of units are in `viewport/world.rs`.
 
 use super::PANELS;
-use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, Ui};
+use crate::command::{SteerCommand, ViewerCommand, WorldCommand};
+use crate::model::Model;
+use crate::run::STEP_HZ;
+use crate::settings::ViewerSettings;
+use KeyAction::{Ask, Change, Help, Open};
+use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, ThemePreference, Ui};
 
 /// Action of a key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub enum KeyAction {
-    /// Start or stop time.
-    PlayPause,
-    /// One step back.
-    Back,
-    /// One step forward.
-    On,
-    /// A second back.
-    BackSecond,
-    /// A second on.
-    OnSecond,
-    /// To the start of the recording.
-    First,
-    /// To the end of the recording.
-    Last,
-    /// Slower.
-    Slower,
-    /// Faster.
-    Faster,
-    /// Restart the run.
-    Restart,
-    /// Crowd, blend or clip: the next available stage.
-    Stage,
-    /// Camera follows.
-    Follow,
-    /// Move the camera so that everything is in view.
-    FrameAll,
-    /// Next body.
-    Body,
-    /// Joint axes.
-    JointAxes,
-    /// Steer the selected character, or release it.
-    Steer,
-    /// Select nothing.
-    SelectNone,
-    /// Next theme.
-    Theme,
-    /// Open a file.
+    /// Asks the model for something.
+    Ask(fn(&Model) -> ViewerCommand),
+    /// Changes settings; the last argument is true in a dark window.
+    Change(fn(&mut ViewerSettings, &Model, bool)),
+    /// Opens a file.
     Open,
-    /// Read the file again.
-    Reload,
-    /// Take the last change of a world back.
-    Undo,
-    /// Make it again.
-    Redo,
-    /// This list.
+    /// Shows this list.
     Help,
 }
 
 /// A key and its action.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Shortcut {
     /// Held with it.
     pub modifiers: Modifiers,
     /// The key.
     pub key: Key,
+    /// Description of the action; keys with the same description have the same action.
+    pub text: &'static str,
     /// Action of the key.
     pub action: KeyAction,
-    /// Description of the action.
-    pub text: &'static str,
 }
 
-const fn plain(key: Key, action: KeyAction, text: &'static str) -> Shortcut {
-    Shortcut { modifiers: Modifiers::NONE, key, action, text }
+const fn plain(key: Key, text: &'static str, action: KeyAction) -> Shortcut {
+    with_modifiers(Modifiers::NONE, key, text, action)
 }
 
-const fn with_modifiers(modifiers: Modifiers, key: Key, action: KeyAction, text: &'static str) -> Shortcut {
-    Shortcut { modifiers, key, action, text }
+const fn with_modifiers(modifiers: Modifiers, key: Key, text: &'static str, action: KeyAction) -> Shortcut {
+    Shortcut { modifiers, key, text, action }
 }
 
 const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
@@ -80,31 +47,55 @@ const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND }
 /// All keys but those of the panels, which are in [`PANELS`]. Keys with modifiers come before the same keys without,
 /// since the first match counts.
 pub const SHORTCUTS: &[Shortcut] = &[
-    plain(Key::Space, KeyAction::PlayPause, "play or pause"),
-    with_modifiers(Modifiers::SHIFT, Key::ArrowLeft, KeyAction::BackSecond, "a second back"),
-    with_modifiers(Modifiers::SHIFT, Key::ArrowRight, KeyAction::OnSecond, "a second forward"),
-    plain(Key::ArrowLeft, KeyAction::Back, "one step back"),
-    plain(Key::ArrowRight, KeyAction::On, "one step forward"),
-    plain(Key::Home, KeyAction::First, "start of the recording"),
-    plain(Key::End, KeyAction::Last, "end of the recording"),
-    plain(Key::OpenBracket, KeyAction::Slower, "half as fast"),
-    plain(Key::CloseBracket, KeyAction::Faster, "twice as fast"),
-    with_modifiers(Modifiers::COMMAND, Key::R, KeyAction::Reload, "reload the file"),
-    plain(Key::R, KeyAction::Restart, "restart the run"),
-    plain(Key::C, KeyAction::Stage, "crowd, blend or clip"),
-    plain(Key::F, KeyAction::Follow, "camera follows the selected character"),
-    plain(Key::G, KeyAction::Steer, "steer the selected one: W A S D, Shift, X"),
-    plain(Key::A, KeyAction::FrameAll, "show everything"),
-    plain(Key::B, KeyAction::Body, "next body"),
-    plain(Key::J, KeyAction::JointAxes, "joint axes"),
-    plain(Key::Escape, KeyAction::SelectNone, "select nothing"),
-    plain(Key::T, KeyAction::Theme, "dark or light"),
-    with_modifiers(Modifiers::COMMAND, Key::O, KeyAction::Open, "open a file"),
-    with_modifiers(COMMAND_SHIFT, Key::Z, KeyAction::Redo, "redo"),
-    with_modifiers(Modifiers::COMMAND, Key::Y, KeyAction::Redo, "redo"),
-    with_modifiers(Modifiers::COMMAND, Key::Z, KeyAction::Undo, "undo the last edit of a world"),
-    plain(Key::H, KeyAction::Help, "this list"),
+    plain(Key::Space, "play or pause", Ask(|m| ViewerCommand::Play(!m.is_playing()))),
+    with_modifiers(Modifiers::SHIFT, Key::ArrowLeft, "a second back", Ask(|m| ViewerCommand::Step(-steps_a_second(m)))),
+    with_modifiers(
+        Modifiers::SHIFT,
+        Key::ArrowRight,
+        "a second forward",
+        Ask(|m| ViewerCommand::Step(steps_a_second(m))),
+    ),
+    plain(Key::ArrowLeft, "one step back", Ask(|_| ViewerCommand::Step(-1))),
+    plain(Key::ArrowRight, "one step forward", Ask(|_| ViewerCommand::Step(1))),
+    plain(Key::Home, "start of the recording", Ask(|_| ViewerCommand::Seek(0))),
+    plain(Key::End, "end of the recording", Ask(|_| ViewerCommand::Seek(u32::MAX))),
+    plain(Key::OpenBracket, "half as fast", Ask(|m| ViewerCommand::Speed(speed(m) * 0.5))),
+    plain(Key::CloseBracket, "twice as fast", Ask(|m| ViewerCommand::Speed(speed(m) * 2.0))),
+    with_modifiers(Modifiers::COMMAND, Key::R, "reload the file", Ask(|_| ViewerCommand::Reload)),
+    plain(Key::R, "restart the run", Ask(|_| ViewerCommand::Restart)),
+    plain(Key::C, "crowd, blend or clip", Ask(|m| ViewerCommand::Stage(m.next_stage()))),
+    plain(Key::F, "camera follows the selected character", Change(|s, _, _| s.follow = !s.follow)),
+    plain(Key::G, "steer the selected one: W A S D, Shift, X", Ask(|_| ViewerCommand::Steer(SteerCommand::Toggle))),
+    plain(Key::A, "show everything", Ask(|_| ViewerCommand::FrameAll)),
+    plain(Key::B, "next body", Change(|s, m, _| s.body = m.next_body())),
+    plain(Key::J, "joint axes", Change(|s, _, _| s.overlays.joint_axes = !s.overlays.joint_axes)),
+    plain(Key::Escape, "select nothing", Ask(|_| ViewerCommand::SelectCharacter(None))),
+    plain(
+        Key::T,
+        "dark or light",
+        Change(|s, _, is_dark| s.theme = if is_dark { ThemePreference::Light } else { ThemePreference::Dark }),
+    ),
+    with_modifiers(Modifiers::COMMAND, Key::O, "open a file", Open),
+    with_modifiers(COMMAND_SHIFT, Key::Z, "redo", Ask(|_| ViewerCommand::World(WorldCommand::Redo))),
+    with_modifiers(Modifiers::COMMAND, Key::Y, "redo", Ask(|_| ViewerCommand::World(WorldCommand::Redo))),
+    with_modifiers(
+        Modifiers::COMMAND,
+        Key::Z,
+        "undo the last edit of a world",
+        Ask(|_| ViewerCommand::World(WorldCommand::Undo)),
+    ),
+    plain(Key::H, "this list", Help),
 ];
+
+/// Steps of the run, or frames of the clip, in a second.
+fn steps_a_second(model: &Model) -> i32 {
+    (if model.shows_clip() { model.shown_clip().map_or(30.0, |c| c.1) } else { STEP_HZ }) as i32
+}
+
+/// Seconds that pass in one.
+fn speed(model: &Model) -> f32 {
+    model.head().map_or(model.player.speed, |h| h.speed())
+}
 
 /// Width of the list, where the window has room for it (points).
 const WIDTH: f32 = 900.0;
@@ -124,16 +115,16 @@ const MOUSE: [(&str, &str); 11] = [
     ("Ctrl + plus, minus, 0", "size of everything in the window"),
 ];
 
-/// The actions of the keys pressed since the last frame; removes these keys from the input.
+/// The keys pressed since the last frame; removes them from the input.
 ///
 /// - `leaves_arrows`: something that has the focus is moved by the arrow keys.
-pub fn take_pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<KeyAction> {
+pub fn take_pressed(ctx: &egui::Context, leaves_arrows: bool) -> Vec<&'static Shortcut> {
     if ctx.text_edit_focused() {
         return Vec::new();
     }
     let is_left = |s: &Shortcut| leaves_arrows && [Key::ArrowLeft, Key::ArrowRight].contains(&s.key);
     let hit = |s: &&Shortcut| !is_left(s) && ctx.input_mut(|i| i.consume_key(s.modifiers, s.key));
-    SHORTCUTS.iter().filter(hit).map(|s| s.action).collect()
+    SHORTCUTS.iter().filter(hit).collect()
 }
 
 /// Shows the list until it is closed.
@@ -169,7 +160,7 @@ fn tables(ui: &mut Ui) {
 /// Keys with their actions; keys with the same action share a row.
 fn rows(ctx: &egui::Context) -> Vec<(String, &'static str)> {
     let of = |s: &Shortcut| {
-        let same = SHORTCUTS.iter().filter(|o| o.action == s.action);
+        let same = SHORTCUTS.iter().filter(|o| o.text == s.text);
         let name = |s: &Shortcut| match s.modifiers.is_none() {
             true => s.key.symbol_or_name().to_owned(),
             false => ctx.format_shortcut(&egui::KeyboardShortcut::new(s.modifiers, s.key)),
@@ -208,8 +199,7 @@ mod tests {
     #[test]
     fn keys_with_the_same_action_are_listed_together() {
         let rows = rows(&egui::Context::default());
-        let actions =
-            SHORTCUTS.iter().enumerate().filter(|(i, s)| SHORTCUTS[..*i].iter().all(|e| e.action != s.action));
+        let actions = SHORTCUTS.iter().enumerate().filter(|(i, s)| SHORTCUTS[..*i].iter().all(|e| e.text != s.text));
         assert_eq!(rows.len(), actions.count());
     }
 
@@ -217,7 +207,7 @@ mod tests {
     fn a_key_with_shift_or_ctrl_is_looked_for_before_the_plain_one() {
         for (i, s) in SHORTCUTS.iter().enumerate() {
             let hidden = SHORTCUTS[..i].iter().any(|e| e.key == s.key && e.modifiers.is_none());
-            assert!(!hidden, "{:?} would never be reached", s.action);
+            assert!(!hidden, "{} would never be reached", s.text);
         }
     }
 }
