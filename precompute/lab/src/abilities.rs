@@ -165,8 +165,9 @@ impl Abilities {
     }
 }
 
-/// Flags the frames of a bundle that some action plays.
-fn played_frames(tables: &Bundle) -> Vec<bool> {
+/// Flags the frames of a bundle that some action plays: the first frame of a segment takes the place of the one that is
+/// left, and does not count (number of frames).
+pub fn played_frames(tables: &Bundle) -> Vec<bool> {
     let mut played = vec![false; tables.frames().len()];
     for s in tables.graph().segments.iter() {
         let first = s.start as usize + 1;

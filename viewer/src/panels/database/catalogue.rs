@@ -6,31 +6,18 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use throng_core::format::{ClipMeta, ClipRecord};
+use throng_precompute::abilities::played_frames;
 
-/// Columns of the list, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClipColumn {
-    /// Name.
-    Name,
-    /// Length.
-    Duration,
-    /// Share of the frames that are not left out.
-    Usable,
-    /// Share of the frames that the motion graph plays.
-    Played,
-    /// States.
-    States,
-    /// Actions that leave its states.
-    Actions,
-    /// Tags; the last column, so that it can be left out.
-    Tags,
-}
-
-impl ClipColumn {
-    /// All of them, as the list shows them.
-    pub const ALL: [Self; 7] =
-        [Self::Name, Self::Duration, Self::Usable, Self::Played, Self::States, Self::Actions, Self::Tags];
-}
+/// Order of two clips by each column of the list.
+const ORDERS: [fn(&CatalogueClip, &CatalogueClip) -> Ordering; 7] = [
+    |a, b| a.name.cmp(&b.name),
+    |a, b| a.duration_s.total_cmp(&b.duration_s),
+    |a, b| a.usable.total_cmp(&b.usable),
+    |a, b| a.played.total_cmp(&b.played),
+    |a, b| a.states.cmp(&b.states),
+    |a, b| a.actions.cmp(&b.actions),
+    |a, b| a.tags.cmp(&b.tags),
+];
 
 /// A clip in the list.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +52,7 @@ pub struct ClipCatalogue {
 impl ClipCatalogue {
     /// Collects the entries of the list.
     pub fn from_bundle(bundle: &OpenBundle) -> Self {
-        let played = played_rows(bundle);
+        let played = played_frames(bundle.tables());
         let graph = bundle.tables().graph();
         let entry = |(record, meta): (&ClipRecord, &ClipMeta)| {
             let rows = record.first_frame..record.first_frame + record.num_frames;
@@ -96,22 +83,10 @@ impl ClipCatalogue {
         let words: Vec<&str> = query.split_whitespace().collect();
         let matches = |e: &CatalogueClip| words.iter().all(|w| e.haystack.contains(w));
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| matches(&self.entries[i])).collect();
-        if let Some(field) = ClipColumn::ALL.get(sort.column) {
-            out.sort_by(|&a, &b| sort.directed(compare(&self.entries[a], &self.entries[b], *field)));
+        if let Some(order) = ORDERS.get(sort.column) {
+            out.sort_by(|&a, &b| sort.directed(order(&self.entries[a], &self.entries[b])));
         }
         out
-    }
-}
-
-fn compare(a: &CatalogueClip, b: &CatalogueClip, field: ClipColumn) -> Ordering {
-    match field {
-        ClipColumn::Name => a.name.cmp(&b.name),
-        ClipColumn::Duration => a.duration_s.total_cmp(&b.duration_s),
-        ClipColumn::Usable => a.usable.total_cmp(&b.usable),
-        ClipColumn::Played => a.played.total_cmp(&b.played),
-        ClipColumn::States => a.states.cmp(&b.states),
-        ClipColumn::Actions => a.actions.cmp(&b.actions),
-        ClipColumn::Tags => a.tags.cmp(&b.tags),
     }
 }
 
@@ -119,17 +94,6 @@ fn compare(a: &CatalogueClip, b: &CatalogueClip, field: ClipColumn) -> Ordering 
 pub fn states_within(bundle: &OpenBundle, rows: &Range<u32>) -> Range<usize> {
     let states = &bundle.tables().graph().states;
     states.partition_point(|s| s.frame < rows.start)..states.partition_point(|s| s.frame < rows.end)
-}
-
-/// True for every row that some segment plays: its first frame takes the place of the one that is left and does not
-/// count (number of frames).
-pub fn played_rows(bundle: &OpenBundle) -> Vec<bool> {
-    let tables = bundle.tables();
-    let mut played = vec![false; tables.frames().len()];
-    for s in &tables.graph().segments {
-        played[s.start as usize + 1..=(s.start + s.num_frames) as usize].fill(true);
-    }
-    played
 }
 
 #[cfg(test)]
@@ -178,7 +142,8 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_column() {
         let c = catalogue();
-        let column = ClipColumn::ALL.iter().position(|f| *f == ClipColumn::States).unwrap();
+        // That of states.
+        let column = 4;
         assert_eq!(c.select("", TableSort { column, descending: false }), [0, 2, 1]);
         assert_eq!(c.select("", TableSort { column, descending: true }), [1, 2, 0]);
         assert_eq!(c.select("walk", TableSort { column, descending: true }), [2, 0]);

@@ -1,14 +1,14 @@
 //! The list of clips, with a search field.
 
-use super::catalogue::{CatalogueClip, ClipCatalogue, ClipColumn};
+use super::catalogue::{CatalogueClip, ClipCatalogue};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort, time_text};
 use eframe::egui::{Button, Label, RichText, TextEdit, Ui};
 
-/// Columns, in the order of [`ClipColumn::ALL`].
-const COLUMNS: [TableColumn<'static>; ClipColumn::ALL.len()] = [
+/// Columns; that of tags is the last one, so that it can be left out.
+const COLUMNS: [TableColumn<'static>; 7] = [
     TableColumn::text("Clip", "Name; copies with left and right exchanged are dimmed and end in ~mirror", 100.0, 3.0),
     TableColumn::number("Length", "Duration", 62.0),
     TableColumn::number("Usable", "Share of the frames that are not left out", 52.0).spare(1),
@@ -67,15 +67,14 @@ pub fn show(ui: &mut Ui, state: &mut ClipListState, model: &Model, bundle: &Open
         return;
     }
     let has_tags = state.catalogue.entries.iter().any(|e| !e.tags.is_empty());
-    let columns = if has_tags { &COLUMNS[..] } else { &COLUMNS[..ClipColumn::ALL.len() - 1] };
+    let columns = if has_tags { &COLUMNS[..] } else { &COLUMNS[..COLUMNS.len() - 1] };
     let table = RowTable {
         selected: state.rows.iter().position(|r| *r == selected),
         sort: state.sort.or(Some(TableSort::NONE)),
         scroll_to_selected: state.shown != Some(selected),
         ..RowTable::new("clips", columns, state.rows.len())
     };
-    let response =
-        table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], ClipColumn::ALL[column]));
+    let response = table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], column));
     state.shown = Some(selected);
     state.sort = response.sort.or(state.sort);
     commands.extend(response.chosen.map(|row| ViewerCommand::ShowClip { clip: state.rows[row], frame: 0 }));
@@ -97,17 +96,18 @@ fn search(ui: &mut Ui, state: &mut ClipListState) {
     });
 }
 
-fn cell(entry: &CatalogueClip, field: ClipColumn) -> TableCell {
+/// A clip in a column, which [`COLUMNS`] numbers.
+fn cell(entry: &CatalogueClip, column: usize) -> TableCell {
     let share = |v: f32, weak| TableCell { text: format!("{:.0} %", 100.0 * v), weak, ..TableCell::default() };
     let count = |n: u32| if n == 0 { TableCell::weak("0") } else { TableCell::new(n.to_string()) };
-    match field {
-        ClipColumn::Name if entry.mirrored => TableCell::weak(&entry.name).ending(),
-        ClipColumn::Name => TableCell::new(&entry.name).ending(),
-        ClipColumn::Duration => TableCell::new(time_text(entry.duration_s)),
-        ClipColumn::Usable => share(entry.usable, entry.usable >= 1.0),
-        ClipColumn::Played => share(entry.played, entry.played <= 0.0),
-        ClipColumn::States => count(entry.states),
-        ClipColumn::Actions => count(entry.actions),
-        ClipColumn::Tags => TableCell::new(&entry.tags),
+    match column {
+        0 if entry.mirrored => TableCell::weak(&entry.name).ending(),
+        0 => TableCell::new(&entry.name).ending(),
+        1 => TableCell::new(time_text(entry.duration_s)),
+        2 => share(entry.usable, entry.usable >= 1.0),
+        3 => share(entry.played, entry.played <= 0.0),
+        4 => count(entry.states),
+        5 => count(entry.actions),
+        _ => TableCell::new(&entry.tags),
     }
 }

@@ -1,11 +1,12 @@
 //! Data of a clip for a timeline: runs of frames and marks.
 
-use super::catalogue::{played_rows, states_within};
+use super::catalogue::states_within;
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::glitches::{self, GlitchMark};
 use std::ops::Range;
 use throng_core::Contacts;
+use throng_precompute::abilities::played_frames;
 use throng_precompute::clip;
 
 /// The four parts of the feet, from the top lane to the bottom one.
@@ -78,7 +79,7 @@ impl TimelineTrack {
             let (frame, standing) = (record.frame - rows.start, record.standing != 0);
             StateMark { state: state as u32, frame, standing }
         };
-        let played = played_rows(bundle);
+        let played = played_frames(bundle.tables());
         let contacts = bundle.tables().contacts()[within.clone()].to_vec();
         Some(Self {
             name: meta.name.clone(),

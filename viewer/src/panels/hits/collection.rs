@@ -8,30 +8,16 @@ use std::cmp::Ordering;
 use std::collections::BTreeSet;
 use throng_core::Joint;
 
-/// Columns of the list, in order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HitColumn {
-    /// Clip and time.
-    Moment,
-    /// Kind of blow.
-    Kind,
-    /// Joint that strikes.
-    Limb,
-    /// Speed relative to the fastest hit of its kind.
-    Force,
-    /// From straight ahead to the left.
-    Angle,
-    /// Over ground.
-    Distance,
-    /// Above the ground.
-    Height,
-}
-
-impl HitColumn {
-    /// All of them, as the list shows them.
-    pub const ALL: [Self; 7] =
-        [Self::Moment, Self::Kind, Self::Limb, Self::Force, Self::Angle, Self::Distance, Self::Height];
-}
+/// Order of two hits by each column of the list.
+const ORDERS: [fn(&HitEntry, &HitEntry) -> Ordering; 7] = [
+    |a, b| a.row.cmp(&b.row),
+    |a, b| a.kind.cmp(&b.kind),
+    |a, b| a.joint.cmp(&b.joint),
+    |a, b| a.force.total_cmp(&b.force),
+    |a, b| a.angle().total_cmp(&b.angle()),
+    |a, b| a.distance().total_cmp(&b.distance()),
+    |a, b| a.position.y.total_cmp(&b.position.y),
+];
 
 /// An effective hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,8 +122,8 @@ impl HitCollection {
         let HitFilter { kind, joint } = filter;
         let admits = |e: &HitEntry| kind.is_none_or(|k| k == e.kind) && joint.is_none_or(|j| j == e.joint);
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| admits(&self.entries[i])).collect();
-        if let Some(field) = HitColumn::ALL.get(sort.column) {
-            out.sort_by(|&a, &b| sort.directed(compare(&self.entries[a], &self.entries[b], *field)));
+        if let Some(order) = ORDERS.get(sort.column) {
+            out.sort_by(|&a, &b| sort.directed(order(&self.entries[a], &self.entries[b])));
         }
         out
     }
@@ -154,18 +140,6 @@ impl HitCollection {
             height: bounds(|e| e.position.y),
             force: bounds(|e| e.force),
         })
-    }
-}
-
-fn compare(a: &HitEntry, b: &HitEntry, field: HitColumn) -> Ordering {
-    match field {
-        HitColumn::Moment => a.row.cmp(&b.row),
-        HitColumn::Kind => a.kind.cmp(&b.kind),
-        HitColumn::Limb => a.joint.cmp(&b.joint),
-        HitColumn::Force => a.force.total_cmp(&b.force),
-        HitColumn::Angle => a.angle().total_cmp(&b.angle()),
-        HitColumn::Distance => a.distance().total_cmp(&b.distance()),
-        HitColumn::Height => a.position.y.total_cmp(&b.position.y),
     }
 }
 
@@ -218,13 +192,11 @@ mod tests {
     #[test]
     fn the_order_is_that_of_the_column() {
         let c = collection();
-        let by = |field: HitColumn, descending| {
-            let column = HitColumn::ALL.iter().position(|f| *f == field).unwrap();
-            c.select(HitFilter::default(), TableSort { column, descending })
-        };
-        assert_eq!(by(HitColumn::Distance, false), [2, 0, 1]);
-        assert_eq!(by(HitColumn::Force, true), [0, 1, 2]);
-        assert_eq!(by(HitColumn::Height, true), [0, 1, 2]);
+        let by = |column, descending| c.select(HitFilter::default(), TableSort { column, descending });
+        let [force, distance, height] = [3, 5, 6];
+        assert_eq!(by(distance, false), [2, 0, 1]);
+        assert_eq!(by(force, true), [0, 1, 2]);
+        assert_eq!(by(height, true), [0, 1, 2]);
     }
 
     #[test]

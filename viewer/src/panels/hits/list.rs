@@ -1,7 +1,7 @@
 //! The hits as a list.
 
 use super::HitsInput;
-use super::collection::{HitCollection, HitColumn, HitEntry, joint_name};
+use super::collection::{HitCollection, HitEntry, joint_name};
 use crate::bundle::OpenBundle;
 use crate::panels::moment;
 use crate::panels::paint::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort};
@@ -29,19 +29,20 @@ pub fn show(ui: &mut Ui, input: &HitsInput<'_>, sort: &mut TableSort, scrolls: b
         scroll_to_selected: scrolls,
         ..RowTable::new("hits", &COLUMNS, shown.len())
     };
-    let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], HitColumn::ALL[column]));
+    let response = table.show(ui, |row, column| cell(bundle, hits, &hits.entries[shown[row]], column));
     *sort = response.sort.unwrap_or(*sort);
     response
 }
 
-fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, field: HitColumn) -> TableCell {
-    match field {
-        HitColumn::Moment => TableCell::new(moment(bundle, e.row)).ending(),
-        HitColumn::Kind => TableCell::new(hits.kind(e.kind)),
-        HitColumn::Limb => TableCell::new(joint_name(e.joint)),
-        HitColumn::Force => TableCell::new(format!("{:.2}", e.force)).bar(e.force),
-        HitColumn::Angle => TableCell::new(format!("{:.2}", e.angle())),
-        HitColumn::Distance => TableCell::new(format!("{:.2}", e.distance())),
-        HitColumn::Height => TableCell::new(format!("{:.2}", e.position.y)),
+/// A hit in a column, which [`COLUMNS`] numbers.
+fn cell(bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry, column: usize) -> TableCell {
+    match column {
+        0 => TableCell::new(moment(bundle, e.row)).ending(),
+        1 => TableCell::new(hits.kind(e.kind)),
+        2 => TableCell::new(joint_name(e.joint)),
+        3 => TableCell::new(format!("{:.2}", e.force)).bar(e.force),
+        4 => TableCell::new(format!("{:.2}", e.angle())),
+        5 => TableCell::new(format!("{:.2}", e.distance())),
+        _ => TableCell::new(format!("{:.2}", e.position.y)),
     }
 }

@@ -13,7 +13,6 @@ use crate::panels::paint::PanelWidget;
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use std::path::PathBuf;
-use timeline::PlotDirection;
 
 /// Most motions that are planned at once.
 const MOST: u64 = 20;
@@ -21,8 +20,8 @@ const MOST: u64 = 20;
 /// State of the panel.
 #[derive(Clone, Debug, Default)]
 pub struct PlanPanelState {
-    /// Vertical axis of the plot over time.
-    along: PlotDirection,
+    /// Vertical axis of the plot over time: number of its direction.
+    along: usize,
     /// Files that a motion and the task are written to, as they were typed.
     file: Option<String>,
     task: Option<String>,

@@ -24,37 +24,18 @@ const AROUND_S: f64 = 0.3;
 /// Nodes of a tree that are drawn at most.
 const MAX_NODES: usize = 6000;
 
-/// A direction of space.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum PlotDirection {
-    /// +X.
-    X,
-    /// Up.
-    #[default]
-    Up,
-    /// +Z.
-    Z,
-}
-
-impl PlotDirection {
-    const ALL: [(Self, &'static str); 3] = [(Self::Up, "height"), (Self::X, "x"), (Self::Z, "z")];
-
-    fn component(self, p: DVec3) -> f64 {
-        match self {
-            Self::X => p.x,
-            Self::Up => p.y,
-            Self::Z => p.z,
-        }
-    }
-}
+/// Directions of space that the plot may show over time, with their names.
+const DIRECTIONS: [(DVec3, &str); 3] = [(DVec3::Y, "height"), (DVec3::X, "x"), (DVec3::Z, "z")];
 
 /// Shows it; returns the frame that the play head is moved to by a click or a drag.
-pub fn show(ui: &mut Ui, model: &Model, along: &mut PlotDirection, wanted: &mut PlanViewOptions) -> Option<u32> {
+///
+/// - `along`: number of the shown direction.
+pub fn show(ui: &mut Ui, model: &Model, along: &mut usize, wanted: &mut PlanViewOptions) -> Option<u32> {
     let task = model.document.task()?;
     ui.horizontal_wrapped(|ui| {
         ui.strong("Over time");
         ui.checkbox(&mut wanted.trees, "trees").on_hover_text("Where hands and feet are in the trees of the searches");
-        for (direction, name) in PlotDirection::ALL {
+        for (direction, (_, name)) in DIRECTIONS.into_iter().enumerate() {
             ui.selectable_value(along, direction, name);
         }
         for (colour, name) in TREES.into_iter().zip(["from the start", "from the goal"]) {
@@ -75,7 +56,7 @@ pub fn show(ui: &mut Ui, model: &Model, along: &mut PlotDirection, wanted: &mut 
     if wanted.trees {
         let at = Rect::from_x_y_ranges(axis.x, rows.bottom() + 4.0..=rect.bottom());
         let done: Vec<&StepOutcome> = inspected_steps(model, task).filter(|d| !d.trees.is_empty()).collect();
-        plot.trees(at, &done, *along);
+        plot.trees(at, &done, DIRECTIONS[*along].0);
     }
     let head = axis.x_of(model.player.frame.round());
     if axis.x.contains(head) {
@@ -136,11 +117,11 @@ impl TaskPlot<'_> {
     }
 
     /// One direction over time: nodes and edges of trees, and the planned hand.
-    fn trees(&self, rect: Rect, done: &[&StepOutcome], along: PlotDirection) {
+    fn trees(&self, rect: Rect, done: &[&StepOutcome], along: DVec3) {
         self.painter.rect_filled(rect, 0.0, self.visuals.extreme_bg_color);
         let nodes = done.iter().flat_map(|d| &d.trees).flat_map(|g| g.trees.iter().flatten());
         let [low, high] = nodes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], n| {
-            let v = along.component(n.tip);
+            let v = along.dot(n.tip);
             [low.min(v), high.max(v)]
         });
         if low > high {
@@ -152,7 +133,7 @@ impl TaskPlot<'_> {
         }
         let (low, high) = (low - 0.05, high + 0.05);
         let y_of = |v: f64| rect.bottom() - ((v - low) / (high - low)) as f32 * rect.height();
-        let point = |at: DVec3, time_s: f64| pos2(self.x_of(time_s), y_of(along.component(at)));
+        let point = |at: DVec3, time_s: f64| pos2(self.x_of(time_s), y_of(along.dot(at)));
         for (v, anchor) in [(low, Align2::RIGHT_BOTTOM), (high, Align2::RIGHT_TOP)] {
             self.paint_number(pos2(rect.left() - 4.0, y_of(v)), anchor, format!("{v:.2}"));
         }
