@@ -4,6 +4,7 @@ use crate::args::CommandResult;
 use serde::Serialize;
 use std::io::Write;
 use throng_core::base::text::{escape_for_terminal, escape_json_for_terminal};
+pub use throng_precompute::memory::bytes_text as bytes;
 
 /// Prints one JSON object on standard output, without control characters for a terminal.
 pub fn json(value: &impl Serialize) -> CommandResult {
@@ -51,15 +52,6 @@ pub fn warnings(skipped: &[String], warnings: &[String]) {
     skipped.iter().for_each(|s| print_to_stderr(format_args!("skipped: {s}")));
     if !skipped.is_empty() {
         eprintln!("{} file(s) skipped; --strict stops at the first", skipped.len());
-    }
-}
-
-/// A number of bytes as text.
-pub fn bytes(n: u64) -> String {
-    match n {
-        0..10_000 => format!("{n} bytes"),
-        10_000..10_000_000 => format!("{:.1} kB", n as f64 / 1e3),
-        _ => format!("{:.1} MB", n as f64 / 1e6),
     }
 }
 

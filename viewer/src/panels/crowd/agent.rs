@@ -1,10 +1,10 @@
 //! The selected agent: how it moves, when it acts next, the forces on it, and its brain.
 
-use super::{selected_brain, swatch};
+use super::selected_brain;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
-use crate::panels::paint::{PanelWidget, facts};
+use crate::panels::paint::{PanelWidget, facts, swatch};
 use crate::panels::{character_field, colour_of_view, words};
 use crate::render::Rgba;
 use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};

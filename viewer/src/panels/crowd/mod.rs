@@ -10,13 +10,13 @@ mod overlays;
 mod rates;
 
 use super::colour_of_view;
-use super::paint::empty;
+use super::paint::{empty, swatch};
 use crate::command::{Commands, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
 use crate::run::agents::first_agent;
 use crate::stage::agents::colour_of_group;
-use eframe::egui::{CollapsingHeader, Color32, RichText, Sense, Ui, vec2};
+use eframe::egui::{CollapsingHeader, RichText, Ui};
 use throng_simulation::scenario::AgentBrains;
 
 /// State of the panel.
@@ -69,12 +69,6 @@ fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
 fn selected_brain(model: &Model, scene: &SceneDocument, brains: &AgentBrains) -> Option<usize> {
     let first = first_agent(scene.run.simulation()).unwrap_or(0);
     model.selection.character.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len())
-}
-
-/// A small square with a colour of the 3-D view.
-fn swatch(ui: &mut Ui, colour: Color32) {
-    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-    ui.painter().rect_filled(rect, 2.0, colour);
 }
 
 /// Name of an agent, for people.

@@ -6,7 +6,7 @@ mod widget;
 
 pub use axis::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
-pub use widget::{PanelWidget, choose, coordinates, facts};
+pub use widget::{PanelWidget, choose, coordinates, facts, swatch};
 
 use super::words::number;
 use crate::document::OpenDocument;

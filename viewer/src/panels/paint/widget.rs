@@ -1,7 +1,7 @@
 //! Widgets as panels use them: found by their names, and asking the model for something.
 
 use crate::command::{Commands, ViewerCommand};
-use eframe::egui::{ComboBox, DragValue, Grid, Label, Response, RichText, Role, Ui, WidgetInfo};
+use eframe::egui::{Color32, ComboBox, DragValue, Grid, Label, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 /// A widget with a name, or one that asks the model for something.
 pub trait PanelWidget {
@@ -51,6 +51,12 @@ pub fn coordinates(ui: &mut Ui, values: &mut [(&str, &mut f32)], limit: f32, spe
         let field = DragValue::new(*value).range(-limit..=limit).speed(speed).update_while_editing(false);
         ui.add(field.suffix(" m").fixed_decimals(num_decimals));
     }
+}
+
+/// Shows a small square with a colour of the 3-D view, or of a line.
+pub fn swatch(ui: &mut Ui, colour: Color32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, colour);
 }
 
 /// Shows a grid of facts: each has a name, a hint about the name that may be empty, and a value.

@@ -6,6 +6,7 @@ use crate::panels::paint::{RowTable, TableCell, TableColumn, TableSort};
 use eframe::egui::{RichText, ScrollArea, TextEdit, Ui};
 use std::cmp::Ordering;
 use throng_core::format::SourceMeta;
+use throng_precompute::memory::bytes_text;
 
 const COLUMNS: [TableColumn<'static>; 3] = [
     TableColumn::text("File", "As the configuration names it", 120.0, 1.0),
@@ -119,16 +120,6 @@ fn config(ui: &mut Ui, toml: &str) {
     });
 }
 
-/// A number of bytes for people, in steps of 1024.
-fn bytes_text(bytes: u64) -> String {
-    let b = bytes as f64;
-    match bytes {
-        0..1024 => format!("{bytes} B"),
-        1024..1_048_576 => format!("{:.1} KiB", b / 1024.0),
-        _ => format!("{:.1} MiB", b / 1_048_576.0),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,10 +138,5 @@ mod tests {
         assert_eq!(rows(TableSort { column: 0, descending: false }), [1, 0, 2]);
         assert_eq!(rows(TableSort { column: 1, descending: true }), [1, 2, 0]);
         assert_eq!(rows(TableSort { column: 2, descending: false }), [0, 2, 1]);
-    }
-
-    #[test]
-    fn byte_counts_are_shown_in_fitting_units() {
-        assert_eq!([999, 2048, 3 << 20].map(bytes_text), ["999 B", "2.0 KiB", "3.0 MiB"]);
     }
 }

@@ -1,10 +1,10 @@
 //! Results of blows, and penetration of opponents.
 
-use super::{COLOURS, SMOOTH, key, line, plot, row, section, smooth};
+use super::{COLOURS, SMOOTH, key, line, plot, section, smooth, strong_facts};
 use crate::panels::colour_of_view;
 use crate::run::{BoutFigures, STEP_HZ, StepFigures};
 use crate::stage::bout::{KINDS, colour_of};
-use eframe::egui::{Grid, Ui};
+use eframe::egui::Ui;
 
 /// Time that hits a minute are counted over, in the plot (s).
 const WINDOW_S: f32 = 10.0;
@@ -18,18 +18,18 @@ pub fn show(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
             let percent = 100.0 * f64::from(count) / f64::from(f.blows.thrown.max(1));
             format!("{count} ({percent:.0} %)")
         };
-        Grid::new("blows").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-            row(ui, "thrown", f.blows.thrown.to_string());
-            row(ui, "landed", share(f.blows.landed));
+        strong_facts(ui, "blows", |row| {
+            row("thrown", f.blows.thrown.to_string());
+            row("landed", share(f.blows.landed));
             if f.penetration_m.is_some() {
-                row(ui, "blocked", share(f.blows.blocked));
+                row("blocked", share(f.blows.blocked));
             }
-            row(ui, "missed", share(f.blows.missed));
+            row("missed", share(f.blows.missed));
             let since = BoutFigures::default();
-            row(ui, "hits a minute", format!("{:.1} a character", f.hits_per_minute(&since, n)));
+            row("hits a minute", format!("{:.1} a character", f.hits_per_minute(&since, n)));
             if let Some(now) = f.penetration_m {
                 let most = f.max_penetration_m;
-                row(ui, "penetration", format!("{:.1} cm now, {:.1} cm at most", 100.0 * now, 100.0 * most));
+                row("penetration", format!("{:.1} cm now, {:.1} cm at most", 100.0 * now, 100.0 * most));
             }
         });
         ui.horizontal_wrapped(|ui| {

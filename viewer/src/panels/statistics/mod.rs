@@ -3,11 +3,12 @@
 mod bout;
 
 use crate::model::Model;
-use crate::panels::paint::fixed_plot;
+use crate::panels::paint::{facts, fixed_plot, swatch};
 use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
-use eframe::egui::{CollapsingHeader, Color32, Grid, Label, RichText, Sense, Ui, vec2};
+use eframe::egui::{CollapsingHeader, Color32, Grid, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 use throng_core::Bundle;
+use throng_precompute::memory::bytes_text;
 
 /// Height of a plot (points).
 const PLOT_HEIGHT: f32 = 130.0;
@@ -45,27 +46,27 @@ pub fn show(ui: &mut Ui, model: &Model) {
 fn show_current(ui: &mut Ui, model: &Model, run: &CrowdRun) {
     let f = run.figures();
     let n = run.config().characters;
-    Grid::new("now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
+    strong_facts(ui, "now", |row| {
         let share = 100.0 * f.at_target as f32 / n as f32;
-        row(ui, "characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
-        row(ui, "foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
+        row("characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
+        row("foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
         let per_character = 1e9 * f.wall_s / n as f64;
-        row(ui, "step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
-        row(ui, "frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
+        row("step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
+        row("frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
         let record_s = run.history().count() as f32 / STEP_HZ;
-        row(ui, "record", format!("{} for {record_s:.0} s", bytes(run.recording_bytes())));
+        row("record", format!("{} for {record_s:.0} s", bytes_text(run.recording_bytes() as u64)));
     });
 }
 
 /// Shows the time of a step of a scene, and the state of its groups.
 fn show_scene(ui: &mut Ui, run: &SceneRun) {
     let (f, n) = (run.figures(), run.simulation().num_characters());
-    Grid::new("scene now").num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
-        row(ui, "present", format!("{} of {n}", run.num_present()));
+    strong_facts(ui, "scene now", |row| {
+        row("present", format!("{} of {n}", run.num_present()));
         let each = 1e6 * f.wall_s * f64::from(STEP_HZ) / n.max(1) as f64;
-        row(ui, "step", format!("{:.3} ms, {each:.1} µs a character and second", 1e3 * f.wall_s));
+        row("step", format!("{:.3} ms, {each:.1} µs a character and second", 1e3 * f.wall_s));
         let kept = run.head.recorded();
-        row(ui, "record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
+        row("record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
     });
     let history: Vec<_> = run.history().collect();
     if f.bout.is_some() {
@@ -76,10 +77,9 @@ fn show_scene(ui: &mut Ui, run: &SceneRun) {
     }
 }
 
-fn row(ui: &mut Ui, name: &str, text: String) {
-    ui.label(name);
-    ui.add(Label::new(RichText::new(text).strong()).wrap().selectable(true));
-    ui.end_row();
+/// Shows names and figures.
+fn strong_facts(ui: &mut Ui, id: &str, add: impl FnOnce(&mut dyn FnMut(&str, String))) {
+    facts(ui, id, true, |row| add(&mut |name, text| row(name, "", RichText::new(text).strong())));
 }
 
 fn step_times(ui: &mut Ui, run: &CrowdRun) {
@@ -140,8 +140,7 @@ fn line<'a>(name: &str, colour: Color32, points: PlotPoints<'a>) -> Line<'a> {
 /// A name with the colour of its line.
 fn key(ui: &mut Ui, name: &str, colour: Color32) {
     ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(vec2(10.0, 10.0), Sense::hover());
-        ui.painter().rect_filled(rect, 2.0, colour);
+        swatch(ui, colour);
         ui.label(name);
     });
 }
@@ -170,17 +169,17 @@ fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
         Grid::new("memory").num_columns(3).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
             for (tag, len) in tables.section_sizes() {
                 ui.label(section_name(&tag.to_string())).on_hover_text(format!("section {tag}"));
-                ui.monospace(format!("{:>10}", bytes(len)));
+                ui.monospace(format!("{:>10}", bytes_text(len as u64)));
                 ui.monospace(format!("{:>5.1} %", 100.0 * len as f64 / all as f64));
                 ui.end_row();
             }
             ui.strong("whole bundle");
-            ui.monospace(format!("{:>10}", bytes(all)));
+            ui.monospace(format!("{:>10}", bytes_text(all as u64)));
             ui.end_row();
         });
         if let Some((_, run)) = model.document.crowd() {
             let poses = size_of_val(run.characters().model_matrices());
-            ui.label(format!("Poses of the crowd: {}", bytes(poses)));
+            ui.label(format!("Poses of the crowd: {}", bytes_text(poses as u64)));
         }
     });
 }
@@ -237,12 +236,4 @@ fn section_name(tag: &str) -> String {
         _ => return tag.to_owned(),
     };
     format!("{name} ({tag})")
-}
-
-fn bytes(n: usize) -> String {
-    match n {
-        0..10_000 => format!("{n} B"),
-        10_000..10_000_000 => format!("{:.1} kB", n as f64 / 1e3),
-        _ => format!("{:.1} MB", n as f64 / 1e6),
-    }
 }
