@@ -43,6 +43,7 @@ use rayon::prelude::*;
 pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS, nearest_axis};
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
+pub(crate) use shape::split_words;
 pub use source::SourceClip;
 use source::content_error;
 use std::collections::BTreeMap;

@@ -1,5 +1,6 @@
 //! Words in the names of files and folders that say how somebody moves.
 
+use crate::import::split_words;
 use std::path::Path;
 
 /// Manners that names give, as they are written.
@@ -86,7 +87,7 @@ impl NameHints {
         // The last word of a file is its extension.
         let file = parts.first().map_or("", |p| p.rsplit_once('.').map_or(&**p, |(stem, _)| stem));
         let folder = parts.get(1).map_or("", String::as_str);
-        let words = words(&[folder, file, name].join("/"));
+        let words = split_words(&[folder, file, name].join("/"));
         let any = |stems: &[&str]| words.iter().any(|w| stems.iter().any(|s| w.starts_with(s)));
         let exactly = |all: &[&str]| words.iter().any(|w| all.contains(&w.as_str()));
         Self {
@@ -112,23 +113,6 @@ fn manner(words: &[String]) -> Option<String> {
         word if is_not => Some(format!("not-{word}")),
         word => Some(word.clone()),
     }
-}
-
-/// The words of a name, in small letters: `Idle_03` and `WalkBack` are `idle`, `walk`, `back`.
-fn words(name: &str) -> Vec<String> {
-    let mut out = vec![String::new()];
-    let mut was_small = false;
-    for c in name.chars() {
-        if !c.is_alphabetic() || was_small && c.is_uppercase() {
-            out.push(String::new());
-        }
-        was_small = c.is_lowercase();
-        if let (true, Some(last)) = (c.is_alphabetic(), out.last_mut()) {
-            last.extend(c.to_lowercase());
-        }
-    }
-    out.retain(|w| !w.is_empty());
-    out
 }
 
 #[cfg(test)]

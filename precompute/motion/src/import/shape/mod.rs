@@ -16,6 +16,7 @@ use super::roles::RoleMap;
 use glam::Vec3;
 use limbs::{LimbPair, MirroredChains};
 use names::NamedPart;
+pub(crate) use names::split_words;
 pub(super) use no_person::check_stance;
 pub(super) use sides::check_role_sides;
 use std::collections::HashMap;

@@ -204,8 +204,8 @@ fn glued_side(part: String) -> (Option<NamedSide>, String) {
     (None, part)
 }
 
-/// Words at separators, digits and changes from lower to upper case, in lower case.
-fn split_words(name: &str) -> Vec<String> {
+/// Words of a name, in lower case: `Idle_03` and `WalkBack` are `idle`, `walk`, `back`.
+pub fn split_words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_lower = false;
     for c in name.chars() {
