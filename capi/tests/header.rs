@@ -26,8 +26,16 @@ trait Sources {
 impl Sources for cbindgen::Builder {
     /// Every source file, in the order in which readers meet them.
     fn with_src_dirs(self, folder: &Path) -> Self {
-        ["fault", "tables", "stage", "scene", "layout", "read", "instances"]
-            .iter()
-            .fold(self, |builder, name| builder.with_src(folder.join(format!("src/{name}.rs"))))
+        const ORDER: [&str; 7] = ["fault", "tables", "stage", "scene", "layout", "read", "instances"];
+        let exports = |file: &Path| std::fs::read_to_string(file).is_ok_and(|text| text.contains("extern \"C\" fn"));
+        for file in std::fs::read_dir(folder.join("src")).expect("sources").map(|file| file.expect("a file").path()) {
+            let is_listed = ORDER.iter().any(|name| file.file_stem().is_some_and(|stem| stem == *name));
+            assert!(
+                is_listed || !exports(&file),
+                "{}: name it here, or the header lacks its functions",
+                file.display()
+            );
+        }
+        ORDER.iter().fold(self, |builder, name| builder.with_src(folder.join(format!("src/{name}.rs"))))
     }
 }

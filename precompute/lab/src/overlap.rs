@@ -146,10 +146,20 @@ fn depth_in_obstacle<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f6
     let apart = match obstacle {
         &Obstacle::Ball { centre, radius } => (at - centre).length() - radius,
         &Obstacle::Wall { from, to, radius } => distance_to_segment(at, [from, to]) - radius,
-        &Obstacle::Box { min, max } => (at - Space::min(Space::max(at, min), max)).length(),
+        &Obstacle::Box { min, max } => {
+            let beyond = (at - Space::min(Space::max(at, min), max)).length();
+            let room = Space::min(at - min, max - at).coordinates();
+            let inside = room.into_iter().take(V::DIMENSIONS).fold(f32::INFINITY, f32::min);
+            if inside > 0.0 { -inside } else { beyond }
+        }
         Obstacle::Polygon { corners } => {
-            let next = corners.iter().cycle().skip(1);
-            corners.iter().zip(next).map(|(&a, &b)| distance_to_segment(at, [a, b])).fold(f32::INFINITY, f32::min)
+            let sides = || corners.iter().zip(corners.iter().cycle().skip(1));
+            let beside = sides().map(|(&a, &b)| distance_to_segment(at, [a, b])).fold(f32::INFINITY, f32::min);
+            let p = at.on_ground();
+            let crossed = sides()
+                .map(|(a, b)| [a.on_ground(), b.on_ground()])
+                .filter(|[a, b]| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y));
+            if crossed.count() % 2 == 1 { -beside } else { beside }
         }
         _ => f32::INFINITY,
     };
@@ -159,7 +169,22 @@ fn depth_in_obstacle<V: Space>(at: V, radius: f32, obstacle: &Obstacle<V>) -> f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Quat, Vec3};
+    use glam::{Quat, Vec2, Vec3};
+
+    #[test]
+    fn the_deeper_a_disc_is_in_an_obstacle_the_deeper_it_counts() {
+        let square = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]].map(Vec2::from_array);
+        for solid in [
+            Obstacle::Box { min: Vec2::ZERO, max: Vec2::splat(4.0) },
+            Obstacle::Polygon { corners: square.to_vec() },
+            Obstacle::Wall { from: Vec2::new(2.0, 2.0), to: Vec2::new(2.0, 2.0), radius: 2.0 },
+        ] {
+            for (x, depth) in [(-1.0, -0.75), (-0.25, 0.0), (0.0, 0.25), (1.0, 1.25), (2.0, 2.25), (3.5, 0.75)] {
+                let found = depth_in_obstacle(Vec2::new(x, 2.0), 0.25, &solid);
+                assert!((found - depth).abs() < 1e-5, "{found} in place of {depth} at {x} of {solid:?}");
+            }
+        }
+    }
     use proptest::prelude::*;
     use throng_core::{Mat3x4, Skeleton};
 

@@ -4,7 +4,8 @@
 //! Each number has one home here, with its unit, its source and who uses it. Where a place still needs another value for
 //! the same idea, that value has a name of its own beside it, which says what it will become and what would change then.
 //! Thresholds are of the default skeleton (1.75 m, legs of [`REFERENCE_LEG_M`]), unless they say otherwise; "chosen" means
-//! that no measurement stands behind a number.
+//! that no measurement stands behind a number. Caches notice a change; defaults of configs stand in
+//! `data/throng-config.schema.json`, too.
 //!
 //! Constants whose names end in `_F64` are for computations in double precision, in which the nearest number is another
 //! one.

@@ -94,6 +94,7 @@ fn scene_points(scene: &SceneDocument) -> impl Iterator<Item = Vec3> {
             Obstacle::Wall { from, to, .. } => vec![*from, *to],
             Obstacle::Ball { centre, .. } => vec![*centre],
             Obstacle::Polygon { corners } => corners.clone(),
+            Obstacle::Box { min, max } => vec![*min, *max],
             _ => Vec::new(),
         });
         s.doors.iter().flat_map(|d| d.ends).chain(obstacles)

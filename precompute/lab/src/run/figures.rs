@@ -5,7 +5,8 @@ use super::watch::PartnerFigures;
 use crate::touch::TouchFigures;
 use serde::Serialize;
 
-/// Figures of some characters. Keys that do not apply to them are left out.
+/// Figures of some characters. Keys that do not apply to them are left out. All parts make one object,
+/// so that keys differ; scenes name them in `that.figure`. They are filled in `watch.rs`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct SceneFigures {
     /// Number of characters with policies, paths or worlds.

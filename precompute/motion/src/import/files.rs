@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};
 use throng_base::file::MAX_MOTION_BYTES;
 
-/// Extensions of motion files.
+/// Extensions of motion files. Help texts, the viewer and tests repeat them; files that a format reads beside its own belong in
+/// `read_along`, which caches trust.
 pub const EXTENSIONS: [&str; 6] = ["bvh", "amc", "npz", "glb", "gltf", "fbx"];
 /// These extensions in words.
 pub const FORMATS: &str = ".bvh, .amc, .npz, .glb, .gltf or .fbx";

@@ -21,7 +21,7 @@ const FALL_HALF_LIFE_S: f32 = 0.03;
 /// Downward speed of a foot that is as strong as steps are, and share of the speed of travel that counts as such (m/s).
 const STRONGEST_MPS: f32 = 2.0;
 const OF_TRAVEL: f32 = 0.4;
-/// Events of one character and step for which there is memory, on the average.
+/// Events of one character and step for which there is memory, on the average; what exceeds it is dropped.
 pub(crate) const EVENTS_EACH: usize = 6;
 
 /// An event of a body in the last step.
@@ -37,7 +37,8 @@ pub struct BodyEvent {
     pub strength: f32,
 }
 
-/// Kind of an event of a body.
+/// Kind of an event of a body. Events are not saved; policy characters (`note_after`) and walkers report them, C has numbers of its
+/// own for them, and Python lists them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[repr(u32)]

@@ -3,7 +3,8 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Something that no agent enters.
+/// Something that no agent enters. A new kind has to be added wherever `Obstacle::` is matched: other crates have `_` arms, which
+/// leave it out of walls, outlines, overlaps, levels and pictures without a word.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Obstacle<V = Vec3> {

@@ -40,7 +40,8 @@ use throng_base::maths;
 use throng_base::text::TomlSource;
 use throng_base::{Error, Result};
 
-/// Contents of a scene file. Lengths are in metres, times in seconds.
+/// Contents of a scene file. Lengths are in metres, times in seconds. A new field changes the hash of the setup: `content` prints
+/// all but names and paths.
 ///
 /// ```no_run
 /// let mut scene = throng_simulation::Scene::load("street.toml")?;

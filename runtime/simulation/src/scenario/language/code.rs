@@ -42,7 +42,8 @@ pub enum Op {
     Skip(u32),
 }
 
-/// Quantity that an expression looks up.
+/// Quantity that an expression looks up. Compiled code is never saved. It is asked only while something happens to agents: what
+/// changes by itself wakes nobody.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Load {
     /// Simulated time (s).
