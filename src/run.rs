@@ -315,10 +315,13 @@ pub fn print(r: &TrialReport) -> CommandResult {
     let [mean, p95] = [r.foot_slip_mean_mps, r.foot_slip_p95_mps];
     let steps = format!("{:.0} steps a second of the whole crowd on one thread", r.steps_per_second);
     let [millions, choices] = [r.poses_per_second / 1e6, r.choices_per_second];
-    output::table(&[
+    let made = r.made.map(|m| format!("{:.0} % of what plays on the way was made", 100.0 * m.share_of_moving));
+    let mut rows = vec![
         ("crowd", format!("{} characters, {:.0} s", r.characters, r.simulated_s)),
         ("targets", format!("{reached:.1} % reached{after}; {stayed:.1} % near at the end")),
         ("foot slip", format!("{mean:.3} m/s mean, {p95:.3} m/s 95th percentile, while planted")),
         ("speed", format!("{steps}; {millions:.2} million poses, {choices:.0} choices a second")),
-    ])
+    ];
+    rows.extend(made.map(|made| ("made motion", made)));
+    output::table(&rows)
 }

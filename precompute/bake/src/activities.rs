@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::Contacts;
 use throng_core::format::{ActivityMeta, Gait, MotionClass, Posture};
+use throng_motion::annotate::classes::NO_MANNER;
 use throng_motion::clip::{Clip, ClipSet, ExclusionReason, FrameRange, runs_where};
 use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
@@ -138,6 +139,8 @@ impl ActivitySearch {
         for (number, clip) in (0u32..).zip(&clips.clips).filter(|(_, c)| !c.mirrored) {
             let pieces = match self {
                 Self::Idles => idles(clip),
+                // Nobody asks for a turn or a step that was made.
+                Self::Gestures if clip.is_made() => Vec::new(),
                 Self::Gestures => gestures(clip),
             };
             let pieces: Vec<FrameRange> = pieces.into_iter().filter(|r| check_ends(clip, r).is_ok()).collect();
@@ -228,17 +231,17 @@ fn words(name: &str) -> impl Iterator<Item = &str> {
     file.split(|c: char| !c.is_alphanumeric()).filter(|w| !w.is_empty() && w.chars().any(char::is_alphabetic))
 }
 
-/// Words that the names of all clips share; none of a single clip.
+/// Words that the names of all captured clips share; none of a single clip.
 fn shared_words(clips: &ClipSet) -> Vec<String> {
-    let mut names = clips.clips.iter().filter(|c| !c.mirrored).map(|c| &c.name);
+    let mut names = clips.clips.iter().filter(|c| !c.mirrored && !c.is_made()).map(|c| &c.name);
     let (Some(first), Some(second)) = (names.next(), names.next()) else { return Vec::new() };
     let rest: Vec<&String> = std::iter::once(second).chain(names).collect();
     words(first).filter(|w| rest.iter().all(|n| words(n).any(|o| o == *w))).map(str::to_owned).collect()
 }
 
-/// Words of a clip's name but for shared ones and its manner; the name where nothing is left.
+/// Words of a clip's name but for shared ones, its manner, and words for none; the name where nothing is left.
 fn own_words(name: &str, manner: &str, shared: &[String]) -> String {
-    let own = |w: &&str| !shared.iter().any(|s| s == w) && !words(manner).any(|m| m == *w);
+    let own = |w: &&str| !shared.iter().any(|s| s == w) && !words(manner).any(|m| m == *w) && !NO_MANNER.contains(w);
     let own: Vec<&str> = words(name).filter(own).collect();
     if own.is_empty() { name.to_owned() } else { own.join("_") }
 }
@@ -319,6 +322,8 @@ fn describe_missing(clips: &ClipSet, tag: &str, config: &ActivityConfig) -> Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use throng_core::format::{ClassSpan, MADE_TAG};
+    use throng_motion::clip::ClipTag;
     use throng_synth::{SynthConfig, SynthSet, make_set};
 
     fn people() -> ClipSet {
@@ -346,6 +351,35 @@ mod tests {
             assert_eq!(activity.looped.map(|l| (l[0] + activity.first_frame) as usize), looped);
         }
         assert!(["chat", "greet", "sit"].iter().all(|t| found.iter().any(|a| a.tag == *t)));
+    }
+
+    /// Two gestures of a library, and a turn that a build has made: that is nothing to ask for, and its name says nothing of the
+    /// others'.
+    #[test]
+    fn gestures_are_named_by_what_captured_clips_do_not_share() {
+        let mut clips = make_set(SynthSet::Locomotion, &SynthConfig::for_set(SynthSet::Locomotion)).unwrap();
+        let idle = clips.clips.iter().find(|c| c.name.starts_with("idle")).expect("an idle").clone();
+        let (n, second) = (idle.num_frames() as u32, idle.rate_hz as u32);
+        let gesture = |name: &str, manner: &str, tags: Vec<ClipTag>| {
+            let class =
+                |neutral| MotionClass { gait: Gait::Stand, neutral, manner: manner.into(), ..MotionClass::default() };
+            let spans = [(0..second, true), (second..2 * second, false), (2 * second..n, true)];
+            let classes =
+                spans.map(|(frames, neutral)| ClassSpan { frames, class: class(neutral), ..ClassSpan::default() });
+            Clip { name: name.into(), classes: classes.to_vec(), tags, ..idle.clone() }
+        };
+        let made = ClipTag { name: MADE_TAG.into(), range: 0..n as usize };
+        clips.clips = vec![
+            gesture("dataset-1_bow_normal_001", "", Vec::new()),
+            gesture("dataset-1_wave_sad_001", "sad", Vec::new()),
+            gesture("made/turn-45-0", "", vec![made]),
+        ];
+        let found = find_activities(
+            &clips,
+            &asked("x", ActivityConfig { find: Some(ActivitySearch::Gestures), ..ActivityConfig::default() }),
+        );
+        let tags: Vec<String> = found.unwrap().into_iter().map(|a| a.tag).collect();
+        assert_eq!(tags, ["bow", "wave"]);
     }
 
     #[test]

@@ -146,12 +146,10 @@ impl Abilities {
                 100.0 * self.backwards_share()
             ));
         }
-        if self.stops == 0 {
-            out.push("no stop: characters will circle their targets; add a clip that walks, then stands".into());
-        }
-        if self.starts == 0 {
-            out.push("no start: who stands will stay there; add a clip that stands, then walks".into());
-        }
+        out.extend(self.missing_changes([
+            "characters will circle their targets; add a clip that walks, then stands",
+            "who stands will stay there; add a clip that stands, then walks",
+        ]));
         let [left, right] = [self.turn_left_deg_per_s, self.turn_right_deg_per_s];
         for (side, rate, other) in [("left", left, right), ("right", right, left)] {
             if rate < SLOW_TURN && (!mirrored || other < SLOW_TURN) {
@@ -162,6 +160,24 @@ impl Abilities {
             }
         }
         out
+    }
+}
+
+impl Abilities {
+    /// The abilities that files lack, as [`Self::missing`], where a build makes the stops and starts that are missing.
+    pub(crate) fn missing_in_files(&self, mirrored: bool) -> Vec<String> {
+        let made = "captured ones look better than those that a build makes; add a clip that";
+        let [stop, start] = ["walks, then stands", "stands, then walks"].map(|what| format!("{made} {what}"));
+        let changes = self.missing_changes([&stop, &start]);
+        let is_other = |text: &String| !text.starts_with("no stop") && !text.starts_with("no start");
+        let has_walks = self.walking_s >= 1.0;
+        self.missing(mirrored).into_iter().filter(is_other).chain(changes.filter(|_| has_walks)).collect()
+    }
+
+    /// Whether stops and starts are missing, each with what to say of it.
+    fn missing_changes(&self, [stop, start]: [&str; 2]) -> impl Iterator<Item = String> + use<> {
+        let stop = (self.stops == 0).then(|| format!("no stop: {stop}"));
+        stop.into_iter().chain((self.starts == 0).then(|| format!("no start: {start}")))
     }
 }
 
@@ -239,6 +255,9 @@ mod tests {
             assert!(missing.iter().any(|t| t.starts_with(what)), "{missing:?}");
         }
         assert!(missing.iter().any(|t| t == "turns right 0 deg/s at most: add a right turn"), "{missing:?}");
+        let in_files = straight.missing_in_files(false);
+        assert_eq!(in_files.len(), missing.len());
+        assert!(in_files.iter().any(|t| t.contains("captured ones look better")), "{in_files:?}");
         let mirrored = straight.missing(true);
         assert!(mirrored.iter().any(|t| t.contains("mirrored copies of the other side's 50 deg/s")), "{mirrored:?}");
         assert!(of(&[(60.0, 0.1, 0.0)]).missing(true)[0].starts_with("no walking"));

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 use throng_bake::config::BuildConfig;
+use throng_bake::graph::MakeMotion;
 use throng_bake::pipeline;
 use throng_bake::report::SourcePerformer;
 use throng_motion::clip::ClipSet;
@@ -73,7 +74,11 @@ pub fn inspect_all(paths: &[PathBuf], config: &BuildConfig, progress: &dyn Progr
         false => pipeline::clips_of(&set.clips, config, &mut warnings)?,
     };
     let motion = Abilities::of_clips(&clips);
-    let mut missing = if clips.clips.is_empty() { Vec::new() } else { motion.missing(config.resample.mirror) };
+    let mut missing = match config.graph.make {
+        _ if clips.clips.is_empty() => Vec::new(),
+        MakeMotion::Missing => motion.missing_in_files(config.resample.mirror),
+        MakeMotion::None => motion.missing(config.resample.mirror),
+    };
     if !clips.clips.is_empty() && motion.blows == 0 {
         missing.push("no blows: nobody can box; add punches or kicks where they should".into());
     }

@@ -55,7 +55,7 @@ const MANNERS: [&str; 48] = [
     "zombie",
 ];
 /// Manners that are none.
-const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
+pub const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
 
 /// Hints of a name.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]

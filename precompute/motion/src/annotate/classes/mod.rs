@@ -5,7 +5,7 @@ mod signals;
 mod spans;
 
 use crate::clip::Clip;
-pub use hints::NameHints;
+pub use hints::{NO_MANNER, NameHints};
 use signals::Signals;
 use spans::{runs_of, settle};
 use throng_base::thresholds::{STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
