@@ -60,7 +60,10 @@ impl PyCharacters {
     /// Sends every character to a target of its own, from now on (n x 3: x, y, z; m).
     fn aim(&mut self, targets: PyReadonlyArray2<'_, f32>) -> PyResult<()> {
         let targets = points(&targets)?;
-        self.characters.aim_all(&targets, &targets).map_err(error::runtime_error)?;
+        if targets.len() != self.ids.len() || !targets.iter().all(|t| t.is_finite()) {
+            // Refused, all of them.
+            return self.characters.aim_all(&targets, &targets).map_err(error::runtime_error);
+        }
         // Who was told to stop goes, too; layers stay.
         for (id, target) in self.ids.iter().zip(targets) {
             let layers = self.characters.order_of(*id).map_err(error::runtime_error)?.layers();

@@ -42,7 +42,7 @@ pub(crate) fn active_goals(order: &PolicyOrder, motion_set: &MotionSet) -> (usiz
     let mut own = [OwnGoal::default(); MAX_GOALS];
     for (own, (&policy, &weight)) in own.iter_mut().zip(order.policies().iter().zip(order.weights())) {
         let policy = policy as usize;
-        *own = OwnGoal { policy, weight, target: order.target_of(&motion_set.policies[policy]) };
+        *own = OwnGoal { policy, weight, target: order.aim_of(&motion_set.policies[policy]) };
     }
     (order.policies().len(), own)
 }

@@ -28,6 +28,8 @@ const FOOT_FAR_M: f32 = 0.07;
 const LONG_S: f32 = 8.0;
 /// Idle time below which a clip is left for a longer one (s).
 const MOMENT_S: f32 = 1.5;
+/// Likelihood of a stand in another manner, beside one in the same.
+const OTHER_MANNER: f32 = 1e-3;
 /// Distances from a target within which a character that would stand has arrived, and any other that can stand (m).
 const NEAR_TARGET_M: [f32; 2] = [0.5, 0.3];
 /// Largest displacement and turn of a segment that stays in its place (m, rad).
@@ -40,7 +42,7 @@ const DRAWS: u64 = 0x1D1E;
 /// Most actions on the way to an idle one, largest displacement of each (m), and frames that an error of 1 is worth.
 const MAX_WAY: usize = 8;
 const WAY_M: f32 = 0.25;
-const ERROR_FRAMES: f32 = 60.0;
+pub(super) const ERROR_FRAMES: f32 = 60.0;
 /// Cost of each frame that a stand lasts less than a long one (frames).
 const SHORT: f32 = 1.0;
 
@@ -50,7 +52,7 @@ pub(super) const FACING: f32 = 0.15;
 const TURN_COSTS: [f32; 3] = [0.1, 0.4, 0.3];
 /// Turns to which ways are known, and error of the heading up to which a turn is taken for one of them (rad).
 const TURNS: [f32; 7] = [-2.356, -1.571, -0.785, 0.785, 1.571, 2.356, std::f32::consts::PI];
-const TURN_MISSES: f32 = 0.45;
+pub(super) const TURN_MISSES: f32 = 0.45;
 /// Least part of a turn for which motion is taken that turns less far (rad).
 const PART: f32 = 0.35;
 /// Longest turn that is looked at (s).
@@ -62,9 +64,9 @@ const TURN_BEND: f32 = 0.25;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TurnToStand {
     /// Planar root at the stand as seen from the segment's first frame.
-    by: Planar,
+    pub by: Planar,
     /// (frames)
-    frames: u32,
+    pub frames: u32,
 }
 
 /// [`TurnToStand`] of every segment; zero frames where its clip does not come to a stand soon (num_segments).
@@ -262,6 +264,7 @@ impl StandingChooser<'_> {
             if segment.idle == 0 || segment.start == frame && self.idles() {
                 return 0.0;
             }
+            let manner = if self.motion_set.manners.are_alike(self.state, segment.end) { 1.0 } else { OTHER_MANNER };
             let to = self.motion_set.ankles(segment.start);
             let apart = (0..2).map(|k| to[k].distance_squared(ankles[k])).fold(0.0, f32::max);
             // Feet that are far from their clip take a step.
@@ -271,7 +274,7 @@ impl StandingChooser<'_> {
             let differs = error * error / (ERROR * ERROR) + apart / (FOOT_M * FOOT_M);
             // Who changes often looks restless.
             let lasts = (segment.idle as f32).min(long);
-            maths::exp(-differs.min(50.0)) * lasts * lasts
+            manner * maths::exp(-differs.min(50.0)) * lasts * lasts
         };
         let total: f32 = segments.iter().zip(errors).map(weight).sum();
         let mut left = total * uniform_random(seed, self.number(), u64::from(self.b.num_choices[self.lane]));

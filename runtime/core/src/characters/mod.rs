@@ -1,6 +1,7 @@
 //! Characters: many characters, moved and posed together.
 
 mod adopt;
+mod answer;
 mod avoid;
 mod bent;
 mod block;
@@ -14,6 +15,7 @@ mod idle;
 #[cfg(any(test, feature = "made-up"))]
 #[path = "../../tests/common/made_up.rs"]
 pub mod made_up;
+mod manner;
 mod motion_set;
 mod order;
 mod pace;

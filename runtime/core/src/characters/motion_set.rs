@@ -1,6 +1,8 @@
 //! Views of a bundle that a step reads, checked once.
 
+use super::answer::StandEntries;
 use super::idle::{TurnToStand, WaysToStand, find_turns};
+use super::manner::Manners;
 use crate::body::{ClipRows, FramePosition, LaneBody, WINDOW, sample_number};
 use crate::bundle::Bundle;
 use crate::contacts::Contacts;
@@ -45,6 +47,9 @@ pub struct MotionSet {
     /// The stand to which each segment leads as its clip goes on (number of segments).
     pub(super) turns: Arc<[TurnToStand]>,
     pub(super) ways: Arc<WaysToStand>,
+    /// Frames at which characters leave what they play when they are told to stand.
+    pub(super) entries: Arc<StandEntries>,
+    pub(super) manners: Arc<Manners>,
     pub(crate) policies: Arc<[PolicyTable]>,
     pub(crate) skeleton: Skeleton,
     /// The skeleton, in all lanes.
@@ -62,7 +67,7 @@ impl MotionSet {
     pub fn new(tables: &Bundle) -> Self {
         let rate_hz = tables.meta().rate_hz as f32;
         let turns = find_turns(tables.graph(), rate_hz);
-        Self {
+        let mut out = Self {
             frames: ensure_length(tables.frames(), WINDOW),
             rotation_code: Arc::new(*tables.rotation_code()),
             contacts: tables.contacts().clone(),
@@ -74,13 +79,17 @@ impl MotionSet {
             stops: tables.stops().clone(),
             ways: WaysToStand::find(tables.graph(), &turns, rate_hz).into(),
             turns: turns.into(),
+            entries: Arc::default(),
+            manners: Manners::find(tables).into(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             body: Arc::new(LaneBody::from_skeleton(tables.skeleton())),
             rows: tables.clip_rows(),
             bundle: tables.clone(),
             rate_hz,
-        }
+        };
+        out.entries = StandEntries::find(&out).into();
+        out
     }
 
     /// Number of frames that the bundle has: [`MotionSet::frames`] may have more rows.

@@ -11,6 +11,13 @@ use serde::{Deserialize, Serialize};
 use throng_base::error::{check_index, check_value};
 use throng_base::{Error, Id, Result};
 
+/// Time ahead of a moving target for which characters make, and longest time from one order to the next within which a target
+/// moves (s).
+const AHEAD_S: f32 = 1.5;
+const MOVES_S: f32 = 0.5;
+/// Speed from which a target is elsewhere (m/s).
+const FASTEST_MPS: f32 = 12.0;
+
 /// A policy of a bundle, to make orders of.
 #[derive(Clone, Debug)]
 pub struct BundlePolicy {
@@ -69,6 +76,10 @@ pub struct PolicyOrder {
     target: Vec3,
     /// Target of policies on space-time grids.
     threat: Vec3,
+    /// Velocity of the target (m/s).
+    velocity: Vec3,
+    /// Time since it was told (s).
+    age_s: f32,
     pub(super) layers: BodyLayers,
     /// Counts where there are no behaviours.
     pub(super) stands: StandOrder,
@@ -82,6 +93,8 @@ impl PolicyOrder {
         num_goals: 0,
         target: Vec3::ZERO,
         threat: Vec3::ZERO,
+        velocity: Vec3::ZERO,
+        age_s: 0.0,
         layers: BodyLayers::NONE,
         stands: StandOrder::Follow,
     };
@@ -170,6 +183,33 @@ impl PolicyOrder {
         if policy.grid().is_space_time() { self.threat } else { self.target }
     }
 
+    /// Place for which one of its policies makes: ahead of a target that moves (m).
+    pub(super) fn aim_of(&self, policy: &PolicyTable) -> Vec3 {
+        match self.num_goals == 1 && policy.grid().is_polar() && self.age_s <= MOVES_S {
+            true => self.target + self.velocity * AHEAD_S,
+            false => self.target_of(policy),
+        }
+    }
+
+    /// Takes the velocity of a target from where it was before.
+    pub(super) fn follow(&mut self, old: &Self) {
+        let since = old.age_s;
+        (self.velocity, self.age_s) = (Vec3::ZERO, 0.0);
+        if self.policies() != old.policies() || since > MOVES_S {
+            return;
+        }
+        // Two orders within a step are one.
+        let velocity = if since > 0.0 { (self.target - old.target).with_y(0.0) / since } else { old.velocity };
+        if velocity.length_squared() < FASTEST_MPS * FASTEST_MPS {
+            self.velocity = old.velocity + (velocity - old.velocity) * (since / MOVES_S);
+        }
+    }
+
+    /// Lets time pass.
+    pub(super) fn age(&mut self, dt_s: f32) {
+        self.age_s += dt_s;
+    }
+
     /// The target (m).
     pub fn target(&self) -> Vec3 {
         self.target
@@ -238,5 +278,27 @@ mod tests {
         let five = (0..4).fold(PolicyOrder::towards(0, Vec3::ONE), |o, _| o.with_policy(0, 1.0));
         assert!(say(five).contains("number of behaviours"));
         assert!(PolicyOrder::towards(0, Vec3::ONE).with_policy(0, 0.5).check(who, &motion_set).is_ok());
+    }
+
+    #[test]
+    fn characters_make_for_where_a_moving_target_will_be() {
+        let motion_set = MotionSet::new(&super::super::made_up::tables());
+        let policy = motion_set.policy(0).unwrap();
+        let (mut order, dt) = (PolicyOrder::towards(0, Vec3::ZERO), 1.0 / 60.0);
+        let mut tell = |x: f32, times: usize| {
+            for _ in 0..times {
+                order.age(dt);
+                let mut new = PolicyOrder::towards(0, Vec3::new(order.target.x + x * dt, 0.0, 0.0));
+                new.follow(&order);
+                order = new;
+            }
+            order.aim_of(policy).x - order.target.x
+        };
+        assert!((tell(0.5, 180) - 0.5 * AHEAD_S).abs() < 0.01, "half a metre a second");
+        assert!(tell(100.0, 1).abs() < 0.01, "a target that is elsewhere");
+        assert!((tell(0.5, 180) - 0.5 * AHEAD_S).abs() < 0.01 && tell(0.0, 180).abs() < 0.01, "one that stays");
+        tell(0.5, 180);
+        order.age(1.0);
+        assert_eq!(order.aim_of(policy), order.target, "of which nothing is heard");
     }
 }

@@ -184,8 +184,8 @@ impl PolicyCharacters {
         for (id, order) in self.roster.ids().iter().zip(self.orders.iter().zip(about()).map(new)) {
             order.check_target(Some(*id))?;
         }
-        for (order, about) in self.orders.iter_mut().zip(about()) {
-            *order = new((order, about));
+        for (at, about) in about().enumerate() {
+            self.give_order(at, new((&self.orders[at], about)));
         }
         Ok(())
     }
@@ -397,7 +397,7 @@ impl CharacterGroup for PolicyCharacters {
     fn order(&mut self, id: Id, order: PolicyOrder) -> Result<()> {
         let at = self.roster.row(id)?;
         order.check(Some(id), &self.motion_set)?;
-        self.orders[at] = order;
+        self.give_order(at, order);
         Ok(())
     }
 
@@ -405,6 +405,7 @@ impl CharacterGroup for PolicyCharacters {
         STEP_S.check("dt_s", None, dt_s)?;
         self.note_before(dt_s * self.motion_set.rate_hz);
         self.characters.run(&self.motion_set, dt_s, &self.orders, run);
+        self.orders.iter_mut().for_each(|order| order.age(dt_s));
         self.note_after();
         Ok(())
     }
