@@ -207,7 +207,7 @@ impl PolicyOrder {
 
     /// Lets time pass.
     pub(super) fn age(&mut self, dt_s: f32) {
-        self.age_s += dt_s;
+        self.age_s = (self.age_s + dt_s).min(2.0 * MOVES_S);
     }
 
     /// The target (m).

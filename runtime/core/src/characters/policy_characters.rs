@@ -132,7 +132,10 @@ impl PolicyCharacters {
     /// [`Error::Gone`], or what is wrong with the layers.
     pub fn set_layers(&mut self, id: Id, layers: BodyLayers) -> Result<()> {
         let order = self.order_of(id)?.with_layers(layers);
-        self.order(id, order)
+        order.check(Some(id), &self.motion_set)?;
+        // The target is as it was.
+        self.orders[self.roster.row(id)?] = order;
+        Ok(())
     }
 
     /// Planted parts of a character's feet.
