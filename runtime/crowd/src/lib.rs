@@ -34,7 +34,7 @@ pub use config::{CrowdConfig, CrowdSetup, Scheme};
 pub use crowd::Crowd;
 pub use error::CrowdError;
 pub use events::event::{CrowdEvent, CrowdEventKind, EventCounts};
-pub use navigation::{NavigatedBody, Navigation, NavigationAim, RouteProgress};
+pub use navigation::{NavigatedBody, Navigation, NavigationAim, NavigationState};
 pub use routes::order::{AgentOrder, AgentStatus};
 pub use routes::route::{AtEnd, Route};
 pub use routes::streets::{NoPath, Streets};

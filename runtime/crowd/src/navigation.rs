@@ -3,6 +3,7 @@
 use crate::error::check;
 use crate::routes::goals::GoalTable;
 use crate::routes::guide::Guide;
+use crate::routes::passages::{PassageAdvice, PassageTurn, PassageTurns, Passages};
 use crate::routes::path::{RouteCursor, RoutePath, is_in_solid};
 use crate::routes::streets::Streets;
 use crate::space::solid::{ConvexSolid, solids};
@@ -26,6 +27,8 @@ const MOST_SEEN: usize = 24;
 const STEER_S: f64 = 0.1;
 /// Room that is kept from walls, beside the radius: a step that turns aside needs it (m).
 const WALL_ROOM_M: f32 = 0.2;
+/// Room that captured people need beside them in a passage, beyond the radius (m).
+const PASSAGE_ROOM_M: f32 = 0.15;
 /// Time without progress after which a body steps back where that helps (s).
 const PATIENCE_S: f64 = 3.0;
 /// Progress without which a body is stuck after a time (m, s).
@@ -62,9 +65,18 @@ pub struct NavigationAim {
     pub is_stuck: bool,
 }
 
-/// Progress of a body on its route, for snapshots.
+/// State of all bodies on their routes, for snapshots.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct NavigationState {
+    /// (bodies)
+    progress: Vec<RouteProgress>,
+    /// Turns of passages.
+    turns: Vec<PassageTurn>,
+}
+
+/// Progress of a body on its route.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct RouteProgress {
+struct RouteProgress {
     cursor: RouteCursor<Vec2>,
     /// Velocity at which the body should go on (m/s), and when that is found anew (s).
     velocity: Vec2,
@@ -102,6 +114,8 @@ pub struct Navigation {
     solids: Vec<Vec<ConvexSolid<Vec2>>>,
     all_solids: Vec<ConvexSolid<Vec2>>,
     goals: GoalTable,
+    passages: Passages,
+    turns: PassageTurns,
     grid: DensityGrid<Vec2>,
     steering: SteeringConfig,
     field: ForceField,
@@ -133,7 +147,10 @@ impl Navigation {
             streets.obstacles().iter().map(|o| o.clone().map(Vec2::from_world)).collect();
         let solids: Vec<Vec<ConvexSolid<Vec2>>> =
             obstacles.iter().enumerate().map(|(n, o)| solids(n, o)).collect::<Result<_>>()?;
+        let passages = Passages::find(streets, radius_m + PASSAGE_ROOM_M);
         Ok(Self {
+            turns: PassageTurns::new(&passages),
+            passages,
             streets: Some(streets.clone()).filter(|s| !s.is_open()),
             all_solids: solids.concat(),
             solids,
@@ -213,15 +230,17 @@ impl Navigation {
             let aim = progress.cursor.aim;
             let intent = if progress.has_arrived { Vec2::ZERO } else { Space::unit_and_length(aim - position).0 };
             self.grid.add(position, velocity, intent);
+            self.turns.count(&self.passages, position, if progress.has_arrived { position } else { aim });
             self.by_cell.push((cell_key(cell_of(position)), number));
         }
         self.by_cell.sort_unstable();
+        self.turns.update(&self.passages, time_s);
         for number in 0..self.paths.len() {
             let Some(body) = self.bodies[number] else { continue };
             let mut progress = self.progress[number];
             self.follow_route(number, &body, time_s, &mut progress);
             if time_s >= progress.steers_at_s {
-                progress.velocity = self.find_velocity(number, &body, &progress, time_s);
+                progress.velocity = self.find_velocity(number, &body, &mut progress, time_s);
                 progress.steers_at_s = time_s + STEER_S;
             }
             self.progress[number] = progress;
@@ -248,7 +267,7 @@ impl Navigation {
     }
 
     /// Velocity at which a body should go on among others, as an agent of a [`crate::Crowd`] would like to.
-    fn find_velocity(&self, number: usize, body: &NavigatedBody, progress: &RouteProgress, time_s: f64) -> Vec2 {
+    fn find_velocity(&self, number: usize, body: &NavigatedBody, progress: &mut RouteProgress, time_s: f64) -> Vec2 {
         let NavigatedBody { position, velocity } = *body;
         let (desired, distance) = Space::unit_and_length(progress.cursor.aim - position);
         let mut me = SteeredAgent {
@@ -261,12 +280,27 @@ impl Navigation {
             distance_left: distance + progress.cursor.rest,
             ..SteeredAgent::default()
         };
+        let found = self.passages.find_use(position, progress.cursor.aim).filter(|_| !progress.has_arrived);
+        let advice = found.map(|found| self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M));
+        if advice.is_some_and(|advice| advice != PassageAdvice::Enter) {
+            // Who waits for its turn is in no jam.
+            progress.progressed_at_s = time_s;
+            progress.least_left_m = progress.least_left_m.max(me.distance_left);
+        }
+        match advice {
+            Some(PassageAdvice::Stand) => return Vec2::ZERO,
+            Some(PassageAdvice::MakeWay(direction, share)) => {
+                (me.desired, me.speed, me.retreats) = (direction, share * self.speed_mps, true);
+            }
+            _ => {}
+        }
         let waited = time_s - progress.progressed_at_s;
-        if waited > PATIENCE_S && !progress.has_arrived {
+        if waited > PATIENCE_S && !progress.has_arrived && !found.is_some_and(|found| found.is_inside) {
             // Who makes no progress steps back: the few before the many, else some by chance.
             let blocked = BlockedAgent { position, ahead: desired, waited, half: None };
             let by_chance = || blocked.random_retreat_direction(number as u32, time_s, &self.grid, &self.steering);
-            let retreat = blocked.retreat_direction(&self.grid, &self.steering).or_else(by_chance);
+            let outnumbered = blocked.retreat_direction(&self.grid, &self.steering).filter(|_| found.is_none());
+            let retreat = outnumbered.or_else(by_chance);
             if let Some(direction) = retreat {
                 (me.desired, me.retreats) = (direction, true);
             }
@@ -320,13 +354,13 @@ impl Navigation {
         NavigationAim { position: cursor.aim, rest_m: cursor.rest, velocity, has_arrived, is_stuck }
     }
 
-    /// Progress of all bodies, for a snapshot.
-    pub fn progress(&self) -> &[RouteProgress] {
-        &self.progress
+    /// State of all bodies, for a snapshot.
+    pub fn state(&self) -> NavigationState {
+        NavigationState { progress: self.progress.clone(), turns: self.turns.saved().to_vec() }
     }
 
-    /// Restores the progress of bodies on the same routes; false where it is that of other routes, and nothing changes.
-    pub fn restore(&mut self, progress: &[RouteProgress]) -> bool {
+    /// Restores the state of bodies on the same routes; false where it is that of other routes, and nothing changes.
+    pub fn restore(&mut self, state: &NavigationState) -> bool {
         let is_sound = |(path, saved): (&RoutePath<Vec2>, &RouteProgress)| {
             let RouteProgress { cursor, velocity, steers_at_s, least_left_m, progressed_at_s, .. } = saved;
             let is_near = cursor.aim.abs().max_element() < 1e6 && (0.0..1e9).contains(&cursor.rest);
@@ -334,9 +368,12 @@ impl Navigation {
             let is_slow = velocity.abs().max_element() < 1e3 && *least_left_m >= 0.0;
             (cursor.leg as usize) < path.num_legs() && is_near && is_slow && is_in_time
         };
+        let NavigationState { progress, turns } = state;
         let is_same = progress.len() == self.paths.len() && self.paths.iter().zip(progress).all(is_sound);
+        let is_same = is_same && self.turns.is_possible(turns, 1e9);
         if is_same {
             self.progress.copy_from_slice(progress);
+            self.turns.restore(turns);
         }
         is_same
     }
@@ -459,11 +496,12 @@ mod tests {
         assert!(navigation.add_body(&route(&[[1.0, 0.0]]), at).is_err(), "in a wall");
         assert!(navigation.add_body(&route(&[]), at).is_err());
         navigation.add_body(&route(&[[9.0, 0.0]]), at).unwrap();
-        let progress = navigation.progress().to_vec();
+        let state = navigation.state();
         assert!(navigation.set_route(0, &route(&[[0.0, 0.0]]), at).is_err());
-        assert_eq!(navigation.progress(), progress);
-        let mut damaged = progress.clone();
-        damaged[0].cursor.leg = 7;
-        assert!(!navigation.restore(&damaged) && !navigation.restore(&[]) && navigation.restore(&progress));
+        assert_eq!(navigation.state(), state);
+        let [mut damaged, mut empty] = [state.clone(), state.clone()];
+        damaged.progress[0].cursor.leg = 7;
+        empty.progress.clear();
+        assert!(!navigation.restore(&damaged) && !navigation.restore(&empty) && navigation.restore(&state));
     }
 }

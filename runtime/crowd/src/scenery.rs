@@ -2,6 +2,7 @@
 
 use crate::error::{CrowdError, Result, check};
 use crate::routes::goals::GoalTable;
+use crate::routes::passages::Passages;
 use crate::routes::path::{RoutePath, is_in_solid};
 use crate::routes::streets::Streets;
 use crate::safety::bound::narrowest_cell;
@@ -31,6 +32,8 @@ pub(crate) struct CrowdScenery<V> {
     pub streets: Option<Streets>,
     /// Subgoals of all routes, where there are streets.
     pub goals: GoalTable,
+    /// Narrow places of the streets, as if doors of the setup were open.
+    pub passages: Passages,
     /// Number here of each obstacle of the streets, if it is one of these.
     of_streets: Vec<Option<usize>>,
     /// Obstacles as they were given.
@@ -132,6 +135,7 @@ impl<V: Space> CrowdScenery<V> {
             of_streets: of_streets(setup),
             streets: setup.streets.clone().filter(|s| !s.is_open()),
             goals: GoalTable::default(),
+            passages: Passages::default(),
             obstacles: setup.obstacles.clone(),
             ranges: Vec::new(),
             solids: Vec::new(),
@@ -161,6 +165,9 @@ impl<V: Space> CrowdScenery<V> {
             doors[door] = Door::Open;
         }
         scenery.set_doors(&doors, &cells)?;
+        if let Some(streets) = scenery.streets.as_ref().filter(|_| V::DIMENSIONS == 2) {
+            scenery.passages = Passages::find(streets, radius);
+        }
         for (index, route) in setup.routes.iter().enumerate() {
             let path = scenery.prepare_path(index, route)?;
             scenery.paths.push(path);

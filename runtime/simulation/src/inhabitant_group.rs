@@ -2,7 +2,7 @@
 
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes, single_pose};
-use crate::scene::{ANY_PARTNER, InhabitantGoalConfig, Scene, WeightedGoal};
+use crate::scene::{ANY_PARTNER, GoalConfig, InhabitantGoalConfig, Scene, WeightedGoal};
 use crate::{CharacterEvent, SimulationEvent};
 use glam::Vec3;
 use rand::{Rng, RngExt, SeedableRng};
@@ -37,6 +37,8 @@ const GOALS: SnapshotKind = SnapshotKind { what: "inhabitants", tag: *b"WISH", v
 enum GoalChoice {
     Roam([f64; 2]),
     Visit(Vec<WorldNode>),
+    /// Goes to one of some places, and stays there.
+    Stay(Vec<WorldNode>),
     Perform(u16, [f64; 2]),
     /// Does something with any partner, or with one of a range of characters.
     Meet(u16, [f64; 2], Option<Range<usize>>),
@@ -189,6 +191,9 @@ impl InhabitantGroup {
                 continue;
             }
             let doing = self.state(c).activity;
+            if doing == InhabitantActivity::Arrived && self.until_s[c] == f64::INFINITY && self.stays(c) {
+                continue;
+            }
             if doing == InhabitantActivity::Unreachable {
                 self.until_s[c] = self.until_s[c].min(now_s + GIVE_UP_S);
             }
@@ -203,6 +208,12 @@ impl InhabitantGroup {
             }
         }
         Ok(())
+    }
+
+    /// True for a character that stays at its goal.
+    fn stays(&self, character: usize) -> bool {
+        let own = self.choices.iter().find(|c| c.0.contains(&character));
+        !self.ordered[character] && own.is_some_and(|(_, choices)| matches!(choices[..], [(_, GoalChoice::Stay(_))]))
     }
 
     /// Matches characters that look for a partner with others that look for the same, or that roam and may draw the same goal.
@@ -263,7 +274,7 @@ impl InhabitantGroup {
         });
         match &found.unwrap_or(&choices[choices.len() - 1]).1 {
             GoalChoice::Roam(seconds) => (InhabitantGoal::Roam, None, now_s + random_duration(*seconds, rng)),
-            GoalChoice::Visit(places) => {
+            GoalChoice::Visit(places) | GoalChoice::Stay(places) => {
                 let node = places[rng.random_range(0..places.len())];
                 (InhabitantGoal::GoTo { instance: node.instance }, None, f64::INFINITY)
             }
@@ -290,6 +301,11 @@ fn choices_of(
     ranges: &[(usize, Range<usize>)],
 ) -> Result<WeightedChoices> {
     let scene = compiled.scene();
+    if let Some(goal) = &scene.groups[group].goal {
+        let choice = choice_of_goal(goal, graph, scene.groups[group].count);
+        let fault = || scene.fault(&format!("groups[{group}].goal"), "expected a place to stay there, found none");
+        return Ok(vec![(1.0, choice.ok_or_else(fault)?)]);
+    }
     let roaming = [WeightedGoal::roaming()];
     let goals: &[WeightedGoal] = match &scene.groups[group].goals[..] {
         [] => &roaming,
@@ -328,6 +344,34 @@ fn choices_of(
     goals.iter().enumerate().map(choice).collect()
 }
 
+/// Choice of a goal that all characters of a group have; none where nobody can stay.
+///
+/// - `num`: number of these characters.
+fn choice_of_goal(goal: &GoalConfig, graph: &WorldGraph, num: usize) -> Option<GoalChoice> {
+    let place = |node: &WorldNode| graph.place(*node).translation();
+    let mut nodes: Vec<WorldNode> = (0..graph.num_instances() as u32).flat_map(|i| graph.rest_cells(i)).collect();
+    match goal {
+        GoalConfig::Area { from, to } | GoalConfig::Wander { from, to, .. } => nodes.retain(|node| {
+            let at = place(node);
+            (from[0]..=to[0]).contains(&at.x) && (from[1]..=to[1]).contains(&at.z)
+        }),
+        GoalConfig::Point { at } => {
+            // The nearest places to stay, one for each.
+            let far = |node: &WorldNode| (place(node).x - at[0]).powi(2) + (place(node).z - at[1]).powi(2);
+            nodes.sort_by(|a, b| far(a).total_cmp(&far(b)));
+            let mut taken = Vec::new();
+            nodes.retain(|node| {
+                let is_new = taken.len() < num && !taken.contains(&node.instance);
+                taken.extend(is_new.then_some(node.instance));
+                is_new
+            });
+        }
+        _ => return None,
+    }
+    let stays = !matches!(goal, GoalConfig::Wander { .. });
+    (!nodes.is_empty()).then_some(if stays { GoalChoice::Stay(nodes) } else { GoalChoice::Visit(nodes) })
+}
+
 /// Random duration in a range (s).
 fn random_duration([low, high]: [f64; 2], rng: &mut impl Rng) -> f64 {
     low + (high - low) * rng.random_range(0.0..1.0)
@@ -345,7 +389,10 @@ impl MotionKind for InhabitantGroup {
             .and_then(|()| self.inhabitants.step(tick.dt_s, tick.run));
         moved.map_err(|e| self.scene.fault(&self.key, e))?;
         let fulfilled = self.inhabitants.events().iter().filter(|(_, event)| *event == InhabitantEvent::Fulfilled);
-        events.extend(fulfilled.map(|(id, _)| tick.event(id.index(), CharacterEvent::Fulfilled)));
+        events.extend(fulfilled.map(|(id, _)| {
+            let kind = if self.stays(id.index()) { CharacterEvent::Arrived } else { CharacterEvent::Fulfilled };
+            tick.event(id.index(), kind)
+        }));
         Ok(())
     }
 

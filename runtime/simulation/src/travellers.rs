@@ -18,7 +18,7 @@ use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
 use throng_core::characters::{PolicyCharacters, PolicyOrder, Spawn};
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{NavigatedBody, Navigation, NavigationAim, RouteProgress, Streets};
+use throng_crowd::{NavigatedBody, Navigation, NavigationAim, NavigationState, Streets};
 
 /// Distance of the target from a character that is on its way: so far that its policy does not slow down at a corner (m).
 const TARGET_AHEAD_M: f32 = 2.0;
@@ -50,7 +50,7 @@ struct TravelState {
 }
 
 /// Snapshot of travels, around one of the characters.
-const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 1, setup: 0 };
+const TRAVELS: SnapshotKind = SnapshotKind { what: "travellers", tag: *b"TRAV", version: 2, setup: 0 };
 
 impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
@@ -233,12 +233,12 @@ impl MotionKind for Travellers {
 
     fn save(&self, out: &mut Vec<u8>) {
         let people = saved_bytes(|out| self.people.save(out));
-        TRAVELS.write(&(self.navigation.progress(), &self.travels, people), out);
+        TRAVELS.write(&(self.navigation.state(), &self.travels, people), out);
     }
 
     fn load(&mut self, bytes: &[u8], _: f64) -> Result<()> {
-        let (progress, travels, people): (Vec<RouteProgress>, Vec<TravelState>, Bytes) = TRAVELS.read_all(bytes)?;
-        if travels.len() != self.travels.len() || !self.navigation.restore(&progress) {
+        let (state, travels, people): (NavigationState, Vec<TravelState>, Bytes) = TRAVELS.read_all(bytes)?;
+        if travels.len() != self.travels.len() || !self.navigation.restore(&state) {
             return Err(refused_snapshot(TRAVELS.what, "its travels are on no route"));
         }
         self.people.load(&people.0)?;

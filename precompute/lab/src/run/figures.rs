@@ -95,6 +95,10 @@ pub struct TravelFigures {
     pub stuck_at_end: usize,
     /// Characters that reached their goal.
     pub arrived: usize,
+    /// Share of those with a goal that reached it.
+    pub reached: f64,
+    /// Share of the time on their way in which they stood.
+    pub stopped_share: f64,
 }
 
 /// Figures of characters in worlds.
@@ -185,6 +189,10 @@ pub struct AgentFigures {
     pub desired_mps: f64,
     /// Agents that reached their goal.
     pub arrived: usize,
+    /// Share of the agents that reached their goal.
+    pub reached: f64,
+    /// Share of the time on their way in which agents stood.
+    pub stopped_share: f64,
     /// Agents that know of a happening, if the scene has any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub informed: Option<usize>,

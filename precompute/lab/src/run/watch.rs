@@ -228,11 +228,19 @@ impl SceneWatch {
             let (arrived, stuck_at_end) = (self.travels.arrived(), self.travels.stuck_at(seconds));
             match &mut figures.crowd {
                 Some(crowd) => {
-                    (crowd.arrived, crowd.stuck_at_end) = (crowd.arrived + arrived, crowd.stuck_at_end + stuck_at_end)
+                    (crowd.arrived, crowd.stuck_at_end) = (crowd.arrived + arrived, crowd.stuck_at_end + stuck_at_end);
+                    let num_travellers = number(&|_, c| matches!(c, AnyCharacterGroup::Travel(_))).unwrap_or(0);
+                    let num = figures.agents.unwrap_or(0) + num_travellers;
+                    crowd.reached = crowd.arrived as f64 / num.max(1) as f64;
                 }
                 None => {
-                    let progress_mps = self.travels.progress_mps();
-                    figures.travel = Some(TravelFigures { progress_mps, stuck_at_end, arrived });
+                    figures.travel = Some(TravelFigures {
+                        progress_mps: self.travels.progress_mps(),
+                        stuck_at_end,
+                        arrived,
+                        reached: self.travels.reached(),
+                        stopped_share: self.travels.stopped_share(),
+                    });
                 }
             }
         }

@@ -3,6 +3,7 @@
 use super::safety::PlanAim;
 use crate::events::schemes::{FirstContact, SchemeRef};
 use crate::routes::guide::Guide;
+use crate::routes::passages::{PassageAdvice, PassageTurns};
 use crate::routes::path::RouteCursor;
 use crate::safety::bound::Bound;
 use crate::safety::nearby_plans::NearbyPlans;
@@ -30,6 +31,9 @@ const DECIDE_AGAIN_S: f32 = 0.25;
 
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
+
+/// Longest plan of an agent that waits before a passage (s).
+const WAITING_S: f32 = 0.5;
 
 /// Cause of an agent's next event.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -123,6 +127,7 @@ pub(crate) struct Decider<'a, V> {
     pub cells: &'a CellGrid<V>,
     pub states: &'a [AgentState<V>],
     pub grid: &'a DensityGrid<V>,
+    pub turns: &'a PassageTurns,
     pub external_obstacles: &'a ExternalObstacles,
     pub relationships: &'a RelationshipTable<V>,
     pub time: f64,
@@ -142,10 +147,7 @@ impl<V: Space> Decider<'_, V> {
         self.update(&mut state, &old, position, velocity);
         let mut walker = self.walker(&state, &old, position, velocity);
         state.intent = if state.is_there { V::default() } else { walker.desired };
-        if self.give_way(agent, &state, &mut walker) {
-            // Regaining the ground it yielded counts as progress.
-            state.least_left = state.least_left.max(walker.distance_left);
-        }
+        let waits = self.take_turns(agent, &mut state, &mut walker);
         let is_together = self.keep_company(agent, &state, &mut walker);
         let at = self.cells.coordinates(position);
         state.cell = self.cells.number(at);
@@ -171,6 +173,7 @@ impl<V: Space> Decider<'_, V> {
         let longest = if slows { soon } else { f32::INFINITY };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
+        let longest = if waits { longest.min(WAITING_S) } else { longest };
         let acceleration = total(&forces).at_most(old.limit);
         DesiredMotion { state, fresh, acceleration, forces, region, meeting, longest }
     }
@@ -283,9 +286,43 @@ impl<V: Space> Decider<'_, V> {
         }
     }
 
+    /// Lets an agent wait before a passage that is granted to others, or give way where it is blocked; true where it waits.
+    fn take_turns(&self, agent: u32, state: &mut AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
+        let at = walker.position.on_ground();
+        let found = self.scenery.passages.find_use(at, state.cursor.aim.on_ground()).filter(|_| !state.is_there);
+        let Some(found) = found else {
+            if self.give_way(agent, state, walker, false) {
+                // Regaining the ground it yielded counts as progress.
+                state.least_left = state.least_left.max(walker.distance_left);
+            }
+            return false;
+        };
+        match self.turns.advise(&found, at, walker.radius) {
+            PassageAdvice::Enter => {
+                if !found.is_inside {
+                    self.give_way(agent, state, walker, true);
+                }
+                return false;
+            }
+            PassageAdvice::Queue => {}
+            PassageAdvice::Stand => walker.speed = 0.0,
+            PassageAdvice::MakeWay(direction, share) => {
+                walker.desired = V::over_ground(direction);
+                walker.speed = share * self.scenery.steering.retreat_speed * state.speed;
+                walker.retreats = true;
+            }
+        }
+        // Who waits for its turn is in no jam.
+        state.progressed_at = self.time;
+        state.least_left = state.least_left.max(walker.distance_left);
+        true
+    }
+
     /// Makes a blocked agent step back if others can only pass then, or by chance; true where it yields its ground to
     /// others.
-    fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
+    ///
+    /// - `has_turn`: it goes to a passage that is granted to it, and steps back by chance alone.
+    fn give_way(&self, agent: u32, state: &AgentState<V>, walker: &mut SteeredAgent<V>, has_turn: bool) -> bool {
         let (waited, steering) = (self.time - state.progressed_at, &self.scenery.steering);
         if waited < steering.patience_on_left_s || state.is_there {
             return false;
@@ -294,11 +331,12 @@ impl<V: Space> Decider<'_, V> {
         let between = between_walls(&self.scenery.solids, walls, walker, steering).filter(|b| b.at_hand);
         let half = between.map(|b| if b.place < 0.0 { CorridorHalf::Left } else { CorridorHalf::Right });
         let blocked = BlockedAgent { position: walker.position, ahead: walker.desired, waited, half };
-        let direction = blocked.retreat_direction(self.grid, steering).or_else(|| {
+        let step_back = || blocked.retreat_direction(self.grid, steering).or_else(|| {
             let path = &self.scenery.paths[state.route as usize];
             let gate = self.guide().next_gate(path, &state.cursor, walker.position, walker.radius)?;
             gate.retreat_direction(walker.position, walker.radius, self.time, self.grid, steering)
         });
+        let direction = if has_turn { None } else { step_back() };
         let by_chance = || blocked.random_retreat_direction(agent, self.time, self.grid, steering);
         if let Some(direction) = direction.or_else(by_chance) {
             (walker.desired, walker.speed) = (direction, steering.retreat_speed * state.speed);

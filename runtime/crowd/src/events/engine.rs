@@ -8,6 +8,7 @@ use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
+use crate::routes::passages::PassageTurns;
 use crate::routes::path::RoutePath;
 use crate::scenery::CrowdScenery;
 use crate::senses::Sensors;
@@ -16,6 +17,7 @@ use crate::space::plan::MotionPlan;
 use crate::steering::density_grid::DensityGrid;
 use crate::steering::relationships::RelationshipTable;
 use crate::{CrowdSetup, Id, NONE, Scheme, Sense, Space};
+use serde::{Deserialize, Serialize};
 use throng_base::ground::ExternalObstacles;
 
 /// Most agents of a crowd that is taken to fit the processor's caches; in tests, none does. With 8000 it costs 4 to 8 %
@@ -24,6 +26,17 @@ const FEW: usize = if cfg!(test) { 0 } else { 12_000 };
 
 /// Number of events after which the engine returns, so that they can be reported before there are more.
 const FULL: usize = 1024;
+
+/// An agent as it is seen from afar.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct SeenAgent<V> {
+    position: V,
+    velocity: V,
+    /// Unit vector along which it wants to go, or zero.
+    intent: V,
+    /// (m)
+    aim: V,
+}
 
 /// A crowd in two or three dimensions. See [`crate::Crowd`].
 #[derive(Clone, Debug)]
@@ -42,6 +55,7 @@ pub(crate) struct Engine<V: Space> {
     /// Places that are free, the next one last.
     pub free: Vec<u32>,
     pub grid: DensityGrid<V>,
+    pub turns: PassageTurns,
     /// External obstacles.
     pub external_obstacles: ExternalObstacles,
     /// Number of times that the grid was filled so far.
@@ -77,6 +91,7 @@ impl<V: Space> Engine<V> {
         let mut engine = Self {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
             scratch: DecisionScratch::new(capacity, scenery.movers.len()),
+            turns: PassageTurns::new(&scenery.passages),
             sensors: Sensors::new(&setup.senses, capacity),
             relationships: RelationshipTable::new(capacity),
             occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells, capacity)),
@@ -208,10 +223,18 @@ impl<V: Space> Engine<V> {
     pub fn refresh_grid_until(&mut self, time: f64) {
         let Some(now) = self.begin_refresh(time) else { return };
         for index in 0..self.states.len() as u32 {
-            if let Some((position, velocity, intent)) = self.motion(index, now) {
-                self.grid.add(position, velocity, intent);
+            if let Some(agent) = self.seen_agent(index, now) {
+                self.add_seen(&agent);
             }
         }
+        self.turns.update(&self.scenery.passages, now);
+    }
+
+    /// Adds an agent to what is seen from afar.
+    pub fn add_seen(&mut self, agent: &SeenAgent<V>) {
+        let SeenAgent { position, velocity, intent, aim } = *agent;
+        self.grid.add(position, velocity, intent);
+        self.turns.count(&self.scenery.passages, position.on_ground(), aim.on_ground());
     }
 
     /// Empties the density grid, if it is time to fill it; the time that it is to show.
@@ -227,16 +250,17 @@ impl<V: Space> Engine<V> {
         Some(now)
     }
 
-    /// Position, velocity and intent of an agent, as the density grid has them at a time; `None` for a free place.
+    /// An agent as it is seen from afar at a time; `None` for a free place.
     #[inline]
-    pub fn motion(&self, index: u32, now: f64) -> Option<(V, V, V)> {
+    pub fn seen_agent(&self, index: u32, now: f64) -> Option<SeenAgent<V>> {
         let state = &self.states[index as usize];
         if state.cell == NONE {
             return None;
         }
         let plan = self.cells.plan(index);
         let (position, velocity) = plan.motion_at(now.max(plan.start));
-        Some((position, velocity, state.intent))
+        let aim = if state.is_there || state.speed == 0.0 { position } else { state.cursor.aim };
+        Some(SeenAgent { position, velocity, intent: state.intent, aim })
     }
 
     /// Processes the next event of an agent, and of the agent whose bound it touches; returns that one, if it acted
@@ -267,8 +291,8 @@ impl<V: Space> Engine<V> {
 
     /// Lets an agent take a new plan; false where it has to keep the present one.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
-        let Self { scenery, cells, states, grid, external_obstacles, relationships, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, external_obstacles, relationships, time: self.now };
+        let Self { scenery, cells, states, grid, turns, external_obstacles, relationships, scratch, .. } = self;
+        let decider = Decider { scenery, cells, states, grid, turns, external_obstacles, relationships, time: self.now };
         let Some(decision) = decider.decide(agent, scheme, scratch) else {
             self.resume_plan(agent);
             return false;

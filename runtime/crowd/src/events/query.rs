@@ -117,7 +117,7 @@ impl<V: Space> Engine<V> {
 
     /// Decider with all data that a decision may read.
     pub fn decider(&self, time: f64) -> Decider<'_, V> {
-        let Self { scenery, cells, states, grid, external_obstacles, relationships, .. } = self;
-        Decider { scenery, cells, states, grid, external_obstacles, relationships, time }
+        let Self { scenery, cells, states, grid, turns, external_obstacles, relationships, .. } = self;
+        Decider { scenery, cells, states, grid, turns, external_obstacles, relationships, time }
     }
 }

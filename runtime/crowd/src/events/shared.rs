@@ -9,7 +9,7 @@
 
 use crate::error::Result;
 use crate::events::decide::AgentState;
-use crate::events::engine::Engine;
+use crate::events::engine::{Engine, SeenAgent};
 use crate::events::parallel::WINDOW;
 use crate::space::plan::MotionPlan;
 use crate::{EventCounts, NONE, Space};
@@ -223,13 +223,15 @@ impl<V: Space> SharedEngine<V> {
     fn refresh_grid_until(&mut self, time: f64, comm: &dyn Comm) -> Result<()> {
         let Some(now) = self.engine.begin_refresh(time) else { return Ok(()) };
         let own = (0..self.engine.states.len() as u32).filter(|&m| self.is_own(m));
-        let own: Vec<(u32, (V, V, V))> = own.filter_map(|m| Some((m, self.engine.motion(m, now)?))).collect();
+        let own: Vec<(u32, SeenAgent<V>)> = own.filter_map(|m| Some((m, self.engine.seen_agent(m, now)?))).collect();
         let mut all = Vec::new();
         for (rank, bytes) in comm.all_gather(&encode(&own))?.iter().enumerate() {
-            all.extend(decode::<Vec<(u32, (V, V, V))>>(rank, bytes)?);
+            all.extend(decode::<Vec<(u32, SeenAgent<V>)>>(rank, bytes)?);
         }
         all.sort_by_key(|(m, _)| *m);
-        all.into_iter().for_each(|(_, (position, velocity, intent))| self.engine.grid.add(position, velocity, intent));
+        all.iter().for_each(|(_, agent)| self.engine.add_seen(agent));
+        let Engine { turns, scenery, .. } = &mut self.engine;
+        turns.update(&scenery.passages, now);
         Ok(())
     }
 

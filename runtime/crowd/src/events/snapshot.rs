@@ -5,6 +5,7 @@ use crate::events::decide::{AgentState, Cause};
 use crate::events::engine::Engine;
 use crate::events::occupancy::Occupancy;
 use crate::routes::goals::GoalTable;
+use crate::routes::passages::PassageTurn;
 use crate::routes::path::RoutePath;
 use crate::routes::streets::Streets;
 use crate::safety::saved_plans;
@@ -20,7 +21,7 @@ use std::collections::HashMap;
 use throng_base::{Error, Hash128, SnapshotKind, StateHash};
 
 /// Grows by one with every change of what is kept.
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 
 /// What another scheme than [`crate::Scheme::Registration`] remembers. Builds with `Scheme::Fixed` keep the same of all others.
 #[derive(Serialize, Deserialize)]
@@ -46,6 +47,8 @@ struct SavedCrowd<V> {
     plans: Vec<MotionPlan<V>>,
     grid: DensityGrid<V>,
     refreshes: u64,
+    /// Turns of passages.
+    turns: Vec<PassageTurn>,
     /// States of the doors.
     doors: Vec<Door>,
     /// Sensing agents and their states.
@@ -115,6 +118,7 @@ impl<V: Space> Engine<V> {
             plans: self.cells.plans(),
             grid: self.grid.clone(),
             refreshes: self.refreshes,
+            turns: self.turns.saved().to_vec(),
             doors: self.scenery.doors.clone(),
             sensing: self.sensors.saved(),
             relationships: self.relationships.saved(),
@@ -170,6 +174,7 @@ impl<V: Space> Engine<V> {
     fn take_over(&mut self, saved: SavedCrowd<V>) {
         (self.now, self.counts, self.states) = (saved.now, saved.counts, saved.states);
         (self.grid, self.refreshes, self.own_routes) = (saved.grid, saved.refreshes, saved.own_routes);
+        self.turns.restore(&saved.turns);
         for (agent, &own) in (0u32..).zip(&self.own_routes).filter(|(_, own)| **own != NONE) {
             self.scenery.paths[own as usize].owner = agent;
         }
@@ -208,6 +213,9 @@ impl<V: Space> Engine<V> {
         let may_be_grid = saved.grid.has_same_size(&self.grid) && saved.grid.is_possible(self.scenery.fastest);
         if !may_be_grid || !(0.0..=1e9).contains(&saved.now) || !self.may_have_seen(saved) {
             return Err("its time or its grid cannot be".to_owned());
+        }
+        if !self.turns.is_possible(&saved.turns, saved.now) {
+            return Err("its passages are others".to_owned());
         }
         let capacity = saved.states.len();
         let mut is_new = vec![true; capacity];

@@ -30,7 +30,7 @@ const KEYS: [(&str, &[GroupMotion]); 22] = {
     use GroupMotion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
-        ("goal", &[Bare, Blend, Policy]),
+        ("goal", &[Bare, Blend, Policy, Patches]),
         ("via", &[Bare, Blend, Policy]),
         ("arrival_m", &[Bare, Blend, Policy]),
         ("at_end", &[Bare, Blend, Policy]),
@@ -182,6 +182,8 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
             return key_fault(&at("motion"), why);
         }
         check_route(&at, group, dimensions)?;
+    } else if group.motion == GroupMotion::Patches {
+        check_goal_in_world(&at, group)?;
     } else if group.goal.is_some() {
         return key_fault(&at("goal"), "expected either `goal` or `paths`, found both");
     }
@@ -306,6 +308,19 @@ fn check_policies(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(
         before = p.time_s;
     }
     Ok(())
+}
+
+/// Checks the goal that all characters of a group in a world have, in place of goals that they draw.
+fn check_goal_in_world(at: &impl Fn(&str) -> String, group: &GroupConfig) -> Result<(), KeyFault> {
+    let Some(goal) = &group.goal else { return Ok(()) };
+    if !matches!(goal, GoalConfig::Point { .. } | GoalConfig::Area { .. } | GoalConfig::Wander { .. }) {
+        goal.find_fault(&at("goal"), 2)?;
+        return key_fault(&at("goal"), "in a world, expected a `point`, `place`, `area` or `wander`");
+    }
+    if !group.goals.is_empty() {
+        return key_fault(&at("goals"), "expected either `goal` or `goals`, found both");
+    }
+    goal.find_fault(&at("goal"), 2)
 }
 
 /// Checks the goals of characters in a world.

@@ -30,7 +30,8 @@ pub struct GroupConfig {
     #[serde(default)]
     pub place: Option<PlaceConfig>,
 
-    /// Goal of agents, and of characters with policies.
+    /// Goal of agents, of characters with policies, and of those in worlds: there a `point`, `place` or `area` where they stay, or
+    /// `wander` between places.
     #[serde(default)]
     pub goal: Option<GoalConfig>,
     /// Subgoals that all pass before their goal, in order (m).

@@ -1,5 +1,6 @@
 //! Measures the progress of agents towards their goals.
 
+use throng_base::thresholds::STANDING_MPS_F64;
 use throng_crowd::Space;
 
 /// An agent that stays within this distance for `STUCK_S` is stuck (m).
@@ -19,6 +20,8 @@ pub struct ProgressMeter<V> {
     gained_m: f64,
     /// Time that all agents were on their way (s).
     on_the_way_s: f64,
+    /// Part of that time in which they stood (s).
+    stood_s: f64,
     /// Distance gained and time on the way in each ten seconds (m, s).
     by_10s: Vec<[f64; 2]>,
 }
@@ -32,8 +35,10 @@ struct AgentProgress<V> {
     corner: usize,
     /// Remaining length of the path (m).
     remaining_m: f32,
-    /// Time of the last sample (s).
+    /// Time of the last sample (s), the place then (m), and whether it had stood since the one before.
     time_s: f64,
+    at: V,
+    stands: bool,
     /// Place within `STUCK_M` of which it has stayed, and since when (m, s).
     stayed_since: (V, f64),
     /// Shortest remaining path so far, by the agent's own route, and since when (m, s).
@@ -69,6 +74,7 @@ impl<V: Space> ProgressMeter<V> {
                 let (gained, spent) = self.agents[m].advance(&sight, time_s);
                 self.gained_m += f64::from(gained);
                 self.on_the_way_s += spent;
+                self.stood_s += if self.agents[m].stands { spent } else { 0.0 };
                 let window = (time_s / WINDOW_S - 1e-9).max(0.0) as usize;
                 if self.by_10s.len() <= window {
                     self.by_10s.resize(window + 1, [0.0; 2]);
@@ -82,6 +88,16 @@ impl<V: Space> ProgressMeter<V> {
     /// Mean speed along their paths of agents that have not arrived (m/s).
     pub fn progress_mps(&self) -> f64 {
         self.gained_m / self.on_the_way_s.max(1e-9)
+    }
+
+    /// Share of the time on their way in which agents stand.
+    pub fn stopped_share(&self) -> f64 {
+        self.stood_s / self.on_the_way_s.max(1e-9)
+    }
+
+    /// Share of the agents that have reached their goal, or left there.
+    pub fn reached(&self) -> f64 {
+        self.arrived() as f64 / self.agents.len().max(1) as f64
     }
 
     /// Mean speed along their paths in each ten seconds in which agents were on their way (m/s).
@@ -114,6 +130,8 @@ impl<V: Space> AgentProgress<V> {
             corner: 1,
             remaining_m: 0.0,
             time_s,
+            at,
+            stands: false,
             stayed_since: (at, time_s),
             nearest: (sight.remaining_m, time_s),
             has_arrived: false,
@@ -137,8 +155,11 @@ impl<V: Space> AgentProgress<V> {
         let Some(at) = sight.at else {
             // It has left at its goal.
             self.has_arrived = true;
+            self.stands = false;
             return (self.remaining_m, spent);
         };
+        let step_m = (at - std::mem::replace(&mut self.at, at)).length();
+        self.stands = f64::from(step_m) < STANDING_MPS_F64 * spent;
         while self.has_passed_corner(sight.path, at, sight.arrival_m) {
             self.corner += 1;
         }
@@ -238,7 +259,7 @@ mod tests {
                 meter.observe(t, [sight((!gone).then_some(at), false)].into_iter());
             }
             assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
-            assert_eq!((meter.arrived(), meter.stuck()), (1, 0));
+            assert_eq!((meter.arrived(), meter.stuck(), meter.reached(), meter.stopped_share()), (1, 0, 1.0, 0.0));
         }
     }
 
@@ -254,7 +275,9 @@ mod tests {
                 meter.observe(t, [still, trembles, walks].into_iter());
             }
             assert_eq!(meter.stuck(), if seconds > 10 { 2 } else { 0 });
-            assert_eq!(meter.arrived(), 0);
+            assert_eq!((meter.arrived(), meter.reached()), (0, 0.0));
+            // One stands, one creeps, and one trembles.
+            assert!((meter.stopped_share() - 2.0 / 3.0).abs() < 0.01, "{}", meter.stopped_share());
         }
     }
 

@@ -209,6 +209,8 @@ impl<V: Space> AgentWatch<V> {
             stuck_at_end: self.progress.stuck_at(agents.crowd().time_s()),
             desired_mps: speeds.sum::<f64>() / n as f64,
             arrived: self.progress.arrived(),
+            reached: self.progress.reached(),
+            stopped_share: self.progress.stopped_share(),
             informed: agents.brains().is_some_and(|m| m.has_events()).then(|| self.agents.iter().filter(knows).count()),
             things: (agents.things().len() > 0).then(|| ThingFigures {
                 things_taken: handled.taken,

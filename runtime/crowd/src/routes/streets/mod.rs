@@ -14,7 +14,7 @@ mod search;
 mod tests;
 
 use crate::routes::outline::ObstacleOutline;
-use crate::{AtEnd, NONE, Obstacle, Route};
+use crate::{AtEnd, NONE, Obstacle, Route, Space};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use near::EdgeGrid;
 pub(crate) use search::CornerQuery;
@@ -431,6 +431,47 @@ impl Streets {
     pub(crate) fn sees_place(&self, from: Vec2, to: Vec2, radius: f32, through: bool) -> bool {
         let doors = self.doors_between(from, to, 0.98 * radius);
         doors.is_some_and(|d| through || d & self.closed == 0)
+    }
+
+    /// Calls `visit` for the edges of all that stands near a place, doors left out, with their radii (m).
+    pub(crate) fn visit_walls_near(&self, at: Vec2, within: f32, mut visit: impl FnMut([Vec2; 2], f32)) {
+        self.edges.visit_near(at, within, |ends, radius, outline| {
+            if self.doors[outline] == 0 {
+                visit(ends, radius);
+            }
+        });
+    }
+
+    /// Calls `visit` for narrow gaps between corners and what stands beside them: their middle, and the unit vector from wall to
+    /// wall.
+    ///
+    /// - `widths`: narrowest and widest gap (m).
+    pub(crate) fn visit_narrow_gaps(&self, [narrowest, widest]: [f32; 2], mut visit: impl FnMut(Vec2, Vec2)) {
+        for (outline, _) in self.outlines.iter().zip(&self.doors).filter(|(_, door)| **door == 0) {
+            let own = if let ObstacleOutline::Wall { radius, .. } = outline { *radius } else { 0.0 };
+            for corner in outline.corners() {
+                let mut gaps = Vec::new();
+                self.visit_walls_near(corner, own + widest, |ends, radius| {
+                    let (across, distance) =
+                        Space::unit_and_length(throng_geometry::nearest_on_segment(corner, ends) - corner);
+                    let width = distance - own - radius;
+                    if (narrowest..widest).contains(&width) {
+                        gaps.push((corner + across * (own + 0.5 * width), across, width));
+                    }
+                });
+                for (middle, across, width) in gaps {
+                    // Nothing else is nearer.
+                    if self.is_clear_of_walls(middle, 0.49 * width) {
+                        visit(middle, across);
+                    }
+                }
+            }
+        }
+    }
+
+    /// True if a place keeps a clearance from everything that stands, doors left out.
+    fn is_clear_of_walls(&self, at: Vec2, clearance: f32) -> bool {
+        self.edges.find_near(&self.outlines, [at, at], clearance, |n| self.doors[n] != 0)
     }
 
     /// True if a straight line keeps a clearance from everything that stands.

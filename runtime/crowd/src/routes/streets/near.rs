@@ -118,6 +118,18 @@ impl EdgeGrid {
         })
     }
 
+    /// Calls `visit` for all edges that may be nearer to a place than a distance, with their radii (m) and outlines; for some more
+    /// than once.
+    pub fn visit_near(&self, at: Vec2, within: f32, mut visit: impl FnMut([Vec2; 2], f32, usize)) {
+        if !self.all.is_empty() {
+            self.cells_along([at, at], within, |cell| {
+                let edges = self.edges.list_of(cell).iter().map(|&n| &self.all[n as usize]);
+                edges.for_each(|edge| visit(edge.ends, edge.radius, edge.outline as usize));
+                true
+            });
+        }
+    }
+
     /// Column and row of a place, the nearest ones outside.
     fn cell_at(&self, at: Vec2) -> [usize; 2] {
         ((at - self.low) / self.cell).to_array().map(|v| (v as usize).min(self.side - 1))

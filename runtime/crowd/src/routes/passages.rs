@@ -1,0 +1,414 @@
+//! Passages: doors, gaps and corridors that are too narrow for two who meet.
+//!
+//! They are found from what stands. Each is granted to one direction at a time: who goes the other way waits beside the
+//! mouth and leaves those who come out a lane. Where people wait on both sides, directions take turns, and nobody enters
+//! until the last one is out. Turns change only when the density grid is filled: so all who decide in between know the same.
+
+use super::streets::Streets;
+use glam::Vec2;
+use serde::{Deserialize, Serialize};
+use throng_geometry::{Bounds2d, BoxGrid, nearest_on_segment};
+
+/// Width below which two cannot meet, in radii.
+const NARROW_RADII: f32 = 4.4;
+/// Distance between the points of a middle line (m).
+const STEP_M: f32 = 0.1;
+/// Most points of a middle line.
+const MOST_POINTS: usize = 2000;
+/// Largest part of the direction to a wall beside the way that may lead along the way.
+const BESIDE: f32 = 0.8;
+/// Distance of mouths between which nobody can wait, in radii: two passages are one there.
+const JOINED_RADII: f32 = 4.0;
+/// Distance from a mouth within which those who want in wait (m).
+const NEAR_M: f32 = 6.0;
+/// Distance within which they stand; behind, they queue (m).
+const STAND_M: f32 = 3.0;
+/// Length of the lane that they leave to those who come out (m).
+const LANE_M: f32 = 5.0;
+/// Room beside those who come out (m).
+const LANE_ROOM_M: f32 = 0.15;
+/// Distance from the middle of the lane within which those who stand make room for others who leave it (m).
+const SPREAD_M: f32 = 1.6;
+/// Distance of places at the corners of a mouth from its edge: who goes round one of them goes in (m).
+const CORNER_M: f32 = 0.6;
+/// Duration of a turn, and what a metre of the passage adds to it (s).
+const TURN_S: f64 = 8.0;
+const TURN_PER_M_S: f64 = 0.8;
+
+/// A passage.
+#[derive(Clone, Debug)]
+struct Passage {
+    /// Middle line from one mouth to the other (m, at least two points).
+    line: Vec<Vec2>,
+    /// Length of the line (m).
+    length: f32,
+    /// Largest distance of a wall from the line (m).
+    half_width: f32,
+}
+
+/// All passages of some streets.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Passages {
+    all: Vec<Passage>,
+    /// Boxes around all places from which each may be used.
+    boxes: Option<BoxGrid>,
+}
+
+/// Turns of a passage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct PassageTurn {
+    /// End to which it is granted: the first or the second.
+    towards: Option<bool>,
+    /// True where nobody enters until it is empty.
+    closes: bool,
+    /// Time at which the turn began (s).
+    since_s: f64,
+}
+
+/// People in a passage and before it, by the end to which they go.
+#[derive(Clone, Copy, Debug, Default)]
+struct PassageCount {
+    inside: [u32; 2],
+    near: [u32; 2],
+}
+
+/// Turns of all passages.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PassageTurns {
+    turns: Vec<PassageTurn>,
+    counts: Vec<PassageCount>,
+}
+
+/// A passage on somebody's way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PassageUse {
+    number: usize,
+    /// True for one who goes to the second end.
+    towards: bool,
+    pub is_inside: bool,
+    /// Distance from the mouth by which it enters; 0 inside (m).
+    distance: f32,
+    /// That mouth (m), or inside the nearest place of the middle line, and the unit vector out of the passage there.
+    mouth: Vec2,
+    out: Vec2,
+}
+
+/// Advice to somebody on whose way a passage is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum PassageAdvice {
+    /// The passage is granted.
+    Enter,
+    /// Go on as far as others let one.
+    Queue,
+    /// Wait here.
+    Stand,
+    /// Make way, along a unit vector and with a share of the usual speed.
+    MakeWay(Vec2, f32),
+}
+
+/// Nearest walls on both sides of a way (m).
+#[derive(Clone, Copy)]
+struct WallsBeside {
+    left_m: f32,
+    right_m: f32,
+    /// Direction from the right wall to the left one.
+    across: Vec2,
+}
+
+impl Passages {
+    /// Finds the passages for people of a radius (m).
+    pub fn find(streets: &Streets, radius_m: f32) -> Self {
+        let mut all: Vec<Passage> = Vec::new();
+        let widths = [2.0 * radius_m, NARROW_RADII * radius_m];
+        streets.visit_narrow_gaps(widths, |middle, across| {
+            if !all.iter().any(|passage| passage.holds(middle)) {
+                all.extend(Passage::trace(streets, widths, middle, across));
+            }
+        });
+        join_passages(&mut all, JOINED_RADII * radius_m);
+        let mut boxes = BoxGrid::with_capacity(all.len());
+        for (number, passage) in all.iter().enumerate() {
+            let around = passage.line.iter().fold(Bounds2d::EMPTY, |b, p| b.union(Bounds2d::around_disc(*p, NEAR_M)));
+            boxes.set(number, around);
+        }
+        Self { boxes: Some(boxes).filter(|_| !all.is_empty()), all }
+    }
+
+    /// The next passage on the way of somebody at a place, with an aim.
+    pub fn find_use(&self, at: Vec2, aim: Vec2) -> Option<PassageUse> {
+        let mut best: Option<PassageUse> = None;
+        self.boxes.as_ref()?.visit_intersecting(&Bounds2d { min: at, max: at }, |number| {
+            let found = self.all[number].find_use(number, at, aim);
+            if let Some(found) = found
+                && best.is_none_or(|b| (found.distance, found.number) < (b.distance, b.number))
+            {
+                best = Some(found);
+            }
+            true
+        });
+        best
+    }
+
+    /// Number of passages.
+    #[cfg(test)]
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+}
+
+impl Passage {
+    /// The passage through a narrow place; none where it leads nowhere.
+    ///
+    /// - `widths`: narrowest, and that from which on there is room (m).
+    /// - `across`: unit vector from wall to wall.
+    fn trace(streets: &Streets, widths: [f32; 2], middle: Vec2, across: Vec2) -> Option<Self> {
+        let mut half_width = 0.5 * widths[0];
+        let mut line = trace_way(streets, widths, middle, across.perp(), &mut half_width)?;
+        line.reverse();
+        line.push(middle);
+        line.extend(trace_way(streets, widths, middle, -across.perp(), &mut half_width)?);
+        Some(Self::from_line(line, half_width))
+    }
+
+    fn from_line(line: Vec<Vec2>, half_width: f32) -> Self {
+        let length = line.windows(2).map(|w| w[0].distance(w[1])).sum();
+        Self { line, length, half_width }
+    }
+
+    /// Mouth at an end, and the unit vector out of it.
+    fn mouth(&self, is_second: bool) -> (Vec2, Vec2) {
+        let last = self.line.len() - 1;
+        // The direction of the last half metre or so, as walls end raggedly.
+        let back = 5.min(last);
+        let (end, before) =
+            if is_second { (self.line[last], self.line[last - back]) } else { (self.line[0], self.line[back]) };
+        (end, (end - before).normalize_or_zero())
+    }
+
+    /// Place on the middle line that is nearest, where one is beside the line and within the walls, and the unit vector
+    /// along it.
+    fn place_within(&self, at: Vec2) -> Option<(Vec2, Vec2)> {
+        let mut best = (self.half_width * self.half_width, None);
+        for ends in self.line.windows(2) {
+            let nearest = nearest_on_segment(at, [ends[0], ends[1]]);
+            let square = at.distance_squared(nearest);
+            if square < best.0 {
+                best = (square, Some((nearest, [ends[0], ends[1]])));
+            }
+        }
+        let (nearest, [a, b]) = best.1?;
+        let along = (b - a).normalize_or_zero();
+        // Beyond the ends one is outside.
+        let is_beyond = |is_second| {
+            let (mouth, out) = self.mouth(is_second);
+            nearest == mouth && (at - mouth).dot(out) > 0.0
+        };
+        (!is_beyond(false) && !is_beyond(true)).then_some((nearest, along))
+    }
+
+    fn holds(&self, at: Vec2) -> bool {
+        self.place_within(at).is_some()
+    }
+
+    fn find_use(&self, number: usize, at: Vec2, aim: Vec2) -> Option<PassageUse> {
+        let way = aim - at;
+        if way.length_squared() < 1e-6 {
+            return None;
+        }
+        if let Some((mouth, along)) = self.place_within(at) {
+            let towards = way.dot(along) >= 0.0;
+            let out = if towards { -along } else { along };
+            return Some(PassageUse { number, towards, is_inside: true, distance: 0.0, mouth, out });
+        }
+        let is_aimed_at = self.holds(aim);
+        let mut best: Option<PassageUse> = None;
+        for by_second in [false, true] {
+            let (mouth, out) = self.mouth(by_second);
+            let (off, toward) = (at - mouth, -way.dot(out));
+            let (before, distance) = (off.dot(out), off.length());
+            if before <= 0.0 || distance > NEAR_M || best.is_some_and(|b| b.distance <= distance) {
+                continue;
+            }
+            // The straight way leads in, or the aim is there.
+            let crosses = toward > 0.0 && before <= toward && {
+                let aside = (off + way * (before / toward)).dot(out.perp());
+                aside.abs() < self.half_width
+            };
+            if crosses || is_aimed_at || aim.distance(mouth) < self.half_width + CORNER_M {
+                best = Some(PassageUse { number, towards: !by_second, is_inside: false, distance, mouth, out });
+            }
+        }
+        best
+    }
+}
+
+/// Middle line from a narrow place on to the mouth; none where the way ends before.
+fn trace_way(
+    streets: &Streets,
+    [narrowest, wide]: [f32; 2],
+    from: Vec2,
+    along: Vec2,
+    half_width: &mut f32,
+) -> Option<Vec<Vec2>> {
+    let (mut at, mut along, mut line) = (from, along, Vec::new());
+    while line.len() < MOST_POINTS {
+        at += along * STEP_M;
+        let Some(walls) = walls_beside(streets, at, along, wide) else {
+            line.push(at);
+            return Some(line);
+        };
+        let width = walls.left_m + walls.right_m;
+        if width < narrowest {
+            return None;
+        }
+        if width >= wide {
+            line.push(at);
+            return Some(line);
+        }
+        *half_width = half_width.max(0.5 * width);
+        let left = along.perp();
+        at += left * (0.5 * (walls.left_m - walls.right_m)).clamp(-STEP_M, STEP_M);
+        line.push(at);
+        let turned = -walls.across.perp();
+        along = (along + if turned.dot(along) < 0.0 { -turned } else { turned }).normalize_or(along);
+    }
+    None
+}
+
+/// Walls on both sides of a way, within a distance; none where one is missing.
+fn walls_beside(streets: &Streets, at: Vec2, along: Vec2, within: f32) -> Option<WallsBeside> {
+    let left = along.perp();
+    let mut sides = [(within, None); 2];
+    streets.visit_walls_near(at, within, |[a, b], radius| {
+        let off = nearest_on_segment(at, [a, b]) - at;
+        let distance = off.length();
+        if off.dot(along).abs() <= BESIDE * distance {
+            let side = &mut sides[usize::from(off.dot(left) < 0.0)];
+            if distance - radius < side.0 {
+                *side = (distance - radius, Some(off));
+            }
+        }
+    });
+    let [(left_m, Some(to_left)), (right_m, Some(to_right))] = sides else { return None };
+    Some(WallsBeside { left_m, right_m, across: (to_left - to_right).normalize_or(left) })
+}
+
+/// Joins passages at mouths so near to each other that nobody can wait in between; where more than two meet, none are joined.
+fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
+    while let Some(junction) = find_junction(all, near_m) {
+        let [(first, first_end), (other, other_end)] = junction;
+        let next = all.remove(other);
+        let Passage { mut line, half_width, .. } = all[first].clone();
+        if !first_end {
+            line.reverse();
+        }
+        let ahead = next.line.iter().copied();
+        if other_end { line.extend(ahead.rev()) } else { line.extend(ahead) }
+        all[first] = Passage::from_line(line, half_width.max(next.half_width));
+    }
+}
+
+/// Two passages with the ends at which they meet; the first one has the smaller number.
+fn find_junction(all: &[Passage], near_m: f32) -> Option<[(usize, bool); 2]> {
+    let mouth = |(number, end): (usize, bool)| all[number].mouth(end).0;
+    let ends = |number: usize| [(number, false), (number, true)];
+    for other in 0..all.len() {
+        for first in 0..other {
+            let pairs = ends(first).into_iter().flat_map(|one| ends(other).map(|two| [one, two]));
+            let gap = |[one, two]: &[(usize, bool); 2]| mouth(*one).distance(mouth(*two));
+            let Some(pair) = pairs.min_by(|a, b| gap(a).total_cmp(&gap(b))) else { continue };
+            let is_near = |number: usize| ends(number).iter().any(|end| gap(&[pair[0], *end]) < near_m);
+            let mut others = (0..all.len()).filter(|&third| third != first && third != other);
+            if gap(&pair) < near_m && !others.any(is_near) {
+                return Some(pair);
+            }
+        }
+    }
+    None
+}
+
+impl PassageTurns {
+    /// No passage is granted yet.
+    pub fn new(passages: &Passages) -> Self {
+        let num = passages.all.len();
+        Self { turns: vec![PassageTurn::default(); num], counts: vec![PassageCount::default(); num] }
+    }
+
+    /// Turns, for a snapshot.
+    pub fn saved(&self) -> &[PassageTurn] {
+        &self.turns
+    }
+
+    /// True if these can be the turns of as many passages at a time.
+    pub fn is_possible(&self, saved: &[PassageTurn], now_s: f64) -> bool {
+        saved.len() == self.turns.len() && saved.iter().all(|turn| (0.0..=now_s).contains(&turn.since_s))
+    }
+
+    /// Restores turns that are possible.
+    pub fn restore(&mut self, saved: &[PassageTurn]) {
+        self.turns.copy_from_slice(saved);
+    }
+
+    /// Counts somebody on the way from a place to an aim.
+    pub fn count(&mut self, passages: &Passages, at: Vec2, aim: Vec2) {
+        if let Some(found) = passages.find_use(at, aim) {
+            let count = &mut self.counts[found.number];
+            let of = if found.is_inside { &mut count.inside } else { &mut count.near };
+            of[usize::from(found.towards)] += 1;
+        }
+    }
+
+    /// Takes turns, once all are counted; then counts begin anew.
+    pub fn update(&mut self, passages: &Passages, now_s: f64) {
+        for ((turn, count), passage) in self.turns.iter_mut().zip(&mut self.counts).zip(&passages.all) {
+            turn.update(&std::mem::take(count), TURN_S + TURN_PER_M_S * f64::from(passage.length), now_s);
+        }
+    }
+
+    /// Advice to somebody with a radius (m) at a place, on whose way a passage is.
+    pub fn advise(&self, found: &PassageUse, at: Vec2, radius: f32) -> PassageAdvice {
+        let turn = &self.turns[found.number];
+        let is_own = turn.towards.is_none_or(|towards| towards == found.towards);
+        if is_own && (found.is_inside || !turn.closes) {
+            return PassageAdvice::Enter;
+        }
+        if found.is_inside {
+            return PassageAdvice::MakeWay(found.out, 1.0);
+        }
+        let (off, side) = (at - found.mouth, found.out.perp());
+        let (before, aside) = (off.dot(found.out), off.dot(side));
+        let away = if aside < 0.0 { -side } else { side };
+        if before < LANE_M && aside.abs() < 2.0 * radius + LANE_ROOM_M {
+            return PassageAdvice::MakeWay((away + found.out * 0.4).normalize_or_zero(), 1.0);
+        }
+        if before < LANE_M && aside.abs() < SPREAD_M {
+            return PassageAdvice::MakeWay((away + found.out * 0.2).normalize_or_zero(), 0.3);
+        }
+        if found.distance < STAND_M { PassageAdvice::Stand } else { PassageAdvice::Queue }
+    }
+}
+
+impl PassageTurn {
+    fn update(&mut self, count: &PassageCount, turn_s: f64, now_s: f64) {
+        let PassageCount { inside, near } = *count;
+        let begin = |towards: Option<bool>| Self { towards, closes: false, since_s: now_s };
+        let Some(towards) = self.towards else {
+            // The first who come have it.
+            if inside != [0; 2] || near != [0; 2] {
+                let key = |of: usize| (inside[of], near[of]);
+                *self = begin(Some(key(1) > key(0)));
+            }
+            return;
+        };
+        let (own, other) = (usize::from(towards), usize::from(!towards));
+        if inside == [0; 2] && (self.closes || near[own] == 0) {
+            let next = [(other, !towards), (own, towards)].into_iter().find(|(of, _)| near[*of] > 0);
+            *self = begin(next.map(|(_, towards)| towards));
+        } else if inside[own] == 0 && inside[other] > 0 {
+            // None of those who have it are in it: those who are leave first.
+            *self = Self { closes: near[own] > 0, ..begin(Some(!towards)) };
+        } else if near[other] > 0 && now_s - self.since_s >= turn_s {
+            self.closes = true;
+        }
+    }
+}
