@@ -130,12 +130,14 @@ impl<V: Space> Engine<V> {
 
     /// What an agent does if nothing but the forces moves it (Kim, Kim and Shin 2003b, eq. 14), no faster than any other scheme lets it.
     fn desired_motion(&mut self, agent: u32, step: f32) -> Decision<V> {
-        let Self { scenery, cells, states, grid, external_obstacles: outsiders, relationships, scratch, .. } = self;
+        let Self { scenery, cells, states, grid, turns, external_obstacles: outsiders, relationships, scratch, .. } =
+            self;
         let decider = Decider {
             scenery,
             cells,
             states,
             grid,
+            turns,
             external_obstacles: outsiders,
             relationships: relationships,
             time: self.now,

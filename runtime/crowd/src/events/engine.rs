@@ -292,7 +292,8 @@ impl<V: Space> Engine<V> {
     /// Lets an agent take a new plan; false where it has to keep the present one.
     pub fn decide(&mut self, agent: u32, scheme: SchemeRef<'_>) -> bool {
         let Self { scenery, cells, states, grid, turns, external_obstacles, relationships, scratch, .. } = self;
-        let decider = Decider { scenery, cells, states, grid, turns, external_obstacles, relationships, time: self.now };
+        let decider =
+            Decider { scenery, cells, states, grid, turns, external_obstacles, relationships, time: self.now };
         let Some(decision) = decider.decide(agent, scheme, scratch) else {
             self.resume_plan(agent);
             return false;

@@ -23,6 +23,11 @@ const JOINED_RADII: f32 = 4.0;
 const NEAR_M: f32 = 6.0;
 /// Distance within which they stand; behind, they queue (m).
 const STAND_M: f32 = 3.0;
+/// Distance within which they gather before they enter, and how many may: more would wedge each other there (m).
+const GATHER_M: f32 = 1.5;
+const MOST_GATHERED: u32 = 5;
+/// Distance from a mouth that those who wait for others keep (m).
+const KEPT_FREE_M: f32 = 2.1;
 /// Length of the lane that they leave to those who come out (m).
 const LANE_M: f32 = 5.0;
 /// Room beside those who come out (m).
@@ -32,7 +37,7 @@ const SPREAD_M: f32 = 1.6;
 /// Distance of places at the corners of a mouth from its edge: who goes round one of them goes in (m).
 const CORNER_M: f32 = 0.6;
 /// Duration of a turn, and what a metre of the passage adds to it (s).
-const TURN_S: f64 = 8.0;
+const TURN_S: f64 = 10.0;
 const TURN_PER_M_S: f64 = 0.8;
 
 /// A passage.
@@ -63,6 +68,8 @@ pub(crate) struct PassageTurn {
     closes: bool,
     /// Time at which the turn began (s).
     since_s: f64,
+    /// People who gather before either mouth, by the end to which they go.
+    gathered: [u32; 2],
 }
 
 /// People in a passage and before it, by the end to which they go.
@@ -70,6 +77,7 @@ pub(crate) struct PassageTurn {
 struct PassageCount {
     inside: [u32; 2],
     near: [u32; 2],
+    gathered: [u32; 2],
 }
 
 /// Turns of all passages.
@@ -253,7 +261,15 @@ fn trace_way(
     let (mut at, mut along, mut line) = (from, along, Vec::new());
     while line.len() < MOST_POINTS {
         at += along * STEP_M;
-        let Some(walls) = walls_beside(streets, at, along, wide) else {
+        let walls = walls_beside(streets, at, along, wide);
+        let mut ahead_m = wide;
+        streets.visit_walls_near(at, narrowest, |ends, radius| {
+            ahead_m = ahead_m.min(nearest_on_segment(at, ends).distance(at) - radius);
+        });
+        if ahead_m < 0.4 * narrowest {
+            return None;
+        }
+        let Some(walls) = walls else {
             line.push(at);
             return Some(line);
         };
@@ -303,7 +319,11 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
             line.reverse();
         }
         let ahead = next.line.iter().copied();
-        if other_end { line.extend(ahead.rev()) } else { line.extend(ahead) }
+        if other_end {
+            line.extend(ahead.rev())
+        } else {
+            line.extend(ahead)
+        }
         all[first] = Passage::from_line(line, half_width.max(next.half_width));
     }
 }
@@ -354,7 +374,9 @@ impl PassageTurns {
         if let Some(found) = passages.find_use(at, aim) {
             let count = &mut self.counts[found.number];
             let of = if found.is_inside { &mut count.inside } else { &mut count.near };
-            of[usize::from(found.towards)] += 1;
+            let to = usize::from(found.towards);
+            of[to] += 1;
+            count.gathered[to] += u32::from(!found.is_inside && found.distance < GATHER_M);
         }
     }
 
@@ -369,8 +391,11 @@ impl PassageTurns {
     pub fn advise(&self, found: &PassageUse, at: Vec2, radius: f32) -> PassageAdvice {
         let turn = &self.turns[found.number];
         let is_own = turn.towards.is_none_or(|towards| towards == found.towards);
+        let waits = if found.distance < STAND_M { PassageAdvice::Stand } else { PassageAdvice::Queue };
         if is_own && (found.is_inside || !turn.closes) {
-            return PassageAdvice::Enter;
+            let is_full = turn.gathered[usize::from(found.towards)] >= MOST_GATHERED;
+            let enters = found.is_inside || found.distance < GATHER_M || !is_full;
+            return if enters { PassageAdvice::Enter } else { waits };
         }
         if found.is_inside {
             return PassageAdvice::MakeWay(found.out, 1.0);
@@ -384,14 +409,18 @@ impl PassageTurns {
         if before < LANE_M && aside.abs() < SPREAD_M {
             return PassageAdvice::MakeWay((away + found.out * 0.2).normalize_or_zero(), 0.3);
         }
-        if found.distance < STAND_M { PassageAdvice::Stand } else { PassageAdvice::Queue }
+        if found.distance < KEPT_FREE_M {
+            return PassageAdvice::MakeWay(off.normalize_or(found.out), 0.5);
+        }
+        waits
     }
 }
 
 impl PassageTurn {
     fn update(&mut self, count: &PassageCount, turn_s: f64, now_s: f64) {
-        let PassageCount { inside, near } = *count;
-        let begin = |towards: Option<bool>| Self { towards, closes: false, since_s: now_s };
+        let PassageCount { inside, near, gathered } = *count;
+        self.gathered = gathered;
+        let begin = |towards: Option<bool>| Self { towards, closes: false, since_s: now_s, gathered };
         let Some(towards) = self.towards else {
             // The first who come have it.
             if inside != [0; 2] || near != [0; 2] {
@@ -404,8 +433,8 @@ impl PassageTurn {
         if inside == [0; 2] && (self.closes || near[own] == 0) {
             let next = [(other, !towards), (own, towards)].into_iter().find(|(of, _)| near[*of] > 0);
             *self = begin(next.map(|(_, towards)| towards));
-        } else if inside[own] == 0 && inside[other] > 0 {
-            // None of those who have it are in it: those who are leave first.
+        } else if inside[own] == 0 && gathered[own] == 0 && inside[other] > 0 {
+            // None of those who have it are in it or before it: those who are in it leave first.
             *self = Self { closes: near[own] > 0, ..begin(Some(!towards)) };
         } else if near[other] > 0 && now_s - self.since_s >= turn_s {
             self.closes = true;

@@ -37,7 +37,8 @@ fn narrow_places_are_found_from_what_stands() {
     }
     let door = |x: f32, z: f32| [wall([x - 9.0, z], [x - 0.6, z]), wall([x + 0.6, z], [x + 9.0, z])];
     assert_eq!(found(&[door(0.0, 0.0), door(0.0, 9.0)].concat()), 2, "two doors");
-    assert_eq!(found(&[door(0.0, 0.0), door(0.0, 1.0)].concat()), 1, "nobody can wait between them");
+    let sides = [-1.6f32, 1.6].map(|x| wall([x, 0.0], [x, 1.0]));
+    assert_eq!(found(&[&door(0.0, 0.0)[..], &door(0.0, 1.0), &sides].concat()), 1, "nobody can wait between them");
     let posts = [-0.6f32, 0.6].map(|x| Obstacle::Ball { centre: Vec3::X * x, radius: 0.1 });
     assert_eq!(found(&posts), 1, "between two posts");
     // A corridor of 1 m round a corner, with a dead end of the same width beside it.
