@@ -67,6 +67,8 @@ pub struct CrowdConfig {
     pub largest_radius_m: f32,
     /// Largest desired speed of agents to come and of [`crate::Crowd::order`]; 0 stands for those at the start (m/s).
     pub largest_speed_mps: f32,
+    /// Least of the largest accelerations of agents to come; 0 stands for those at the start (m/s2).
+    pub least_acceleration_mps2: f32,
     /// The numbers of steering that were tuned by trial.
     pub steering: SteeringConfig,
 }
@@ -97,6 +99,7 @@ impl CrowdConfig {
         CAPACITY.check_count("config.capacity", self.capacity)?;
         within("config.largest_radius_m", self.largest_radius_m, 0.0, 999.0, "between 0 and 999")?;
         within("config.largest_speed_mps", self.largest_speed_mps, 0.0, 999.0, "between 0 and 999")?;
+        within("config.least_acceleration_mps2", self.least_acceleration_mps2, 0.0, 1e4, "between 0 and 10000")?;
         self.steering.check()
     }
 }
@@ -114,6 +117,7 @@ impl Default for CrowdConfig {
             capacity: 0,
             largest_radius_m: 0.0,
             largest_speed_mps: 0.0,
+            least_acceleration_mps2: 0.0,
             steering: SteeringConfig::default(),
         }
     }

@@ -433,6 +433,11 @@ impl Crowd {
         each!(&self.engine, e => e.distance_left(id))
     }
 
+    /// Number of the subgoal of its route to which it is on the way.
+    pub fn route_leg(&self, id: Id) -> Option<u32> {
+        each!(&self.engine, e => e.route_leg(id))
+    }
+
     /// Unit vector in which it wants to go now; zero where it is at its goal.
     pub fn desired_direction(&self, id: Id) -> Option<Vec3> {
         each!(&self.engine, e => e.desired_direction(id).map(Space::to_world))

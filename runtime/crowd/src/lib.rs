@@ -35,7 +35,7 @@ pub use crowd::Crowd;
 pub use error::CrowdError;
 pub use events::event::{CrowdEvent, CrowdEventKind, EventCounts};
 pub use navigation::{NavigatedBody, Navigation, NavigationAim, NavigationState};
-pub use routes::order::{AgentOrder, AgentStatus};
+pub use routes::order::{AgentOrder, AgentStatus, RouteBegin};
 pub use routes::route::{AtEnd, Route};
 pub use routes::streets::{NoPath, Streets};
 pub use senses::{Sense, Senses, Zone};

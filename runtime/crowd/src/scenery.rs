@@ -125,7 +125,8 @@ impl<V: Space> CrowdScenery<V> {
         let ratio = config.steering.largest_speed_ratio;
         let radius = most(config.largest_radius_m, &|m| m.radius);
         let speed = most(config.largest_speed_mps, &|m| m.speed.max(m.velocity.length() / ratio)).max(0.1);
-        let weakest = setup.agents.iter().map(|m| m.acceleration).fold(f32::INFINITY, f32::min);
+        let to_come = Some(setup.config.least_acceleration_mps2).filter(|least| *least > 0.0);
+        let weakest = setup.agents.iter().map(|m| m.acceleration).chain(to_come).fold(f32::INFINITY, f32::min);
         let weakest = if weakest.is_finite() { weakest } else { 1.0 };
         let fastest = ratio * speed;
         let mut scenery = Self {

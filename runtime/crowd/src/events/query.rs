@@ -78,6 +78,11 @@ impl<V: Space> Engine<V> {
         Some(self.decider(self.now).forces(id.index, &mut DecisionScratch::default()))
     }
 
+    pub fn route_leg(&self, id: Id) -> Option<u32> {
+        self.check_id(id).ok()?;
+        Some(self.states[id.index()].cursor.leg)
+    }
+
     pub fn status(&self, id: Id) -> Option<AgentStatus> {
         let left_m = self.distance_left(id)?;
         let state = &self.states[id.index()];

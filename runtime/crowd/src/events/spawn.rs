@@ -10,7 +10,7 @@ use crate::safety::rule::{MARGIN, PlanCandidate, clearance};
 use crate::scenery::{CrowdScenery, Door, check_agent};
 use crate::space::plan::MotionPlan;
 use crate::steering::filter::VelocityFilter;
-use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, Space};
+use crate::{Agent, AtEnd, Id, InterestLocation, NONE, Obstacle, PersonalInterest, Route, RouteBegin, Space};
 use glam::Vec3Swizzles;
 use throng_base::Error;
 use throng_base::error::check_index;
@@ -33,7 +33,7 @@ impl<V: Space> Engine<V> {
         self.check_clearance(id, &plan)?;
         let route = agent.route.unwrap_or_else(|| self.stay_at(index, agent.position));
         self.free.pop();
-        let cursor = self.begin_route(route, agent.position, agent.radius);
+        let cursor = self.begin_route(route, agent.position, agent.radius, RouteBegin::Nearest);
         self.states[index as usize] = AgentState {
             route: route as u32,
             field: agent.field as u32,
@@ -74,7 +74,13 @@ impl<V: Space> Engine<V> {
         let speed = agent.speed.max(agent.velocity.length() / scenery.steering.largest_speed_ratio);
         check("agent.speed", n, speed, speed <= scenery.speed, "at most `largest_speed_mps` of the config")?;
         let stops = scenery.fastest * scenery.fastest <= 2.0 * agent.acceleration * scenery.stopping * 1.001;
-        check("agent.acceleration", n, agent.acceleration, stops, "at least that of the weakest at the start")?;
+        check(
+            "agent.acceleration",
+            n,
+            agent.acceleration,
+            stops,
+            "at least that of the weakest at the start, or `least_acceleration_mps2` of the config",
+        )?;
         self.check_occupancy(n, agent)
     }
 
@@ -158,7 +164,7 @@ impl<V: Space> Engine<V> {
         }
         self.cells.remove(state.cell, id.index);
         self.unlist(id.index);
-        let cursor = self.begin_route(state.route as usize, position, plan.radius);
+        let cursor = self.begin_route(state.route as usize, position, plan.radius, RouteBegin::Nearest);
         let left = self.scenery.paths[state.route as usize].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];
         state.cell = self.cells.number(self.cells.coordinates(position));
@@ -220,7 +226,10 @@ impl<V: Space> Engine<V> {
                 self.set_own_route(id.index, &route)?
             }
         };
-        let cursor = if is_on_it { kept.cursor } else { self.begin_route(number, position, plan.radius) };
+        let cursor = match is_on_it {
+            true => kept.cursor,
+            false => self.begin_route(number, position, plan.radius, order.begin),
+        };
         let left = self.scenery.paths[number].distance_left(&cursor, position);
         let state = &mut self.states[id.index()];
         (state.cursor, state.route, state.speed) = (cursor, number as u32, speed);
@@ -359,9 +368,9 @@ impl<V: Space> Engine<V> {
     }
 
     /// Cursor of an agent at the start of a route.
-    fn begin_route(&self, route: usize, x: V, radius: f32) -> RouteCursor<V> {
+    fn begin_route(&self, route: usize, x: V, radius: f32, begin: RouteBegin) -> RouteCursor<V> {
         let path = &self.scenery.paths[route];
-        let mut cursor = path.begin_at(x);
+        let mut cursor = path.begin_at(x, begin);
         path.pass_subgoals(&mut cursor, x);
         self.decider(self.now).guide().find_aim(path, &mut cursor, x, radius);
         cursor

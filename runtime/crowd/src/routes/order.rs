@@ -11,6 +11,16 @@ pub struct AgentOrder<V = Vec3> {
     pub(crate) at_end: AtEnd,
     pub(crate) arrival_m: f32,
     pub(crate) speed_mps: Option<f32>,
+    pub(crate) begin: RouteBegin,
+}
+
+/// Leg on which an agent begins a route that leads round; others begin at the first one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RouteBegin {
+    /// Leg to the subgoal of this number.
+    Leg(u32),
+    /// Leg that is nearest to the agent.
+    Nearest,
 }
 
 /// Destination of an order.
@@ -26,7 +36,7 @@ pub(crate) enum OrderDestination<V> {
 
 impl<V> AgentOrder<V> {
     fn new(destination: OrderDestination<V>) -> Self {
-        Self { destination, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None }
+        Self { destination, at_end: AtEnd::Stay, arrival_m: 0.5, speed_mps: None, begin: RouteBegin::Leg(0) }
     }
 
     /// Order to go to a goal (m): round obstacles where the crowd knows its streets, otherwise straight.
@@ -39,9 +49,10 @@ impl<V> AgentOrder<V> {
         Self::new(OrderDestination::AlongSubgoals(subgoals))
     }
 
-    /// Along a route of [`crate::CrowdSetup::routes`] or [`crate::Crowd::add_route`], which says what is done at its end.
+    /// Along a route of [`crate::CrowdSetup::routes`] or [`crate::Crowd::add_route`], which says what is done at its end; one that leads
+    /// round is begun at the nearest leg.
     pub fn on_route(number: usize) -> Self {
-        Self::new(OrderDestination::Route(number))
+        Self::new(OrderDestination::Route(number)).beginning_at(RouteBegin::Nearest)
     }
 
     /// Sets the action at the end; by default [`AtEnd::Stay`].
@@ -62,9 +73,15 @@ impl<V> AgentOrder<V> {
         self
     }
 
+    /// Sets the leg at which a route begins; by default the first one.
+    pub fn beginning_at(mut self, begin: RouteBegin) -> Self {
+        self.begin = begin;
+        self
+    }
+
     /// Converts it to another space.
     pub(crate) fn map<W>(self, f: impl Fn(V) -> W) -> AgentOrder<W> {
-        let Self { destination, at_end, arrival_m, speed_mps } = self;
+        let Self { destination, at_end, arrival_m, speed_mps, begin } = self;
         let destination = match destination {
             OrderDestination::ToGoal(goal) => OrderDestination::ToGoal(f(goal)),
             OrderDestination::AlongSubgoals(subgoals) => {
@@ -72,7 +89,7 @@ impl<V> AgentOrder<V> {
             }
             OrderDestination::Route(number) => OrderDestination::Route(number),
         };
-        AgentOrder { destination, at_end, arrival_m, speed_mps }
+        AgentOrder { destination, at_end, arrival_m, speed_mps, begin }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::check;
 use crate::space::solid::{ConvexSolid, is_inside};
-use crate::{AtEnd, NONE, Obstacle, Route, Space};
+use crate::{AtEnd, NONE, Obstacle, Route, RouteBegin, Space};
 use serde::{Deserialize, Serialize};
 use throng_base::{Result, prefetch};
 use throng_geometry::distance_to_segment;
@@ -152,10 +152,12 @@ impl<V: Space> RoutePath<V> {
         self.legs.iter().map(|l| l.to)
     }
 
-    /// Cursor of an agent at `x`: on the way to the first subgoal, or on the leg of a round that it is nearest to.
-    pub fn begin_at(&self, x: V) -> RouteCursor<V> {
-        let mut best = (f32::INFINITY, 0);
-        for (i, leg) in self.legs.iter().enumerate().filter(|_| self.is_round()) {
+    /// Cursor of an agent at `x`: on the way to a subgoal, or on the leg of a round that it is nearest to.
+    pub fn begin_at(&self, x: V, begin: RouteBegin) -> RouteCursor<V> {
+        let first = if let RouteBegin::Leg(leg) = begin { leg as usize } else { 0 };
+        let mut best = (f32::INFINITY, first.min(self.legs.len() - 1));
+        let seeks = self.is_round() && begin == RouteBegin::Nearest;
+        for (i, leg) in self.legs.iter().enumerate().filter(|_| seeks) {
             let from = self.legs[(i + self.legs.len() - 1) % self.legs.len()].to;
             let distance = distance_to_segment(x, [from, leg.to]);
             if distance < best.0 - 1e-4 {
@@ -299,7 +301,7 @@ mod tests {
             let at = Vec2::new(x, y);
             let many: Vec<[f32; 2]> = (0..num).map(|i| [-50.0 + 100.0 * i as f32 / (num - 1) as f32, 1.0]).collect();
             let path = path(&many, AtEnd::Stay);
-            let mut cursor = path.begin_at(Vec2::new(-50.0, 1.0));
+            let mut cursor = path.begin_at(Vec2::new(-50.0, 1.0), RouteBegin::Leg(0));
             path.pass_subgoals(&mut cursor, at);
             prop_assert_eq!(path.target(cursor.leg, at, 0.3), (Vec2::new(50.0, 1.0), 0.0));
         }
@@ -310,7 +312,7 @@ mod tests {
         let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 40.0]], AtEnd::Stay);
         let (aim, rest) = path.target(1, Vec2::new(4.0, -1.0), 0.3);
         assert!(aim.distance(Vec2::new(11.0f32.min(10.0 + 0.707), -0.707)) < 1e-3 && rest == 40.0, "{aim}");
-        let mut cursor = path.begin_at(Vec2::new(4.0, -1.0));
+        let mut cursor = path.begin_at(Vec2::new(4.0, -1.0), RouteBegin::Leg(0));
         assert_eq!(cursor.leg, 0);
         path.pass_subgoals(&mut cursor, Vec2::new(4.0, -1.0));
         assert_eq!(cursor.leg, 1, "the first is behind it");
@@ -322,8 +324,10 @@ mod tests {
     #[test]
     fn begins_again_at_the_first_point() {
         let path = path(&[[0.0, 0.0], [10.0, 0.0], [10.0, 4.0], [0.0, 4.0]], AtEnd::Again);
-        let mut cursor = path.begin_at(Vec2::new(0.2, 2.0));
+        let mut cursor = path.begin_at(Vec2::new(0.2, 2.0), RouteBegin::Nearest);
         assert_eq!(cursor.leg, 0, "on the way back to the first");
+        let legs = [RouteBegin::Leg(0), RouteBegin::Leg(2), RouteBegin::Nearest];
+        assert_eq!(legs.map(|leg| path.begin_at(Vec2::new(9.0, 4.1), leg).leg), [0, 2, 3], "in order unless told");
         assert!(path.pass_subgoals(&mut RouteCursor { leg: 3, ..cursor }, Vec2::new(-0.1, 4.0)));
         assert!(!path.pass_subgoals(&mut cursor, Vec2::new(0.3, 0.1)) && cursor.leg == 1);
     }
@@ -331,7 +335,7 @@ mod tests {
     #[test]
     fn single_subgoal_is_straight_ahead() {
         let path = path(&[[3.0, 4.0]], AtEnd::Stay);
-        let cursor = path.begin_at(Vec2::ZERO);
+        let cursor = path.begin_at(Vec2::ZERO, RouteBegin::Leg(0));
         assert_eq!(
             (path.target(0, Vec2::ZERO, 0.3), path.distance_left(&cursor, Vec2::ZERO)),
             ((Vec2::new(3.0, 4.0), 0.0), 5.0)
