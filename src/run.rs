@@ -304,6 +304,20 @@ fn print_scene(r: &SceneReport) -> CommandResult {
     let all: Vec<String> = who.into_iter().chain(agents).collect();
     let scene = format!("{}: {}, {:.0} s", r.scene, all.join(" and "), r.total.simulated_s);
     print_figures("scene", scene, &r.total)?;
+    for s in &r.statistics.services {
+        let lost = format!("{} balked, {} gave up", s.balked, s.gave_up);
+        let waits = format!("waits {:.1} s on average, 90th percentile {:.1} s", s.wait_mean_s, s.wait_p90_s);
+        let busy = 100.0 * s.busy_while_waiting;
+        let text = format!(
+            "{}: {} served, {lost}; {waits}; tills busy {busy:.0} % of the time that people wait",
+            s.name, s.served
+        );
+        output::table(&[("service", text)])?;
+    }
+    for s in r.statistics.sources.iter().filter(|s| s.refused > 0) {
+        let text = format!("{}: {} entered, {} tries found no room or nobody to enter", s.name, s.entered, s.refused);
+        output::table(&[("source", text)])?;
+    }
     let mut groups = r.groups.iter().filter(|_| r.groups.len() > 1);
     groups.try_for_each(|g| print_figures("group", format!("{}, motion {}", g.group, g.motion), &g.figures))
 }

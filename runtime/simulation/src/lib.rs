@@ -17,6 +17,7 @@ pub mod scenario;
 pub mod scene;
 mod simulation;
 pub mod sparring;
+mod statistics;
 pub mod travellers;
 pub mod wander;
 
@@ -27,3 +28,4 @@ pub use motion_kind::{GroupStep, MotionKind};
 pub use pedestrians::Pedestrians;
 pub use scene::{GroupMotion, Scene};
 pub use simulation::{CharacterEvent, SceneGroup, SceneThing, Simulation, SimulationEvent};
+pub use statistics::SceneStatistics;

@@ -16,7 +16,7 @@ use throng_crowd::Space;
 use throng_motion::error::{BuildError, Result};
 use throng_simulation::agents::SceneAgents;
 use throng_simulation::scenario::ExpectationOutcome;
-use throng_simulation::{AnyCharacterGroup, CompiledScene, ExpectationWatch, MotionKind, Simulation};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, ExpectationWatch, MotionKind, SceneStatistics, Simulation};
 use throng_world::UnitRecord;
 
 /// Samples of agents a simulated second (Hz).
@@ -53,6 +53,9 @@ pub struct SceneReport {
     pub total: SceneFigures,
     /// Figures of each group.
     pub groups: Vec<GroupReport>,
+    /// Statistics of services and sources, if the scene has any.
+    #[serde(skip_serializing_if = "SceneStatistics::is_empty")]
+    pub statistics: SceneStatistics,
     /// Outcomes of the scene's expectations, if it has any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub expectations: Vec<ExpectationOutcome>,
@@ -71,8 +74,15 @@ pub struct GroupReport {
 }
 
 impl SceneReport {
-    /// Figure of all, or of a group, by its JSON key; `None` where there is none.
+    /// Figure of all, of a group, or of the statistics, by its JSON key; `None` where there is none.
     fn figure(&self, group: Option<&str>, key: &str) -> Option<f64> {
+        if let Some((list, (name, key))) =
+            key.split_once('.').and_then(|(list, rest)| Some((list, rest.rsplit_once('.')?)))
+        {
+            let all = serde_json::to_value(&self.statistics).ok()?;
+            let one = all.get(list)?.as_array()?.iter().find(|one| one["name"] == name)?;
+            return one.get(key)?.as_f64();
+        }
         let figures = match group {
             Some(name) => &self.groups.iter().find(|g| g.group == name)?.figures,
             None => &self.total,
@@ -141,7 +151,8 @@ pub fn run_recorded(
     });
     let groups = groups.collect();
     let (scene, expectations) = (scene.scene().name.clone(), Vec::new());
-    let mut report = SceneReport { scene, total: figures, groups, expectations };
+    let statistics = sim.statistics();
+    let mut report = SceneReport { scene, total: figures, groups, statistics, expectations };
     let outcomes = expected.map(|w| w.finish(&sim, |group, key| report.figure(group, key))).transpose();
     report.expectations = outcomes.map_err(config_error)?.unwrap_or_default();
     let record = recorder.finish(&sim, &total);

@@ -161,6 +161,26 @@ impl<V: Space> CrowdLayout<V> {
         V::from_coordinates(std::array::from_fn(|i| low[i] + (high[i] - low[i]) * chance(i as u32)))
     }
 
+    /// Checks that obstacles leave room where sources let agents enter.
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Text`] with the key of the source.
+    pub(super) fn check_sources(&self) -> Result<()> {
+        const TRIES: u32 = 64;
+        let Some(streets) = &self.map.streets else { return Ok(()) };
+        for (g, group) in self.scene.groups.iter().enumerate() {
+            let radius = group.radius_m[0];
+            let last = self.groups.iter().rposition(|&of| of == g).filter(|_| group.source.is_some());
+            if let Some(m) = last.filter(|m| !self.is_there_at_start(*m))
+                && !(0..TRIES).map(|k| self.entrance(m, k).to_world()).any(|at| streets.sees(at, at, radius, true))
+            {
+                let why = "obstacles leave no room for an agent to enter; move the `place`, or make it larger";
+                return Err(self.scene.fault(&format!("groups[{g}].source"), why));
+            }
+        }
+        Ok(())
+    }
+
     /// Number of agents.
     pub fn num_agents(&self) -> usize {
         self.groups.len()

@@ -55,6 +55,7 @@ impl<V: Space> SceneAgents<V> {
     pub fn new(compiled: &CompiledScene) -> Result<Self> {
         let scene = &compiled.scene;
         let mut layout = CrowdLayout::new(scene)?;
+        layout.check_sources()?;
         if let Some(scenario) = compiled.scenario() {
             layout.set_senses(scenario);
         }

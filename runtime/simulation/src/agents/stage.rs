@@ -5,13 +5,14 @@ use super::things::{Handler, Things};
 use crate::scenario::{Handling, ScenarioStage, Signal, Stance, StanceError};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 use throng_base::{Error, Result};
 use throng_core::blend::ActivityId;
 use throng_crowd::{
     AgentOrder, AtEnd, Crowd, CrowdError, CrowdEvent, CrowdEventKind, Id, InterestLocation, PersonalInterest, Route,
-    Sense, Space,
+    RouteBegin, Sense, Space,
 };
 
 /// Most positions that are tried for an agent that enters.
@@ -39,8 +40,6 @@ pub(crate) struct CrowdStage<V> {
     pub newcomers: Vec<u32>,
     /// Whether agents have brains.
     pub has_brains: bool,
-    /// Least acceleration of the agents at the start; 0 without agents (m/s2).
-    weakest_mps2: f32,
     /// Computing time of finding paths, where it is measured (s).
     pub paths_s: Option<f64>,
 }
@@ -69,8 +68,9 @@ impl<V: Space> CrowdStage<V> {
         let mut kept = is_there.iter();
         setup.agents.retain(|_| kept.next().copied().unwrap_or(true));
         setup.config.capacity = num;
+        let weakest_mps2 = layout.setup.agents.iter().map(|a| a.acceleration).reduce(f32::min);
+        setup.config.least_acceleration_mps2 = weakest_mps2.unwrap_or(0.0);
         setup.config.largest_radius_m = layout.setup.agents.iter().map(|a| a.radius).fold(0.01, f32::max);
-        let weakest_mps2 = setup.agents.iter().map(|a| a.acceleration).reduce(f32::min).unwrap_or(0.0);
         let setup = setup.map(V::to_world);
         let crowd = if V::DIMENSIONS == 2 { Crowd::on_ground(setup) } else { Crowd::in_air(setup) };
         let crowd = crowd.map_err(|e| layout.explain_crowd_error(&e))?;
@@ -94,7 +94,6 @@ impl<V: Space> CrowdStage<V> {
             things: Things::new(&layout.scene.things),
             newcomers: Vec::with_capacity(num),
             has_brains: false,
-            weakest_mps2,
             paths_s: None,
             layout,
         })
@@ -177,6 +176,11 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         self.current_position(agent).map(V::to_world)
     }
 
+    fn companions(&self, agent: u32) -> Range<u32> {
+        let all = self.layout.companions_of(agent as usize);
+        all.start as u32..all.end as u32
+    }
+
     fn velocity(&self, agent: u32) -> Vec3 {
         let velocity = |id| self.crowd.velocity(id, self.crowd.time_s());
         self.ids[agent as usize].and_then(velocity).unwrap_or_default()
@@ -193,7 +197,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         self.order(agent, AgentOrder::to_goal(at).with_arrival(arrival_m).then_at_end(then))
     }
 
-    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
+    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool, begin: Option<u32>) -> Result<bool> {
         let then = if again { AtEnd::Again } else { AtEnd::Stay };
         // Rounds have no end that progress could be measured to.
         if let Some(from) = self.current_position(agent).filter(|_| !again) {
@@ -202,7 +206,13 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
             path.extend(std::iter::once(from).chain(points.iter().map(|p| V::from_world(*p))));
             self.layout.arrivals[agent as usize] = 1.0;
         }
-        self.order(agent, AgentOrder::along_subgoals(points.to_vec()).with_arrival(1.0).then_at_end(then))
+        let begin = begin.map_or(RouteBegin::Nearest, RouteBegin::Leg);
+        let order = AgentOrder::along_subgoals(points.to_vec()).with_arrival(1.0).then_at_end(then);
+        self.order(agent, order.beginning_at(begin))
+    }
+
+    fn route_leg(&self, agent: u32) -> u32 {
+        self.present_id(agent).and_then(|id| self.crowd.route_leg(id)).unwrap_or(0)
     }
 
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
@@ -296,8 +306,6 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     fn enter_agent(&mut self, agent: u32) -> Result<bool> {
         for k in 0..TRIES {
             let mut start = self.layout.setup.agents[agent as usize];
-            // The crowd is made for agents that stop as fast as those at the start.
-            start.acceleration = start.acceleration.max(self.weakest_mps2);
             start.position = self.layout.entrance(agent as usize, k as u32 + 16 * self.sent[agent as usize]);
             let spawned = self.crowd.spawn(start.map(V::to_world));
             if let Err(e) = &spawned
@@ -309,6 +317,7 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
                 self.ids[agent as usize] = Some(id);
                 self.agent_of[id.index()] = agent;
                 self.newcomers.push(agent);
+                (self.ordered_happenings[agent as usize], self.shown[agent as usize]) = (None, BodyActivity::default());
                 self.layout.paths[agent as usize].clear();
                 self.layout.paths[agent as usize].push(start.position);
                 self.sent[agent as usize] = 0;

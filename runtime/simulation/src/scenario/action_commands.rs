@@ -6,6 +6,7 @@ use super::action_registry::{
 use super::agent_brain::{ActionPhase, AgentBrain, EventContext, NO_NUMBER, Occasion};
 use super::agent_brains::{AgentBrains, place_context};
 use super::blackboards::BlackboardNote;
+use super::courses::CourseBegin;
 use super::language::{Amount, SpotName};
 use super::perceive::AgentView;
 use super::stage::ScenarioStage;
@@ -14,9 +15,9 @@ use glam::Vec3;
 use throng_base::Result;
 
 /// Distance from a slot at which an agent has arrived (m).
-const SLOT_M: f32 = 0.15;
+pub(super) const SLOT_M: f32 = 0.15;
 /// Distance from the end of a line at which an agent joins it (m), and time between two looks where it ends (s).
-const JOIN_M: f32 = 1.5;
+pub(super) const JOIN_M: f32 = 1.5;
 const JOIN_S: f64 = 0.5;
 /// Clearance from walls of a place that is seen (m), and positions that are tried on the line to it.
 const NEAR_M: f32 = 0.5;
@@ -72,7 +73,8 @@ impl AgentBrains {
                     self.apply_effect(stage, Occasion { agent, context }, action)?;
                 }
             }
-            at += 1;
+            // A service that is not had ends the list.
+            at = self.brains[m].action + 1;
         }
     }
 
@@ -123,7 +125,7 @@ impl AgentBrains {
             if let Some(place) = self.place_of(&words[0], context) {
                 said.arrival_m = self.arrival_distance(place);
             }
-        } else if let Some(place) = self.place_of(&words[0], context) {
+        } else if let Some(place) = self.line_of(stage, agent, claims, &words[0]) {
             let [first, last] = self.scenario.places[usize::from(place)].slots;
             if first == last {
                 said.arrival_m = self.arrival_distance(place);
@@ -132,7 +134,15 @@ impl AgentBrains {
                 self.release_slot(stage, agent)?;
                 joins = Some(slot);
                 (said.targets[0], said.arrival_m) = (Some(self.scenario.slots[slot as usize].at), 0.8 * JOIN_M);
-            } else if let Some(slot) = self.claim_slot(stage, agent, place)? {
+            } else if let Some(slot) = match claims {
+                ActionClaim::Serve(service) => {
+                    match self.join_line(stage, Occasion { agent, context }, place, service)? {
+                        None => return Ok(true),
+                        slot => slot,
+                    }
+                }
+                _ => self.claim_slot(stage, agent, place)?,
+            } {
                 let slot = self.scenario.slots[slot as usize];
                 (said.targets[0], said.facing, said.arrival_m) = (Some(slot.at), Some(slot.facing), SLOT_M);
             } else {
@@ -151,7 +161,8 @@ impl AgentBrains {
             command.walk = WalkCommand::To { at: seen.unwrap_or(middle), arrival_m };
         }
         let own = self.brains[m].slot;
-        let stands = brain.phase == ActionPhase::Waiting || !matches!(claims, ActionClaim::Queue(_));
+        let stands =
+            brain.phase == ActionPhase::Waiting || !matches!(claims, ActionClaim::Queue(_) | ActionClaim::Serve(_));
         let aim = joins.unwrap_or(if stands { NONE } else { own });
         let before = std::mem::replace(&mut self.brains[m].aim, aim);
         if let Some(slot) = joins {
@@ -165,9 +176,12 @@ impl AgentBrains {
         }
         let brain = &mut self.brains[m];
         if !is_again {
-            brain.most = self.now + command.most_s;
+            brain.most = brain.most.min(self.now + command.most_s);
         }
         brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
+        if !matches!(command.walk, WalkCommand::Keep | WalkCommand::Along) {
+            brain.runs_course = false;
+        }
         let goes = match command.walk {
             WalkCommand::Keep if joins.is_some() => return Ok(false),
             // An agent that stands already does not stop anew.
@@ -186,11 +200,14 @@ impl AgentBrains {
                 stage.order_walk(agent, at, arrival_m, false)?
             }
             WalkCommand::Out { at, arrival_m } => stage.order_walk(agent, at, arrival_m, true)?,
-            WalkCommand::Along => {
-                let scenario = self.scenario.clone();
-                let points = route.map_or(&[] as &[Vec3], |w| &scenario.paths[usize::from(w)]);
-                stage.order_route(agent, points, words[2] == ActionOperand::Flag(true))?
+            WalkCommand::Along if is_again => {
+                self.watch_course(stage, agent, &said);
+                return Ok(false);
             }
+            WalkCommand::Along => match self.begin_course(stage, agent, route.unwrap_or(NO_NUMBER), &said)? {
+                CourseBegin::Over => return Ok(true),
+                begin => begin == CourseBegin::Goes,
+            },
         };
         self.brains[m].phase = ActionPhase::Walking;
         if !goes {
@@ -220,16 +237,17 @@ impl AgentBrains {
         if matches!(claims, ActionClaim::Take(_) | ActionClaim::Put(_)) {
             return self.use_hands(stage, agent, claims, motion, &said);
         }
-        if let ActionClaim::Queue(into) = claims {
+        if matches!(claims, ActionClaim::Queue(_) | ActionClaim::Serve(_)) {
             let held = self.scenario.slots.get(brain.slot as usize).map(|slot| slot.place);
-            let Some(place) = self.place_of(&words[0], brain.context).filter(|place| held == Some(*place)) else {
-                let line = self.place_of(&words[0], brain.context);
+            let line = self.line_of(stage, agent, claims, &words[0]);
+            let Some(place) = line.filter(|place| held == Some(*place)) else {
                 // No agent waits at a place without slots.
                 let Some(place) = line.filter(|p| self.scenario.places[usize::from(*p)].is_queue) else {
                     return Ok(true);
                 };
                 // At the end of a line it joins the line, unless another one has been faster.
-                if brain.aim != NONE && self.free_slot(place, None) == Some(brain.aim) {
+                let is_plain = matches!(claims, ActionClaim::Queue(_));
+                if is_plain && brain.aim != NONE && self.free_slot(place, None) == Some(brain.aim) {
                     self.claim_slot(stage, agent, place)?;
                 }
                 return self.run_primitive(stage, agent, true);
@@ -241,6 +259,14 @@ impl AgentBrains {
             let table = &self.scenario.places[usize::from(place)];
             let (is_queue, is_first) = (table.is_queue, brain.slot == table.slots[0]);
             self.brains[m].phase = ActionPhase::Waiting;
+            let into = match claims {
+                ActionClaim::Serve(service) => {
+                    self.call_next(stage, service)?;
+                    return Ok(false);
+                }
+                ActionClaim::Queue(into) => into,
+                _ => None,
+            };
             // Agents move up in queues alone.
             let goes_on =
                 !is_queue || is_first && into.is_none_or(|into| self.free_slot(into, stage.position(agent)).is_some());
@@ -252,14 +278,20 @@ impl AgentBrains {
             }
             return Ok(true);
         }
+        if let ActionOperand::Duration(service) = words[2] {
+            self.begin_service(agent, service);
+        }
         let sight = self.primitive_input(&brain, stage.position(agent).unwrap_or_default());
         let command: ActionCommand = (self.scenario.primitives.get(number).act)(&sight, &said);
-        if command.walk == WalkCommand::Along && words[2] == ActionOperand::Flag(true) {
-            // The route begins again.
-            return Ok(false);
+        if command.walk == WalkCommand::Along {
+            return Ok(self.ends_course(agent, &said));
         }
         if command.stay_s <= 0.0 {
             return Ok(true);
+        }
+        if command.walk == WalkCommand::Halt {
+            // It would go on to the middle of its goal.
+            stage.order_halt(agent)?;
         }
         self.show_action(stage, agent, motion, command.faces);
         self.stand_until(agent, command.stay_s)
@@ -291,6 +323,7 @@ impl AgentBrains {
         for (i, word) in words.iter().enumerate() {
             match *word {
                 ActionOperand::Amount(amount) => said.amounts[i] = Some(self.evaluate_amount(stage, on, amount)),
+                ActionOperand::Duration(service) => said.amounts[i] = Some(self.draw_service_time(agent, service)),
                 ActionOperand::Flag(flag) => said.amounts[i] = Some(f64::from(u8::from(flag))),
                 ActionOperand::Point(at) => said.targets[i] = Some(Vec3::from_array(at)),
                 ActionOperand::Spot(spot) => {
@@ -320,6 +353,20 @@ impl AgentBrains {
     /// Distance from the centre of a place at which an agent has arrived (m).
     fn arrival_distance(&self, place: u16) -> f32 {
         (0.8 * self.scenario.places[usize::from(place)].radius_m).max(0.5)
+    }
+
+    /// Line in which an action lets an agent stand, or place of which it takes a slot.
+    fn line_of(
+        &self,
+        stage: &impl ScenarioStage,
+        agent: u32,
+        claims: ActionClaim,
+        word: &ActionOperand,
+    ) -> Option<u16> {
+        match claims {
+            ActionClaim::Serve(service) => self.choose_line(stage, agent, service),
+            _ => self.place_of(word, self.brains[agent as usize].context),
+        }
     }
 
     fn place_of(&self, word: &ActionOperand, context: EventContext) -> Option<u16> {
@@ -384,113 +431,5 @@ impl AgentBrains {
         let liking = old.map_or(0.0, |i| relationships[i].1) + by;
         relationships[..=old.unwrap_or(3)].rotate_right(1);
         relationships[0] = (other, liking.clamp(-2.0, 2.0));
-    }
-
-    /// Lets an agent that has come to its slot in a queue pass those that have not come to theirs yet; true where it has.
-    fn pass_absent(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<bool> {
-        let table = &self.scenario.places[usize::from(place)];
-        let (first, is_queue, own) = (table.slots[0], table.is_queue, self.brains[agent as usize].slot);
-        let holder = |slot: &u32| self.brains.get(self.holders[*slot as usize] as usize);
-        let is_absent = |slot: &u32| holder(slot).is_some_and(|brain| brain.aim != NONE);
-        let passed = (first..own).rev().take_while(is_absent).count() as u32;
-        if !is_queue || passed == 0 {
-            return Ok(false);
-        }
-        self.holders[(own - passed) as usize..=own as usize].rotate_right(1);
-        for slot in own - passed..=own {
-            let holder = self.holders[slot as usize];
-            self.brains[holder as usize].slot = slot;
-            self.brains[holder as usize].phase = ActionPhase::Walking;
-            self.mark_touched(holder);
-            stage.order_walk(holder, self.scenario.slots[slot as usize].at, SLOT_M, false)?;
-        }
-        Ok(true)
-    }
-
-    /// Free end of the queue of a place, where an agent that holds no slot there is still far from it.
-    fn queue_end(&self, stage: &impl ScenarioStage, agent: u32, place: u16) -> Option<u32> {
-        let held = self.scenario.slots.get(self.brains[agent as usize].slot as usize);
-        if !self.scenario.places[usize::from(place)].is_queue || held.is_some_and(|slot| slot.place == place) {
-            return None;
-        }
-        let end = self.free_slot(place, None)?;
-        let far = stage.position(agent)?.distance(self.scenario.slots[end as usize].at);
-        (far > JOIN_M).then_some(end)
-    }
-
-    /// Free slot of a place that is nearest to a position; in a queue, the slot behind the last agent that waits.
-    fn free_slot(&self, place: u16, near: Option<Vec3>) -> Option<u32> {
-        let table = &self.scenario.places[usize::from(place)];
-        let [first, last] = table.slots;
-        let is_free = |slot: &u32| self.holders[*slot as usize] == NONE;
-        if table.is_queue {
-            let behind = (first..last).rev().find(|s| !is_free(s)).map_or(first, |s| s + 1);
-            return (behind < last).then_some(behind);
-        }
-        let near = near.unwrap_or(table.at);
-        let far = |slot: &u32| self.scenario.slots[*slot as usize].at.distance_squared(near);
-        (first..last).filter(is_free).min_by(|a, b| far(a).total_cmp(&far(b)))
-    }
-
-    /// Claims a slot of a place for an agent, and releases any other; keeps a slot that the agent has there.
-    fn claim_slot(&mut self, stage: &mut impl ScenarioStage, agent: u32, place: u16) -> Result<Option<u32>> {
-        let held = self.brains[agent as usize].slot;
-        if held != NONE && self.scenario.slots[held as usize].place == place {
-            return Ok(Some(held));
-        }
-        let Some(slot) = self.free_slot(place, stage.position(agent)) else { return Ok(None) };
-        self.holders[slot as usize] = agent;
-        self.release_slot(stage, agent)?;
-        self.brains[agent as usize].slot = slot;
-        Ok(Some(slot))
-    }
-
-    /// Releases the slot of an agent: agents behind it in a queue move up, and one that waits for the slot goes on.
-    pub(super) fn release_slot(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
-        let slot = std::mem::replace(&mut self.brains[agent as usize].slot, NONE);
-        if slot == NONE {
-            return Ok(());
-        }
-        self.brains[agent as usize].aim = NONE;
-        self.holders[slot as usize] = NONE;
-        let place = self.scenario.slots[slot as usize].place;
-        let table = &self.scenario.places[usize::from(place)];
-        let ([_, last], is_queue) = (table.slots, table.is_queue);
-        if is_queue {
-            for behind in slot + 1..last {
-                let holder = self.holders[behind as usize];
-                if holder == NONE {
-                    break;
-                }
-                self.holders[behind as usize - 1] = std::mem::replace(&mut self.holders[behind as usize], NONE);
-                self.brains[holder as usize].slot = behind - 1;
-                self.mark_touched(holder);
-                if matches!(self.brains[holder as usize].phase, ActionPhase::Walking | ActionPhase::Waiting) {
-                    self.brains[holder as usize].phase = ActionPhase::Walking;
-                    stage.show_activity(holder, None, None);
-                    stage.order_walk(holder, self.scenario.slots[behind as usize - 1].at, SLOT_M, false)?;
-                }
-            }
-            return Ok(());
-        }
-        // Agents at the heads of queues that lead here.
-        for queue in 0..self.scenario.places.len() {
-            let table = &self.scenario.places[queue];
-            if !table.is_queue || table.slots[0] == table.slots[1] {
-                continue;
-            }
-            let head = self.holders[table.slots[0] as usize];
-            if head == NONE || self.brains[head as usize].phase != ActionPhase::Waiting {
-                continue;
-            }
-            if let CompiledAction::Primitive { claims: ActionClaim::Queue(Some(into)), .. } =
-                self.action(self.brains[head as usize].action)
-                && into == place
-            {
-                self.mark_touched(head);
-                return if self.handle_arrival(stage, head)? { self.next_action(stage, head) } else { Ok(()) };
-            }
-        }
-        Ok(())
     }
 }

@@ -15,6 +15,8 @@ pub enum WordKind {
     Slot,
     /// A place with a queue; its last slot is claimed.
     Queue,
+    /// Name of a service.
+    Service,
     /// Name of a place.
     Place,
     /// Name of a value.
@@ -97,7 +99,7 @@ pub struct PrimitiveInput {
 }
 
 /// Most arguments of an action.
-pub(super) const MAX_WORDS: usize = 5;
+pub(super) const MAX_WORDS: usize = 6;
 /// Operands of an action, one for each of its words.
 pub(super) type ActionWords = [ActionOperand; MAX_WORDS];
 
@@ -303,11 +305,24 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         Some("queue"),
         |_, said| { ActionCommand { stay_s: f64::INFINITY, ..visit_target(said, 0.0) } }
     ),
+    primitive!("be_served", [("be_served", WordKind::Service), SPEED, FOR, MOTION], Some("buy"), |_, said| {
+        visit_target(said, 0.0)
+    }),
     primitive!(
         "follow_route",
-        [("follow_route", WordKind::Points), SPEED, ("again", WordKind::Flag)],
+        [
+            ("follow_route", WordKind::Points),
+            SPEED,
+            ("again", WordKind::Flag),
+            ("laps", WordKind::Amount),
+            ("within_m", WordKind::Amount),
+            ("nearest", WordKind::Flag)
+        ],
         None,
-        |_, said| walk_at_speed(said, WalkCommand::Along)
+        |_, said| {
+            let again_s = if said.amounts[3].or(said.amounts[4]).is_some() { 0.5 } else { 0.0 };
+            ActionCommand { again_s, ..walk_at_speed(said, WalkCommand::Along) }
+        }
     ),
     primitive!(
         "follow",
@@ -315,7 +330,10 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         None,
         |sight, said| {
             let arrival_m = said.amount(3, 1.5) as f32;
-            let far = said.targets[0].filter(|at| (*at - sight.position).length() > arrival_m);
+            // An agent that stands goes on only where it is left behind.
+            let stands = sight.velocity.length() < STANDS_MPS;
+            let near_m = if stands { LEFT_BEHIND * arrival_m } else { arrival_m };
+            let far = said.targets[0].filter(|at| (*at - sight.position).length() > near_m);
             let walk = far.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
             let (stay_s, most_s) = (f64::INFINITY, said.amount(2, 10.0));
             ActionCommand { stay_s, again_s: 0.5, most_s, ..walk_at_speed(said, walk) }
@@ -393,6 +411,10 @@ fn face_target(said: &ActionArguments, stay_s: f64) -> ActionCommand {
     ActionCommand { faces: said.targets[0], ..ActionCommand::stay_for(said.amount(1, stay_s)) }
 }
 
+/// Speed below which an agent stands (m/s), and distance from whom it follows at which it goes on, over that at which it stops.
+const STANDS_MPS: f32 = 0.2;
+const LEFT_BEHIND: f32 = 1.3;
+
 /// Distance of two agents that shake hands (m).
 const HANDS_M: f32 = 1.05;
 
@@ -426,6 +448,8 @@ pub(super) enum ActionOperand {
     Point([f32; 3]),
     Number(u16),
     Flag(bool),
+    /// Time of a service, which is drawn.
+    Duration(u16),
 }
 
 #[cfg(test)]

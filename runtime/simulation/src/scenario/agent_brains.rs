@@ -5,6 +5,7 @@ use super::blackboards::Blackboards;
 use super::language::{Program, run_program};
 use super::perceive::{AgentView, hashed_chance};
 use super::reactions::MOST_ROUNDS;
+use super::services::ServiceRecord;
 use super::stage::ScenarioStage;
 use super::tables::{CompiledAction, GroupTable, NONE, Scenario};
 use super::turns::Turn;
@@ -85,6 +86,8 @@ pub struct AgentBrains {
     /// Agent that holds each slot; [`NONE`] for none. Those of a queue are held without a gap: `release_slot` closes gaps, `pass_absent`
     /// changes the order.
     pub(super) holders: Vec<u32>,
+    /// What tills and lines of each service have done.
+    pub(super) services: Vec<ServiceRecord>,
     /// Agent that has each thing in hand, or a claim to take it; [`NONE`] for none.
     pub(super) keepers: Vec<u32>,
     pub(super) is_open: Vec<bool>,
@@ -100,7 +103,13 @@ pub struct AgentBrains {
     /// Time of the next entry of each group (s), and number of agents that have entered.
     pub(super) enters: Vec<f64>,
     pub(super) entered: Vec<u32>,
+    /// Number of entries of agents of each group that had left, and of tries of its source that found no room.
+    pub(super) reused: Vec<u32>,
+    pub(super) refused: Vec<u32>,
     pub(super) blackboards: Blackboards,
+    /// Desired speed of each agent as it enters (m/s).
+    #[serde(skip)]
+    pub(super) first_speeds: Vec<f32>,
     #[serde(skip)]
     pub(super) queue: VecDeque<Stimulus>,
     /// Agents whose timers and senses have to be updated.
@@ -137,6 +146,7 @@ impl AgentBrains {
             followed: vec![f64::NEG_INFINITY; num * scenario.num_pauses],
             relationships: vec![[(NONE, 0.0); 4]; if scenario.changes_relationships() { num } else { 0 }],
             holders: vec![NONE; scenario.slots.len()],
+            services: scenario.service_records(),
             keepers: vec![NONE; scenario.things.len()],
             is_open: doors.to_vec(),
             closing: vec![f64::INFINITY; doors.len()],
@@ -146,6 +156,9 @@ impl AgentBrains {
             was_true: vec![false; num_events],
             enters: vec![f64::INFINITY; scenario.groups.len()],
             entered: scenario.groups.iter().map(|g| g.num_at_start).collect(),
+            reused: vec![0; scenario.groups.len()],
+            refused: vec![0; scenario.groups.len()],
+            first_speeds: Vec::new(),
             blackboards: Blackboards::new(scenario.blackboards, num_events),
             queue: VecDeque::with_capacity(4 * num + 64),
             touched: Vec::with_capacity(num),
@@ -170,6 +183,7 @@ impl AgentBrains {
     /// # Errors
     /// Errors of the stage, and [`throng_base::Error::Text`] where rules run in a circle.
     pub fn begin_scene(&mut self, stage: &mut impl ScenarioStage, speeds: &[f32]) -> Result<()> {
+        self.first_speeds = speeds.to_vec();
         for agent in 0..self.brains.len() as u32 {
             self.brains[agent as usize].speed = speeds[agent as usize];
             let group = &self.scenario.groups[usize::from(self.brains[agent as usize].group)];

@@ -88,10 +88,22 @@ struct AgentMeter {
     is_mutual: bool,
     /// Last slot in the queue.
     slot: u32,
+    /// Number of its entries and of services so far.
+    entries: u32,
+    served: u32,
 }
 
-const UNSEEN: AgentMeter =
-    AgentMeter { seen: 0, held: 0, passed: 0, since: f64::INFINITY, other: NONE, is_mutual: false, slot: NONE };
+const UNSEEN: AgentMeter = AgentMeter {
+    seen: 0,
+    held: 0,
+    passed: 0,
+    since: f64::INFINITY,
+    other: NONE,
+    is_mutual: false,
+    slot: NONE,
+    entries: 0,
+    served: 0,
+};
 /// Number of passed predicates of an agent that met a later one before an earlier one.
 const OUT_OF_ORDER: usize = usize::MAX;
 
@@ -173,8 +185,18 @@ impl ExpectationMeter {
 
     fn observe<S: ScenarioStage>(&mut self, view: &BrainsView<'_, S>, n: usize, config: &ExpectConfig) {
         let table = &view.brains.scenario.expectations[n];
-        self.agents.resize(view.brains.brains.len(), UNSEEN);
+        for brain in &view.brains.brains[self.agents.len()..] {
+            self.agents.push(AgentMeter { entries: brain.entries, served: brain.served, ..UNSEEN });
+        }
         let first = table.programs.first().copied().unwrap_or_default();
+        for a in 0..self.agents.len() as u32 {
+            let (own, entries) = (self.agents[a as usize], view.brains.brains[a as usize].entries);
+            if own.entries != entries {
+                // It has left and entered again, as another one.
+                self.finish_agent(view, n, config, a);
+                self.agents[a as usize] = AgentMeter { entries, ..UNSEEN };
+            }
+        }
         match &config.that {
             ExpectedQuantity::Always(_) | ExpectedQuantity::Never(_) => {
                 let is_wanted = matches!(config.that, ExpectedQuantity::Always(_));
@@ -238,7 +260,45 @@ impl ExpectationMeter {
                     }
                 }
             }
+            ExpectedQuantity::Wait(_) => {
+                for a in 0..self.agents.len() as u32 {
+                    let brain = &view.brains.brains[a as usize];
+                    let is_new = std::mem::replace(&mut self.agents[a as usize].served, brain.served) != brain.served;
+                    if is_new && brain.served_by == table.number && table.who >> brain.group & 1 == 1 {
+                        self.add(view, config, a, brain.waited);
+                    }
+                }
+            }
             ExpectedQuantity::News(_) | ExpectedQuantity::Figure(_) => {}
+        }
+    }
+
+    /// Adds what only the end of an agent's stay tells.
+    fn finish_agent<S: ScenarioStage>(&mut self, view: &BrainsView<'_, S>, n: usize, config: &ExpectConfig, a: u32) {
+        let table = &view.brains.scenario.expectations[n];
+        let own = self.agents[a as usize];
+        match config.that {
+            ExpectedQuantity::Always(_) | ExpectedQuantity::Never(_) if own.seen > 0 => {
+                self.values.push(own.held as f32 / own.seen as f32);
+            }
+            ExpectedQuantity::Passes(_) if own.seen > 0 && own.passed < table.programs.len() => {
+                self.add(view, config, a, f64::INFINITY);
+            }
+            ExpectedQuantity::Lasts(_) | ExpectedQuantity::Mutual(_) => {
+                // An action that has only begun may still become mutual.
+                let is_new =
+                    matches!(config.that, ExpectedQuantity::Mutual(_)) && view.agents.now - own.since < MUTUAL_S;
+                self.end_spell(view, config, a, !is_new);
+            }
+            ExpectedQuantity::Wait(_) => {
+                let brain = &view.brains.brains[a as usize];
+                let lines = &view.brains.scenario.services[usize::from(table.number)].lines;
+                let slot = view.brains.scenario.slots.get(brain.slot as usize);
+                if slot.is_some_and(|slot| lines.contains(&slot.place)) && brain.joined.is_finite() {
+                    self.add(view, config, a, view.agents.now - brain.joined);
+                }
+            }
+            _ => {}
         }
     }
 
@@ -248,7 +308,7 @@ impl ExpectationMeter {
         if !is_over || own.since == f64::INFINITY {
             return;
         }
-        self.agents[a as usize] = UNSEEN;
+        self.agents[a as usize] = AgentMeter { entries: own.entries, ..UNSEEN };
         let value = match config.that {
             ExpectedQuantity::Mutual(_) => f64::from(u8::from(own.is_mutual)),
             _ => view.agents.now - own.since,
@@ -271,7 +331,7 @@ impl ExpectationMeter {
             let left = (own.since < f64::INFINITY && slot == NONE).then_some((own.since, own.slot));
             own.slot = slot;
             let Some((since, last)) = left else { continue };
-            *own = UNSEEN;
+            *own = AgentMeter { entries: own.entries, ..UNSEEN };
             if last != head {
                 // It gave up.
                 continue;
@@ -289,31 +349,11 @@ impl ExpectationMeter {
     fn finish<S: ScenarioStage>(&mut self, view: &BrainsView<'_, S>, n: usize, config: &ExpectConfig) {
         let table = &view.brains.scenario.expectations[n];
         match config.that {
-            ExpectedQuantity::Always(_) | ExpectedQuantity::Never(_) => {
-                let seen = self.agents.iter().filter(|a| a.seen > 0);
-                self.values.extend(seen.map(|a| a.held as f32 / a.seen as f32));
-            }
-            ExpectedQuantity::Passes(_) => {
-                for a in 0..self.agents.len() as u32 {
-                    let own = self.agents[a as usize];
-                    if own.seen > 0 && own.passed < table.programs.len() {
-                        self.add(view, config, a, f64::INFINITY);
-                    }
-                }
-            }
             ExpectedQuantity::Queue(_) => {
                 // Agents that still wait were passed by those that came later.
                 let passed = |own: &AgentMeter| self.let_in.iter().filter(|since| own.since < **since - LEAD_S).count();
                 let passed = self.agents.iter().map(passed).sum();
                 self.values.extend(std::iter::repeat_n(0.0, passed));
-            }
-            ExpectedQuantity::Lasts(_) | ExpectedQuantity::Mutual(_) => {
-                for a in 0..self.agents.len() as u32 {
-                    // An action that has only begun may still become mutual.
-                    let is_new = matches!(config.that, ExpectedQuantity::Mutual(_))
-                        && view.agents.now - self.agents[a as usize].since < MUTUAL_S;
-                    self.end_spell(view, config, a, !is_new);
-                }
             }
             ExpectedQuantity::News(_) => {
                 let of = |a: u32| view.brains.learnt_event(a as usize, usize::from(table.number)).copied();
@@ -331,7 +371,7 @@ impl ExpectationMeter {
                     }
                 }
             }
-            _ => {}
+            _ => (0..self.agents.len() as u32).for_each(|a| self.finish_agent(view, n, config, a)),
         }
     }
 

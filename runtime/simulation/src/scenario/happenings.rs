@@ -1,7 +1,7 @@
 //! Events of the scene, entries and exits of agents, and how agents learn of events.
 
 use super::action_registry::ActionArguments;
-use super::agent_brain::{ActionPhase, EventContext, Feeling, LearntEvent, Occasion};
+use super::agent_brain::{ActionPhase, AgentBrain, EventContext, Feeling, LearntEvent, Occasion};
 use super::agent_brains::{AgentBrains, Signal, place_context};
 use super::blackboards::BlackboardNote;
 use super::perceive::hashed_chance;
@@ -29,6 +29,7 @@ impl AgentBrains {
     /// # Errors
     /// As [`AgentBrains::begin_scene`].
     pub fn run_external_events(&mut self, stage: &mut impl ScenarioStage, now: f64) -> Result<()> {
+        self.account_services(now);
         self.now = now;
         for e in 0..self.due.len() {
             if self.due[e] <= now {
@@ -44,13 +45,21 @@ impl AgentBrains {
         }
         for g in 0..self.enters.len() {
             if self.enters[g] <= now {
-                let agent = self.scenario.groups[g].agents[0] + self.entered[g];
-                if stage.enter_agent(agent)? {
-                    self.entered[g] += 1;
-                    self.enters[g] = self.next_entry_time(g, now);
-                    self.begin_agent(stage, agent)?;
-                } else {
-                    self.enters[g] = now + RETRY_S;
+                match self.next_newcomer(g) {
+                    Some(agent) if stage.enter_agent(agent)? => {
+                        let is_new = agent == self.scenario.groups[g].agents[0] + self.entered[g];
+                        (self.entered[g], self.reused[g]) =
+                            (self.entered[g] + u32::from(is_new), self.reused[g] + u32::from(!is_new));
+                        self.enters[g] = self.next_entry_time(g, now);
+                        if !is_new {
+                            self.renew_agent(agent);
+                        }
+                        self.begin_agent(stage, agent)?;
+                    }
+                    _ => {
+                        self.refused[g] += 1;
+                        self.enters[g] = now + RETRY_S;
+                    }
                 }
             }
         }
@@ -63,6 +72,7 @@ impl AgentBrains {
     /// As [`AgentBrains::begin_scene`]; [`throng_base::Error::Unknown`] for a name that no event has.
     pub fn raise_event(&mut self, stage: &mut impl ScenarioStage, now: f64, event: &str) -> Result<()> {
         let e = self.event_number(event)?;
+        self.account_services(now);
         self.now = now;
         self.fire_event(stage, e)?;
         self.process_stimuli(stage)
@@ -73,6 +83,7 @@ impl AgentBrains {
     /// # Errors
     /// As [`AgentBrains::begin_scene`].
     pub fn handle_signal(&mut self, stage: &mut impl ScenarioStage, now: f64, signal: Signal) -> Result<()> {
+        self.account_services(now);
         self.now = now;
         self.mark_touched(signal.agent());
         match signal {
@@ -86,14 +97,17 @@ impl AgentBrains {
                 self.read_blackboards(stage, agent);
                 self.push_stimulus(agent, trigger::CROSSES, EventContext::default());
             }
-            Signal::Arrived(agent) => match self.brains[agent as usize].phase {
-                ActionPhase::Walking | ActionPhase::Waiting => {
-                    if self.handle_arrival(stage, agent)? {
-                        self.next_action(stage, agent)?;
+            Signal::Arrived(agent) => {
+                self.count_lap(agent);
+                match self.brains[agent as usize].phase {
+                    ActionPhase::Walking | ActionPhase::Waiting => {
+                        if self.handle_arrival(stage, agent)? {
+                            self.next_action(stage, agent)?;
+                        }
                     }
+                    _ => self.push_stimulus(agent, trigger::ARRIVES, EventContext::default()),
                 }
-                _ => self.push_stimulus(agent, trigger::ARRIVES, EventContext::default()),
-            },
+            }
             Signal::Left(agent) => self.end_agent(stage, agent)?,
             Signal::Stuck(agent) => {
                 self.push_stimulus(agent, trigger::STUCK, EventContext::default());
@@ -102,6 +116,29 @@ impl AgentBrains {
             Signal::Timer(agent) => self.run_timers(stage, agent)?,
         }
         self.process_stimuli(stage)
+    }
+
+    /// Agent of a group that enters next: one that has never been there, else one that has left; `None` where all are there.
+    fn next_newcomer(&self, g: usize) -> Option<u32> {
+        let [first, last] = self.scenario.groups[g].agents;
+        let new = first + self.entered[g];
+        let from = self.reused[g] % (last - first).max(1);
+        let left = (0..last - first).map(|k| first + (from + k) % (last - first));
+        let mut left = left.filter(|agent| !self.brains[*agent as usize].is_there);
+        (new < last).then_some(new).or_else(|| left.next())
+    }
+
+    /// Gives an agent that has left and enters again an empty mind.
+    fn renew_agent(&mut self, agent: u32) {
+        let (m, scenario) = (agent as usize, self.scenario.clone());
+        let AgentBrain { group, draws, entries, .. } = self.brains[m];
+        let speed = self.first_speeds.get(m).copied().unwrap_or_default();
+        self.brains[m] = AgentBrain { draws, speed, entries: entries + 1, ..AgentBrain::new(group) };
+        self.learnt[m * scenario.events.len()..][..scenario.events.len()].fill(None);
+        self.followed[m * scenario.num_pauses..][..scenario.num_pauses].fill(f64::NEG_INFINITY);
+        if let Some(relationships) = self.relationships.get_mut(m) {
+            *relationships = [(NONE, 0.0); 4];
+        }
     }
 
     /// Starts an agent that has entered: draws its values, and begins its graph.
@@ -164,6 +201,8 @@ impl AgentBrains {
         (brain.timer, brain.crossing_at) = (f64::INFINITY, f64::INFINITY);
         (brain.told_by, brain.aim) = (NONE, NONE);
         (brain.told_at, brain.tells_at) = (f64::INFINITY, f64::INFINITY);
+        brain.is_done = false;
+        self.leave_party(stage, agent);
         Ok(())
     }
 
@@ -349,21 +388,25 @@ impl AgentBrains {
     pub(super) fn next_entry_time(&self, g: usize, now: f64) -> f64 {
         let group = &self.scenario.groups[g];
         let most = group.rates.iter().map(|r| r[1]).fold(0.0, f64::max);
-        if self.entered[g] >= group.agents[1] - group.agents[0] || most <= 0.0 {
+        let is_over = self.entered[g] >= group.agents[1] - group.agents[0] && !group.reuses;
+        if is_over || most <= 0.0 {
             return f64::INFINITY;
         }
         let (mut at, mut draw) = (now, 0);
         loop {
-            let chance = |side| hashed_chance(self.seed ^ side, self.entered[g] | (g as u32) << 24, draw);
+            let number = self.entered[g].wrapping_add(self.reused[g]) & 0xFF_FFFF;
+            let chance = |side| hashed_chance(self.seed ^ side, number | (g as u32) << 24, draw);
             at -= throng_base::maths::ln(1.0 - chance(0xA5A5)) / most;
-            let next = group.rates.partition_point(|r| r[0] <= at);
+            let of_day = if group.period_s.is_finite() { at % group.period_s } else { at };
+            let next = group.rates.partition_point(|r| r[0] <= of_day);
             let rate = next.checked_sub(1).map_or(0.0, |i| group.rates[i][1]);
             if chance(0x5A5A) * most < rate {
                 return at;
             }
             draw += 1;
             // No agent enters after the last rate where it is 0.
-            if next == group.rates.len() && rate == 0.0 || draw > 100_000 {
+            let is_last = next == group.rates.len() && group.period_s.is_infinite();
+            if is_last && rate == 0.0 || draw > 100_000 {
                 return f64::INFINITY;
             }
         }

@@ -68,6 +68,8 @@ impl<S: ScenarioStage> AgentView<'_, S> {
                 let slot = brains.scenario.slots.get(brain.slot as usize);
                 f64::from(u8::from(slot.is_some_and(|s| brains.scenario.places[usize::from(s.place)].is_queue)))
             }
+            Attribute::Laps => f64::from(brains.laps_of(agent)),
+            Attribute::Progress => f64::from(brains.progress_of(self.stage, agent)),
             Attribute::Busy => f64::from(u8::from(brain.is_busy)),
             Attribute::Number => f64::from(agent - brains.scenario.groups[usize::from(brain.group)].agents[0]),
         }

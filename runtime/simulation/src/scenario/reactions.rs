@@ -34,7 +34,8 @@ impl AgentBrains {
     pub(super) fn handle_stimulus(&mut self, stage: &mut impl ScenarioStage, stimulus: Stimulus) -> Result<()> {
         let m = stimulus.on.agent as usize;
         let brain = &mut self.brains[m];
-        let is_of_behaviour = [trigger::DONE, trigger::FULL, trigger::STUCK].contains(&stimulus.trigger);
+        let is_of_behaviour =
+            [trigger::DONE, trigger::FULL, trigger::STUCK, trigger::GIVES_UP].contains(&stimulus.trigger);
         if is_of_behaviour && stimulus.begun != brain.begun {
             // The behaviour has been replaced by another one.
             return Ok(());
@@ -51,6 +52,11 @@ impl AgentBrains {
             return Ok(());
         }
         let upwards = stimulus.trigger == trigger::DONE;
+        let brain = &self.brains[m];
+        if brain.led_at == self.now && brain.led_on == stimulus.trigger && !upwards {
+            // Its party has decided.
+            return Ok(());
+        }
         for i in 0..3 {
             let level = if upwards { 2 - i } else { i };
             let state = self.brains[m].states[level];
@@ -58,8 +64,12 @@ impl AgentBrains {
                 continue;
             }
             let edges = self.scenario.states[usize::from(state)].edges;
+            if upwards && self.waits_for_party(stage, stimulus.on.agent, level, edges) {
+                self.brains[m].is_done = true;
+                return Ok(());
+            }
             if let Some(edge) = self.choose_edge(stage, stimulus, edges) {
-                let EdgeTable { to, number, .. } = self.scenario.edges[edge as usize];
+                let EdgeTable { to, number, alone, .. } = self.scenario.edges[edge as usize];
                 let graph = usize::from(self.scenario.states[usize::from(state)].graph_number);
                 // A state that has ended begins again; one that goes on is left alone.
                 let begins = to != state || stimulus.trigger == trigger::DONE;
@@ -68,6 +78,10 @@ impl AgentBrains {
                 self.brains[m].reason = ActionReason { edge, ..self.new_reason(stimulus) };
                 if begins {
                     self.enter_state(stage, stimulus.on, u32::from(to))?;
+                    if !alone {
+                        self.lead_party(stage, stimulus, state, kind)?;
+                    }
+                    self.leave_party(stage, stimulus.on.agent);
                 }
                 return Ok(());
             }
@@ -187,7 +201,7 @@ impl AgentBrains {
         let m = on.agent as usize;
         let scenario = self.scenario.clone();
         let mut next = state;
-        self.brains[m].resumed = NONE;
+        (self.brains[m].resumed, self.brains[m].is_done) = (NONE, false);
         (self.brains[m].is_busy, self.brains[m].priority) = (false, i8::MIN);
         loop {
             let table = &scenario.states[next as usize];
@@ -230,6 +244,9 @@ impl AgentBrains {
         if self.brains[m].timer <= self.now {
             self.brains[m].timer = f64::INFINITY;
             self.push_stimulus(agent, trigger::TIMER, EventContext::default());
+        }
+        if self.lose_patience(stage, agent)? {
+            return Ok(());
         }
         let brain = &self.brains[m];
         let is_over = brain.until <= self.now || brain.most <= self.now;

@@ -7,7 +7,7 @@ use super::tables::{CompiledAction, NONE};
 use crate::motion_kind::refused_snapshot;
 use throng_base::{Result, SnapshotKind};
 
-const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 5, setup: 0 };
+const KIND: SnapshotKind = SnapshotKind { what: "agent brains", tag: *b"MIND", version: 6, setup: 0 };
 
 impl AgentBrains {
     /// Appends the state that changes with time; between two calls there is no other.
@@ -26,7 +26,7 @@ impl AgentBrains {
         (self.scenario, self.seed, self.at_once, self.evaluations) =
             (old.scenario, old.seed, old.at_once, old.evaluations);
         (self.queue, self.touched, self.is_touched) = (old.queue, old.touched, old.is_touched);
-        (self.nearby, self.turns) = (old.nearby, old.turns);
+        (self.nearby, self.turns, self.first_speeds) = (old.nearby, old.turns, old.first_speeds);
         Ok(())
     }
 
@@ -37,7 +37,8 @@ impl AgentBrains {
             let of_agents = [b.brains.len(), b.feelings.len(), b.learnt.len(), b.followed.len(), b.relationships.len()];
             let of_things = [b.holders.len(), b.keepers.len(), b.is_open.len(), b.closing.len()];
             let of_events = [b.due.len(), b.times.len(), b.happened.len(), b.was_true.len()];
-            (of_agents, of_things, of_events, [b.enters.len(), b.entered.len()])
+            let of_groups = [b.enters.len(), b.entered.len(), b.reused.len(), b.refused.len(), b.services.len()];
+            (of_agents, of_things, of_events, of_groups)
         };
         let num = self.brains.len() as u32;
         if lengths(saved) != lengths(self) || !saved.blackboards.is_compatible(&self.blackboards, num) {
@@ -84,6 +85,12 @@ impl AgentBrains {
                 && [brain.context, brain.resumed_context].iter().all(is_context)
                 && brain.wake_times().iter().all(|t| is_later(*t))
                 && is_agent(brain.told_by)
+                && !brain.joined.is_nan()
+                && is_time(brain.led_at)
+                && (0.0..=1e12).contains(&brain.waited)
+                && [brain.served, brain.legs_done, brain.entries].iter().all(|n| *n < u32::MAX / 2)
+                && (brain.served_by == NO_NUMBER || usize::from(brain.served_by) < scenario.services.len())
+                && (brain.course == NO_NUMBER || usize::from(brain.course) < scenario.paths.len())
                 && (brain.aim == NONE || (brain.aim as usize) < scenario.slots.len())
                 && (brain.crossing == NO_NUMBER && brain.crossing_at == f64::INFINITY
                     || usize::from(brain.crossing) < scenario.thresholds.len())
@@ -109,11 +116,17 @@ impl AgentBrains {
         let has_room = saved.times.iter().all(|n| *n < u32::MAX / 128);
         let entered = scenario.groups.iter().zip(saved.entered.iter().zip(&saved.enters)).all(|(g, (e, next))| {
             let all = g.agents[1] - g.agents[0];
-            g.num_at_start <= *e && (*e < all || *e == all && *next == f64::INFINITY)
+            g.num_at_start <= *e && (*e < all || *e == all && (g.reuses || *next == f64::INFINITY))
         });
         let kept = saved.keepers.iter().all(|k| is_agent(*k));
         let held = (0u32..).zip(&saved.holders).all(is_held);
-        let is_good = held && kept && learnt && relationships && feelings && has_room && entered;
+        let num_tills = scenario.services.iter().map(|s| {
+            let [first, last] = scenario.places[usize::from(s.tills)].slots;
+            (last - first) as usize
+        });
+        let services = saved.services.iter().zip(num_tills).all(|(record, tills)| record.is_sound(tills));
+        let counted = saved.reused.iter().chain(&saved.refused).all(|n| *n < u32::MAX / 2);
+        let is_good = services && counted && held && kept && learnt && relationships && feelings && has_room && entered;
         if is_good { Ok(()) } else { Err("somebody holds, feels or has learnt what cannot be") }
     }
 }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use throng_base::Result;
 
 /// Handling of a thing by hands.
@@ -35,6 +36,9 @@ pub trait ScenarioStage {
     /// Position of an agent now; `None` where it is not there (m).
     fn position(&self, agent: u32) -> Option<Vec3>;
 
+    /// Agents that walk together with one, itself included.
+    fn companions(&self, agent: u32) -> Range<u32>;
+
     /// Velocity of an agent (m/s).
     fn velocity(&self, agent: u32) -> Vec3;
 
@@ -46,11 +50,15 @@ pub trait ScenarioStage {
     /// For a place that cannot be.
     fn order_walk(&mut self, agent: u32, at: Vec3, arrival_m: f32, leaves: bool) -> Result<bool>;
 
-    /// Sends an agent along points. `again`: from the first one again.
+    /// Sends an agent along points. `again`: from the first one again. `begin`: number of the first point to go to; the end of the nearest
+    /// leg of a round where absent.
     ///
     /// # Errors
     /// As [`ScenarioStage::order_walk`].
-    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool>;
+    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool, begin: Option<u32>) -> Result<bool>;
+
+    /// Number of the point of its way that an agent goes to.
+    fn route_leg(&self, agent: u32) -> u32;
 
     /// Sends an agent to the goal of a happening.
     ///

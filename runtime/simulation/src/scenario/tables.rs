@@ -2,6 +2,7 @@
 
 use super::action_registry::{ActionOperand, ActionRegistry, ActionWords, Effect};
 use super::language::{Amount, Op, Program, ScenarioVocabulary};
+use super::services::ServiceTable;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::text::TomlSource;
@@ -12,8 +13,10 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Triggers that rules and edges wait for, by number: built-in ones, then the events of the scene, then its thresholds.
 pub(super) mod trigger {
     /// Names of the built-in triggers, in the order of their numbers.
-    pub const NAMES: [&str; 10] =
-        ["starts", "meets", "enters", "leaves", "crosses", "arrives", "stuck", "done", "full", "timer"];
+    pub const NAMES: [&str; 13] = [
+        "starts", "meets", "enters", "leaves", "crosses", "arrives", "stuck", "done", "full", "timer", "gives_up",
+        "lap", "strays",
+    ];
     pub const STARTS: u16 = 0;
     pub const MEETS: u16 = 1;
     pub const ENTERS: u16 = 2;
@@ -24,6 +27,9 @@ pub(super) mod trigger {
     pub const DONE: u16 = 7;
     pub const FULL: u16 = 8;
     pub const TIMER: u16 = 9;
+    pub const GIVES_UP: u16 = 10;
+    pub const LAP: u16 = 11;
+    pub const STRAYS: u16 = 12;
     /// Number of the first event of the scene.
     pub const EVENTS: u16 = NAMES.len() as u16;
 }
@@ -65,6 +71,7 @@ pub struct Scenario {
     pub(super) events: Vec<EventTable>,
     pub(super) places: Vec<PlaceTable>,
     pub(super) slots: Vec<SlotTable>,
+    pub(super) services: Vec<ServiceTable>,
     /// Positions of things at the start (m).
     pub(super) things: Vec<Vec3>,
     pub(super) rules: Vec<RuleTable>,
@@ -209,6 +216,8 @@ pub(super) struct EdgeTable {
     pub probability: f32,
     /// Number among the edges of its graph, as in the scene file.
     pub number: u16,
+    /// Whether the agent takes it without its companions.
+    pub alone: bool,
 }
 
 /// One action of a behaviour.
@@ -236,6 +245,8 @@ pub(super) enum ActionClaim {
     Slot,
     /// Claims a slot of a queue, and waits until a slot of this place is free, where one is named.
     Queue(Option<u16>),
+    /// Claims a slot in a line of a service, and waits until it is called to a till.
+    Serve(u16),
     /// Claims a thing, which is taken.
     Take(u16),
     Put(u16),
@@ -272,6 +283,10 @@ pub(super) struct GroupTable {
     pub num_at_start: u32,
     /// Rates of entry, as (from time, per second) (s, 1/s).
     pub rates: Vec<[f64; 2]>,
+    /// Time after which these begin again; infinite for never (s).
+    pub period_s: f64,
+    /// Whether agents that have left enter again.
+    pub reuses: bool,
 }
 
 /// Blackboards of cells: levels of squares, each twice as wide as those of the level below.

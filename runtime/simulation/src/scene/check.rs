@@ -99,6 +99,7 @@ pub(super) fn check_scene(scene: &Scene) -> Result<(), KeyFault> {
     check_each("environment.obstacles", &scene.environment.obstacles, |o, key| o.find_fault(key, dimensions))?;
     check_each("environment.doors", &scene.environment.doors, |door, key| door.find_fault(key, dimensions))?;
     check_each("places", &scene.places, |site, key| site.find_fault(key, dimensions))?;
+    check_each("services", &scene.services, |service, key| service.find_fault(key))?;
     check_each("things", &scene.things, |thing, key| thing.find_fault(key, dimensions))?;
     for (name, value) in &scene.values {
         value.find_fault(&format!("values.{name}"))?;

@@ -52,10 +52,13 @@ pub enum ExpectedQuantity {
     /// Whether the first in line was let in first: 1 or 0 for each two agents of whom one stood in this queue over a second before the
     /// other (`mean`, at least 1).
     Queue(String),
+    /// Time from joining a line of a service until service begins, of each agent that was served, and so far of those that still wait
+    /// (s, `p90`).
+    Wait(String),
     /// Whether an action is mutual: 1 where the other agent does the same with this one within a second, and both face each other
     /// within 15 degrees; else 0 (`mean`, at least 1).
     Mutual(String),
-    /// Figure of `throng run --json`, of all or of one group.
+    /// Figure of `throng run --json`, of all or of one group; `services.NAME.KEY` and `sources.GROUP.KEY` are those of its `statistics`.
     Figure(String),
 }
 
@@ -88,7 +91,7 @@ impl ExpectConfig {
         self.take.unwrap_or(match self.that {
             ExpectedQuantity::Always(_) | ExpectedQuantity::Never(_) => ExpectedStatistic::Min,
             ExpectedQuantity::Passes(_) => ExpectedStatistic::Share,
-            ExpectedQuantity::Lasts(_) => ExpectedStatistic::P90,
+            ExpectedQuantity::Lasts(_) | ExpectedQuantity::Wait(_) => ExpectedStatistic::P90,
             ExpectedQuantity::News(_) => ExpectedStatistic::P95,
             _ => ExpectedStatistic::Mean,
         })

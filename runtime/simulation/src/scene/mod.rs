@@ -27,9 +27,9 @@ pub(crate) use obstacle::to_point;
 pub use obstacle::{BoxConfig, DiscConfig, MoverConfig, ObstacleConfig, PathPoint, PolygonConfig, WallConfig};
 pub use place::PlaceConfig;
 pub use story::{
-    ActionConfig, CarryStyle, DoorConfig, EdgeConfig, EndConfig, EventConfig, LevelConfig, QueueConfig, RelationConfig,
-    RuleConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, StateGraphConfig, StoryBehaviour, ThingConfig,
-    UnitsConfig, ValueConfig, WordConfig,
+    ActionConfig, CarryStyle, DoorConfig, EdgeConfig, EndConfig, EventConfig, LevelConfig, LineChoice, QueueConfig,
+    RelationConfig, RuleConfig, ServiceConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, StateGraphConfig,
+    StoryBehaviour, ThingConfig, TimeDistribution, UnitsConfig, ValueConfig, WordConfig,
 };
 
 use serde::{Deserialize, Serialize};
@@ -89,6 +89,9 @@ pub struct Scene {
     /// Places to which agents come: stores, pictures, guideposts, queues.
     #[serde(default)]
     pub places: Vec<SiteConfig>,
+    /// Services: tills, and lines before them.
+    #[serde(default)]
+    pub services: Vec<ServiceConfig>,
     /// Things that agents take, carry and put down.
     #[serde(default)]
     pub things: Vec<ThingConfig>,

@@ -1,7 +1,7 @@
 //! Compilation of expressions and behaviours: predicates, amounts, actions with their arguments.
 
 use super::{CompileFault, CompileResult, ScenarioCompiler, checked_point, compile_fault};
-use crate::scenario::action_registry::{ActionOperand, MAX_WORDS, RegisteredAction, WordKind};
+use crate::scenario::action_registry::{ActionOperand, Effect, MAX_WORDS, RegisteredAction, WordKind};
 use crate::scenario::language::{self, Amount, NameKind, Program, SpotName, Type};
 use crate::scenario::tables::{ActionClaim, CompiledAction, Scenario};
 use crate::scene::{ActionConfig, StoryBehaviour, WordConfig};
@@ -46,13 +46,37 @@ impl ScenarioCompiler<'_> {
         if actions.is_empty() {
             return compile_fault(key, "expected at least one action, found none");
         }
-        let each = actions.iter().enumerate().map(|(i, action)| self.compile_action(action, &format!("{key}[{i}]")));
-        let compiled = each.collect::<CompileResult<Vec<_>>>()?;
+        let mut compiled = Vec::new();
+        for (i, action) in actions.iter().enumerate() {
+            let action = self.compile_action(action, &format!("{key}[{i}]"))?;
+            match action {
+                CompiledAction::Primitive { claims: ActionClaim::Serve(service), .. } => {
+                    compiled.extend(self.service_actions(action, service));
+                }
+                action => compiled.push(action),
+            }
+        }
         let is_instant = compiled.iter().all(|a| matches!(a, CompiledAction::Effect(..)));
         let first = self.out.actions.len() as u32;
         self.out.actions.extend(compiled);
         self.out.actions.push(CompiledAction::End);
         Ok((first, is_instant))
+    }
+
+    /// Actions of a service: to stand in line, to be served at a till, and to leave the till.
+    fn service_actions(&mut self, action: CompiledAction, service: u16) -> [CompiledAction; 3] {
+        let CompiledAction::Primitive { number, words, motion, route, claims } = action else { return [action; 3] };
+        let mut at_till = words;
+        at_till[0] = ActionOperand::Spot(SpotName::Place(self.out.services[usize::from(service)].tills));
+        if at_till[2] == ActionOperand::Nothing {
+            at_till[2] = ActionOperand::Duration(service);
+        }
+        let in_line = self.motion_number("queue");
+        [
+            CompiledAction::Primitive { number, words, motion: Some(in_line), route, claims },
+            CompiledAction::Primitive { number, words: at_till, motion, route, claims: ActionClaim::Slot },
+            CompiledAction::Effect(Effect::Release, words),
+        ]
     }
 
     fn compile_action(&mut self, action: &ActionConfig, key: &str) -> CompileResult<CompiledAction> {
@@ -115,6 +139,11 @@ impl ScenarioCompiler<'_> {
                     return compile_fault(key, "expected the name of a thing");
                 };
                 claims = if words[0].1 == WordKind::Take { ActionClaim::Take(thing) } else { ActionClaim::Put(thing) };
+            }
+            WordKind::Service => {
+                if let ActionOperand::Number(service) = said[0] {
+                    claims = ActionClaim::Serve(service);
+                }
             }
             WordKind::Slot if matches!(said[0], ActionOperand::Spot(_)) => claims = ActionClaim::Slot,
             WordKind::Queue => {
@@ -179,11 +208,12 @@ impl ScenarioCompiler<'_> {
             }
             (WordKind::Rest, _) => return expected("a point of three numbers: x, y up, z"),
             (
-                WordKind::Take | WordKind::Put | WordKind::Place | WordKind::Event | WordKind::Door,
+                WordKind::Take | WordKind::Put | WordKind::Place | WordKind::Event | WordKind::Door | WordKind::Service,
                 WordConfig::Text(name),
             ) => {
                 let sort = match kind {
                     WordKind::Place => NameKind::Place,
+                    WordKind::Service => NameKind::Service,
                     WordKind::Event => NameKind::Event,
                     WordKind::Door => NameKind::Door,
                     _ => NameKind::Thing,

@@ -59,6 +59,9 @@ impl ScenarioCompiler<'_> {
                     return compile_fault(format!("{key}.that.queue"), format!("`{name}` has no queue"));
                 }
             }
+            ExpectedQuantity::Wait(name) => {
+                table.number = self.name_number(NameKind::Service, name, &format!("{key}.that.wait"))?;
+            }
             ExpectedQuantity::Mutual(name) => {
                 let known: Vec<&str> = self.out.primitives.primitive_names().collect();
                 let found = known.iter().position(|n| n == name).ok_or_else(|| {

@@ -4,11 +4,12 @@ use super::{
     CompileResult, MAX_SHARED_EVENTS, MOST_SLOTS, MOST_THRESHOLDS, ScenarioCompiler, check_counts, compile_fault,
     scene_point,
 };
-use crate::scenario::language::NameKind;
+use crate::scenario::language::{NameKind, Type};
+use crate::scenario::services::ServiceTable;
 use crate::scenario::tables::{
-    EventTable, Party, PlaceTable, RelationTable, Schedule, SlotTable, Threshold, ValueTable, trigger,
+    EventTable, Party, PlaceTable, RelationTable, Scenario, Schedule, SlotTable, Threshold, ValueTable, trigger,
 };
-use crate::scene::{EventConfig, SiteConfig};
+use crate::scene::{EventConfig, ServiceConfig, SiteConfig};
 use glam::Vec3;
 use throng_base::text::did_you_mean;
 
@@ -68,6 +69,46 @@ impl ScenarioCompiler<'_> {
                 left += queue.spacing_m;
             }
             left -= length;
+        }
+        Ok(())
+    }
+
+    pub(super) fn compile_services(&mut self) -> CompileResult<()> {
+        for (i, service) in self.scene.services.iter().enumerate() {
+            let key = format!("services[{i}]");
+            let tills = self.name_number(NameKind::Place, &service.tills, &format!("{key}.tills"))?;
+            let num_slots = |out: &Scenario, place: u16| {
+                let [first, last] = out.places[usize::from(place)].slots;
+                (last - first) as usize
+            };
+            let num_tills = num_slots(&self.out, tills);
+            if self.out.places[usize::from(tills)].is_queue || num_tills == 0 {
+                return compile_fault(format!("{key}.tills"), "expected a place with `slots`, each of which is a till");
+            }
+            if self.out.services.iter().any(|other| other.tills == tills) {
+                return compile_fault(format!("{key}.tills"), "another service has these tills");
+            }
+            let mut lines = Vec::new();
+            for (n, name) in service.lines.iter().enumerate() {
+                let key = format!("{key}.lines[{n}]");
+                let line = self.name_number(NameKind::Place, name, &key)?;
+                if !self.out.places[usize::from(line)].is_queue || lines.contains(&line) {
+                    return compile_fault(key, "expected a place with a `queue`, each once");
+                }
+                lines.push(line);
+            }
+            if service.apart && lines.len() != num_tills {
+                let why = format!("expected a line for each of {num_tills} tills, found {}", lines.len());
+                return compile_fault(format!("{key}.lines"), why);
+            }
+            self.set_scope(trigger::STARTS);
+            let priority = service.priority.as_deref();
+            let priority = priority.map(|of| self.compile_expression(of, Type::Number, &format!("{key}.priority")));
+            let priority = priority.transpose()?;
+            self.set_scope(trigger::ENTERS);
+            let balk = self.compile_condition(service.balk.as_deref(), &format!("{key}.balk"))?;
+            let ServiceConfig { join, apart, time_s: time, patience_s: patience, .. } = *service;
+            self.out.services.push(ServiceTable { tills, lines, join, apart, priority, time, balk, patience });
         }
         Ok(())
     }

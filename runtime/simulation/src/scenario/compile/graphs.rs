@@ -73,7 +73,7 @@ impl ScenarioCompiler<'_> {
                 if edge.probability.is_some() {
                     check_probability(&key, probability)?;
                 }
-                all.push((from, EdgeTable { trigger, to, when, probability, number: i as u16 }));
+                all.push((from, EdgeTable { trigger, to, when, probability, number: i as u16, alone: edge.alone }));
             }
             for state in graph.states.keys() {
                 let first = self.out.edges.len() as u32;

@@ -121,6 +121,7 @@ impl<'a> ScenarioCompiler<'a> {
             values: NameList(scene.values.keys().cloned().collect()),
             doors: names("environment.doors", scene.environment.doors.iter().map(|d| &d.name).collect())?,
             things: names("things", scene.things.iter().map(|t| &t.name).collect())?,
+            services: names("services", scene.services.iter().map(|s| &s.name).collect())?,
             how: NameList(LearningMode::NAMES.iter().map(|h| (*h).to_string()).collect()),
             has_other: false,
             has_place: false,
@@ -135,6 +136,7 @@ impl<'a> ScenarioCompiler<'a> {
             (words.values.0.len(), MOST_BITS, "values", "values"),
             (scene.places.len(), MOST_NUMBERS, "places", "places"),
             (scene.things.len(), MOST_NUMBERS, "things", "things"),
+            (scene.services.len(), MOST_NUMBERS, "services", "services"),
             (scene.environment.doors.len(), MOST_NUMBERS, "doors", "environment.doors"),
             (num_states, MOST_NUMBERS, "states of all graphs", "graphs"),
             (num_edges, MOST_NUMBERS, "edges of a graph", "graphs"),
@@ -145,7 +147,9 @@ impl<'a> ScenarioCompiler<'a> {
             first = agents[1];
             let there = group.source.as_ref().map_or(group.count, |s| s.start.min(group.count)) as u32;
             let rates = group.source.as_ref().map_or_else(Vec::new, |s| s.rates.clone());
-            GroupTable { number: *g, start: NONE, agents, num_at_start: there, rates }
+            let period_s = group.source.as_ref().and_then(|s| s.period_s).unwrap_or(f64::INFINITY);
+            let reuses = group.source.as_ref().is_some_and(|s| s.reuse);
+            GroupTable { number: *g, start: NONE, agents, num_at_start: there, rates, period_s, reuses }
         });
         let out = Scenario {
             groups: groups.collect(),
@@ -165,6 +169,7 @@ impl<'a> ScenarioCompiler<'a> {
         self.compile_places()?;
         self.find_thresholds()?;
         self.compile_events()?;
+        self.compile_services()?;
         self.compile_relations()?;
         self.compile_states()?;
         self.compile_rules()?;

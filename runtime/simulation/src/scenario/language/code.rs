@@ -106,6 +106,10 @@ pub enum Attribute {
     Y,
     /// Truth: it is in a queue.
     Waits,
+    /// Laps of its course that it has done.
+    Laps,
+    /// Distance that it has done along its course (m).
+    Progress,
 }
 
 /// Attribute of an event.

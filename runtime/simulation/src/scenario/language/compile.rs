@@ -41,6 +41,7 @@ pub enum NameKind {
     How,
     Door,
     Thing,
+    Service,
 }
 
 /// All names that expressions may use, and whether the event has another agent and a place.
@@ -54,7 +55,7 @@ pub struct ScenarioVocabulary {
     pub values: NameList,
     pub doors: NameList,
     pub things: NameList,
-    /// Ways of learning of an event.
+    pub services: NameList,
     pub how: NameList,
     /// Whether the event has another agent, which is met or tells.
     pub has_other: bool,
@@ -97,6 +98,8 @@ const ATTRIBUTES: &[(&str, Attribute, Type)] = &[
     ("busy", Attribute::Busy, Type::Truth),
     ("number", Attribute::Number, Type::Number),
     ("waits", Attribute::Waits, Type::Truth),
+    ("laps", Attribute::Laps, Type::Number),
+    ("progress", Attribute::Progress, Type::Number),
 ];
 
 /// Message for words of one agent in an expression about no agent.
@@ -146,6 +149,7 @@ impl NameKind {
             Self::How => "way of learning",
             Self::Door => "door",
             Self::Thing => "thing",
+            Self::Service => "service",
         }
     }
 }
@@ -161,6 +165,7 @@ impl ScenarioVocabulary {
             NameKind::How => &self.how,
             NameKind::Door => &self.doors,
             NameKind::Thing => &self.things,
+            NameKind::Service => &self.services,
         }
     }
 
@@ -408,8 +413,7 @@ impl ExpressionCompiler<'_> {
             let help = did_you_mean(name, CALLS.iter().map(|c| c.0));
             return ExpressionFault::new(at, format!("unknown function `{name}`.{help}"));
         };
-        let count = form.matches(',').count() + 1;
-        if operands.len() != count {
+        if operands.len() != form.matches(',').count() + 1 {
             return ExpressionFault::new(at, format!("expected `{form}`, found {} operands", operands.len()));
         }
         let spot = |of: usize| self.compile_spot(&operands[of]);

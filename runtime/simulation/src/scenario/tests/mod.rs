@@ -1,10 +1,12 @@
 //! Agent brains on a stage of paper, whose agents are moved by hand.
 
+mod courses;
 mod expectations;
 mod hand;
 mod language;
 mod plain;
 mod random;
+mod services;
 mod things;
 
 use super::action_registry::ActionRegistry;
@@ -28,6 +30,8 @@ pub(super) struct Paper {
     pub timers: Vec<f64>,
     /// When agents that were sent somewhere arrive.
     pub arrivals: Vec<f64>,
+    /// Number of the point of its way that each agent goes to; the first one where absent.
+    pub legs: Vec<u32>,
     /// What hands began to do, and what they hold.
     pub handled: Vec<(u32, Handling)>,
     pub in_hand: Vec<(u32, u16)>,
@@ -46,6 +50,7 @@ impl Paper {
             log: Vec::new(),
             timers: never.clone(),
             arrivals: never,
+            legs: Vec::new(),
             handled: Vec::new(),
             in_hand: Vec::new(),
         }
@@ -60,6 +65,9 @@ impl ScenarioStage for Paper {
     fn position(&self, agent: u32) -> Option<Vec3> {
         self.at[agent as usize].map(|(at, velocity)| at + velocity * self.now as f32)
     }
+    fn companions(&self, agent: u32) -> std::ops::Range<u32> {
+        agent..agent + 1
+    }
     fn velocity(&self, agent: u32) -> Vec3 {
         self.at[agent as usize].map_or(Vec3::ZERO, |a| a.1)
     }
@@ -68,10 +76,13 @@ impl ScenarioStage for Paper {
         self.arrivals[agent as usize] = self.now + WALK_S;
         Ok(true)
     }
-    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool) -> Result<bool> {
+    fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool, _: Option<u32>) -> Result<bool> {
         self.note(agent, format!("follow {} {again}", points.len()));
         self.arrivals[agent as usize] = if again { f64::INFINITY } else { self.now + WALK_S };
         Ok(true)
+    }
+    fn route_leg(&self, agent: u32) -> u32 {
+        self.legs.get(agent as usize).copied().unwrap_or(0)
     }
     fn follow_happening(&mut self, agent: u32, happening: u16) -> Result<()> {
         self.note(agent, format!("happening {happening}"));

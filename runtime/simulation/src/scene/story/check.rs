@@ -152,6 +152,9 @@ impl SourceConfig {
                 (&format!("{key}.rates[{i}][1]"), *rate, 0.0, 1e4),
             ])?;
         }
+        if let Some(period) = self.period_s {
+            check_numbers(&[(&format!("{key}.period_s"), period, 1.0, 1e6)])?;
+        }
         match &self.place {
             Some(place @ PlaceConfig::Block { .. }) => place.find_fault(&format!("{key}.place"), dimensions),
             Some(_) => key_fault(&format!("{key}.place"), "expected a `block`"),

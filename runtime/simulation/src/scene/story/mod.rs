@@ -2,12 +2,14 @@
 //! section 3, and 2003b, section 3).
 
 mod check;
+mod service;
 
 use super::PlaceConfig;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 pub(super) use check::stretch_actions;
+pub use service::{LineChoice, ServiceConfig, TimeDistribution};
 
 /// Place to which agents come: a store, a picture, a guidepost, a region of interest, a queue.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -328,6 +330,10 @@ pub struct EdgeConfig {
     /// Probability of taking it. Edges without one share what the others leave (0 to 1).
     #[serde(default)]
     pub probability: Option<f32>,
+    /// Whether an agent takes it alone; else its companions in the same state take it, too, and each waits at the end of a behaviour until all
+    /// have come to it.
+    #[serde(default)]
+    pub alone: bool,
 }
 
 /// Source of agents that enter while time runs.
@@ -340,6 +346,12 @@ pub struct SourceConfig {
     pub start: usize,
     /// Rates of random entries (Poisson), as (from time, per second), in order of time (s, 1/s).
     pub rates: Vec<[f64; 2]>,
+    /// Time after which the rates begin again, such as 86400 for each day (s, > 0).
+    #[serde(default)]
+    pub period_s: Option<f64>,
+    /// Whether agents that have left enter again, as others: the source goes on for as long as fewer than `count` are there.
+    #[serde(default)]
+    pub reuse: bool,
     /// Place at which they enter; `place` of the group where absent.
     #[serde(default)]
     pub place: Option<PlaceConfig>,
