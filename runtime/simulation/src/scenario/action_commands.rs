@@ -180,7 +180,7 @@ impl AgentBrains {
         }
         brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
         if !matches!(command.walk, WalkCommand::Keep | WalkCommand::Along) {
-            brain.runs_course = false;
+            self.engagements[m].runs_course = false;
         }
         let goes = match command.walk {
             WalkCommand::Keep if joins.is_some() => return Ok(false),
@@ -253,6 +253,9 @@ impl AgentBrains {
                 return self.run_primitive(stage, agent, true);
             };
             if std::mem::replace(&mut self.brains[m].aim, NONE) != NONE && self.pass_absent(stage, agent, place)? {
+                if let ActionClaim::Serve(service) = claims {
+                    self.call_next(stage, service)?;
+                }
                 return Ok(false);
             }
             stage.show_activity(agent, motion, said.facing);

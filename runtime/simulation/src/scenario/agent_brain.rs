@@ -50,25 +50,6 @@ pub struct AgentBrain {
     pub(super) slot: u32,
     /// Slot of a queue to which the agent walks, to join the queue there, until it has come to a slot of its own; [`NONE`] for none.
     pub(super) aim: u32,
-    /// Time at which it joined the line in which it stands; infinite for none (s).
-    pub(super) joined: f64,
-    /// Its last wait until a service began (s), the number of that service, and the number of services so far.
-    pub(super) waited: f64,
-    pub(super) served_by: u16,
-    pub(super) served: u32,
-    /// Course that it follows, or has followed last; [`NO_NUMBER`] for none. Number of its legs that are done, in all laps.
-    pub(super) course: u16,
-    pub(super) legs_done: u32,
-    /// Whether its last order leads along the course, and whether it is too far from it.
-    pub(super) runs_course: bool,
-    pub(super) has_strayed: bool,
-    /// Whether its behaviour is over, and it waits for its companions to end theirs.
-    pub(super) is_done: bool,
-    /// Trigger on which a companion took it along last, and the time of that (s).
-    pub(super) led_on: u16,
-    pub(super) led_at: f64,
-    /// Number of times that it has entered.
-    pub(super) entries: u32,
     /// Agent that tells it news; [`NONE`] for none. Time at which these are told (s).
     pub(super) told_by: u32,
     pub(super) told_at: f64,
@@ -87,6 +68,49 @@ pub struct AgentBrain {
     pub(super) handled_at: f64,
     /// Cause of the current action.
     pub(super) reason: ActionReason,
+}
+
+/// Engagement of one agent in services, on a course and with companions, beside its brain.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct AgentEngagement {
+    /// Time at which it joined the line in which it stands; infinite for none (s).
+    pub joined: f64,
+    /// Its last wait until a service began (s), the number of that service, and the number of services so far.
+    pub waited: f64,
+    pub served_by: u16,
+    pub served: u32,
+    /// Course that it follows, or has followed last; [`NO_NUMBER`] for none. Number of its legs that are done, in all laps.
+    pub course: u16,
+    pub legs_done: u32,
+    /// Whether its last order leads along the course, and whether it is too far from it.
+    pub runs_course: bool,
+    pub has_strayed: bool,
+    /// Whether its behaviour is over, and it waits for its companions to end theirs.
+    pub is_done: bool,
+    /// Trigger on which a companion took it along last, and the time of that (s).
+    pub led_on: u16,
+    pub led_at: f64,
+    /// Number of times that it has entered.
+    pub entries: u32,
+}
+
+impl Default for AgentEngagement {
+    fn default() -> Self {
+        Self {
+            joined: f64::INFINITY,
+            waited: 0.0,
+            served_by: NO_NUMBER,
+            served: 0,
+            course: NO_NUMBER,
+            legs_done: 0,
+            runs_course: false,
+            has_strayed: false,
+            is_done: false,
+            led_on: 0,
+            led_at: -1.0,
+            entries: 0,
+        }
+    }
 }
 
 /// Phase of an action.
@@ -188,18 +212,6 @@ impl AgentBrain {
             crossing_at: f64::INFINITY,
             slot: NONE,
             aim: NONE,
-            joined: f64::INFINITY,
-            waited: 0.0,
-            served_by: NO_NUMBER,
-            served: 0,
-            course: NO_NUMBER,
-            legs_done: 0,
-            runs_course: false,
-            has_strayed: false,
-            is_done: false,
-            led_on: 0,
-            led_at: -1.0,
-            entries: 0,
             told_by: NONE,
             told_at: f64::INFINITY,
             tells_at: f64::INFINITY,

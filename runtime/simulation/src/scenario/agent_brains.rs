@@ -1,6 +1,6 @@
 //! Brains of all agents: they take stimuli and decide on behaviours.
 
-use super::agent_brain::{AgentBrain, EventContext, Feeling, LearntEvent, Occasion};
+use super::agent_brain::{AgentBrain, AgentEngagement, EventContext, Feeling, LearntEvent, Occasion};
 use super::blackboards::Blackboards;
 use super::language::{Program, run_program};
 use super::perceive::{AgentView, hashed_chance};
@@ -75,6 +75,7 @@ pub struct AgentBrains {
     #[serde(skip)]
     pub(super) at_once: (f64, u32),
     pub(super) brains: Vec<AgentBrain>,
+    pub(super) engagements: Vec<AgentEngagement>,
     /// (agents x values)
     pub(super) feelings: Vec<Feeling>,
     /// (agents x events)
@@ -141,6 +142,7 @@ impl AgentBrains {
             now: 0.0,
             at_once: (-1.0, NONE),
             brains,
+            engagements: vec![AgentEngagement::default(); num],
             feelings: vec![Feeling::default(); num * scenario.values.len()],
             learnt: vec![None; num * num_events],
             followed: vec![f64::NEG_INFINITY; num * scenario.num_pauses],

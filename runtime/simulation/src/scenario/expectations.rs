@@ -185,12 +185,12 @@ impl ExpectationMeter {
 
     fn observe<S: ScenarioStage>(&mut self, view: &BrainsView<'_, S>, n: usize, config: &ExpectConfig) {
         let table = &view.brains.scenario.expectations[n];
-        for brain in &view.brains.brains[self.agents.len()..] {
+        for brain in &view.brains.engagements[self.agents.len()..] {
             self.agents.push(AgentMeter { entries: brain.entries, served: brain.served, ..UNSEEN });
         }
         let first = table.programs.first().copied().unwrap_or_default();
         for a in 0..self.agents.len() as u32 {
-            let (own, entries) = (self.agents[a as usize], view.brains.brains[a as usize].entries);
+            let (own, entries) = (self.agents[a as usize], view.brains.engagements[a as usize].entries);
             if own.entries != entries {
                 // It has left and entered again, as another one.
                 self.finish_agent(view, n, config, a);
@@ -262,10 +262,10 @@ impl ExpectationMeter {
             }
             ExpectedQuantity::Wait(_) => {
                 for a in 0..self.agents.len() as u32 {
-                    let brain = &view.brains.brains[a as usize];
-                    let is_new = std::mem::replace(&mut self.agents[a as usize].served, brain.served) != brain.served;
-                    if is_new && brain.served_by == table.number && table.who >> brain.group & 1 == 1 {
-                        self.add(view, config, a, brain.waited);
+                    let (brain, done) = (&view.brains.brains[a as usize], &view.brains.engagements[a as usize]);
+                    let is_new = std::mem::replace(&mut self.agents[a as usize].served, done.served) != done.served;
+                    if is_new && done.served_by == table.number && table.who >> brain.group & 1 == 1 {
+                        self.add(view, config, a, done.waited);
                     }
                 }
             }
@@ -292,10 +292,11 @@ impl ExpectationMeter {
             }
             ExpectedQuantity::Wait(_) => {
                 let brain = &view.brains.brains[a as usize];
+                let joined = view.brains.engagements[a as usize].joined;
                 let lines = &view.brains.scenario.services[usize::from(table.number)].lines;
                 let slot = view.brains.scenario.slots.get(brain.slot as usize);
-                if slot.is_some_and(|slot| lines.contains(&slot.place)) && brain.joined.is_finite() {
-                    self.add(view, config, a, view.agents.now - brain.joined);
+                if slot.is_some_and(|slot| lines.contains(&slot.place)) && joined.is_finite() {
+                    self.add(view, config, a, view.agents.now - joined);
                 }
             }
             _ => {}

@@ -245,6 +245,7 @@ impl AgentBrains {
     pub fn bytes_per_agent(&self) -> usize {
         let of = |count: usize, size: usize| count * size / self.brains.len().max(1);
         size_of::<super::agent_brain::AgentBrain>()
+            + size_of::<super::agent_brain::AgentEngagement>()
             + of(self.feelings.len(), size_of::<super::agent_brain::Feeling>())
             + of(self.learnt.len(), size_of::<Option<super::agent_brain::LearntEvent>>())
             + of(self.followed.len(), size_of::<f64>())

@@ -1,7 +1,7 @@
 //! Events of the scene, entries and exits of agents, and how agents learn of events.
 
 use super::action_registry::ActionArguments;
-use super::agent_brain::{ActionPhase, AgentBrain, EventContext, Feeling, LearntEvent, Occasion};
+use super::agent_brain::{ActionPhase, AgentBrain, AgentEngagement, EventContext, Feeling, LearntEvent, Occasion};
 use super::agent_brains::{AgentBrains, Signal, place_context};
 use super::blackboards::BlackboardNote;
 use super::perceive::hashed_chance;
@@ -131,9 +131,11 @@ impl AgentBrains {
     /// Gives an agent that has left and enters again an empty mind.
     fn renew_agent(&mut self, agent: u32) {
         let (m, scenario) = (agent as usize, self.scenario.clone());
-        let AgentBrain { group, draws, entries, .. } = self.brains[m];
+        let AgentBrain { group, draws, .. } = self.brains[m];
         let speed = self.first_speeds.get(m).copied().unwrap_or_default();
-        self.brains[m] = AgentBrain { draws, speed, entries: entries + 1, ..AgentBrain::new(group) };
+        self.brains[m] = AgentBrain { draws, speed, ..AgentBrain::new(group) };
+        let entries = self.engagements[m].entries + 1;
+        self.engagements[m] = AgentEngagement { entries, ..AgentEngagement::default() };
         self.learnt[m * scenario.events.len()..][..scenario.events.len()].fill(None);
         self.followed[m * scenario.num_pauses..][..scenario.num_pauses].fill(f64::NEG_INFINITY);
         if let Some(relationships) = self.relationships.get_mut(m) {
@@ -201,7 +203,7 @@ impl AgentBrains {
         (brain.timer, brain.crossing_at) = (f64::INFINITY, f64::INFINITY);
         (brain.told_by, brain.aim) = (NONE, NONE);
         (brain.told_at, brain.tells_at) = (f64::INFINITY, f64::INFINITY);
-        brain.is_done = false;
+        self.engagements[agent as usize].is_done = false;
         self.leave_party(stage, agent);
         Ok(())
     }

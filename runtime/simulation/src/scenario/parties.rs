@@ -20,7 +20,7 @@ impl AgentBrains {
         let ends = |edge: &EdgeTable| edge.trigger == trigger::DONE && !edge.alone;
         let is_late = |other: u32| {
             let brain = &self.brains[other as usize];
-            other != agent && brain.is_there && brain.states[level] == own && !brain.is_done
+            other != agent && brain.is_there && brain.states[level] == own && !self.engagements[other as usize].is_done
         };
         self.scenario.edges[edges[0] as usize..edges[1] as usize].iter().any(ends)
             && stage.companions(agent).any(is_late)
@@ -43,7 +43,9 @@ impl AgentBrains {
             if other == agent || !brain.is_there || brain.states[level] != left {
                 continue;
             }
-            (brain.reason, brain.led_on, brain.led_at) = (reason, stimulus.trigger, self.now);
+            brain.reason = reason;
+            let own = &mut self.engagements[other as usize];
+            (own.led_on, own.led_at) = (stimulus.trigger, self.now);
             let on = Occasion { agent: other, ..stimulus.on };
             self.record_turn(Stimulus { on, ..stimulus }, kind);
             self.mark_touched(other);
@@ -55,8 +57,8 @@ impl AgentBrains {
     /// Lets companions that wait for an agent decide without it.
     pub(super) fn leave_party(&mut self, stage: &impl ScenarioStage, agent: u32) {
         for other in stage.companions(agent) {
-            if other != agent && self.brains[other as usize].is_done && self.brains[other as usize].is_there {
-                self.brains[other as usize].is_done = false;
+            if other != agent && self.engagements[other as usize].is_done && self.brains[other as usize].is_there {
+                self.engagements[other as usize].is_done = false;
                 self.push_stimulus(other, trigger::DONE, EventContext::default());
             }
         }

@@ -52,8 +52,8 @@ impl AgentBrains {
             return Ok(());
         }
         let upwards = stimulus.trigger == trigger::DONE;
-        let brain = &self.brains[m];
-        if brain.led_at == self.now && brain.led_on == stimulus.trigger && !upwards {
+        let own = &self.engagements[m];
+        if own.led_at == self.now && own.led_on == stimulus.trigger && !upwards {
             // Its party has decided.
             return Ok(());
         }
@@ -65,7 +65,7 @@ impl AgentBrains {
             }
             let edges = self.scenario.states[usize::from(state)].edges;
             if upwards && self.waits_for_party(stage, stimulus.on.agent, level, edges) {
-                self.brains[m].is_done = true;
+                self.engagements[m].is_done = true;
                 return Ok(());
             }
             if let Some(edge) = self.choose_edge(stage, stimulus, edges) {
@@ -201,7 +201,7 @@ impl AgentBrains {
         let m = on.agent as usize;
         let scenario = self.scenario.clone();
         let mut next = state;
-        (self.brains[m].resumed, self.brains[m].is_done) = (NONE, false);
+        (self.brains[m].resumed, self.engagements[m].is_done) = (NONE, false);
         (self.brains[m].is_busy, self.brains[m].priority) = (false, i8::MIN);
         loop {
             let table = &scenario.states[next as usize];

@@ -6,15 +6,12 @@ use super::language::Program;
 use super::stage::ScenarioStage;
 use super::tables::{ActionClaim, CompiledAction, NONE, Scenario, trigger};
 use crate::scene::{LineChoice, TimeDistribution};
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Result;
 
 /// Width of the classes in which waits are counted (s), and their number; longer waits are in the last one.
 const CLASS_S: f64 = 0.5;
 const CLASSES: usize = 3601;
-/// Distance from the head of a line from which the first agent in it goes on to a till, though it still moves up (m).
-const CALL_M: f32 = 2.5;
 
 /// A compiled service.
 #[derive(Clone, Debug)]
@@ -275,7 +272,7 @@ impl AgentBrains {
             self.end_list(agent, trigger::FULL, line);
             return Ok(None);
         }
-        self.brains[agent as usize].joined = self.now;
+        self.engagements[agent as usize].joined = self.now;
         if let Some(time) = patience {
             let chances = [self.draw_chance(agent), self.draw_chance(agent)];
             self.brains[agent as usize].most = self.now + time.time_at(chances);
@@ -305,7 +302,7 @@ impl AgentBrains {
         self.services[usize::from(service)].gave_up += 1;
         let line = self.scenario.slots.get(brain.slot as usize).map_or(NO_NUMBER, |slot| slot.place);
         self.release_slot(stage, agent)?;
-        self.brains[agent as usize].joined = f64::INFINITY;
+        self.engagements[agent as usize].joined = f64::INFINITY;
         stage.show_activity(agent, None, None);
         stage.set_speed(agent, brain.speed)?;
         self.end_list(agent, trigger::GIVES_UP, line);
@@ -340,13 +337,13 @@ impl AgentBrains {
                 if agent == NONE {
                     break;
                 }
-                let Some(at) = stage.position(agent).filter(|at| self.is_ready(agent, *at, head, table)) else {
+                let Some(at) = stage.position(agent).filter(|_| self.is_ready(agent)) else {
                     continue;
                 };
                 let rank = table.priority.map_or(0.0, |program| {
                     -self.evaluate_program(stage, Occasion { agent, context: EventContext::default() }, program)
                 });
-                let joined = self.brains[agent as usize].joined;
+                let joined = self.engagements[agent as usize].joined;
                 let is_before = |b: NextClient| {
                     rank.total_cmp(&b.rank).then(joined.total_cmp(&b.joined)).then(agent.cmp(&b.agent)).is_lt()
                 };
@@ -365,25 +362,24 @@ impl AgentBrains {
         best
     }
 
-    /// True for an agent in line that can go on to a till now.
-    fn is_ready(&self, agent: u32, at: Vec3, head: u32, table: &ServiceTable) -> bool {
+    /// True for an agent in line that can go on to a till now, also while it moves up.
+    fn is_ready(&self, agent: u32) -> bool {
         let brain = &self.brains[agent as usize];
         let serves = |a: CompiledAction| matches!(a, CompiledAction::Primitive { claims: ActionClaim::Serve(_), .. });
-        let is_near = table.priority.is_some() || at.distance(self.scenario.slots[head as usize].at) <= CALL_M;
-        brain.aim == NONE && brain.action != NONE && serves(self.action(brain.action)) && is_near
+        brain.aim == NONE && brain.action != NONE && serves(self.action(brain.action))
     }
 
     /// Records that the service of an agent at its till begins.
     pub(super) fn begin_service(&mut self, agent: u32, service: u16) {
-        let brain = &mut self.brains[agent as usize];
+        let (slot, own) = (self.brains[agent as usize].slot, &mut self.engagements[agent as usize]);
         let tills = self.scenario.places[usize::from(self.scenario.services[usize::from(service)].tills)].slots;
-        if brain.joined == f64::INFINITY || !(tills[0]..tills[1]).contains(&brain.slot) {
+        if own.joined == f64::INFINITY || !(tills[0]..tills[1]).contains(&slot) {
             return;
         }
-        let wait_s = self.now - std::mem::replace(&mut brain.joined, f64::INFINITY);
-        (brain.waited, brain.served_by, brain.served) = (wait_s, service, brain.served.wrapping_add(1));
+        let wait_s = self.now - std::mem::replace(&mut own.joined, f64::INFINITY);
+        (own.waited, own.served_by, own.served) = (wait_s, service, own.served.wrapping_add(1));
         let record = &mut self.services[usize::from(service)];
-        record.tills[(brain.slot - tills[0]) as usize].served += 1;
+        record.tills[(slot - tills[0]) as usize].served += 1;
         record.add_wait(wait_s);
     }
 

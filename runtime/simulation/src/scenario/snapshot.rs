@@ -1,7 +1,9 @@
 //! Snapshots of agent brains.
 
 use super::action_commands::MAX_AMOUNT;
-use super::agent_brain::{ActionPhase, ActionReason, AgentBrain, EventContext, Feeling, LearntEvent, NO_NUMBER};
+use super::agent_brain::{
+    ActionPhase, ActionReason, AgentBrain, AgentEngagement, EventContext, Feeling, LearntEvent, NO_NUMBER,
+};
 use super::agent_brains::AgentBrains;
 use super::tables::{CompiledAction, NONE};
 use crate::motion_kind::refused_snapshot;
@@ -37,7 +39,14 @@ impl AgentBrains {
             let of_agents = [b.brains.len(), b.feelings.len(), b.learnt.len(), b.followed.len(), b.relationships.len()];
             let of_things = [b.holders.len(), b.keepers.len(), b.is_open.len(), b.closing.len()];
             let of_events = [b.due.len(), b.times.len(), b.happened.len(), b.was_true.len()];
-            let of_groups = [b.enters.len(), b.entered.len(), b.reused.len(), b.refused.len(), b.services.len()];
+            let of_groups = [
+                b.enters.len(),
+                b.entered.len(),
+                b.reused.len(),
+                b.refused.len(),
+                b.services.len(),
+                b.engagements.len(),
+            ];
             (of_agents, of_things, of_events, of_groups)
         };
         let num = self.brains.len() as u32;
@@ -85,12 +94,6 @@ impl AgentBrains {
                 && [brain.context, brain.resumed_context].iter().all(is_context)
                 && brain.wake_times().iter().all(|t| is_later(*t))
                 && is_agent(brain.told_by)
-                && !brain.joined.is_nan()
-                && is_time(brain.led_at)
-                && (0.0..=1e12).contains(&brain.waited)
-                && [brain.served, brain.legs_done, brain.entries].iter().all(|n| *n < u32::MAX / 2)
-                && (brain.served_by == NO_NUMBER || usize::from(brain.served_by) < scenario.services.len())
-                && (brain.course == NO_NUMBER || usize::from(brain.course) < scenario.paths.len())
                 && (brain.aim == NONE || (brain.aim as usize) < scenario.slots.len())
                 && (brain.crossing == NO_NUMBER && brain.crossing_at == f64::INFINITY
                     || usize::from(brain.crossing) < scenario.thresholds.len())
@@ -125,6 +128,15 @@ impl AgentBrains {
             (last - first) as usize
         });
         let services = saved.services.iter().zip(num_tills).all(|(record, tills)| record.is_sound(tills));
+        let is_engaged = |own: &AgentEngagement| {
+            !own.joined.is_nan()
+                && is_time(own.led_at)
+                && (0.0..=1e12).contains(&own.waited)
+                && [own.served, own.legs_done, own.entries].iter().all(|n| *n < u32::MAX / 2)
+                && (own.served_by == NO_NUMBER || usize::from(own.served_by) < scenario.services.len())
+                && (own.course == NO_NUMBER || usize::from(own.course) < scenario.paths.len())
+        };
+        let services = services && saved.engagements.iter().all(is_engaged);
         let counted = saved.reused.iter().chain(&saved.refused).all(|n| *n < u32::MAX / 2);
         let is_good = services && counted && held && kept && learnt && relationships && feelings && has_room && entered;
         if is_good { Ok(()) } else { Err("somebody holds, feels or has learnt what cannot be") }

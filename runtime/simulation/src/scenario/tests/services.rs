@@ -85,8 +85,8 @@ fn lines_of_their_own_are_joined_evenly_and_priority_goes_first() {
     let mut had = Vec::new();
     while sim.time_s() < 90.0 {
         sim.step(1.0 / 30.0).unwrap();
-        for (a, brain) in sim.brains().unwrap().brains.iter().enumerate() {
-            if brain.served > 0 && !had.contains(&a) {
+        for (a, own) in sim.brains().unwrap().engagements.iter().enumerate() {
+            if own.served > 0 && !had.contains(&a) {
                 had.push(a);
             }
         }
