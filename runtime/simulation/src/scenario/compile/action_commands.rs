@@ -127,6 +127,13 @@ impl ScenarioCompiler<'_> {
                 }
                 (kind, value) => self.compile_word(kind, value, &word_key)?,
             };
+            let is_signed = matches!(word.as_str(), "to" | "by" | "befriend");
+            if let ActionOperand::Amount(Amount::Number(number)) = said[at]
+                && number < 0.0
+                && !is_signed
+            {
+                return compile_fault(word_key, format!("expected 0 or more, found {number}"));
+            }
             if words[at].1 == WordKind::Place
                 && let ActionOperand::Number(place) = said[at]
             {

@@ -305,6 +305,9 @@ impl ExpressionCompiler<'_> {
                 let (first, second) = if matches!(operator, ">" | ">=") { (b, a) } else { (a, b) };
                 self.compile_expected(first, Type::Number)?;
                 self.compile_expected(second, Type::Number)?;
+                if operator == "/" && self.code.last() == Some(&Op::Number(0.0)) {
+                    return ExpressionFault::new(second.at, "expected another number to divide by than 0");
+                }
                 let (op, of) = match operator {
                     "+" => (Op::Add, Type::Number),
                     "-" => (Op::Subtract, Type::Number),

@@ -227,3 +227,15 @@ fn long_expressions_are_refused_and_do_not_overflow() {
     assert!(compile_expression(&parse_expression(&text(500)).unwrap(), Type::Truth, &names(), &mut Vec::new()).is_ok());
     assert!(parse_expression(&text(200_000)).unwrap_err().why.contains("at most 500 operators"));
 }
+
+#[test]
+fn amounts_below_zero_and_divisions_by_zero_are_refused() {
+    let told = |does: &str| super::refused(&format!("[[rules]]\non = \"starts\"\ndo = [{does}]\n"));
+    for (does, why) in [
+        ("{ stay = -1 }", "expected 0 or more, found -1"),
+        ("{ go = [3.0, 0.0], within_m = -0.5 }", "expected 0 or more, found -0.5"),
+        ("{ stay = \"1 / 0\" }", "expected another number to divide by than 0"),
+    ] {
+        assert!(told(does).contains(why), "{does}: {}", told(does));
+    }
+}

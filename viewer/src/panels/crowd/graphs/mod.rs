@@ -82,6 +82,7 @@ mod tests {
             on: "enters".into(),
             when: Some("place.free > 0".into()),
             probability: Some(0.3),
+            alone: false,
         };
         assert_eq!(in_words(&edge), "walk > bread, on enters, when place.free > 0, probability 0.3");
         let any = EdgeConfig { from: None, when: None, probability: None, ..edge };
