@@ -157,8 +157,6 @@ pub struct Inhabitants {
     planner: WorldPlanner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
-    /// Number of others that need each unit for an action; 0 between two decisions.
-    turns: Vec<i32>,
     /// Places for actions of two.
     pair_offers: Vec<PairOffer>,
     events: Vec<(Id, InhabitantEvent)>,
@@ -189,7 +187,6 @@ impl Inhabitants {
             grounds: None,
             planner: WorldPlanner::new(graph),
             offers: offers::offers_by_tag(graph),
-            turns: vec![0; graph.world().units.len()],
             pair_offers: pairs::pair_offers(graph),
             // In one step, a character may lose its partner, find no path, begin and arrive.
             events: Vec::with_capacity(4 * capacity),

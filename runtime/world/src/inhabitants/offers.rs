@@ -1,7 +1,6 @@
 //! Offers of instances: motion with a tag that begins at a reachable cell and from which a character can come to rest.
 
 use super::{InhabitantActivity, InhabitantGoal, Inhabitants};
-use crate::plan::PlanTarget;
 use crate::{WorldGraph, WorldNode};
 use throng_base::thresholds::WALK_SPEED_MPS;
 use throng_core::patch::LinkRecord;
@@ -27,37 +26,17 @@ pub(super) fn offers_by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
     out
 }
 
-/// Assumed time that a character takes for its action, after the others before it have had theirs (s).
-const TURN_S: f32 = 10.0;
 /// Assumed stay of a character that has arrived at its place (s).
 const STAY_S: f32 = 60.0;
 
 impl Inhabitants {
     /// The instance that offers a tag and is soonest to be had: near, and free or soon released.
-    pub(super) fn nearest_offer(&mut self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
-        let number = usize::from(tag).checked_sub(1).filter(|n| *n < self.offers.len())?;
-        self.count_turns(graph, character, 1);
-        let list = &self.offers[number];
+    pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
+        let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
-        let far = |i: u32| {
-            let turns = graph.resources(i).iter().map(|unit| self.turns[*unit as usize]).max().unwrap_or(0);
-            let turns_s = TURN_S * turns as f32;
-            let wait_s = self.others_held_for_s(graph, character, i).max(turns_s);
-            (graph.centre(i) - here).length() + WALK_SPEED_MPS * wait_s
-        };
-        let found = list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)));
-        self.count_turns(graph, character, -1);
-        found
-    }
-
-    /// Adds a number to the turns at each unit that others need who go to perform an action, and have not begun.
-    fn count_turns(&mut self, graph: &WorldGraph, character: usize, add: i32) {
-        for (c, state) in self.states.iter().enumerate().filter(|(c, _)| *c != character) {
-            let goes = matches!(state.goal, InhabitantGoal::Perform { .. }) && state.performed == 0;
-            if let Some(PlanTarget::Tag { instance, .. }) = self.paths.target(c).filter(|_| goes) {
-                graph.resources(instance).iter().for_each(|unit| self.turns[*unit as usize] += add);
-            }
-        }
+        let far =
+            |i: u32| (graph.centre(i) - here).length() + WALK_SPEED_MPS * self.others_held_for_s(graph, character, i);
+        list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 
     /// About how long others will hold an instance; 0 where it is free (s).
