@@ -37,10 +37,6 @@ const IN_PLACE: f32 = 0.3;
 const PIVOT: [f32; 2] = [0.9, 0.4];
 /// Speeds from which starts, and from which stops and pivots, take four steps in place of two (m/s).
 const FAST_MPS: [f32; 2] = [1.3, 1.9];
-/// Time of a step of who turns on the spot (s).
-const TURN_STEP_S: f32 = 0.42;
-/// Share of a gait's time in which a turn round while walking is done.
-const PIVOT_TIME: f32 = 0.75;
 /// Frames after the last event.
 const TAIL: usize = LEAD + 2;
 
@@ -57,29 +53,7 @@ impl MadeMove {
         }
     }
 
-    /// The gait at the pace of the move: turns hurry.
-    pub fn hurried(&self, gait: &GaitCycle) -> GaitCycle {
-        match *self {
-            Self::Turn(..) => {
-                let step = 0.5 * gait.period as f32;
-                let own = (TURN_STEP_S * gait.clip.rate_hz as f32).round().min(step);
-                let mut quick = gait.hurried(|k| k * step / own);
-                quick.period = (2.0 * own) as usize;
-                quick
-            }
-            Self::Pivot(angle) => {
-                let [own, whole] = pivot_frames(gait, angle).map(|n| n as f32);
-                // At the gait's own rate at both ends.
-                let share = |t: f32| (own / whole) * t + (1.0 - own / whole) * smooth(t);
-                gait.hurried(|k| if k < own { whole * share(k / own) } else { whole + k - own })
-            }
-            _ => gait.clone(),
-        }
-    }
-
     /// The course; `None` where the gait is too short for it.
-    ///
-    /// - `gait`: see [`MadeMove::hurried`].
     pub fn course(&self, gait: &GaitCycle, stance: &RestStance) -> Option<MadeCourse> {
         let rate = gait.clip.rate_hz as f32;
         let (stand, shift) = ((STAND_S * rate) as usize, (SHIFT_S * rate) as usize);
@@ -96,7 +70,7 @@ impl MadeMove {
         };
         let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
         let last = gait.clip.num_frames() - 1;
-        let [fast, cycles] = num_cycles(gait);
+        let [fast, cycles] = FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
         Some(match *self {
             Self::Start(angle) => {
                 // The faster, the more steps it takes.
@@ -153,8 +127,9 @@ impl MadeMove {
             Self::Pivot(angle) => {
                 // Slower, and the arms swing less, the farther it turns; half turns take a step more, and so do runs.
                 let depth = angle.abs() / PI;
-                let [own, _] = pivot_frames(gait, angle);
-                let (over, until) = (own as f32, event + own);
+                let steps = if depth > 0.6 { 2 + cycles } else { 1 + cycles };
+                let over = steps as f32 * step;
+                let until = event + over as usize;
                 let n = until + TAIL;
                 let heading = |f: usize| angle * ramp(f, event as f32, over - 1.0);
                 let dip = |f: usize| {
@@ -183,19 +158,6 @@ impl MadeMove {
             }
         })
     }
-}
-
-/// Pairs of steps that a gait takes to set off, and to stop or turn round.
-fn num_cycles(gait: &GaitCycle) -> [usize; 2] {
-    FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 })
-}
-
-/// Frames of a turn round while walking, and of the steps of the gait that it takes.
-fn pivot_frames(gait: &GaitCycle, angle: f32) -> [usize; 2] {
-    let [_, cycles] = num_cycles(gait);
-    let steps = if angle.abs() > 0.6 * PI { 2 + cycles } else { 1 + cycles };
-    let whole = steps * gait.period / 2;
-    [(PIVOT_TIME * whole as f32).round() as usize, whole]
 }
 
 /// MadeCourse of who steps from stance to stance.
@@ -242,7 +204,6 @@ fn path(
         // Midpoints: from this frame to the next.
         let turn = 0.5 * (heading(f) + heading(f + 1));
         let share = 0.5 * (pace(f) + pace(f + 1));
-        let share = share * (gait.time(f + 1) - gait.time(f));
         let by = Planar::new(0.0, 0.0, begin.heading + turn).transform_point(travel * share);
         (at.x, at.z) = (at.x + by.x, at.z + by.y);
         here

@@ -50,8 +50,6 @@ pub struct GaitCycle {
     base: Planar,
     /// Mean travel (m/frame), in the frame of `base`.
     pub travel: [f32; 2],
-    /// Frame as captured of each frame, for a gait that hurries; empty for another.
-    times: Vec<f32>,
     /// Difference of the poses a cycle apart (rad a joint); smaller is steadier.
     pub unsteadiness: f32,
     /// Its class.
@@ -136,8 +134,7 @@ impl GaitCycle {
             + if is_plain { 0.0 } else { SPECIAL };
         let cut = play_round(clip, from - lead..end, lead + frames, period);
         let class = class.cloned().unwrap_or_default();
-        let times = Vec::new();
-        let gait = Self { clip: cut, event: lead, foot, period, base, travel, times, unsteadiness, class };
+        let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };
         gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
     }
 
@@ -146,37 +143,9 @@ impl GaitCycle {
         self.travel[0].hypot(self.travel[1]) * self.clip.rate_hz as f32
     }
 
-    /// Frame as captured of a frame.
-    pub fn time(&self, frame: usize) -> f32 {
-        self.times.get(frame).copied().unwrap_or(frame as f32)
-    }
-
-    /// The gait at another pace, from its event on.
-    ///
-    /// - `time`: time as captured some frames after the event, both in frames (ascending, 0 at 0).
-    pub fn hurried(&self, time: impl Fn(f32) -> f32) -> Self {
-        let last = self.clip.num_frames() - 1;
-        let at = |f: usize| self.event as f32 + time(f as f32 - self.event as f32);
-        let times: Vec<f32> = (0..=last)
-            .map(|f| if f <= self.event { f as f32 } else { at(f) })
-            .take_while(|t| *t <= last as f32)
-            .collect();
-        let (mut roots, mut rotations, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
-        for t in &times {
-            let (from, share) = (*t as usize, t.fract());
-            let to = (from + 1).min(last);
-            roots.push(self.clip.root_positions[from].lerp(self.clip.root_positions[to], share));
-            let pair = self.clip.frame_rotations(from).iter().zip(self.clip.frame_rotations(to));
-            rotations.extend(pair.map(|(a, b)| maths::slerp_f32(*a, *b, share)));
-            contacts.push(self.clip.contacts[t.round() as usize]);
-        }
-        let clip = Clip { contacts, ..Clip::new(self.clip.name.clone(), self.clip.rate_hz, roots, rotations) };
-        Self { clip, times, ..self.clone() }
-    }
-
     /// Mean place and heading at a frame of the gait's clip.
     pub fn course(&self, frame: usize) -> Planar {
-        let k = self.time(frame) - self.event as f32;
+        let k = frame as f32 - self.event as f32;
         self.base.compose(Planar::new(self.travel[0] * k, self.travel[1] * k, 0.0))
     }
 

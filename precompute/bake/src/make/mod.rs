@@ -232,14 +232,12 @@ impl MotionMaker<'_> {
         if lacks.starts && usual {
             moves.extend([FRAC_PI_4, FRAC_PI_2].map(|a| MadeMove::Start(side * a)));
         }
-        if (lacks.starts || lacks.turns) && (usual || is_first) {
-            moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 2), (PI, 3)].map(|(a, n)| MadeMove::Turn(side * a, n)));
-        }
         if (lacks.starts || lacks.turns) && usual {
+            moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 3), (PI, 5)].map(|(a, n)| MadeMove::Turn(side * a, n)));
             let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, 0.7], [0.0, -0.4]];
             moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
         }
-        if lacks.pivots {
+        if lacks.pivots && usual {
             moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
         }
         if lacks.arcs && (usual || number < 4) {
@@ -260,17 +258,14 @@ impl MotionMaker<'_> {
 
     /// Makes one clip.
     fn make(&mut self, what: MadeMove, gait: &GaitCycle, stance: &RestStance, number: String) {
-        let gait = &what.hurried(gait);
         let Some(course) = what.course(gait, stance) else { return };
         let walker = CourseWalker { gait, stance, skeleton: self.skeleton, course: &course };
         let Some(clip) = walker.walk() else { return };
         // What is neither the gait's pose nor the stance's is made.
         let is_captured = |f: &usize| {
             let wanted = &clip.frame_rotations(*f)[1..];
-            let (g, s) = (course.gait_at[*f], course.stance_at[*f]);
-            let own = [(&stance.clip, s), (&gait.clip, g)];
-            own[..if gait.time(g).fract() == 0.0 { 2 } else { 1 }].iter().any(|(of, k)| {
-                of.frame_rotations(*k)[1..].iter().zip(wanted).all(|(a, b)| a.angle_between(*b) < SAME_RAD)
+            [(&gait.clip, course.gait_at[*f]), (&stance.clip, course.stance_at[*f])].iter().any(|(of, g)| {
+                of.frame_rotations(*g)[1..].iter().zip(wanted).all(|(a, b)| a.angle_between(*b) < SAME_RAD)
             })
         };
         let made = (0..clip.num_frames()).filter(|f| !is_captured(f));

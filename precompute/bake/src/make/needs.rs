@@ -13,8 +13,6 @@ const LEAST_RESTS: usize = 4;
 const ENOUGH_STARTS: usize = 20;
 /// Fewest captured turns on the spot.
 const ENOUGH_TURNS: usize = 8;
-/// Walking for which one start, and one turn round, are few: until one is met takes as long (s).
-const FEW_S: [f64; 2] = [8.0, 8.0];
 /// Least walking that a graph uses: at all, and as a share of that in the clips (s, 1).
 const LEAST_WALKING_S: f64 = 3.0;
 const LEAST_USED: f64 = 0.5;
@@ -82,13 +80,12 @@ impl Lacks {
         }
         let rests = graph.standing.iter().filter(|s| **s).count();
         let changes = starts.min(stops);
-        let [enough, pivots_wanted] = FEW_S.map(|s| (walked_s / s) as usize);
         Self {
-            starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS.max(enough),
-            joins: rests < LEAST_RESTS || changes < enough.max(1) || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
+            starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
+            joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
             turns: on_the_spot < ENOUGH_TURNS,
             arcs: !(turns(1.0) && turns(-1.0)),
-            pivots: pivots < ENOUGH_TURNS.max(pivots_wanted),
+            pivots: pivots < ENOUGH_TURNS,
         }
     }
 }

@@ -76,7 +76,7 @@ fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
         let set = library(names);
         let made = made_of(&set);
         let MadeReport { starts, stops, turns, pivots, .. } = made.report;
-        assert!(starts > 2 && stops > 0 && turns > 2 && pivots >= 2, "{names:?}: {:?}", made.report);
+        assert!(starts > 2 && stops > 0 && turns > 2 && pivots == 2, "{names:?}: {:?}", made.report);
         let captured = looks(&set, &set.clips);
         let steps: Vec<Clip> = set.clips.iter().filter(|c| !c.name.starts_with("idle")).cloned().collect();
         let [captured_steps, made] = [&steps, &made.clips].map(|clips| looks(&set, clips));
@@ -158,7 +158,7 @@ fn pivots_turn_round_within_two_or_three_steps() {
         let set = library(names);
         let made = made_of(&set);
         let pivots: Vec<&Clip> = made.clips.iter().filter(|c| c.name.starts_with("made/pivot")).collect();
-        assert!(pivots.len() >= 4 && pivots.len().is_multiple_of(4), "{names:?}: two of each gait, and mirrored");
+        assert_eq!(pivots.len(), 4, "{names:?}");
         for clip in pivots {
             let last = clip.num_frames() - 1;
             let mut heading = vec![0.0f32];
@@ -180,24 +180,6 @@ fn pivots_turn_round_within_two_or_three_steps() {
                     assert!(twist < 1.3, "{} twists a leg by {twist} rad at frame {f}", clip.name);
                 }
             }
-        }
-    }
-}
-
-#[test]
-fn turns_on_the_spot_face_the_other_way_within_a_second_of_the_first_step() {
-    for names in [&["walk_", "idle_"][..], &["jog_", "idle_"]] {
-        let made = made_of(&library(names));
-        let half_turns: Vec<&Clip> =
-            made.clips.iter().filter(|c| c.name.contains("made/turn") && c.name.contains("180")).collect();
-        assert!(half_turns.len() >= 4, "{names:?}: {:?}", made.report);
-        for clip in half_turns {
-            let turned =
-                |f: usize| throng_core::planar::wrap_angle(clip.planar(f).heading - clip.planar(0).heading).abs();
-            let (from, to) = (0.1, PI - 0.5);
-            let frames = (0..clip.num_frames()).filter(|&f| (from..to).contains(&turned(f))).count();
-            let seconds = frames as f64 / clip.rate_hz;
-            assert!((0.4..1.0).contains(&seconds), "{} takes {seconds} s", clip.name);
         }
     }
 }

@@ -33,7 +33,7 @@ impl Default for CostsConfig {
             sideways: 0.1,
             gesture: 0.3,
             carrying: 0.5,
-            manner_change_s: 3.0,
+            manner_change_s: 0.3,
             standing_change_s: 0.0,
             made: 0.2,
         }
