@@ -65,8 +65,8 @@ pub struct Args {
     units: UnitArgs,
     #[command(flatten)]
     crowd: CrowdArgs,
-    /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.
-    #[arg(long, help_heading = "Scenes")]
+    /// Read only files beside a stranger's scene or below, and build nothing.
+    #[arg(long, help_heading = "Scenes", hide_short_help = true)]
     untrusted: bool,
     #[command(flatten)]
     cache: CacheArgs,

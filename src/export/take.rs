@@ -41,8 +41,8 @@ pub struct TakeArgs {
     /// motion files, twist joints take their share, all others stay at rest. Its size follows from the motion's legs.
     #[arg(long, help_heading = "Takes", value_name = "CHARACTER.glb")]
     onto: Option<PathBuf>,
-    /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.
-    #[arg(long, help_heading = "Takes")]
+    /// Read only files beside a stranger's scene or below, and build nothing.
+    #[arg(long, help_heading = "Takes", hide_short_help = true)]
     untrusted: bool,
     #[command(flatten)]
     cache: CacheArgs,

@@ -73,7 +73,7 @@ fn scenes_of_strangers_reach_no_file_outside_of_their_folder() {
     let config = outside.path().join("walks.toml");
     std::fs::write(&config, "synth = { set = 'locomotion', seconds = 20 }\n").unwrap();
     let scene = folder.join("story.toml");
-    let group = "[[groups]]\nmotion = \"policy\"\ncount = 1\nbehaviours = [\"approach\"]\n";
+    let group = "[[groups]]\nmotion = \"policy\"\ncount = 1\nbehaviours = [{ name = \"approach\" }]\n";
     let write = |bundle: &str| {
         let keys = format!("bundle = \"{bundle}\"\nconfig = \"../walks.toml\"\nseconds = 1.0\n");
         std::fs::write(&scene, format!("{keys}{group}")).unwrap();

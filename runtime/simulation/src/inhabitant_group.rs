@@ -4,7 +4,7 @@ use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, load_same, refused_snapshot, saved_bytes, single_pose};
 use crate::scene::{ANY_PARTNER, GoalConfig, InhabitantGoalConfig, Scene, WeightedGoal};
 use crate::{CharacterEvent, SimulationEvent};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
@@ -357,7 +357,7 @@ fn choice_of_goal(goal: &GoalConfig, graph: &WorldGraph, num: usize) -> Option<G
         }),
         GoalConfig::Point { at } => {
             // The nearest places to stay, one for each.
-            let far = |node: &WorldNode| (place(node).x - at[0]).powi(2) + (place(node).z - at[1]).powi(2);
+            let far = |node: &WorldNode| Vec2::new(place(node).x, place(node).z).distance_squared(Vec2::from_slice(at));
             nodes.sort_by(|a, b| far(a).total_cmp(&far(b)));
             let mut taken = Vec::new();
             nodes.retain(|node| {
