@@ -37,15 +37,14 @@ pub struct Args {
     /// each kind of motion.
     #[arg(long, value_name = "FILE")]
     png: Option<PathBuf>,
-    /// Trajectories of everybody in a scene, as a table that PedPy reads: CSV with the columns time_s, agent, x_m, z_m,
-    /// vx_mps and vz_mps.
+    /// Table of trajectories, for PedPy: CSV of time_s, agent, x_m, z_m, vx_mps and vz_mps.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     trajectories: Option<PathBuf>,
     /// Points of a trajectory a simulated second.
     #[arg(long, help_heading = "Scenes", value_name = "HZ", default_value_t = 10.0, allow_negative_numbers = true,
         value_parser = limits::number_parser::<f64>(&limits::TRAJECTORY_HZ))]
     trajectory_hz: f64,
-    /// Recording of a scene to write: `throng explain` replays it, and explains why agents acted as they did.
+    /// Recording of a scene to write, for `throng explain`.
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     record: Option<PathBuf>,
     /// Bundle in place of the scene's; its world is then beside it.
@@ -83,7 +82,7 @@ struct LiveArgs {
     #[arg(long, help_heading = "Live", value_name = "ADDRESS", num_args = 0..=1, default_missing_value = "127.0.0.1:7468",
         conflicts_with_all = ["png", "trajectories", "record", "json"])]
     serve: Option<SocketAddr>,
-    /// With --serve, allow an address that others in the network can reach.
+    /// With --serve, allow an address that others can reach.
     #[arg(long, help_heading = "Live", requires = "serve")]
     serve_anyone: bool,
     /// With --serve, simulated seconds a second; 0 is as fast as possible.

@@ -267,6 +267,10 @@ impl Characters {
         if !plays || !matches!(b.pace[lane], pace::NORMAL | pace::IDLING) {
             return;
         }
+        // Who has begun a blow strikes it.
+        if motion_set.hits_after(b.segment[lane], b.time[lane]).next().is_some() {
+            return;
+        }
         let played = b.time[lane] as u32;
         let fit = FrameFit::new(motion_set, b.first[lane] + played);
         let who = AnsweringCharacter { b, lane, motion_set, played, fit };

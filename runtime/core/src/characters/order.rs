@@ -13,7 +13,7 @@ use throng_base::{Error, Id, Result};
 
 /// Time ahead of a moving target for which characters make, and longest time from one order to the next within which a target
 /// moves (s).
-const AHEAD_S: f32 = 1.5;
+const AHEAD_S: f32 = 0.5;
 const MOVES_S: f32 = 0.5;
 /// Speed from which a target is elsewhere (m/s).
 const FASTEST_MPS: f32 = 12.0;
@@ -247,6 +247,10 @@ impl PolicyOrder {
         if let StandOrder::Turn(heading) = self.stands {
             check_value("heading", who, heading, heading.abs() < 1e6, "a finite number below 1e6 (rad)")?;
         }
+        let speed = if self.velocity.is_nan() { f32::NAN } else { self.velocity.abs().max_element() };
+        check_value("speed of the target", who, speed, speed <= FASTEST_MPS, "at most 12 (m/s)")?;
+        let is_recent = (0.0..=2.0 * MOVES_S).contains(&self.age_s);
+        check_value("age of the target", who, self.age_s, is_recent, "0 to 1 (s)")?;
         self.layers.check(who, motion_set.num_frames())?;
         self.check_target(who)
     }
@@ -277,7 +281,13 @@ mod tests {
         assert!(say(PolicyOrder::towards(0, Vec3::ONE).with_policy(0, f32::INFINITY)).contains("weight"));
         let five = (0..4).fold(PolicyOrder::towards(0, Vec3::ONE), |o, _| o.with_policy(0, 1.0));
         assert!(say(five).contains("number of behaviours"));
-        assert!(PolicyOrder::towards(0, Vec3::ONE).with_policy(0, 0.5).check(who, &motion_set).is_ok());
+        let good = PolicyOrder::towards(0, Vec3::ONE).with_policy(0, 0.5);
+        assert!(good.check(who, &motion_set).is_ok());
+        // Only damaged snapshots hold these.
+        for velocity in [Vec3::NAN, Vec3::X * 1e30] {
+            assert!(say(PolicyOrder { velocity, ..good }).contains("speed of the target"));
+        }
+        assert!(say(PolicyOrder { age_s: -1.0, ..good }).contains("age of the target"));
     }
 
     #[test]

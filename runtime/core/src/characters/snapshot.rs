@@ -111,10 +111,9 @@ impl Characters {
         (blocks, bodies)
     }
 
-    /// True for displacements of limbs that so many characters may have: one each, where limbs are stopped.
+    /// True for displacements of limbs that so many characters may have: one each; any where no limbs are stopped here.
     pub(super) fn is_touch_sound(&self, touches: &[LimbTouch], num_characters: usize) -> bool {
-        let num = if self.touch.is_some() { num_characters } else { 0 };
-        touches.len() == num && touches.iter().all(LimbTouch::is_valid)
+        self.touch.is_none() || touches.len() == num_characters && touches.iter().all(LimbTouch::is_valid)
     }
 
     /// Sets the state of `n` characters (blocks, bodies: n / 8, rounded up; there is room).
@@ -125,7 +124,9 @@ impl Characters {
         self.bodies[..bodies.len()].copy_from_slice(bodies);
         clear_beyond(&mut self.blocks[..blocks.len()], &mut self.bodies, n);
         self.touches.clear();
-        self.touches.extend_from_slice(touches);
+        if self.touch.is_some() {
+            self.touches.extend_from_slice(touches);
+        }
         self.num_characters = n;
         self.mark_paths_stale();
         self.num_choosers = (0..n).filter(|c| self.blocks[c / LANES].segment[c % LANES] != SCHEDULED).count();
