@@ -74,10 +74,15 @@ impl Followers {
     /// Advances all bodies to the current positions of their agents.
     pub fn step<V: Space>(&mut self, outside: &CrowdStage<V>, tick: &GroupStep<'_>) -> Result<()> {
         let crowd = &outside.crowd;
-        let num = self.troops.len();
         for &agent in &outside.newcomers {
             if let Some(id) = outside.ids[agent as usize].filter(|_| self.agents.contains(&(agent as usize))) {
-                let entered = self.troops[agent as usize % num].add_body(crowd, id, Vec2::Y, self.bodies.len());
+                let (t, row) = self.locate(agent as usize);
+                let troop = &mut self.troops[t];
+                // One that has left before, and comes again, has a body.
+                let entered = match row < troop.agents.len() {
+                    true => troop.give_body(row, crowd, id),
+                    false => troop.add_body(crowd, id, Vec2::Y, self.bodies.len()),
+                };
                 entered.map_err(|e| self.scene.fault(&self.key, e))?;
             }
         }

@@ -73,6 +73,16 @@ impl Troop {
         Ok(())
     }
 
+    /// Gives the body of a row to another agent, at its current position (row < number of bodies).
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn give_body(&mut self, row: usize, crowd: &Crowd, agent: Id) -> Result<()> {
+        let at = crowd.position(agent, crowd.time_s()).ok_or(Error::Gone(agent))?.xz();
+        self.agents[row] = agent;
+        self.move_body(row, Planar { x: at.x, z: at.y, heading: self.walkers.bodies().roots[row].heading })
+    }
+
     /// Removes the body of a row; the last body takes its row (row < number of bodies).
     pub fn remove_body(&mut self, row: usize) -> Result<()> {
         self.walkers.despawn(self.walkers.bodies().ids[row])?;
