@@ -33,12 +33,11 @@ pub struct TakeArgs {
     /// For a bundle, write its clips instead of characters that run on it.
     #[arg(long, help_heading = "Takes")]
     clips: bool,
-    /// With `usda`, write characters as instances of one model, as crowd renderers prefer; Blender shows these without
-    /// motion.
+    /// With `usda`, write characters as instances of one model, as crowd renderers prefer (still in Blender).
     #[arg(long, help_heading = "Takes")]
     usd_instances: bool,
-    /// With `glb`, your own character (.glb with a skin) to wear the motion: the roles of its joints are found as those of
-    /// motion files, twist joints take their share, all others stay at rest. Its size follows from the motion's legs.
+    /// With `glb`, your own character (.glb with a skin) to wear the motion: its joints are found as those of motion
+    /// files, and its size follows from the motion's legs.
     #[arg(long, help_heading = "Takes", value_name = "CHARACTER.glb")]
     onto: Option<PathBuf>,
     /// Read only files beside a stranger's scene or below, and build nothing.
