@@ -25,7 +25,7 @@ axes = [{ kind = "speed" }, { kind = "gyration" }]
 examples = [{ clip = "idle_neutral", still = true }, { clip = "turn_neutral_*" }, { clip = "walk_neutral_*" }]
 "#;
 
-static BUNDLE: LazyLock<Bundle> = LazyLock::new(|| {
+pub static BUNDLE: LazyLock<Bundle> = LazyLock::new(|| {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("people.throng");
     let config = BuildConfig::parse(CONFIG, &folder.path().join("people.toml")).expect("a config");

@@ -169,8 +169,14 @@ impl<V: Space> Decider<'_, V> {
         });
         let slow = steering.slow_mps;
         let soon = 2.0 * fields[state.field as usize].relaxation_s;
-        let slows = walker.distance_left < soon * state.speed && velocity.length_squared() > slow * slow;
-        let longest = if slows { soon } else { f32::INFINITY };
+        let fast = velocity.length();
+        // Until it has to slow down for its goal: a longer plan would pass it.
+        let until_slow = (walker.distance_left - 1.1 * soon * state.speed) / fast.max(slow);
+        let longest = match (fast > slow, until_slow > 0.0) {
+            (false, _) => f32::INFINITY,
+            (true, true) => until_slow,
+            (true, false) => 0.5 * soon,
+        };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };
         let longest = if waits { longest.min(WAITING_S) } else { longest };

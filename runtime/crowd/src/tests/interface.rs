@@ -191,3 +191,24 @@ fn doors_open_and_close_and_never_on_anybody() {
     assert_eq!(inside(&crowd), left);
     assert!(crowd.set_open(6, true).is_err());
 }
+
+#[test]
+fn who_comes_to_its_goal_stops_there_and_does_not_walk_back() {
+    for (far_m, speed) in [(0.7, 1.3), (0.9, 1.3), (1.2, 1.0), (2.0, 1.5), (3.3, 1.3), (6.0, 1.8)] {
+        let mut crowd = Crowd::on_ground(CrowdSetup::in_streets(&Streets::new(&[], 0.4).unwrap(), 1)).unwrap();
+        let id = crowd.spawn(Agent::standing_at(ground(0.0, 0.0))).unwrap();
+        crowd.order(id, AgentOrder::to_goal(ground(50.0, 0.0)).at_speed(speed)).unwrap();
+        crowd.advance(3.0, &mut |_| {}).unwrap();
+        let goal = crowd.position(id, 3.0).unwrap() + ground(far_m, 0.0);
+        crowd.order(id, AgentOrder::to_goal(goal).with_arrival(0.3)).unwrap();
+        crowd.wake(id).unwrap();
+        let mut beyond_m = 0.0f32;
+        for step in 1..=300 {
+            let time_s = 3.0 + f64::from(step) / 30.0;
+            crowd.advance(time_s, &mut |_| {}).unwrap();
+            beyond_m = beyond_m.max((crowd.position(id, time_s).unwrap() - goal).x);
+        }
+        assert!(beyond_m < 0.05, "{beyond_m} m beyond a goal in {far_m} m at {speed} m/s");
+        assert!(crowd.position(id, 13.0).unwrap().distance(goal) < 0.3);
+    }
+}

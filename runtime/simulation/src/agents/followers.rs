@@ -107,7 +107,9 @@ impl Followers {
         let faces = outside.faced_position(agent);
         let ahead = faces.map(|faces| (faces - at).xz());
         troop.order_look(row, ahead, faces);
-        troop.order_stand(row, shown.stands.map(|at| at.xz()));
+        let speed_mps = outside.ids[agent].and_then(|id| outside.crowd.smooth_velocity(id)).map_or(0.0, |v| v.length());
+        let held = faces.and_then(|_| troop.held_position(row, at.xz(), speed_mps));
+        troop.order_stand(row, shown.stands.map(|at| at.xz()).or(held));
         let is_new = std::mem::replace(&mut self.ordered[agent - self.agents.start], shown) != shown;
         let Some(motion) = shown.motion else { return if is_new { troop.order_activity(row, None) } else { Ok(()) } };
         let heading = ahead.filter(|a| a.length_squared() > 1e-4).map(|a| maths::atan2(a.x, a.y));

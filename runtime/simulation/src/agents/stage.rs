@@ -15,6 +15,8 @@ use throng_crowd::{
     RouteBegin, Sense, Space,
 };
 
+/// Time at the present speed in which an agent covers the way that it needs to stop as people do, without passing the end (s).
+const HALT_S: f32 = 0.5;
 /// Most positions that are tried for an agent that enters.
 const TRIES: usize = 8;
 
@@ -238,9 +240,11 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
     }
 
     fn order_halt(&mut self, agent: u32) -> Result<()> {
-        let end = self.ids[agent as usize].and_then(|id| self.crowd.stop_region(id));
-        let Some((_, at)) = end else { return Ok(()) };
-        self.order_walk(agent, at, 0.3, false).map(|_| ())
+        let Some(id) = self.present_id(agent) else { return Ok(()) };
+        let now = self.crowd.time_s();
+        let motion = self.crowd.position(id, now).zip(self.crowd.velocity(id, now));
+        let Some((from, velocity)) = motion else { return Ok(()) };
+        self.order_walk(agent, from + velocity * HALT_S, 0.3, false).map(|_| ())
     }
 
     fn set_speed(&mut self, agent: u32, speed_mps: f32) -> Result<()> {

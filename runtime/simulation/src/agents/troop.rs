@@ -15,6 +15,11 @@ use throng_crowd::{Crowd, Id};
 /// Half-life of the distance of a body from the place where it stands still, or from its disc when it returns (s).
 const ASIDE_HALF_LIFE_S: f32 = 0.15;
 
+/// Largest distance of a body that faces somebody or something from its disc (m).
+const HELD_M: f32 = 0.2;
+/// Speed below which a body that is to face somebody or something stands (m/s).
+const HELD_MPS: f32 = 0.6;
+
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
 pub(crate) struct Troop {
@@ -108,6 +113,16 @@ impl Troop {
         self.controls[row].layers.look_at = at.map(|at| at + Vec3::Y * EYES_M);
     }
 
+    /// Position at which the body of a row stands while its agent faces somebody or something, once it has stopped: passers-by push
+    /// its disc about, and do not turn the body away (m, row < number of bodies).
+    ///
+    /// - `disc`: centre of the agent's disc (m).
+    pub fn held_position(&self, row: usize, disc: Vec2, speed_mps: f32) -> Option<Vec2> {
+        let stands = self.still[row].at.is_some() || speed_mps < HELD_MPS;
+        let root = self.walkers.bodies().roots[row];
+        stands.then(|| disc + (Vec2::new(root.x, root.z) - disc).clamp_length_max(HELD_M))
+    }
+
     /// Orders the body of a row to stand still at a place (x, z), or to follow its disc again (m, row < number of bodies).
     pub fn order_stand(&mut self, row: usize, at: Option<Vec2>) {
         self.still[row].at = at;
@@ -141,7 +156,7 @@ impl Troop {
         let keep = maths::exp2(-dt_s / ASIDE_HALF_LIFE_S);
         run_each(run, self.agents.chunks(PART).zip(controls), |(agents, (controls, still))| {
             for ((&agent, control), still) in agents.iter().zip(controls).zip(still) {
-                follow_agent(crowd, agent, now, control);
+                follow_agent(crowd, agent, now, control, still.at.is_some());
                 still.displace_control(control, keep);
             }
         });
@@ -208,15 +223,15 @@ fn standing_control(at: Vec2, heading: f32) -> Control {
     Control { position: Some(at), heading: Some(heading), ..Control::default() }
 }
 
-/// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents keep their heading,
-/// those of agents that have left stay where they were.
-fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control) {
+/// Updates the control of a body: to be at its agent's position and to move with it. Bodies of standing agents, and those that are
+/// held, keep their heading, those of agents that have left stay where they were.
+fn follow_agent(crowd: &Crowd, agent: Id, time_s: f64, control: &mut Control, is_held: bool) {
     let (Some(at), Some(velocity)) = (crowd.position(agent, time_s), crowd.smooth_velocity(agent)) else {
         control.velocity = Vec2::ZERO;
         return;
     };
     (control.position, control.velocity) = (Some(at.xz()), velocity.xz());
-    if control.velocity.length() > WALKING_MPS {
+    if !is_held && control.velocity.length() > WALKING_MPS {
         control.heading = Some(maths::atan2(control.velocity.x, control.velocity.y));
     }
 }

@@ -110,9 +110,9 @@ pub(super) fn contacts_are_true<V: Space>(crowd: &Engine<V>) -> usize {
 }
 
 fn occupancy_holds<V: Space>() {
-    let mut crowd = Engine::new(meeting::<V>(Scheme::Occupancy, 6)).unwrap();
+    let mut crowd = Engine::new(meeting::<V>(Scheme::Occupancy, 10)).unwrap();
     let mut touching = 0;
-    at_every_event(&mut crowd, 6.0, |crowd| {
+    at_every_event(&mut crowd, 9.0, |crowd| {
         lists_are_exact(crowd);
         contacts_are_true(crowd);
         touching += nobody_is_unseen(crowd);
