@@ -170,7 +170,9 @@ fn save(args: &Args, take: &Take, out: Option<&Path>, wearer: Option<&Wearer>, f
         }
         (Format::Npz, Some(out)) => files::write_atomically(out, |w| write_npz(take, w))?,
         (Format::Bvh, Some(out)) => written = write_each_actor(take, out, |a, w| bvh::write_actor(take, a, w))?,
-        (_, Some(out)) => written = write_each_actor(take, out, |a, w| write_amass(take, a, w))?,
+        (Format::Amass, Some(out)) => written = write_each_actor(take, out, |a, w| write_amass(take, a, w))?,
+        // Written by other modules.
+        (Format::Instances | Format::PositionsCsv | Format::GraphJson | Format::PolicyCsv | Format::HitsCsv, _) => {}
     }
     let Some(out) = out else { return Ok(()) };
     wearer.map_or(Ok(()), print_worn_joints)?;

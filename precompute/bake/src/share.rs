@@ -196,7 +196,7 @@ pub(crate) fn gather_to_first<T: Pod>(comm: &dyn Comm, own: Vec<T>) -> Result<Ve
 
 /// Exchanges the rows of all ranks, so that each has all of them.
 ///
-/// - `own_numbers`: rows of this rank: those of its [`Comm::share`] of all rows. Their previous values are lost.
+/// - `own_numbers`: rows of this rank: those of its share of all rows. Their previous values are lost.
 /// - `row`: numbers of a row.
 ///
 /// # Errors

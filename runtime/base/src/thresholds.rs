@@ -1,5 +1,5 @@
 //! Numbers that say what a person is and does: from which speed somebody walks, how near the ground a foot stands, how much
-//! room a body takes.
+//! room a disc takes. Radii of bodies are in `throng_core::body`, in its `volume`.
 //!
 //! Each number has one home here, with its unit, its source and who uses it. Where a place still needs another value for
 //! the same idea, that value has a name of its own beside it, which says what it will become and what would change then.
@@ -23,7 +23,8 @@
 /// percentile 0.19 (Bandai-Namco) to 0.32 (with bows and punches), and 0.16 over all synthetic sets.
 ///
 /// Used where a walker keeps its heading or ends a turn in place, as the default of the motion graph's standing frames, for rests
-/// of patches and in the playground, for twists of blend examples, and to report stops, starts and waiting.
+/// of patches and in the playground, for twists of blend examples, by performances of walkers, needs of made motion, classes of clips, actions
+/// of agents, and to report stops, starts and waiting.
 pub const STANDING_MPS: f32 = STANDING_MPS_F64 as f32;
 /// [`STANDING_MPS`] in double precision (m/s).
 pub const STANDING_MPS_F64: f64 = 0.15;

@@ -314,7 +314,7 @@ impl Take {
         self.scratch.frames(actor, |frame, n| take(frame, &ActorPose::from_numbers(n), n[NUMBERS - 1] > 0.5))
     }
 
-    /// The numbers as they are kept, by [`rotation_track`], [`translation_track`] and [`PRESENCE_TRACK`].
+    /// The numbers as they are kept, track by track.
     pub(crate) fn scratch(&self) -> &TrackScratch {
         &self.scratch
     }

@@ -200,7 +200,7 @@ impl<V: Space> NeighbourQuery<'_, V> {
     }
 }
 
-/// See [`NeighbourQuery::around`].
+/// See [`NeighbourQuery::find_neighbours`].
 struct NeighbourJob<'a, V> {
     query: &'a NeighbourQuery<'a, V>,
     around: &'a [u32],

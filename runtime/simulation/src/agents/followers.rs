@@ -185,7 +185,7 @@ impl Followers {
         self.troops[t].order_reach(row, side, reach);
     }
 
-    /// Joints of an agent in model space, which [`Followers::root`] places in the world.
+    /// Joints of an agent in model space; its root places them in the world.
     pub fn pose(&self, agent: usize) -> &[Mat3x4; NUM_JOINTS] {
         let (walkers, w) = self.walkers_of(agent);
         crate::motion_kind::single_pose(walkers.pose(w))

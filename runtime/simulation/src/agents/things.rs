@@ -281,7 +281,7 @@ impl Things {
         Ok((Grasp { side, ..Grasp::default() }, 0.9 * BODILESS_REACH_M))
     }
 
-    /// Finds a stand, see [`crate::scenario::Stage::stance`].
+    /// Finds a stand, see [`crate::scenario::ScenarioStage::stance`].
     pub fn stance(&self, who: Handler, handling: Handling, side: u32) -> Result<(Vec3, f32), StanceError> {
         let (grasp, stand_m) = self.choose_grasp(who, &handling)?;
         let at = Vec3::new(handling.at.x, 0.0, handling.at.z);

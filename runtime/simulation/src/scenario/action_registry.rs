@@ -3,6 +3,7 @@
 use super::language::Amount;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use throng_base::thresholds::STANDING_MPS;
 
 /// Kind of an argument of an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -331,7 +332,7 @@ const BUILT_IN: &[PrimitiveBehaviour] = &[
         |sight, said| {
             let arrival_m = said.amount(3, 1.5) as f32;
             // An agent that stands goes on only where it is left behind.
-            let stands = sight.velocity.length() < STANDS_MPS;
+            let stands = sight.velocity.length() < STANDING_MPS;
             let near_m = if stands { LEFT_BEHIND * arrival_m } else { arrival_m };
             let far = said.targets[0].filter(|at| (*at - sight.position).length() > near_m);
             let walk = far.map_or(WalkCommand::Halt, |at| WalkCommand::To { at, arrival_m });
@@ -411,8 +412,7 @@ fn face_target(said: &ActionArguments, stay_s: f64) -> ActionCommand {
     ActionCommand { faces: said.targets[0], ..ActionCommand::stay_for(said.amount(1, stay_s)) }
 }
 
-/// Speed below which an agent stands (m/s), and distance from whom it follows at which it goes on, over that at which it stops.
-const STANDS_MPS: f32 = 0.2;
+/// Distance from whom an agent follows at which it goes on, over that at which it stops.
 const LEFT_BEHIND: f32 = 1.3;
 
 /// Distance of two agents that shake hands (m).

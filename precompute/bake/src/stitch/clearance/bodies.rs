@@ -123,7 +123,7 @@ fn lanes(beyond: f32, of: impl Fn(usize) -> f32) -> SphereLanes {
 }
 
 /// Least distance of a unit from the centre of each sphere: a body may be `depth_m` deep in it, and planted parts
-/// deeper by their whole radius, as in [`crate::environment::BodyPose::penetration`] (m).
+/// deeper by their whole radius, as in [`crate::environment::PosedSpheres`] (m).
 fn limits(spheres: &[Sphere; NUM_SPHERES], depth_m: f32) -> Vec<SphereLanes> {
     let limit = |s: &Sphere, contacts: Contacts, floor: bool| match (floor && FEET.any(s.contact), s.contact) {
         (true, _) => f32::NEG_INFINITY,

@@ -22,7 +22,7 @@ pub(in crate::stitch) struct SweptSquares {
     min: [f32; 2],
     /// Edge length of a square (m).
     step: f32,
-    /// A bit for each link, in the order of [`LinkRoots::order`]: all squares for the first 64 links, then for the next
+    /// A bit for each link, in the order of [`LinkRoots::play_order`]: all squares for the first 64 links, then for the next
     /// ones. Squares along x are adjacent (words of links * SIDE * SIDE).
     squares: Vec<u64>,
     /// Largest distance of a body of each link from its root over the ground (m, links).
@@ -87,7 +87,7 @@ impl SweptSquares {
         touched.chunk_by(|a, b| a + 1 == *b).map(|run| run[0]..run[run.len() - 1] + 1).collect()
     }
 
-    /// Positions in [`LinkRoots::order`] of the links with a body that may touch the owner of a shadow; ascending.
+    /// Positions in [`LinkRoots::play_order`] of the links with a body that may touch the owner of a shadow; ascending.
     pub fn links_meeting(&self, shadow: &Shadow) -> Vec<u32> {
         let word = |squares: &[u64]| {
             let mut all = 0;

@@ -1,8 +1,7 @@
 //! Joins overlapping patches, and keeps the largest strongly connected component.
 //!
-//! [`prepare`] finds joints once for all pairs with equal relative placement, [`allow`] builds the graph, [`settled`]
-//! finds its component (or [`resettle`] around a change), [`remains`] the remaining motion, and [`assemble`] writes the
-//! world.
+//! [`prepare`] finds joints once for all pairs with equal relative placement, [`allow`] builds the graph,
+//! [`component_cells`] finds its component (or [`update_component`] around a change), and [`assemble`] writes the world.
 
 pub(in crate::stitch) mod allow;
 pub(in crate::stitch) mod assemble;

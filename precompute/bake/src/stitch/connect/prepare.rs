@@ -166,7 +166,7 @@ impl<'a> Stitcher<'a> {
     /// Drops tables and masks that a change made unused.
     ///
     /// - `laid`: the changed world.
-    /// - `gone`: as in [`KeptInstances::gone`].
+    /// - `gone`: as in [`KeptInstances::removed`].
     pub fn forget(&mut self, placed: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
         for (k, needed) in [&placed.pairs, &placed.obstacles].into_iter().enumerate() {
             let stale = &mut self.found.stale[k];

@@ -1,6 +1,6 @@
 //! Places patches in an environment: fitting blocks and tiles, overlaps, and obstacles.
 //!
-//! [`lay::Placer::lay`] handles a whole environment, [`relay`] only the surroundings of one changed unit.
+//! [`place_patches`] handles a whole environment, [`update_patches`] only the surroundings of one changed unit.
 
 pub(in crate::stitch) mod change;
 pub(in crate::stitch) mod fit;

@@ -62,7 +62,7 @@ impl ChangedUnit {
 }
 
 impl Placer<'_> {
-    /// Placed patches of an environment with one changed unit; `None` if it is invalid, for which [`Placer::lay`] gives
+    /// Placed patches of an environment with one changed unit; `None` if it is invalid, for which [`Placer::place_patches`] gives
     /// the error.
     ///
     /// - `before`: placed patches before the change.

@@ -42,7 +42,7 @@ impl AdjacentPart {
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct ClusterCosts {
     pub num_cells: u32,
-    /// Entrances: what each leads from, as a number in [`ClusterOutline::beyond`], and the cells there, each with what of the way is
+    /// Entrances: what each leads from, as a number in [`ClusterOutline::adjacent_parts`], and the cells there, each with what of the way is
     /// counted on coming there.
     pub entrances: Vec<(u32, Vec<CellCost>)>,
     /// Exits: what each leads to.
