@@ -65,8 +65,7 @@ impl AgentBrains {
             }
             let edges = self.scenario.states[usize::from(state)].edges;
             if upwards && self.waits_for_party(stage, stimulus.on.agent, level, edges) {
-                self.engagements[m].is_done = true;
-                return Ok(());
+                return self.wait_for_party(stage, stimulus.on.agent);
             }
             if let Some(edge) = self.choose_edge(stage, stimulus, edges) {
                 let EdgeTable { to, number, alone, .. } = self.scenario.edges[edge as usize];

@@ -140,3 +140,21 @@ fn faults_of_services_name_their_key() {
         assert!(told.contains(wanted), "{to}: {told}");
     }
 }
+
+#[test]
+fn who_waits_for_its_family_leaves_the_till_to_the_next() {
+    let families = |sizes: &str, gap_m: f32, time_s: f32| {
+        let text = TICKETS.replace("count = 10\n", &format!("count = 10\ncompanions = {sizes}\n"));
+        let text = text
+            .replace("seconds = 120.0", "seconds = 300.0")
+            .replace("at = [4.0, 0.0]", &format!("at = [{gap_m}, 0.0]"));
+        run(&text.replace("fixed = 8.0", &format!("fixed = {time_s:?}")))
+    };
+    for (sizes, gap_m, time_s) in
+        [("[3, 4]", 4.0, 8.0), ("[3, 4]", 1.3, 8.0), ("[2, 3]", 1.3, 12.0), ("[4, 4]", 2.0, 5.0), ("[2, 2]", 0.7, 6.0)]
+    {
+        let Run { of, states, .. } = families(sizes, gap_m, time_s);
+        assert_eq!((of.served, states), (10, vec![("had".to_string(), 10)]), "{sizes} {gap_m} {time_s}: {of:?}");
+        assert!(of.busy_while_waiting > 0.5, "{sizes} {gap_m} {time_s}: {of:?}");
+    }
+}
