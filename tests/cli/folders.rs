@@ -67,6 +67,7 @@ fn build(what: &[&str], out: &str) -> (Value, String) {
 }
 
 #[test]
+#[ignore = "takes long; scripts/nightly.sh runs it"]
 fn a_folder_and_an_archive_of_it_give_the_same_people() {
     let (place, elsewhere) = (Place::shared(), folder());
     let folder = lying_around(&place);
@@ -264,6 +265,7 @@ fn scene_files_are_read_as_other_motion_is() {
 }
 
 #[test]
+#[ignore = "takes long; scripts/nightly.sh runs it"]
 fn one_more_file_costs_one_file() {
     let (place, elsewhere) = (Place::shared(), folder());
     let folder = lying_around(&place);
