@@ -244,7 +244,8 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
         let now = self.crowd.time_s();
         let motion = self.crowd.position(id, now).zip(self.crowd.velocity(id, now));
         let Some((from, velocity)) = motion else { return Ok(()) };
-        self.order_walk(agent, from + velocity * HALT_S, 0.3, false).map(|_| ())
+        let ahead = velocity * HALT_S;
+        self.order_walk(agent, from + ahead, ahead.length().max(0.3), false).map(|_| ())
     }
 
     fn set_speed(&mut self, agent: u32, speed_mps: f32) -> Result<()> {

@@ -357,7 +357,8 @@ impl GroupConfig {
     }
 
     pub(super) fn stretch(&mut self, by: f32) {
-        self.place.iter_mut().for_each(|place| place.stretch(by));
+        let of_source = self.source.iter_mut().filter_map(|source| source.place.as_mut());
+        self.place.iter_mut().chain(of_source).for_each(|place| place.stretch(by));
         self.goal.iter_mut().for_each(|goal| goal.stretch(by));
         self.via.iter_mut().for_each(|p| scale_points(&mut [p], by));
     }

@@ -29,7 +29,7 @@ pub use place::PlaceConfig;
 pub use story::{
     ActionConfig, CarryStyle, DoorConfig, EdgeConfig, EndConfig, EventConfig, LevelConfig, LineChoice, QueueConfig,
     RelationConfig, RuleConfig, ServiceConfig, SiteConfig, SlotConfig, SourceConfig, StateConfig, StateGraphConfig,
-    StoryBehaviour, ThingConfig, TimeDistribution, UnitsConfig, ValueConfig, WordConfig,
+    StoryBehaviour, ThingConfig, TimeDistribution, ValueConfig, WordConfig,
 };
 
 use serde::{Deserialize, Serialize};
@@ -62,10 +62,6 @@ pub struct Scene {
     /// Duration of a run, unless another one is given (s, 0.001 to 100000).
     #[serde(default = "seconds")]
     pub seconds: f64,
-    /// Unit of all lengths, speeds and accelerations of this file, whatever suffix their keys have; expressions and
-    /// `[agents.field]` are always in metres.
-    #[serde(default)]
-    pub units: UnitsConfig,
     /// Bundle of the groups that name none of their own, relative to this file's folder.
     #[serde(default)]
     pub bundle: Option<PathBuf>,
@@ -196,7 +192,6 @@ impl Scene {
             scene.paths_mut().try_for_each(|p| refuse_outside(p, folder))?;
         }
         scene.source = source;
-        scene.convert_to_metres();
         check::refuse_foreign_keys(&scene)?;
         scene.add_level()?;
         scene.check()?;
@@ -288,70 +283,18 @@ impl Scene {
         self.groups.iter_mut().for_each(|g| g.stretch(by));
         self.environment.obstacles.iter_mut().filter(|o| o.grows).for_each(|o| o.stretch(by));
         self.happenings.iter_mut().for_each(|h| h.stretch(by));
-        self.places.iter_mut().for_each(|p| p.stretch(by, false));
-        self.things.iter_mut().for_each(|t| t.stretch(by, false));
+        self.places.iter_mut().for_each(|p| p.stretch(by));
+        self.things.iter_mut().for_each(|t| t.stretch(by));
         self.environment.doors.iter_mut().for_each(|d| d.stretch(by));
-        self.stretch_story(by, false);
+        self.stretch_story(by);
     }
 
-    /// Multiplies lengths of actions: points, and also other arguments where `also_words`.
-    fn stretch_story(&mut self, by: f32, also_words: bool) {
-        self.behaviours.values_mut().for_each(|b| story::stretch_actions(b, by, also_words));
-        self.rules.iter_mut().for_each(|r| r.does.stretch(by, also_words));
+    /// Multiplies the points of actions.
+    fn stretch_story(&mut self, by: f32) {
+        self.behaviours.values_mut().for_each(|b| story::stretch_actions(b, by));
+        self.rules.iter_mut().for_each(|r| r.does.stretch(by));
         let states = self.graphs.values_mut().flat_map(|g| g.states.values_mut());
-        states.filter_map(|s| s.does.as_mut()).for_each(|d| d.stretch(by, also_words));
-    }
-
-    /// Converts all lengths, speeds and accelerations to metres.
-    fn convert_to_metres(&mut self) {
-        if self.units == UnitsConfig::M {
-            return;
-        }
-        const INCH_M: f32 = 0.0254;
-        let inches = |length: &mut f32, otherwise: f32| *length *= if *length == otherwise { 1.0 } else { INCH_M };
-        self.units = UnitsConfig::M;
-        for group in &mut self.groups {
-            group.stretch(INCH_M);
-            if let Some(PlaceConfig::Ring { spacing_m, .. }) = &mut group.place {
-                *spacing_m *= INCH_M;
-            }
-            // Defaults of keys that the file leaves out stay as they are in metres.
-            let ranges = [
-                (&mut group.radius_m, group::radius()),
-                (&mut group.speed_mps, group::speed()),
-                (&mut group.acceleration_mps2, group::acceleration()),
-            ];
-            for (range, otherwise) in ranges {
-                if *range != otherwise {
-                    *range = range.map(|length| length * INCH_M);
-                }
-            }
-            inches(&mut group.arrival_m, group::arrival());
-            if let Some(place) = group.source.as_mut().and_then(|s| s.place.as_mut()) {
-                place.stretch(INCH_M);
-            }
-        }
-        for obstacle in &mut self.environment.obstacles {
-            obstacle.stretch(INCH_M);
-            obstacle.scale_radius(INCH_M);
-        }
-        for door in &mut self.environment.doors {
-            door.stretch(INCH_M);
-            door.radius_m *= INCH_M;
-        }
-        for h in &mut self.happenings {
-            h.stretch(INCH_M);
-            inches(&mut h.arrival_m, group::arrival());
-            h.speed_mps.iter_mut().for_each(|s| *s *= INCH_M);
-        }
-        self.places.iter_mut().for_each(|p| p.stretch(INCH_M, true));
-        self.things.iter_mut().for_each(|t| t.stretch(INCH_M, true));
-        inches(&mut self.agents.meeting_m, AgentsConfig::default().meeting_m);
-        self.agents.cell_m *= INCH_M;
-        if let Some(gate) = &mut self.measure.gate {
-            gate.from.iter_mut().chain(&mut gate.to).for_each(|x| *x *= INCH_M);
-        }
-        self.stretch_story(INCH_M, true);
+        states.filter_map(|s| s.does.as_mut()).for_each(|d| d.stretch(by));
     }
 
     /// Contents of the scene, independent of the paths of files, for hashing.

@@ -150,16 +150,6 @@ impl ObstacleConfig {
         centres.chain(paths).chain(walls).chain(corners).chain(ends).for_each(|p| scale_points(&mut [p], by));
     }
 
-    /// Multiplies its radius.
-    pub(super) fn scale_radius(&mut self, by: f32) {
-        let radii = [
-            self.disc.as_mut().map(|d| &mut d.radius_m),
-            self.mover.as_mut().map(|m| &mut m.radius_m),
-            self.wall.as_mut().map(|w| &mut w.radius_m),
-        ];
-        radii.into_iter().flatten().for_each(|radius| *radius *= by);
-    }
-
     /// Obstacles for the crowd; a wall of several lines is several obstacles.
     pub fn obstacles<V: Space>(&self) -> Vec<Obstacle<V>> {
         let mut out = Vec::new();

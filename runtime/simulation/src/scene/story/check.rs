@@ -2,22 +2,17 @@
 
 use super::{
     ActionConfig, DoorConfig, EventConfig, RelationConfig, SiteConfig, SourceConfig, StoryBehaviour, ThingConfig,
-    ValueConfig, WordConfig, queue_spacing, site_radius, thing_size,
+    ValueConfig, WordConfig,
 };
 use crate::scene::PlaceConfig;
 use crate::scene::check::{KeyFault, check_numbers, check_point, check_ranges, key_fault};
 use crate::scene::goal::scale_points;
-
-/// Arguments of actions that are lengths, or lengths over time.
-const LENGTHS: [&str; 4] = ["speed", "within_m", "distance_m", "spacing_m"];
-
-/// Multiplies all lengths of actions that are given as numbers and points.
-pub(in crate::scene) fn stretch_actions(actions: &mut [ActionConfig], by: f32, also_words: bool) {
+/// Multiplies the points of actions.
+pub(in crate::scene) fn stretch_actions(actions: &mut [ActionConfig], by: f32) {
     for (word, said) in actions.iter_mut().flatten() {
         match said {
-            WordConfig::Number(number) if also_words && LENGTHS.contains(&word.as_str()) => *number *= f64::from(by),
             WordConfig::Point(at) => {
-                let height = at.get(1).copied().filter(|_| word == "on" && !also_words);
+                let height = at.get(1).copied().filter(|_| word == "on");
                 scale_points(&mut [at], by);
                 // Tables do not grow with the layout.
                 at.iter_mut().skip(1).zip(height).for_each(|(y, height)| *y = height);
@@ -29,31 +24,22 @@ pub(in crate::scene) fn stretch_actions(actions: &mut [ActionConfig], by: f32, a
 }
 
 impl StoryBehaviour {
-    pub(in crate::scene) fn stretch(&mut self, by: f32, also_words: bool) {
+    pub(in crate::scene) fn stretch(&mut self, by: f32) {
         if let Self::Actions(actions) = self {
-            stretch_actions(actions, by, also_words);
+            stretch_actions(actions, by);
         }
     }
 }
 
 impl SiteConfig {
-    /// Multiplies its lengths; the shapes of slots and queues stay where only the layout grows.
-    pub(in crate::scene) fn stretch(&mut self, by: f32, also_sizes: bool) {
+    /// Multiplies its position; the shapes of slots and queues stay.
+    pub(in crate::scene) fn stretch(&mut self, by: f32) {
         let before = self.at.clone();
         scale_points(&mut [&mut self.at], by);
-        if also_sizes && self.radius_m != site_radius() {
-            self.radius_m *= by;
-        }
         let moved: Vec<f32> = self.at.iter().zip(&before).map(|(a, b)| a - b).collect();
         let points = self.slots.iter_mut().flat_map(|s| std::iter::once(&mut s.at).chain(&mut s.facing));
         for point in points.chain(self.queue.iter_mut().flat_map(|q| &mut q.points)) {
-            match also_sizes {
-                true => scale_points(&mut [point], by),
-                false => point.iter_mut().zip(&moved).for_each(|(p, m)| *p += m),
-            }
-        }
-        if let Some(queue) = self.queue.as_mut().filter(|q| also_sizes && q.spacing_m != queue_spacing()) {
-            queue.spacing_m *= by;
+            point.iter_mut().zip(&moved).for_each(|(p, m)| *p += m);
         }
     }
 
@@ -174,15 +160,9 @@ impl ThingConfig {
         sizes.iter().try_for_each(|(key, size)| check_numbers(&[(key, *size, 0.01, 2.0)]))
     }
 
-    /// Multiplies its position; heights and sizes only where `also_size`, when units are converted.
-    pub(in crate::scene) fn stretch(&mut self, by: f32, also_size: bool) {
+    /// Multiplies its position, but not its height.
+    pub(in crate::scene) fn stretch(&mut self, by: f32) {
         self.at[0] *= by;
         self.at[2] *= by;
-        if also_size {
-            self.at[1] *= by;
-            if self.size_m != thing_size() {
-                self.size_m = self.size_m.map(|length| length * by);
-            }
-        }
     }
 }

@@ -369,15 +369,3 @@ pub struct EndConfig {
     /// Event that must have happened.
     pub event: Option<String>,
 }
-
-/// Unit of lengths in a scene file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum UnitsConfig {
-    /// Metres.
-    #[default]
-    M,
-    /// Inches (0.0254 m).
-    In,
-}
