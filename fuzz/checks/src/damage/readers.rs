@@ -23,7 +23,6 @@ use throng_motion::resample::{ResampleConfig, resample};
 use throng_motion::retarget::{self, RetargetConfig};
 use throng_motion::wearer::{SkinnedFigure, Wearer};
 use throng_motion::{Clip, ImportError};
-use throng_planner::collide::EdgeCheck;
 use throng_planner::limits::{BodyLimits, PoseSampler, Style};
 use throng_planner::linkage::{Limb, LimbPose};
 use throng_planner::task::{ActorClip, Task, obj_triangles};
@@ -340,7 +339,6 @@ pub fn task(data: &[u8]) -> bool {
     task.config.budget.seconds = None;
     task.config.plan.smooth.straighten = task.config.plan.smooth.straighten.min(5);
     task.config.margin_most_s = task.config.margin_s;
-    task.config.plan.search.edge = EdgeCheck::Conservative;
     if let Ok(outcome) = task.run(&clips, None) {
         let clips = outcome.clips.iter().map(|[_, after]| after);
         assert!(clips.flat_map(|c| &c.rotations).all(|q| q.is_finite()), "a pose that is not finite");

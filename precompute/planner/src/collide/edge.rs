@@ -5,19 +5,6 @@ use crate::linkage::{LIMB_JOINTS, LimbPose};
 use crate::problem::{CollisionTarget, LimbState, Problem};
 use crate::rotation::{angle_between, mid_rotation};
 
-/// Method by which an edge between two states is checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum EdgeCheck {
-    /// Bisection until no joint turns farther than the resolution between two collision samples: thinner obstacles may be
-    /// missed (the paper's method).
-    Bisection {
-        /// Largest turn of a joint between samples (rad, > 0).
-        resolution_rad: f64,
-    },
-    /// Proof: bounds on all speeds say for how long nothing can collide.
-    Conservative,
-}
-
 /// A piece of an edge, and the pairs that are not proved apart on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EdgeInterval {
@@ -47,9 +34,10 @@ impl Checker {
     /// Only the inside of the edge is checked: both ends have to be free. Joints turn evenly, along shortest arcs.
     ///
     /// # Source
-    /// Shapiro, Kallmann and Faloutsos 2007, section 4.1 (bisection); Schwarzer, Saha and Latombe 2002, *Exact Collision
-    /// Checking of Robot Paths* (the adaptive bisection that proves; here everything else moves, too).
-    pub fn is_edge_free(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, check: EdgeCheck) -> bool {
+    /// Schwarzer, Saha and Latombe 2002, *Exact Collision Checking of Robot Paths*: bounds on all speeds say for how long
+    /// nothing can collide; here everything else moves, too. Shapiro, Kallmann and Faloutsos 2007, section 4.1, bisect
+    /// down to a resolution instead, which misses thinner obstacles.
+    pub fn is_edge_free(&mut self, problem: &Problem, from: &LimbState, to: &LimbState) -> bool {
         self.prepare_if_other(problem);
         let seconds = to.time_s - from.time_s;
         if seconds.is_nan() || seconds < 0.0 {
@@ -62,37 +50,7 @@ impl Checker {
                 return false;
             }
         }
-        match check {
-            EdgeCheck::Bisection { resolution_rad } => {
-                self.bisect_edge(problem, from, to, turns.into_iter().fold(0.0, f64::max), resolution_rad)
-            }
-            EdgeCheck::Conservative => self.prove_edge(problem, from, to, &turns),
-        }
-    }
-
-    /// - `most`: largest turn of a joint (rad).
-    fn bisect_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, most: f64, resolution: f64) -> bool {
-        self.intervals.clear();
-        let joints = [true; LIMB_JOINTS];
-        self.intervals.push(EdgeInterval { from: *from, to: *to, first: 0, end: 0, level: 0, joints });
-        let mut next = 0;
-        while let Some(&piece) = self.intervals.get(next) {
-            next += 1;
-            let turned = most / f64::from(1u32 << piece.level.min(31));
-            // External motion is sampled as often as its frames come.
-            let still = piece.to.time_s - piece.from.time_s < 1.0 / 60.0;
-            if (turned <= resolution && still) || piece.level > MAX_LEVEL {
-                continue;
-            }
-            let at = edge_midpoint(&piece.from, &piece.to);
-            if !self.is_free(problem, &at) {
-                return false;
-            }
-            for (from, to) in [(piece.from, at), (at, piece.to)] {
-                self.intervals.push(EdgeInterval { from, to, level: piece.level + 1, ..piece });
-            }
-        }
-        true
+        self.prove_edge(problem, from, to, &turns)
     }
 
     fn prove_edge(&mut self, problem: &Problem, from: &LimbState, to: &LimbState, turns: &[f64; LIMB_JOINTS]) -> bool {

@@ -7,4 +7,3 @@ mod sample_cache;
 mod tests;
 
 pub use checker::Checker;
-pub use edge::EdgeCheck;

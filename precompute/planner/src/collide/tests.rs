@@ -12,8 +12,6 @@ use std::sync::Arc;
 use throng_base::maths::slerp;
 use throng_geometry::{SolidShape, TriangleMesh};
 
-const PAPER: EdgeCheck = EdgeCheck::Bisection { resolution_rad: 0.05 };
-
 fn between(a: &LimbState, b: &LimbState, share: f64) -> LimbState {
     let mut pose = LimbPose::REST;
     for i in 0..3 {
@@ -80,7 +78,7 @@ proptest! {
     fn what_is_proved_free_is_free_wherever_one_looks(seed in any::<u64>()) {
         let Some((problem, a, b)) = edge(seed) else { return Ok(()) };
         let mut checker = Checker::default();
-        if checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative) {
+        if checker.is_edge_free(&problem, &a, &b) {
             for i in 0..=300 {
                 let at = between(&a, &b, f64::from(i) / 300.0);
                 let hit = checker.deepest_hit(&problem, &at);
@@ -111,7 +109,7 @@ fn ways_that_are_clearly_free_are_proved() {
                 break;
             }
         }
-        let is_free = checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative);
+        let is_free = checker.is_edge_free(&problem, &a, &b);
         if least > 0.008 && problem.least_time(&a.pose, &b.pose).0 <= b.time_s - a.time_s {
             free += 1;
             proved += u32::from(is_free);
@@ -131,7 +129,7 @@ fn plate(thickness: f64) -> MovingSolid {
 
 /// A stick of a hair's width swings through a plate as thin between two looks.
 #[test]
-fn a_thin_plate_that_bisection_misses_is_found_by_the_proof() {
+fn a_thin_plate_between_two_looks_is_found_by_the_proof() {
     let mut s = TestCharacter::standing();
     for c in &mut s.shape.capsules {
         c.radius = if s.limb.joints().contains(&c.joint) { 5e-4 } else { c.radius };
@@ -148,10 +146,8 @@ fn a_thin_plate_that_bisection_misses_is_found_by_the_proof() {
     let spec = crate::setup::ProblemSpec { clearance_m: 0.0, solids: &[wall], ..s.spec(ends) };
     let problem = Problem::new(&spec).expect("ends are free");
     let mut checker = Checker::default();
-    let coarse = EdgeCheck::Bisection { resolution_rad: 0.4 };
-    assert!(checker.is_edge_free(&problem, &a, &b, coarse));
-    assert!(!checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative));
-    assert!(checker.is_edge_free(&open, &a, &b, EdgeCheck::Conservative));
+    assert!(!checker.is_edge_free(&problem, &a, &b));
+    assert!(checker.is_edge_free(&open, &a, &b));
 }
 
 /// What flies by between two looks is found, too.
@@ -167,8 +163,7 @@ fn a_fast_ball_is_found_by_the_proof() {
     let ball = MovingSolid { name: "ball".into(), shape: SolidShape::ball(0.02), path: RigidPath::from_keys(&keys) };
     let problem = s.problem(ends, &[ball]).expect("ends are free");
     let mut checker = Checker::default();
-    assert!(checker.is_edge_free(&problem, &a, &b, PAPER));
-    assert!(!checker.is_edge_free(&problem, &a, &b, EdgeCheck::Conservative));
+    assert!(!checker.is_edge_free(&problem, &a, &b));
 }
 
 #[test]
@@ -177,12 +172,10 @@ fn time_grows_and_joints_keep_their_speed() {
     let problem = s.problem([(s.pose(0.0, 0.5, 0.5), 0.0), (s.pose(0.0, -0.5, 0.5), 1.0)], &[]).expect("a problem");
     let (a, b) = (problem.init, problem.goal);
     let mut checker = Checker::default();
-    for check in [PAPER, EdgeCheck::Conservative] {
-        assert!(checker.is_edge_free(&problem, &a, &b, check));
-        assert!(!checker.is_edge_free(&problem, &b, &a, check));
-        let soon = LimbState { time_s: 0.9 * problem.least_time(&a.pose, &b.pose).0, ..b };
-        assert!(!checker.is_edge_free(&problem, &a, &soon, check));
-    }
+    assert!(checker.is_edge_free(&problem, &a, &b));
+    assert!(!checker.is_edge_free(&problem, &b, &a));
+    let soon = LimbState { time_s: 0.9 * problem.least_time(&a.pose, &b.pose).0, ..b };
+    assert!(!checker.is_edge_free(&problem, &a, &soon));
 }
 
 #[test]
@@ -199,7 +192,7 @@ fn a_contact_is_allowed_in_its_window_alone() {
         let solids = [cube.clone()];
         let spec = crate::setup::ProblemSpec { solids: &solids, allowed: &allowed, ..s.spec(ends) };
         let problem = Problem::new(&spec).expect("a problem");
-        Checker::default().is_edge_free(&problem, &problem.init, &problem.goal, EdgeCheck::Conservative)
+        Checker::default().is_edge_free(&problem, &problem.init, &problem.goal)
     };
     assert!(free_in([0.3, 0.7]) && !free_in([0.5, 0.7]) && !free_in([0.8, 0.9]));
 }

@@ -177,7 +177,7 @@ impl LimbPlanner {
         let smooth = &config.smooth;
         let frames_in = |seconds: f64| (seconds.max(0.0) / grid.step_s()).round().min(grid.steps as f64) as usize;
         let (path, frames, spare) = (&mut self.search.path, &mut self.frames, &mut self.spare);
-        let mut smoother = Smoother { problem, grid, check: config.search.edge, checker: &mut self.checker };
+        let mut smoother = Smoother { problem, grid, checker: &mut self.checker };
         smoother.fill_frames(path, frames);
         outcome.roughness[0] = roughness(frames, grid.step_s());
         smoother.straighten_path(path, &mut self.spare_path, smooth.straighten, rng, &keep_on);

@@ -143,15 +143,6 @@ fn a_warm_start_goes_on_with_the_last_trees() {
     assert_free(&other, &planner.motion().expect("a motion"));
 }
 
-#[test]
-fn bisection_solves_it_too() {
-    let problem = table();
-    let mut config = PlanConfig::default();
-    config.search.edge = crate::collide::EdgeCheck::Bisection { resolution_rad: 0.02 };
-    let outcome = LimbPlanner::new().plan(&problem, &config, &Budget::default());
-    assert!(outcome.is_solved());
-}
-
 /// A wall before the hand has a hole only from 0.6 to 0.8 s.
 #[test]
 fn a_gate_that_opens_for_a_moment_is_passed_in_that_moment() {

@@ -2,7 +2,7 @@
 
 use super::grid::TimeGrid;
 use super::tree::{MetricWeights, SearchNode, SearchTree};
-use crate::collide::{Checker, EdgeCheck};
+use crate::collide::Checker;
 use crate::ik::LimbIk;
 use crate::limits::{PoseSampler, Style};
 use crate::problem::{LimbState, Problem};
@@ -18,8 +18,6 @@ pub struct SearchConfig {
     pub epsilon_m: f64,
     /// Weights of the metric.
     pub weights: MetricWeights,
-    /// Method by which edges are checked.
-    pub edge: EdgeCheck,
     /// Number of draws after which poses are sampled from all of their ranges (> 0).
     pub widen_over: u32,
     /// Angles that the user wants.
@@ -28,8 +26,8 @@ pub struct SearchConfig {
 
 impl Default for SearchConfig {
     fn default() -> Self {
-        let (weights, edge) = (MetricWeights { time: 0.3, place: 1.0 }, EdgeCheck::Conservative);
-        Self { epsilon_m: 0.25, weights, edge, widen_over: 200, style: Style::default() }
+        let weights = MetricWeights { time: 0.3, place: 1.0 };
+        Self { epsilon_m: 0.25, weights, widen_over: 200, style: Style::default() }
     }
 }
 
@@ -193,7 +191,7 @@ impl TreeSearch {
             return false;
         }
         self.nearest_m = self.nearest_m.min(from.end_distance(to));
-        if !checker.is_edge_free(step.problem, &from.state, &to.state, step.request.config.edge) {
+        if !checker.is_edge_free(step.problem, &from.state, &to.state) {
             return false;
         }
         let ((init, init_node), (goal, goal_node)) =
@@ -220,7 +218,7 @@ impl SearchContext<'_> {
         is_on_grid
             && self.is_slow_enough(a, b)
             && checker.is_free(self.problem, state)
-            && checker.is_edge_free(self.problem, a, b, self.request.config.edge)
+            && checker.is_edge_free(self.problem, a, b)
     }
 
     fn is_slow_enough(&self, from: &LimbState, to: &LimbState) -> bool {
@@ -282,8 +280,7 @@ impl SearchContext<'_> {
         };
         let state = self.make_upright(LimbState { pose, time_s: grid.time_at(frame) })?;
         let (a, b) = if tree.from_goal { (&state, &from.state) } else { (&from.state, &state) };
-        let is_free =
-            checker.is_free(self.problem, &state) && checker.is_edge_free(self.problem, a, b, self.request.config.edge);
+        let is_free = checker.is_free(self.problem, &state) && checker.is_edge_free(self.problem, a, b);
         is_free.then(|| self.node(state, near as u32))
     }
 }

@@ -63,7 +63,7 @@ fn trees_grow_by_free_steps_of_epsilon_forwards_and_backwards_in_time() {
             let from = &nodes[*parent].0;
             let (a, b) = if k == 0 { (from, state) } else { (state, from) };
             assert!(a.time_s <= b.time_s && checker.is_free(&problem, state));
-            assert!(checker.is_edge_free(&problem, a, b, config.edge));
+            assert!(checker.is_edge_free(&problem, a, b));
             // Even turns of joints are not even motion of places: about epsilon.
             assert!(apart(a, b) < 2.0 * config.epsilon_m, "{}", apart(a, b));
             assert!((grid.time_at(grid.nearest_frame(state.time_s)) - state.time_s).abs() < 1e-12);

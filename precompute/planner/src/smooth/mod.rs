@@ -12,7 +12,7 @@ pub(crate) use ease::smoothstep;
 pub use jerk::{Roughness, roughness};
 pub(crate) use round::RoundingWindow;
 
-use crate::collide::{Checker, EdgeCheck};
+use crate::collide::Checker;
 use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
 use crate::search::TimeGrid;
@@ -38,7 +38,6 @@ impl Default for SmoothConfig {
 pub(crate) struct Smoother<'a> {
     pub problem: &'a Problem,
     pub grid: TimeGrid,
-    pub check: EdgeCheck,
     pub checker: &'a mut Checker,
 }
 
@@ -59,11 +58,9 @@ impl Smoother<'_> {
         out.extend((0..=self.grid.steps).map(|f| self.state_at(path, self.grid.time_at(f)).pose));
     }
 
-    /// True where the edge from one frame to the next is free, and the next frame, too.
+    /// True where the edge from one frame to the next is free; the proof covers its ends.
     fn is_edge_free(&mut self, frames: &[LimbPose], f: usize) -> bool {
         let [from, to] = [f, f + 1].map(|k| LimbState { pose: frames[k], time_s: self.grid.time_at(k) });
-        // A proof of an edge covers its ends.
-        let end_is_free = self.check == EdgeCheck::Conservative || self.checker.is_free(self.problem, &to);
-        end_is_free && self.checker.is_edge_free(self.problem, &from, &to, self.check)
+        self.checker.is_edge_free(self.problem, &from, &to)
     }
 }

@@ -40,8 +40,7 @@ impl Smoother<'_> {
                 turned += self.total_turn(last, next);
                 last = next;
             }
-            if turned - self.total_turn(&from, &to) < LEAST_GAIN
-                || !self.checker.is_edge_free(self.problem, &from, &to, self.check)
+            if turned - self.total_turn(&from, &to) < LEAST_GAIN || !self.checker.is_edge_free(self.problem, &from, &to)
             {
                 continue;
             }

@@ -68,7 +68,7 @@ fn rounding_spreads_a_jump_of_velocity_over_its_window() {
     let problem = s.problem([(s.pose(0.0, 0.4, 0.5), 0.0), (s.pose(0.0, 0.4, 0.5), 1.0)], &[]).expect("a problem");
     let grid = TimeGrid::new(0.0, 1.0, 60.0);
     let mut checker = Checker::default();
-    let mut smoother = Smoother { problem: &problem, grid, check: EdgeCheck::Conservative, checker: &mut checker };
+    let mut smoother = Smoother { problem: &problem, grid, checker: &mut checker };
     let corner = LimbState { pose: s.pose(0.0, -0.4, 0.5), time_s: 0.5 };
     let path = [problem.init, corner, problem.goal];
     let (mut frames, mut out, mut windows) = (Vec::new(), Vec::new(), Vec::new());

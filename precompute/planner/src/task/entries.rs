@@ -378,8 +378,6 @@ pub(super) struct PlannerEntry {
     pub budget_s: Option<f64>,
     /// Step by which trees grow (m).
     pub epsilon_m: f64,
-    /// Resolution of collision checks by bisection, as in the paper, in place of proofs (radians).
-    pub resolution_rad: Option<f64>,
     /// Least distance of everything from obstacles (m).
     pub clearance_m: f64,
     /// Number of tries to straighten a path (0 to 10000).

@@ -5,7 +5,6 @@ use super::entries::{
 };
 use super::mesh;
 use super::step::{NameTable, TaskStep};
-use crate::collide::EdgeCheck;
 use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};
@@ -328,7 +327,6 @@ impl Default for PlannerEntry {
             draws: correct.budget.draws,
             budget_s: None,
             epsilon_m: plan.search.epsilon_m,
-            resolution_rad: None,
             clearance_m: 0.005,
             straighten: plan.smooth.straighten,
             round_s: plan.smooth.round_s,
@@ -347,7 +345,6 @@ impl PlannerEntry {
             ("draws", f64::from(self.draws), 0.0, 1e6),
             ("budget_s", self.budget_s.unwrap_or(1.0), 0.0, 3600.0),
             ("epsilon_m", self.epsilon_m, 0.01, 10.0),
-            ("resolution_rad", self.resolution_rad.unwrap_or(0.1), 1e-4, 1.0),
             ("clearance_m", self.clearance_m, 0.0, 0.5),
             ("straighten", f64::from(self.straighten), 0.0, 1e4),
             ("round_s", self.round_s, 0.0, 10.0),
@@ -362,9 +359,6 @@ impl PlannerEntry {
         let mut config = CorrectConfig::default();
         config.budget = Budget { draws: self.draws, seconds: self.budget_s, seed: self.seed, ..config.budget };
         config.plan.search.epsilon_m = self.epsilon_m;
-        if let Some(resolution_rad) = self.resolution_rad {
-            config.plan.search.edge = EdgeCheck::Bisection { resolution_rad };
-        }
         config.plan.smooth = SmoothConfig { straighten: self.straighten, round_s: self.round_s, blend_s: self.blend_s };
         config.margin_s = self.margin_s;
         config.margin_most_s = config.margin_most_s.max(self.margin_s);

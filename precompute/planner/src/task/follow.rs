@@ -1,6 +1,6 @@
 //! Motion of the second hand at a thing: the first hand fixes its place, and the swivel of its arm over time is searched.
 
-use crate::collide::{Checker, EdgeCheck};
+use crate::collide::Checker;
 use crate::ik::{LimbIk, Swivel};
 use crate::linkage::LimbPose;
 use crate::problem::{LimbState, Problem};
@@ -145,7 +145,7 @@ impl HandPath<'_> {
             if let Some(hit) = checker.deepest_hit(problem, &state(k)) {
                 return Err((state(k).time_s, problem.hit_names(&hit)[1].clone()));
             }
-            if k > 0 && !checker.is_edge_free(problem, &state(k - 1), &state(k), EdgeCheck::Conservative) {
+            if k > 0 && !checker.is_edge_free(problem, &state(k - 1), &state(k)) {
                 let (least_s, joint) = problem.least_time(&poses[k - 1], &poses[k]);
                 let is_fast = least_s > 1.0 / self.rate_hz + 1e-9;
                 let what = if is_fast { format!("the speed of {}", joint.name()) } else { "something thin".into() };
