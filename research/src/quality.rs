@@ -6,10 +6,10 @@ use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
-use throng_bake::policy::{ActionSelection, PolicySituation, collect_rewards, play, random_target};
+use throng_bake::policy::{PolicySituation, collect_rewards, play, random_target};
 use throng_core::Bundle;
 use throng_core::base::limits::Limit;
-use throng_core::policy::PolicyTable;
+use throng_core::policy::{BestActionJob, PolicyTable, RankedActions};
 use throng_lab::measure::timing::fail;
 use throng_motion::error::BuildError;
 
@@ -110,17 +110,16 @@ pub fn measure_policy(table: &PolicyTable, name: &str, config: &QualityConfig) -
     let pairs = random_pairs(table, config.pairs, &mut rng);
     let found = search_all(table, &pairs, config.depth);
     let search_s = begin.elapsed().as_secs_f64();
-    let mut follow = |follow| collect_rewards(table, &pairs, follow, config.negligible, &mut rng);
-    let collected = follow(ActionSelection::LookAhead { temperature: 0.0 });
-    let single_load = follow(ActionSelection::SingleLoad);
+    let mut follow = |temperature: f32| {
+        let pick = |_, ranked: &RankedActions| ranked.choose(temperature, rng.random());
+        collect_rewards(table, &pairs, config.negligible, pick)
+    };
+    let collected = follow(0.0);
+    let single_load = collect_rewards(table, &pairs, config.negligible, |at, _| load_best_action(table, at));
     let random: Vec<Vec<f64>> = config
         .temperatures
         .iter()
-        .map(
-            |&temperature| {
-                if temperature > 0.0 { follow(ActionSelection::LookAhead { temperature }) } else { collected.clone() }
-            },
-        )
+        .map(|&temperature| if temperature > 0.0 { follow(temperature) } else { collected.clone() })
         .collect();
     let realised = realise(table, &pairs, &found, config);
     let counted: Vec<usize> = (0..pairs.len()).filter(|&i| f64::from(found[i].score) > config.least_best).collect();
@@ -200,6 +199,14 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[PolicySituation], depth: usi
     found.into_iter().flatten().collect()
 }
 
+/// The stored best action of the nearest cell.
+fn load_best_action(table: &PolicyTable, at: PolicySituation) -> u8 {
+    let mut actions = [0];
+    let job = BestActionJob { policy: table, states: &[at.state], targets: &[at.target], choice: 0, actions: &mut actions };
+    job.run().unwrap_or_else(|e| unreachable!("states come from the table, targets are near: {e}"));
+    actions[0]
+}
+
 /// Reward for carrying out the search's actions and then following the policy.
 fn realise(table: &PolicyTable, pairs: &[PolicySituation], found: &[BestSequence], config: &QualityConfig) -> Vec<f64> {
     let mut sums = vec![0.0; pairs.len()];
@@ -213,9 +220,7 @@ fn realise(table: &PolicyTable, pairs: &[PolicySituation], found: &[BestSequence
             at[i] = played.then;
         }
     }
-    let mut rng = Pcg64::seed_from_u64(config.seed);
-    let rest =
-        collect_rewards(table, &at, ActionSelection::LookAhead { temperature: 0.0 }, config.negligible, &mut rng);
+    let rest = collect_rewards(table, &at, config.negligible, |_, ranked| ranked.choose(0.0, 0.0));
     (0..pairs.len()).map(|i| sums[i] + discounts[i] * rest[i]).collect()
 }
 

@@ -1,11 +1,7 @@
 //! Exact model: reward and outcome of an action for the target's true place, and policies followed in it.
 
 use glam::Vec3;
-use rand::RngExt;
-use rand_pcg::Pcg64;
-use throng_core::policy::{
-    BestActionJob, LookAheadGoal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord,
-};
+use throng_core::policy::{LookAheadGoal, LookAheadJob, PathRecord, PolicyTable, RankedActions, SegmentRecord};
 
 /// A state, and a target in the character's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,56 +69,29 @@ fn event_reward(table: &PolicyTable, record: &SegmentRecord, path: &PathRecord, 
     record.discount.powf(place.y / path.duration_s) * table.reward().of_event(path.position_at(place.y), place)
 }
 
-/// Selection of actions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ActionSelection {
-    /// The stored best action of the nearest cell.
-    SingleLoad,
-    /// Look-ahead, then a random choice among the best few; 0 always takes the best.
-    LookAhead {
-        /// See [`RankedActions::choose`] (>= 0).
-        temperature: f32,
-    },
-}
-
-/// Discounted reward that a policy collects from each situation.
+/// Discounted reward that a policy collects from each situation, by look-ahead as in the runtime.
 ///
 /// - `negligible`: discount below which further rewards are ignored (> 0, < 1).
-/// - `rng`: for random choices.
+/// - `pick`: selects one of the ranked actions in a situation.
 /// - returns one sum for each situation.
 pub fn collect_rewards(
     table: &PolicyTable,
     from: &[PolicySituation],
-    follow: ActionSelection,
     negligible: f64,
-    rng: &mut Pcg64,
+    mut pick: impl FnMut(PolicySituation, &RankedActions) -> u8,
 ) -> Vec<f64> {
     let n = from.len();
     let mut states: Vec<u32> = from.iter().map(|s| s.state).collect();
     let mut targets: Vec<Vec3> = from.iter().map(|s| s.target).collect();
-    let mut discounts = vec![1.0f64; n];
-    let mut sums = vec![0.0f64; n];
-    let (mut actions, mut ranked, weights) = (vec![0; n], vec![RankedActions::NONE; n], vec![1.0; n]);
+    let (mut discounts, mut sums) = (vec![1.0f64; n], vec![0.0; n]);
+    let (mut ranked, weights) = (vec![RankedActions::NONE; n], vec![1.0; n]);
     while discounts.iter().any(|&d| d > negligible) {
-        // Chosen as in the runtime.
-        let done = match follow {
-            ActionSelection::SingleLoad => {
-                let (states, targets, actions) = (&states, &targets, &mut actions);
-                BestActionJob { policy: table, states, targets, choice: 0, actions }.run()
-            }
-            ActionSelection::LookAhead { temperature } => {
-                let goals = [LookAheadGoal { policy: table, weights: &weights, targets: &targets }];
-                let done = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
-                for (action, ranked) in actions.iter_mut().zip(&ranked) {
-                    *action = ranked.choose(temperature, rng.random());
-                }
-                done
-            }
-        };
+        let goals = [LookAheadGoal { policy: table, weights: &weights, targets: &targets }];
+        let done = LookAheadJob { goals: &goals, states: &states, ranked: &mut ranked }.run();
         done.unwrap_or_else(|e| unreachable!("states come from the table, targets are near: {e}"));
         for i in 0..n {
             let from = PolicySituation { state: states[i], target: targets[i] };
-            let played = play(table, from, actions[i]);
+            let played = play(table, from, pick(from, &ranked[i]));
             sums[i] += discounts[i] * f64::from(played.reward);
             discounts[i] *= f64::from(played.discount);
             (states[i], targets[i]) = (played.then.state, played.then.target);

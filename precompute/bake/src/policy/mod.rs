@@ -29,7 +29,7 @@ pub use config::{
 };
 pub use costs::ActionTraits;
 pub use export::write_csv;
-pub use follow::{ActionSelection, PlayedAction, PolicySituation, collect_rewards, play};
+pub use follow::{PlayedAction, PolicySituation, collect_rewards, play};
 pub use model::{ActionModel, SegmentMotion};
 pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};

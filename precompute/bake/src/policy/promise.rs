@@ -2,7 +2,7 @@
 //! action gives.
 
 use super::compare::random_target;
-use super::follow::{ActionSelection, PolicySituation, collect_rewards};
+use super::follow::{PolicySituation, collect_rewards};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -76,8 +76,7 @@ pub fn promise(table: &PolicyTable, name: &str) -> Promise {
     let starts: Vec<PolicySituation> = (0..ROLLOUTS)
         .map(|_| PolicySituation { state: rng.random_range(0..num_states), target: random_target(table, &mut rng) })
         .collect();
-    let realised =
-        collect_rewards(table, &starts, ActionSelection::LookAhead { temperature: 0.0 }, NEGLIGIBLE, &mut rng);
+    let realised = collect_rewards(table, &starts, NEGLIGIBLE, |_, ranked| ranked.best());
     let rollout = |(s, realised): (&PolicySituation, f64)| {
         let [ring, direction] = grid_part_of(table, s.target);
         Rollout { ring, direction, promised: promised_rewards(table, *s), realised }
