@@ -6,7 +6,6 @@ mod classes;
 mod config;
 mod linkage;
 mod neighbours;
-pub mod reference;
 mod tree;
 
 pub use config::ClusterConfig;

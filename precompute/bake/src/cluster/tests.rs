@@ -1,8 +1,12 @@
 //! Merging within little memory, against complete linkage from the whole matrix.
 
+#[path = "../../../../research/src/complete_linkage.rs"]
+mod complete_linkage;
+
 use super::agglomerate::agglomerate;
 use super::*;
 use crate::features::{self, FeaturesConfig};
+use complete_linkage::complete_linkage;
 use throng_synth::{self as synth, SynthConfig, SynthSet};
 
 fn walk(minutes: f64) -> (ClipSet, Features) {
@@ -26,7 +30,7 @@ fn bounded(clips: &ClipSet, features: &Features, max_pairs: usize, limit: f32) -
 fn nearer_pairs_first_are_nearly_the_groups_of_complete_linkage() {
     let (clips, features) = walk(0.5);
     for (threshold, max_pairs) in [(0.2, 1_000_000), (0.3, 4_000), (0.4, 1_000_000), (0.4, 4_000), (0.45, 4_000)] {
-        let exact = reference::complete_linkage(&clips, &features, &ClusterConfig { threshold }).unwrap();
+        let exact = complete_linkage(&clips, &features, threshold as f32);
         let groups = bounded(&clips, &features, max_pairs, threshold as f32);
         let ratio = groups.len() as f64 / exact.len() as f64;
         assert!((ratio - 1.0).abs() < 0.05, "{ratio} of the groups with {max_pairs} pairs at a time");
@@ -38,7 +42,7 @@ fn nearer_pairs_first_are_nearly_the_groups_of_complete_linkage() {
 #[test]
 fn splitting_keeps_the_promise_and_costs_few_groups() {
     let (clips, features) = walk(0.5);
-    let exact = reference::complete_linkage(&clips, &features, &ClusterConfig { threshold: 0.4 }).unwrap();
+    let exact = complete_linkage(&clips, &features, 0.4);
     let split = bounded(&clips, &features, 60, 0.4);
     assert!(split != exact, "so few pairs cannot do without splits");
     assert_eq!(split.iter().map(Vec::len).sum::<usize>(), clips.num_frames());

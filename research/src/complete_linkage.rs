@@ -1,25 +1,31 @@
-//! Complete linkage from the full distance matrix: slow and large, for comparison.
+//! Pose groups by complete linkage from the full distance matrix: slow and large. `throng-bake` compares its groups with these
+//! in its tests.
 
-use super::{ClusterConfig, check, classes};
-use crate::features::Features;
+use super::Features;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::Result;
 
 /// The groups of complete linkage, in order of their first frame, each with its frames ascending.
 ///
-/// Takes four bytes for every pair of frames with equal contacts.
+/// - `limit`: distance below which groups are merged.
 ///
-/// # Errors
-/// As [`super::group`].
-pub fn complete_linkage(clips: &ClipSet, features: &Features, config: &ClusterConfig) -> Result<Vec<Vec<FrameId>>> {
-    let limit = check(clips, features, config)?;
-    let mut groups: Vec<Vec<FrameId>> = classes::classes_of_contacts(clips)
-        .values()
-        .flat_map(|frames| LinkageMatrix::new(features, frames).merge_below(limit))
-        .collect();
+/// Takes four bytes for every pair of frames with equal contacts.
+pub fn complete_linkage(clips: &ClipSet, features: &Features, limit: f32) -> Vec<Vec<FrameId>> {
+    // Frames share a group only if their contacts agree, as well as those of their neighbours.
+    let mut classes = BTreeMap::<[u8; 3], Vec<u32>>::new();
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for run in clip.usable_ranges() {
+            for f in run.clone() {
+                let neighbours = [f.max(run.start + 1) - 1, f, (f + 1).min(run.end - 1)];
+                classes.entry(neighbours.map(|f| clip.contacts[f].0)).or_default().push(start + f as u32);
+            }
+        }
+    }
+    let merge = |frames: &Vec<u32>| LinkageMatrix::new(features, frames).merge_below(limit);
+    let mut groups: Vec<Vec<FrameId>> = classes.values().flat_map(merge).collect();
     groups.sort();
-    Ok(groups)
+    groups
 }
 
 /// Distances of groups.
