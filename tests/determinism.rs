@@ -177,7 +177,8 @@ fn a_trial_measures_the_same_twice() {
         let (mut r, record) = trial::run(&tables, config).expect("a trial");
         // The only figures that depend on the machine.
         [r.steps_per_second, r.poses_per_second, r.choices_per_second] = [0.0; 3];
-        (r, record.roots, record.targets, record.arrivals_s)
+        let poses: Vec<_> = record.moments.into_iter().map(|moment| moment.poses).collect();
+        (r, poses, record.targets, record.arrivals_s)
     };
     let first = figures(&trial);
     assert_eq!(first, figures(&trial));

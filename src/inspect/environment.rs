@@ -108,10 +108,8 @@ fn draw(set: &ClipSet, inferred: &InferredEnvironment) -> Result<Picture, BuildE
             size: SIZE,
             figures: &figures,
             units: &units,
-            solids: &[],
-            trails: &[],
-            names: &[],
             camera: WorldCamera { heading, elevation, focus: None },
+            ..WorldSheet::default()
         })
     };
     let [front, side] = VIEW_ANGLES.map(view);

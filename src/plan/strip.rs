@@ -46,10 +46,10 @@ pub fn draw(task: &Task, clips: &[ActorClip], outcome: &TaskOutcome, title: &str
             title: &format!("{title}: {}", ["before", "after"][when]),
             subtitle: seen,
             moments: &moments,
-            units: &[],
             columns: COLUMNS,
             width_m: WIDTH_M,
             view_angles: (ahead + side, tilt),
+            ..WorldStrip::default()
         })
     };
     let gazes = [([FRAC_PI_2, 0.1], "from the right side"), ([std::f32::consts::PI, 0.25], "from ahead")];
@@ -99,7 +99,7 @@ fn world_moment(
     });
     let gazes = (0..outcome.clips.len()).filter(|_| when == 1).flat_map(|i| gaze_solids(clips, outcome, i, time_s));
     let solids = solids.chain(gazes.map(|s| (s, Colour::hex(GAZE)))).collect();
-    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids, label: None }
+    WorldMoment { time_s: time_s as f32, figures, framed: 1, solids, ..WorldMoment::default() }
 }
 
 /// Solids of a gaze: a line ahead of the face, as long as the distance to its target, and a ball at the target.

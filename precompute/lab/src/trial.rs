@@ -126,20 +126,14 @@ pub struct ReachShare {
 /// Record of a trial, for pictures.
 #[derive(Clone, Debug, Default)]
 pub struct TrialRecord {
-    /// Time at which the crowd was recorded (s).
-    pub snapshot_s: f32,
-    /// Planar roots at that time.
-    pub roots: Vec<Planar>,
-    /// Trail of each character until then, five positions a second (m).
+    /// The crowd on its way, halfway from there to the end, and at the end.
+    pub moments: Vec<TrialMoment>,
+    /// Trail of each character until the first of them, five positions a second (m).
     pub trails: Vec<Vec<Vec2>>,
     /// Targets (m).
     pub targets: Vec<Vec3>,
     /// Time at which each target was reached; infinite if it was not (s).
     pub arrivals_s: Vec<f32>,
-    /// World positions of all joints of each character at that time (m).
-    pub poses: Vec<[Vec3; NUM_JOINTS]>,
-    /// The crowd halfway from there to the end, and at the end.
-    pub later: Vec<TrialMoment>,
     /// Frames of the recorded character, one for each of the first 10 000 steps.
     pub frames: Vec<TrialFrame>,
 }
@@ -149,8 +143,6 @@ pub struct TrialRecord {
 pub struct TrialMoment {
     /// (s)
     pub time_s: f32,
-    /// Planar roots.
-    pub roots: Vec<Planar>,
     /// World positions of all joints of each character (m).
     pub poses: Vec<[Vec3; NUM_JOINTS]>,
 }
@@ -166,8 +158,6 @@ pub struct TrialFrame {
     pub positions: [Vec3; NUM_JOINTS],
     /// Planted parts of the feet.
     pub contacts: Contacts,
-    /// Playing segment.
-    pub segment: u32,
 }
 
 /// Runs a trial of the first behaviour of a bundle.

@@ -46,9 +46,9 @@ fn draw_space(space: &BlendSpace, quality: &BlendQuality) -> Picture {
         subtitle: &subtitle,
         columns: moments.len(),
         moments: &moments,
-        units: &[],
         width_m: WIDTH_M,
         view_angles: (0.75 * PI, 0.1),
+        ..WorldStrip::default()
     })
 }
 

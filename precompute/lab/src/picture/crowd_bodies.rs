@@ -1,6 +1,6 @@
 //! The picture of a crowd with bodies.
 
-use super::discs::{OBSTACLE_COLOUR, WIDTH, group_colour};
+use super::discs::{OBSTACLE_COLOUR, group_colour};
 use super::obstacle_solid;
 use super::world::OBLIQUE_VIEW;
 use super::{BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldSheet, world_sheet};
@@ -38,7 +38,7 @@ pub(super) fn bodies_sheet(
     world_sheet(&WorldSheet {
         title: "Bodies",
         subtitle: "where they are at the end",
-        size: (WIDTH as u32, 900),
+        size: (1600, 900),
         figures: &figures,
         solids: &solids,
         camera: WorldCamera { focus, ..OBLIQUE_VIEW },

@@ -1,15 +1,14 @@
 //! The picture of a crowd of discs or balls: from above at a few times, in the air also from the side.
 
-use super::canvas::Area;
-use super::furniture::{NamePlates, grid, header, legend, nice_step, scale_bar};
-use super::{Colour, Picture, PictureCamera, colour};
+use super::{Colour, Picture, WorldMoment, WorldStrip, colour, obstacle_solid, sheet, world_strip};
 use crate::run::{
-    AgentFigures, AgentsRecord, CrowdMoment, RecordedAgent, RecordedPlace, SceneFigures, TRAIL_S,
-    position_on_timed_path,
+    AgentFigures, AgentsRecord, CrowdMoment, RecordedAgent, SceneFigures, TRAIL_S, position_on_timed_path,
 };
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
+use throng_bake::environment::UnitSolid;
 use throng_crowd::Obstacle;
+use throng_geometry::BoundingBox;
 
 /// Colours of groups, in their order.
 const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0446a];
@@ -17,14 +16,12 @@ const GROUPS: [u32; 6] = [0xe8743b, 0x2f63a8, 0x1f9e89, 0x7a2bbf, 0xc0b027, 0xb0
 const INFORMED_COLOUR: Colour = Colour::hex(0xd62728);
 /// Colour of obstacles.
 pub(super) const OBSTACLE_COLOUR: Colour = Colour::hex(0x8a8578);
-/// Width of the page (px).
-pub(super) const WIDTH: f32 = 1600.0;
-/// Margin around panels (px).
-const EDGE: f32 = 16.0;
-/// Height of the title (px).
-const TOP: f32 = 84.0;
-/// Greatest height of a panel (px).
-const MAX_PANEL_HEIGHT: f32 = 900.0;
+/// Height of obstacles with corners (m).
+const OBSTACLE_M: f32 = 0.3;
+/// Radius of standing places (m).
+const SLOT_M: f32 = 0.3;
+/// Least radius of what is drawn, over the width of the crowd.
+const LEAST_RADIUS: f32 = 0.001;
 /// Number of points of the trail behind an agent: 2.4 s.
 const TRAIL_POINTS: usize = 7;
 /// Greatest number of agents whose paths are drawn.
@@ -49,52 +46,28 @@ pub(super) fn travel_sheet(title: &str, figures: &SceneFigures, record: &AgentsR
 /// - `header`: title, subtitle, and a remark beside the legend.
 fn moments_sheet([title, subtitle, remark]: [&str; 3], record: &AgentsRecord) -> Picture {
     let (low, high) = extent(record);
-    let views = &[ViewDirection::Above, ViewDirection::Side][..if record.in_the_air { 2 } else { 1 }];
-    let sizes: Vec<Vec2> = views.iter().map(|v| v.projected_size(high - low)).collect();
-    // Views of wide crowds are placed below each other, others side by side.
-    let columns = if sizes[0].x > 2.5 * sizes[0].y { 1 } else { 2 };
-    let width = (WIDTH - EDGE * (columns as f32 + 1.0)) / columns as f32;
-    let tallest = sizes.iter().map(|s| s.y / s.x).fold(0.0, f32::max);
-    let px_per_m = (width / sizes[0].x).min(MAX_PANEL_HEIGHT / (tallest * sizes[0].x));
-    let heights: Vec<f32> = sizes.iter().map(|s| (s.y * px_per_m).max(60.0)).collect();
-    let rows = record.moments.len().max(1).div_ceil(columns);
-    let row = heights.iter().map(|h| h + EDGE).sum::<f32>();
-    let mut page = Picture::new(WIDTH as u32, (TOP + rows as f32 * row) as u32, colour::PAPER);
-    header(&mut page, 1.0, title, subtitle);
+    let size = high - low;
     let entries: Vec<_> = record.names.iter().enumerate().map(|(g, n)| (group_colour(g), n.clone())).collect();
-    legend(&mut page, Area::new(0.0, 0.0, WIDTH - EDGE, TOP), 1.0, &entries, remark);
-    for (i, moment) in record.moments.iter().enumerate() {
-        let x = EDGE + (i % columns) as f32 * (width + EDGE);
-        let mut y = TOP + (i / columns) as f32 * row;
-        for (view, height) in views.iter().zip(&heights) {
-            let mut panel = Picture::new(width as u32, *height as u32, colour::GROUND);
-            let middle = 0.5 * Vec2::new(panel.width() as f32, panel.height() as f32);
-            let camera = view.camera().framed(0.5 * (low + high), middle, px_per_m);
-            draw(&mut panel, &camera, record, moment, *view);
-            page.draw_picture(&panel, (x as i32, y as i32));
-            y += height + EDGE;
-        }
-    }
-    page
-}
-
-/// Direction from which a crowd is seen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum ViewDirection {
-    Above,
-    Side,
-}
-
-impl ViewDirection {
-    /// Camera of the view: +X to the right; from above +Z downwards, from the side height upwards.
-    fn camera(self) -> PictureCamera {
-        PictureCamera::looking_along(PI, if self == Self::Above { FRAC_PI_2 } else { 0.0 })
-    }
-
-    /// Width and height of a box in this view.
-    fn projected_size(self, size: Vec3) -> Vec2 {
-        Vec2::new(size.x, if self == Self::Above { size.z } else { size.y })
-    }
+    // Wide crowds are placed below each other, others side by side.
+    let columns = if size.x > 2.5 * size.z { 1 } else { 2 };
+    let views = [(FRAC_PI_2, size.z, "from above"), (0.0, size.y, "from the side")];
+    let strips = views.iter().take(if record.in_the_air { 2 } else { 1 }).map(|(elevation, height, from)| {
+        let moment = |m: &CrowdMoment| draw_moment(record, m, LEAST_RADIUS * size.x, from);
+        let aspect = (height / size.x).clamp(0.1, 0.6 * columns as f32);
+        world_strip(&WorldStrip {
+            title,
+            subtitle,
+            moments: &record.moments.iter().map(moment).collect::<Vec<_>>(),
+            units: &[],
+            columns,
+            centre: Some(0.5 * (low + high)),
+            width_m: size.x.max(height / aspect),
+            aspect,
+            view_angles: (PI, *elevation),
+            legend: (&entries, remark),
+        })
+    });
+    sheet(&strips.collect::<Vec<_>>().iter().collect::<Vec<_>>())
 }
 
 fn subtitle(figures: &SceneFigures, r: &AgentFigures) -> String {
@@ -133,117 +106,64 @@ fn extent(record: &AgentsRecord) -> (Vec3, Vec3) {
     (low - room, high + room)
 }
 
-fn draw(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, moment: &CrowdMoment, view: ViewDirection) {
-    let width = panel.width() as f32;
-    if view == ViewDirection::Above {
-        grid(panel, camera, nice_step(width / camera.px_per_m / 16.0), 1.0);
-    }
-    draw_paths(panel, camera, record);
-    record.obstacles.iter().for_each(|o| draw_obstacle(panel, camera, o, (moment.time_s, record.in_the_air)));
-    let doors = record.doors.iter().zip(&moment.is_open);
-    doors.for_each(|(door, is_open)| draw_door(panel, camera, door, *is_open));
-    let mut tags = NamePlates::default();
-    record.places.iter().for_each(|p| draw_place(panel, camera, p, &mut tags));
-    draw_trails(panel, camera, record, moment);
-    let mut order: Vec<(usize, &RecordedAgent)> =
-        moment.agents.iter().enumerate().filter_map(|(m, s)| Some((m, s.as_ref()?))).collect();
-    order.sort_by(|a, b| camera.depth(b.1.at).total_cmp(&camera.depth(a.1.at)).then(a.0.cmp(&b.0)));
-    order.iter().for_each(|(m, s)| draw_agent(panel, camera, s, record.radii[*m], record.groups[*m]));
-    scale_bar(panel, camera, 1.0);
-    let what = if record.in_the_air { [" from above", " from the side"][view as usize] } else { "" };
-    tags.draw_plate(panel, Vec2::new(0.5 * width, 26.0), 1.0, &format!("{:.1} s{what}", moment.time_s), colour::INK);
-}
-
-fn draw_agent(panel: &mut Picture, camera: &PictureCamera, s: &RecordedAgent, radius: f32, group: usize) {
-    let (at, px) = (camera.project(s.at), (radius * camera.px_per_m).max(1.2));
-    panel.fill_disc(at, px, group_colour(group));
-    if s.is_informed {
-        panel.stroke_oval(at, Vec2::splat(px), (0.3 * px).clamp(1.2, 4.0), INFORMED_COLOUR);
-    }
-    let ahead = camera.project(s.at + s.velocity) - at;
-    // A tick along the velocity, longer for faster agents.
-    if px > 2.0 && ahead.length() > 0.1 * camera.px_per_m {
-        let tip = at + ahead.normalize_or_zero() * px * 1.5;
-        panel.stroke_line(&[at, tip], (0.28 * px).clamp(1.0, 3.0), colour::INK);
-    }
-}
-
-/// Draws the positions of some agents in the last seconds.
-fn draw_trails(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord, moment: &CrowdMoment) {
-    let upto = (moment.time_s / TRAIL_S) as usize + 1;
-    for (m, trail) in &record.trails {
-        let is_there = moment.agents.get(*m).is_some_and(Option::is_some);
-        let upto = if is_there { upto.min(trail.len()) } else { 0 };
-        let recent = &trail[upto.saturating_sub(TRAIL_POINTS)..upto];
-        let points: Vec<Vec2> = recent.iter().map(|p| camera.project(*p)).collect();
-        let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
-        panel.stroke_line(&points, (0.12 * camera.px_per_m).clamp(0.8, 2.5), tint.alpha(0.35));
-    }
-}
-
-/// Draws paths that lead around obstacles.
-fn draw_paths(panel: &mut Picture, camera: &PictureCamera, record: &AgentsRecord) {
+/// - `least_m`: least radius of what is drawn (m).
+/// - `from`: name of the view.
+fn draw_moment(record: &AgentsRecord, moment: &CrowdMoment, least_m: f32, from: &str) -> WorldMoment {
+    let bar = |from: Vec3, to: Vec3, radius: f32| UnitSolid::Bar { from, to, radius: radius.max(least_m) };
+    let what = if record.in_the_air { from } else { "" };
+    let mut out = WorldMoment { label: Some(format!("{:.1} s {what}", moment.time_s)), ..WorldMoment::default() };
+    // Paths that lead around obstacles.
     let bent: Vec<&Vec<Vec3>> = record.paths.iter().filter(|w| w.len() > 2).collect();
-    for path in bent.iter().step_by(bent.len().div_ceil(MAX_PATHS).max(1)) {
-        let points: Vec<Vec2> = path.iter().map(|p| camera.project(*p)).collect();
-        panel.stroke_line(&points, 1.0, colour::REACHED.alpha(0.35));
-    }
-}
-
-/// Draws a door: a thick line if it is closed, its two ends if it is open.
-fn draw_door(panel: &mut Picture, camera: &PictureCamera, door: &Obstacle, is_open: bool) {
-    let Obstacle::Wall { from, to, .. } = door else { return };
-    let (a, b) = (camera.project(*from), camera.project(*to));
-    if is_open {
-        [a, b].iter().for_each(|end| panel.fill_disc(*end, 3.5, INFORMED_COLOUR));
-    } else {
-        panel.stroke_line(&[a, b], 4.0, INFORMED_COLOUR);
-    }
-}
-
-/// Draws a place: its edge, its name, and its standing places.
-fn draw_place(panel: &mut Picture, camera: &PictureCamera, place: &RecordedPlace, tags: &mut NamePlates) {
-    let at = camera.project(place.at);
-    panel.stroke_oval(at, Vec2::splat(place.radius * camera.px_per_m), 1.2, colour::REACHED.alpha(0.5));
-    let radius = (0.3 * camera.px_per_m).clamp(1.5, 9.0);
-    for slot in &place.slots {
-        panel.stroke_oval(camera.project(*slot), Vec2::splat(radius), 1.0, colour::REACHED.alpha(0.6));
-    }
-    tags.draw_plate(panel, at, 0.8, &place.name, colour::REACHED);
-}
-
-fn draw_obstacle(panel: &mut Picture, camera: &PictureCamera, obstacle: &Obstacle, (time_s, in_the_air): (f64, bool)) {
-    let scale = camera.px_per_m;
-    match obstacle {
-        Obstacle::Ball { centre, radius } => panel.fill_disc(camera.project(*centre), radius * scale, OBSTACLE_COLOUR),
-        Obstacle::Wall { from, to, radius } => {
-            let (a, b, width) = (camera.project(*from), camera.project(*to), (2.0 * radius * scale).max(2.0));
-            if a.distance(b) < 0.5 {
-                panel.fill_disc(a, 0.5 * width, OBSTACLE_COLOUR);
-            } else {
-                panel.stroke_line(&[a, b], width, OBSTACLE_COLOUR);
+    let some = bent.iter().step_by(bent.len().div_ceil(MAX_PATHS).max(1));
+    out.trails.extend(some.map(|path| (path.to_vec(), colour::REACHED.alpha(0.5))));
+    for obstacle in &record.obstacles {
+        let mover = OBSTACLE_COLOUR.mix(colour::INK, 0.4);
+        out.solids.extend(match obstacle {
+            Obstacle::Ball { centre, radius } => Some((bar(*centre, *centre, *radius), OBSTACLE_COLOUR)),
+            Obstacle::Wall { from, to, radius } => Some((bar(*from, *to, *radius), OBSTACLE_COLOUR)),
+            Obstacle::Mover { path, radius } => {
+                let at = position_on_timed_path(path, moment.time_s);
+                Some((bar(at, at, *radius), mover))
             }
-        }
-        Obstacle::Polygon { corners } => {
-            panel.fill_polygon(&corners.iter().map(|c| camera.project(*c)).collect::<Vec<_>>(), OBSTACLE_COLOUR);
-        }
-        Obstacle::Box { min, max } => {
-            let (a, b) = (camera.project(*min), camera.project(*max));
-            let (min, max) = (a.min(b), a.max(b));
-            if in_the_air {
-                // Only the outline: boxes around a flock would hide it.
-                let outline = [min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y), min];
-                panel.stroke_line(&outline, 1.5, OBSTACLE_COLOUR);
-            } else {
-                panel.fill_rect(Area::new(min.x, min.y, max.x - min.x, max.y - min.y), 0.0, OBSTACLE_COLOUR);
+            Obstacle::Box { min, max } if record.in_the_air => {
+                // Only the edges: boxes around a flock would hide it.
+                let corners = BoundingBox { min: *min, max: *max }.corners();
+                let edges = (0..8).flat_map(|i| [1, 2, 4].map(|bit| (i, i | bit))).filter(|(i, j)| i != j);
+                out.trails.extend(edges.map(|(i, j)| (vec![corners[i], corners[j]], OBSTACLE_COLOUR)));
+                None
             }
-        }
-        Obstacle::Mover { path, radius } => {
-            let at = camera.project(position_on_timed_path(path, time_s));
-            panel.fill_disc(at, radius * scale, OBSTACLE_COLOUR.mix(colour::INK, 0.4));
-        }
-        _ => {}
+            other => obstacle_solid(other, OBSTACLE_M).map(|solid| (solid, OBSTACLE_COLOUR)),
+        });
     }
+    for (door, is_open) in record.doors.iter().zip(&moment.is_open) {
+        let Obstacle::Wall { from, to, radius } = door else { continue };
+        // The two ends of an open door are left.
+        let parts = if *is_open { vec![(*from, *from), (*to, *to)] } else { vec![(*from, *to)] };
+        out.solids.extend(parts.into_iter().map(|(a, b)| (bar(a, b, radius.max(2.0 * least_m)), INFORMED_COLOUR)));
+    }
+    for place in &record.places {
+        out.rings.push((place.at, place.radius, colour::REACHED.alpha(0.5)));
+        out.rings.extend(place.slots.iter().map(|slot| (*slot, SLOT_M, colour::REACHED.alpha(0.6))));
+        out.names.push((place.at, place.name.clone(), colour::REACHED));
+    }
+    // Positions of some agents in the last seconds.
+    let upto = (moment.time_s / TRAIL_S) as usize + 1;
+    for (m, trail) in record.trails.iter().filter(|(m, _)| moment.agents.get(*m).is_some_and(Option::is_some)) {
+        let upto = upto.min(trail.len());
+        let tint = group_colour(record.groups.get(*m).copied().unwrap_or(0));
+        out.trails.push((trail[upto.saturating_sub(TRAIL_POINTS)..upto].to_vec(), tint.alpha(0.5)));
+    }
+    for (m, agent) in moment.agents.iter().enumerate() {
+        let Some(RecordedAgent { at, velocity, is_informed }) = *agent else { continue };
+        let radius = record.radii[m].max(least_m);
+        out.solids.push((bar(at, at, radius), group_colour(record.groups[m])));
+        out.rings.extend(is_informed.then_some((at, 1.4 * radius, INFORMED_COLOUR)));
+        // A tick along the velocity.
+        if velocity.length() > 0.1 {
+            out.trails.push((vec![at, at + 1.6 * radius * velocity.normalize()], colour::INK));
+        }
+    }
+    out
 }
 
 #[cfg(test)]

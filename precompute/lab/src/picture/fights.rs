@@ -1,17 +1,16 @@
 //! The picture of a group with policies: all characters at the end, and moments around blows of the recorded ones.
 
-use super::canvas::Area;
-use super::furniture::header;
-use super::shadow::Shadows;
-use super::text::{Align, TextStyle, draw_text};
+use super::discs::OBSTACLE_COLOUR;
+use super::world::OBLIQUE_VIEW;
 use super::{
-    ArrivalState, BodyColours, BodyFigure, Colour, CrowdCharacter, CrowdView, Focus, Picture, PictureCamera, colour,
-    crowd_overview, sheet, sprite,
+    BodyColours, BodyFigure, Colour, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, colour,
+    sheet, world_sheet, world_strip,
 };
 use crate::run::{FightFrame, FightRecord, JointPositions, SceneFigures};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
-use throng_core::{Joint, Planar};
+use throng_bake::environment::UnitSolid;
+use throng_core::Joint;
 use throng_simulation::scene::GroupConfig;
 use throng_simulation::sparring::StruckPart;
 use throng_simulation::{CharacterEvent, GroupMotion, SimulationEvent};
@@ -24,6 +23,13 @@ const MOMENT_S: f32 = 0.1;
 const ROWS: usize = 3;
 /// Width that a moment shows (m).
 const WIDTH_M: f32 = 2.1;
+/// Width of the view of a few characters (m).
+const FEW_M: f32 = 6.0;
+/// Colour of the second of a pair.
+const SECOND_COLOUR: Colour = Colour::hex(0x4f9a6b);
+/// Colour of the point that a blow hit, and the radius of its mark (m).
+const BLOW_COLOUR: Colour = Colour::hex(0xd62728);
+const BLOW_M: f32 = 0.06;
 
 /// Draws a group with policies: all characters from above, and rows of moments around blows that landed.
 ///
@@ -51,67 +57,91 @@ pub(super) fn fight_sheet(
     if f.thrown == 0 {
         return crowd;
     }
-    sheet(&[&crowd, &draw_moments(record, group.target.radius_m as f32)])
+    let landed: Vec<LandedBlow> = record.events.iter().filter_map(LandedBlow::from_event).collect();
+    let rows = choose_blows(&landed).into_iter().map(|blow| blow_strip(record, &blow, group.target.radius_m as f32));
+    let pictures: Vec<Picture> = std::iter::once(crowd).chain(rows).collect();
+    sheet(&pictures.iter().collect::<Vec<_>>())
 }
 
 fn overview(group: &GroupConfig, record: &FightRecord, poses: &[JointPositions], lines: [&str; 2]) -> Picture {
-    let [title, subtitle] = lines;
     let is_pairs = group.motion == GroupMotion::Sparring;
-    let one = |(c, &root): (usize, &Planar)| CrowdCharacter {
-        root,
-        figure: poses.get(c).map(BodyFigure::from_positions),
-        trail: &[],
-        target: record.targets.get(c).filter(|_| !is_pairs).map(|t| Vec2::new(t.x, t.z)),
-        arrival: if is_pairs && c % 2 == 1 { ArrivalState::OnTheWay } else { ArrivalState::Reached },
+    let tints = if is_pairs { [colour::REACHED, colour::ON_THE_WAY] } else { [colour::REACHED; 2] };
+    let body = |(c, p): (usize, &JointPositions)| WorldFigure {
+        figure: BodyFigure::from_positions(p),
+        colours: BodyColours::plain(tints[c % 2]),
     };
-    let characters: Vec<_> = record.roots.iter().enumerate().map(one).collect();
-    let few = characters.len() <= 4;
-    let middle: Vec2 = characters.iter().map(|c| Vec2::new(c.root.x, c.root.z)).sum::<Vec2>();
-    let centre = middle / characters.len().max(1) as f32;
-    crowd_overview(&CrowdView {
-        title,
-        subtitle,
-        size: (1600, if few { 620 } else { 1000 }),
-        characters: &characters,
-        walls: &record.walls,
-        reach_m: group.target.radius_m as f32,
-        names: if is_pairs { ["the first of a pair", "the second", ""] } else { ["characters", "", ""] },
-        remark: if is_pairs { "at the end" } else { "at the end; ring: target" },
-        marked: None,
-        focus: few.then_some(Focus { centre, width_m: 6.0 }),
+    let figures: Vec<WorldFigure> = poses.iter().enumerate().map(body).collect();
+    let on_ground = |p: Vec2| Vec3::new(p.x, 0.0, p.y);
+    let wall = |w: &throng_geometry::Capsule2d| {
+        let (from, to, radius) = (on_ground(w.from), on_ground(w.to), w.radius_m.max(0.03));
+        (UnitSolid::Bar { from, to, radius }, OBSTACLE_COLOUR)
+    };
+    let few = figures.len() <= 4;
+    let middle: Vec3 = figures.iter().map(|f| f.figure.joint(Joint::Hips)).sum();
+    let focus = few.then(|| (middle / figures.len().max(1) as f32, FEW_M));
+    let targets = record.targets.iter().filter(|_| !is_pairs);
+    let num = figures.len();
+    let entries = match is_pairs {
+        true => vec![
+            (tints[0], format!("the first of a pair: {}", num.div_ceil(2))),
+            (tints[1], format!("the second: {}", num / 2)),
+        ],
+        false => vec![(tints[0], format!("characters: {num}"))],
+    };
+    world_sheet(&WorldSheet {
+        title: lines[0],
+        subtitle: lines[1],
+        size: (1600, if few { 800 } else { 1000 }),
+        figures: &figures,
+        solids: &record.walls.iter().map(wall).collect::<Vec<_>>(),
+        rings: &targets.map(|t| (t.with_y(0.0), group.target.radius_m as f32, tints[0])).collect::<Vec<_>>(),
+        legend: (&entries, if is_pairs { "at the end" } else { "at the end; ring: target" }),
+        camera: WorldCamera { focus, ..OBLIQUE_VIEW },
+        ..WorldSheet::default()
     })
 }
 
-/// Draws rows of moments, each around a blow that landed.
+/// Draws moments around a blow that landed, seen from beside its line.
 ///
 /// - `radius_m`: radius of the target, if there is one (m).
-fn draw_moments(record: &FightRecord, radius_m: f32) -> Picture {
-    let rows = choose_blows(&record.events.iter().filter_map(LandedBlow::from_event).collect::<Vec<_>>());
-    let (width, edge, top, label) = (1600.0, 16.0, 84.0, 30.0);
-    let cell = (width - 2.0 * edge) / COLUMNS as f32;
-    let height = 2.15 * (cell / WIDTH_M);
-    let num_rows = rows.len().max(1) as f32;
-    let mut page = Picture::new(width as u32, (top + num_rows * (height + label + edge)) as u32, colour::PAPER);
-    let subtitle = if rows.is_empty() {
-        "no blow of the recorded characters landed"
-    } else {
-        "each row around a blow that landed, seen from beside; red: where it met, violet: where arms caught it"
+fn blow_strip(record: &FightRecord, blow: &LandedBlow, radius_m: f32) -> Picture {
+    let hips = |character: usize| {
+        let frame = nearest_frame(&record.frames, blow.time_s)?;
+        Some(frame.poses.get(character)?[Joint::Hips.index()])
     };
-    header(&mut page, 1.0, "Blows", subtitle);
-    for (row, event) in rows.iter().enumerate() {
-        let y = top + row as f32 * (height + label + edge);
-        for column in 0..COLUMNS {
-            let time_s = event.time_s + (column as f32 - 3.0) * MOMENT_S;
-            let Some(frame) = nearest_frame(&record.frames, time_s) else { continue };
-            let area = Area::new(edge + column as f32 * cell, y, cell, height);
-            let panel = draw_moment(frame, event, record, radius_m, area.size);
-            page.draw_picture(&panel, (area.min.x as i32, area.min.y as i32));
-            let style = TextStyle { size: 19.0, colour: colour::INK, align: Align::Centre, bold: column == 3 };
-            let at = Vec2::new(area.min.x + 0.5 * cell, area.max().y + 22.0);
-            draw_text(&mut page, at, &format!("{:.2} s", frame.time_s), style);
-        }
+    let line = hips(blow.character ^ 1).unwrap_or(blow.point) - hips(blow.character).unwrap_or_default();
+    let times = (0..COLUMNS).map(|column| blow.time_s + (column as f32 - 3.0) * MOMENT_S);
+    let frames = times.filter_map(|time_s| nearest_frame(&record.frames, time_s));
+    world_strip(&WorldStrip {
+        title: &format!("Blow at {:.2} s", blow.time_s),
+        subtitle: "moments around a blow that landed, seen from beside; red: where it met, violet: where arms caught it",
+        moments: &frames.map(|frame| moment(frame, record, radius_m)).collect::<Vec<_>>(),
+        columns: COLUMNS,
+        width_m: WIDTH_M,
+        view_angles: (line.x.atan2(line.z) + FRAC_PI_2, 0.08),
+        ..WorldStrip::default()
+    })
+}
+
+/// The recorded characters, their target, and where their blows land at that moment.
+fn moment(frame: &FightFrame, record: &FightRecord, radius_m: f32) -> WorldMoment {
+    let ball = |at: Vec3, radius: f32, tint: Colour| (UnitSolid::Bar { from: at, to: at, radius }, tint);
+    let body = |(character, pose): (usize, &JointPositions)| WorldFigure {
+        figure: BodyFigure::from_positions(pose),
+        colours: if character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND_COLOUR) },
+    };
+    let blows = record.events.iter().filter_map(LandedBlow::from_event);
+    let now = blows.filter(|e| (e.time_s - frame.time_s).abs() < 0.02);
+    let mark =
+        |e: LandedBlow| ball(e.point, BLOW_M, if e.part == Some(StruckPart::Arm) { colour::MARK } else { BLOW_COLOUR });
+    let target = frame.target.map(|at| ball(at, radius_m, colour::MARK.mix(colour::GROUND, 0.5)));
+    WorldMoment {
+        time_s: frame.time_s,
+        figures: frame.poses.iter().enumerate().map(body).collect(),
+        framed: frame.poses.len(),
+        solids: target.into_iter().chain(now.map(mark)).collect(),
+        ..WorldMoment::default()
     }
-    page
 }
 
 /// A blow that landed.
@@ -154,46 +184,6 @@ fn nearest_frame(frames: &[FightFrame], time_s: f32) -> Option<&FightFrame> {
     [i.checked_sub(1).and_then(near), near(i)].into_iter().flatten().min_by(|a, b| a.1.total_cmp(&b.1)).map(|n| n.0)
 }
 
-/// Draws one moment, seen from beside the line of the blow.
-fn draw_moment(frame: &FightFrame, event: &LandedBlow, record: &FightRecord, radius_m: f32, size: Vec2) -> Picture {
-    let px_per_m = size.x / WIDTH_M;
-    let mut panel = Picture::new(size.x as u32, size.y as u32, colour::GROUND);
-    let ground_y = size.y - 0.16 * px_per_m;
-    panel.stroke_line(&[Vec2::new(0.0, ground_y), Vec2::new(size.x, ground_y)], 1.2, colour::GRID);
-    let at_blow = nearest_frame(&record.frames, event.time_s).unwrap_or(frame);
-    let striker = at_blow.poses.get(event.character).map_or(Vec3::ZERO, |p| p[Joint::Hips.index()]);
-    let other = at_blow.poses.get(event.character ^ 1).map_or(event.point, |p| p[Joint::Hips.index()]);
-    let line = other - striker;
-    let camera = PictureCamera::looking_along(line.x.atan2(line.z) + FRAC_PI_2, 0.08);
-    let middle = 0.5 * (striker + other) * Vec3::new(1.0, 0.0, 1.0);
-    let camera = camera.framed(middle, Vec2::new(0.5 * size.x, ground_y), px_per_m);
-    let all = frame.poses.iter().map(BodyFigure::from_positions).enumerate();
-    let mut figures: Vec<(usize, BodyFigure)> = all.filter(|(_, f)| f.is_drawable()).collect();
-    figures.sort_by(|a, b| camera.depth(b.1.joint(Joint::Hips)).total_cmp(&camera.depth(a.1.joint(Joint::Hips))));
-    if let Some(mut shadows) = Shadows::new(&panel) {
-        figures.iter().for_each(|(_, f)| shadows.add(f, &camera));
-        shadows.draw(&mut panel, (0.03 * px_per_m) as usize + 1, colour::INK.alpha(0.22));
-    }
-    if let Some(target) = frame.target {
-        panel.fill_disc(camera.project(target), radius_m * px_per_m, colour::MARK.mix(colour::GROUND, 0.5));
-    }
-    for (character, figure) in &figures {
-        let colours = if *character == 0 { BodyColours::default() } else { BodyColours::plain(SECOND_COLOUR) };
-        sprite::draw(&mut panel, figure, &colours, &camera);
-    }
-    let blows = record.events.iter().filter_map(LandedBlow::from_event);
-    for e in blows.filter(|e| (e.time_s - frame.time_s).abs() < 0.02) {
-        let tint = if e.part == Some(StruckPart::Arm) { colour::MARK } else { BLOW_COLOUR };
-        panel.stroke_oval(camera.project(e.point), Vec2::splat(0.09 * px_per_m), 3.0, tint);
-    }
-    panel
-}
-
-/// Colour of the second of a pair.
-const SECOND_COLOUR: Colour = Colour::hex(0x4f9a6b);
-/// Colour of the point that a blow hit.
-const BLOW_COLOUR: Colour = Colour::hex(0xd62728);
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,8 +213,10 @@ mod tests {
             events: vec![event(0.5), event(5.0)],
             ..FightRecord::default()
         };
-        assert!(draw_moments(&whole, 0.12).height() > draw_moments(&FightRecord::default(), 0.12).height() / 2);
-        assert_eq!(draw_moments(&whole, 0.12), draw_moments(&whole, 0.12));
-        assert_ne!(draw_moments(&whole, 0.12), draw_moments(&whole, 0.3), "the target has its radius");
+        let blow = LandedBlow::from_event(&event(0.5)).expect("a blow that landed");
+        let draw = |radius_m: f32| blow_strip(&whole, &blow, radius_m);
+        assert!(blow_strip(&FightRecord::default(), &blow, 0.12).height() > 100);
+        assert_eq!(draw(0.12), draw(0.12));
+        assert_ne!(draw(0.12), draw(0.3), "the target has its radius");
     }
 }

@@ -39,11 +39,6 @@ impl BodyFigure {
         self.joints[joint.index()]
     }
 
-    /// Copy of this figure moved by a vector (m).
-    pub fn translated(&self, by: Vec3) -> Self {
-        Self { joints: self.joints.map(|p| p + by), tips: self.tips.map(|p| p + by) }
-    }
-
     /// True where every position can be drawn: finite, and no limb is longer than a body could be.
     pub fn is_drawable(&self) -> bool {
         let hips = self.joints[0];
@@ -229,6 +224,6 @@ mod tests {
         let toe = f.tips[1] - f.joint(Joint::LeftToe);
         assert!((toe - Vec3::X * 0.07).length() < 1e-5);
         assert!(f.is_drawable());
-        assert!(!f.translated(Vec3::NAN).is_drawable());
+        assert!(!BodyFigure::from_positions(&[Vec3::NAN; NUM_JOINTS]).is_drawable());
     }
 }

@@ -1,8 +1,6 @@
 //! The picture of a world: all characters at the end, and moments of partners, or of a lively character.
 
-use super::canvas::Area;
 use super::discs::group_colour;
-use super::furniture::legend;
 use super::world::OBLIQUE_VIEW;
 use super::{
     BodyColours, BodyFigure, Picture, WorldCamera, WorldFigure, WorldMoment, WorldSheet, WorldStrip, WorldUnit, sheet,
@@ -60,12 +58,11 @@ pub(super) fn inhabited_sheet(
     let focus = picture.width_m.map(|width| (Vec3::from_array(picture.focus.unwrap_or_default()), width));
     let (size, subtitle, camera) = ((1600, 1100), &subtitle, WorldCamera { focus, ..OBLIQUE_VIEW });
     let (figures, units) = (&bodies[..], &units[..]);
-    let mut overview = world_sheet(&WorldSheet { title, subtitle, size, figures, units, camera, ..Default::default() });
-    if groups.len() > 1 {
-        let entries: Vec<_> = groups.iter().enumerate().map(|(g, (name, _))| (group_colour(g), name.clone())).collect();
-        legend(&mut overview, Area::new(0.0, 0.0, 1584.0, 84.0), 1.0, &entries, "");
-    }
-    let mut strips = vec![overview];
+    let several = groups.iter().enumerate().filter(|_| groups.len() > 1);
+    let entries: Vec<_> = several.map(|(g, (name, _))| (group_colour(g), name.clone())).collect();
+    let legend = (&entries[..], "");
+    let overview = WorldSheet { title, subtitle, size, figures, units, camera, legend, ..WorldSheet::default() };
+    let mut strips = vec![world_sheet(&overview)];
     strips.extend(partner_pairs(record).into_iter().map(|pair| pair_strip(record, &pair, units)));
     if strips.len() == 1 {
         strips.extend(liveliest_character(record).map(|(who, from)| lively_strip(record, who, from, units)));
@@ -85,6 +82,7 @@ fn lively_strip(record: &WorldRecord, who: usize, from: usize, units: &[WorldUni
         columns: COLUMNS,
         width_m: WIDTH_M,
         view_angles: (OBLIQUE_VIEW.heading, 0.25),
+        ..WorldStrip::default()
     })
 }
 
@@ -140,6 +138,7 @@ fn pair_strip(record: &WorldRecord, pair: &PartnerPair, units: &[WorldUnit<'_>])
         columns: COLUMNS,
         width_m: WIDTH_M,
         view_angles: (offset.x.atan2(offset.z) + FRAC_PI_2, 0.15),
+        ..WorldStrip::default()
     })
 }
 

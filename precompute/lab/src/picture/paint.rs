@@ -1,7 +1,7 @@
 //! Paints pieces shaded and anti-aliased, with several rays a pixel, and the shadows that they cast.
 
+use super::canvas::source_over;
 use super::piece::PicturePiece;
-use super::sprite::Sprite;
 use super::visible::{NO_PIECE, SampleBand, rasterize_bands, sample_position};
 use super::{Colour, Picture, PictureCamera, colour};
 use glam::{Vec2, Vec3};
@@ -19,7 +19,7 @@ const SHADOW_PX: f32 = 3000.0;
 const SHADOW_FINEST: f32 = 160.0;
 
 /// Direction towards the light: from above, the left and the viewer.
-pub(super) fn light_direction(camera: &PictureCamera) -> Vec3 {
+fn light_direction(camera: &PictureCamera) -> Vec3 {
     (Vec3::Y * 1.0 - camera.right * 0.34 - camera.forward.with_y(0.0).normalize_or_zero() * 0.42).normalize()
 }
 
@@ -33,22 +33,15 @@ pub(super) fn draw_pieces(panel: &mut Picture, camera: &PictureCamera, pieces: &
         high.cmpge(-reach).all() && low.cmple(extent + reach).all()
     };
     let pieces: Vec<PicturePiece> = pieces.iter().filter(near).copied().collect();
-    let size = (panel.width() as usize, panel.height() as usize);
-    let pixels = paint_pieces(&pieces, camera, size, ShadowMap::new(&pieces, light_direction(camera)));
-    Sprite { corner: (0, 0), size, pixels }.draw(panel);
-}
-
-/// Paints pieces into pixels, transparent where there is neither a piece nor a shadow.
-pub(super) fn paint_pieces(
-    pieces: &[PicturePiece],
-    camera: &PictureCamera,
-    size: (usize, usize),
-    shadows: Option<ShadowMap>,
-) -> Vec<PremultipliedColorU8> {
-    // Contours of very small figures fade, as little else would be visible.
     let contour = 1.0 - 0.5 * (camera.px_per_m / 110.0).min(1.0);
-    let painter = Painter { pieces, camera: *camera, light: light_direction(camera), shadows, contour };
-    rasterize_bands(pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0)).concat()
+    let light = light_direction(camera);
+    let shadows = ShadowMap::new(&pieces, light);
+    let painter = Painter { pieces: &pieces, camera: *camera, light, shadows, contour };
+    let size = (panel.width() as usize, panel.height() as usize);
+    let bands = rasterize_bands(&pieces, camera, size, RAYS, 1, |band, pixels| painter.paint(band, pixels, size.0));
+    for (pixel, top) in panel.pixels_mut().iter_mut().zip(bands.concat()) {
+        *pixel = source_over(top, *pixel);
+    }
 }
 
 /// Converts bands of samples to pixels.
@@ -110,7 +103,7 @@ impl Painter<'_> {
 }
 
 /// Depths up to which light reaches, as seen from the light.
-pub(super) struct ShadowMap {
+struct ShadowMap {
     camera: PictureCamera,
     width: usize,
     /// Depth of the lit surface (m, width * height).
@@ -157,7 +150,7 @@ impl ShadowMap {
 }
 
 /// Shades a colour: half-Lambert key light, a cool sky, a warm reflection of the ground, and a darker edge.
-pub(super) fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
+fn shade(base: Colour, normal: Vec3, light: Vec3, forward: Vec3) -> Colour {
     let key = (0.5 + 0.5 * normal.dot(light)).powi(2);
     let sky = 0.5 + 0.5 * normal.y;
     let edge = 1.0 - (-normal.dot(forward)).clamp(0.0, 1.0);

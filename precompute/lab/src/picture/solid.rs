@@ -36,16 +36,6 @@ impl RoundCone {
         (self.a, self.b, self.reach)
     }
 
-    /// Outline of the shadow on the ground under light from `light` (towards the light, `light.y > 0`):
-    /// two discs, each with its centre and radius. The flattening is left out.
-    pub fn shadow(&self, light: Vec3) -> [(Vec3, f32); 2] {
-        let drop = |p: Vec3| {
-            let q = p - light * (p.y / light.y);
-            Vec3::new(q.x, 0.0, q.z)
-        };
-        [(drop(self.a), self.radius_a), (drop(self.b), self.radius_b)]
-    }
-
     /// First hit of the ray from `origin` along the unit vector `direction`.
     pub fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<SurfaceHit> {
         let direction = self.to_round * direction;

@@ -112,11 +112,11 @@ fn draw_moments(record: &PathsRecord) -> Option<Picture> {
         title: &format!("Character {who}"),
         subtitle: &format!("one moment every tenth of a second; {range}"),
         moments: &moments,
-        units: &[],
         columns: COLUMNS,
         width_m: WIDTH_M,
         // Seen from beside its direction of travel.
         view_angles: (offset.x.atan2(offset.z) + 0.5 * PI, 0.15),
+        ..WorldStrip::default()
     };
     Some(world_strip(&strip))
 }

@@ -2,7 +2,7 @@
 
 use super::canvas::Area;
 use super::figure::body_solids;
-use super::furniture::{NamePlates, grid, header, nice_step, page_with_panel, scale_bar};
+use super::furniture::{NamePlates, grid, header, legend, nice_step, page_with_panel, scale_bar};
 use super::paint::draw_pieces;
 use super::piece::{PicturePiece, add_solid, add_unit};
 use super::text::{Align, TextStyle, draw_text};
@@ -22,6 +22,9 @@ const PARTNER_COLOUR: Colour = Colour::hex(0x4f9a6b);
 /// Least distance in front of the hips, and greatest depth of the top below them, of unit pieces that a strip leaves out (m).
 const CUT_BEFORE_HIPS_M: f32 = 0.4;
 const CUT_BELOW_HIPS_M: f32 = 0.5;
+
+/// Greatest coordinate of what a view of everything shows (m).
+const FARTHEST_M: f32 = 1e5;
 
 /// A body in a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,8 +93,12 @@ pub struct WorldSheet<'a> {
     pub solids: &'a [(UnitSolid, Colour)],
     /// Past or future positions of roots, and their colours (m).
     pub trails: &'a [(Vec<Vec3>, Colour)],
+    /// Circles on the ground: centres, radii and colours (m).
+    pub rings: &'a [(Vec3, f32, Colour)],
     /// Names above points.
     pub names: &'a [(Vec3, String, Colour)],
+    /// Colours and their names, and a remark below them.
+    pub legend: (&'a [(Colour, String)], &'a str),
     /// View direction and focus.
     pub camera: WorldCamera,
 }
@@ -103,24 +110,43 @@ pub fn world_sheet(view: &WorldSheet<'_>) -> Picture {
     let mut pieces = world_pieces(view.units, view.figures);
     view.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
     let extent = Vec2::new(panel.width() as f32, panel.height() as f32);
-    let camera = world_camera(&view.camera, extent, &pieces);
+    let marked = view.trails.iter().flat_map(|t| &t.0).chain(view.rings.iter().map(|r| &r.0));
+    let camera = world_camera(&view.camera, extent, &pieces, marked);
     grid(&mut panel, &camera, nice_step(extent.x / camera.px_per_m / 16.0), unit);
-    draw_pieces(&mut panel, &camera, &pieces);
-    for (points, tint) in view.trails {
-        let points: Vec<Vec2> = points.iter().map(|p| camera.project(*p)).collect();
-        panel.stroke_line(&points, 2.0 * unit, tint.alpha(0.7));
-    }
-    let mut tags = NamePlates::default();
-    for (at, name, tint) in view.names {
-        tags.draw_plate(&mut panel, camera.project(*at), unit, name, *tint);
-    }
+    draw_marked(&mut panel, &camera, unit, &pieces, view.trails, view.rings, view.names);
     scale_bar(&mut panel, &camera, unit);
     page.draw_picture(&panel, at);
+    let area = Area::new(0.0, 0.0, page.width() as f32 - 16.0 * unit, 84.0 * unit);
+    legend(&mut page, area, unit, view.legend.0, view.legend.1);
     page
 }
 
+/// Draws pieces, with trails and rings under them and names over them.
+fn draw_marked(
+    panel: &mut Picture,
+    camera: &PictureCamera,
+    unit: f32,
+    pieces: &[PicturePiece],
+    trails: &[(Vec<Vec3>, Colour)],
+    rings: &[(Vec3, f32, Colour)],
+    names: &[(Vec3, String, Colour)],
+) {
+    for (points, tint) in trails {
+        let points: Vec<Vec2> = points.iter().map(|p| camera.project(*p)).collect();
+        panel.stroke_line(&points, 2.0 * unit, tint.alpha(0.7 * tint.a));
+    }
+    for (centre, radius, tint) in rings {
+        panel.stroke_oval(camera.project(*centre), camera.ground_disc(*radius), 1.5 * unit, *tint);
+    }
+    draw_pieces(panel, camera, pieces);
+    let mut tags = NamePlates::default();
+    for (at, name, tint) in names {
+        tags.draw_plate(panel, camera.project(*at), unit, name, *tint);
+    }
+}
+
 /// A moment of a strip.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct WorldMoment {
     /// Time (s).
     pub time_s: f32,
@@ -130,6 +156,12 @@ pub struct WorldMoment {
     pub framed: usize,
     /// Further solids at this moment, in the world.
     pub solids: Vec<(UnitSolid, Colour)>,
+    /// Past or future positions, and their colours (m).
+    pub trails: Vec<(Vec<Vec3>, Colour)>,
+    /// Circles on the ground: centres, radii and colours (m).
+    pub rings: Vec<(Vec3, f32, Colour)>,
+    /// Names above points.
+    pub names: Vec<(Vec3, String, Colour)>,
     /// Label in place of the time.
     pub label: Option<String>,
 }
@@ -138,7 +170,7 @@ impl WorldMoment {
     /// A moment of one body.
     pub fn of_one(time_s: f32, figure: BodyFigure) -> Self {
         let figures = vec![WorldFigure { figure, colours: BodyColours::default() }];
-        Self { time_s, figures, framed: 1, solids: Vec::new(), label: None }
+        Self { time_s, figures, framed: 1, ..Self::default() }
     }
 
     /// A moment of one body, and of its partner, if there is one; both are framed.
@@ -156,7 +188,7 @@ impl WorldMoment {
 }
 
 /// Input of [`world_strip`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct WorldStrip<'a> {
     /// First line.
     pub title: &'a str,
@@ -168,10 +200,16 @@ pub struct WorldStrip<'a> {
     pub units: &'a [WorldUnit<'a>],
     /// Number of moments side by side (>= 1).
     pub columns: usize,
+    /// Point at the centre of all moments; the framed bodies of each if `None`.
+    pub centre: Option<Vec3>,
     /// Width that a moment shows (m).
     pub width_m: f32,
+    /// Height of a moment over its width; 1.25 if 0.
+    pub aspect: f32,
     /// View direction: heading and elevation, as in [`WorldCamera`] (rad).
     pub view_angles: (f32, f32),
+    /// As in [`WorldSheet`].
+    pub legend: (&'a [(Colour, String)], &'a str),
 }
 
 /// Draws moments among units, row by row, each with the hips of the framed bodies at its centre. Pieces of units in front of
@@ -180,19 +218,21 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
     let (width, edge, top, label) = (1600.0, 16.0, 84.0, 28.0);
     let (columns, (heading, elevation)) = (strip.columns.clamp(1, 40), strip.view_angles);
     let cell = (width - 2.0 * edge) / columns as f32;
-    let height = 1.25 * cell;
+    let height = cell * if strip.aspect > 0.0 { strip.aspect } else { 1.25 };
     let rows = strip.moments.len().div_ceil(columns).max(1);
     let mut page = Picture::new(width as u32, (top + rows as f32 * (height + label)) as u32 + 8, colour::PAPER);
     header(&mut page, 1.0, strip.title, strip.subtitle);
+    legend(&mut page, Area::new(0.0, 0.0, width - edge, top), 1.0, strip.legend.0, strip.legend.1);
     let units = world_pieces(strip.units, &[]);
     for (i, moment) in strip.moments.iter().enumerate() {
         let at = Vec2::new(edge + (i % columns) as f32 * cell, top + (i / columns) as f32 * (height + label));
         let area = Area::new(at.x, at.y, cell - 4.0, height);
         let mut panel = Picture::new(area.size.x as u32, area.size.y as u32, colour::GROUND);
         let num = moment.hips().count();
-        let focus = (num > 0).then(|| (moment.hips().sum::<Vec3>() / num as f32, strip.width_m));
+        let centre = strip.centre.or_else(|| (num > 0).then(|| moment.hips().sum::<Vec3>() / num as f32));
+        let focus = centre.map(|centre| (centre, strip.width_m));
         let camera = WorldCamera { heading, elevation, focus };
-        let around = world_camera(&camera, area.size, &[]);
+        let around = world_camera(&camera, area.size, &[], [].iter());
         let hides = |p: &&PicturePiece| {
             let bounds = p.bounds();
             let far = bounds.corners().map(|c| around.depth(c)).into_iter().fold(f32::NEG_INFINITY, f32::max);
@@ -202,9 +242,12 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
         let mut pieces: Vec<PicturePiece> = units.iter().filter(|p| !hides(p)).copied().collect();
         pieces.extend(world_pieces(&[], &moment.figures));
         moment.solids.iter().for_each(|(solid, tint)| add_solid(solid, |p| p, *tint, &mut pieces));
-        let camera = world_camera(&camera, area.size, &pieces);
-        grid(&mut panel, &camera, 1.0, 0.7);
-        draw_pieces(&mut panel, &camera, &pieces);
+        let camera = world_camera(&camera, area.size, &pieces, [].iter());
+        grid(&mut panel, &camera, nice_step(strip.width_m / 16.0).max(1.0), 0.7);
+        draw_marked(&mut panel, &camera, 0.7, &pieces, &moment.trails, &moment.rings, &moment.names);
+        if strip.columns <= 2 {
+            scale_bar(&mut panel, &camera, 0.8);
+        }
         page.draw_picture(&panel, (at.x as i32, at.y as i32));
         let style = TextStyle { size: 18.0, colour: colour::INK, align: Align::Centre, bold: false };
         let label = moment.label.clone().unwrap_or_else(|| format!("{:.2} s", moment.time_s));
@@ -216,23 +259,33 @@ pub fn world_strip(strip: &WorldStrip<'_>) -> Picture {
 fn world_pieces(units: &[WorldUnit<'_>], figures: &[WorldFigure]) -> Vec<PicturePiece> {
     let mut out = Vec::new();
     units.iter().for_each(|u| add_unit(u.geometry, u.placement, u.colour, &mut out));
-    for f in figures.iter().filter(|f| f.figure.is_drawable()) {
-        let solids = body_solids(&f.figure, &f.colours).into_iter();
-        out.extend(solids.map(|(solid, tint)| PicturePiece::round(solid, tint)));
-    }
+    out.extend(figures.iter().flat_map(figure_pieces));
     out
 }
 
-fn world_camera(view: &WorldCamera, size: Vec2, pieces: &[PicturePiece]) -> PictureCamera {
+/// The pieces of a body; none of one that cannot be drawn.
+pub(super) fn figure_pieces(f: &WorldFigure) -> impl Iterator<Item = PicturePiece> + use<> {
+    let solids = f.figure.is_drawable().then(|| body_solids(&f.figure, &f.colours));
+    solids.into_iter().flatten().map(|(solid, tint)| PicturePiece::round(solid, tint))
+}
+
+/// - `marked`: points beside the pieces that are shown, too.
+fn world_camera<'a>(
+    view: &WorldCamera,
+    size: Vec2,
+    pieces: &[PicturePiece],
+    marked: impl Iterator<Item = &'a Vec3>,
+) -> PictureCamera {
     let camera = PictureCamera::looking_along(view.heading, view.elevation.clamp(0.0, std::f32::consts::FRAC_PI_2));
     if let Some((centre, width_m)) = view.focus.filter(|f| f.0.is_finite()) {
         return camera.framed(centre, 0.5 * size, size.x / width_m.clamp(0.5, 10_000.0));
     }
-    let all = pieces.iter().fold(BoundingBox::EMPTY, |b, p| b.union(p.bounds()));
+    let corners = pieces.iter().flat_map(|p| p.bounds().corners()).chain(marked.copied());
+    let shown: Vec<Vec3> = corners.filter(|c| c.is_finite() && c.abs().max_element() < FARTHEST_M).collect();
+    let all = BoundingBox::around_points(shown.iter().copied());
     let all = if all.is_empty() { BoundingBox { min: Vec3::splat(-3.0), max: Vec3::splat(3.0) } } else { all };
     let framed = camera.framed(all.centre(), 0.5 * size, 1.0);
-    let reach = pieces.iter().flat_map(|p| p.bounds().corners()).map(|c| (framed.project(c) - framed.screen).abs());
-    let reach = reach.fold(Vec2::splat(1.0), Vec2::max);
+    let reach = shown.iter().map(|c| (framed.project(*c) - framed.screen).abs()).fold(Vec2::splat(1.0), Vec2::max);
     let px_per_m = (0.48 * size / reach).min_element().min(200.0);
     framed.framed(all.centre(), 0.5 * size, px_per_m)
 }

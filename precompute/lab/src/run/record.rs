@@ -4,7 +4,7 @@ use super::groups::{agent_path, agents_crowd, policy_characters};
 use super::report::SceneRunConfig;
 use super::watch::{SAMPLE_PERIOD_S, SceneWatch};
 use glam::{Vec2, Vec3, Vec3Swizzles};
-use throng_core::{NUM_JOINTS, Planar};
+use throng_core::NUM_JOINTS;
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::Capsule2d;
 use throng_simulation::agents::{CrowdLayout, Disc, world_vector};
@@ -66,8 +66,6 @@ pub struct FightRecord {
     pub frames: Vec<FightFrame>,
     /// Outcomes of their blows; characters are numbered from the first of the group.
     pub events: Vec<SimulationEvent>,
-    /// Planar roots of the whole group at the end.
-    pub roots: Vec<Planar>,
     /// Opponents' heads or targets of the whole group at the end (m).
     pub targets: Vec<Vec3>,
     /// Walls.
@@ -289,7 +287,6 @@ impl SceneRecorder {
         self.record.faults = watch.faults().cloned().collect();
         for f in &mut self.record.fights {
             let all = sim.groups()[f.group].characters.clone();
-            f.roots = all.clone().filter_map(|who| sim.root(who)).collect();
             f.targets = all.filter_map(|who| sim.target(who)).collect();
             let boxers = policy_characters(&sim.character_groups()[sim.groups()[f.group].character_group]);
             let reservations = boxers.and_then(|b| b.characters().reservations());

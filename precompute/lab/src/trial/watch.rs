@@ -115,15 +115,7 @@ impl<'a> TrialWatch<'a> {
         self.present.extend((0..config.characters).map(one));
         self.overlaps.observe_bodies(&self.present, |_, _| false);
         let time_s = step as f32 * dt;
-        if time_s <= config.snapshot_s.min(config.seconds) + 0.5 * dt {
-            self.extend_trails(characters, config, step, time_s, dt);
-        }
-        let later = [0.5 * (config.snapshot_s + config.seconds), config.seconds];
-        if later.get(self.record.later.len()).is_some_and(|at| time_s > at - 0.5 * dt && *at > config.snapshot_s) {
-            let roots = (0..config.characters).map(|c| characters.root(c)).collect();
-            let poses = (0..config.characters).map(|c| characters.joint_positions(c)).collect();
-            self.record.later.push(TrialMoment { time_s, roots, poses });
-        }
+        self.record_moments(characters, config, step, dt);
         if self.late.is_empty() && time_s >= config.seconds - STILL_S {
             self.late = (0..config.characters).map(|c| ground_position(characters.root(c))).collect();
         }
@@ -159,7 +151,7 @@ impl<'a> TrialWatch<'a> {
         self.extend_tracks(characters);
         let Some(c) = config.recorded.filter(|_| self.record.frames.len() < MOST_POSES) else { return };
         let (root, positions, contacts) = (characters.root(c), characters.joint_positions(c), characters.contacts(c));
-        self.record.frames.push(TrialFrame { time_s, root, positions, contacts, segment: characters.segment(c).0 });
+        self.record.frames.push(TrialFrame { time_s, root, positions, contacts });
     }
 
     /// Adds a sample to each track.
@@ -185,18 +177,20 @@ impl<'a> TrialWatch<'a> {
         }
     }
 
-    /// Grows the trails up to the snapshot, and takes it.
-    fn extend_trails(&mut self, characters: &Characters, config: &TrialConfig, step: usize, time_s: f32, dt: f32) {
+    /// Grows the trails up to the first moment, and records the crowd at each moment.
+    fn record_moments(&mut self, characters: &Characters, config: &TrialConfig, step: usize, dt: f32) {
+        let (all, r, time_s) = (0..config.characters, &mut self.record, step as f32 * dt);
         let trail_every = (config.step_hz / 5.0).round().max(1.0) as usize;
-        let (n, r) = (config.characters, &mut self.record);
-        let is_last = time_s + dt > config.snapshot_s.min(config.seconds) + 0.5 * dt;
-        if is_last || step.is_multiple_of(trail_every) {
-            r.roots = (0..n).map(|c| characters.root(c)).collect();
-            r.trails.iter_mut().zip(&r.roots).for_each(|(t, p)| t.push(Vec2::new(p.x, p.z)));
+        let later = [0.5 * (config.snapshot_s + config.seconds), config.seconds].into_iter();
+        let mut due =
+            std::iter::once(config.snapshot_s.min(config.seconds)).chain(later.filter(|at| *at > config.snapshot_s));
+        let is_due = due.nth(r.moments.len()).is_some_and(|at| time_s > at - 0.5 * dt);
+        if r.moments.is_empty() && (is_due || step.is_multiple_of(trail_every)) {
+            r.trails.iter_mut().zip(all.clone()).for_each(|(t, c)| t.push(ground_position(characters.root(c))));
         }
-        if is_last {
-            r.snapshot_s = time_s;
-            r.poses = (0..n).map(|c| characters.joint_positions(c)).collect();
+        if is_due {
+            let poses = all.map(|c| characters.joint_positions(c)).collect();
+            r.moments.push(TrialMoment { time_s, poses });
         }
     }
 

@@ -1,9 +1,11 @@
 //! One view of the hitting points: grid, body, points, axes in metres.
 
 use super::super::canvas::Area;
+use super::super::paint::draw_pieces;
 use super::super::text::{Align, TextStyle, draw_text};
+use super::super::world::figure_pieces;
 use super::{HitPoint, hit_colour};
-use crate::picture::{BodyColours, BodyFigure, Picture, PictureCamera, colour, sprite};
+use crate::picture::{BodyColours, BodyFigure, Picture, PictureCamera, WorldFigure, colour};
 use glam::{Vec2, Vec3};
 
 /// Distance between grid lines (m).
@@ -48,9 +50,8 @@ impl HitPanel {
         let mut panel = Picture::new(self.area.size.x as u32, self.area.size.y as u32, colour::GROUND);
         self.grid(&mut panel, unit);
         let colours = BodyColours::plain(colour::BODY).faded(colour::GROUND, 0.5);
-        if let Some(body) = body {
-            sprite::draw(&mut panel, body, &colours, &self.camera);
-        }
+        let body = body.map(|figure| WorldFigure { figure: *figure, colours });
+        draw_pieces(&mut panel, &self.camera, &body.iter().flat_map(figure_pieces).collect::<Vec<_>>());
         // Far points first.
         let mut order: Vec<&HitPoint> = points.iter().collect();
         order.sort_by(|a, b| self.camera.depth(b.position).total_cmp(&self.camera.depth(a.position)));

@@ -23,10 +23,8 @@ fn seen(z: f32, elevation: f32) -> Picture {
         size: (400, 400),
         figures: &[WorldFigure { figure, colours: BodyColours::plain(RED) }],
         units: &[unit],
-        solids: &[],
-        trails: &[],
-        names: &[],
         camera: WorldCamera { heading: 0.0, elevation, focus: Some((Vec3::Y, 3.0)) },
+        ..WorldSheet::default()
     })
 }
 
@@ -69,11 +67,11 @@ fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
         subtitle: "b",
         size: (64, 200),
         figures: &[WorldFigure { figure, colours: BodyColours::default() }],
-        units: &[],
-        solids: &[],
-        trails: &[(vec![Vec3::ZERO, Vec3::NAN], RED)],
+        trails: &[(vec![Vec3::ZERO, Vec3::NAN, Vec3::splat(1e30)], RED)],
+        rings: &[(Vec3::INFINITY, 1.0, RED)],
         names: &[(Vec3::ZERO, "n".into(), GREEN)],
         camera: WorldCamera { heading: 0.3, elevation: 9.0, focus: None },
+        ..WorldSheet::default()
     };
     assert_eq!(world_sheet(&view).width(), 64);
     let strip = WorldStrip {
@@ -83,10 +81,39 @@ fn broken_figures_and_empty_worlds_are_drawn_without_a_panic() {
             WorldMoment::of_one(0.0, figure),
             WorldMoment::of_one(0.1, BodyFigure::from_positions(&Skeleton::default().rest_positions())),
         ],
-        units: &[],
         columns: 2,
         width_m: 2.0,
         view_angles: (0.0, 0.1),
+        ..WorldStrip::default()
     };
     assert!(world_strip(&strip).height() > 300);
+}
+
+/// Somebody who stands at a place (m).
+fn standing_at(x: f32, z: f32) -> WorldFigure {
+    let joints = Skeleton::default().rest_positions().map(|p| p + Vec3::new(x, 0.0, z));
+    WorldFigure { figure: BodyFigure::from_positions(&joints), colours: BodyColours::plain(RED) }
+}
+
+#[test]
+fn everything_is_inside_the_view_of_everything() {
+    let size = Vec2::new(800.0, 500.0);
+    let figures = [standing_at(-30.0, 4.0), standing_at(12.0, -9.0), standing_at(3.0, 25.0)];
+    let target = Vec3::new(40.0, 0.0, 0.0);
+    let camera = world_camera(&OBLIQUE_VIEW, size, &world_pieces(&[], &figures), [target].iter());
+    for p in figures.iter().flat_map(|f| f.figure.joints).chain([target]) {
+        let s = camera.project(p);
+        assert!(s.cmpge(Vec2::ZERO).all() && s.cmple(size).all(), "{p} is seen at {s}");
+    }
+}
+
+#[test]
+fn same_input_same_bytes_at_any_thread_count() {
+    let figures: Vec<WorldFigure> = (0..60).map(|i| standing_at((i % 10) as f32, (i / 10) as f32)).collect();
+    let draw = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let sheet = WorldSheet { size: (320, 200), figures: &figures, ..WorldSheet::default() };
+        pool.install(|| world_sheet(&sheet).to_png().expect("encodes"))
+    };
+    assert_eq!(draw(1), draw(4));
 }
