@@ -12,6 +12,7 @@ use serde::Serialize;
 use std::f32::consts::TAU;
 use throng_base::maths;
 use throng_base::thresholds::TOE_LOW_M;
+use throng_core::skeleton::LEGS;
 use throng_core::{Bundle, Joint, NUM_JOINTS, Planar};
 use throng_motion::clip::joint_transforms;
 
@@ -23,11 +24,6 @@ const WINDOW: usize = 64;
 const FAST_HZ: f32 = 6.0;
 /// Hands that accelerate less do not move (m/s2, root mean square of a window).
 const HANDS_AT_REST_MPS2: f32 = 0.5;
-/// Legs and toes.
-const LEGS: [[Joint; 4]; 2] = [
-    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
-    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
-];
 
 /// Rate of a knee that snaps, over the 99.9th percentile of the clips.
 const SNAP: f64 = 1.2;

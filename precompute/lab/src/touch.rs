@@ -5,9 +5,9 @@ use crate::histogram::Histogram;
 use crate::quality::clip_joints;
 use glam::Vec3;
 use serde::Serialize;
+use throng_core::skeleton::{ARMS, LEGS};
 use throng_core::{BodyVolume, Bundle, CharacterGroup, Joint, NUM_JOINTS};
 use throng_geometry::segment_distance;
-use throng_planner::linkage::Limb;
 use throng_simulation::sparring::{Sparring, StruckPart};
 
 /// Figures of opponents: whether their limbs stop at each other.
@@ -52,11 +52,6 @@ const LANDING_S: f32 = 0.1;
 type ElbowRateHistogram = Histogram<50, 4000>;
 
 const SPINE: [Joint; 5] = [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest, Joint::Neck];
-const ARMS: [[Joint; 3]; 2] = [Limb::LeftArm.joints(), Limb::RightArm.joints()];
-
-/// Shin and foot of each leg.
-const LEGS: [[Joint; 3]; 2] =
-    [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
 
 /// Measures the contact of opponents from step to step.
 #[derive(Default)]
@@ -193,8 +188,8 @@ fn spine_distance(bone: [Vec3; 2], joints: &[Vec3; NUM_JOINTS]) -> f32 {
 }
 
 /// Shin and foot of a leg (m).
-fn lower_leg(leg: [Joint; 3], joints: &[Vec3; NUM_JOINTS]) -> [[Vec3; 2]; 2] {
-    let [knee, ankle, toes] = leg.map(|j| joints[j.index()]);
+fn lower_leg(leg: [Joint; 4], joints: &[Vec3; NUM_JOINTS]) -> [[Vec3; 2]; 2] {
+    let [_, knee, ankle, toes] = leg.map(|j| joints[j.index()]);
     [[knee, ankle], [ankle, toes]]
 }
 

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 use throng_core::Joint;
+use throng_core::skeleton::LEGS;
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,11 +45,7 @@ impl LateralSide {
 
     /// Thigh, shin, foot and toe joints of the side.
     pub fn leg(self) -> [Joint; 4] {
-        use Joint::*;
-        match self {
-            Self::Left => [LeftThigh, LeftShin, LeftFoot, LeftToe],
-            Self::Right => [RightThigh, RightShin, RightFoot, RightToe],
-        }
+        LEGS[self as usize]
     }
 
     /// Clavicle, upper arm, forearm and hand joints of the side.

@@ -156,6 +156,13 @@ pub fn slerp_f32(a: Quat, b: Quat, share: f32) -> Quat {
     slerp(a.as_dquat(), b.as_dquat(), f64::from(share)).as_quat()
 }
 
+/// The value that a share of all values is below, as a fraction: `[1, 2]` for the median; the greatest for all, and `None` of none.
+pub fn quantile<R: Copy + Into<f64>>(values: impl IntoIterator<Item = R>, [part, whole]: [usize; 2]) -> Option<R> {
+    let mut all: Vec<R> = values.into_iter().collect();
+    let at = (all.len() * part / whole).min(all.len().checked_sub(1)?);
+    Some(*all.select_nth_unstable_by(at, |a, b| (*a).into().total_cmp(&(*b).into())).1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -64,6 +64,17 @@ joints! {
     RightToe "right_toe" Some(Self::RightFoot),
 }
 
+/// Legs: thigh, shin, foot, toe.
+pub const LEGS: [[Joint; 4]; 2] = [
+    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
+    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
+];
+/// Arms: upper arm, forearm, hand.
+pub const ARMS: [[Joint; 3]; 2] = [
+    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
+    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
+];
+
 impl Joint {
     /// Index in pose arrays.
     pub const fn index(self) -> usize {

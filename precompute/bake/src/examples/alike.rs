@@ -6,6 +6,7 @@ use super::select::{ExampleCandidate, ExampleSource};
 use super::track::ClipTrack;
 use glam::Vec3;
 use std::collections::BTreeMap;
+use throng_base::maths::quantile;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::format::{Gait, MotionClass, Posture};
 use throng_core::{Contacts, Joint, Skeleton};
@@ -215,9 +216,7 @@ impl UsualCarriage {
         let carriages: Vec<Carriage> = all.iter().map(|c| Carriage::over_cycle(&c.cycle, skeleton)).collect();
         let far = |c: &Carriage| carriages.iter().map(|o| c.farthest(o).0.min(2.0)).sum::<f32>();
         let mut usual = carriages.iter().map(|c| (far(c), c)).min_by(|a, b| a.0.total_cmp(&b.0))?.1.clone();
-        let mut heights: Vec<f32> = carriages.iter().map(|c| c.hips_m).collect();
-        heights.sort_by(f32::total_cmp);
-        usual.hips_m = heights[heights.len() / 2];
+        usual.hips_m = quantile(carriages.iter().map(|c| c.hips_m), [1, 2])?;
         let usual = Self(usual);
         let mut order: Vec<(f32, ExampleCandidate<'_>)> = Vec::new();
         for (c, carriage) in all.drain(..).zip(&carriages) {

@@ -3,6 +3,7 @@
 use glam::{Quat, Vec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use throng_base::maths::quantile;
 use throng_core::blend::{BlendSpace, BlendedPosture, ExampleRecord, MAX_AXES, axis, channel};
 use throng_core::{Joint, NUM_JOINTS};
 use throng_motion::clip::joint_transforms;
@@ -59,8 +60,9 @@ pub fn judge(space: &BlendSpace) -> BlendQuality {
     let examples: Vec<BlendCycle> = (0..space.examples().len()).map(|e| example_cycle(space, e)).collect();
     let blends: Vec<BlendCycle> = grid(space.axes().len()).map(|at| blend_cycle(space, &at)).collect();
     let limits = BodyLimits::built_in(space.skeleton());
-    let slips =
-        |of: &[BlendCycle]| percentile_95(of.iter().filter(|c| c.reached).flat_map(|c| slip(space, c)).collect());
+    let slips = |of: &[BlendCycle]| {
+        quantile(of.iter().filter(|c| c.reached).flat_map(|c| slip(space, c)), [95, 100]).unwrap_or_default()
+    };
     let (beyond, joint) = beyond_limits(&limits, &examples, &blends);
     let (ratio, widest) = range_ratio(&examples, &blends);
     let unlike = blends.iter().map(|b| examples.iter().map(|e| unlike(b, e)).fold(f64::INFINITY, f64::min));
@@ -248,9 +250,4 @@ fn pose_turn(p: &BlendedPosture, q: &BlendedPosture) -> f64 {
 
 fn angle(p: Quat, q: Quat) -> f32 {
     2.0 * p.dot(q).abs().min(1.0).acos()
-}
-
-fn percentile_95(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get((values.len() * 95 / 100).min(values.len().saturating_sub(1))).copied().unwrap_or(0.0)
 }

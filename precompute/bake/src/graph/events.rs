@@ -5,6 +5,7 @@ use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
+use throng_core::skeleton::ARMS;
 use throng_core::{Contacts, Joint, NUM_JOINTS};
 use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 use throng_motion::error::Result;
@@ -125,10 +126,6 @@ struct PoseEvents {
 /// True for a gesture, such as an offered or a waving hand, however long it is held: an arm with an elbow opened wider
 /// than a right angle points more than [`HANGING`] off straight down. Hands on hips, crossed arms and guards are none.
 pub(crate) fn holds_arm_out(joints: &[Vec3; NUM_JOINTS]) -> bool {
-    const ARMS: [[Joint; 3]; 2] = [
-        [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-        [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-    ];
     ARMS.iter().any(|arm| {
         let [shoulder, elbow, wrist] = arm.map(|j| joints[j.index()]);
         let reach = wrist - shoulder;

@@ -13,6 +13,7 @@ use glam::Vec2;
 use rand_pcg::Pcg64;
 use std::time::Instant;
 use throng_base::Comm;
+use throng_base::maths::quantile;
 use throng_core::policy::{
     ActionTable, PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord,
 };
@@ -153,10 +154,8 @@ pub fn solve(
 fn hit_centre(clips: &ClipSet) -> Option<Vec2> {
     let places: Vec<Vec2> =
         clips.clips.iter().flat_map(|c| &c.hits).map(|h| Vec2::new(h.position.x, h.position.z)).collect();
-    let mut distances: Vec<f32> = places.iter().map(|p| p.length()).collect();
-    distances.sort_by(f32::total_cmp);
     let direction: Vec2 = places.iter().map(|p| p.normalize_or_zero()).sum();
-    Some(direction.try_normalize().unwrap_or(Vec2::Y) * *distances.get(distances.len() / 2)?)
+    Some(direction.try_normalize().unwrap_or(Vec2::Y) * quantile(places.iter().map(|p| p.length()), [1, 2])?)
 }
 
 impl PolicySolver<'_> {

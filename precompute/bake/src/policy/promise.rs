@@ -6,6 +6,7 @@ use super::follow::{PolicySituation, collect_rewards};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
+use throng_base::maths::quantile;
 use throng_core::policy::{KERNEL_EXPONENTIAL, MAX_ACTIONS, PolicyTable};
 
 /// Number of roll-outs of a policy.
@@ -130,9 +131,7 @@ fn kept_share(rollouts: &[Rollout]) -> Option<(f64, f64)> {
     };
     let [promised, realised] =
         [|r: &Rollout| r.promised, |r: &Rollout| r.realised].map(|of| rollouts.iter().map(of).sum::<f64>());
-    let mut ratios: Vec<f64> = rollouts.iter().map(|r| ratio(r.promised, r.realised)).collect();
-    ratios.sort_by(f64::total_cmp);
-    let p05 = *ratios.get(ratios.len() / 20)?;
+    let p05 = quantile(rollouts.iter().map(|r| ratio(r.promised, r.realised)), [1, 20])?;
     Some((ratio(promised, realised), p05))
 }
 

@@ -6,6 +6,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
 use std::time::Instant;
+use throng_base::maths::quantile;
 use throng_core::characters::{Characters, CharactersConfig, Detail, MotionSet, PolicyOrder};
 use throng_core::{Bundle, Error};
 use throng_motion::error::Result;
@@ -92,10 +93,7 @@ impl<'a> LevelTestCrowd<'a> {
                 times.push(self.time_round(detail)?);
             }
         }
-        let [full_ns, free_feet_ns, record_ns] = times.map(|mut t| {
-            t.sort_by(f64::total_cmp);
-            t[t.len() / 2]
-        });
+        let [full_ns, free_feet_ns, record_ns] = times.map(|t| quantile(t, [1, 2]).unwrap_or_default());
         let (characters, record_bytes) = (self.orders.len(), self.record_bytes);
         Ok(LevelFigures { characters, full_ns, free_feet_ns, record_ns, record_bytes })
     }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::hint::black_box;
 use std::time::Instant;
+use throng_base::maths::quantile;
 use throng_core::Planar;
 use throng_core::characters::{CharacterStart, MotionSet, PolicyOrder};
 use throng_core::policy::{BestActionJob, LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
@@ -36,8 +37,7 @@ pub fn median_ns(seconds: f64, mut round: impl FnMut()) -> f64 {
         round();
         times.push(t.elapsed().as_secs_f64() * 1e9);
     }
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+    quantile(times, [1, 2]).unwrap_or_default()
 }
 
 /// Random states of a policy, and targets around them at 0.2 to 6 m.

@@ -14,6 +14,7 @@ use crate::touch::{TouchFigures, TouchMeter};
 use glam::{Vec2, Vec3};
 use partners::PartnerMeter;
 use throng_core::body::HeightField;
+use throng_core::skeleton::LEGS;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{BodyVolume, Joint, NUM_JOINTS, PosedBody, Skeleton};
 use throng_motion::error::Result;
@@ -30,9 +31,6 @@ pub use partners::PartnerFigures;
 pub(super) const SAMPLE_PERIOD_S: f64 = 0.1;
 /// Time that characters have to come together before their greatest distance counts (s).
 const APPROACH_S: f64 = 5.0;
-/// Legs and the joints of their knees.
-const KNEES: [[Joint; 3]; 2] =
-    [[Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot], [Joint::RightThigh, Joint::RightShin, Joint::RightFoot]];
 
 /// Measurements of some groups.
 pub struct SceneWatch {
@@ -335,8 +333,8 @@ impl PathMeter {
 
 /// Angles at the knees; pi where a leg is straight (rad).
 pub fn knee_angles(pose: &[Vec3; NUM_JOINTS]) -> [f32; 2] {
-    KNEES.map(|leg| {
-        let [hip, knee, ankle] = leg.map(|j| pose[j.index()]);
+    LEGS.map(|leg| {
+        let [hip, knee, ankle, _] = leg.map(|j| pose[j.index()]);
         (hip - knee).angle_between(ankle - knee)
     })
 }

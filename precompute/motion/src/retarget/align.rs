@@ -8,6 +8,8 @@ use super::body::{PoseSample, RolePose, SourceBody};
 use super::geometry;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
+use throng_base::maths::quantile;
+use throng_core::skeleton::LEGS;
 use throng_core::{Joint, NUM_JOINTS};
 
 /// Rotation from the database joint's axes to the source joint's, per role.
@@ -29,17 +31,13 @@ pub const MIN_SAMPLES: usize = 5;
 /// Lean of the shin sideways below which a foot is level sideways (sine of the angle).
 const UPRIGHT_SHIN: f32 = 0.1;
 
-/// The lower legs, left and right.
-const LEGS: [[Joint; 3]; 2] =
-    [[Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe], [Joint::RightShin, Joint::RightFoot, Joint::RightToe]];
-
 /// Finds the constant rotation of every role.
 pub fn align(body: &SourceBody) -> Alignment {
     let mut a = match &body.rest {
         Some(_) => from_rest(body),
         None => geometry::from_geometry(body),
     };
-    for (side, [shin, foot, toe]) in LEGS.into_iter().enumerate() {
+    for (side, [_, shin, foot, toe]) in LEGS.into_iter().enumerate() {
         a[foot.index()] = foot_alignment(body, side, shin, foot, toe, &a);
         a[toe.index()] = toe_alignment(body, side, foot, toe, &a);
     }
@@ -187,10 +185,9 @@ fn sole_normal(body: &SourceBody, side: usize, joint: Joint) -> Option<Vec3> {
 /// The frames in which a foot stands flat: hardly moving, the toe about as low as in the lowest quarter of those,
 /// and the shin not leaning sideways, because feet that are tracked by few markers lean with the leg.
 fn standing_samples(body: &SourceBody, side: usize) -> Vec<&PoseSample> {
-    let [shin, foot, toe] = LEGS[side].map(Joint::index);
-    let mut heights: Vec<f32> = still_samples(body, side).map(|s| s.pose[toe].0.y).collect();
-    heights.sort_by(f32::total_cmp);
-    let Some(limit) = heights.get(heights.len() / 4).map(|h| h + 0.03) else { return Vec::new() };
+    let [_, shin, foot, toe] = LEGS[side].map(Joint::index);
+    let lowest = quantile(still_samples(body, side).map(|s| s.pose[toe].0.y), [1, 4]);
+    let Some(limit) = lowest.map(|h| h + 0.03) else { return Vec::new() };
     let low: Vec<&PoseSample> = still_samples(body, side).filter(|s| s.pose[toe].0.y < limit).collect();
     let leans = |s: &PoseSample| {
         let left = (s.pose[Joint::LeftThigh.index()].0 - s.pose[Joint::RightThigh.index()].0).with_y(0.0);

@@ -8,7 +8,9 @@ use super::transfer::RetargetedMotion;
 use crate::stance::{self, FootSample};
 use glam::{DMat3, DVec3, Quat, Vec3};
 use throng_base::maths;
-use throng_core::{Joint, NUM_JOINTS, Skeleton};
+use throng_base::maths::quantile;
+use throng_core::skeleton::LEGS;
+use throng_core::{NUM_JOINTS, Skeleton};
 
 /// Quantile of the heights of standing feet that counts as the ground: low, because feet also stand on things.
 const GROUND_QUANTILE: f32 = 0.25;
@@ -165,14 +167,12 @@ fn spread(clips: &[&[FootPoint]], slope: Vec3) -> f32 {
         let level = level_of(points, slope);
         far.extend(points.iter().map(|p| (above(p, slope) - level).abs()));
     }
-    quantile(far, 0.9)
+    value_at_share(far, 0.9)
 }
 
 /// The median height of the points (m).
 fn level_of(points: &[FootPoint], slope: Vec3) -> f32 {
-    let mut heights: Vec<f32> = points.iter().map(|p| above(p, slope)).collect();
-    heights.sort_by(f32::total_cmp);
-    heights.get(heights.len() / 2).copied().unwrap_or(0.0)
+    quantile(points.iter().map(|p| above(p, slope)), [1, 2]).unwrap_or_default()
 }
 
 /// Groups the points by the place at which they stand; over time it is another one where the floor drifts.
@@ -197,7 +197,8 @@ fn share_of_places(clips: &[&[FootPoint]], places: &[Vec<Vec<&FootPoint>>], slop
     let (mut kept, mut total) = (0usize, 0usize);
     for (points, places) in clips.iter().zip(places) {
         let level = level_of(points, slope);
-        let far = |place: &[&FootPoint]| quantile(place.iter().map(|p| (above(p, slope) - level).abs()).collect(), 0.5);
+        let far =
+            |place: &[&FootPoint]| value_at_share(place.iter().map(|p| (above(p, slope) - level).abs()).collect(), 0.5);
         kept += places.iter().filter(|place| far(place) < TILT_NOISE).count();
         total += places.len();
     }
@@ -207,7 +208,7 @@ fn share_of_places(clips: &[&[FootPoint]], places: &[Vec<Vec<&FootPoint>>], slop
 /// Height of the floor of one clip at the origin, given its slope: the lower quartile of the heights of standing feet, which is
 /// robust to bad frames, jumps and steps (m).
 pub fn floor_height(points: &[FootPoint], slope: Vec3) -> f32 {
-    quantile(points.iter().map(|p| above(p, slope)).collect(), GROUND_QUANTILE)
+    value_at_share(points.iter().map(|p| above(p, slope)).collect(), GROUND_QUANTILE)
 }
 
 /// Moves the motion down onto y = 0. The remaining slope is taken out of heights only: it is too small to turn the body for.
@@ -221,7 +222,7 @@ fn above(p: &FootPoint, slope: Vec3) -> f32 {
     p.height - slope.dot(p.place)
 }
 
-fn quantile(mut values: Vec<f32>, share: f32) -> f32 {
+fn value_at_share(mut values: Vec<f32>, share: f32) -> f32 {
     values.sort_by(f32::total_cmp);
     let last = values.len().saturating_sub(1);
     values.get((last as f32 * share) as usize).copied().unwrap_or(0.0)
@@ -229,11 +230,8 @@ fn quantile(mut values: Vec<f32>, share: f32) -> f32 {
 
 /// World positions of left ankle, left toe, right ankle, right toe.
 fn foot_positions(root: Vec3, local: &[glam::Quat], skeleton: &Skeleton) -> [Vec3; 4] {
-    use Joint::*;
     let mut out = [Vec3::ZERO; 4];
-    for (side, chain) in
-        [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]].iter().enumerate()
-    {
+    for (side, chain) in LEGS.iter().enumerate() {
         let (mut p, mut r) = (root, local[0]);
         for (k, j) in chain.iter().enumerate() {
             p += r * skeleton.offsets[j.index()];

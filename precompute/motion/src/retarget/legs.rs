@@ -6,14 +6,10 @@
 use super::body::RolePose;
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_core::skeleton::LEGS;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::two_bone_offsets;
 
-/// Thigh, shin, foot and toe of both sides.
-pub const LEGS: [[Joint; 4]; 2] = {
-    use Joint::*;
-    [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]]
-};
 /// Rise of the heel below which a foot stands on the heel, and above which it stands on the toe (sine of the angle).
 const RAISED: (f32, f32) = (0.1, 0.5);
 /// Height of the knee above the ankle, as a share of the shin: above the second number the leg reaches fully, below the first

@@ -22,13 +22,14 @@ use crate::raw::{RawClip, RawJoint};
 use body::SourceBody;
 pub use body::{RetargetSource, Roles};
 use glam::Vec3;
-pub use legs::{LEGS, bend_leg};
+pub use legs::bend_leg;
 pub use names::rename_mirror_clashes;
 pub use plan::{ClipProvider, Floor, RetargetPlan, SkeletonGroup, provide_from_memory};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+pub use throng_core::skeleton::LEGS;
 use throng_core::{Joint, Skeleton};
 pub use wear::{BodyFit, WornPose};
 

@@ -1,20 +1,10 @@
 //! The body that a pose is for: lengths of limbs and points of the feet, of the database skeleton or of another size.
 
 use super::lanes::{Lane, Lane3, set_lane};
+pub(crate) use crate::skeleton::{ARMS, LEGS};
 use crate::skeleton::{Joint, NUM_JOINTS, Skeleton};
 use glam::Vec3;
 use throng_base::simd::LANES;
-
-/// Legs: thigh, shin, foot, toe.
-pub(crate) const LEGS: [[Joint; 4]; 2] = [
-    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot, Joint::LeftToe],
-    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot, Joint::RightToe],
-];
-/// Arms: upper arm, forearm, hand.
-pub(crate) const ARMS: [[Joint; 3]; 2] = [
-    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-];
 
 /// A leg of eight characters (m).
 #[derive(Clone, Copy, Debug)]

@@ -2,6 +2,7 @@
 
 use super::super::touch::{PARTS, SkinPoints};
 use glam::{Quat, Vec3};
+use throng_base::maths::quantile;
 use throng_base::thresholds::{HAND_HOLDS_MPS, SEATED_MPS};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::BoundingBox;
@@ -163,10 +164,5 @@ fn longest_side(points: impl IntoIterator<Item = Vec3>) -> f32 {
 
 /// The median of each coordinate (not empty).
 fn median(points: Vec<Vec3>) -> Vec3 {
-    let of = |k: usize| {
-        let mut v: Vec<f32> = points.iter().map(|p| p[k]).collect();
-        v.sort_by(f32::total_cmp);
-        v[v.len() / 2]
-    };
-    Vec3::new(of(0), of(1), of(2))
+    Vec3::from_array([0, 1, 2].map(|k| quantile(points.iter().map(|p| p[k]), [1, 2]).unwrap_or_default()))
 }

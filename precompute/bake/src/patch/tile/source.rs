@@ -2,6 +2,7 @@
 
 use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
+use throng_base::maths::quantile;
 use throng_core::patch::Placement;
 use throng_motion::clip::{ClipSet, FrameRange};
 
@@ -77,13 +78,8 @@ impl<'a> TileSource<'a> {
 /// Removes frames of sitting on a missing seat from runs: low, and still.
 fn leave_out_seats(set: &ClipSet, tracks: &[PatchTrack], clips: &[usize], run_end: &mut [Vec<usize>]) {
     let height = |c: usize, f: usize| set.clips[c].root_positions[f].y - tracks[c].support[f];
-    let mut all: Vec<f32> =
-        clips.iter().flat_map(|&c| (0..run_end[c].len()).map(move |f| (c, f))).map(|(c, f)| height(c, f)).collect();
-    if all.is_empty() {
-        return;
-    }
-    let middle = all.len() / 2;
-    let usual = *all.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let all = clips.iter().flat_map(|&c| (0..run_end[c].len()).map(move |f| (c, f)));
+    let Some(usual) = quantile(all.map(|(c, f)| height(c, f)), [1, 2]) else { return };
     for &c in clips {
         let mut end = 0;
         for f in (0..run_end[c].len()).rev() {

@@ -13,6 +13,7 @@ use crate::share::{clip_owners, sort_by_owner};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
+use throng_base::maths::quantile;
 use throng_core::Joint;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
 use throng_motion::clip::ClipSet;
@@ -106,9 +107,7 @@ struct SentPath(#[serde(with = "throng_motion::pod::one")] PathRecord);
 
 /// Median height of the point at the starts of segments (m).
 fn median_height(paths: &[PathRecord]) -> f64 {
-    let mut heights: Vec<f32> = paths.iter().map(|p| p.points[0][1]).collect();
-    heights.sort_by(f32::total_cmp);
-    heights.get(heights.len() / 2).map_or(1.5, |&h| f64::from(h))
+    quantile(paths.iter().map(|p| p.points[0][1]), [1, 2]).map_or(1.5, f64::from)
 }
 
 impl PolicyBehaviour for Evade {

@@ -4,6 +4,8 @@ use super::{ClassSpan, Gait, HELD_OTHERWISE, MotionClass};
 use crate::annotate::contacts::speeds;
 use crate::clip::{Clip, FrameRange, runs_where};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_base::maths::quantile;
+use throng_core::skeleton::ARMS;
 use throng_core::{Joint, Skeleton};
 
 /// Half of the time over which the speed of the hips is measured: about a step in all (s).
@@ -21,11 +23,6 @@ const JUMP_S: f64 = 0.3;
 /// Limits beyond which motion has a manner of its own: lean of walking and running (degrees), angle of an arm (degrees),
 /// height of the hips.
 const APART: ([f32; 2], f32, f32) = ([20.0, 36.0], 55.0, 0.87);
-/// Shoulder, elbow and hand of both sides.
-const ARMS: [[Joint; 3]; 2] = [
-    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-];
 
 /// Measurements of every frame (num_frames each).
 #[derive(Default)]
@@ -143,11 +140,7 @@ impl Signals {
 
     /// Manner of motion whose name says nothing: by lean, arms and height.
     pub fn manner(&self, run: FrameRange, gait: Gait) -> &'static str {
-        let median = |value: &dyn Fn(usize) -> f32| {
-            let mut all: Vec<f32> = run.clone().map(value).collect();
-            all.sort_by(f32::total_cmp);
-            all[all.len() / 2]
-        };
+        let median = |value: &dyn Fn(usize) -> f32| quantile(run.clone().map(value), [1, 2]).unwrap_or_default();
         let (lean, arm, height) = APART;
         // Gestures are no manner.
         let goes = !matches!(gait, Gait::Stand | Gait::Other);

@@ -2,6 +2,7 @@
 
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_base::maths::quantile;
 
 /// A position or a rotation.
 pub trait TrackValue: Copy {
@@ -127,10 +128,8 @@ fn spike<V: TrackValue>(track: &[V], f: usize, width: usize, limit: f32) -> Opti
 /// Median of a measure around a run of frames, without the frames that touch it.
 fn median_around(f: usize, width: usize, n: usize, of: impl Fn(usize) -> f32) -> f32 {
     let (low, high) = (f.saturating_sub(AROUND + width).max(1), (f + AROUND + width).min(n.saturating_sub(width + 1)));
-    let mut all: Vec<f32> =
-        (low..high).filter(|&k| k + width < f || k > f + width).map(of).filter(|v| v.is_finite()).collect();
-    all.sort_by(f32::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(0.0)
+    let all = (low..high).filter(|&k| k + width < f || k > f + width).map(of).filter(|v| v.is_finite());
+    quantile(all, [1, 2]).unwrap_or_default()
 }
 
 /// Finds frames that are farther than `limit` from the one before, without a motion of the frames next to them that leads

@@ -4,6 +4,7 @@ use crate::clip::runs_where;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_base::maths::quantile;
 use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS};
 use throng_core::Joint;
 
@@ -51,9 +52,8 @@ impl Tracks {
         };
         let (hips, parts): (_, Vec<_>) = (0..clip.num_frames).map(places).unzip();
         let lowest = |part: usize| {
-            let mut all: Vec<f32> = parts.iter().filter_map(|p: &[Option<Vec3>; 4]| p[part].map(|v| v.y)).collect();
-            all.sort_by(f32::total_cmp);
-            all.get(all.len() / 20).copied().unwrap_or(f32::INFINITY)
+            let all = parts.iter().filter_map(|p: &[Option<Vec3>; 4]| p[part].map(|v| v.y));
+            quantile(all, [1, 20]).unwrap_or(f32::INFINITY)
         };
         let ground = std::array::from_fn(lowest);
         Some(Self { rate_hz: clip.rate_hz, hips, parts, ground })
@@ -117,12 +117,11 @@ fn find_walk_in_place(t: &Tracks) -> Option<WalkInPlace> {
         }
     }
     let share = sliding.iter().filter(|s| **s).count() as f32 / n as f32;
-    (share >= MOST && slides == [true; 2]).then(|| WalkInPlace { speed_mps: median(speeds), share })
+    (share >= MOST && slides == [true; 2]).then(|| WalkInPlace { speed_mps: median(speeds.into_iter()), share })
 }
 
-fn median(mut all: Vec<f32>) -> f32 {
-    all.sort_by(f32::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or_default()
+fn median(all: impl Iterator<Item = f32>) -> f32 {
+    quantile(all, [1, 2]).unwrap_or_default()
 }
 
 /// Gives a walk on the spot the way that its planted feet make the ground move, if it goes with its steps, and tells it.
@@ -173,11 +172,11 @@ fn find_way(t: &Tracks) -> Vec<Vec2> {
     let of_lowest: Vec<Vec2> = (0..n).map(|f| lowest(&f)).collect();
     let near = |f: usize, s: f64| f.saturating_sub(t.frames(0.5 * s))..(f + t.frames(0.5 * s) + 1).min(n);
     let course = |f: usize| {
-        let of = |v: fn(&Vec2) -> f32| median(of_lowest[near(f, COURSE_S)].iter().map(v).collect());
+        let of = |v: fn(&Vec2) -> f32| median(of_lowest[near(f, COURSE_S)].iter().map(v));
         Vec2::new(of(|v| v.x), of(|v| v.y))
     };
     let in_air = (0..n).filter(|&f| (0..4).all(|p| t.height(p, f) > 0.75 * FOOT_LOW_M)).count() as f32 / n as f32;
-    let runs = in_air > RUNNERS.1 || median(of_lowest.iter().map(|v| v.length()).collect()) > RUNNERS.0;
+    let runs = in_air > RUNNERS.1 || median(of_lowest.iter().map(|v| v.length())) > RUNNERS.0;
     let planted: Vec<Option<Vec2>> = match runs {
         false => {
             let mean = |f: usize| {
@@ -202,9 +201,7 @@ fn find_way(t: &Tracks) -> Vec<Vec2> {
             let all: Vec<Option<(f32, Vec2)>> = (0..n).map(fastest).collect();
             let mid_stance = |f: usize| {
                 let (speed, v) = all[f]?;
-                let mut around: Vec<f32> = all[near(f, RUNNERS.3)].iter().flatten().map(|a| a.0).collect();
-                around.sort_by(f32::total_cmp);
-                let top = around[around.len() * 9 / 10];
+                let top = quantile(all[near(f, RUNNERS.3)].iter().flatten().map(|a| a.0), [9, 10])?;
                 (speed > 0.0 && speed > RUNNERS.2 * top).then_some(v)
             };
             (0..n).map(mid_stance).collect()
@@ -247,7 +244,7 @@ fn find_steps(t: &Tracks, way: &[Vec2]) -> Option<(f32, f32)> {
         turns.into_iter().filter(|r| r.start > 0 && r.end < n && r.len() > t.frames(SPEED_S)).collect();
     whole.sort_by_key(|r| r.start);
     let widest = whole.iter().map(|r| apart[r.clone()].iter().fold(0.0f32, |most, a| most.max(a.abs())));
-    let widest = median(widest.collect());
-    let lengths = median(whole.iter().map(|r| r.len() as f32).collect());
+    let widest = median(widest);
+    let lengths = median(whole.iter().map(|r| r.len() as f32));
     (whole.len() >= 2).then(|| (t.rate_hz as f32 / lengths, widest))
 }

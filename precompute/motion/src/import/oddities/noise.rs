@@ -4,6 +4,7 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_base::maths::quantile;
 use throng_core::Joint;
 
 /// Rate at which frames are compared, so that clips of all rates compare (Hz).
@@ -12,6 +13,8 @@ const RATE_HZ: f64 = 30.0;
 const CAPTURED: f32 = 300.0;
 /// Multiple of that from which a warning is given: no clip of the three studios reaches it.
 const TIMES: f32 = 4.0;
+/// Fewest accelerations of a joint that count.
+const FEWEST: usize = 10;
 /// Joints whose turns are measured.
 const JOINTS: [Joint; 9] = [
     Joint::Hips,
@@ -49,9 +52,9 @@ fn shaking(clip: &RawClip, roles: &RoleMap) -> Option<f32> {
             track.push(clip.rotations[f * clip.joints.len() + j]);
         }
     }
-    let mut all: Vec<f32> = tracks.iter().filter_map(|t| median(products(t))).collect();
-    all.sort_by(f32::total_cmp);
-    Some((-all.get(all.len() / 2)?).max(0.0).sqrt().to_degrees() * rate * rate)
+    let median = |all: Vec<f32>| quantile(all, [1, 2]);
+    let all = tracks.iter().map(|t| products(t)).filter(|all| all.len() >= FEWEST).filter_map(median);
+    Some((-median(all.collect())?).max(0.0).sqrt().to_degrees() * rate * rate)
 }
 
 /// Each acceleration times the next one (rad a frame, squared, squared).
@@ -61,10 +64,4 @@ fn products(track: &[Quat]) -> Vec<f32> {
     let turns: Vec<Vec3> = track.windows(2).map(turn).collect();
     let accelerations: Vec<Vec3> = turns.windows(2).map(|w| w[1] - w[0]).collect();
     accelerations.windows(2).map(|w| w[0].dot(w[1])).collect()
-}
-
-/// The median; `None` for few numbers.
-fn median(mut all: Vec<f32>) -> Option<f32> {
-    all.sort_by(f32::total_cmp);
-    (all.len() >= 10).then(|| all[all.len() / 2])
 }

@@ -4,6 +4,7 @@ use super::super::units::sample_frames;
 use super::names::Label;
 use crate::raw::RawClip;
 use glam::Vec3;
+use throng_base::maths::quantile;
 
 /// Most frames that are examined.
 const MAX_FRAMES: usize = 48;
@@ -40,9 +41,8 @@ impl<'a> SkeletonTree<'a> {
             }
         }
         let length = |j: usize| {
-            let mut all: Vec<f32> = sampled.iter().map(|&f| clip.translations[f * n + j].length()).collect();
-            all.sort_by(f32::total_cmp);
-            if clip.joints[j].parent.is_none() { 0.0 } else { all.get(all.len() / 2).copied().unwrap_or(0.0) }
+            let all = sampled.iter().map(|&f| clip.translations[f * n + j].length());
+            if clip.joints[j].parent.is_none() { 0.0 } else { quantile(all, [1, 2]).unwrap_or_default() }
         };
         let lengths: Vec<f32> = (0..n).map(length).collect();
         let labels: Vec<Label> = clip.joints.iter().map(|j| Label::from_name(&j.name)).collect();

@@ -17,7 +17,7 @@ use super::placement::PlacementLanes;
 use super::volume::BodyVolume;
 use crate::contacts::Contacts;
 use crate::hits::striking_offset;
-use crate::skeleton::{Joint, Skeleton};
+use crate::skeleton::{ARMS, Joint, Skeleton};
 use glam::Vec3;
 use segment::{
     BoundingBall, LimbFreedom, LimbSegment, LimbShape, SOFT_ELBOW_M, elbow_angle, separate_segments, solve_two_bones,
@@ -46,12 +46,10 @@ const AT_REST_M: f32 = 5e-4;
 const LEAST_M: f32 = 1e-3;
 
 /// Root, middle and end of each limb: shoulder, elbow and wrist, then hip, knee and ankle.
-const LIMBS: [[Joint; 3]; NUM_LIMBS] = [
-    [Joint::LeftUpperArm, Joint::LeftForearm, Joint::LeftHand],
-    [Joint::RightUpperArm, Joint::RightForearm, Joint::RightHand],
-    [Joint::LeftThigh, Joint::LeftShin, Joint::LeftFoot],
-    [Joint::RightThigh, Joint::RightShin, Joint::RightFoot],
-];
+const LIMBS: [[Joint; 3]; NUM_LIMBS] = {
+    let [[a, b, c, _], [d, e, f, _]] = crate::skeleton::LEGS;
+    [ARMS[0], ARMS[1], [a, b, c], [d, e, f]]
+};
 const NUM_LIMBS: usize = 4;
 /// Number of the first limb that is a leg, and toes and soles of legs.
 const LEGS: usize = 2;

@@ -133,9 +133,8 @@ fn walking_speed(motion_set: &MotionSet) -> f32 {
         let d = s.displacement();
         throng_base::maths::hypot(d.x, d.z) * motion_set.rate_hz / s.num_frames as f32
     };
-    let mut speeds: Vec<f32> = motion_set.graph.segments.iter().map(speed).filter(|v| *v > WALKING_MPS).collect();
-    speeds.sort_unstable_by(f32::total_cmp);
-    speeds.get(speeds.len() / 2).copied().unwrap_or(1.0)
+    let speeds = motion_set.graph.segments.iter().map(speed).filter(|v| *v > WALKING_MPS);
+    throng_base::maths::quantile(speeds, [1, 2]).unwrap_or(1.0)
 }
 
 impl Characters {
