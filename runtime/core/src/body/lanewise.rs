@@ -1,5 +1,7 @@
 //! Copying and checking one character's share of data that holds eight.
 
+use super::gaze::Gaze;
+use super::upper::LayerState;
 use crate::contacts::Contacts;
 use throng_base::simd::LANES;
 
@@ -28,6 +30,8 @@ macro_rules! values {
 
 values!(|v: f32| v.abs() < 1e7, f32);
 values!(|_| true, u32 u64 i16 Contacts);
+values!(|gaze: Gaze| gaze.is_sound(), Gaze);
+values!(|layers: LayerState| layers.is_sound(), LayerState);
 
 impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
     fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
@@ -40,9 +44,9 @@ impl<T: Lanewise, const N: usize> Lanewise for [T; N] {
 }
 
 /// Implements [`Lanewise`] field by field; fields after a semicolon hold an array of numbers for each lane. The
-/// destructuring names every field, so that none can be forgotten.
+/// destructuring names every field, so that none can be forgotten. A function after `if` checks more of a lane.
 macro_rules! lanewise_fields {
-    ($kind:ident { $($field:ident),+ $(; $($row:ident),+)? }) => {
+    ($kind:ident { $($field:ident),+ $(; $($row:ident),+)? } $(if $is_sound:ident)?) => {
         impl $crate::body::Lanewise for $kind {
             fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
                 let Self { $($field,)+ $($($row),+)? } = self;
@@ -52,7 +56,7 @@ macro_rules! lanewise_fields {
 
             fn is_near(&self, lane: usize) -> bool {
                 let Self { $($field,)+ $($($row),+)? } = self;
-                $($field.is_near(lane))&&+ $($(&& $row[lane].iter().all(|v| v.abs() < 1e7))+)?
+                $($field.is_near(lane))&&+ $($(&& $row[lane].iter().all(|v| v.abs() < 1e7))+)? $(&& self.$is_sound(lane))?
             }
         }
     };

@@ -386,4 +386,4 @@ pub(crate) mod tests {
 }
 
 lanewise_fields!(ReactionSpring { place, velocity, force });
-lanewise_fields!(Reaction { active, trunk, head });
+lanewise_fields!(Reaction { active, trunk, head } if is_moderate);

@@ -8,7 +8,7 @@ use super::ground_plane::{BASE_HALF_LIFE_S, hips_ground_height};
 use super::hierarchy::{ModelPose, write_locals, write_matrices};
 use super::lane_body::{LEGS, LaneBody};
 use super::lanes::{Lane, load};
-use super::lanewise::Lanewise;
+use super::lanewise::lanewise_fields;
 use super::matrix::{LocalTransform, Mat3x4};
 use super::placement::PlacementLanes;
 use super::reach::Hands;
@@ -114,30 +114,7 @@ impl BodyState {
     }
 }
 
-impl Lanewise for BodyState {
-    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        let Self { reaction, gaze, layers, swing, base, base_rate, drop, drop_rate, seen } = self;
-        reaction.copy_lane(lane, &from.reaction, from_lane);
-        gaze[lane] = from.gaze[from_lane];
-        layers.copy_lane(lane, &from.layers, from_lane);
-        swing.copy_lane(lane, &from.swing, from_lane);
-        base.copy_lane(lane, &from.base, from_lane);
-        base_rate.copy_lane(lane, &from.base_rate, from_lane);
-        drop.copy_lane(lane, &from.drop, from_lane);
-        drop_rate.copy_lane(lane, &from.drop_rate, from_lane);
-        seen.copy_lane(lane, &from.seen, from_lane);
-    }
-
-    fn is_near(&self, lane: usize) -> bool {
-        let Self { reaction, gaze, layers, swing, base, base_rate, drop, drop_rate, seen } = self;
-        reaction.is_near(lane)
-            && reaction.is_moderate(lane)
-            && gaze[lane].is_sound()
-            && layers.is_near(lane)
-            && swing.is_near(lane)
-            && [base, base_rate, drop, drop_rate, seen].iter().all(|of| of.is_near(lane))
-    }
-}
+lanewise_fields!(BodyState { reaction, gaze, layers, swing, base, base_rate, drop, drop_rate, seen });
 
 /// Inputs of a step that all bodies share.
 pub(crate) struct BodyTick<'a> {

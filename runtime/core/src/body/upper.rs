@@ -5,7 +5,7 @@
 use super::arms::{ArmLayer, ArmState};
 use super::events::ClipRows;
 use super::lanes::Lane;
-use super::lanewise::Lanewise;
+use super::lanewise::lanewise_fields;
 use super::sample::LanePose;
 use super::springs::DampedSpring;
 use crate::skeleton::Joint;
@@ -241,6 +241,13 @@ impl LayerState {
         }
     }
 
+    /// True where its numbers can be.
+    pub fn is_sound(&self) -> bool {
+        let Self { arms, lean, lean_rate, clip: _, share, seconds } = self;
+        let angles = lean.iter().chain(lean_rate).all(|v| v.abs() < 10.0);
+        angles && (0.0..1e6).contains(seconds) && share.is_sound() && arms.iter().all(ArmState::is_sound)
+    }
+
     /// Length of the clip, and of the part at which its end becomes its begin (s).
     fn lengths_s(&self, rate_hz: f32) -> [f32; 2] {
         let end = self.clip.num_frames.saturating_sub(1) as f32 / rate_hz.max(1.0);
@@ -269,14 +276,4 @@ impl LayerStates {
     pub const ZERO: Self = Self { active: [0.0; LANES], lanes: [LayerState::ZERO; LANES] };
 }
 
-impl Lanewise for LayerStates {
-    fn copy_lane(&mut self, lane: usize, from: &Self, from_lane: usize) {
-        (self.active[lane], self.lanes[lane]) = (from.active[from_lane], from.lanes[from_lane]);
-    }
-
-    fn is_near(&self, lane: usize) -> bool {
-        let LayerState { arms, lean, lean_rate, clip: _, share, seconds } = &self.lanes[lane];
-        let angles = lean.iter().chain(lean_rate).all(|v| v.abs() < 10.0);
-        angles && (0.0..1e6).contains(seconds) && share.is_sound() && arms.iter().all(ArmState::is_sound)
-    }
-}
+lanewise_fields!(LayerStates { active, lanes });
