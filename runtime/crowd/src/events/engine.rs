@@ -152,7 +152,12 @@ impl<V: Space> Engine<V> {
             self.fixed = Some(fixed);
             return result;
         }
-        self.run_registration(until_s)
+        self.run_events(until_s, |engine, agent| {
+            if engine.states.len() - engine.free.len() > FEW {
+                engine.prefetch();
+            }
+            engine.process_event(agent).map(|_| ())
+        })
     }
 
     /// True where agents act by [`Scheme::Registration`].
@@ -164,7 +169,9 @@ impl<V: Space> Engine<V> {
         self.occupancy.is_none()
     }
 
-    fn run_registration(&mut self, until_s: f64) -> Result<bool> {
+    /// Runs the events of agents by `process`, in order, until a time or as long as there is room for more.
+    #[inline]
+    pub fn run_events(&mut self, until_s: f64, mut process: impl FnMut(&mut Self, u32) -> Result<()>) -> Result<bool> {
         while let Some((time, agent)) = self.queue.first(until_s) {
             if self.is_full() {
                 return Ok(false);
@@ -174,10 +181,7 @@ impl<V: Space> Engine<V> {
             if agent as usize >= self.states.len() {
                 self.process_sense(agent);
             } else {
-                if self.states.len() - self.free.len() > FEW {
-                    self.prefetch();
-                }
-                self.process_event(agent)?;
+                process(self, agent)?;
             }
         }
         Ok(true)

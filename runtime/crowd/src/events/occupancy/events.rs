@@ -18,31 +18,22 @@ const EARLY: f32 = 0.1;
 
 impl<V: Space> Engine<V> {
     pub(crate) fn run_occupancy(&mut self, o: &mut Occupancy, until_s: f64) -> Result<bool, CrowdError> {
-        while let Some((time, agent)) = self.queue.first(until_s) {
-            if self.is_full() {
-                return Ok(false);
-            }
-            self.refresh_grid_until(time);
-            self.now = time;
-            if agent as usize >= self.states.len() {
-                self.process_sense(agent);
-                continue;
-            }
-            let plan = self.cells.plan(agent);
+        self.run_events(until_s, |engine, agent| {
+            let plan = engine.cells.plan(agent);
             let occupant = o.occupants[agent as usize];
-            let cause = self.states[agent as usize].cause;
-            self.note_for_watchdog(agent, self.partner(cause))?;
+            let cause = engine.states[agent as usize].cause;
+            engine.note_for_watchdog(agent, engine.partner(cause))?;
             let crossing = plan.start + f64::from(occupant.crossing.after);
             if crossing <= plan.end.min(occupant.meeting.0) {
-                self.cross(o, &plan);
+                engine.cross(o, &plan);
             } else if occupant.meeting.0 < plan.end {
-                self.process_meeting(o, agent, occupant.meeting.1);
+                engine.process_meeting(o, agent, occupant.meeting.1);
             } else {
-                let is_actual = self.is_actual(&plan, cause);
-                self.act(o, agent, if is_actual { cause } else { Cause::Region });
+                let is_actual = engine.is_actual(&plan, cause);
+                engine.act(o, agent, if is_actual { cause } else { Cause::Region });
             }
-        }
-        Ok(true)
+            Ok(())
+        })
     }
 
     /// A newcomer is within the limits of the scheme, if that runs.
