@@ -43,6 +43,27 @@ fn settings_of_reading_hold_for_what_is_inspected_and_exported() {
 }
 
 #[test]
+fn a_config_names_the_class_of_a_clip() {
+    let (place, folder) = (Place::shared(), folder());
+    let (clip, config) = (place.first_clip(), at(&folder, "shy.toml"));
+    let name = std::path::Path::new(&clip).file_stem().and_then(|s| s.to_str()).expect("a name");
+    let write = |class: &str| {
+        let text = format!("inputs = [\"a\"]\n[clips.\"{name}\"]\nclass = {class}\n");
+        std::fs::write(&config, text).expect("a config");
+    };
+    write("{ gait = \"jog\", manner = \"shy\" }");
+    for files in [clip.clone(), place.path("clips")] {
+        let report = json(&["inspect", &files, "--config", &config, "--json"], &["classes"]);
+        let classes = report["classes"].as_array().expect("a list");
+        assert!(classes.iter().any(|c| c["manner"] == "shy" && c["gait"] != "walk"), "{files}: {classes:?}");
+        assert!(!report["classes"].to_string().is_empty());
+    }
+    write("{ gait = \"wlak\" }");
+    let told = failed(&["inspect", &clip, "--config", &config]);
+    assert!(told.contains("shy.toml:3:") && told.contains("expected one of `stand`, `walk`, `run`"), "{told}");
+}
+
+#[test]
 fn hits_are_reported_exported_and_drawn() {
     let (place, folder) = (Place::shared(), folder());
     // A walker's fist, marked by hand: the only hit, and its mirror image.

@@ -279,6 +279,14 @@ mod tests {
                 "[clips.walk]\nexclude = [[0, 1], [3, 2]]\n",
                 "x.toml:3:20: clips.walk.exclude[1]: expected 0 <= start < end",
             ),
+            (
+                "[clips.walk]\n\nclass = { gait = 'wlak' }\n",
+                "x.toml:4:18: unknown variant `wlak`, expected one of `stand`, `walk`",
+            ),
+            (
+                "[clips.walk]\nclass = { posture = 'low' }\n",
+                "x.toml:3:21: unknown variant `low`, expected one of `upright`",
+            ),
             ("[features]\nhorizon_s = 1e300\n", "x.toml:3:1: features.horizon_s: expected 0 to 1000000"),
             ("[features.joint_weights]\nhaed = 1\n", "x.toml:3:1: features.joint_weights.haed: no such joint."),
             ("[cluster]\nthreshold = 0.0\n", "x.toml:3:1: cluster.threshold: expected 0.000001 to 1000, found 0"),

@@ -23,12 +23,13 @@ use std::path::{Path, PathBuf};
 use throng_base::thresholds::WALKING_MPS;
 use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
+use throng_motion::annotate::{self, Sidecar, Sidecars};
 use throng_motion::clip::{ClipSet, FrameRange};
 use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::ImportedClip;
 use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
-use throng_motion::{annotate, files, resample, retarget};
+use throng_motion::{files, resample, retarget};
 
 /// Bakes the files of a config into a bundle.
 ///
@@ -355,14 +356,20 @@ impl PartBaker<'_> {
     }
 }
 
-/// Processes clips as a build does before the motion graph, without mirrored copies, sidecars and surroundings.
+/// Processes clips as a build does before the motion graph, without mirrored copies, sidecars and surroundings; classes that
+/// the config names hold.
 ///
 /// # Errors
 /// As the retarget, resample and annotate stages.
 pub fn clips_of(raw: &[ImportedClip], cfg: &BuildConfig, warnings: &mut Warnings) -> Result<ClipSet> {
     let clips = retarget::retarget_clips(raw, &cfg.retarget, warnings)?;
     let clips = resample::resample(&clips, &ResampleConfig { mirror: false, ..cfg.resample.clone() })?;
-    annotate::annotate(&clips, &cfg.annotate, &Default::default())
+    let mut marks = Sidecars::default();
+    for clip in &clips.clips {
+        let Some(class) = cfg.clips.get(&clip.name).and_then(|s| s.class.clone()) else { continue };
+        marks.insert(&clip.name, Sidecar { class: Some(class), ..Sidecar::default() }, clip.rate_hz, None)?;
+    }
+    annotate::annotate(&clips, &cfg.annotate, &marks)
 }
 
 #[cfg(test)]

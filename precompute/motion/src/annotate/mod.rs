@@ -90,7 +90,8 @@ fn annotate_clip(clip: &Clip, skeleton: &Skeleton, cfg: &AnnotateConfig, sidecar
     excluded.extend(marked.excluded);
     out.tags.extend(marked.tags);
     out.excluded = disjoint(excluded);
-    out.classes = classes::classify(clip, skeleton, &NameHints::new(&clip.name, &clip.source));
+    let hints = NameHints { named: marked.class, ..NameHints::new(&clip.name, &clip.source) };
+    out.classes = classes::classify(clip, skeleton, &hints);
     out.hits = hits::find_hits(&out, skeleton, &cfg.hits, &marked.hits, marked.automatic_hits)?;
     Ok(out)
 }

@@ -23,6 +23,7 @@ mod hit;
 #[cfg(test)]
 mod tests;
 
+use super::classes::NamedClass;
 use super::hits::HitMark;
 use crate::clip::{Clip, ClipTag, Exclusion, ExclusionReason, FrameRange};
 use crate::error::{BuildError, Result};
@@ -54,6 +55,9 @@ pub struct Sidecar {
     pub hits: Vec<SidecarHit>,
     /// Look for hits, too; false keeps those of `hits` alone.
     pub automatic_hits: bool,
+    /// Class of the whole clip, or parts of it, where motion and names mislead.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub class: Option<NamedClass>,
 }
 
 impl Default for Sidecar {
@@ -64,6 +68,7 @@ impl Default for Sidecar {
             tags: Vec::new(),
             hits: Vec::new(),
             automatic_hits: true,
+            class: None,
         }
     }
 }
@@ -142,11 +147,14 @@ pub struct SidecarAnnotations {
     pub hits: Vec<HitMark>,
     /// True where hits are searched for, too.
     pub automatic_hits: bool,
+    /// Class, or parts of it.
+    pub class: NamedClass,
 }
 
 impl Default for SidecarAnnotations {
     fn default() -> Self {
-        Self { excluded: Vec::new(), tags: Vec::new(), hits: Vec::new(), automatic_hits: true }
+        let (excluded, tags, hits, class) = (Vec::new(), Vec::new(), Vec::new(), NamedClass::default());
+        Self { excluded, tags, hits, automatic_hits: true, class }
     }
 }
 
@@ -162,7 +170,7 @@ impl Sidecar {
     fn from_source(source: &TomlSource) -> Result<Self> {
         let sidecar: Self = source.parse(
             "Expected `unit`, `exclude = [[start, end], ...]`, `[[tags]]` with name, start, end, `[[hits]]` with name, \
-             joint, at, and `automatic_hits`.",
+             joint, at, `automatic_hits`, and `class = { gait = \"walk\" }`.",
         )?;
         sidecar.check().map_err(|e| e.with_position(source))?;
         Ok(sidecar)
@@ -316,8 +324,8 @@ impl Sidecars {
             }
             Ok(range)
         };
-        let mut out =
-            SidecarAnnotations { automatic_hits: entry.sidecar.automatic_hits, ..SidecarAnnotations::default() };
+        let (automatic_hits, class) = (entry.sidecar.automatic_hits, entry.sidecar.class.clone().unwrap_or_default());
+        let mut out = SidecarAnnotations { automatic_hits, class, ..SidecarAnnotations::default() };
         for (i, [start, end]) in entry.sidecar.exclude.iter().enumerate() {
             let range = frames(*start, *end, &format!("exclude[{i}]"))?;
             out.excluded.push(Exclusion { range, reason: ExclusionReason::Sidecar });

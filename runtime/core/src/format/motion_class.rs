@@ -32,6 +32,7 @@ pub enum Gait {
     /// Walks ahead: a foot is always on the ground.
     Walk,
     /// Runs or jogs ahead: both feet leave the ground.
+    #[serde(alias = "jog")]
     Run,
     /// Walks ahead, crouched or by stealth.
     Sneak,

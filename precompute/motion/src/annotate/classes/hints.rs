@@ -1,7 +1,10 @@
 //! Words in the names of files and folders that say how somebody moves.
 
 use crate::import::split_words;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
+use throng_core::format::{Gait, Posture};
 
 /// Manners that names give, as they are written.
 const MANNERS: [&str; 48] = [
@@ -57,8 +60,31 @@ const MANNERS: [&str; 48] = [
 /// Manners that are none.
 pub const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
 
+/// Parts of a class that people name for a whole clip; the rest is found in its motion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NamedClass {
+    /// `upright`, `crouched`, `seated` or `lying`.
+    #[schemars(with = "Option<String>")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub posture: Option<Posture>,
+    /// `stand`, `walk`, `run`, `jog`, `sneak`, `strafe`, `backwards` or `other`.
+    #[schemars(with = "Option<String>")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gait: Option<Gait>,
+    /// True for standing at ease, false for a gesture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub neutral: Option<bool>,
+    /// True where hands hold a load.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub carrying: Option<bool>,
+    /// Manner, such as `angry`; empty for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub manner: Option<String>,
+}
+
 /// Hints of a name.
-#[derive(Clone, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct NameHints {
     /// Walks.
     pub walk: bool,
@@ -78,6 +104,8 @@ pub struct NameHints {
     pub idle: bool,
     /// The manner: empty where the name says that it is none, `None` where it says nothing.
     pub manner: Option<String>,
+    /// Parts of the class that hold whatever the motion shows.
+    pub named: NamedClass,
 }
 
 impl NameHints {
@@ -100,6 +128,7 @@ impl NameHints {
             carry: any(&["carry", "carries", "carried"]) || exactly(&["hold", "holding"]),
             idle: any(&["idle", "idling", "stand"]) || exactly(&["rest", "wait", "waiting"]),
             manner: manner(&words),
+            named: NamedClass::default(),
         }
     }
 }

@@ -5,7 +5,7 @@ mod signals;
 mod spans;
 
 use crate::clip::Clip;
-pub use hints::{NO_MANNER, NameHints};
+pub use hints::{NO_MANNER, NameHints, NamedClass};
 use signals::Signals;
 use spans::{runs_of, settle};
 use throng_base::thresholds::{STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
@@ -64,6 +64,8 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
     let mut postures: Vec<Posture> = (0..n).map(|f| posture(&s, f, gaits[f], hints)).collect();
     settle(&mut gaits, frames(SHORTEST_S));
     settle(&mut postures, frames(SHORTEST_S));
+    let named = &hints.named;
+    named.posture.iter().for_each(|named| postures.fill(*named));
     for (gait, posture) in gaits.iter_mut().zip(&postures) {
         let is_low = *posture == Posture::Crouched || hints.sneak && *posture == Posture::Upright;
         if *gait == Gait::Walk && is_low {
@@ -72,6 +74,7 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
             *gait = Gait::Stand;
         }
     }
+    named.gait.iter().for_each(|named| gaits.fill(*named));
     let mut neutral: Vec<bool> = (0..n)
         .map(|f| {
             gaits[f] == Gait::Stand
@@ -82,13 +85,15 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
     let mut carrying: Vec<bool> = (0..n).map(|f| carries(&s, f, hints)).collect();
     settle(&mut neutral, frames(NEUTRAL_S));
     settle(&mut carrying, frames(CARRYING_S));
+    named.neutral.iter().for_each(|named| neutral.fill(*named));
+    named.carrying.iter().for_each(|named| carrying.fill(*named));
     let class = |f: usize| -> FrameClass {
         let stands = gaits[f] == Gait::Stand && postures[f] == Posture::Upright;
         (postures[f], gaits[f], neutral[f] && stands && !carrying[f], carrying[f])
     };
     let mut out: Vec<ClassSpan> = Vec::new();
     for run in runs_of(n, |f| (postures[f], gaits[f])) {
-        let manner = match &hints.manner {
+        let manner = match named.manner.as_ref().or(hints.manner.as_ref()) {
             Some(manner) => manner.clone(),
             None => s.manner(run.clone(), gaits[run.start]).to_owned(),
         };

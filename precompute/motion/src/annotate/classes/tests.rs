@@ -65,6 +65,24 @@ fn names_give_the_manner_and_tip_the_balance() {
 }
 
 #[test]
+fn parts_of_a_class_that_people_name_hold_for_the_whole_clip_and_the_rest_is_found() {
+    let clip = clip("walk_sad", &[[0.0, 0.0], [0.0, 1.2], [0.0, 0.0]], 0.0);
+    let named = |named: NamedClass| {
+        let spans = classify(&clip, &Skeleton::default(), &NameHints { named, ..NameHints::new(&clip.name, "") });
+        spans.into_iter().map(|s| s.class.to_string()).collect::<Vec<_>>()
+    };
+    let none = NamedClass::default();
+    assert_eq!(named(none.clone()), ["neutral stand, sad", "walk, sad", "neutral stand, sad"]);
+    assert_eq!(named(NamedClass { gait: Some(Gait::Backwards), ..none.clone() }), ["backwards, sad"]);
+    let crouched = NamedClass { posture: Some(Posture::Crouched), manner: Some("shy".into()), ..none.clone() };
+    assert_eq!(named(crouched), ["crouched stand, shy", "crouched sneak, shy", "crouched stand, shy"]);
+    let gestures = NamedClass { neutral: Some(false), ..none.clone() };
+    assert_eq!(named(gestures), ["stand, sad", "walk, sad", "stand, sad"]);
+    let load = NamedClass { carrying: Some(true), manner: Some(String::new()), ..none };
+    assert_eq!(named(load), ["stand carrying", "walk carrying", "stand carrying"]);
+}
+
+#[test]
 fn a_clip_of_one_frame_has_one_span() {
     let mut one = clip("a", &[[0.0, 0.0]], 0.0);
     one.root_positions.truncate(1);
