@@ -177,6 +177,7 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
         ("transitions", format!("error {mean:.3} on average, {worst:.3} at worst")),
     ]);
     rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
+    rows.extend(g.apart.iter().map(|a| ("stays out", a.to_string())));
     if let Some([neutral, all]) = g.scarce_neutral_s {
         let text = format!(
             "too, as only {neutral:.0} of {all:.0} s of standing are neutral: add clips of people who just stand"

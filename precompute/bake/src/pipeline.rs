@@ -4,7 +4,7 @@ use crate::cache::{Cache, CacheKey};
 use crate::config::BuildConfig;
 use crate::environment::UnitSet;
 use crate::examples::BlendSpaces;
-use crate::graph::TakenMotion;
+use crate::graph::{MotionGraphConfig, TakenMotion};
 use crate::motion::MotionStages;
 pub use crate::motion::{Shard, ShardReport, bake_shard};
 use crate::parts::{Attempts, RequiredParts, SkippedPart, is_of_motion};
@@ -107,10 +107,10 @@ pub fn build_shared(
         connected => connected,
     };
     if let Some(lacks) = missing_motion(cfg, &motion.clips, connected.as_ref().ok()) {
-        let (clips, mirror) = (&motion.clips, cfg.resample.mirror);
-        let settings = (lacks, &cfg.graph, mirror);
+        let (clips, mirror, graph_cfg) = (&motion.clips, cfg.resample.mirror, graph_config(cfg));
+        let settings = (lacks, &graph_cfg, mirror);
         let output =
-            s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, lacks, &cfg.graph, mirror, comm))?;
+            s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, lacks, &graph_cfg, mirror, comm))?;
         if !output.clips.is_empty() {
             motion.key = output.key;
             made.append(output.value);
@@ -174,16 +174,22 @@ pub fn build_shared(
 /// The motion graph of some motion.
 fn connect(cfg: &BuildConfig, motion: &StageOutput<MotionOutput>, s: &Stages<'_>) -> Result<StageOutput<Connected>> {
     let key = CacheKey::for_stage("features", &[motion.key], &cfg.features)?;
+    let graph_cfg = graph_config(cfg);
+    s.stage("graph", &[key], &graph_cfg, |p| match graph_cfg.enabled {
+        true => graph::connect(&motion.clips, &cfg.features, &graph_cfg, p, s.comm),
+        false => graph::empty_graph(&motion.clips, &graph_cfg),
+    })
+}
+
+/// Settings of the motion graph, with the motion that chosen clips and behaviours need.
+fn graph_config(cfg: &BuildConfig) -> MotionGraphConfig {
     let mut graph_cfg = cfg.graph.clone();
     if !cfg.select.wanted.is_empty() {
         graph_cfg.take = TakenMotion::ALL.into();
     } else if cfg.behaviours.iter().any(|b| b.kind != BehaviourKind::Approach) {
         graph_cfg.take.push(TakenMotion::Blows);
     }
-    s.stage("graph", &[key], &graph_cfg, |p| match graph_cfg.enabled {
-        true => graph::connect(&motion.clips, &cfg.features, &graph_cfg, p, s.comm),
-        false => graph::empty_graph(&motion.clips, &graph_cfg),
-    })
+    graph_cfg
 }
 
 /// A motion graph and its figures.
@@ -195,7 +201,7 @@ fn missing_motion(
     clips: &ClipSet,
     connected: Option<&StageOutput<Connected>>,
 ) -> Option<make::Lacks> {
-    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0));
+    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0, &graph_config(cfg).take));
     (makes_motion(cfg, clips) && lacks.any()).then_some(lacks)
 }
 

@@ -1,5 +1,6 @@
 //! The stage: event frames, matches, threshold, component, collapse.
 
+use super::apart::motion_apart;
 use super::bridge::{self, IncomingLinks, KnownLinks};
 use super::choose::MotionOutcome;
 use super::component::{EventGraph, largest_component};
@@ -76,7 +77,9 @@ pub fn connect(
     };
     let finder = LinkFinder::new(given, limits, progress, comm)?;
     let (graph, threshold) = GraphSearch::new(given, finder, comm)?.run()?;
+    let apart = motion_apart(&given, &taken, &report::played_frames(&graph, clips));
     let report = GraphReport {
+        apart,
         left_out: taken.left_out,
         scarce_neutral_s: taken.scarce_neutral_s,
         ..report::report(&graph, clips, events.len(), threshold)

@@ -1,5 +1,6 @@
 //! Motion graph: possible successions of frames, collapsed to states and actions (Lee and Lee 2004, sections 3 and 6).
 
+mod apart;
 mod bridge;
 mod choose;
 mod collapse;
@@ -13,6 +14,7 @@ mod report;
 mod take;
 mod tree;
 
+pub use apart::MotionApart;
 pub use config::{MakeMotion, MotionGraphConfig};
 pub use connect::{connect, empty_graph};
 pub(crate) use events::{holds_arm_out, standing_runs_of};

@@ -1,6 +1,6 @@
 //! Report of the graph stage, for people and for machines.
 
-use super::{MotionLeftOut, RawMotionGraph};
+use super::{MotionApart, MotionLeftOut, RawMotionGraph};
 use serde::{Deserialize, Serialize};
 use throng_motion::clip::ClipSet;
 
@@ -55,6 +55,8 @@ pub struct GraphReport {
     pub unused_clips: Vec<String>,
     /// Motion of classes that the graph does not take.
     pub left_out: Vec<MotionLeftOut>,
+    /// Motion that the graph takes and that no action plays, a second or longer, with the reasons.
+    pub apart: Vec<MotionApart>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
 }
@@ -90,6 +92,7 @@ pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usiz
         segment_s: MinMeanMax::from_values(graph.segments.iter().map(|s| f64::from(s.num_frames) / rate_hz)),
         unused_clips: (0..clips.clips.len()).filter(unused).map(|c| clips.clips[c].name.clone()).collect(),
         left_out: Vec::new(),
+        apart: Vec::new(),
         scarce_neutral_s: None,
     }
 }

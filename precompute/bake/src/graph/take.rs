@@ -15,7 +15,7 @@ const ENOUGH: f64 = 0.2;
 /// Share of upright standing that has to be neutral, so that gestures may stay out: else hardly anybody could stand.
 const NEUTRAL: f64 = 0.3;
 /// Most clips that are named.
-const MAX_NAMED_CLIPS: usize = 3;
+pub(super) const MAX_NAMED_CLIPS: usize = 3;
 
 /// Motion that a graph may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]

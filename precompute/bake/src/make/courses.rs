@@ -6,6 +6,7 @@ use super::stepping::MadeCourse;
 use super::{smooth, smoother};
 use glam::Vec2;
 use std::f32::consts::PI;
+use throng_base::maths;
 use throng_core::Planar;
 
 /// What a body is to do.
@@ -17,8 +18,8 @@ pub(super) enum MadeMove {
     Stop,
     /// Turns on the spot, with so many steps (rad).
     Turn(f32, usize),
-    /// Walks a cycle along an arc (rad).
-    Arc(f32),
+    /// Goes so many cycles along an arc (rad).
+    Arc(f32, usize),
     /// Turns while walking, on a planted foot (rad).
     Pivot(f32),
     /// Goes somewhere else without turning: to the left and ahead, with so many steps (m).
@@ -37,6 +38,11 @@ const IN_PLACE: f32 = 0.3;
 const PIVOT: [f32; 2] = [0.9, 0.4];
 /// Speeds from which starts, and from which stops and pivots, take four steps in place of two (m/s).
 const FAST_MPS: [f32; 2] = [1.3, 1.9];
+/// Share of a cycle in which an arc begins to turn, and most that shorter and longer arcs turn (rad).
+const ARC_EASE: f32 = 0.7;
+const MOST_TURNED: [f32; 2] = [0.8, 1.6];
+/// Gravity (m/s2).
+const GRAVITY_MPS2: f32 = 9.81;
 /// Frames after the last event.
 const TAIL: usize = LEAD + 2;
 
@@ -47,7 +53,7 @@ impl MadeMove {
             Self::Start(angle) => format!("start-{:.0}", angle.to_degrees()),
             Self::Stop => "stop".into(),
             Self::Turn(angle, _) => format!("turn-{:.0}", angle.to_degrees()),
-            Self::Arc(angle) => format!("arc-{:.0}", angle.to_degrees()),
+            Self::Arc(angle, _) => format!("arc-{:.0}", angle.to_degrees()),
             Self::Pivot(angle) => format!("pivot-{:.0}", angle.to_degrees()),
             Self::Step(x, z, _) => format!("step-{:.0}-{:.0}", 100.0 * x, 100.0 * z),
         }
@@ -63,6 +69,7 @@ impl MadeMove {
             gait_at: Vec::new(),
             stance_at: Vec::new(),
             weight: Vec::new(),
+            lean: Vec::new(),
             path: Vec::new(),
             stands: [true; 2],
             captured: [0, usize::MAX],
@@ -108,15 +115,21 @@ impl MadeMove {
                     stands: [false, true],
                     captured: [event, usize::MAX],
                     num_swings: steps,
+                    ..none
                 }
             }
-            Self::Arc(angle) => {
-                let until = event + gait.period - 1;
-                let n = event + gait.period + TAIL;
-                let heading = |f: usize| angle * ramp(f, event as f32, (until - event) as f32);
+            Self::Arc(angle, cycles) => {
+                let over = cycles * gait.period;
+                let (until, n) = (event + over - 1, event + over + TAIL);
+                let headings = arc_headings(gait, angle, over);
+                let heading = |f: usize| headings[f.saturating_sub(event).min(over)];
+                // Who turns leans inwards, so that weight and the push of the feet balance.
+                let turns = |f: usize| 0.5 * rate * (heading(f + 1) - heading(f.saturating_sub(1)));
+                let lean = |f: usize| maths::atan2(turns(f) * gait.speed_mps(), GRAVITY_MPS2);
                 MadeCourse {
                     gait_at: (0..n).map(|f| f.min(last)).collect(),
                     stance_at: vec![0; n],
+                    lean: (0..n).map(lean).collect(),
                     weight: vec![1.0; n],
                     path: path(gait, gait.course(0), n, heading, |_| 1.0),
                     stands: [false; 2],
@@ -158,6 +171,39 @@ impl MadeMove {
             }
         })
     }
+}
+
+impl MadeMove {
+    /// Arcs of a gait to both sides, as sharp as a sideways acceleration allows (m/s2).
+    pub fn arcs(gait: &GaitCycle, sideways_mps2: f32) -> impl Iterator<Item = Self> {
+        let rate = sideways_mps2 / gait.speed_mps() / gait.clip.rate_hz as f32;
+        let least = if gait.speed_mps() > FAST_MPS[1] { 2 } else { 1 };
+        let cycles = [least, least + 1].into_iter();
+        cycles.zip(MOST_TURNED).flat_map(move |(cycles, most)| {
+            let over = cycles * gait.period;
+            let angle = (rate * (over as f32 - arc_ease(gait, over))).min(most);
+            [Self::Arc(angle, cycles), Self::Arc(-angle, cycles)]
+        })
+    }
+}
+
+/// Time in which an arc of so many frames begins, and ends, to turn (frames).
+fn arc_ease(gait: &GaitCycle, over: usize) -> f32 {
+    (ARC_EASE * gait.period as f32).min(0.5 * over as f32)
+}
+
+/// Heading along an arc, frame by frame: it turns ever faster, steadily, and ever slower (rad; over + 1).
+fn arc_headings(gait: &GaitCycle, angle: f32, over: usize) -> Vec<f32> {
+    let ease = arc_ease(gait, over);
+    let turns = |f: usize| smooth(f as f32 / ease) * smooth((over - f) as f32 / ease);
+    let whole: f32 = (0..=over).map(turns).sum();
+    let turned = (0..=over).scan(0.0, |turned, f| {
+        *turned += 0.5 * turns(f);
+        let here = *turned;
+        *turned += 0.5 * turns(f);
+        Some(angle * here / whole)
+    });
+    turned.collect()
 }
 
 /// MadeCourse of who steps from stance to stance.

@@ -15,8 +15,9 @@ pub(super) const FEET: [Contacts; 2] = [Contacts::LEFT, Contacts::RIGHT];
 const PERIOD_S: [f64; 2] = [0.45, 2.2];
 /// Frames before the event that belong to a gait.
 pub(super) const LEAD: usize = 4;
-/// Number of cycles that a gait has, played round where its clip is shorter.
-const CYCLES: f32 = 3.3;
+/// Number of cycles that a gait has, played round where its clip is shorter, and number that a good clip has.
+const CYCLES: f32 = 4.3;
+const LONG: f32 = 3.3;
 /// Frames over which the seam of a cycle is smoothed.
 const SEAM: usize = 10;
 /// Largest turn of a steady gait within a cycle, and largest angle between its travel and its heading (rad).
@@ -71,22 +72,31 @@ pub(super) struct FootStay {
 }
 
 impl GaitCycle {
-    /// The steadiest gait that starts with each foot in a clip.
+    /// The steadiest cycle of each gait that starts with each foot in a clip.
     pub fn find(clip: &Clip, skeleton: &Skeleton) -> Vec<Self> {
-        let mut best: [Option<Self>; 2] = [None, None];
+        let mut best: Vec<Self> = Vec::new();
         for run in clip.usable_ranges() {
-            for (foot, best) in best.iter_mut().enumerate() {
+            for foot in [0, 1] {
                 let leaves: Vec<usize> = departures(clip, &run, foot).collect();
                 for pair in leaves.windows(2) {
-                    let found = Self::from_cycle(clip, skeleton, &run, foot, [pair[0], pair[1]]);
-                    let better = |g: &Self| best.as_ref().is_none_or(|b| g.unsteadiness < b.unsteadiness);
-                    if let Some(gait) = found.filter(better) {
-                        *best = Some(gait);
+                    let Some(found) = Self::from_cycle(clip, skeleton, &run, foot, [pair[0], pair[1]]) else {
+                        continue;
+                    };
+                    match best.iter_mut().find(|b| b.foot == foot && b.class.gait == found.class.gait) {
+                        Some(b) if b.unsteadiness <= found.unsteadiness => {}
+                        Some(b) => *b = found,
+                        None => best.push(found),
                     }
                 }
             }
         }
-        best.into_iter().flatten().collect()
+        best.sort_by_key(|b| b.foot);
+        best
+    }
+
+    /// True if it goes sideways or backwards.
+    pub fn goes_aside(&self) -> bool {
+        matches!(self.class.gait, Gait::Strafe | Gait::Backwards)
     }
 
     /// The gait of one cycle, if it is steady and goes ahead.
@@ -110,13 +120,14 @@ impl GaitCycle {
         let heights = || clip.root_positions[from..=to].iter().map(|p| p.y);
         let bob = heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min);
         let is_steady = pose_difference(clip, from, to) < STEADY && hips_rise(clip, from, to) < STEADY_RISE_M;
-        if others != 1 || turn > STRAIGHT[0] || aside > STRAIGHT[1] || speed < WALKING_MPS {
+        let class = clip.class_at(from);
+        let is_aside = class.is_some_and(|c| matches!(c.gait, Gait::Strafe | Gait::Backwards));
+        if others != 1 || turn > STRAIGHT[0] || aside > STRAIGHT[1] && !is_aside || speed < WALKING_MPS {
             return None;
         }
         if bob > LARGEST_BOB_M || !is_steady {
             return None;
         }
-        let class = clip.class_at(from);
         let is_plain = class
             .is_none_or(|c| c.posture == Posture::Upright && !c.carrying && matches!(c.gait, Gait::Walk | Gait::Run));
         let lead = (from - run.start).min(LEAD);
@@ -126,7 +137,7 @@ impl GaitCycle {
             pose_difference(clip, f - period, *f) < STEADY && hips_rise(clip, f - period, *f) < STEADY_RISE_M
         };
         let end = (to + 1..run.end).find(|f| !is_like(f)).unwrap_or(run.end);
-        let missing = 1.0 - ((end - from) as f32 / frames as f32).min(1.0);
+        let missing = 1.0 - ((end - from) as f32 / (LONG * period as f32)).min(1.0);
         let unsteadiness = pose_difference(clip, from, to)
             + turn
             + 0.3 * aside
@@ -134,6 +145,8 @@ impl GaitCycle {
             + if is_plain { 0.0 } else { SPECIAL };
         let cut = play_round(clip, from - lead..end, lead + frames, period);
         let class = class.cloned().unwrap_or_default();
+        let is_unknown = matches!(class.gait, Gait::Stand | Gait::Other);
+        let class = if is_unknown { MotionClass { gait: Gait::Walk, neutral: false, ..class } } else { class };
         let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };
         gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
     }

@@ -12,11 +12,12 @@ mod stance;
 mod stand;
 mod stepping;
 
-use crate::graph::MotionGraphConfig;
+use crate::graph::{MotionGraphConfig, TakenMotion};
 use crate::share::{clip_owners, sort_by_owner};
 use courses::MadeMove;
 use gait::{GaitCycle, gait_distance};
 pub use needs::Lacks;
+use needs::NUM_GAITS;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stance::RestStance;
@@ -32,8 +33,10 @@ use throng_motion::clip::{Clip, ClipSet, ClipTag};
 use throng_motion::error::Result;
 use throng_motion::mirror;
 
-/// Most gaits that get starts and stops.
-const MAX_GAITS: usize = 14;
+/// Most gaits that get starts and stops: ahead, and sideways or backwards.
+const MAX_GAITS: [usize; 2] = [14, 4];
+/// Most gaits of each kind that get arcs.
+const MAX_ARCED: usize = 2;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
 const OTHER_GAIT: f32 = 0.12;
 
@@ -137,7 +140,7 @@ pub fn make_missing(
     })?;
     let (gaits, stances): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut made = MadeMotion::default();
-    let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored);
+    let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored, &lacks, &cfg.take);
     let stances: Vec<RestStance> = stances.into_iter().flatten().collect();
     let mut manners: Vec<&str> = gaits.iter().map(|g| &*g.class.manner).collect();
     manners.sort_unstable();
@@ -147,7 +150,7 @@ pub fn make_missing(
         RestStance::choose(&stances, &gaits, &clips.skeleton)
     };
     let of_manners: Vec<Vec<RestStance>> = manners.iter().map(of_manner).collect();
-    let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
+    let mut maker = MotionMaker::new(&clips.skeleton, mirrored, &mut made);
     for stances in &of_manners {
         maker.make_stands("stand", stances);
     }
@@ -169,8 +172,13 @@ pub fn make_missing(
 }
 
 /// Gaits that are worth a start and a stop, the most usual one first, one of each manner before others, and each unlike
-/// those before it.
-fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
+/// those before it; of motion that a graph takes, if there is any.
+fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool, lacks: &Lacks, take: &[TakenMotion]) -> Vec<GaitCycle> {
+    let is_taken = |g: &GaitCycle| take.contains(&TakenMotion::of_class(&g.class));
+    if all.iter().any(is_taken) {
+        all.retain(is_taken);
+    }
+    all.retain(|g| !g.goes_aside() || lacks.joins[g.class.gait as usize]);
     // Mirrored copies start with the other foot.
     let of_foot = |foot: usize| all.iter().filter(|g| g.foot == foot).count();
     let foot = usize::from(of_foot(1) > of_foot(0));
@@ -182,7 +190,7 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
     };
     let costs: Vec<f32> = all.iter().map(cost).collect();
     let mut order: Vec<usize> = (0..all.len()).collect();
-    order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+    order.sort_by(|&a, &b| (all[a].goes_aside().cmp(&all[b].goes_aside())).then(costs[a].total_cmp(&costs[b])));
     let kind = |k: usize| (all[k].foot, all[k].class.gait, &all[k].class.manner);
     let is_first = |i: usize| !order[..i].iter().any(|&k| kind(k) == kind(order[i]));
     let (firsts, others): (Vec<usize>, Vec<usize>) = (0..order.len()).partition(|&i| is_first(i));
@@ -191,7 +199,9 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool) -> Vec<GaitCycle> {
         let unlike = |o: &GaitCycle| {
             o.foot != all[k].foot || o.class.manner != all[k].class.manner || gait_distance(o, &all[k]) > OTHER_GAIT
         };
-        if out.len() < MAX_GAITS && out.iter().all(unlike) {
+        let is_alike = |o: &&GaitCycle| o.goes_aside() == all[k].goes_aside();
+        let has_room = out.iter().filter(is_alike).count() < MAX_GAITS[usize::from(all[k].goes_aside())];
+        if has_room && out.iter().all(unlike) {
             out.push(all[k].clone());
         }
     }
@@ -208,9 +218,15 @@ struct MotionMaker<'a> {
     made: &'a mut MadeMotion,
     /// True for feet with which a gait has set off.
     feet: [bool; 2],
+    /// Number of gaits of each kind and foot that have got arcs.
+    arced: [[usize; 2]; NUM_GAITS],
 }
 
-impl MotionMaker<'_> {
+impl<'a> MotionMaker<'a> {
+    fn new(skeleton: &'a Skeleton, mirrored: bool, made: &'a mut MadeMotion) -> Self {
+        Self { skeleton, mirrored, made, feet: [false; 2], arced: [[0; 2]; NUM_GAITS] }
+    }
+
     /// Makes stands of stances that nobody has captured, or for a short time only.
     fn make_stands(&mut self, what: &str, stances: &[RestStance]) {
         for s in stances.iter().filter(|s| s.made) {
@@ -240,13 +256,16 @@ impl MotionMaker<'_> {
         if lacks.pivots && usual {
             moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
         }
-        if lacks.arcs && (usual || number < 4) {
-            moves.extend([0.4, 0.8].iter().flat_map(|&a| [MadeMove::Arc(a), MadeMove::Arc(-a)]));
+        let kind = gait.class.gait as usize;
+        let arced = &mut self.arced[kind][gait.foot];
+        if lacks.arcs[kind] && *arced < MAX_ARCED && !gait.goes_aside() {
+            *arced += 1;
+            moves.extend(MadeMove::arcs(gait, lacks.sideways_mps2));
         }
         for what in moves {
             self.make(what, gait, stance, number.to_string());
         }
-        if lacks.joins || lacks.starts && usual {
+        if lacks.joins[kind] || lacks.starts && usual {
             let all: Vec<usize> = if is_first { (0..stances.len()).collect() } else { vec![number % stances.len()] };
             for s in all {
                 let number = if s == 0 || !is_first { number.to_string() } else { format!("{number}.{s}") };
@@ -275,7 +294,7 @@ impl MotionMaker<'_> {
             MadeMove::Start(_) => &mut report.starts,
             MadeMove::Stop => &mut report.stops,
             MadeMove::Turn(..) => &mut report.turns,
-            MadeMove::Arc(_) => &mut report.arcs,
+            MadeMove::Arc(..) => &mut report.arcs,
             MadeMove::Pivot(_) => &mut report.pivots,
             MadeMove::Step(..) => &mut report.steps,
         } += 1;

@@ -57,7 +57,7 @@ pub fn make_stands(clips: &ClipSet, mirrored: bool, comm: &dyn Comm) -> Result<M
     all.sort_by_key(|s| Reverse(s.clip.num_frames()));
     let prolong = |(k, s): (usize, &RestStance)| s.prolong(&clips.skeleton, STAND_S, k as u64);
     let all: Vec<RestStance> = all.iter().take(MAX_STANDS).enumerate().map(prolong).collect();
-    let mut maker = MotionMaker { skeleton: &clips.skeleton, mirrored, made: &mut made, feet: [false; 2] };
+    let mut maker = MotionMaker::new(&clips.skeleton, mirrored, &mut made);
     maker.make_stands("idle", &all);
     Ok(made)
 }

@@ -29,6 +29,8 @@ const STRAIGHT_LEG: f32 = 0.992;
 /// Share of the way to the standing foot that hips move aside before a first step, and times before and after it (s).
 const SHIFT: f32 = 0.35;
 const SHIFT_S: [f32; 2] = [0.3, 0.2];
+/// Share of a lean that neck and head each take back.
+const UPRIGHT_HEAD: f32 = 0.3;
 /// Frames from captured ones to those that are corrected wholly.
 const FREE: f32 = 6.0;
 /// Frames by which hips go down before a leg would be too short; twice as many change.
@@ -51,6 +53,8 @@ pub(super) struct MadeCourse {
     pub stance_at: Vec<usize>,
     /// Share of the gait in the pose (0 to 1; num_frames).
     pub weight: Vec<f32>,
+    /// Lean to the left of the way (rad; num_frames, or none).
+    pub lean: Vec<f32>,
     /// Mean place and heading (num_frames).
     pub path: Vec<Planar>,
     /// True if it begins, and ends, in the stance.
@@ -171,7 +175,24 @@ impl CourseWalker<'_> {
             0 => maths::compose(maths::rotation_y(path.heading), maths::slerp_f32(calm, moves, share)).normalize(),
             _ => maths::slerp_f32(from[j], to[j], share),
         });
-        CoursePose { hips: Vec3::new(at.x, low + share * (high - low), at.z), rotations }
+        let mut pose = CoursePose { hips: Vec3::new(at.x, low + share * (high - low), at.z), rotations };
+        if let Some(lean) = self.course.lean.get(f) {
+            self.lean(&mut pose, path, *lean);
+        }
+        pose
+    }
+
+    /// Leans a body to the left of its way, about the ground below it; its head stays more upright.
+    fn lean(&self, pose: &mut CoursePose, path: Planar, lean: f32) {
+        let [aside, ahead] = self.gait.travel;
+        let along = maths::rotation_y(path.heading + maths::atan2(aside, ahead));
+        let turn = maths::compose(maths::compose(along, maths::rotation_z(-lean)), along.conjugate());
+        let ground = Vec3::new(path.x, 0.0, path.z);
+        pose.hips = ground + maths::rotate(turn, pose.hips - ground);
+        pose.rotations[0] = maths::compose(turn, pose.rotations[0]).normalize();
+        for joint in [Joint::Neck, Joint::Head].map(Joint::index) {
+            pose.rotations[joint] = maths::compose(maths::rotation_z(UPRIGHT_HEAD * lean), pose.rotations[joint]);
+        }
     }
 
     /// Steps of both feet, in order.

@@ -4,8 +4,10 @@ use crate::graph;
 use glam::Vec3;
 use throng_base::{SingleRank, maths};
 use throng_core::format::{ClassSpan, MotionClass};
-use throng_core::{Contacts, Joint, NUM_JOINTS};
+use throng_core::planar::wrap_angle;
+use throng_core::{Contacts, Joint, NUM_JOINTS, Planar};
 use throng_motion::annotate::contacts::FOOT_PARTS;
+use throng_motion::clip::FrameId;
 use throng_motion::progress::Silent;
 use throng_synth::{SynthConfig, SynthSet, make_set};
 
@@ -204,7 +206,7 @@ fn walks_alone_give_people_who_set_off_and_stand() {
         graph::connect(set, &FeaturesConfig::default(), &MotionGraphConfig::default(), &Silent, &SingleRank).unwrap().0
     };
     let before = graph(&set);
-    let lacks = Lacks::of_graph(&set, &before);
+    let lacks = Lacks::of_graph(&set, &before, &[TakenMotion::Upright]);
     assert!(lacks.starts && lacks.turns && !before.standing.contains(&true));
     let made = made_of(&set);
     assert!(made.report.stances.is_empty() && made.report.stands == 1);
@@ -217,6 +219,94 @@ fn walks_alone_give_people_who_set_off_and_stand() {
         let c = set.clips.iter().position(|c| c.name.starts_with(name)).unwrap();
         assert!(played[starts[c] as usize..starts[c + 1] as usize].contains(&true), "{name} is not played");
     }
+}
+
+#[test]
+fn every_gait_gets_arcs_no_sharper_than_people_turn_with_the_lean_that_belongs_to_them() {
+    let gaits = ["walk_neutral_v110_g00", "walk_neutral_v150_g00", "jog_neutral_v235_g00", "run_neutral_v440_g00"];
+    let set = library(&[&gaits[..], &["run_neutral_v320_g00", "idle_neutral"]].concat());
+    let made = made_of(&set);
+    let arcs: Vec<&Clip> = made.clips.iter().filter(|c| !c.mirrored && c.name.starts_with("made/arc")).collect();
+    let fast = |fast: bool| arcs.iter().filter(|c| (speed_of(c) > 2.2) == fast).count();
+    assert!(fast(false) == 4 && fast(true) == 8, "{:?}", arcs.iter().map(|c| &c.name).collect::<Vec<_>>());
+    for clip in arcs {
+        let (name, n, rate, speed) = (&clip.name, clip.num_frames(), clip.rate_hz as f32, speed_of(clip));
+        let way = |f: usize| (clip.root_positions[f + 15] - clip.root_positions[f]).with_y(0.0);
+        let sideways = |f: usize| way(f).angle_between(way(f + 15)) / 0.5 * speed;
+        let most = (0..n - 30).map(sideways).fold(0.0, f32::max);
+        assert!((0.6..2.1).contains(&most), "{name}: {most} m/s2 at {speed} m/s");
+        // Hips sway, but on average they lean as much as the weight asks.
+        let turned: f32 = (1..n).map(|f| wrap_angle(clip.planar(f).heading - clip.planar(f - 1).heading)).sum();
+        let wanted = speed * turned * rate / 9.81;
+        let lean = |f: usize| {
+            let up = maths::rotate(maths::rotation_y(-clip.planar(f).heading), clip.hips_rotation(f) * Vec3::Y);
+            maths::atan2(up.x, up.y)
+        };
+        let leant: f32 = (0..n).map(lean).sum();
+        assert!((0.75..1.25).contains(&(leant / wanted)), "{name}: leans {leant} of {wanted} at {speed} m/s");
+    }
+    let [captured, made] = [&set.clips, &made.clips].map(|clips| looks(&set, clips));
+    assert!(made.slip < 1.2 * captured.slip + 0.01 && made.low > captured.low - 0.02, "{made:?} of {captured:?}");
+}
+
+/// Mean speed of the hips over the ground (m/s).
+fn speed_of(clip: &Clip) -> f32 {
+    let roots = &clip.root_positions;
+    let way: f32 = roots.windows(2).map(|w| (w[1] - w[0]).with_y(0.0).length()).sum();
+    way * clip.rate_hz as f32 / (roots.len() - 1) as f32
+}
+
+/// A graph that plays all frames.
+fn graph_of_all(set: &ClipSet) -> graph::RawMotionGraph {
+    let segment = |(clip, first): (&Clip, u32)| graph::GraphSegment {
+        start: FrameId(first),
+        num_frames: clip.num_frames() as u32 - 1,
+        end: graph::StateId(0),
+        displacement: Planar::IDENTITY,
+    };
+    let segments = set.clips.iter().zip(set.frame_starts()).map(segment).collect();
+    graph::RawMotionGraph { segments, action_offsets: vec![0], ..Default::default() }
+}
+
+#[test]
+fn arcs_are_lacking_gait_by_gait() {
+    let lacks = |names: &[&str]| {
+        let set = library(names);
+        Lacks::of_graph(&set, &graph_of_all(&set), &[TakenMotion::Upright])
+    };
+    let arcs = |lacks: Lacks| [Gait::Walk, Gait::Run].map(|g| lacks.arcs[g as usize]);
+    let straight = ["walk_neutral_v110_g00", "run_neutral_v320_g00"];
+    assert_eq!(arcs(lacks(&straight)), [true, true]);
+    assert_eq!(arcs(lacks(&[straight[0], straight[1], "walk_neutral_v110_gl08"])), [false, true]);
+    assert_eq!(arcs(lacks(&[straight[0], straight[1], "run_neutral_v380_gl06"])), [true, false]);
+    let captured = lacks(&[straight[0], "run_neutral_v380_gl06"]).sideways_mps2;
+    assert!((captured - 0.6 * 3.8).abs() < 0.2, "as people turn who were captured: {captured} m/s2");
+    assert_eq!(lacks(&straight).sideways_mps2, 1.5);
+}
+
+#[test]
+fn motion_of_another_gait_is_joined_by_starts_and_stops_of_its_own_or_told() {
+    let mut set = library(&["walk_neutral_v110", "idle_neutral", "back_neutral"]);
+    let graph = |set: &ClipSet| {
+        graph::connect(set, &FeaturesConfig::default(), &MotionGraphConfig::default(), &Silent, &SingleRank).unwrap()
+    };
+    let backwards_s = |report: &graph::GraphReport| -> f64 {
+        report.apart.iter().filter(|a| a.gait == "backwards").map(|a| a.seconds).sum()
+    };
+    let (before, report) = graph(&set);
+    let all_s = backwards_s(&report);
+    assert!(all_s > 5.0, "{:?}", report.apart);
+    let apart = report.apart.iter().find(|a| a.gait == "backwards").unwrap();
+    let told = apart.to_string();
+    assert!(
+        apart.error > Some(apart.limit) && told.contains("back_neutral") && told.contains("`graph.max_error` is 0.5")
+    );
+    let lacks = Lacks::of_graph(&set, &before, &[TakenMotion::Upright]);
+    assert!(lacks.joins[Gait::Backwards as usize]);
+    let made = make_missing(&set, lacks, &MotionGraphConfig::default(), true, &SingleRank).unwrap();
+    set.clips.extend(made.clips);
+    let (_, report) = graph(&set);
+    assert!(backwards_s(&report) < 0.2 * all_s, "{:?}", report.apart);
 }
 
 #[test]
