@@ -297,8 +297,6 @@ fn a_clip_unlike_the_rest_is_reported_as_unused() {
     clips.clips.push(Gait { style: 2.0, ..Gait::default() }.clip("stranger".into()));
     let (_, report, _) = connect(&clips, &MotionGraphConfig::default()).unwrap();
     assert_eq!(report.unused_clips, ["stranger"]);
-    let apart: Vec<_> = report.apart.iter().map(|a| (&*a.clips[0], a.error > Some(a.limit))).collect();
-    assert_eq!(apart, [("stranger", true)], "{:?}", report.apart);
 }
 
 #[test]

@@ -56,11 +56,10 @@ fn a_config_names_the_class_of_a_clip() {
         let report = json(&["inspect", &files, "--config", &config, "--json"], &["classes"]);
         let classes = report["classes"].as_array().expect("a list");
         assert!(classes.iter().any(|c| c["manner"] == "shy" && c["gait"] != "walk"), "{files}: {classes:?}");
-        assert!(!report["classes"].to_string().is_empty());
     }
     write("{ gait = \"wlak\" }");
     let told = failed(&["inspect", &clip, "--config", &config]);
-    assert!(told.contains("shy.toml:3:") && told.contains("expected one of `stand`, `walk`, `run`"), "{told}");
+    assert!(told.contains("shy.toml:3:") && told.contains("expected one of `stand`, `walk`, `jog`"), "{told}");
 }
 
 #[test]

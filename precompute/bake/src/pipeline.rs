@@ -108,9 +108,9 @@ pub fn build_shared(
     };
     if let Some(lacks) = missing_motion(cfg, &motion.clips, connected.as_ref().ok()) {
         let (clips, mirror, graph_cfg) = (&motion.clips, cfg.resample.mirror, graph_config(cfg));
-        let settings = (lacks, &graph_cfg, mirror);
+        let settings = (&lacks, &graph_cfg, mirror);
         let output =
-            s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, lacks, &graph_cfg, mirror, comm))?;
+            s.stage("make", &[motion.key], &settings, |_| make::make_missing(clips, &lacks, &graph_cfg, mirror, comm))?;
         if !output.clips.is_empty() {
             motion.key = output.key;
             made.append(output.value);
@@ -201,7 +201,7 @@ fn missing_motion(
     clips: &ClipSet,
     connected: Option<&StageOutput<Connected>>,
 ) -> Option<make::Lacks> {
-    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0, &graph_config(cfg).take));
+    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0, &c.1.apart));
     (makes_motion(cfg, clips) && lacks.any()).then_some(lacks)
 }
 

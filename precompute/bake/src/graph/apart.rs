@@ -6,7 +6,8 @@ use super::take::{MAX_NAMED_CLIPS, TakenFrames};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use throng_motion::clip::{FrameId, FrameRange, runs_where};
+use throng_core::format::Gait;
+use throng_motion::clip::{FrameId, runs_where};
 
 /// Shortest stretch that counts (s).
 const SHORTEST_S: f64 = 1.0;
@@ -20,9 +21,7 @@ pub struct MotionApart {
     pub gait: String,
     /// Its duration, mirrored copies not counted (s).
     pub seconds: f64,
-    /// Number of its clips.
-    pub num_clips: usize,
-    /// A few clips with most of it.
+    /// Its clips.
     pub clips: Vec<String>,
     /// Smallest distance of its frames from like moments of the graph (rad); `None` where it has no step and no stand.
     pub error: Option<f64>,
@@ -32,9 +31,10 @@ pub struct MotionApart {
 
 impl std::fmt::Display for MotionApart {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let more = if self.num_clips > self.clips.len() { ", ..." } else { "" };
-        let (seconds, gait, clips, limit) = (self.seconds, &self.gait, self.clips.join(", "), self.limit);
-        write!(f, "{gait} {seconds:.0} s of {} clip(s) ({clips}{more}): ", self.num_clips)?;
+        let (seconds, gait, limit, num) = (self.seconds, &self.gait, self.limit, self.clips.len());
+        let more = if num > MAX_NAMED_CLIPS { ", ..." } else { "" };
+        let clips = self.clips[..num.min(MAX_NAMED_CLIPS)].join(", ");
+        write!(f, "{gait} {seconds:.0} s of {num} clip(s) ({clips}{more}): ")?;
         match self.error {
             None => write!(f, "it has no step and no stand at which to change"),
             Some(e) if e > limit => write!(f, "{e:.2} rad from the rest at best, `graph.max_error` is {limit}"),
@@ -46,66 +46,50 @@ impl std::fmt::Display for MotionApart {
     }
 }
 
-/// What is known of a part: its time in each clip, and its distance from the graph.
-#[derive(Default)]
-struct ApartSum<'a> {
-    clips: BTreeMap<&'a str, f64>,
-    error: Option<f32>,
-}
-
 /// Motion that a graph takes and does not play, by gait and reason, the most first.
 ///
 /// - `played`: for each frame, whether an action plays it.
 pub(super) fn motion_apart(given: &GraphInputs<'_>, taken: &TakenFrames, played: &[bool]) -> Vec<MotionApart> {
     let GraphInputs { clips, config, events, rate_hz, .. } = *given;
     let of_graph: Vec<usize> = (0..events.len()).filter(|&i| played[events[i].frame.0 as usize]).collect();
-    let every = of_graph.len().div_ceil(MAX_COMPARED[1]).max(1);
-    let of_graph: Vec<usize> = of_graph.into_iter().step_by(every).collect();
-    let limit = config.max_error as f32;
-    let mut parts = BTreeMap::<(&str, usize), ApartSum<'_>>::new();
+    let of_graph: Vec<usize> = take_some(&of_graph, MAX_COMPARED[1]).copied().collect();
+    let mut parts = BTreeMap::<(Gait, usize), MotionApart>::new();
     for ((clip, first), runs) in clips.clips.iter().zip(clips.frame_starts()).zip(&taken.runs) {
-        if clip.mirrored || clip.is_made() {
-            continue;
-        }
-        let is_apart = |f: usize| !played[first as usize + f];
-        for run in runs.iter().flat_map(|run| runs_where(run.clone(), is_apart)) {
-            let gait = |f: usize| clip.class_at(f).map_or("motion", |c| c.gait.name());
-            for stretch in split_by(run, gait).into_iter().filter(|s| s.len() as f64 >= SHORTEST_S * rate_hz) {
-                let frames = first + stretch.start as u32..first + stretch.end as u32;
-                let own = events.partition_point(|e| e.frame.0 < frames.start)
-                    ..events.partition_point(|e| e.frame.0 < frames.end);
-                let every = own.len().div_ceil(MAX_COMPARED[0]).max(1);
-                let error = own.step_by(every).filter_map(|i| nearest(given, i, &of_graph)).min_by(f32::total_cmp);
-                let reason = error.map_or(0, |e| 1 + usize::from(e > limit));
-                let part = parts.entry((gait(stretch.start), reason)).or_default();
-                *part.clips.entry(&clip.name).or_default() += stretch.len() as f64 / rate_hz;
-                part.error = error.into_iter().chain(part.error).min_by(f32::total_cmp);
+        let is_apart = |f: usize| !played[first as usize + f] && runs.iter().any(|run| run.contains(&f));
+        for span in clip.classes.iter().filter(|_| !clip.mirrored && !clip.is_made()) {
+            for stretch in runs_where(span.frames.start as usize..span.frames.end as usize, is_apart) {
+                let seconds = stretch.len() as f64 / rate_hz;
+                if seconds < SHORTEST_S {
+                    continue;
+                }
+                let event = |f: usize| events.partition_point(|e| e.frame.0 < first + f as u32);
+                let own: Vec<usize> = (event(stretch.start)..event(stretch.end)).collect();
+                let own = take_some(&own, MAX_COMPARED[0]).filter_map(|&i| nearest(given, i, &of_graph));
+                let error = own.min_by(f32::total_cmp).map(f64::from);
+                let reason = error.map_or(0, |e| 1 + usize::from(e > config.max_error));
+                let part = parts.entry((span.class.gait, reason)).or_insert_with(|| MotionApart {
+                    gait: span.class.gait.name().to_owned(),
+                    seconds: 0.0,
+                    clips: Vec::new(),
+                    error,
+                    limit: config.max_error,
+                });
+                part.seconds += seconds;
+                part.error = part.error.zip(error).map(|(a, b)| a.min(b));
+                if part.clips.last() != Some(&clip.name) {
+                    part.clips.push(clip.name.clone());
+                }
             }
         }
     }
-    let told = |((gait, _), ApartSum { clips, error }): ((&str, usize), ApartSum<'_>)| {
-        let (seconds, num_clips) = (clips.values().sum(), clips.len());
-        let mut most: Vec<(&str, f64)> = clips.into_iter().collect();
-        most.sort_by(|a, b| b.1.total_cmp(&a.1));
-        let clips = most.iter().take(MAX_NAMED_CLIPS).map(|(name, _)| (*name).to_owned()).collect();
-        let (error, limit) = (error.map(f64::from), config.max_error);
-        MotionApart { gait: gait.to_owned(), seconds, num_clips, clips, error, limit }
-    };
-    let mut out: Vec<MotionApart> = parts.into_iter().map(told).collect();
+    let mut out: Vec<MotionApart> = parts.into_values().collect();
     out.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     out
 }
 
-/// Runs of frames of one value within a run.
-fn split_by<T: PartialEq>(run: FrameRange, value: impl Fn(usize) -> T) -> Vec<FrameRange> {
-    let mut out: Vec<FrameRange> = Vec::new();
-    for f in run {
-        match out.last_mut() {
-            Some(part) if value(part.start) == value(f) => part.end = f + 1,
-            _ => out.push(f..f + 1),
-        }
-    }
-    out
+/// About so many of a list, evenly.
+fn take_some(all: &[usize], most: usize) -> impl Iterator<Item = &usize> {
+    all.iter().step_by(all.len().div_ceil(most).max(1))
 }
 
 /// Distance of an event from the nearest one of the same kind among others (rad).

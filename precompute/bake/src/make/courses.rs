@@ -41,6 +41,9 @@ const FAST_MPS: [f32; 2] = [1.3, 1.9];
 /// Share of a cycle in which an arc begins to turn, and most that shorter and longer arcs turn (rad).
 const ARC_EASE: f32 = 0.7;
 const MOST_TURNED: [f32; 2] = [0.8, 1.6];
+/// Share of the lean that balances the gain of speed, and a lean that no gain exceeds (rad).
+const LEAN: f32 = 0.6;
+const MOST_LEAN: f32 = 0.12;
 /// Gravity (m/s2).
 const GRAVITY_MPS2: f32 = 9.81;
 /// Frames after the last event.
@@ -76,6 +79,12 @@ impl MadeMove {
             num_swings: usize::MAX,
         };
         let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
+        // Who gains speed leans ahead, who loses it leans back.
+        let leans = |n: usize, pace: &dyn Fn(usize) -> f32| {
+            let gains = |f: usize| 0.5 * rate * (pace(f + 1) - pace(f.saturating_sub(1))) * gait.speed_mps();
+            let lean = |f: usize| LEAN * maths::atan2(gains(f), GRAVITY_MPS2);
+            (0..n).map(|f| Vec2::new(0.0, lean(f) / (1.0 + lean(f).abs() / MOST_LEAN))).collect()
+        };
         let last = gait.clip.num_frames() - 1;
         let [fast, cycles] = FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
         Some(match *self {
@@ -96,6 +105,7 @@ impl MadeMove {
                     weight: (0..n)
                         .map(|f| ramp(f, lift as f32 - 0.15 * rate, 0.85 * over as f32 + 0.15 * rate))
                         .collect(),
+                    lean: leans(n, &pace),
                     path: path(gait, Planar::IDENTITY, n, heading, pace),
                     stands: [true, false],
                     captured: [0, until],
@@ -107,11 +117,13 @@ impl MadeMove {
                 let over = (steps as f32 + 0.5) * step;
                 let n = event + over as usize + stand;
                 let rest = event + over as usize;
+                let pace = |f: usize| 1.0 - ramp(f, event as f32, over);
                 MadeCourse {
                     gait_at: (0..n).map(|f| f.min(last)).collect(),
                     stance_at: (0..n).map(|f| stance.frame(f.saturating_sub(rest))).collect(),
                     weight: (0..n).map(|f| 1.0 - ramp(f, event as f32, over - 0.2 * step)).collect(),
-                    path: path(gait, gait.course(0), n, |_| 0.0, |f| 1.0 - ramp(f, event as f32, over)),
+                    lean: leans(n, &pace),
+                    path: path(gait, gait.course(0), n, |_| 0.0, pace),
                     stands: [false, true],
                     captured: [event, usize::MAX],
                     num_swings: steps,
@@ -125,7 +137,7 @@ impl MadeMove {
                 let heading = |f: usize| headings[f.saturating_sub(event).min(over)];
                 // Who turns leans inwards, so that weight and the push of the feet balance.
                 let turns = |f: usize| 0.5 * rate * (heading(f + 1) - heading(f.saturating_sub(1)));
-                let lean = |f: usize| maths::atan2(turns(f) * gait.speed_mps(), GRAVITY_MPS2);
+                let lean = |f: usize| Vec2::new(maths::atan2(turns(f) * gait.speed_mps(), GRAVITY_MPS2), 0.0);
                 MadeCourse {
                     gait_at: (0..n).map(|f| f.min(last)).collect(),
                     stance_at: vec![0; n],

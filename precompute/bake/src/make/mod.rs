@@ -33,8 +33,8 @@ use throng_motion::clip::{Clip, ClipSet, ClipTag};
 use throng_motion::error::Result;
 use throng_motion::mirror;
 
-/// Most gaits that get starts and stops: ahead, and sideways or backwards.
-const MAX_GAITS: [usize; 2] = [14, 4];
+/// Most gaits that get starts and stops: of all motion, and of that to which nothing leads.
+const MAX_GAITS: [usize; 2] = [14, 6];
 /// Most gaits of each kind that get arcs.
 const MAX_ARCED: usize = 2;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
@@ -126,7 +126,7 @@ impl MadeMotion {
 /// Faults of the exchange between processes.
 pub fn make_missing(
     clips: &ClipSet,
-    lacks: Lacks,
+    lacks: &Lacks,
     cfg: &MotionGraphConfig,
     mirrored: bool,
     comm: &dyn Comm,
@@ -140,7 +140,7 @@ pub fn make_missing(
     })?;
     let (gaits, stances): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut made = MadeMotion::default();
-    let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored, &lacks, &cfg.take);
+    let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored, lacks, &cfg.take);
     let stances: Vec<RestStance> = stances.into_iter().flatten().collect();
     let mut manners: Vec<&str> = gaits.iter().map(|g| &*g.class.manner).collect();
     manners.sort_unstable();
@@ -178,7 +178,7 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool, lacks: &Lacks, take: &[
     if all.iter().any(is_taken) {
         all.retain(is_taken);
     }
-    all.retain(|g| !g.goes_aside() || lacks.joins[g.class.gait as usize]);
+    all.retain(|g| !g.goes_aside() || lacks.is_apart(g));
     // Mirrored copies start with the other foot.
     let of_foot = |foot: usize| all.iter().filter(|g| g.foot == foot).count();
     let foot = usize::from(of_foot(1) > of_foot(0));
@@ -199,9 +199,9 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool, lacks: &Lacks, take: &[
         let unlike = |o: &GaitCycle| {
             o.foot != all[k].foot || o.class.manner != all[k].class.manner || gait_distance(o, &all[k]) > OTHER_GAIT
         };
-        let is_alike = |o: &&GaitCycle| o.goes_aside() == all[k].goes_aside();
-        let has_room = out.iter().filter(is_alike).count() < MAX_GAITS[usize::from(all[k].goes_aside())];
-        if has_room && out.iter().all(unlike) {
+        let is_apart = lacks.is_apart(&all[k]);
+        let has_room = out.iter().filter(|o| lacks.is_apart(o) == is_apart).count() < MAX_GAITS[usize::from(is_apart)];
+        if has_room && (is_apart || out.iter().all(unlike)) {
             out.push(all[k].clone());
         }
     }
@@ -240,7 +240,7 @@ impl<'a> MotionMaker<'a> {
     ///
     /// - `number`: its number; the first one of each foot does most.
     /// - `is_first`: true for the first gait of its foot and manner.
-    fn make_all(&mut self, gait: &GaitCycle, number: usize, stances: &[RestStance], is_first: bool, lacks: Lacks) {
+    fn make_all(&mut self, gait: &GaitCycle, number: usize, stances: &[RestStance], is_first: bool, lacks: &Lacks) {
         let Some(stance) = stances.first() else { return };
         let side = if gait.foot == 0 { 1.0 } else { -1.0 };
         let usual = !std::mem::replace(&mut self.feet[gait.foot], true);
@@ -265,7 +265,7 @@ impl<'a> MotionMaker<'a> {
         for what in moves {
             self.make(what, gait, stance, number.to_string());
         }
-        if lacks.joins[kind] || lacks.starts && usual {
+        if lacks.joins || lacks.starts && usual || lacks.is_apart(gait) {
             let all: Vec<usize> = if is_first { (0..stances.len()).collect() } else { vec![number % stances.len()] };
             for s in all {
                 let number = if s == 0 || !is_first { number.to_string() } else { format!("{number}.{s}") };

@@ -1,7 +1,7 @@
 //! Needs: what a motion graph lacks for going to places and standing there.
 
-use super::gait::walking_s;
-use crate::graph::{RawMotionGraph, TakenMotion, played_frames};
+use super::gait::{GaitCycle, walking_s};
+use crate::graph::{MotionApart, RawMotionGraph, played_frames};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
@@ -42,12 +42,14 @@ const PIVOT: (f32, f64) = (2.2, 1.4);
 pub(super) const NUM_GAITS: usize = Gait::Other as usize + 1;
 
 /// What the captured motion lacks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Lacks {
     /// Starts and stops, of which there are few or none.
     pub starts: bool,
-    /// Starts and stops of each gait of which most motion does not lead to a stand.
-    pub joins: [bool; NUM_GAITS],
+    /// Starts and stops of many gaits, as most walking does not lead to a stand.
+    pub joins: bool,
+    /// Motion to which nothing leads, and which starts and stops of its own may join.
+    pub apart: Vec<MotionApart>,
     /// Turns on the spot, and steps aside and back.
     pub turns: bool,
     /// Turning to both sides, of each gait that goes.
@@ -62,7 +64,8 @@ impl Lacks {
     /// Everything.
     pub const ALL: Self = Self {
         starts: true,
-        joins: [true; NUM_GAITS],
+        joins: true,
+        apart: Vec::new(),
         turns: true,
         arcs: [true; NUM_GAITS],
         sideways_mps2: SIDEWAYS_MPS2,
@@ -70,14 +73,20 @@ impl Lacks {
     };
 
     /// True if there is something to make.
-    pub fn any(self) -> bool {
-        self.starts || self.turns || self.pivots || self.joins.contains(&true) || self.arcs.contains(&true)
+    pub fn any(&self) -> bool {
+        let some = self.starts || self.joins || self.turns || self.pivots;
+        some || !self.apart.is_empty() || self.arcs.contains(&true)
+    }
+
+    /// True for a gait of motion to which nothing leads.
+    pub(super) fn is_apart(&self, gait: &GaitCycle) -> bool {
+        self.apart.iter().any(|a| a.gait == gait.class.gait.name() && a.clips.contains(&gait.clip.name))
     }
 
     /// What the motion of a graph lacks.
     ///
-    /// - `take`: the motion that the graph takes.
-    pub fn of_graph(clips: &ClipSet, graph: &RawMotionGraph, take: &[TakenMotion]) -> Self {
+    /// - `apart`: motion that stays out of it.
+    pub fn of_graph(clips: &ClipSet, graph: &RawMotionGraph, apart: &[MotionApart]) -> Self {
         let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let seconds = |frames: u32| f64::from(frames) / rate;
         let goes = |s: &&crate::graph::GraphSegment| {
@@ -91,69 +100,44 @@ impl Lacks {
         for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
             let is_played = |f: usize| played[first as usize + f];
             for run in clip.usable_ranges() {
-                for f in run.clone() {
-                    let class = clip.class_at(f).filter(|c| take.contains(&TakenMotion::of_class(c)));
-                    if let Some(class) = class {
-                        gaits[class.gait as usize].count(is_played(f), rate);
-                    }
-                }
+                count_turning(clip, &run, &is_played, &mut gaits);
                 for run in runs_where(run, is_played) {
                     let [a, b, c, d] = count_changes(clip, &run, STAND_S);
                     (starts, stops, on_the_spot, pivots) = (starts + a, stops + b, on_the_spot + c, pivots + d);
-                    count_turning(clip, &run, &mut gaits);
                 }
             }
         }
         let rests = graph.standing.iter().filter(|s| **s).count();
         let changes = starts.min(stops);
-        let joins = rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s);
         let mut turning: Vec<f32> = gaits.iter().flat_map(|g| g.sideways_mps2.iter().copied()).collect();
         turning.sort_by(f32::total_cmp);
         let captured = turning.get(turning.len() / 2).filter(|_| turning.len() as f64 * STEP_S > TURNING_S);
-        let going = |of: fn(&GaitUse) -> bool| {
-            let of = |g: usize| g != Gait::Stand as usize && g != Gait::Other as usize && of(&gaits[g]);
-            std::array::from_fn(of)
-        };
+        let goes_straight = |g: usize| gaits[g].is_seen && gaits[g].turns_s.iter().any(|s| *s < TURNING_S);
         Self {
             starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
-            joins: if joins { [true; NUM_GAITS] } else { going(GaitUse::stays_out) },
+            joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
+            apart: apart.to_vec(),
             turns: on_the_spot < ENOUGH_TURNS,
-            arcs: going(GaitUse::goes_straight),
+            arcs: std::array::from_fn(goes_straight),
             sideways_mps2: captured.map_or(SIDEWAYS_MPS2, |a| a.clamp(LEAST_SIDEWAYS_MPS2, 2.0 * SIDEWAYS_MPS2)),
             pivots: pivots < ENOUGH_TURNS,
         }
     }
 }
 
-/// Use of a gait by a graph.
+/// Turning of a gait.
 #[derive(Default)]
 struct GaitUse {
-    /// Time of the clips, and of what the graph plays (s).
-    all_s: f64,
-    played_s: f64,
+    /// True if clips show it.
+    is_seen: bool,
     /// Time of played turning to the left and to the right (s).
     turns_s: [f64; 2],
-    /// Sideways acceleration of turning (m/s2).
+    /// Sideways acceleration of all turning (m/s2).
     sideways_mps2: Vec<f32>,
 }
 
-impl GaitUse {
-    fn count(&mut self, is_played: bool, rate_hz: f64) {
-        self.all_s += 1.0 / rate_hz;
-        self.played_s += if is_played { 1.0 / rate_hz } else { 0.0 };
-    }
-
-    fn stays_out(&self) -> bool {
-        self.all_s > LEAST_WALKING_S && self.played_s < LEAST_USED * self.all_s
-    }
-
-    fn goes_straight(&self) -> bool {
-        self.all_s > 0.0 && self.turns_s.iter().any(|s| *s < TURNING_S)
-    }
-}
-
 /// Counts the turning of a run, second by second, for its gaits.
-fn count_turning(clip: &Clip, run: &FrameRange, gaits: &mut [GaitUse; NUM_GAITS]) {
+fn count_turning(clip: &Clip, run: &FrameRange, is_played: &impl Fn(usize) -> bool, gaits: &mut [GaitUse; NUM_GAITS]) {
     let half = (0.5 * clip.rate_hz).round().max(1.0) as usize;
     let second = 2 * half;
     // Hips twist with every step, but hardly leave the way.
@@ -165,8 +149,9 @@ fn count_turning(clip: &Clip, run: &FrameRange, gaits: &mut [GaitUse; NUM_GAITS]
         let [a, b] = [way(f, f + half), way(f + half, f + second)].map(|way| maths::atan2(way.x, way.z));
         let rate = 2.0 * wrap_angle(b - a);
         let gait = &mut gaits[of as usize];
+        gait.is_seen = true;
         if rate.abs() > TURN_RATE.min(TURNING * SIDEWAYS_MPS2 / speed) {
-            gait.turns_s[usize::from(rate < 0.0)] += STEP_S;
+            gait.turns_s[usize::from(rate < 0.0)] += if is_played(f) && is_played(f + second) { STEP_S } else { 0.0 };
             gait.sideways_mps2.push(rate.abs() * speed);
         }
     }

@@ -27,7 +27,7 @@ const MOST_UNREST: f32 = 1.0;
 /// Most stances of a clip, and of a manner, and difference from which two are unlike (rad a joint).
 const MAX_STANCES: usize = 3;
 const OTHER_STANCE: f32 = 0.1;
-/// Share of the bend of a runner's elbows that is left where it stands.
+/// Share of the bend of a runner's elbows, and of its trunk, that is left where it stands.
 const BENT: f32 = 0.3;
 /// Least time of a made stance (s).
 const HELD_S: f32 = 6.0;
@@ -123,6 +123,9 @@ impl RestStance {
         if gait.class.gait == Gait::Run {
             for elbow in [Joint::LeftForearm, Joint::RightForearm].map(Joint::index) {
                 rotations[elbow] = maths::slerp_f32(Quat::IDENTITY, rotations[elbow], BENT);
+            }
+            for trunk in [Joint::Hips, Joint::Spine, Joint::Chest, Joint::UpperChest].map(Joint::index) {
+                rotations[trunk] = maths::slerp_f32(Quat::IDENTITY, rotations[trunk], BENT);
             }
         }
         let flat: [MadeFoot; 2] = {

@@ -23,7 +23,7 @@ fn library(names: &[&str]) -> ClipSet {
 }
 
 fn made_of(set: &ClipSet) -> MadeMotion {
-    make_missing(set, Lacks::ALL, &MotionGraphConfig::default(), true, &SingleRank).unwrap()
+    make_missing(set, &Lacks::ALL, &MotionGraphConfig::default(), true, &SingleRank).unwrap()
 }
 
 /// How clips look.
@@ -206,7 +206,7 @@ fn walks_alone_give_people_who_set_off_and_stand() {
         graph::connect(set, &FeaturesConfig::default(), &MotionGraphConfig::default(), &Silent, &SingleRank).unwrap().0
     };
     let before = graph(&set);
-    let lacks = Lacks::of_graph(&set, &before, &[TakenMotion::Upright]);
+    let lacks = Lacks::of_graph(&set, &before, &[]);
     assert!(lacks.starts && lacks.turns && !before.standing.contains(&true));
     let made = made_of(&set);
     assert!(made.report.stances.is_empty() && made.report.stands == 1);
@@ -229,20 +229,26 @@ fn every_gait_gets_arcs_no_sharper_than_people_turn_with_the_lean_that_belongs_t
     let arcs: Vec<&Clip> = made.clips.iter().filter(|c| !c.mirrored && c.name.starts_with("made/arc")).collect();
     let fast = |fast: bool| arcs.iter().filter(|c| (speed_of(c) > 2.2) == fast).count();
     assert!(fast(false) == 4 && fast(true) == 8, "{:?}", arcs.iter().map(|c| &c.name).collect::<Vec<_>>());
-    for clip in arcs {
+    // Angles by which a body turns and leans, frame by frame.
+    let angles = |clip: &Clip| {
+        let turned = |f: usize| wrap_angle(clip.planar(f + 1).heading - clip.planar(f).heading);
+        let lean = |f: usize| {
+            let up = maths::rotate(maths::rotation_y(-clip.planar(f).heading), clip.hips_rotation(f) * Vec3::Y);
+            maths::atan2(up.x, up.y)
+        };
+        let n = clip.num_frames();
+        [(0..n - 1).map(turned).sum::<f32>(), (0..n).map(lean).sum()]
+    };
+    for pair in arcs.chunks(2) {
+        let (clip, other) = (pair[0], pair[1]);
         let (name, n, rate, speed) = (&clip.name, clip.num_frames(), clip.rate_hz as f32, speed_of(clip));
         let way = |f: usize| (clip.root_positions[f + 15] - clip.root_positions[f]).with_y(0.0);
         let sideways = |f: usize| way(f).angle_between(way(f + 15)) / 0.5 * speed;
         let most = (0..n - 30).map(sideways).fold(0.0, f32::max);
         assert!((0.6..2.1).contains(&most), "{name}: {most} m/s2 at {speed} m/s");
-        // Hips sway, but on average they lean as much as the weight asks.
-        let turned: f32 = (1..n).map(|f| wrap_angle(clip.planar(f).heading - clip.planar(f - 1).heading)).sum();
-        let wanted = speed * turned * rate / 9.81;
-        let lean = |f: usize| {
-            let up = maths::rotate(maths::rotation_y(-clip.planar(f).heading), clip.hips_rotation(f) * Vec3::Y);
-            maths::atan2(up.x, up.y)
-        };
-        let leant: f32 = (0..n).map(lean).sum();
+        // Hips sway, but on average they lean as much as the weight asks, and as much to each side.
+        let ([left, leans], [right, leans_too]) = (angles(clip), angles(other));
+        let (wanted, leant) = (speed * (left - right) * rate / 9.81, leans - leans_too);
         assert!((0.75..1.25).contains(&(leant / wanted)), "{name}: leans {leant} of {wanted} at {speed} m/s");
     }
     let [captured, made] = [&set.clips, &made.clips].map(|clips| looks(&set, clips));
@@ -272,7 +278,7 @@ fn graph_of_all(set: &ClipSet) -> graph::RawMotionGraph {
 fn arcs_are_lacking_gait_by_gait() {
     let lacks = |names: &[&str]| {
         let set = library(names);
-        Lacks::of_graph(&set, &graph_of_all(&set), &[TakenMotion::Upright])
+        Lacks::of_graph(&set, &graph_of_all(&set), &[])
     };
     let arcs = |lacks: Lacks| [Gait::Walk, Gait::Run].map(|g| lacks.arcs[g as usize]);
     let straight = ["walk_neutral_v110_g00", "run_neutral_v320_g00"];
@@ -301,9 +307,8 @@ fn motion_of_another_gait_is_joined_by_starts_and_stops_of_its_own_or_told() {
     assert!(
         apart.error > Some(apart.limit) && told.contains("back_neutral") && told.contains("`graph.max_error` is 0.5")
     );
-    let lacks = Lacks::of_graph(&set, &before, &[TakenMotion::Upright]);
-    assert!(lacks.joins[Gait::Backwards as usize]);
-    let made = make_missing(&set, lacks, &MotionGraphConfig::default(), true, &SingleRank).unwrap();
+    let lacks = Lacks::of_graph(&set, &before, &report.apart);
+    let made = make_missing(&set, &lacks, &MotionGraphConfig::default(), true, &SingleRank).unwrap();
     set.clips.extend(made.clips);
     let (_, report) = graph(&set);
     assert!(backwards_s(&report) < 0.2 * all_s, "{:?}", report.apart);

@@ -56,7 +56,6 @@ pub struct Sidecar {
     /// Look for hits, too; false keeps those of `hits` alone.
     pub automatic_hits: bool,
     /// Class of the whole clip, or parts of it, where motion and names mislead.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub class: Option<NamedClass>,
 }
 

@@ -66,20 +66,15 @@ pub const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
 pub struct NamedClass {
     /// `upright`, `crouched`, `seated` or `lying`.
     #[schemars(with = "Option<String>")]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub posture: Option<Posture>,
     /// `stand`, `walk`, `run`, `jog`, `sneak`, `strafe`, `backwards` or `other`.
     #[schemars(with = "Option<String>")]
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub gait: Option<Gait>,
     /// True for standing at ease, false for a gesture.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub neutral: Option<bool>,
     /// True where hands hold a load.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub carrying: Option<bool>,
     /// Manner, such as `angry`; empty for none.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub manner: Option<String>,
 }
 
