@@ -41,9 +41,6 @@ const FAST_MPS: [f32; 2] = [1.3, 1.9];
 /// Share of a cycle in which an arc begins to turn, and most that shorter and longer arcs turn (rad).
 const ARC_EASE: f32 = 0.7;
 const MOST_TURNED: [f32; 2] = [0.8, 1.6];
-/// Share of the lean that balances the gain of speed, and a lean that no gain exceeds (rad).
-const LEAN: f32 = 0.6;
-const MOST_LEAN: f32 = 0.12;
 /// Gravity (m/s2).
 const GRAVITY_MPS2: f32 = 9.81;
 /// Frames after the last event.
@@ -79,12 +76,6 @@ impl MadeMove {
             num_swings: usize::MAX,
         };
         let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
-        // Who gains speed leans ahead, who loses it leans back.
-        let leans = |n: usize, pace: &dyn Fn(usize) -> f32| {
-            let gains = |f: usize| 0.5 * rate * (pace(f + 1) - pace(f.saturating_sub(1))) * gait.speed_mps();
-            let lean = |f: usize| LEAN * maths::atan2(gains(f), GRAVITY_MPS2);
-            (0..n).map(|f| Vec2::new(0.0, lean(f) / (1.0 + lean(f).abs() / MOST_LEAN))).collect()
-        };
         let last = gait.clip.num_frames() - 1;
         let [fast, cycles] = FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
         Some(match *self {
@@ -105,7 +96,6 @@ impl MadeMove {
                     weight: (0..n)
                         .map(|f| ramp(f, lift as f32 - 0.15 * rate, 0.85 * over as f32 + 0.15 * rate))
                         .collect(),
-                    lean: leans(n, &pace),
                     path: path(gait, Planar::IDENTITY, n, heading, pace),
                     stands: [true, false],
                     captured: [0, until],
@@ -117,13 +107,11 @@ impl MadeMove {
                 let over = (steps as f32 + 0.5) * step;
                 let n = event + over as usize + stand;
                 let rest = event + over as usize;
-                let pace = |f: usize| 1.0 - ramp(f, event as f32, over);
                 MadeCourse {
                     gait_at: (0..n).map(|f| f.min(last)).collect(),
                     stance_at: (0..n).map(|f| stance.frame(f.saturating_sub(rest))).collect(),
                     weight: (0..n).map(|f| 1.0 - ramp(f, event as f32, over - 0.2 * step)).collect(),
-                    lean: leans(n, &pace),
-                    path: path(gait, gait.course(0), n, |_| 0.0, pace),
+                    path: path(gait, gait.course(0), n, |_| 0.0, |f| 1.0 - ramp(f, event as f32, over)),
                     stands: [false, true],
                     captured: [event, usize::MAX],
                     num_swings: steps,
@@ -133,11 +121,12 @@ impl MadeMove {
             Self::Arc(angle, cycles) => {
                 let over = cycles * gait.period;
                 let (until, n) = (event + over - 1, event + over + TAIL);
-                let headings = arc_headings(gait, angle, over);
-                let heading = |f: usize| headings[f.saturating_sub(event).min(over)];
+                let ease = arc_ease(gait, over);
+                let at = |f: usize| f.saturating_sub(event).min(over) as f32;
+                let heading = |f: usize| angle * arc_share(at(f), over as f32, ease);
                 // Who turns leans inwards, so that weight and the push of the feet balance.
                 let turns = |f: usize| 0.5 * rate * (heading(f + 1) - heading(f.saturating_sub(1)));
-                let lean = |f: usize| Vec2::new(maths::atan2(turns(f) * gait.speed_mps(), GRAVITY_MPS2), 0.0);
+                let lean = |f: usize| maths::atan2(turns(f) * gait.speed_mps(), GRAVITY_MPS2);
                 MadeCourse {
                     gait_at: (0..n).map(|f| f.min(last)).collect(),
                     stance_at: vec![0; n],
@@ -204,18 +193,14 @@ fn arc_ease(gait: &GaitCycle, over: usize) -> f32 {
     (ARC_EASE * gait.period as f32).min(0.5 * over as f32)
 }
 
-/// Heading along an arc, frame by frame: it turns ever faster, steadily, and ever slower (rad; over + 1).
-fn arc_headings(gait: &GaitCycle, angle: f32, over: usize) -> Vec<f32> {
-    let ease = arc_ease(gait, over);
-    let turns = |f: usize| smooth(f as f32 / ease) * smooth((over - f) as f32 / ease);
-    let whole: f32 = (0..=over).map(turns).sum();
-    let turned = (0..=over).scan(0.0, |turned, f| {
-        *turned += 0.5 * turns(f);
-        let here = *turned;
-        *turned += 0.5 * turns(f);
-        Some(angle * here / whole)
-    });
-    turned.collect()
+/// Share of an arc's angle after so many frames: it turns ever faster, steadily, and ever slower.
+fn arc_share(at: f32, over: f32, ease: f32) -> f32 {
+    let eased = |frames: f32| {
+        let t = (frames / ease).clamp(0.0, 1.0);
+        ease * t * t * t * (1.0 - 0.5 * t)
+    };
+    let steadily = (at - ease).clamp(0.0, (over - 2.0 * ease).max(0.0));
+    (eased(at) + steadily + 0.5 * ease - eased(over - at)) / (over - ease)
 }
 
 /// MadeCourse of who steps from stance to stance.

@@ -27,10 +27,8 @@ const TWIST: f32 = 0.4;
 /// Longest leg, as a share of its length.
 const STRAIGHT_LEG: f32 = 0.992;
 /// Share of the way to the standing foot that hips move aside before a first step, and times before and after it (s).
-const SHIFT: f32 = 0.5;
-const SHIFT_S: [f32; 2] = [0.4, 0.2];
-/// Joints of both arms.
-const ARMS: std::ops::RangeInclusive<usize> = Joint::LeftClavicle.index()..=Joint::RightHand.index();
+const SHIFT: f32 = 0.35;
+const SHIFT_S: [f32; 2] = [0.3, 0.2];
 /// Share of a lean that neck and head each take back.
 const UPRIGHT_HEAD: f32 = 0.3;
 /// Frames from captured ones to those that are corrected wholly.
@@ -55,8 +53,8 @@ pub(super) struct MadeCourse {
     pub stance_at: Vec<usize>,
     /// Share of the gait in the pose (0 to 1; num_frames).
     pub weight: Vec<f32>,
-    /// Lean to the left of the way, and along it (rad; num_frames, or none).
-    pub lean: Vec<Vec2>,
+    /// Lean to the left of the way (rad; num_frames, or none).
+    pub lean: Vec<f32>,
     /// Mean place and heading (num_frames).
     pub path: Vec<Planar>,
     /// True if it begins, and ends, in the stance.
@@ -175,8 +173,6 @@ impl CourseWalker<'_> {
         let (from, to) = (self.stance.clip.frame_rotations(s), self.gait.clip.frame_rotations(g));
         let rotations = std::array::from_fn(|j| match j {
             0 => maths::compose(maths::rotation_y(path.heading), maths::slerp_f32(calm, moves, share)).normalize(),
-            // Arms begin to swing later than legs, and end earlier.
-            _ if ARMS.contains(&j) => maths::slerp_f32(from[j], to[j], share * share),
             _ => maths::slerp_f32(from[j], to[j], share),
         });
         let mut pose = CoursePose { hips: Vec3::new(at.x, low + share * (high - low), at.z), rotations };
@@ -186,18 +182,16 @@ impl CourseWalker<'_> {
         pose
     }
 
-    /// Leans a body about the ground below it, to the left of its way and along it; its head stays more upright.
-    fn lean(&self, pose: &mut CoursePose, path: Planar, lean: Vec2) {
+    /// Leans a body to the left of its way, about the ground below it; its head stays more upright.
+    fn lean(&self, pose: &mut CoursePose, path: Planar, lean: f32) {
         let [aside, ahead] = self.gait.travel;
         let along = maths::rotation_y(path.heading + maths::atan2(aside, ahead));
-        let tilt = maths::compose(maths::rotation_z(-lean.x), maths::rotation_x(lean.y));
-        let turn = maths::compose(maths::compose(along, tilt), along.conjugate());
-        let head = maths::compose(maths::rotation_z(UPRIGHT_HEAD * lean.x), maths::rotation_x(-UPRIGHT_HEAD * lean.y));
+        let turn = maths::compose(maths::compose(along, maths::rotation_z(-lean)), along.conjugate());
         let ground = Vec3::new(path.x, 0.0, path.z);
         pose.hips = ground + maths::rotate(turn, pose.hips - ground);
         pose.rotations[0] = maths::compose(turn, pose.rotations[0]).normalize();
         for joint in [Joint::Neck, Joint::Head].map(Joint::index) {
-            pose.rotations[joint] = maths::compose(head, pose.rotations[joint]);
+            pose.rotations[joint] = maths::compose(maths::rotation_z(UPRIGHT_HEAD * lean), pose.rotations[joint]);
         }
     }
 
