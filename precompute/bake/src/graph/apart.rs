@@ -12,7 +12,7 @@ use throng_motion::clip::{FrameId, runs_where};
 /// Shortest stretch that counts (s).
 const SHORTEST_S: f64 = 1.0;
 /// Most events of a stretch, and of the graph, that are compared.
-const MAX_COMPARED: [usize; 2] = [8, 4096];
+const MAX_COMPARED: [usize; 2] = [4, 2048];
 
 /// Motion of one gait that no action plays, for one reason.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
