@@ -11,7 +11,7 @@ pub use steer::{SteerCommand, SteerInput};
 pub use world::{Tool, UnitDraft, WorldCommand, WorldSelection};
 
 use crate::render::OrbitCamera;
-use crate::run::{Blending, CrowdRunConfig, RunInput};
+use crate::run::{Blending, RunInput};
 use crate::settings::{PanelKind, ViewerSettings};
 use std::path::PathBuf;
 
@@ -57,10 +57,8 @@ pub enum ViewerCommand {
     Seek(u32),
     /// Seconds that pass in one.
     Speed(f32),
-    /// Restart the run, with the same config.
+    /// Restart the run, with the same settings.
     Restart,
-    /// Start a run with another config.
-    Configure(CrowdRunConfig),
     /// Do something to the run.
     Input(RunInput),
     /// Blend something else, or on another body, and show it.

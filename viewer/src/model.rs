@@ -127,7 +127,6 @@ pub struct Model {
     pub outfit: Option<UserOutfit>,
     dressing: Option<OutfitLoader>,
     steering: Option<UserSteering>,
-    weights: Vec<f32>,
     /// Files of the open document, as requested.
     pub asked: Vec<PathBuf>,
     loader: Loader,
@@ -205,8 +204,7 @@ impl Model {
     pub fn num_characters(&self) -> usize {
         match &self.document {
             OpenDocument::World(w) => w.run.num_characters(),
-            OpenDocument::Scene(s) => s.run.simulation().num_characters(),
-            document => document.crowd().map_or(0, |(_, run)| run.config().characters),
+            document => document.scene().map_or(0, |s| s.run.simulation().num_characters()),
         }
     }
 

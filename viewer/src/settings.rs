@@ -1,7 +1,7 @@
 //! Settings that the viewer stores between runs.
 
 use crate::render::{BodyStyle, OrbitCamera};
-use crate::run::CrowdRunConfig;
+use crate::run::SceneChoice;
 use eframe::egui::ThemePreference;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -146,8 +146,8 @@ pub struct ViewerSettings {
     pub camera: OrbitCamera,
     /// The camera goes with the selected character.
     pub follow: bool,
-    /// Config of runs.
-    pub run: CrowdRunConfig,
+    /// Settings of the crowds of bundles.
+    pub crowd: SceneChoice,
     /// Recently opened files, the latest first; several files of motion together are one entry.
     pub opened: Vec<Vec<PathBuf>>,
 }
@@ -165,7 +165,7 @@ impl Default for ViewerSettings {
             bottom_panel: None,
             camera: OrbitCamera::default(),
             follow: false,
-            run: CrowdRunConfig::default(),
+            crowd: SceneChoice::default(),
             opened: Vec::new(),
         }
     }
@@ -176,7 +176,6 @@ impl ViewerSettings {
     pub fn limited(mut self) -> Self {
         self.zoom = if self.zoom.is_finite() { self.zoom.clamp(0.5, 3.0) } else { 1.0 };
         self.camera.limit();
-        self.run = self.run.limited();
         if self.body == BodyStyle::Own {
             // The file of a user's body has to be named in every run.
             self.body = BodyStyle::Mannequin;

@@ -7,12 +7,11 @@ use eframe::egui::{self, Key, Modifiers, pos2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
 use std::path::PathBuf;
-use throng_simulation::AnyCharacterGroup;
 use throng_viewer::command::{SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
 use throng_viewer::render::Rgba;
-use throng_viewer::run::{CrowdRun, CrowdRunConfig};
+use throng_viewer::run::{SceneRun, target_home};
 use throng_viewer::settings::{Colouring, PanelKind};
 use throng_viewer::stage::StageLayout;
 
@@ -22,20 +21,27 @@ fn scene(v: &Viewing) -> &SceneDocument {
 
 /// Where the first character's target hangs (m).
 fn home(v: &Viewing) -> Vec3 {
-    let AnyCharacterGroup::Policy(practice) = &scene(v).run.simulation().character_groups()[0] else {
-        panic!("no targets")
-    };
-    practice.practice().targets()[0].home
+    target(v, 0)
 }
 
-fn run(v: &Viewing) -> &CrowdRun {
-    v.model().document.crowd().expect("a crowd").1
+/// Where a character's target hangs (m).
+fn target(v: &Viewing, who: usize) -> Vec3 {
+    target_home(run(v).simulation(), who).expect("a target")
+}
+
+fn run(v: &Viewing) -> &SceneRun {
+    &scene(v).run
+}
+
+/// The segment that a character plays, and how many frames of it have passed.
+fn segment(v: &Viewing, who: usize) -> (u32, f32) {
+    scene(v).chooser(who).expect("a policy").characters.segment(who)
 }
 
 /// All poses as bits.
 fn poses(v: &Viewing) -> Vec<u32> {
-    let matrices = run(v).characters().model_matrices();
-    bytemuck::cast_slice::<_, f32>(matrices).iter().map(|f| f.to_bits()).collect()
+    let rows = run(v).simulation().poses().flatten().flatten().flat_map(|m| m.rows);
+    rows.flatten().map(f32::to_bits).collect()
 }
 
 /// A copy of the golden bundle in a folder of its own.
@@ -57,58 +63,59 @@ fn a_run_that_is_scrubbed_back_shows_the_same_step_again() {
     v.harness.get_by_label("Pause").click();
     v.harness.run_steps(2);
     assert!(!run(&v).head.is_playing());
-    let (step, seen) = (run(&v).shown_step(), poses(&v));
+    let (step, seen) = (run(&v).head.shown_step(), poses(&v));
     assert!(step >= 30, "step {step}");
 
     v.harness.get_by_label("Play").click();
     let mut shown = vec![(step, seen)];
     for _ in 0..60 {
         v.harness.step();
-        shown.push((run(&v).shown_step(), poses(&v)));
+        shown.push((run(&v).head.shown_step(), poses(&v)));
     }
-    let last = run(&v).shown_step();
+    let last = run(&v).head.shown_step();
     assert!(last > step + 30);
     let line = v.harness.get_by_label("Time").rect();
     let at = |ratio: f32| pos2(line.left() + ratio * line.width(), line.center().y);
     v.drag(at(1.0) - egui::vec2(6.0, 0.0), at(0.5 * (step + last) as f32 / last as f32));
-    let now = run(&v).shown_step();
+    let now = run(&v).head.shown_step();
     assert!((step..last - 5).contains(&now) && !run(&v).head.is_playing(), "step {now} of {last} is shown");
     let (_, seen) = shown.iter().find(|s| s.0 == now).expect("every step was shown");
     assert!(poses(&v) == *seen, "step {now} is another one after scrubbing back");
 
     v.harness.key_press(Key::ArrowLeft);
     v.harness.run_steps(2);
-    let back = run(&v).shown_step();
+    let back = run(&v).head.shown_step();
     v.harness.get_by_label("Step").click();
     v.harness.run_steps(2);
-    assert_eq!(run(&v).shown_step(), back + 1);
+    assert_eq!(run(&v).head.shown_step(), back + 1);
 }
 
 #[test]
 fn a_target_dragged_in_the_view_is_walked_to() {
     let mut v = Viewing::of(&golden());
     // So few that none is in its way for long.
-    let config = CrowdRunConfig { characters: 6, ..v.model().settings.run };
-    v.apply(ViewerCommand::Configure(config));
+    let choice = SceneChoice { characters: 6, ..scene(&v).choice };
+    v.apply(ViewerCommand::Scene(SceneCommand::Restart(choice)));
+    v.until("six characters", |v| v.model().num_characters() == 6);
     v.apply(ViewerCommand::SelectCharacter(Some(0)));
     v.apply(ViewerCommand::Play(false));
     v.harness.run_steps(2);
     let rect = v.harness.get_by_label("3-D view").rect();
-    let old = run(&v).targets()[0];
+    let old = target(&v, 0);
     let camera = v.model().settings.camera;
     let from = v.on_screen(old);
     let to = from + egui::vec2(60.0, 40.0);
     v.drag(from, to);
-    let target = run(&v).targets()[0];
+    let held = target(&v, 0);
     let size = glam::Vec2::new(rect.width(), rect.height());
     let wanted = camera.ray(glam::Vec2::new(to.x - rect.left(), to.y - rect.top()), size);
     let wanted = wanted.intersect_ground().expect("the ground");
-    assert!((target - wanted).length() < 0.05, "{target} is not at {wanted}; it was at {old}");
+    assert!((held - wanted).length() < 0.05, "{held} is not at {wanted}; it was at {old}");
     assert_eq!(v.model().settings.camera, camera, "the camera moved instead");
 
     let far = |v: &Viewing| {
-        let root = run(v).characters().root(0);
-        (Vec3::new(root.x, 0.0, root.z) - target.with_y(0.0)).length()
+        let root = run(v).simulation().root(0).expect("it is there");
+        (Vec3::new(root.x, 0.0, root.z) - held.with_y(0.0)).length()
     };
     let before = far(&v);
     v.apply(ViewerCommand::Play(true));
@@ -125,7 +132,7 @@ fn who_plays_made_motion_is_pink() {
     let folder = tempfile::tempdir().expect("a folder");
     common::walk(folder.path(), 0.5);
     let mut v = Viewing::of(folder.path());
-    v.until("the crowd", |v| v.model().document.crowd().is_some());
+    v.until("the crowd", |v| v.model().document.scene().is_some());
     v.harness.get_by_label("View").click();
     v.harness.run_steps(2);
     v.harness.get_by_label("Colours").click();
@@ -137,9 +144,9 @@ fn who_plays_made_motion_is_pink() {
     for _ in 0..300 {
         v.harness.step();
         layout.lay_out(v.model(), true);
-        let (tables, characters) = (v.model().document.bundle().expect("a bundle").tables(), run(&v).characters());
+        let tables = v.model().document.bundle().expect("a bundle").tables();
         for (c, shown) in layout.instances.iter().enumerate() {
-            let (segment, frames) = characters.segment(c);
+            let (segment, frames) = segment(&v, c);
             let s = &tables.graph().segments[segment as usize];
             let clip = &tables.meta().clips[s.clip as usize];
             let at = s.start - tables.clips()[s.clip as usize].first_frame + frames as u32;
@@ -198,9 +205,9 @@ fn a_dropped_broken_file_is_refused_and_the_open_bundle_stays() {
     drop(buttons);
     v.harness.run_steps(2);
     assert!(!has_message(&v, "broken.throng"));
-    let now = run(&v).shown_step();
+    let now = run(&v).head.shown_step();
     v.harness.run_steps(5);
-    assert!(run(&v).shown_step() > now, "the old run stopped");
+    assert!(run(&v).head.shown_step() > now, "the old run stopped");
 }
 
 #[test]
@@ -224,11 +231,11 @@ fn a_file_that_changes_on_disk_is_read_again_unless_it_is_broken() {
     v.harness.run_steps(20);
     std::fs::write(&path, "no tables").expect("written over");
     v.until("a message about the broken version", |v| has_message(v, "The open file stays open"));
-    assert!(run(&v).shown_step() > 0, "the old run is gone");
+    assert!(run(&v).head.shown_step() > 0, "the old run is gone");
     std::fs::copy(golden(), &path).expect("written over");
     v.until("the good version", |v| has_message(v, "was reloaded"));
     assert_eq!(v.model().document.path(), Some(path.as_path()));
-    assert!(v.model().document.crowd().is_some());
+    assert!(v.model().document.scene().is_some());
 }
 
 #[test]
@@ -290,22 +297,22 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
     v.key(Key::G, true);
     v.key(Key::G, false);
     assert!(v.model().steering().is_some() && v.model().settings.follow);
-    let root = |v: &Viewing| run(v).characters().root(3);
+    let root = |v: &Viewing| run(v).simulation().root(3).expect("it is there");
     let camera = |v: &Viewing| v.model().settings.camera;
     let mut travelled = 0.0;
     for key in [Key::W, Key::D, Key::W, Key::A, Key::W] {
         let from = root(&v).translation();
         v.key(key, true);
         let [right, _, back] = camera(&v).axes();
-        let target = run(&v).targets()[3];
+        let before = target(&v, 3);
         v.harness.step();
-        let direction = (run(&v).targets()[3] - root(&v).translation()).normalize_or_zero();
+        let direction = (target(&v, 3) - root(&v).translation()).normalize_or_zero();
         let wanted = match key {
             Key::D => right,
             Key::A => -right,
             _ => -back.with_y(0.0).normalize(),
         };
-        assert!(direction.dot(wanted) > 0.95, "{key:?}: {direction} for {wanted}, target {target}");
+        assert!(direction.dot(wanted) > 0.95, "{key:?}: {direction} for {wanted}, target {before}");
         (0..100).for_each(|_| v.harness.step());
         travelled += root(&v).translation().distance(from);
         v.key(key, false);
@@ -316,9 +323,9 @@ fn a_character_is_steered_with_keys_and_frames_until_it_is_seen_are_counted() {
     println!("frames from key to change: median {median}, 95th percentile {p95}, {:?} keys", lags.count());
     assert!(median >= 2 && lags.count().0 >= 2);
     // Who is let go stays, and A shows everything again.
-    let held = run(&v).targets()[3];
+    let held = target(&v, 3);
     (0..30).for_each(|_| v.harness.step());
-    assert!(run(&v).targets()[3].distance(held) < 1.7);
+    assert!(target(&v, 3).distance(held) < 1.7);
     v.key(Key::G, true);
     assert!(v.model().steering().is_none());
 }
@@ -331,8 +338,8 @@ fn who_is_steered_strikes_where_there_are_blows() {
     assert_eq!(v.model().selection.character, Some(0));
     v.key(Key::X, true);
     v.harness.step();
-    let (bundle, run) = v.model().document.crowd().expect("a crowd");
-    assert!(!bundle.motion_set.hits_of(run.characters().segment(0).0).is_empty());
+    let bundle = v.model().document.bundle().expect("a bundle");
+    assert!(!bundle.motion_set.hits_of(segment(&v, 0).0).is_empty());
     let mut v = Viewing::of(&golden());
     v.key(Key::G, true);
     v.key(Key::X, true);

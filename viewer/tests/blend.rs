@@ -30,7 +30,7 @@ fn a_bundle_with_blend_spaces_only_opens_with_a_character_that_follows_the_point
     let mut v = Viewing::of(&paces.bundle());
     v.harness.run_steps(5);
     let m = v.model();
-    assert!(m.document.crowd().is_none() && m.shown_stage() == ViewStage::Blend && m.is_playing());
+    assert!(m.document.scene().is_none() && m.shown_stage() == ViewStage::Blend && m.is_playing());
     assert_eq!(m.settings.side_panel, Some(PanelKind::Blend));
     assert_eq!(m.stages(), [ViewStage::Blend, ViewStage::Clip]);
 

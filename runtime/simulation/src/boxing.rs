@@ -14,7 +14,7 @@ use throng_base::error::check_index;
 use throng_base::ground::ReservedRegion;
 use throng_base::thresholds::HALF_HEAD_M;
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
-use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, PolicyOrder, Spawn};
+use throng_core::characters::{ActionChoice, AvoidConfig, CharactersConfig, Detail, PolicyOrder, Spawn};
 use throng_core::policy::{KIND_CYLINDER, KIND_SPACE_TIME, RegionRecord};
 use throng_core::{Bundle, CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
 
@@ -89,10 +89,13 @@ pub(crate) fn characters_config(compiled: &CompiledScene, group: usize) -> Chara
     // Opponents are meant to come near each other, until they touch.
     let spars = compiled.scene().groups[group].motion == GroupMotion::Sparring;
     let avoid = Some(AvoidConfig { pairs_m: spars.then_some(PAIR_DEPTH_M), ..AvoidConfig::default() });
-    let config = CharactersConfig { seed, first_number, choice, avoid, ..CharactersConfig::default() };
+    let instances = compiled.scene().groups[group].count > POSED_CHARACTERS;
+    let config = CharactersConfig { seed, first_number, choice, avoid, instances, ..CharactersConfig::default() };
     if spars { config.with_boxers_feet() } else { CharactersConfig { carriage: 1.0, ..config } }
 }
 
+/// Largest group in which nobody needs a record for GPUs, since all are posed in full.
+const POSED_CHARACTERS: usize = 5000;
 /// Depth to which opponents may enter each other's discs. A disc covers the head on all sides of the root, and would keep
 /// heads farther apart than blows reach (m).
 const PAIR_DEPTH_M: f32 = 0.07;
@@ -188,6 +191,20 @@ impl Practice {
         }
         self.homes[character] = home;
         Ok(())
+    }
+
+    /// Sets the level of detail of a group with more than 5000 characters, see [`PolicyCharacters::set_detail`]; in smaller
+    /// groups all are posed in full.
+    ///
+    /// # Errors
+    /// As [`PolicyCharacters::set_detail`].
+    ///
+    /// [`PolicyCharacters::set_detail`]: throng_core::characters::PolicyCharacters::set_detail
+    pub fn set_detail(&mut self, detail: Detail) -> Result<()> {
+        if self.practice.boxers().instances().is_empty() {
+            return Ok(());
+        }
+        self.practice.boxers_mut().set_detail(Some(detail))
     }
 
     fn hang_target(&mut self, character: usize, home: Vec3) -> Result<()> {

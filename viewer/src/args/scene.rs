@@ -36,8 +36,8 @@ impl Args {
         if let Some(BodyChoice::Made(body)) = self.body {
             s.body = body;
         }
-        s.run.characters = self.characters.unwrap_or(s.run.characters);
-        s.run.seed = self.seed.unwrap_or(s.run.seed);
+        s.crowd.characters = self.characters.unwrap_or(s.crowd.characters);
+        s.crowd.seed = self.seed.unwrap_or(s.crowd.seed);
         s.camera = self.camera.map_or(s.camera, |view| view.camera);
         if !self.panel.is_empty() {
             (s.side_panel, s.bottom_panel) = (None, None);
@@ -143,7 +143,7 @@ impl Args {
     fn check_stage(&self, stage: ViewStage, model: &Model) -> Result<(), String> {
         match (&model.document, stage) {
             (OpenDocument::Bundle(b), ViewStage::Crowd) => {
-                b.run.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
+                b.crowd.as_ref().map(|_| ()).map_err(|e| format!("--stage crowd: {e}"))
             }
             (document, ViewStage::Blend) if document.blend().is_none() => {
                 Err("--stage blend: there is no blend space; open a bundle that was built with `blend`".into())
@@ -236,10 +236,10 @@ mod tests {
     fn arguments_go_over_settings() {
         let args = Args { seed: Some(5), panel: vec![PanelChoice::Open(PanelKind::Statistics)], ..Args::default() };
         let s = args.settings(ViewerSettings::default());
-        assert_eq!((s.run.seed, s.side_panel), (5, Some(PanelKind::Statistics)));
+        assert_eq!((s.crowd.seed, s.side_panel), (5, Some(PanelKind::Statistics)));
         assert_eq!(s.theme, ViewerSettings::default().theme);
         let alone = Args { panel: vec![PanelChoice::None], ..Args::default() }.settings(s);
-        assert_eq!((alone.side_panel, alone.bottom_panel, alone.run.seed), (None, None, 5));
+        assert_eq!((alone.side_panel, alone.bottom_panel, alone.crowd.seed), (None, None, 5));
     }
 
     #[test]

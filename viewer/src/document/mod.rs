@@ -3,6 +3,7 @@
 mod background;
 mod building;
 mod clip;
+mod crowd;
 mod load;
 mod obstacles;
 mod outfit;
@@ -15,16 +16,16 @@ pub use building::{BuildEnd, BuildLog, FinishedBuild, OngoingBuild, ShownBuild};
 pub use clip::RawMotion;
 pub use load::{Loader, may_be_made};
 pub use outfit::{OutfitLoader, UserOutfit};
-pub use scene::{
-    MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument, SceneDoor, SceneResumePoint, SceneSurroundings, SceneUnit,
-};
+pub use scene::{MAX_SCENE_CHARACTERS, SceneDocument, SceneDoor, SceneResumePoint, SceneSurroundings, SceneUnit};
 pub use task::{PlannedMotion, Planning, TaskDocument};
 pub use watch::{FileStamp, FileWatch};
 pub use world::WorldDocument;
 
 use crate::bundle::OpenBundle;
-use crate::run::{BlendRun, CrowdRun, PlayHead, PolicyChooser};
+pub use crate::run::SceneChoice;
+use crate::run::{BlendRun, PlayHead, PolicyChooser};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The open document.
 #[derive(Default)]
@@ -47,9 +48,9 @@ pub enum OpenDocument {
 /// A bundle and the crowd that runs on it.
 pub struct BundleDocument {
     /// The tables.
-    pub bundle: OpenBundle,
-    /// The recorded run; none if the bundle has no behaviour, with the reason.
-    pub run: Result<CrowdRun, String>,
+    pub bundle: Arc<OpenBundle>,
+    /// The crowd; none if the bundle has no behaviour, with the reason.
+    pub crowd: Result<SceneDocument, String>,
     /// A character walking in one of its blend spaces; none if it has no such space.
     pub blend: Option<BlendRun>,
 }
@@ -57,7 +58,7 @@ pub struct BundleDocument {
 impl BundleDocument {
     /// A document without a run: no character moves yet.
     pub fn without_run(bundle: OpenBundle) -> Self {
-        Self { bundle, run: Err(String::new()), blend: None }
+        Self { bundle: Arc::new(bundle), crowd: Err(String::new()), blend: None }
     }
 }
 
@@ -77,20 +78,16 @@ impl OpenDocument {
     /// Play head of the run, if there is one; that of a blend belongs to [`BlendRun`].
     pub fn head(&self) -> Option<&PlayHead> {
         match self {
-            Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
-            Self::Bundle(b) => Some(&b.run.as_ref().ok()?.head),
             Self::World(w) => Some(&w.run.reel.head),
-            Self::Scene(s) => Some(&s.run.head),
+            document => Some(&document.scene()?.run.head),
         }
     }
 
     /// Play head of the run, mutable.
     pub fn head_mut(&mut self) -> Option<&mut PlayHead> {
         match self {
-            Self::Nothing | Self::Clip(_) | Self::Task(_) => None,
-            Self::Bundle(b) => Some(&mut b.run.as_mut().ok()?.head),
             Self::World(w) => Some(&mut w.run.reel.head),
-            Self::Scene(s) => Some(&mut s.run.head),
+            document => Some(&mut document.scene_mut()?.run.head),
         }
     }
 
@@ -114,25 +111,9 @@ impl OpenDocument {
         }
     }
 
-    /// The bundle and its run, if there is one.
-    pub fn crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
-        let Self::Bundle(b) = self else { return None };
-        Some((&b.bundle, b.run.as_ref().ok()?))
-    }
-
-    /// The bundle and its run, mutable.
-    pub fn crowd_mut(&mut self) -> Option<(&OpenBundle, &mut CrowdRun)> {
-        let Self::Bundle(b) = self else { return None };
-        Some((&b.bundle, b.run.as_mut().ok()?))
-    }
-
-    /// A character of a crowd or a scene that chooses by policies, and all that bears on its choices.
+    /// A character of a scene that chooses by policies, and all that bears on its choices.
     pub fn chooser(&self, character: usize) -> Option<PolicyChooser<'_>> {
-        match self {
-            Self::Bundle(b) => b.run.as_ref().ok()?.chooser(&b.bundle, character),
-            Self::Scene(s) => s.chooser(character),
-            _ => None,
-        }
+        self.scene()?.chooser(character)
     }
 
     /// The world, where one is open.
@@ -140,9 +121,22 @@ impl OpenDocument {
         if let Self::World(w) = self { Some(w) } else { None }
     }
 
-    /// The scene, where one is open.
+    /// The scene, where one is open, or the crowd of a bundle.
     pub fn scene(&self) -> Option<&SceneDocument> {
-        if let Self::Scene(s) = self { Some(s) } else { None }
+        match self {
+            Self::Scene(s) => Some(s),
+            Self::Bundle(b) => b.crowd.as_ref().ok(),
+            _ => None,
+        }
+    }
+
+    /// The scene, mutable.
+    pub fn scene_mut(&mut self) -> Option<&mut SceneDocument> {
+        match self {
+            Self::Scene(s) => Some(s),
+            Self::Bundle(b) => b.crowd.as_mut().ok(),
+            _ => None,
+        }
     }
 
     /// The task, where one is open.

@@ -1,25 +1,24 @@
 //! A scene: its file, its bundles and worlds, and its run.
 
 use super::background::Background;
+use super::crowd;
 use super::obstacles::{DOOR_M, mesh_of};
 use super::world::unit_mesh;
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
-use crate::run::{PolicyChooser, SceneRun};
+use crate::run::{PolicyChooser, SceneChoice, SceneRun};
 use glam::{Quat, Vec2, Vec3};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_core::body::HeightField;
 use throng_core::patch::Placement;
-use throng_crowd::{Obstacle, Scheme};
+use throng_crowd::Obstacle;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
 use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world, policy_characters};
 use throng_precompute::stitch::StitchKit;
-use throng_simulation::scene::engine;
 use throng_simulation::{AnyCharacterGroup, CompiledScene, GroupMotion, Scene};
 
 /// Most characters that a scene may be restarted with from the viewer.
@@ -31,18 +30,6 @@ const MAGIC: &str = "throng-viewer scene 1";
 const HILL_STEP_M: f32 = 1.0;
 /// Margin of drawn hills beyond the square that characters keep to (m).
 const BEYOND_M: f32 = 6.0;
-
-/// Settings of a scene that the viewer can change.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SceneChoice {
-    /// Number of characters and agents of all groups.
-    pub characters: usize,
-    /// Seed of places, paths and choices.
-    pub seed: u64,
-    /// Engine that finds the events of agents.
-    #[serde(with = "engine")]
-    pub engine: Scheme,
-}
 
 /// Resume point of a scene whose file is read again.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +111,9 @@ pub struct SceneDocument {
     /// Surroundings of the characters.
     pub surroundings: SceneSurroundings,
     /// Bundle of the first group that has one.
-    bundle: Option<OpenBundle>,
+    bundle: Option<Arc<OpenBundle>>,
+    /// True for the crowd of a bundle, whose scene is in no file.
+    pub is_crowd: bool,
     /// A new run that is prepared, and its settings.
     restart: Option<(SceneChoice, Background<StartedRun>)>,
     /// Number of restarts.
@@ -155,13 +144,29 @@ impl SceneDocument {
         })?;
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         ensure_scene(&scene, with).map_err(|e| fail(&e))?;
-        let compiled = scene.open().map_err(|e| e.to_string())?;
-        let (run, surroundings) = start_run(&compiled, None)?;
+        let (run, surroundings) = start_run(&scene, None, None)?;
+        let compiled = run.simulation().compiled();
         let with_bundle = (0..scene.groups.len()).find(|&g| compiled.find_bundle(g).is_some());
-        let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?;
+        let bundle = with_bundle.and_then(|g| scene.bundle_of(g).0).map(OpenBundle::open).transpose()?.map(Arc::new);
         let choice = SceneChoice::from_scene(&scene);
         let path = path.to_path_buf();
-        Ok(Self { path, scene, choice, run, surroundings, bundle, restart: None, num_runs: 0 })
+        Ok(Self { path, scene, choice, run, surroundings, bundle, is_crowd: false, restart: None, num_runs: 0 })
+    }
+
+    /// The crowd of a bundle: characters on a plain, each on the way to a target of its own that moves on.
+    ///
+    /// # Errors
+    /// A message where the bundle has no behaviour, its tables do not fit together, or there is no room.
+    pub fn crowd_of(bundle: &Arc<OpenBundle>, choice: SceneChoice) -> Result<Self, String> {
+        let scene = scene_with_choice(&crowd::scene_of(bundle)?, choice)?;
+        let (run, surroundings) = start_run(&scene, Some(bundle), None)?;
+        let (path, bundle) = (bundle.path.clone(), Some(Arc::clone(bundle)));
+        Ok(Self { path, scene, choice, run, surroundings, bundle, is_crowd: true, restart: None, num_runs: 0 })
+    }
+
+    /// The bundle of a crowd; none for a scene in a file, which names its own.
+    fn crowd_bundle(&self) -> Option<&Arc<OpenBundle>> {
+        self.bundle.as_ref().filter(|_| self.is_crowd)
     }
 
     /// Present point of the run, to resume it with a later version of the file.
@@ -179,8 +184,8 @@ impl SceneDocument {
     pub fn resume(&mut self, from: &SceneResumePoint, is_stopped: impl Fn() -> bool) -> Result<(), String> {
         let choice = from.merge_choice(self.choice);
         if choice != self.choice {
-            let compiled = scene_with_choice(&self.scene, choice)?.open().map_err(|e| e.to_string())?;
-            (self.run, self.surroundings) = start_run(&compiled, None)?;
+            let scene = scene_with_choice(&self.scene, choice)?;
+            (self.run, self.surroundings) = start_run(&scene, self.crowd_bundle(), None)?;
             self.choice = choice;
         }
         while self.run.head.shown_step() < from.step {
@@ -200,7 +205,7 @@ impl SceneDocument {
 
     /// The bundle of the first group that has one.
     pub fn bundle(&self) -> Option<&OpenBundle> {
-        self.bundle.as_ref()
+        self.bundle.as_deref()
     }
 
     /// Bundles, worlds and world files of the scene that exist, each once.
@@ -218,7 +223,7 @@ impl SceneDocument {
     pub fn chooser(&self, who: usize) -> Option<PolicyChooser<'_>> {
         let simulation = self.run.simulation();
         let group = simulation.groups().iter().find(|g| g.characters.contains(&who))?;
-        let bundle = self.bundle.as_ref()?;
+        let bundle = self.bundle()?;
         if simulation.compiled().find_bundle(group.number)?.hash() != bundle.tables().hash() {
             return None;
         }
@@ -229,8 +234,7 @@ impl SceneDocument {
         let threat = bouts.and_then(|s| s.threats().get(number).copied());
         let (target, now) = (simulation.target(who)?, self.run.head.shown_step());
         let temperature = simulation.scene().groups[group.number].temperature as f32;
-        let single_load = false;
-        Some(PolicyChooser { bundle, characters, number, goals, choice, target, threat, single_load, temperature, now })
+        Some(PolicyChooser { bundle, characters, number, goals, choice, target, threat, temperature, now })
     }
 
     /// Names and weights of the behaviours of a character's group; none for a character that does not choose.
@@ -256,7 +260,8 @@ impl SceneDocument {
         wake: impl FnOnce() + Send + 'static,
     ) -> Result<(), String> {
         let scene = scene_with_choice(&self.scene, choice)?;
-        let run = move || start_run(&scene.open().map_err(|e| e.to_string())?, kept.as_deref());
+        let bundle = self.crowd_bundle().cloned();
+        let run = move || start_run(&scene, bundle.as_ref(), kept.as_deref());
         self.restart = Some((choice, Background::start(run, wake)));
         Ok(())
     }
@@ -312,13 +317,6 @@ impl SceneDocument {
     }
 }
 
-impl SceneChoice {
-    /// Settings in the file of a scene.
-    fn from_scene(scene: &Scene) -> Self {
-        Self { characters: scene.num_characters(), seed: scene.seed, engine: scene.agents.engine }
-    }
-}
-
 /// A scene with other settings.
 fn scene_with_choice(scene: &Scene, choice: SceneChoice) -> Result<Scene, String> {
     if !(1..=MAX_SCENE_CHARACTERS).contains(&choice.characters) {
@@ -331,9 +329,17 @@ fn scene_with_choice(scene: &Scene, choice: SceneChoice) -> Result<Scene, String
     Ok(scene)
 }
 
-fn start_run(compiled: &CompiledScene, kept: Option<&[u8]>) -> Result<(SceneRun, SceneSurroundings), String> {
-    let run = SceneRun::new(compiled, kept).map_err(|e| e.to_string())?;
-    let standing = build_surroundings(compiled, &run)?;
+/// Starts a run of a scene.
+///
+/// - `crowd`: bundle of a crowd, whose characters start farther apart where they have no room.
+/// - `kept`: the state to begin with.
+fn start_run(scene: &Scene, crowd: Option<&Arc<OpenBundle>>, kept: Option<&[u8]>) -> StartedRun {
+    let run = match crowd {
+        Some(bundle) => crowd::start_run(scene, bundle, kept),
+        None => scene.open().and_then(|compiled| SceneRun::new(&compiled, kept, false)),
+    };
+    let run = run.map_err(|e| e.to_string())?;
+    let standing = build_surroundings(run.simulation().compiled(), &run)?;
     Ok((run, standing))
 }
 

@@ -5,7 +5,6 @@ use crate::args::{Args, BENCH_FRAMES, PictureSize};
 use crate::command::{SceneCommand, ViewerCommand, WorldCommand};
 use crate::document::SceneChoice;
 use crate::model::Model;
-use crate::run::CrowdRunConfig;
 use serde::Serialize;
 use std::fmt;
 
@@ -49,10 +48,8 @@ fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
     if let Some(world) = model.document.world() {
         return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers.seed });
     }
-    match model.document.scene() {
-        Some(scene) => ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..scene.choice })),
-        None => ViewerCommand::Configure(CrowdRunConfig { characters, ..model.settings.run }),
-    }
+    let now = model.document.scene().map_or(model.settings.crowd, |s| s.choice);
+    ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..now }))
 }
 
 /// Measures frames of every crowd that the arguments ask for.

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::command::{SceneCommand, ViewStage, ViewerCommand, WorldCommand};
 use crate::document::{OpenDocument, OutfitLoader, SceneChoice};
-use crate::run::{Blending, CrowdRun, PlayHead};
+use crate::run::Blending;
 use crate::settings::PanelKind;
 use eframe::egui;
 
@@ -26,15 +26,8 @@ impl Model {
                 self.move_time(&command)
             }
             ViewerCommand::Restart => self.restart(ctx),
-            ViewerCommand::Configure(config) => {
-                self.settings.run = config.limited();
-                self.restart(ctx);
-            }
             ViewerCommand::Input(input) => {
-                if let Some((_, run)) = self.document.crowd_mut() {
-                    run.input(input);
-                    self.weights = run.weights().to_vec();
-                } else if let OpenDocument::Scene(scene) = &mut self.document
+                if let Some(scene) = self.document.scene_mut()
                     && let Err(why) = scene.run.input(input)
                 {
                     self.complain(why.to_string());
@@ -72,32 +65,23 @@ impl Model {
 
     /// Restarts the run.
     fn restart(&mut self, ctx: &egui::Context) {
-        if let Some(choice) = self.document.scene().map(|s| s.choice) {
-            return self.apply_to_scene(ctx, SceneCommand::Restart(choice));
-        }
-        if let Some(world) = self.document.world() {
-            let old = world.roamers;
-            return self.populate(old.characters, old.seed);
-        }
         if self.shows_blend()
             && let Some((bundle, run)) = self.document.blend_mut()
         {
             if let Err(e) = run.restart(bundle) {
                 self.complain(e.to_string());
             }
-            return;
+        } else if let Some(choice) = self.document.scene().map(|s| s.choice) {
+            self.apply_to_scene(ctx, SceneCommand::Restart(choice));
+        } else if let Some(old) = self.document.world().map(|w| w.roamers) {
+            self.populate(old.characters, old.seed);
         }
-        let OpenDocument::Bundle(b) = &mut self.document else { return };
-        let old = b.run.as_ref().map_or(PlayHead::default(), |r| r.head);
-        b.run = CrowdRun::new(&b.bundle, self.settings.run, &self.weights);
-        b.run.iter_mut().for_each(|run| run.head.play_like(&old));
-        self.limit_selected();
     }
 
     fn apply_to_scene(&mut self, ctx: &egui::Context, command: SceneCommand) {
         let (waits, ctx) = (self.is_unhurried, ctx.clone());
         let wake = move || ctx.request_repaint();
-        let OpenDocument::Scene(scene) = &mut self.document else { return };
+        let Some(scene) = self.document.scene_mut() else { return };
         let done = match command {
             SceneCommand::SetOptions(look) => {
                 self.selection.scene = look;
@@ -123,7 +107,7 @@ impl Model {
     /// # Errors
     /// A message where that cannot be; the scene is unchanged then.
     pub fn restart_scene_now(&mut self, choice: SceneChoice) -> Result<(), String> {
-        let OpenDocument::Scene(scene) = &mut self.document else { return Ok(()) };
+        let Some(scene) = self.document.scene_mut() else { return Ok(()) };
         scene.restart(choice, None, || {})?;
         scene.adopt_restart(true)?;
         self.limit_selected();
@@ -140,17 +124,22 @@ impl Model {
     /// Keeps the events of the selected agent.
     fn watch_selected(&mut self) {
         let selected = self.selection.character;
-        if let OpenDocument::Scene(scene) = &mut self.document {
+        if let Some(scene) = self.document.scene_mut() {
             scene.run.log.watch(selected);
         }
     }
 
     /// Takes in a run of a scene that has been made meanwhile.
     pub(super) fn adopt_scene(&mut self, waits: bool) {
-        let OpenDocument::Scene(scene) = &mut self.document else { return };
+        let Some(scene) = self.document.scene_mut() else { return };
         match scene.adopt_restart(waits) {
             Ok(false) => {}
-            Ok(true) => self.limit_selected(),
+            Ok(true) => {
+                if scene.is_crowd {
+                    self.settings.crowd = scene.choice;
+                }
+                self.limit_selected();
+            }
             Err(why) => self.complain(format!("The scene is unchanged: {why}")),
         }
     }

@@ -4,7 +4,7 @@ use super::{ClipPlayer, Model, Selection};
 use crate::bundle::OpenBundle;
 use crate::command::{ViewStage, WorldSelection};
 use crate::document::{BundleDocument, FileStamp, FileWatch, OpenDocument, SceneDocument, ShownBuild};
-use crate::run::{BlendRun, CrowdRun};
+use crate::run::BlendRun;
 use crate::settings::PanelKind;
 use eframe::egui;
 use std::f32::consts::FRAC_PI_2;
@@ -72,13 +72,9 @@ impl Model {
         let old = self.document.head().copied().filter(|_| is_reload);
         self.document = match opened {
             OpenDocument::Bundle(b) => {
-                if !is_reload {
-                    // The weights belong to another bundle's behaviours.
-                    self.weights.clear();
-                }
-                let run = CrowdRun::new(&b.bundle, self.settings.run, &self.weights);
+                let crowd = SceneDocument::crowd_of(&b.bundle, self.settings.crowd);
                 let blend = self.walk_in(&b.bundle, is_reload);
-                OpenDocument::Bundle(Box::new(BundleDocument { bundle: b.bundle, run, blend }))
+                OpenDocument::Bundle(Box::new(BundleDocument { bundle: b.bundle, crowd, blend }))
             }
             other => other,
         };
@@ -145,7 +141,7 @@ impl Model {
             OpenDocument::World(_) => PanelKind::Patches,
             OpenDocument::Task(_) => PanelKind::Plan,
             OpenDocument::Scene(s) if s.scene.groups.iter().all(|g| g.is_of_agents()) => PanelKind::Crowd,
-            OpenDocument::Bundle(b) if b.blend.is_some() && b.run.is_err() => PanelKind::Blend,
+            OpenDocument::Bundle(b) if b.blend.is_some() && b.crowd.is_err() => PanelKind::Blend,
             _ => PanelKind::Control,
         };
         let own = [PanelKind::Control, PanelKind::Patches, PanelKind::Blend, PanelKind::Crowd, PanelKind::Plan];

@@ -15,11 +15,7 @@ impl Model {
             _ if self.shows_clip() || self.shows_blend() => self.corners_around().collect(),
             OpenDocument::Clip(_) => self.corners_around().collect(),
             OpenDocument::World(w) => world_points(w).collect(),
-            OpenDocument::Scene(s) => scene_points(s).collect(),
-            OpenDocument::Bundle(b) => b.run.as_ref().map_or(Vec::new(), |run| {
-                let roots = (0..run.characters().num_characters()).map(|c| run.characters().root(c).translation());
-                roots.chain(run.targets().iter().copied()).collect()
-            }),
+            document => document.scene().map_or(Vec::new(), |s| scene_points(s).collect()),
         };
         let Some(&first) = points.first() else { return (Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 1.8, 2.0)) };
         let (low, high) = points.iter().fold((first, first), |(l, h), &p| (l.min(p), h.max(p)));
@@ -49,11 +45,10 @@ impl Model {
                 let c = selected.filter(|&c| c < w.run.num_characters())?;
                 Some(w.run.hips(c).with_y(0.0))
             }
-            OpenDocument::Scene(s) => s.run.place(selected.filter(|&c| c < self.num_characters())?),
             OpenDocument::Bundle(b) if self.shows_blend() => {
                 Some(b.blend.as_ref()?.reel.moment().roots.first()?.translation())
             }
-            OpenDocument::Bundle(b) => Some(b.run.as_ref().ok()?.characters().root(selected?).translation()),
+            document => document.scene()?.run.place(selected.filter(|&c| c < self.num_characters())?),
         }
     }
 }

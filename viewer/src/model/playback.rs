@@ -4,7 +4,7 @@ use super::Model;
 use crate::command::ViewerCommand;
 use crate::document::OpenDocument;
 use crate::run::PlayHead;
-use glam::Vec2;
+use glam::Vec3Swizzles;
 use std::time::Instant;
 use throng_core::{Error, Result};
 
@@ -32,25 +32,19 @@ impl Model {
         let (shows_blend, eye) = (self.shows_blend(), self.settings.camera.eye());
         match &mut self.document {
             OpenDocument::World(w) => w.step(),
-            OpenDocument::Scene(s) => s.run.step(),
-            OpenDocument::Bundle(b) => match (&mut b.blend, &mut b.run) {
-                (Some(blend), _) if shows_blend => blend.step(&b.bundle),
-                (_, Ok(run)) => {
-                    run.simulation.eye = Vec2::new(eye.x, eye.z);
-                    run.step(&b.bundle)
-                }
-                _ => Ok(()),
-            },
-            OpenDocument::Clip(_) | OpenDocument::Task(_) | OpenDocument::Nothing => Ok(()),
+            OpenDocument::Bundle(b) if shows_blend => b.blend.as_mut().map_or(Ok(()), |run| run.step(&b.bundle)),
+            document => document.scene_mut().map_or(Ok(()), |s| {
+                s.run.eye = eye.xz();
+                s.run.step()
+            }),
         }
     }
 
     /// Shows a recorded step.
     fn seek(&mut self, step: u32) -> Result<()> {
         let shows_blend = self.shows_blend();
-        match &mut self.document {
-            OpenDocument::Bundle(b) if !shows_blend => b.run.as_mut().map_or(Ok(()), |run| run.seek(&b.bundle, step)),
-            OpenDocument::Scene(s) => s.run.seek(step),
+        match self.document.scene_mut() {
+            Some(scene) if !shows_blend => scene.run.seek(step),
             _ => {
                 self.head_mut().into_iter().for_each(|head| head.seek(step));
                 Ok(())

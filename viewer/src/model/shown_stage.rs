@@ -1,10 +1,8 @@
 //! Which part of the open document the 3-D view shows.
 
 use super::Model;
-use crate::bundle::OpenBundle;
 use crate::command::ViewStage;
 use crate::document::{OpenDocument, SceneDocument};
-use crate::run::CrowdRun;
 
 impl Model {
     /// True where the 3-D view shows a clip, of the database or of a motion file.
@@ -12,7 +10,7 @@ impl Model {
         match &self.document {
             OpenDocument::Nothing => false,
             OpenDocument::Scene(s) => self.stage == ViewStage::Clip && s.bundle().is_some(),
-            OpenDocument::Bundle(b) => self.stage == ViewStage::Clip || (b.run.is_err() && b.blend.is_none()),
+            OpenDocument::Bundle(b) => self.stage == ViewStage::Clip || (b.crowd.is_err() && b.blend.is_none()),
             OpenDocument::World(_) => self.stage == ViewStage::Clip,
             OpenDocument::Clip(_) | OpenDocument::Task(_) => true,
         }
@@ -22,13 +20,13 @@ impl Model {
     pub fn shows_blend(&self) -> bool {
         // A blend is shown in place of a crowd that there is not.
         let is_wanted =
-            self.stage == ViewStage::Blend || self.stage == ViewStage::Crowd && self.document.crowd().is_none();
+            self.stage == ViewStage::Blend || self.stage == ViewStage::Crowd && self.document.scene().is_none();
         is_wanted && self.document.blend().is_some()
     }
 
-    /// The scene that the 3-D view shows.
+    /// The scene, or the crowd of a bundle, that the 3-D view shows.
     pub fn shown_scene(&self) -> Option<&SceneDocument> {
-        self.document.scene().filter(|_| !self.shows_clip())
+        self.document.scene().filter(|_| self.shown_stage() == ViewStage::Crowd)
     }
 
     /// Stage of the 3-D view, whichever was requested.
@@ -43,9 +41,8 @@ impl Model {
     /// The available stages, in their order.
     pub fn stages(&self) -> Vec<ViewStage> {
         let d = &self.document;
-        let lives = d.scene().is_some() || d.world().is_some();
         let all = [
-            (ViewStage::Crowd, lives || self.document.crowd().is_some()),
+            (ViewStage::Crowd, d.scene().is_some() || d.world().is_some()),
             (ViewStage::Blend, self.document.blend().is_some()),
             (ViewStage::Clip, self.document.bundle().is_some_and(|b| !b.tables().clips().is_empty())),
         ];
@@ -57,10 +54,5 @@ impl Model {
         let (all, shown) = (self.stages(), self.shown_stage());
         let now = all.iter().position(|&s| s == shown).unwrap_or(0);
         all.get((now + 1) % all.len().max(1)).copied().unwrap_or(shown)
-    }
-
-    /// The bundle and the crowd that the 3-D view shows.
-    pub fn shown_crowd(&self) -> Option<(&OpenBundle, &CrowdRun)> {
-        self.document.crowd().filter(|_| self.shown_stage() == ViewStage::Crowd)
     }
 }

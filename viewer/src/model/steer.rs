@@ -5,7 +5,7 @@ mod lag;
 use super::Model;
 use crate::command::{SteerCommand, SteerInput};
 use crate::document::OpenDocument;
-use crate::run::{RunInput, TargetMode};
+use crate::run::{RunInput, target_home};
 use glam::Vec3;
 pub use lag::Lags;
 use lag::Twin;
@@ -36,7 +36,7 @@ const LOOK_AT_M: f32 = 1.1;
 const PITCH: f32 = 0.24;
 
 /// State of steering by the user.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct UserSteering {
     /// Input that is held down.
     pub input: SteerInput,
@@ -58,11 +58,13 @@ impl Model {
         match &self.document {
             _ if self.shows_clip() => Some("A clip is played as it is; show the crowd to steer somebody."),
             OpenDocument::World(_) => None,
-            OpenDocument::Bundle(_) if self.shows_blend() || self.document.crowd().is_some() => None,
-            OpenDocument::Scene(_) => {
-                Some("In scenes groups are moved by the scene; open its bundle or a world to steer.")
-            }
-            _ => Some("Open a bundle with behaviours or a blend space, or a world, to steer somebody."),
+            OpenDocument::Bundle(_) if self.shows_blend() => None,
+            document => match document.scene().map(|s| s.run.simulation()) {
+                Some(simulation) => target_home(simulation, self.selection.character.unwrap_or(0)).is_none().then_some(
+                    "In scenes only who has a target of its own is steered; open its bundle or a world to steer others.",
+                ),
+                None => Some("Open a bundle with behaviours or a blend space, or a world, to steer somebody."),
+            },
         }
     }
 
@@ -103,10 +105,7 @@ impl Model {
         let root = match &self.document {
             OpenDocument::World(w) => *w.run.reel.moment().roots.get(self.selection.character?)?,
             OpenDocument::Bundle(b) if self.shows_blend() => *b.blend.as_ref()?.reel.moment().roots.first()?,
-            document => {
-                let characters = document.crowd()?.1.characters();
-                characters.root(self.selection.character.filter(|&c| c < characters.num_characters())?)
-            }
+            document => document.scene()?.run.simulation().root(self.selection.character?)?,
         };
         Some((root.translation(), root.heading))
     }
@@ -115,7 +114,7 @@ impl Model {
         let Some(before) = self.steering.as_ref().map(|s| s.input).filter(|h| *h != held) else { return };
         let twin = match (&self.document, self.selection.character) {
             (OpenDocument::Bundle(b), _) if self.shows_blend() => b.blend.as_ref().and_then(Twin::copy_blend),
-            (OpenDocument::Bundle(b), Some(c)) => b.run.as_ref().ok().and_then(|run| Twin::fork_crowd(run, c, before)),
+            (document, Some(c)) => document.scene().and_then(|s| Twin::fork_scene(&s.run, c, before)),
             _ => None,
         };
         if let Some(s) = &mut self.steering {
@@ -155,11 +154,13 @@ impl Model {
                 // Where no place is near, at an edge of the world, it goes on as it did.
                 _ = world.give_order(character, goal);
             }
-        } else if let Some((_, run)) = self.document.crowd_mut() {
-            let to = at + direction * distance_ahead(AHEAD_M, held);
-            let character = (run.config().targets != TargetMode::Shared).then_some(character);
-            if run.targets()[character.unwrap_or(0)].distance(to) > SAME_M {
-                run.input(RunInput::Target { character, to });
+        } else if let Some(scene) = self.document.scene_mut()
+            && let Some(home) = target_home(scene.run.simulation(), character)
+        {
+            let to = (at + direction * distance_ahead(AHEAD_M, held)).with_y(home.y);
+            if home.distance(to) > SAME_M {
+                // A target that cannot be moved stays.
+                _ = scene.run.input(RunInput::Target { character: Some(character), to });
             }
         }
     }
@@ -192,10 +193,10 @@ impl Model {
     fn strike(&mut self) -> Result<(), String> {
         let none = "No blow is there to strike with: build the bundle with `hits`, from clips with blows.";
         let Some(character) = self.selection.character.filter(|_| self.steering.is_some()) else { return Ok(()) };
-        let Some((bundle, run)) = self.document.crowd_mut().filter(|c| !c.0.motion_set.hits().is_empty()) else {
-            return Err(none.into());
-        };
-        let (pose, rows) = (run.characters().pose(character), bundle.row_poses());
+        let scene = self.document.scene().zip(self.document.bundle()).filter(|s| !s.1.motion_set.hits().is_empty());
+        let (scene, bundle) = scene.ok_or(none)?;
+        let Some(pose) = scene.run.simulation().pose(character) else { return Ok(()) };
+        let rows = bundle.row_poses();
         let apart = |segment: u32| {
             let row = bundle.tables().graph().segments[segment as usize].start as usize;
             let there = &rows[row * NUM_JOINTS..(row + 1) * NUM_JOINTS];
@@ -204,21 +205,21 @@ impl Model {
         let all = 0..bundle.tables().graph().segments.len() as u32;
         let blows = all.filter(|&s| !bundle.motion_set.hits_of(s).is_empty());
         let segment = blows.min_by(|&a, &b| apart(a).total_cmp(&apart(b))).ok_or(none)?;
-        run.input(RunInput::Play { character, segment });
-        Ok(())
+        let input = RunInput::Play { character, segment };
+        self.document.scene_mut().map_or(Ok(()), |scene| scene.run.input(input)).map_err(|e| e.to_string())
     }
 
     /// Measures, after the steps of a frame, and brings the camera behind.
     pub(super) fn update_steered(&mut self, steps: u32, wall_s: f32) {
         let Some(mut s) = self.steering.take() else { return };
         if let Some(mut twin) = s.twin.take_if(|_| steps > 0)
-            && let OpenDocument::Bundle(b) = &self.document
+            && let Some(bundle) = self.document.bundle()
             && let Some(seen) = self.steered_pose()
         {
             let to = |held: SteerInput, at: Vec3| {
                 self.steer_direction(held).map(|direction| at + direction * distance_ahead(AHEAD_M, held))
             };
-            if twin.compare(&b.bundle, steps, seen, to, &mut s.lags) {
+            if twin.compare(bundle, steps, seen, to, &mut s.lags) {
                 s.twin = Some(twin);
             }
         }
@@ -233,14 +234,14 @@ impl Model {
         self.steering = Some(s);
     }
 
-    /// Root and joints of the steered character, of a crowd or a blend.
+    /// Root and joints of the steered character, of a scene or a blend.
     fn steered_pose(&self) -> Option<(Planar, &[Mat3x4])> {
         if let Some((_, blend)) = self.document.blend().filter(|_| self.shows_blend()) {
             let moment = blend.reel.moment();
             return Some((*moment.roots.first()?, moment.poses.get(..NUM_JOINTS)?));
         }
-        let (characters, c) = (self.document.crowd()?.1.characters(), self.selection.character?);
-        Some((characters.root(c), characters.pose(c)))
+        let (simulation, c) = (self.document.scene()?.run.simulation(), self.selection.character?);
+        Some((simulation.root(c)?, simulation.pose(c)?))
     }
 }
 

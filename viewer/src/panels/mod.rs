@@ -153,7 +153,7 @@ pub struct PanelStates {
     /// Policies.
     pub policy: policy::PolicyPanelState,
     /// Control.
-    pub control: control::ControlPanelState,
+    pub control: control::SceneControlState,
     /// The list of keys is shown.
     pub help: bool,
     /// The 3-D view is shown alone, without bars.

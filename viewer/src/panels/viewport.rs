@@ -13,7 +13,7 @@ use super::{build, messages, words};
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::render::{self, OrbitCamera, Ray};
-use crate::run::{RunInput, TargetMode};
+use crate::run::{RunInput, target_home};
 use crate::stage::{self, StageLayout, ValueCell};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
@@ -136,22 +136,18 @@ fn drag(ui: &Ui, response: &Response, model: &Model, state: &mut ViewportState, 
     if response.drag_started_by(PointerButton::Primary)
         && let Some(at) = ui.input(|i| i.pointer.press_origin())
     {
-        state.dragged = grabbed(model, &targets, rect, at).map(|c| c.filter(|_| !shift));
+        state.dragged = grabbed(model, &targets, rect, at).map(|c| Some(c).filter(|_| !shift));
     }
     if !response.dragged_by(PointerButton::Primary) {
         state.dragged = None;
     }
     if let (Some(character), Some(at)) = (state.dragged, response.interact_pointer_pos())
-        && !targets.all.is_empty()
+        && let Some(held) = targets.iter().find(|t| character.is_none_or(|c| c == t.who))
     {
-        let ray = ray(at);
-        let held = targets.all.iter().find(|t| character.is_none_or(|c| c == t.0));
-        let to = match held.and_then(|t| t.2) {
-            // A target in the air goes up and down while the Alt key is held, else it keeps its height.
-            Some(home) if ui.input(|i| i.modifiers.alt) => upright(&ray, model.settings.camera, home),
-            Some(home) => ray.intersect_height(home.y),
-            None => ray.intersect_ground(),
-        };
+        let (ray, home) = (ray(at), held.home);
+        // A target in the air goes up and down while the Alt key is held, else it keeps its height.
+        let lifts = home.y > 0.0 && ui.input(|i| i.modifiers.alt);
+        let to = if lifts { upright(&ray, model.settings.camera, home) } else { ray.intersect_height(home.y) };
         commands.extend(to.map(|to| ViewerCommand::Input(RunInput::Target { character, to })));
         ui.set_cursor_icon(CursorIcon::Grabbing);
         return;
@@ -189,54 +185,41 @@ fn upright(ray: &Ray, camera: OrbitCamera, place: Vec3) -> Option<Vec3> {
     (distance.is_finite() && distance > 0.0).then(|| place.with_y(ray.point_at(distance).y.max(0.05)))
 }
 
-/// Targets that can be moved; none where no target can be.
-#[derive(Default)]
-struct MovableTargets {
-    /// One for all characters.
-    is_shared: bool,
-    /// Character, its target, and where that hangs; none where it lies on the ground (m).
-    all: Vec<(usize, Vec3, Option<Vec3>)>,
+/// A target that can be moved.
+struct MovableTarget {
+    /// Its character.
+    who: usize,
+    /// Position (m).
+    place: Vec3,
+    /// Place where it hangs, or lies on the ground (m).
+    home: Vec3,
 }
 
-/// Movable targets of the crowd or the scene that is shown.
-fn targets(model: &Model) -> MovableTargets {
-    if let Some((_, run)) = model.shown_crowd() {
-        let all = run.targets().iter().enumerate().map(|(c, &t)| (c, t, None)).collect();
-        return MovableTargets { is_shared: run.config().targets == TargetMode::Shared, all };
-    }
-    let mut found = MovableTargets::default();
-    let Some(simulation) = model.shown_scene().map(|s| s.run.simulation()) else { return found };
-    for group in simulation.groups() {
-        if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
-            let targets = group.characters.clone().zip(p.practice().targets());
-            found.all.extend(targets.map(|(who, t)| (who, t.position(), Some(t.home))));
-        }
-    }
-    found
+/// Movable targets of the scene that is shown.
+fn targets(model: &Model) -> Vec<MovableTarget> {
+    let Some(simulation) = model.shown_scene().map(|s| s.run.simulation()) else { return Vec::new() };
+    let target = |who| Some(MovableTarget { who, place: simulation.target(who)?, home: target_home(simulation, who)? });
+    (0..simulation.num_characters()).filter_map(target).collect()
 }
 
 /// Character whose target is under the pointer.
-fn grabbed(model: &Model, targets: &MovableTargets, rect: Rect, at: Pos2) -> Option<Option<usize>> {
+fn grabbed(model: &Model, targets: &[MovableTarget], rect: Rect, at: Pos2) -> Option<usize> {
     let camera = model.settings.camera;
     let near = |target: Vec3| {
         let place = camera.project(target, size(rect))?;
         let distance = (place - position_in_view(rect, at)).length();
         (distance < GRAB).then_some(distance)
     };
-    if targets.is_shared {
-        return near(targets.all.first()?.1).map(|_| None);
-    }
-    let selected = targets.all.iter().find(|t| model.selection.character == Some(t.0));
-    if let Some(&(c, target, _)) = selected
-        && (near(target).is_some() || near(target + Vec3::Y * 0.9).is_some())
+    if let Some(own) = targets.iter().find(|t| model.selection.character == Some(t.who))
+        && (near(own.place).is_some() || near(own.place + Vec3::Y * 0.9).is_some())
     {
-        return Some(Some(c));
+        return Some(own.who);
     }
-    if targets.all.len() > MAX_GRABBED || !model.settings.overlays.targets {
+    if targets.len() > MAX_GRABBED || !model.settings.overlays.targets {
         return None;
     }
-    let reach = |t: &(usize, Vec3, Option<Vec3>)| Some((t.0, near(t.1).filter(|&d| d < GRAB_OTHERS)?));
-    targets.all.iter().filter_map(reach).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(c, _)| Some(c))
+    let reach = |t: &MovableTarget| Some((t.who, near(t.place).filter(|&d| d < GRAB_OTHERS)?));
+    targets.iter().filter_map(reach).min_by(|a, b| a.1.total_cmp(&b.1)).map(|t| t.0)
 }
 
 fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, commands: &mut Commands) {
@@ -271,26 +254,15 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
         let blackboard = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
         return commands.push(blackboard.unwrap_or(ViewerCommand::SelectCharacter(hit)));
     }
-    if model.shown_crowd().is_some() && !is_order {
-        let hit = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
-        let who = hit.map(|h| layout.drawn.get(h.character).copied().unwrap_or(h.character));
-        commands.push(ViewerCommand::SelectCharacter(who));
-    }
 }
 
 /// Input of a click with the command key: moves a target there, or sends an inhabitant of a world there.
 fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
-    let selected = model.selection.character;
-    let targets = targets(model);
-    let character = selected.filter(|_| !targets.is_shared);
-    let is_own = |t: &&(usize, Vec3, Option<Vec3>)| character.is_none_or(|c| c == t.0);
-    if (targets.is_shared || character.is_some())
-        && let Some(held) = targets.all.iter().find(is_own)
-    {
-        return Some(RunInput::Target { character, to: ray.intersect_height(held.2.map_or(0.0, |home| home.y))? });
-    }
     let scene = model.shown_scene()?;
-    let character = selected.filter(|&who| who < model.num_characters())?;
+    let character = model.selection.character.filter(|&who| who < model.num_characters())?;
+    if let Some(home) = target_home(scene.run.simulation(), character) {
+        return Some(RunInput::Target { character: Some(character), to: ray.intersect_height(home.y)? });
+    }
     match scene.run.simulation().locate(character).0 {
         AnyCharacterGroup::Patches(_) => {
             let place = scene.surroundings.intersect_units(ray).or(ray.intersect_ground())?;

@@ -81,11 +81,6 @@ impl ChoiceRecord {
     pub fn last(&self, character: usize) -> &RecordedChoice {
         &self.last[character]
     }
-
-    /// Memory that it takes, but for weights, which are shared (bytes).
-    pub fn num_bytes(&self) -> usize {
-        size_of_val(self.num.as_slice()) + size_of_val(self.last.as_slice())
-    }
 }
 
 /// A character that chooses by policies, and all that bears on its choices.
@@ -105,8 +100,6 @@ pub struct PolicyChooser<'a> {
     pub target: Vec3,
     /// The coming blow now; none without an opponent: x, seconds, z.
     pub threat: Option<Vec3>,
-    /// The stored best action is loaded, without look-ahead.
-    pub single_load: bool,
     /// Randomness of its choices among the best actions.
     pub temperature: f32,
     /// The step that is shown.

@@ -1,6 +1,5 @@
 //! Figures of every step.
 
-use throng_core::characters::StepTimes;
 use throng_precompute::run::AgentsSummary;
 use throng_precompute::slip::SlipMeter;
 use throng_simulation::sparring::BlowTally;
@@ -71,14 +70,12 @@ impl BoutFigures {
 /// Figures of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepFigures {
-    /// Time of each phase, summed over threads.
-    pub times: StepTimes,
     /// Wall time of the characters' step (s).
     pub wall_s: f64,
     /// Slip of planted feet.
     pub slip: Slip,
-    /// Characters within reach of their targets.
-    pub at_target: usize,
+    /// Characters that have come to their targets; none in a scene without such targets.
+    pub at_target: Option<usize>,
     /// Figures of blows, for characters that strike.
     pub bout: Option<BoutFigures>,
     /// Figures of all agents, if there are any.

@@ -11,14 +11,16 @@ use super::choices::RunGoal;
 use super::figures::StepFigures;
 use super::reel::PlayHead;
 use super::{RunInput, STEP_HZ};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use state::SceneRunState;
+pub use state::{detail_level, is_at_target, target_home};
 use std::collections::VecDeque;
 use std::time::Instant;
 use throng_core::Result;
 use throng_crowd::{CrowdEvent, Space};
+use throng_precompute::run::policy_characters;
 use throng_simulation::agents::{SceneAgents, world_vector};
-use throng_simulation::{AnyCharacterGroup, CompiledScene, Simulation, SimulationEvent};
+use throng_simulation::{AnyCharacterGroup, CompiledScene, MotionKind, Simulation, SimulationEvent};
 
 /// Steps between two states.
 const STATE_EVERY: u32 = 60;
@@ -26,9 +28,10 @@ const STATE_EVERY: u32 = 60;
 const RECORDED_STEPS: u32 = 3600;
 /// Memory that states may take (bytes).
 const MAX_BYTES: usize = 512 << 20;
-/// Approximate size of a state for a character with a body, for an agent without one, and for a node of a world, about
-/// which a planner keeps data (bytes).
+/// Approximate size of a state for a character with a blended body, for one with policies, for an agent without a body,
+/// and for a node of a world, about which a planner keeps data (bytes).
 const BODY_BYTES: usize = 16 << 10;
+const POLICY_BYTES: usize = 3 << 10;
 const AGENT_BYTES: usize = 1 << 10;
 const NODE_BYTES: usize = 64;
 /// States that are kept whatever their size: two, so that one can go back by a second.
@@ -39,6 +42,8 @@ const TRAIL_EVERY: u32 = 6;
 /// A scene that runs, with the record of its last minute.
 pub struct SceneRun {
     state: SceneRunState,
+    /// Position of the eye, x and z (m). Only the number of fully posed characters depends on it.
+    pub eye: Vec2,
     /// Number of the first agent; none without agents.
     first_agent: Option<usize>,
     /// Approximate size of a state (bytes).
@@ -66,22 +71,24 @@ pub struct SceneRun {
 
 /// Approximate size of a state of a simulation (bytes).
 fn state_bytes(simulation: &Simulation) -> usize {
-    let bodies = simulation.poses().flatten().count();
-    let worlds = simulation.character_groups().iter().map(|group| match group {
-        AnyCharacterGroup::Patches(people) => people.graph().num_nodes() * NODE_BYTES,
-        _ => 0,
-    });
-    bodies * BODY_BYTES + simulation.num_characters() * AGENT_BYTES + worlds.sum::<usize>()
+    let of_group = |group: &AnyCharacterGroup| match (group, policy_characters(group)) {
+        (_, Some(people)) => people.ids().len() * POLICY_BYTES,
+        (AnyCharacterGroup::Patches(p), _) => p.num_characters() * BODY_BYTES + p.graph().num_nodes() * NODE_BYTES,
+        (group, _) => (0..group.num_characters()).filter(|&c| group.pose(c).is_some()).count() * BODY_BYTES,
+    };
+    let groups = simulation.character_groups().iter().map(of_group);
+    simulation.num_characters() * AGENT_BYTES + groups.sum::<usize>()
 }
 
 impl SceneRun {
     /// All characters where they start, or in a saved state.
     ///
     /// - `kept`: what [`Simulation::snapshot`] gave for the same scene.
+    /// - `wanders`: targets to which characters have come move on.
     ///
     /// # Errors
     /// [`throng_core::Error`] for starts or goals that are impossible, or bytes that do not belong to the scene.
-    pub fn new(scene: &CompiledScene, kept: Option<&[u8]>) -> Result<Self> {
+    pub fn new(scene: &CompiledScene, kept: Option<&[u8]>, wanders: bool) -> Result<Self> {
         let mut simulation = Simulation::new(scene)?;
         if let Some(bytes) = kept {
             simulation.restore(bytes)?;
@@ -94,7 +101,7 @@ impl SceneRun {
             }
         }
         let step = (simulation.time_s() * f64::from(STEP_HZ) + 1e-6) as u32;
-        let state = SceneRunState::new(simulation);
+        let state = SceneRunState::new(simulation, wanders);
         let mut head = PlayHead::default();
         head.record(step..=step, step);
         let mut run = Self {
@@ -104,6 +111,7 @@ impl SceneRun {
             state_bytes: state_bytes(&state.simulation),
             keyframes: VecDeque::from([(step, state.clone())]),
             state,
+            eye: Vec2::ZERO,
             head,
             inputs: VecDeque::new(),
             events: VecDeque::new(),
@@ -119,6 +127,11 @@ impl SceneRun {
     /// The scene at the step shown.
     pub fn simulation(&self) -> &Simulation {
         &self.state.simulation
+    }
+
+    /// A copy that goes on by itself.
+    pub fn fork(&self) -> SceneFork {
+        SceneFork { state: self.state.clone(), step: self.head.shown_step() }
     }
 
     /// Figures of the shown step.
@@ -151,7 +164,7 @@ impl SceneRun {
     pub fn step(&mut self) -> Result<()> {
         let step = self.head.shown_step() + 1;
         let begin = Instant::now();
-        self.state.advance_to(step)?;
+        self.state.advance_to(step, self.eye)?;
         if self.head.advance_recorded() {
             self.take_inputs(step)
         } else {
@@ -178,7 +191,7 @@ impl SceneRun {
             self.take_inputs(at)?;
         }
         while at < step {
-            let done = self.state.advance_to(at + 1).and_then(|()| self.take_inputs(at + 1));
+            let done = self.state.advance_to(at + 1, self.eye).and_then(|()| self.take_inputs(at + 1));
             // The play head stays at the last step that could be repeated.
             done.inspect_err(|_| self.head.seek(at))?;
             at += 1;
@@ -334,6 +347,37 @@ impl SceneRun {
             let places = (0..self.simulation().num_characters()).map(|who| self.place(who)).collect();
             self.trails.push_back((step, places));
         }
+    }
+}
+
+/// A scene that goes on by itself, beside the run that is shown, without its later inputs.
+#[derive(Clone)]
+pub struct SceneFork {
+    state: SceneRunState,
+    step: u32,
+}
+
+impl SceneFork {
+    /// The scene at its present step.
+    pub fn simulation(&self) -> &Simulation {
+        &self.state.simulation
+    }
+
+    /// Applies an input, as [`SceneRun::input`] does.
+    ///
+    /// # Errors
+    /// [`throng_core::Error`] for what cannot be done; nothing has changed then.
+    pub fn input(&mut self, input: RunInput) -> Result<()> {
+        input.limited().map_or(Ok(()), |input| self.state.apply_input(&input))
+    }
+
+    /// One step forward, with all characters posed in full.
+    ///
+    /// # Errors
+    /// [`throng_core::Error`] where the step cannot be taken.
+    pub fn step(&mut self) -> Result<()> {
+        self.step += 1;
+        self.state.advance_to(self.step, Vec2::ZERO)
     }
 }
 

@@ -1,9 +1,10 @@
-//! Targets of blows in a scene: balls that hang in the air, and marks of blows that landed, were blocked or missed.
+//! Targets in a scene: places on the ground, and balls that hang in the air; marks of blows that landed, were blocked or missed.
 
 use super::{StageLayout, StagePalette};
 use crate::render::{Rgba, ShapeList};
 use crate::run::{BlowMark, BlowResult, STEP_HZ, SceneRun};
 use glam::Vec3;
+use throng_core::Planar;
 use throng_simulation::AnyCharacterGroup;
 use throng_simulation::sparring::{StruckPart, StruckTarget};
 
@@ -11,6 +12,8 @@ use throng_simulation::sparring::{StruckPart, StruckTarget};
 const MARK_S: f32 = 0.6;
 /// Most marks that are drawn; larger scenes have some at all times.
 const MAX_MARKS: usize = 400;
+/// Most characters whose targets are drawn.
+const MAX_TARGETS: usize = 2000;
 /// Length of the string above a target (m).
 const STRING_M: f32 = 0.7;
 
@@ -40,14 +43,28 @@ pub(super) fn corner_colour(member: usize, palette: &StagePalette) -> Rgba {
     [palette.left, palette.right][member % 2].mix(palette.plain, 0.25)
 }
 
-/// Targets that hang in the air, the selected one's opponent, and marks of blows.
-pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, selected: Option<usize>, palette: &StagePalette) {
+/// Targets, the selected one's opponent, and marks of blows.
+///
+/// - `marks_places`: targets on the ground are drawn, too.
+pub(super) fn lay_out(
+    out: &mut StageLayout,
+    run: &SceneRun,
+    selected: Option<usize>,
+    marks_places: bool,
+    palette: &StagePalette,
+) {
     let simulation = run.simulation();
     for group in simulation.groups() {
         if let AnyCharacterGroup::Policy(p) = &simulation.character_groups()[group.character_group] {
             let radius = p.practice().config().target.radius_m;
-            for (who, target) in group.characters.clone().zip(p.practice().targets()) {
-                hanging(&mut out.shapes, target, radius, selected == Some(who), palette);
+            let all = group.characters.clone().zip(p.practice().targets());
+            for (who, target) in all.filter(|t| t.0 < MAX_TARGETS || selected == Some(t.0)) {
+                let is_selected = selected == Some(who);
+                if target.home.y > 0.0 {
+                    hanging(&mut out.shapes, target, radius, is_selected, palette);
+                } else if marks_places {
+                    mark_place(&mut out.shapes, target.home, simulation.root(who).filter(|_| is_selected), palette);
+                }
             }
         }
     }
@@ -61,6 +78,18 @@ pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, selected: Option<us
     for m in run.blow_marks(MARK_S).take(MAX_MARKS) {
         let age = (run.head.shown_step() - m.step) as f32 / STEP_HZ / MARK_S;
         draw_blow_mark(&mut out.shapes, m, age.min(1.0), palette);
+    }
+}
+
+/// A disc and a ring on the ground; for the selected character also a pole, and a line from where it is.
+fn mark_place(shapes: &mut ShapeList, target: Vec3, selected: Option<Planar>, palette: &StagePalette) {
+    let (colour, at) = (palette.target, target.with_y(0.008));
+    shapes.disc(at, 0.09, colour);
+    shapes.ring(at, 0.17, if selected.is_some() { 0.25 } else { 0.20 }, colour);
+    if let Some(root) = selected {
+        shapes.line(at, at + Vec3::Y * 0.9, 2.5, colour);
+        shapes.sphere(at + Vec3::Y * 0.9, 0.06, colour);
+        shapes.line(root.translation().with_y(0.01), at.with_y(0.01), 1.0, colour.alpha(0.7));
     }
 }
 

@@ -5,10 +5,10 @@ mod blend;
 mod body;
 pub mod bout;
 mod clip;
-mod crowd;
 mod cues;
 mod raw;
 pub mod scene;
+mod segment;
 pub mod task;
 mod values;
 mod variety;
@@ -27,7 +27,7 @@ pub use values::ValueCell;
 pub struct StageLayout {
     /// Skeleton of all characters.
     pub skeleton: Skeleton,
-    /// Poses of a clip, a blend or a scene; a crowd keeps its own.
+    /// Poses of a clip, a blend or a scene.
     poses: Vec<Mat3x4>,
     /// Place and colour of every character.
     pub instances: Vec<CharacterInstance>,
@@ -129,8 +129,8 @@ impl StageLayout {
             }
             OpenDocument::Bundle(b) => {
                 self.skeleton.clone_from(b.bundle.tables().skeleton());
-                match (model.shown_crowd(), b.blend.as_ref().filter(|_| model.shows_blend())) {
-                    (Some(_), _) => crowd::lay_out(self, model, &palette),
+                match (model.shown_scene(), b.blend.as_ref().filter(|_| model.shows_blend())) {
+                    (Some(s), _) => scene::lay_out(self, model, s, &palette, dark),
                     (None, Some(run)) => blend::lay_out(self, model.settings.overlays, &b.bundle, run, &palette),
                     (None, None) => clip::lay_out(self, model, &b.bundle, &palette),
                 }
@@ -148,10 +148,7 @@ impl StageLayout {
         if let Some(world) = model.shown_world() {
             return &world.run.reel.moment().poses;
         }
-        match model.shown_crowd() {
-            Some((_, run)) if self.rows.is_none() => run.characters().model_matrices(),
-            _ => &self.poses,
-        }
+        &self.poses
     }
 }
 
@@ -159,17 +156,16 @@ impl StageLayout {
 mod tests {
     use super::*;
     use crate::command::{ViewStage, ViewerCommand};
-    use crate::document::OpenDocument;
     use crate::fixtures::golden_path;
     use crate::fixtures::quietly;
-    use crate::run::CrowdRunConfig;
+    use crate::run::SceneChoice;
     use crate::settings::ViewerSettings;
     use eframe::egui;
     use throng_core::NUM_JOINTS;
 
     fn open() -> Model {
-        let run = CrowdRunConfig { characters: 12, ..CrowdRunConfig::default() };
-        let mut model = Model::new(ViewerSettings { run, ..ViewerSettings::default() });
+        let crowd = SceneChoice { characters: 12, ..SceneChoice::default() };
+        let mut model = Model::new(ViewerSettings { crowd, ..ViewerSettings::default() });
         quietly(|with| model.open_now(&golden_path(), with)).unwrap();
         model
     }
@@ -195,9 +191,9 @@ mod tests {
         model.settings.overlays.values = true;
         model.selection.character = Some(3);
         layout.lay_out(&model, true);
-        let (bundle, run) = model.document.crowd().unwrap();
-        let policy = bundle.motion_set.policy(0).unwrap();
-        let choice = run.characters().last_choice(3).unwrap();
+        let chooser = model.document.chooser(3).unwrap();
+        let policy = chooser.bundle.motion_set.policy(0).unwrap();
+        let choice = chooser.characters.last_choice(3).unwrap();
         assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
         for c in &layout.cells {
             let seen = choice.root.inverse_transform_point(glam::Vec2::new(c.place.x, c.place.z));
@@ -226,10 +222,8 @@ mod tests {
     fn the_bounds_contain_all_characters() {
         let model = open();
         let (low, high) = model.bounds();
-        let OpenDocument::Bundle(b) = &model.document else { panic!("no bundle") };
-        let characters = b.run.as_ref().unwrap().characters();
         for c in 0..12 {
-            for p in characters.joint_positions(c) {
+            for p in model.document.scene().unwrap().run.simulation().joint_positions(c).unwrap() {
                 assert!(p.cmpge(low - 0.3).all() && p.cmple(high + 0.3).all(), "{p}");
             }
         }

@@ -1,15 +1,19 @@
 //! A scene: bodies, discs and balls, their surroundings, targets and blows.
 
 use super::agents::{self, Brush, obstacles};
-use super::{StageLayout, StagePalette, body, bout, crowd, cues, values, variety, world};
+use super::{StageLayout, StagePalette, body, bout, cues, segment, values, variety, world};
 use crate::document::{SceneDocument, SceneSurroundings};
 use crate::model::Model;
-use crate::render::{CharacterInstance, OrbitCamera, Ray, Rgba, SolidInstance};
+use crate::render::{CharacterInstance, OrbitCamera, Ray, RecordInstance, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
+use crate::run::{detail_level, is_at_target};
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 use throng_base::thresholds::{AGENT_RADIUS_M, RUN_SPEED_MPS};
+use throng_core::characters::DetailLevel;
 use throng_core::patch::Placement;
+use throng_precompute::run::policy_characters;
 use throng_simulation::agents::Disc;
 use throng_simulation::scenario::AgentBrains;
 use throng_simulation::{AnyCharacterGroup, Simulation};
@@ -34,16 +38,28 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     things(out, &scene.surroundings, simulation, &brush);
     obstacles::lay_out(&mut out.shapes, &scene.surroundings, simulation.time_s(), &brush);
     agents::lay_out_blackboards(&mut out.shapes, simulation, &brush);
+    let is_varied = variety::is_wanted(model);
     for (g, group) in simulation.groups().iter().enumerate() {
+        let people = policy_characters(&simulation.character_groups()[group.character_group]);
+        let records = people.map_or(&[][..], |p| p.instances());
+        if let Some(bundle) = scene.bundle().filter(|_| !records.is_empty()) {
+            out.rows = Some(Arc::clone(bundle.row_poses()));
+        }
         for who in group.characters.clone() {
             let colour = match by_message(simulation, who, brush.options.message) {
                 Some((brains, agent, event)) => agents::colour_by_message(brains, agent, event, &brush),
                 None => variety::shirt_or_plain(model, who, colour(model.settings.colouring, scene, g, who, palette)),
             };
-            character(out, simulation, who, colour, &brush);
+            match records.get(who - group.characters.start) {
+                Some(&instance) if detail_level(simulation, who) == DetailLevel::Record => {
+                    let look = if is_varied { variety::look_bits(who) } else { 0 };
+                    out.records.push(RecordInstance { instance, colour, look });
+                }
+                _ => character(out, simulation, who, colour, &brush),
+            }
         }
     }
-    bout::lay_out(out, run, selected, palette);
+    bout::lay_out(out, run, selected, model.settings.overlays.targets, palette);
     agents::lay_out(out, run, &brush);
     let mut o = model.settings.overlays;
     // On hills, marks on level ground would be hidden.
@@ -61,9 +77,10 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
             cues::trail(&mut out.shapes, &points, 2.0, colour);
         }
         if let Some(chooser) = scene.chooser(who).filter(|_| o.trajectory) {
-            crowd::trajectory(out, &chooser, palette);
+            segment::trajectory(out, &chooser, palette);
         }
-        if let (Some(root), Some(pose)) = (simulation.root(who), simulation.pose(who)) {
+        let is_posed = detail_level(simulation, who) != DetailLevel::Record;
+        if let (Some(root), Some(pose), true) = (simulation.root(who), simulation.pose(who), is_posed) {
             cues::body(&mut out.shapes, o, root, pose, simulation.contacts(who), palette);
         }
     }
@@ -91,8 +108,12 @@ fn character(out: &mut StageLayout, simulation: &Simulation, who: usize, colour:
         agents::disc(&mut out.shapes, brush, &disc, colour, is_selected);
     }
     if let Some(pose) = pose {
-        let own = body::body_of_pose(&out.skeleton, pose);
-        body::push_stretched(&mut out.poses, pose, &body::stretch(&out.skeleton, &own));
+        if policy_characters(simulation.locate(who).0).is_some() {
+            out.poses.extend(pose);
+        } else {
+            let own = body::body_of_pose(&out.skeleton, pose);
+            body::push_stretched(&mut out.poses, pose, &body::stretch(&out.skeleton, &own));
+        }
         out.instances.push(CharacterInstance { root, colour, is_selected, look: 0 });
         out.drawn.push(who);
     }
@@ -109,14 +130,13 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
         (Colouring::Speed, (AnyCharacterGroup::Paths(w), m)) => by_speed(w.speed(m) / RUN_SPEED_MPS),
         (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_desired(a.layout().setup.agents[m].speed),
-        (Colouring::Speed | Colouring::Clip | Colouring::Made, (group, _))
-            if throng_precompute::run::policy_characters(group).is_some() =>
-        {
-            scene.chooser(who).map_or(palette.plain, |c| crowd::colour_of_segment(&c, colouring, palette))
+        (Colouring::Speed | Colouring::Clip | Colouring::Made, (group, _)) if policy_characters(group).is_some() => {
+            scene.chooser(who).map_or(palette.plain, |c| segment::colour_of_segment(&c, colouring, palette))
         }
         (Colouring::Speed | Colouring::Made, _) => palette.plain,
         (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::colour_of(i.state(m).activity),
         (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => bout::corner_colour(m, palette),
+        (Colouring::Target, (AnyCharacterGroup::Policy(_), _)) if is_at_target(simulation, who) => palette.reached,
         (Colouring::Target, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Travel(_), _)) => palette.on_the_way,
         (Colouring::Target | Colouring::Clip, _) => cues::category(group),
     }

@@ -188,15 +188,15 @@ impl StageLayout {
 mod tests {
     use super::*;
     use crate::fixtures::{golden_path, quietly};
-    use crate::run::CrowdRunConfig;
+    use crate::run::SceneChoice;
     use crate::settings::ViewerSettings;
 
     const N: usize = 24;
 
     fn open(varied: bool) -> Model {
-        let run = CrowdRunConfig { characters: N, ..CrowdRunConfig::default() };
+        let crowd = SceneChoice { characters: N, ..SceneChoice::default() };
         let mut model =
-            Model::new(ViewerSettings { run, varied, body: BodyStyle::Mannequin, ..ViewerSettings::default() });
+            Model::new(ViewerSettings { crowd, varied, body: BodyStyle::Mannequin, ..ViewerSettings::default() });
         quietly(|with| model.open_now(&golden_path(), with)).unwrap();
         model
     }
@@ -263,9 +263,8 @@ mod tests {
         let looks: std::collections::BTreeSet<u32> = a.instances.iter().map(|i| i.look).collect();
         assert!(looks.len() > N / 2 && !looks.contains(&0));
         // Nothing that is simulated differs.
-        let (_, run) = model.document.crowd().unwrap();
-        let (_, other) =
-            open(false).document.crowd().map(|(_, r)| ((), r.characters().model_matrices().to_vec())).unwrap();
-        assert_eq!(run.characters().model_matrices(), &other[..]);
+        let other = open(false);
+        let [own, other] = [&model, &other].map(|m| m.document.scene().unwrap().run.simulation());
+        assert!(own.poses().eq(other.poses()));
     }
 }

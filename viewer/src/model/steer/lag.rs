@@ -2,7 +2,7 @@
 
 use crate::bundle::OpenBundle;
 use crate::command::SteerInput;
-use crate::run::{BlendRun, CrowdRun, CrowdSimulation, TargetMode};
+use crate::run::{BlendRun, RunInput, SceneFork, SceneRun, target_home};
 use glam::Vec3;
 use throng_core::{Mat3x4, NUM_JOINTS, Planar};
 
@@ -55,26 +55,24 @@ impl Lags {
 }
 
 /// A copy of the run in which the key was not pressed.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(super) struct Twin {
     who: TwinRun,
     steps: u32,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 enum TwinRun {
-    Crowd { fork: Box<CrowdSimulation>, character: usize, is_shared: bool, held: SteerInput },
+    Scene { fork: Box<SceneFork>, character: usize, held: SteerInput },
     Blend(Box<BlendRun>),
 }
 
 impl Twin {
     /// - `held`: input that the twin keeps holding down.
-    pub fn fork_crowd(run: &CrowdRun, character: usize, held: SteerInput) -> Option<Self> {
-        if run.config().characters > MOST_CHARACTERS {
-            return None;
-        }
-        let (fork, is_shared) = (Box::new(run.simulation.clone()), run.config().targets == TargetMode::Shared);
-        Some(Self { who: TwinRun::Crowd { fork, character, is_shared, held }, steps: 0 })
+    pub fn fork_scene(run: &SceneRun, character: usize, held: SteerInput) -> Option<Self> {
+        let is_small = run.simulation().num_characters() <= MOST_CHARACTERS;
+        let fork = || TwinRun::Scene { fork: Box::new(run.fork()), character, held };
+        is_small.then(|| Self { who: fork(), steps: 0 })
     }
 
     pub fn copy_blend(run: &BlendRun) -> Option<Self> {
@@ -94,11 +92,12 @@ impl Twin {
     ) -> bool {
         for _ in 0..steps {
             let done = match &mut self.who {
-                TwinRun::Crowd { fork, character, is_shared, held } => {
-                    if let Some(to) = direction(*held, fork.characters.root(*character).translation()) {
-                        fork.send((!*is_shared).then_some(*character), to);
-                    }
-                    fork.step(bundle).map(|_| ())
+                TwinRun::Scene { fork, character, held } => {
+                    let root = fork.simulation().root(*character).map(|root| root.translation());
+                    let home = target_home(fork.simulation(), *character);
+                    let to = root.and_then(|at| direction(*held, at)).zip(home).map(|(to, home)| to.with_y(home.y));
+                    let input = to.map(|to| RunInput::Target { character: Some(*character), to });
+                    input.map_or(Ok(()), |input| fork.input(input)).and_then(|()| fork.step())
                 }
                 TwinRun::Blend(run) => run.step(bundle),
             };
@@ -108,8 +107,10 @@ impl Twin {
             self.steps += 1;
         }
         let (root, pose) = match &self.who {
-            TwinRun::Crowd { fork, character, .. } => {
-                (fork.characters.root(*character), fork.characters.pose(*character))
+            TwinRun::Scene { fork, character, .. } => {
+                let simulation = fork.simulation();
+                let Some(there) = simulation.root(*character).zip(simulation.pose(*character)) else { return false };
+                (there.0, &there.1[..])
             }
             TwinRun::Blend(run) => (run.reel.moment().roots[0], &run.reel.moment().poses[..NUM_JOINTS]),
         };

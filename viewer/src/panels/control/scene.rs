@@ -5,8 +5,8 @@ use crate::command::{Commands, SceneCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
 use crate::panels::paint::PanelWidget;
-use crate::panels::{offer_first_character, words};
-use crate::run::RunInput;
+use crate::panels::{character_field, offer_first_character, words};
+use crate::run::{RunInput, target_home};
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui};
 use std::path::PathBuf;
 use throng_crowd::Scheme;
@@ -28,8 +28,9 @@ pub struct SceneControlState {
 
 /// Shows the groups of a scene, its settings, and its last events.
 pub fn show(ui: &mut Ui, model: &Model, scene: &SceneDocument, state: &mut SceneControlState, commands: &mut Commands) {
-    ui.strong(format!("Scene {}", scene.scene.name));
-    ui.weak("A change restarts the scene; the file is not changed.");
+    let title = if scene.is_crowd { "Crowd of" } else { "Scene" };
+    ui.strong(format!("{title} {}", scene.scene.name));
+    ui.weak("A change restarts the run; the file is not changed.");
     scene_choice(ui, scene, &mut state.dragged, commands);
     saved(ui, scene, state, commands);
     ui.add_space(8.0);
@@ -57,11 +58,14 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
     let Some((who, text)) = who.and_then(|who| Some((who, words::character(simulation, who)?))) else {
         return offer_first_character(ui, "Click a character or an agent in the 3-D view, or", true, commands);
     };
-    ui.label(text);
+    ui.horizontal_wrapped(|ui| {
+        character_field(ui, who, simulation.num_characters(), commands);
+        ui.label(text);
+    });
+    if let Some((root, home)) = simulation.root(who).zip(target_home(simulation, who)) {
+        target::show(ui, model, who, home, root.translation(), commands);
+    }
     match simulation.locate(who) {
-        (AnyCharacterGroup::Policy(p), member) => {
-            target::hanging(ui, who, p.practice().targets()[member].home, commands)
-        }
         (AnyCharacterGroup::Sparring(_), member) => {
             let opponent = who - member + (member ^ 1);
             ui.small_button("select its opponent").request(commands, ViewerCommand::SelectCharacter(Some(opponent)));

@@ -15,11 +15,11 @@ fn a_scene_is_restarted_saved_and_restored() {
     model.apply(&ctx, ViewerCommand::Play(false));
     model.apply(&ctx, ViewerCommand::Step(30));
     harness.run_steps(3);
-    let press = |harness: &mut Harness<'static, Trial<ControlPanelState>>, label: &str| {
+    let press = |harness: &mut Harness<'static, Trial<SceneControlState>>, label: &str| {
         let at = harness.get_by_label(label).rect().center();
         click(harness, at);
     };
-    let time = |harness: &Harness<'static, Trial<ControlPanelState>>| {
+    let time = |harness: &Harness<'static, Trial<SceneControlState>>| {
         harness.state().model.document.scene().unwrap().run.simulation().time_s()
     };
     press(&mut harness, "Save");

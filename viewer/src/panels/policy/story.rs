@@ -6,17 +6,10 @@ use crate::run::{BehaviourScore, ChoiceReason, GoalSubject, PolicyChooser, STEP_
 use glam::Vec2;
 use throng_core::policy::{MAX_RANKED, RegionRecord};
 
-/// True if the stored best action of the nearest cell is loaded: weighing several behaviours needs a look-ahead.
-pub fn is_single_load(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> bool {
-    let weighed = why.behaviours.iter().filter(|b| b.weight != 0.0).count();
-    chooser.single_load && (weighed == 1 || (weighed == 0 && why.behaviours.len() == 1))
-}
-
 /// Chances of the candidates (number of candidates).
 pub fn chances(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> Vec<f32> {
     let scores: Vec<f32> = why.candidates.iter().map(|c| c.score).collect();
-    // Where single loads are asked for, several behaviours are looked ahead without chance.
-    choice_chances(&scores, if chooser.single_load { 0.0 } else { chooser.temperature })
+    choice_chances(&scores, chooser.temperature)
 }
 
 /// Probability of each score, the best first, to be taken by [`RankedActions::choose`] with uniform random numbers.
@@ -75,22 +68,10 @@ pub fn decision(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> String {
     let Some(taken) = why.candidates.get(why.chosen) else { return String::new() };
     let action = format!("{}: {}", bundle.describe_segment(taken.segment), words::displacement(taken.displacement));
     let n = why.candidates.len();
-    if why.behaviours.iter().all(|b| b.counted() == 0.0) && !is_single_load(why, chooser) {
+    if why.behaviours.iter().all(|b| b.counted() == 0.0) {
         return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
     }
-    let (best, rank) = (&why.candidates[0], words::ordinal(why.chosen + 1));
-    if is_single_load(why, chooser) {
-        let agreement = match why.chosen {
-            0 => "Looking ahead agrees.".to_owned(),
-            _ => {
-                let (gap, best) = (best.score - taken.score, bundle.describe_segment(best.segment));
-                format!(
-                    "Looking ahead would have taken {best}; this one is {rank} of {n} by its score, {gap:.3} below."
-                )
-            }
-        };
-        return format!("It loaded the stored best action of the nearest cell, {action}. {agreement}");
-    }
+    let rank = words::ordinal(why.chosen + 1);
     let chance = chances(why, chooser)[why.chosen];
     let percent = 100.0 * chance;
     match why.chosen {
@@ -104,7 +85,7 @@ pub fn decision(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> String {
 mod tests {
     use super::super::tests::golden_run;
     use super::*;
-    use crate::run::{CrowdRunConfig, explain_choice};
+    use crate::run::explain_choice;
     use glam::Vec3;
     use throng_core::policy::{NO_ACTION, RankedActions};
 
@@ -126,17 +107,16 @@ mod tests {
 
     #[test]
     fn the_story_names_the_action_that_is_played() {
-        for (single_load, temperature) in [(false, 0.0), (false, 0.5), (true, 0.0)] {
-            let (bundle, run) = golden_run(CrowdRunConfig { single_load, temperature, ..CrowdRunConfig::default() });
-            for c in 0..run.config().characters {
-                let chooser = run.chooser(&bundle, c).unwrap();
+        for temperature in [0.0, 0.5] {
+            let scene = golden_run(temperature);
+            for c in 0..scene.choice.characters {
+                let chooser = scene.chooser(c).unwrap();
                 let why = explain_choice(&chooser).unwrap();
                 let text = decision(&why, &chooser);
-                let played = bundle.describe_segment(run.characters().segment(c).0);
+                let played = chooser.bundle.describe_segment(chooser.characters.segment(c).0);
                 assert!(text.contains(&played), "{text}");
-                assert_eq!(text.contains("nearest cell"), single_load);
                 assert!((chances(&why, &chooser).iter().sum::<f32>() - 1.0).abs() < 1e-5);
-                let text = situation(&why, &bundle, c, run.shown_step());
+                let text = situation(&why, chooser.bundle, c, scene.run.head.shown_step());
                 assert!(text.contains(&format!("state {} ", why.state)), "{text}");
             }
         }

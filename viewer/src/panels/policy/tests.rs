@@ -1,20 +1,25 @@
 //! The panel, driven as a user does.
 
 use super::*;
+use crate::document::SceneDocument;
 use crate::fixtures::boxing::Boxing;
-use crate::fixtures::golden_path;
 use crate::fixtures::quietly;
-use crate::run::{CrowdRun, CrowdRunConfig};
+use crate::fixtures::{golden, golden_path};
 use crate::settings::ViewerSettings;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-/// The bundle that every checkout has, and a run of some seconds.
-pub fn golden_run(config: CrowdRunConfig) -> (OpenBundle, CrowdRun) {
-    let bundle = OpenBundle::open(&golden_path()).unwrap();
-    let mut run = CrowdRun::new(&bundle, CrowdRunConfig { characters: 12, ..config }, &[]).unwrap();
-    (0..150).for_each(|_| run.step(&bundle).unwrap());
-    (bundle, run)
+/// Characters of the bundle that every checkout has, after some seconds.
+pub fn golden_run(temperature: f32) -> SceneDocument {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, bundle) = (folder.path().join("walk.toml"), golden());
+    let (file, behaviour) = (bundle.path.display(), &bundle.tables().meta().behaviours[0]);
+    let group = format!("motion = 'policy'\ncount = 12\ntemperature = {temperature:?}\ntarget = {{ height_m = 0.0 }}");
+    let text = format!("bundle = '{file}'\n[[groups]]\n{group}\nbehaviours = [{{ name = '{behaviour}' }}]\n");
+    std::fs::write(&path, text).unwrap();
+    let mut scene = quietly(|with| SceneDocument::open(&path, with)).unwrap();
+    (0..150).for_each(|_| scene.run.step().unwrap());
+    scene
 }
 
 struct Panel {
@@ -51,8 +56,8 @@ fn without_a_selection_it_says_what_to_do() {
 fn the_motion_of_a_candidate_can_be_shown() {
     let mut h = panel(|m| m.selection.character = Some(4));
     h.step();
-    let (bundle, run) = h.state().model.document.crowd().unwrap();
-    let why = explain_choice(&run.chooser(bundle, 4).unwrap()).unwrap();
+    let chooser = h.state().model.document.chooser(4).unwrap();
+    let (bundle, why) = (chooser.bundle, explain_choice(&chooser).unwrap());
     let second = why.candidates[1].segment;
     let record = bundle.tables().graph().segments[second as usize];
     let frame = record.start - bundle.tables().clips()[record.clip as usize].first_frame;

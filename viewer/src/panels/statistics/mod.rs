@@ -4,7 +4,7 @@ mod bout;
 
 use crate::model::Model;
 use crate::panels::paint::{facts, fixed_plot, swatch};
-use crate::run::{CrowdRun, STEP_HZ, SceneRun, StepFigures};
+use crate::run::{STEP_HZ, SceneRun, StepFigures};
 use eframe::egui::{CollapsingHeader, Color32, Grid, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 use throng_core::Bundle;
@@ -26,87 +26,51 @@ const SMOOTH: usize = 6;
 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model) {
-    if let Some((_, run)) = model.document.crowd() {
-        show_current(ui, model, run);
-        step_times(ui, run);
-        slip(ui, &run.history().collect::<Vec<_>>());
-        at_target(ui, run);
-    }
-    if let Some(scene) = model.document.scene() {
-        show_scene(ui, &scene.run);
+    let scene = model.document.scene();
+    if let Some(scene) = scene {
+        show_scene(ui, model, &scene.run);
     }
     frame_times(ui, model);
-    match model.document.bundle() {
-        Some(bundle) => memory(ui, bundle.tables(), model),
-        None if model.document.scene().is_some() => {}
+    match model.document.bundle().filter(|_| scene.is_none_or(|s| s.is_crowd)) {
+        Some(bundle) => memory(ui, bundle.tables()),
+        None if scene.is_some() => {}
         None => drop(ui.weak("Open a bundle to see what its tables take and how fast a crowd runs on it.")),
     }
 }
 
-fn show_current(ui: &mut Ui, model: &Model, run: &CrowdRun) {
-    let f = run.figures();
-    let n = run.config().characters;
-    strong_facts(ui, "now", |row| {
-        let share = 100.0 * f.at_target as f32 / n as f32;
-        row("characters at target", format!("{} of {n} ({share:.0} %)", f.at_target));
-        row("foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
-        let per_character = 1e9 * f.wall_s / n as f64;
-        row("step", format!("{:.3} ms, {per_character:.0} ns a character", 1e3 * f.wall_s));
-        row("frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
-        let record_s = run.history().count() as f32 / STEP_HZ;
-        row("record", format!("{} for {record_s:.0} s", bytes_text(run.recording_bytes() as u64)));
-    });
-}
-
 /// Shows the time of a step of a scene, and the state of its groups.
-fn show_scene(ui: &mut Ui, run: &SceneRun) {
+fn show_scene(ui: &mut Ui, model: &Model, run: &SceneRun) {
     let (f, n) = (run.figures(), run.simulation().num_characters());
     strong_facts(ui, "scene now", |row| {
         row("present", format!("{} of {n}", run.num_present()));
+        if let Some(at_target) = f.at_target {
+            let share = 100.0 * at_target as f32 / n as f32;
+            row("characters at target", format!("{at_target} of {n} ({share:.0} %)"));
+        }
+        if f.slip.mean_mps > 0.0 {
+            row("foot slip", format!("{:.3} m/s mean, {:.3} at the 95th percentile", f.slip.mean_mps, f.slip.p95_mps));
+        }
         let each = 1e6 * f.wall_s * f64::from(STEP_HZ) / n.max(1) as f64;
         row("step", format!("{:.3} ms, {each:.1} µs a character and second", 1e3 * f.wall_s));
+        row("frame", format!("{:.1} ms, {} steps in it", 1e3 * model.times.frame_s, model.times.steps));
         let kept = run.head.recorded();
         row("record", format!("{:.1} s", (kept.end() - kept.start()) as f32 / STEP_HZ));
     });
     let history: Vec<_> = run.history().collect();
-    if f.bout.is_some() {
+    if f.bout.is_some_and(|bout| bout.blows.thrown > 0 || bout.penetration_m.is_some()) {
         bout::show(ui, &history, n);
     }
     if history.iter().any(|h| h.1.slip.mean_mps > 0.0) {
         slip(ui, &history);
+    }
+    if f.at_target.is_some() {
+        at_target(ui, &history, n);
     }
 }
 
 /// Shows names and figures.
 fn strong_facts(ui: &mut Ui, id: &str, add: impl FnOnce(&mut dyn FnMut(&str, String))) {
     facts(ui, id, true, |row| add(&mut |name, text| row(name, "", RichText::new(text).strong())));
-}
-
-fn step_times(ui: &mut Ui, run: &CrowdRun) {
-    section(ui, "Time of a step by phase", |ui| {
-        ui.weak("Microseconds of all threads together, one phase on top of the other.");
-        let history: Vec<_> = run.history().map(|(step, f)| (step, f.times.phases())).collect();
-        plot("step times", "µs").show(ui, |p| {
-            let mut below = vec![0.0; history.len()];
-            for (phase, colour) in COLOURS.into_iter().enumerate() {
-                let name = history.first().map_or("", |h| h.1[phase].0);
-                for (b, h) in below.iter_mut().zip(&history) {
-                    *b += 1e6 * h.1[phase].1;
-                }
-                p.line(line(name, colour, smooth(history.iter().map(|h| h.0), &below)));
-            }
-        });
-        let last = run.figures().times;
-        let total = last.total_s().max(1e-12);
-        Grid::new("phases").num_columns(3).striped(true).show(ui, |ui| {
-            for ((name, s), colour) in last.phases().into_iter().zip(COLOURS) {
-                key(ui, name, colour);
-                ui.monospace(format!("{:>8.1} µs", 1e6 * s));
-                ui.monospace(format!("{:>3.0} %", 100.0 * s / total));
-                ui.end_row();
-            }
-        });
-    });
 }
 
 fn slip(ui: &mut Ui, history: &[(u32, &StepFigures)]) {
@@ -124,11 +88,11 @@ fn slip(ui: &mut Ui, history: &[(u32, &StepFigures)]) {
     });
 }
 
-fn at_target(ui: &mut Ui, run: &CrowdRun) {
+fn at_target(ui: &mut Ui, history: &[(u32, &StepFigures)], n: usize) {
     section(ui, "Characters at target", |ui| {
-        let n = run.config().characters as f64;
-        let share: Vec<f64> = run.history().map(|h| 100.0 * h.1.at_target as f64 / n).collect();
-        let of_all = line("at target", COLOURS[2], smooth(run.history().map(|h| h.0), &share));
+        let share = |h: &(u32, &StepFigures)| 100.0 * h.1.at_target.unwrap_or(0) as f64 / n as f64;
+        let share: Vec<f64> = history.iter().map(share).collect();
+        let of_all = line("at target", COLOURS[2], smooth(history.iter().map(|h| h.0), &share));
         plot("at target", "%").include_y(100.0).show(ui, |p| p.line(of_all));
     });
 }
@@ -163,7 +127,7 @@ fn frame_times(ui: &mut Ui, model: &Model) {
     });
 }
 
-fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
+fn memory(ui: &mut Ui, tables: &Bundle) {
     section(ui, "Memory of the tables", |ui| {
         let all = tables.num_bytes().max(1);
         Grid::new("memory").num_columns(3).striped(true).spacing([14.0, 3.0]).show(ui, |ui| {
@@ -177,10 +141,6 @@ fn memory(ui: &mut Ui, tables: &Bundle, model: &Model) {
             ui.monospace(format!("{:>10}", bytes_text(all as u64)));
             ui.end_row();
         });
-        if let Some((_, run)) = model.document.crowd() {
-            let poses = size_of_val(run.characters().model_matrices());
-            ui.label(format!("Poses of the crowd: {}", bytes_text(poses as u64)));
-        }
     });
 }
 

@@ -25,17 +25,12 @@ fn describe(model: &Model) -> Option<String> {
         let (activity, goal) = (words::inhabitant_activity(state), words::goal(state.goal, tags));
         return Some(format!("character {c} · {activity} · {goal} · on {patch}"));
     }
-    if let Some(scene) = model.document.scene() {
-        return words::character(scene.run.simulation(), model.selection.character?);
-    }
     if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
         let b = run.blending();
         return Some(format!("{} · size {:.2}", bundle.blend_meta(b.space).name, b.size));
     }
-    let (bundle, run) = model.document.crowd()?;
-    let c = model.selection.character.filter(|&c| c < run.characters().num_characters())?;
-    let (root, target) = (run.characters().root(c), run.targets()[c]);
-    let distance = (root.x - target.x).hypot(root.z - target.z);
-    let plays = bundle.describe_segment(run.characters().segment(c).0);
-    Some(format!("character {c} · {plays} · target {distance:.1}\u{a0}m\u{a0}away"))
+    let (scene, who) = (model.document.scene()?, model.selection.character?);
+    let plays = scene.chooser(who).map(|c| c.bundle.describe_segment(c.characters.segment(c.number).0));
+    let text = words::character(scene.run.simulation(), who)?;
+    Some(plays.map_or(text.clone(), |plays| format!("{text} · {plays}")))
 }

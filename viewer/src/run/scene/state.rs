@@ -4,8 +4,13 @@ use crate::run::agents::AgentTrace;
 use crate::run::choices::{ChoiceRecord, GoalSubject, RunGoal};
 use crate::run::figures::{BoutFigures, Slip, StepFigures};
 use crate::run::{RunInput, STEP_HZ};
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use std::f32::consts::TAU;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
+use throng_core::characters::{Detail, DetailLevel};
 use throng_core::{Executor as Threads, Inline, Rayon, Result, Skeleton};
 use throng_precompute::run::{AgentsMeter, policy_characters};
 use throng_precompute::slip::SlipMeter;
@@ -16,6 +21,14 @@ use throng_simulation::{AnyCharacterGroup, Simulation};
 const LOOK_EVERY: u32 = 2;
 /// Characters from which on a step is split over threads.
 const PARALLEL_FROM: usize = 200;
+
+/// Distance within which a character has come to its target, and from there to the next one (m).
+const REACH_M: f32 = 0.5;
+const MOVED_ON_M: RangeInclusive<f32> = 2.0..=6.0;
+/// Distance from the eye up to which feet are locked, in groups that are not posed in full (m).
+const FULL_M: f32 = 20.0;
+/// Distance from the eye up to which poses are computed, in such groups (m).
+const POSED_M: f32 = 40.0;
 
 /// Characters that choose by policies, in one group.
 #[derive(Clone, Debug)]
@@ -32,6 +45,8 @@ pub(super) struct ChoosingGroup {
 #[derive(Clone)]
 pub(super) struct SceneRunState {
     pub simulation: Simulation,
+    /// True if targets to which characters have come move on.
+    wanders: bool,
     pub choosing: Vec<ChoosingGroup>,
     feet: SlipMeter,
     agents: Option<AgentsMeter>,
@@ -41,10 +56,11 @@ pub(super) struct SceneRunState {
 }
 
 impl SceneRunState {
-    pub fn new(simulation: Simulation) -> Self {
+    pub fn new(simulation: Simulation, wanders: bool) -> Self {
         let groups = simulation.groups().iter();
         let choosing = groups.filter_map(|g| ChoosingGroup::new(&simulation, g.character_group, &g.characters));
         let mut state = Self {
+            wanders,
             choosing: choosing.collect(),
             feet: SlipMeter::new(simulation.num_characters(), &Skeleton::default()),
             agents: AgentsMeter::new(&simulation),
@@ -68,12 +84,20 @@ impl SceneRunState {
         state.feet.observe_simulation(simulation, 0..simulation.num_characters(), 0.0);
         state.figures.agents = state.agents.as_mut().map(|meter| meter.observe(simulation));
         state.figures.bout = BoutFigures::collect_from(simulation);
+        state.figures.at_target = count_at_target(simulation);
         state
     }
 
     /// One step of all characters, and its measures.
-    pub fn advance_to(&mut self, step: u32) -> Result<()> {
+    ///
+    /// - `eye`: see [`super::SceneRun::eye`].
+    pub fn advance_to(&mut self, step: u32, eye: Vec2) -> Result<()> {
         let simulation = &mut self.simulation;
+        for c in &self.choosing {
+            if let AnyCharacterGroup::Policy(p) = simulation.character_group_mut(c.character_group) {
+                p.set_detail(Detail { eye, full_m: FULL_M, posed_m: POSED_M })?;
+            }
+        }
         let subjects = |c: &ChoosingGroup| targets_and_threats(&simulation.character_groups()[c.character_group]);
         let before: Vec<_> = self.choosing.iter().map(subjects).collect();
         let was_s = simulation.time_s();
@@ -87,11 +111,28 @@ impl SceneRunState {
         }
         self.feet.clear();
         let dt_s = (simulation.time_s() - was_s) as f32;
-        self.feet.observe_simulation(simulation, 0..simulation.num_characters(), dt_s);
+        let is_full = |&who: &usize| detail_level(simulation, who) == DetailLevel::Full;
+        self.feet.observe_simulation(simulation, (0..simulation.num_characters()).filter(is_full), dt_s);
+        self.figures.at_target = count_at_target(simulation);
         self.figures.slip = Slip::from(&self.feet);
         self.figures.bout = BoutFigures::collect_from(simulation);
         if let Some(meter) = self.agents.as_mut().filter(|_| step.is_multiple_of(LOOK_EVERY)) {
             self.figures.agents = Some(meter.observe(simulation));
+        }
+        if self.wanders { self.move_targets_on(step) } else { Ok(()) }
+    }
+
+    /// Moves the targets to which characters have come, each to a place in some direction.
+    fn move_targets_on(&mut self, step: u32) -> Result<()> {
+        let seed = self.simulation.scene().seed;
+        for who in 0..self.simulation.num_characters() {
+            let home = target_home(&self.simulation, who).filter(|_| is_at_target(&self.simulation, who));
+            let Some(home) = home else { continue };
+            let draw = u64::from(step) << 32 | who as u64;
+            let mut rng = Pcg64Mcg::seed_from_u64(seed ^ draw.wrapping_mul(0x9E37_79B9_7F4A_7C15));
+            let (sin, cos) = rng.random_range(0.0..TAU).sin_cos();
+            let to = home + rng.random_range(MOVED_ON_M) * Vec3::new(sin, 0.0, cos);
+            self.apply_input(&RunInput::Target { character: Some(who), to })?;
         }
         Ok(())
     }
@@ -108,11 +149,11 @@ impl SceneRunState {
         match input {
             RunInput::Target { character, to } => {
                 for c in &self.choosing {
-                    if let AnyCharacterGroup::Policy(practice) = self.simulation.character_group_mut(c.character_group)
-                    {
-                        let all = 0..practice.practice().targets().len();
-                        let mut moved = all.filter(|&m| character.is_none_or(|who| who == c.first + m));
-                        moved.try_for_each(|m| practice.set_home(m, *to))?;
+                    if let AnyCharacterGroup::Policy(p) = self.simulation.character_group_mut(c.character_group) {
+                        let own = c.first..c.first + p.practice().targets().len();
+                        let moved = character.map_or(own.clone(), |who| who..who + 1);
+                        let mut moved = moved.start.max(own.start)..moved.end.min(own.end);
+                        moved.try_for_each(|who| p.set_home(who - c.first, *to))?;
                     }
                 }
             }
@@ -173,6 +214,33 @@ impl ChoosingGroup {
     fn observe(&mut self, simulation: &Simulation, targets: &[Vec3], threats: &[Vec3], step: u32) {
         let Some(boxers) = policy_characters(&simulation.character_groups()[self.character_group]) else { return };
         self.choices.observe(boxers.characters(), targets, threats, &self.weights, step);
+    }
+}
+
+/// Place where the target of a character hangs; none for a character without a target of its own (m, who < number of
+/// characters).
+pub fn target_home(simulation: &Simulation, who: usize) -> Option<Vec3> {
+    let (AnyCharacterGroup::Policy(p), member) = simulation.locate(who) else { return None };
+    Some(p.practice().targets()[member].home)
+}
+
+/// True for a character that has come to its target (who < number of characters).
+pub fn is_at_target(simulation: &Simulation, who: usize) -> bool {
+    let apart = simulation.root(who).zip(target_home(simulation, who)).map(|(root, at)| root.translation() - at);
+    apart.is_some_and(|apart| apart.xz().length() < REACH_M)
+}
+
+/// Characters that have come to their targets; none in a scene without such targets.
+fn count_at_target(simulation: &Simulation) -> Option<usize> {
+    let has_targets = simulation.character_groups().iter().any(|g| matches!(g, AnyCharacterGroup::Policy(_)));
+    has_targets.then(|| (0..simulation.num_characters()).filter(|&who| is_at_target(simulation, who)).count())
+}
+
+/// Level at which the last step computed a character (who < number of characters).
+pub fn detail_level(simulation: &Simulation, who: usize) -> DetailLevel {
+    match simulation.locate(who) {
+        (AnyCharacterGroup::Policy(p), member) => p.practice().characters().level(member),
+        _ => DetailLevel::Full,
     }
 }
 

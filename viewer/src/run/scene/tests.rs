@@ -265,7 +265,7 @@ fn a_saved_scene_goes_on_as_before() {
         let bytes = document.run.simulation().snapshot();
         let compiled = document.run.simulation().compiled().clone();
         steps(&mut document.run, 50);
-        let mut again = SceneRun::new(&compiled, Some(&bytes)).unwrap();
+        let mut again = SceneRun::new(&compiled, Some(&bytes), false).unwrap();
         assert_eq!(again.head.recorded(), 97..=97);
         steps(&mut again, 50);
         assert!(poses(&again) == poses(&document.run), "{}", path.display());
