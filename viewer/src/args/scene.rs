@@ -1,8 +1,8 @@
 //! Applies command-line arguments to settings and model.
 
 use super::{Args, BodyChoice, PanelChoice};
-use crate::command::{SceneCommand, SceneViewOptions, ViewStage, ViewerCommand, WorldCommand};
-use crate::document::{OpenDocument, SceneChoice, UserOutfit};
+use crate::command::{SceneCommand, SceneViewOptions, ViewStage, ViewerCommand};
+use crate::document::{OpenDocument, SceneChoice, SceneDocument, UserOutfit};
 use crate::model::Model;
 use crate::settings::ViewerSettings;
 use eframe::egui;
@@ -78,7 +78,7 @@ impl Args {
     /// # Errors
     /// A message that names what is wrong and the way out.
     pub fn show(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
-        self.change_scene(ctx, model)?;
+        self.change_scene(model)?;
         if let Some(stage) = self.stage {
             self.check_stage(stage, model)?;
             model.apply(ctx, ViewerCommand::Stage(stage));
@@ -113,31 +113,19 @@ impl Args {
         Ok(())
     }
 
-    /// Gives a scene another number of characters, another seed and another engine.
-    fn change_scene(&self, ctx: &egui::Context, model: &mut Model) -> Result<(), String> {
-        if let Some(scene) = model.document.scene() {
-            let old = scene.choice;
-            let choice = SceneChoice {
-                characters: self.characters.unwrap_or(old.characters),
-                seed: self.seed.unwrap_or(old.seed),
-                engine: self.engine.unwrap_or(old.engine),
-            };
-            let has_agents = scene.scene.groups.iter().any(|g| g.is_of_agents());
-            if has_agents || self.engine.is_none() {
-                return if choice == old { Ok(()) } else { model.restart_scene_now(choice) };
-            }
-        }
-        if let Some(name) = self.engine.map(engine::name) {
+    /// Gives a scene or a world another number of characters, another seed and another engine.
+    fn change_scene(&self, model: &mut Model) -> Result<(), String> {
+        let has_agents = |scene: &SceneDocument| scene.scene.groups.iter().any(|g| g.is_of_agents());
+        if let Some(name) = self.engine.map(engine::name)
+            && !model.document.scene().is_some_and(has_agents)
+        {
             let example = "data/scenes/corridor.toml";
             return Err(format!("--engine {name}: engines are for scenes with agents, such as {example}"));
         }
-        if let Some(old) = model.document.world().map(|w| w.roamers)
-            && (self.characters.is_some() || self.seed.is_some())
-        {
-            let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
-            model.apply(ctx, ViewerCommand::World(WorldCommand::Populate { characters, seed }));
-        }
-        Ok(())
+        let Some(old) = model.document.choice() else { return Ok(()) };
+        let (characters, seed) = (self.characters.unwrap_or(old.characters), self.seed.unwrap_or(old.seed));
+        let choice = SceneChoice { characters, seed, engine: self.engine.unwrap_or(old.engine) };
+        if choice == old { Ok(()) } else { model.restart_now(choice) }
     }
 
     fn check_stage(&self, stage: ViewStage, model: &Model) -> Result<(), String> {

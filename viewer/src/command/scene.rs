@@ -92,7 +92,7 @@ impl Default for SceneViewOptions {
     }
 }
 
-/// A request of a panel about a scene.
+/// A request of a panel about a scene, the crowd of a bundle, or the characters of a world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SceneCommand {
     /// Draw more or less.

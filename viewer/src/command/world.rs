@@ -3,7 +3,6 @@
 use crate::document::world::UnitChange;
 use std::path::PathBuf;
 use throng_core::patch::Placement;
-use throng_world::inhabitants::InhabitantGoal;
 
 /// Tool: the effect of a click in a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -68,20 +67,6 @@ pub enum WorldCommand {
     Redo,
     /// Forget that an edit was refused.
     ForgetRefused,
-    /// Give a character an order; none lets it decide for itself.
-    Order {
-        /// Which character.
-        character: usize,
-        /// Goal of the order.
-        goal: Option<InhabitantGoal>,
-    },
-    /// Restart with this number of characters, as far as there is room.
-    Populate {
-        /// Number of characters.
-        characters: usize,
-        /// Seed of places and choices.
-        seed: u64,
-    },
     /// Write the present world.
     Save(PathBuf),
 }

@@ -14,8 +14,9 @@ const MAX_BEHAVIOURS: usize = 4;
 /// (m).
 const SPACING_M: f64 = 2.0;
 const MOST_SPACING_M: f64 = 20.0;
-/// The scene; targets lie at first where characters begin to look about.
+/// The scene; its bundle is in memory, and targets lie on the ground.
 const TEXT: &str = "
+    bundle = \"bundle\"
     [[groups]]
     name = \"crowd\"
     motion = \"policy\"

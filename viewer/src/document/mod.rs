@@ -139,6 +139,11 @@ impl OpenDocument {
         }
     }
 
+    /// Settings of the run: of the scene, of the crowd of a bundle, or of the characters of a world.
+    pub fn choice(&self) -> Option<SceneChoice> {
+        if let Self::World(w) = self { Some(w.choice) } else { self.scene().map(|s| s.choice) }
+    }
+
     /// The task, where one is open.
     pub fn task(&self) -> Option<&TaskDocument> {
         if let Self::Task(t) = self { Some(t) } else { None }

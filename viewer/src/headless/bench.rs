@@ -2,7 +2,7 @@
 
 use super::{FrameFigures, Headless, HeadlessError};
 use crate::args::{Args, BENCH_FRAMES, PictureSize};
-use crate::command::{SceneCommand, ViewerCommand, WorldCommand};
+use crate::command::{SceneCommand, ViewerCommand};
 use crate::document::SceneChoice;
 use crate::model::Model;
 use serde::Serialize;
@@ -45,10 +45,7 @@ impl fmt::Display for BenchReport {
 
 /// Another number of characters, rounded up to pairs if the scene has pairs.
 fn with_characters(model: &Model, characters: usize) -> ViewerCommand {
-    if let Some(world) = model.document.world() {
-        return ViewerCommand::World(WorldCommand::Populate { characters, seed: world.roamers.seed });
-    }
-    let now = model.document.scene().map_or(model.settings.crowd, |s| s.choice);
+    let now = model.document.choice().unwrap_or(model.settings.crowd);
     ViewerCommand::Scene(SceneCommand::Restart(SceneChoice { characters, ..now }))
 }
 

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::command::{SceneCommand, ViewStage, ViewerCommand, WorldCommand};
 use crate::document::{OpenDocument, OutfitLoader, SceneChoice};
-use crate::run::Blending;
+use crate::run::{Blending, RunInput};
 use crate::settings::PanelKind;
 use eframe::egui;
 
@@ -27,11 +27,15 @@ impl Model {
             }
             ViewerCommand::Restart => self.restart(ctx),
             ViewerCommand::Input(input) => {
-                if let Some(scene) = self.document.scene_mut()
-                    && let Err(why) = scene.run.input(input)
-                {
-                    self.complain(why.to_string());
-                }
+                let done = match (&mut self.document, input) {
+                    (OpenDocument::World(world), RunInput::Goal { character, goal }) => {
+                        world.give_order(character, goal).map_err(|why| format!("Character {character}: {why}"))
+                    }
+                    (document, input) => {
+                        document.scene_mut().map_or(Ok(()), |s| s.run.input(input)).map_err(|e| e.to_string())
+                    }
+                };
+                done.unwrap_or_else(|why| self.complain(why));
             }
             ViewerCommand::Wear(path) => {
                 let ctx = ctx.clone();
@@ -71,16 +75,19 @@ impl Model {
             if let Err(e) = run.restart(bundle) {
                 self.complain(e.to_string());
             }
-        } else if let Some(choice) = self.document.scene().map(|s| s.choice) {
+        } else if let Some(choice) = self.document.choice() {
             self.apply_to_scene(ctx, SceneCommand::Restart(choice));
-        } else if let Some(old) = self.document.world().map(|w| w.roamers) {
-            self.populate(old.characters, old.seed);
         }
     }
 
     fn apply_to_scene(&mut self, ctx: &egui::Context, command: SceneCommand) {
         let (waits, ctx) = (self.is_unhurried, ctx.clone());
         let wake = move || ctx.request_repaint();
+        if let (SceneCommand::Restart(choice), OpenDocument::World(world)) = (&command, &mut self.document) {
+            let begun = world.populate(*choice);
+            begun.unwrap_or_else(|why| self.complain(why));
+            return self.adopt_edit(waits);
+        }
         let Some(scene) = self.document.scene_mut() else { return };
         let done = match command {
             SceneCommand::SetOptions(look) => {
@@ -102,11 +109,15 @@ impl Model {
         }
     }
 
-    /// Restarts a scene, and blocks until it is ready.
+    /// Restarts a scene or the characters of a world, and blocks until they are ready.
     ///
     /// # Errors
-    /// A message where that cannot be; the scene is unchanged then.
-    pub fn restart_scene_now(&mut self, choice: SceneChoice) -> Result<(), String> {
+    /// A message where that cannot be; the document is unchanged then.
+    pub fn restart_now(&mut self, choice: SceneChoice) -> Result<(), String> {
+        if let OpenDocument::World(world) = &mut self.document {
+            world.populate(choice)?;
+            self.adopt_edit(true);
+        }
         let Some(scene) = self.document.scene_mut() else { return Ok(()) };
         scene.restart(choice, None, || {})?;
         scene.adopt_restart(true)?;

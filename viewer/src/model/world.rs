@@ -44,12 +44,6 @@ impl Model {
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
             WorldCommand::ForgetRefused => world.refused = None,
-            WorldCommand::Order { character, goal } => {
-                if let Err(why) = world.give_order(character, goal) {
-                    self.complain(format!("Character {character}: {why}"));
-                }
-            }
-            WorldCommand::Populate { characters, seed } => self.populate(characters, seed),
             WorldCommand::Save(path) => match world.save(&path) {
                 Ok(()) => self.say(format!("Saved {}", path.display())),
                 Err(why) => self.complain(why),
@@ -78,16 +72,6 @@ impl Model {
         if taken.is_some() {
             self.limit_selected();
         }
-    }
-
-    /// Restarts a world.
-    pub(super) fn populate(&mut self, characters: usize, seed: u64) {
-        let waits = self.is_unhurried;
-        let OpenDocument::World(world) = &mut self.document else { return };
-        if let Err(why) = world.populate(characters, seed) {
-            return self.complain(why);
-        }
-        self.adopt_edit(waits);
     }
 }
 

@@ -1,9 +1,10 @@
 //! Edits: units come, go and are moved, and the world is stitched again around them.
 
+use super::WorldDocument;
 use super::orders::{EditorOrder, UnitChange, ended_message, work_name};
 use super::worker::{EditJob, EditOutcome, EditResult, StitchedWorld, place_roamers};
-use super::{Roamers, WorldDocument};
 use crate::document::background::Background;
+use crate::run::SceneChoice;
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::Arc;
@@ -125,14 +126,14 @@ impl WorldDocument {
     ///
     /// # Errors
     /// A message that names what is under way, where something is.
-    pub fn populate(&mut self, characters: usize, seed: u64) -> Result<(), String> {
+    pub fn populate(&mut self, choice: SceneChoice) -> Result<(), String> {
         if let Some(working) = &self.working {
             return Err(format!("the run can restart when {} is done", work_name(working.order)));
         }
         self.refused = None;
-        let (ground, roamers) = (Arc::clone(&self.walkable), Roamers { characters, seed });
-        let done = Background::start(move || place_roamers(&ground, roamers), || {});
-        let doing = format!("Finding room for {characters} characters");
+        let ground = Arc::clone(&self.walkable);
+        let done = Background::start(move || place_roamers(&ground, choice), || {});
+        let doing = format!("Finding room for {} characters", choice.characters);
         self.working = Some(EditInProgress { order: None, doing, at: None, next: VecDeque::new(), done });
         Ok(())
     }
@@ -145,7 +146,7 @@ impl WorldDocument {
             EditorOrder::Redo => self.to_redo().map(|next| format!("Redoing: {next}")),
         };
         let Some(doing) = doing else { return };
-        let (at, seed) = (self.edited_unit(order), self.roamers.seed);
+        let (at, seed) = (self.edited_unit(order), self.choice.seed);
         let Some(workshop) = self.workshop.take() else {
             self.refused = Some(RefusedEdit { reason: ended_message(Some(order)).to_owned(), at });
             return;
@@ -193,9 +194,9 @@ impl WorldDocument {
         }
         match done.result {
             Ok(EditOutcome::Stitched(stitched)) => EditStatus::Changed(self.show(*stitched, what)),
-            Ok(EditOutcome::Begun(roamers, mut run)) => {
+            Ok(EditOutcome::Begun(choice, mut run)) => {
                 run.reel.head.play_like(&self.run.reel.head);
-                (self.run, self.roamers) = (*run, roamers);
+                (self.run, self.choice) = (*run, choice);
                 EditStatus::Begun
             }
             Err(why) => {

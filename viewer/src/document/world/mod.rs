@@ -13,7 +13,7 @@ pub use orders::{EditorOrder, UnitChange};
 
 use crate::bundle::OpenBundle;
 use crate::render::{Ray, SolidMesh, upright};
-use crate::run::WorldRun;
+use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;
 use orders::EditHistory;
 use std::path::PathBuf;
@@ -27,22 +27,13 @@ use throng_world::WorldGraph;
 use throng_world::inhabitants::InhabitantGoal;
 use views::{EditorThread, WalkableWorld};
 
-/// Characters that roam in a world.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Roamers {
-    /// Number of characters.
-    pub characters: usize,
-    /// Seed of places and choices.
-    pub seed: u64,
-}
-
 /// A world that is open.
 pub struct WorldDocument {
     /// The file.
     pub path: PathBuf,
     source: WorldSource,
-    /// The inhabitants.
-    pub roamers: Roamers,
+    /// Number of inhabitants, and their seed.
+    pub choice: SceneChoice,
     /// The bundle's units, decoded.
     pub kit: Arc<StitchKit>,
     /// The editor; none while an edit is under way.

@@ -1,11 +1,11 @@
 //! Opens worlds, which are stitched in memory.
 
+use super::WorldDocument;
 use super::orders::EditHistory;
 use super::views::{EditorThread, WalkableWorld};
-use super::{Roamers, WorldDocument};
 use crate::bundle::OpenBundle;
 use crate::render::SolidMesh;
-use crate::run::WorldRun;
+use crate::run::{SceneChoice, WorldRun};
 use std::path::Path;
 use std::sync::Arc;
 use throng_precompute::environment::{PlacedGeometry, UnitGeometry};
@@ -36,12 +36,12 @@ impl WorldDocument {
         let stitched = workshop.run(|editor| (editor.world().clone(), editor.report().clone()));
         let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
         let ground = Arc::new(WalkableWorld::new(bundle, &world)?);
-        let mut roamers = Roamers { characters: ROAMERS, seed: 1 };
-        let run = populate(&mut roamers, &ground)?;
+        let mut choice = SceneChoice { characters: ROAMERS, ..SceneChoice::default() };
+        let run = populate(&mut choice, &ground)?;
         Ok(Self {
             path: path.to_path_buf(),
             source,
-            roamers,
+            choice,
             kit,
             workshop: Some(workshop),
             walkable: ground,
@@ -60,10 +60,10 @@ impl WorldDocument {
 }
 
 /// Places the requested number of characters, as far as there is room.
-pub(super) fn populate(roamers: &mut Roamers, ground: &WalkableWorld) -> Result<WorldRun, String> {
-    let starts = scatter_rest_nodes(ground.world.graph(), roamers.characters, roamers.seed);
-    roamers.characters = starts.len();
-    WorldRun::new(&ground.world, roamers.seed, &starts).map_err(|e| e.to_string())
+pub(super) fn populate(choice: &mut SceneChoice, ground: &WalkableWorld) -> Result<WorldRun, String> {
+    let starts = scatter_rest_nodes(ground.world.graph(), choice.characters, choice.seed);
+    choice.characters = starts.len();
+    WorldRun::new(&ground.world, choice.seed, &starts).map_err(|e| e.to_string())
 }
 
 /// Triangles of a unit.

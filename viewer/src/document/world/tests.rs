@@ -35,15 +35,16 @@ fn edit(world: &mut WorldDocument, change: UnitChange) -> Result<Option<usize>, 
 /// Places that many new inhabitants; until then the old ones stay.
 fn populate(world: &mut WorldDocument, characters: usize, seed: u64) {
     let (before, now) = (world.run.num_characters(), world.run.reel.head.shown_step());
-    world.populate(characters, seed).unwrap();
+    world.populate(SceneChoice { characters, seed, ..SceneChoice::default() }).unwrap();
     assert!(world.working.as_ref().is_some_and(|w| w.doing.contains("room for") && w.place().is_none()));
     world.step().unwrap();
-    let why = [world.populate(1, 1), world.order(EditorOrder::Change(UnitChange::Remove { place: 0 }))]
+    let one = SceneChoice { characters: 1, ..SceneChoice::default() };
+    let why = [world.populate(one), world.order(EditorOrder::Change(UnitChange::Remove { place: 0 }))]
         .map(Result::unwrap_err);
     assert!(why.iter().all(|w| w.contains("room for characters") && !w.contains("edit")), "{why:?}");
     assert_eq!((world.run.num_characters(), world.run.reel.head.shown_step()), (before, now));
     assert_eq!(world.adopt_edit(true), Some(EditStatus::Begun));
-    assert_eq!(world.roamers, Roamers { characters: world.run.num_characters(), seed });
+    assert_eq!((world.choice.characters, world.choice.seed), (world.run.num_characters(), seed));
     assert_eq!(world.run.reel.head.shown_step(), 0);
 }
 
@@ -206,7 +207,7 @@ fn works_meanwhile(world: &mut WorldDocument) {
     for other in [UnitChange::Remove { place: 9 }, UnitChange::Move { place: 1, to: at(9.0) }] {
         assert!(world.order(EditorOrder::Change(other)).unwrap_err().contains("under way"));
     }
-    assert!(world.populate(1, 1).unwrap_err().contains("when the last edit is done"));
+    assert!(world.populate(world.choice).unwrap_err().contains("when the last edit is done"));
     world.order(EditorOrder::Undo).unwrap();
     assert_eq!(world.adopt_edit(true), Some(EditStatus::Changed(Some(9))));
     assert_eq!((world.placed()[9].placement, world.revision), (at(1.0), revision + 3));
@@ -229,7 +230,7 @@ fn survives_its_threads(world: &mut WorldDocument) {
         assert_eq!(world.adopt_edit(true), Some(EditStatus::Refused));
         world.refused.as_ref().unwrap().reason.clone()
     };
-    world.populate(1, 1).unwrap();
+    world.populate(SceneChoice { characters: 1, ..world.choice }).unwrap();
     let why = gone(world);
     assert!(why.contains("room for characters") && !why.contains("editor"), "{why}");
     assert_eq!(world.run.num_characters(), characters);

@@ -1,11 +1,10 @@
 //! Carries out edits and places new inhabitants on its own thread, so that the window keeps drawing.
 
-use super::Roamers;
 use super::open::populate;
 use super::orders::{EditorOrder, UnitChange, ended_message};
 use super::placement::place_inhabitants;
 use super::views::{EditorThread, WalkableWorld};
-use crate::run::WorldRun;
+use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
@@ -36,7 +35,7 @@ pub(super) enum EditOutcome {
     /// Another world.
     Stitched(Box<StitchedWorld>),
     /// New inhabitants in the unchanged world, as far as there was room, at their first step.
-    Begun(Roamers, Box<WorldRun>),
+    Begun(SceneChoice, Box<WorldRun>),
 }
 
 /// A world that was stitched, with its inhabitants.
@@ -56,9 +55,9 @@ pub(super) struct StitchedWorld {
 }
 
 /// Places new inhabitants in a world.
-pub(super) fn place_roamers(ground: &WalkableWorld, mut roamers: Roamers) -> EditResult {
-    let run = populate(&mut roamers, ground);
-    EditResult { workshop: None, result: run.map(|run| EditOutcome::Begun(roamers, Box::new(run))) }
+pub(super) fn place_roamers(ground: &WalkableWorld, mut choice: SceneChoice) -> EditResult {
+    let run = populate(&mut choice, ground);
+    EditResult { workshop: None, result: run.map(|run| EditOutcome::Begun(choice, Box::new(run))) }
 }
 
 impl EditJob {

@@ -10,6 +10,7 @@ mod timing;
 use super::paint::{PanelWidget, choose, empty, no_bundle};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewStage, ViewerCommand};
+use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::run::{BlendCompanions, BlendMoment, Blending, LEGS, SIZES};
 use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
@@ -65,7 +66,7 @@ const NO_SPACES: &str = "A blend space makes bodies from example motions at any 
 /// Shows the panel.
 pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &mut Commands) {
     state.focus = false;
-    if let (Some(_), Some(bundle)) = (model.document.scene(), model.document.bundle()) {
+    if let (OpenDocument::Scene(_), Some(bundle)) = (&model.document, model.document.bundle()) {
         let bundle = bundle.path.display();
         return empty(ui, "This is a scene", &format!("Open its bundle to see its blend spaces: {bundle}"));
     }

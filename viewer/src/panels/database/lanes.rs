@@ -1,8 +1,8 @@
 //! The lanes of a timeline: contacts, tags, excluded and played frames, states, actions.
 
-use super::outgoing::OutgoingActions;
+use super::strip::PoseSource;
 use super::timeline::TimelineInput;
-use super::track::{NamedRun, TimelineTrack};
+use super::track::{NamedRun, StateMark, TimelineTrack};
 use crate::panels::glitches;
 use crate::panels::paint::{FrameAxis, hatch};
 use crate::theme::ThemePalette;
@@ -98,8 +98,8 @@ pub fn paint(ui: &Ui, lanes: &TimelineLanes, axis: &FrameAxis, scene: &TimelineI
         label(states, "states");
         label(actions, "actions");
         lane.state_marks(states);
-        if let Some(outgoing) = scene.outgoing {
-            lane.arcs(actions, outgoing);
+        if let Some(from) = scene.next_state {
+            lane.arcs(actions, from);
         }
     }
 }
@@ -176,7 +176,7 @@ impl LanePainter<'_> {
         let mut last_x = f32::NEG_INFINITY;
         for mark in states[from..].iter().take_while(|s| s.frame < seen.end) {
             let x = self.axis.x_of(mark.frame as f32);
-            let is_next = self.scene.outgoing.is_some_and(|o| o.from == *mark);
+            let is_next = self.scene.next_state == Some(*mark);
             // More ticks than points cannot be distinguished.
             if x - last_x < 1.0 && !is_next && !mark.standing {
                 continue;
@@ -192,21 +192,27 @@ impl LanePainter<'_> {
     }
 
     /// Curves from the state to the start of each of its actions within the clip.
-    fn arcs(&self, lane: Rect, out: &OutgoingActions) {
-        let (painter, axis) = (&self.painter, self.axis);
-        let from = pos2(axis.x_of(out.from.frame as f32), lane.top());
-        for action in out.actions.iter().filter(|w| w.clip == self.scene.key().1) {
-            let is_strong = self.scene.highlighted == Some(action.segment);
+    fn arcs(&self, lane: Rect, state: StateMark) {
+        let PoseSource::Bundle(bundle, clip) = self.scene.source else { return };
+        let (painter, axis, graph) = (&self.painter, self.axis, bundle.tables().graph());
+        let from = pos2(axis.x_of(state.frame as f32), lane.top());
+        for &number in graph.segments_of(state.state) {
+            let segment = &graph.segments[number as usize];
+            if segment.clip as usize != clip {
+                continue;
+            }
+            let is_strong = self.scene.highlighted == Some(number);
             let (width, strength) = if is_strong { (2.5, 1.0) } else { (1.2, 0.7) };
             let stroke = Stroke::new(width, self.palette.state.gamma_multiply(strength));
-            let end = axis.x_of((action.start + action.num_frames) as f32);
-            if action.continues {
+            let start = segment.start - bundle.tables().clips()[clip].first_frame;
+            let end = axis.x_of((start + segment.num_frames) as f32);
+            if start == state.frame {
                 // The clip goes on: a straight arrow to the next state.
                 painter.line_segment([from, pos2(end, lane.top())], stroke);
                 arrow_head(painter, pos2(end, lane.top()), vec2(1.0, 0.0), stroke.color);
                 continue;
             }
-            let to = pos2(axis.x_of(action.start as f32), lane.top());
+            let to = pos2(axis.x_of(start as f32), lane.top());
             let depth = (4.0 + 1.4 * (to.x - from.x).abs().sqrt()).min(lane.height() * 1.25);
             let points = [from, from + vec2(0.0, depth), to + vec2(0.0, depth), to];
             painter.add(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke));

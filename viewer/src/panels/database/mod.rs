@@ -5,18 +5,16 @@ mod catalogue;
 mod figure;
 mod lanes;
 mod list;
-mod outgoing;
 mod strip;
 mod timeline;
 mod track;
 
-use super::paint::{no_bundle, time_text};
+use super::paint::{TableSort, no_bundle, time_text};
 use crate::command::{Commands, ViewerCommand};
 use crate::document::{OpenDocument, RawMotion};
 use crate::model::Model;
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
-use outgoing::OutgoingActions;
 use strip::PoseSource;
 use timeline::{TimelineInput, TimelineView};
 use track::TimelineTrack;
@@ -31,6 +29,8 @@ pub struct DatabasePanelState {
     view: TimelineView,
     track: Option<(u64, usize, TimelineTrack)>,
     highlighted: Option<u32>,
+    /// Order of the actions; none until one was asked for.
+    sort: Option<TableSort>,
 }
 
 /// Shows the panel.
@@ -53,14 +53,13 @@ fn bundle_view(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, comma
     }
     let Some((_, _, track)) = &state.track else { return };
     let head = (model.player.frame as u32).min(track.num_frames - 1);
-    let outgoing = OutgoingActions::from_frame(bundle, clip, track, head);
     let (source, highlighted) = (PoseSource::Bundle(bundle, clip), state.highlighted);
-    let scene = TimelineInput { document, track, source, outgoing: outgoing.as_ref(), highlighted, head };
+    let scene = TimelineInput { document, track, source, next_state: track.state_from(head), highlighted, head };
     let wide = ui.available_width() >= WIDE;
     let actions =
         if wide { Panel::right("actions").default_size(460.0) } else { Panel::bottom("actions").default_size(90.0) };
     actions.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        state.highlighted = actions::show(ui, bundle, &scene, commands);
+        state.highlighted = actions::show(ui, bundle, &scene, &mut state.sort, commands);
     });
     let goes_to = clip_view(ui, &scene, &mut state.view);
     commands.extend(goes_to.map(|frame| ViewerCommand::ShowClip { clip, frame }));
@@ -76,7 +75,7 @@ fn raw_view(ui: &mut Ui, raw: &RawMotion, model: &Model, state: &mut DatabasePan
     let step = raw.imported.clip.rate_hz / f64::from(track.rate_hz);
     let head = ((f64::from(model.player.frame) / step).round() as u32).min(track.num_frames - 1);
     let scene =
-        TimelineInput { document, track, source: PoseSource::Raw(raw), outgoing: None, highlighted: None, head };
+        TimelineInput { document, track, source: PoseSource::Raw(raw), next_state: None, highlighted: None, head };
     let goes_to = clip_view(ui, &scene, &mut state.view);
     commands.extend(goes_to.map(|frame| ViewerCommand::Seek((f64::from(frame) * step).round() as u32)));
 }

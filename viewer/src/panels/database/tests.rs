@@ -1,7 +1,10 @@
 //! The browser driven as a user would.
 
 use super::*;
-use crate::fixtures::{golden_path, mocap::recording};
+use crate::fixtures::{golden, golden_path, mocap::recording};
+use crate::panels::graph::links::ActionLink;
+use crate::panels::graph::list;
+use crate::panels::show_segment;
 use crate::panels::tests::{Trial, click, trial};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, MouseWheelSource, Pos2, pos2, vec2};
@@ -127,13 +130,48 @@ fn an_action_leads_to_the_start_of_its_segment() {
     let bundle = harness.state().model.document.bundle().unwrap();
     let clip = harness.state().model.selection.clip;
     let track = TimelineTrack::from_bundle(bundle, clip).unwrap();
-    let out = OutgoingActions::from_frame(bundle, clip, &track, 0).unwrap();
-    let action = *out.actions.last().unwrap();
-    let label =
-        format!("Go to {} {}–{}", bundle.clip_name(action.clip), action.start, action.start + action.num_frames);
+    let from = track.state_from(0).unwrap();
+    let action = *list::sorted(bundle, from.state, list::BY_ERROR).last().unwrap();
+    let (label, leads) =
+        (format!("Go to {}", bundle.describe_segment(action.segment)), show_segment(bundle, action.segment));
     harness.get_by_label(&label).click();
     harness.run();
-    assert_eq!(harness.state().commands, [ViewerCommand::ShowClip { clip: action.clip, frame: action.start }]);
+    assert_eq!(harness.state().commands, [leads]);
+}
+
+#[test]
+fn actions_equal_those_of_a_full_search() {
+    let bundle = golden();
+    let (tables, graph) = (bundle.tables(), bundle.tables().graph());
+    let mut found = 0;
+    for (clip, record) in tables.clips().iter().enumerate() {
+        let track = TimelineTrack::from_bundle(&bundle, clip).unwrap();
+        let rows = record.first_frame..record.first_frame + record.num_frames;
+        for frame in 0..record.num_frames {
+            let after = |s: &usize| {
+                let row = graph.states[*s].frame;
+                rows.contains(&row) && row >= rows.start + frame
+            };
+            let state = (0..graph.states.len()).filter(after).min_by_key(|s| graph.states[*s].frame);
+            let from = track.state_from(frame);
+            assert_eq!(from.map(|from| from.state as usize), state);
+            let Some((from, state)) = from.zip(state) else { continue };
+            let out = list::sorted(&bundle, from.state, list::BY_ERROR);
+            let actions = graph.action_offsets[state] as usize..graph.action_offsets[state + 1] as usize;
+            let mut expected: Vec<_> =
+                actions.map(|a| (graph.action_segments[a], graph.action_errors[a].to_bits())).collect();
+            let mut got: Vec<_> = out.iter().map(|w| (w.segment, w.error.to_bits())).collect();
+            expected.sort_unstable();
+            got.sort_unstable();
+            assert_eq!(got, expected);
+            assert!(out.is_sorted_by(|a, b| a.error <= b.error));
+            let row = rows.start + from.frame;
+            let continues = |w: &&ActionLink| graph.segments[w.segment as usize].start == row;
+            assert!(out.iter().filter(continues).all(|w| w.error == 0.0));
+            found += out.len();
+        }
+    }
+    assert!(found > 100, "{found}");
 }
 
 #[test]

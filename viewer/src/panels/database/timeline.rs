@@ -1,9 +1,8 @@
 //! The timeline of a clip: a ruler, poses, and lanes for all data of its frames.
 
 use super::lanes::{self, TimelineLanes};
-use super::outgoing::OutgoingActions;
 use super::strip::{PoseSource, TimelineStrip};
-use super::track::{FEET, TimelineTrack};
+use super::track::{FEET, StateMark, TimelineTrack};
 use crate::panels::paint::{FrameAxis, FrameSpan, PanelWidget, RULER_HEIGHT, ruler};
 use crate::theme::ThemePalette;
 use eframe::egui::{CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, pos2, vec2};
@@ -22,8 +21,8 @@ pub struct TimelineInput<'a> {
     pub track: &'a TimelineTrack,
     /// Source of the poses.
     pub source: PoseSource<'a>,
-    /// Actions from the play head.
-    pub outgoing: Option<&'a OutgoingActions>,
+    /// State at the play head, or the next one after it.
+    pub next_state: Option<StateMark>,
     /// Segment of an action to highlight.
     pub highlighted: Option<u32>,
     /// Frame of the play head.

@@ -1,4 +1,4 @@
-//! The list of a state's actions; a click plays one.
+//! The list of a state's actions; in the panel of the graph, a click plays one.
 
 use super::GraphPanelState;
 use super::links::{ActionLink, outgoing};
@@ -21,8 +21,8 @@ const COLUMNS: [TableColumn<'static>; 5] = [
     TableColumn::number("to", "State it leads to", 46.0).spare(3),
 ];
 
-/// The order of the rows at first: by error.
-const BY_ERROR: TableSort = TableSort { column: 3, descending: false };
+/// The order of the rows at first: by error, so that an action that continues the clip comes first.
+pub const BY_ERROR: TableSort = TableSort { column: 3, descending: false };
 
 /// Width of the list (points).
 pub fn width() -> f32 {
@@ -50,21 +50,46 @@ pub fn show(ui: &mut Ui, model: &Model, state: u32, own: &mut GraphPanelState, c
         Some(c) => ui.weak(format!("Click an action: character {c} plays it.")),
         None => ui.weak("No character is selected: a click shows the motion instead."),
     };
-    let sort = own.sort.unwrap_or(BY_ERROR);
-    let rows = sorted(bundle, state, sort);
-    let table =
-        RowTable { click: RowClick::Does("Play"), sort: Some(sort), ..RowTable::new("actions", &COLUMNS, rows.len()) };
-    let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
-    own.sort = response.sort.or(own.sort);
-    if let Some(link) = response.chosen.and_then(|row| rows.get(row)) {
+    let touched = show_actions(ui, bundle, state, "Play", &mut own.sort);
+    own.hovered_action = touched.hovered.or(own.hovered_action);
+    if let Some(segment) = touched.chosen {
         // Without a character, the motion is shown instead.
-        let play = |character| ViewerCommand::Input(RunInput::Play { character, segment: link.segment });
-        commands.push(player.map_or_else(|| show_segment(bundle, link.segment), play));
+        let play = |character| ViewerCommand::Input(RunInput::Play { character, segment });
+        commands.push(player.map_or_else(|| show_segment(bundle, segment), play));
     }
-    if let Some((row, response)) = response.hovered {
-        own.hovered_action = Some(rows[row].segment);
+}
+
+/// Segments of the rows that the pointer touches.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TouchedActions {
+    /// Segment that was clicked.
+    pub chosen: Option<u32>,
+    /// Segment that is pointed at.
+    pub hovered: Option<u32>,
+}
+
+/// Shows a table of the actions of a state.
+///
+/// - `click`: effect of a click, for people who hear the panel; `sort`: order, none until one was asked for.
+pub fn show_actions(
+    ui: &mut Ui,
+    bundle: &OpenBundle,
+    state: u32,
+    click: &'static str,
+    sort: &mut Option<TableSort>,
+) -> TouchedActions {
+    let order = sort.unwrap_or(BY_ERROR);
+    let rows = sorted(bundle, state, order);
+    let (click, order) = (RowClick::Does(click), Some(order));
+    let table = RowTable { click, sort: order, ..RowTable::new("actions", &COLUMNS, rows.len()) };
+    let response = table.show(ui, |row, column| cell(bundle, &rows[row], column));
+    *sort = response.sort.or(*sort);
+    let chosen = response.chosen.and_then(|row| rows.get(row)).map(|link| link.segment);
+    let hovered = response.hovered.map(|(row, response)| {
         show_tooltip(bundle, response, &rows[row]);
-    }
+        rows[row].segment
+    });
+    TouchedActions { chosen, hovered }
 }
 
 fn cell(bundle: &OpenBundle, link: &ActionLink, column: usize) -> TableCell {
@@ -90,7 +115,7 @@ fn show_tooltip(bundle: &OpenBundle, response: Response, link: &ActionLink) {
 }
 
 /// A state's actions in the order asked for.
-fn sorted(bundle: &OpenBundle, state: u32, sort: TableSort) -> Vec<ActionLink> {
+pub fn sorted(bundle: &OpenBundle, state: u32, sort: TableSort) -> Vec<ActionLink> {
     let graph = bundle.tables().graph();
     let mut links: Vec<ActionLink> = outgoing(graph, state).collect();
     let of = |l: &ActionLink| &graph.segments[l.segment as usize];

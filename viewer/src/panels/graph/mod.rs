@@ -4,7 +4,7 @@ mod draw;
 mod facts;
 mod layout;
 pub(super) mod links;
-mod list;
+pub(super) mod list;
 mod view;
 
 use crate::bundle::OpenBundle;

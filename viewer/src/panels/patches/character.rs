@@ -2,11 +2,12 @@
 
 use super::PatchesPanelState;
 use super::facts::unit;
-use crate::command::{Commands, ViewerCommand, WorldCommand};
-use crate::document::WorldDocument;
+use crate::command::{Commands, SceneCommand, ViewerCommand};
+use crate::document::{SceneChoice, WorldDocument};
 use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts};
 use crate::panels::{character_field, colour_of_view, offer_first_character, words};
+use crate::run::RunInput;
 use crate::stage::world::{KINDS, colour_of};
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, DragValue, FontSelection, Label, RichText, Ui};
@@ -41,8 +42,8 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
         field.clone().on_hover_text("As many as there is room for, each on units of its own; restarts the world");
         state.characters = field.dragged().then_some(n);
         if !field.dragged() && n != run.num_characters() {
-            let seed = world.roamers.seed;
-            commands.push(ViewerCommand::World(WorldCommand::Populate { characters: n, seed }));
+            let choice = SceneChoice { characters: n, ..world.choice };
+            commands.push(ViewerCommand::Scene(SceneCommand::Restart(choice)));
         }
         ui.label("characters");
         let states = &run.reel.moment().states;
@@ -102,7 +103,7 @@ fn status(ui: &mut Ui, world: &WorldDocument, c: usize) {
 }
 
 fn show_orders(ui: &mut Ui, world: &WorldDocument, c: usize, state: &mut PatchesPanelState, commands: &mut Commands) {
-    let order = |goal| ViewerCommand::World(WorldCommand::Order { character: c, goal });
+    let order = |goal| ViewerCommand::Input(RunInput::Goal { character: c, goal });
     ui.horizontal_wrapped(|ui| {
         let roam = ui.button("Roam").on_hover_text("Wander about until it gets another order");
         roam.request(commands, order(Some(InhabitantGoal::Roam)));

@@ -7,6 +7,7 @@ use crate::document::world::UnitChange;
 use crate::model::Model;
 use crate::model::world::snapped;
 use crate::render::{self, Ray};
+use crate::run::RunInput;
 use crate::stage::StageLayout;
 use eframe::egui::{Context, CursorIcon, Key, PointerButton, Response, Ui};
 use glam::Vec3;
@@ -141,8 +142,8 @@ pub fn click(ui: &Ui, model: &Model, world: &WorldDocument, layout: &StageLayout
     let sends = options.tool == Tool::Send || ui.input(|i| i.modifiers.command);
     if sends && let Some(character) = model.selection.character {
         let goal = |(_, place)| Some(InhabitantGoal::GoNear { place, within_m: SENT_WITHIN_M });
-        let order = world.pick(ray).map(|met| WorldCommand::Order { character, goal: goal(met) });
-        return commands.extend(order.map(ViewerCommand::World));
+        let order = world.pick(ray).map(|met| RunInput::Goal { character, goal: goal(met) });
+        return commands.extend(order.map(ViewerCommand::Input));
     }
     if let Tool::Create(_) = options.tool {
         let change = options.draft.map(|d| UnitChange::Add { unit: d.unit, at: d.at });
