@@ -2,6 +2,7 @@
 
 use super::tags;
 use super::{AdjacencyRecord, InstanceRecord, JointRecord, JointTableRecord, WorldTables};
+use throng_base::error::ensure;
 use throng_core::format::{FormatError, SectionTag};
 use throng_core::patch::{KIND_BLOCK, KIND_TILE, NONE, PatchTables};
 
@@ -31,20 +32,16 @@ impl Tiling {
 
     /// The next record's part must follow the last one's.
     fn part(&mut self, owner: SectionTag, index: usize, first: u32, count: u64) -> Result<(), FormatError> {
-        if u64::from(first) != self.next {
-            let message = format!("its part of {} begins at {first}, expected {}", self.tag, self.next);
-            return Err(FormatError::value(owner, index, message));
-        }
+        let message = || format!("its part of {} begins at {first}, expected {}", self.tag, self.next);
+        ensure(u64::from(first) == self.next, || FormatError::value(owner, index, message()))?;
         self.next += count;
         Ok(())
     }
 
     /// The parts together are the whole section.
     fn end(&self, len: usize) -> Result<(), FormatError> {
-        if len as u64 == self.next {
-            return Ok(());
-        }
-        Err(FormatError::layout(format!("section {} has {len} elements, expected {}", self.tag, self.next)))
+        let message = || format!("section {} has {len} elements, expected {}", self.tag, self.next);
+        ensure(len as u64 == self.next, || FormatError::layout(message()))
     }
 }
 
@@ -65,36 +62,31 @@ fn joint_tables(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatErro
         }
     }
     for (i, t) in w.tables.iter().enumerate() {
-        let wrong = |message: String| Err(FormatError::value(tags::TABLES, i, message));
+        let wrong = |message: String| FormatError::value(tags::TABLES, i, message);
         let limit = patches.patches.len();
-        if t.patch_a as usize >= limit || t.patch_b as usize >= limit || !t.placement.is_moderate(FAR) {
-            return wrong(format!("no such patches, there are {limit}: {t:?}"));
-        }
-        if patches.patches[t.patch_b as usize].kind != KIND_BLOCK {
-            return wrong(format!("patch {} on side b is not a block", t.patch_b));
-        }
-        if t.num_joints == 0 || !is_named[i] {
-            return wrong("it has no joints, or no instances that overlap name it".to_owned());
-        }
+        let stands = (t.patch_a.max(t.patch_b) as usize) < limit && t.placement.is_moderate(FAR);
+        ensure(stands, || wrong(format!("no such patches, there are {limit}: {t:?}")))?;
+        let is_block = patches.patches[t.patch_b as usize].kind == KIND_BLOCK;
+        ensure(is_block, || wrong(format!("patch {} on side b is not a block", t.patch_b)))?;
+        let what = "it has no joints, or no instances that overlap name it";
+        ensure(t.num_joints > 0 && is_named[i], || wrong(what.to_owned()))?;
         let [a, b] = [t.patch_a, t.patch_b].map(|p| &patches.patches[p as usize]);
         num_places +=
             2 + u64::from(if a.kind == KIND_TILE { a.num_links } else { a.num_cells }) + u64::from(b.num_cells);
         if num_places > MOST_PLACES {
-            return wrong(format!(
+            return Err(wrong(format!(
                 "it and those before it have {num_places} places for joints, expected {MOST_PLACES} at most"
-            ));
+            )));
         }
         joints.part(tags::TABLES, i, t.first_joint, t.num_joints.into())?;
         let range = t.first_joint as usize..t.first_joint as usize + t.num_joints as usize;
         let (Some(list), Some(order)) = (w.joints.get(range.clone()), w.joints_by_b.get(range)) else {
-            return wrong(format!("its joints end after {}", w.joints.len()));
+            return Err(wrong(format!("its joints end after {}", w.joints.len())));
         };
         joints_of(t, list, patches)?;
         let key = |k: &u32| list.get(*k as usize).map(|j| (j.b, j.a, j.a_offset));
-        let sorted = order.windows(2).all(|p| key(&p[0]) < key(&p[1]));
-        if !sorted || !order.iter().all(|k| *k < t.num_joints) {
-            return wrong("its joints by side b do not ascend or do not exist".to_owned());
-        }
+        let sorted = order.windows(2).all(|p| key(&p[0]) < key(&p[1])) && order.iter().all(|k| *k < t.num_joints);
+        ensure(sorted, || wrong("its joints by side b do not ascend or do not exist".to_owned()))?;
     }
     joints.end(w.joints.len())?;
     joints.end(w.joints_by_b.len())
@@ -106,17 +98,14 @@ fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &PatchTables) 
     let links_a = patches.links_of(t.patch_a as usize);
     let tile = patches.patches[t.patch_a as usize].kind == KIND_TILE;
     for (i, j) in list.iter().enumerate() {
-        let wrong = |what: &str| Err(FormatError::value(tags::JOINTS, first + i, format!("{what}: {j:?}")));
+        let wrong = |what: &str| FormatError::value(tags::JOINTS, first + i, format!("{what}: {j:?}"));
         let a_exists = match tile {
             true => links_a.get(j.a as usize).is_some_and(|l| 0 < j.a_offset && j.a_offset < l.num_frames.into()),
             false => (j.a as usize) < cells_a.len() && j.a_offset == NONE,
         };
-        if !a_exists || j.b as usize >= cells_b.len() || j.reserved != 0 {
-            return wrong("no such cells, link or offset");
-        }
-        if i > 0 && list[i - 1] >= *j {
-            return wrong("it does not follow the joint before it");
-        }
+        let exists = a_exists && (j.b as usize) < cells_b.len() && j.reserved == 0;
+        ensure(exists, || wrong("no such cells, link or offset"))?;
+        ensure(i == 0 || list[i - 1] < *j, || wrong("it does not follow the joint before it"))?;
     }
     Ok(())
 }
@@ -125,14 +114,10 @@ fn joints_of(t: &JointTableRecord, list: &[JointRecord], patches: &PatchTables) 
 fn instances(w: &WorldTables, patches: &PatchTables) -> Result<(), FormatError> {
     let mut parts = [tags::NEIGHBOURS, tags::CELLS, tags::LINKS, tags::ADJACENCIES, tags::RESOURCES].map(Tiling::new);
     for (i, r) in w.instances.iter().enumerate() {
-        let wrong = |message: &str| Err(FormatError::value(tags::INSTANCES, i, format!("{message}: {r:?}")));
-        let Some(p) = patches.patches.get(r.patch as usize) else { return wrong("no such patch") };
-        if !r.placement.is_moderate(FAR) {
-            return wrong("it stands nowhere");
-        }
-        if r.num_resources == 0 {
-            return wrong("it has no units");
-        }
+        let wrong = |message: &str| FormatError::value(tags::INSTANCES, i, format!("{message}: {r:?}"));
+        let p = patches.patches.get(r.patch as usize).ok_or_else(|| wrong("no such patch"))?;
+        ensure(r.placement.is_moderate(FAR), || wrong("it stands nowhere"))?;
+        ensure(r.num_resources != 0, || wrong("it has no units"))?;
         let num_words = |bits: u32| u64::from(bits.div_ceil(64));
         let counts = [
             (r.first_neighbour, u64::from(p.num_edges)),
@@ -200,21 +185,17 @@ fn adjacencies(w: &WorldTables) -> Result<(), FormatError> {
             return Err(FormatError::value(tags::ADJACENCIES, first, message));
         }
         for (k, a) in w.adjacencies[of(r)].iter().enumerate() {
-            let wrong = |what: &str| Err(FormatError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}")));
-            let Some(other) = w.instances.get(a.other as usize) else { return wrong("no such instance") };
-            let Some(table) = w.tables.get(a.table as usize) else { return wrong("no such table") };
+            let wrong = |what: &str| FormatError::value(tags::ADJACENCIES, first + k, format!("{what}: {a:?}"));
+            let other = w.instances.get(a.other as usize).ok_or_else(|| wrong("no such instance"))?;
+            let table = w.tables.get(a.table as usize).ok_or_else(|| wrong("no such table"))?;
             let sides = if a.side == 0 { (r.patch, other.patch) } else { (other.patch, r.patch) };
-            if a.side > 1 || sides != (table.patch_a, table.patch_b) {
-                return wrong("its table is of other patches");
-            }
+            ensure(a.side <= 1 && sides == (table.patch_a, table.patch_b), || wrong("its table is of other patches"))?;
             let num_words = (2 * u64::from(table.num_joints)).div_ceil(64);
-            if u64::from(a.first_word) + num_words > w.joint_words.len() as u64 {
-                return wrong("its bits lie outside of their section");
-            }
+            let end = u64::from(a.first_word) + num_words;
+            ensure(end <= w.joint_words.len() as u64, || wrong("its bits lie outside of their section"))?;
             let back = AdjacencyRecord { other: i as u32, side: 1 - a.side, ..*a };
-            if sorted[of(other)].binary_search(&key(&back)).is_err() {
-                return wrong("the other instance does not have it");
-            }
+            let is_mutual = sorted[of(other)].binary_search(&key(&back)).is_ok();
+            ensure(is_mutual, || wrong("the other instance does not have it"))?;
         }
     }
     Ok(())

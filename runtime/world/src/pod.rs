@@ -3,6 +3,7 @@
 use bytemuck::Pod;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serializer};
+use throng_base::error::ensure;
 
 /// For `#[serde(with)]`.
 pub(crate) fn serialize<T: Pod, S: Serializer>(rows: &[T], to: S) -> Result<S::Ok, S::Error> {
@@ -12,9 +13,7 @@ pub(crate) fn serialize<T: Pod, S: Serializer>(rows: &[T], to: S) -> Result<S::O
 /// For `#[serde(with)]`.
 pub(crate) fn deserialize<'de, T: Pod, D: Deserializer<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     let bytes = <&[u8]>::deserialize(from)?;
-    if !bytes.len().is_multiple_of(size_of::<T>()) {
-        let expected = format!("rows of {} bytes", size_of::<T>());
-        return Err(D::Error::invalid_length(bytes.len(), &&*expected));
-    }
+    let expected = || format!("rows of {} bytes", size_of::<T>());
+    ensure(bytes.len().is_multiple_of(size_of::<T>()), || D::Error::invalid_length(bytes.len(), &&*expected()))?;
     Ok(bytemuck::pod_collect_to_vec(bytes))
 }

@@ -18,6 +18,7 @@ use super::{InstanceRecord, WorldTables, is_set};
 use glam::Vec3;
 use joints::JointIndex;
 use std::sync::{Arc, OnceLock};
+use throng_base::error::ensure;
 use throng_core::format::FormatError;
 use throng_core::patch::{CellRecord, KIND_TILE, LinkRecord, NONE, PatchTables, Placement};
 
@@ -66,19 +67,16 @@ impl WorldGraph {
     ) -> Result<Self, FormatError> {
         let mut graph = Self::without_costs(patches, world)?;
         (graph.to_rest, graph.narrow, graph.bounds) = (baked.to_rest, baked.narrow, baked.bounds);
-        if !graph.is_sound() || !baked.hierarchy.is_sound(&graph) {
-            let message = "its path costs (section WPTH) are not those of its instances, or cannot be";
-            return Err(FormatError::layout(message));
-        }
+        let message = "its path costs (section WPTH) are not those of its instances, or cannot be";
+        ensure(graph.is_sound() && baked.hierarchy.is_sound(&graph), || FormatError::layout(message))?;
         let _ = graph.hierarchy.set(baked.hierarchy);
         Ok(graph)
     }
 
     /// Counts nodes, and looks joints up.
     fn without_costs(patches: &PatchTables, world: &WorldTables) -> Result<Self, FormatError> {
-        if world.instances.is_empty() {
-            return Err(FormatError::layout("the world has no instance: no character can be there"));
-        }
+        let message = "the world has no instance: no character can be there";
+        ensure(!world.instances.is_empty(), || FormatError::layout(message))?;
         let mut first_node = Vec::with_capacity(world.instances.len() + 1);
         let mut next = 0u32;
         for r in &world.instances {

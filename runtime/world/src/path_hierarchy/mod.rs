@@ -86,7 +86,7 @@ pub(crate) struct Exit {
 }
 
 /// Costs of a world's parts, see the module.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct PathHierarchy {
     planes: Vec<Option<TilePlane>>,
     /// Floors: tiles that fill a plane together.
@@ -127,15 +127,10 @@ impl PathHierarchy {
             planes,
             floors,
             clusters,
-            cluster_costs: Vec::new(),
-            costs_of: Vec::new(),
             first: vec![[0, 0]],
-            entrances: Vec::new(),
-            exits: Vec::new(),
             region_exits: vec![Vec::new(); num_regions],
             region_portals: vec![Vec::new(); num_regions],
-            region_costs: RegionCosts::default(),
-            landmarks: Landmarks::default(),
+            ..Self::default()
         };
         out.add_clusters(graph);
         for exits in &mut out.region_exits {
