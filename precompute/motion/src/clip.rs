@@ -33,12 +33,7 @@ pub enum ExclusionReason {
 
 impl std::fmt::Display for ExclusionReason {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::TPose => "T-pose",
-            Self::Still => "still",
-            Self::Sidecar => "sidecar",
-            Self::Glitch => "glitch",
-        })
+        f.write_str(["T-pose", "still", "sidecar", "glitch"][*self as usize])
     }
 }
 
@@ -93,7 +88,7 @@ impl HitKind {
 }
 
 /// A clip on the database skeleton: metres, Y up, right-handed.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Clip {
     /// Unique in its set: the file as seen from the folder that was given, without extension, with folders in front where
     /// needed; a mirrored copy ends in `~mirror`.
@@ -134,20 +129,7 @@ impl Clip {
     /// - `rate_hz`: frames a second (Hz, > 0).
     /// - `root_positions`, `rotations`: as in the fields.
     pub fn new(name: impl Into<String>, rate_hz: f64, root_positions: Vec<Vec3>, rotations: Vec<Quat>) -> Self {
-        Self {
-            name: name.into(),
-            source: String::new(),
-            mirrored: false,
-            rate_hz,
-            root_positions,
-            rotations,
-            contacts: Vec::new(),
-            excluded: Vec::new(),
-            tags: Vec::new(),
-            hits: Vec::new(),
-            classes: Vec::new(),
-            support: Vec::new(),
-        }
+        Self { name: name.into(), rate_hz, root_positions, rotations, ..Self::default() }
     }
 
     /// Number of frames.
@@ -243,6 +225,13 @@ pub fn joint_transforms(
         out[j.index()] = (p + r * skeleton.offsets[j.index()], maths::compose(r, local(j.index())));
     }
     out
+}
+
+/// The middle one of values in order, the upper one of two; `None` for no values.
+pub(crate) fn median(values: impl IntoIterator<Item = f32>) -> Option<f32> {
+    let mut all: Vec<f32> = values.into_iter().collect();
+    all.sort_by(f32::total_cmp);
+    all.get(all.len() / 2).copied()
 }
 
 /// The longest runs of frames within `range` for which `holds` is true, in order.

@@ -2,6 +2,7 @@
 
 use crate::progress::StopRequested;
 use std::path::{Path, PathBuf};
+pub use throng_base::error::ensure;
 use throng_base::text::TomlSource;
 
 /// A file that could not be read as motion.

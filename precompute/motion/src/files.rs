@@ -4,7 +4,7 @@
 //! locked: the system takes the lock from a process that ends, however it ends. So the next one that writes in that
 //! folder knows what killed processes left there, whatever clocks and process numbers say, and removes it.
 
-use crate::error::{BuildError, Result};
+use crate::error::{BuildError, Result, ensure};
 use std::fs::{File, TryLockError};
 use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -192,10 +192,8 @@ pub fn check_targets<'a>(
     for path in out {
         check_target(path)?;
         let file = real(path).map_err(|source| BuildError::Io { path: path.clone(), source })?;
-        if taken.contains(&file) {
-            let why = "it is to be written, and is read or written by the same command. Write elsewhere";
-            return Err(BuildError::Config { message: format!("{}: {why}", path.display()) });
-        }
+        let why = "it is to be written, and is read or written by the same command. Write elsewhere";
+        ensure(!taken.contains(&file), || BuildError::Config { message: format!("{}: {why}", path.display()) })?;
         taken.push(file);
     }
     Ok(())
@@ -212,11 +210,9 @@ pub fn check_replaced(path: &Path, magic: &[u8], what: &str) -> Result<()> {
     check_target(path)?;
     let mut found = Vec::new();
     let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut found));
-    if read.is_err() || found.is_empty() || found == magic {
-        return Ok(());
-    }
     let why = format!("it is there and is not {what}. Remove it, or write elsewhere");
-    Err(BuildError::Config { message: format!("{}: {why}", path.display()) })
+    let is_kind = read.is_err() || found.is_empty() || found == magic;
+    ensure(is_kind, || BuildError::Config { message: format!("{}: {why}", path.display()) })
 }
 
 /// The folder a file lies in.

@@ -13,6 +13,7 @@ pub mod progress;
 pub mod raw;
 pub mod resample;
 pub mod retarget;
+pub mod side;
 mod smpl;
 pub mod stance;
 pub mod wearer;

@@ -1,5 +1,6 @@
 //! Plain-old-data records in the cache: their bytes.
 
+use crate::error::ensure;
 use bytemuck::Pod;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
@@ -11,9 +12,7 @@ pub fn serialize<T: Pod, S: Serializer>(records: &[T], out: S) -> Result<S::Ok, 
 /// Reads records back.
 pub fn deserialize<'de, T: Pod, D: Deserializer<'de>>(from: D) -> Result<Vec<T>, D::Error> {
     let bytes = Vec::<u8>::deserialize(from)?;
-    if bytes.len() % size_of::<T>() != 0 {
-        return Err(D::Error::custom("bytes do not make whole records"));
-    }
+    ensure(bytes.len() % size_of::<T>() == 0, || D::Error::custom("bytes do not make whole records"))?;
     Ok(bytes.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned).collect())
 }
 

@@ -29,6 +29,13 @@ impl RawJoint {
     }
 }
 
+/// The children of every joint or node, given its parent.
+pub(crate) fn children_of(parents: impl ExactSizeIterator<Item = Option<usize>>) -> Vec<Vec<usize>> {
+    let mut out = vec![Vec::new(); parents.len()];
+    parents.enumerate().for_each(|(child, parent)| parent.into_iter().for_each(|p: usize| out[p].push(child)));
+    out
+}
+
 /// The formats read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SourceFormat {

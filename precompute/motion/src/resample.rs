@@ -1,7 +1,7 @@
 //! Clips at one rate, and their mirrored copies.
 
 use crate::clip::{Clip, ClipHit, ClipSet, ClipTag, Exclusion, FrameRange};
-use crate::error::{BuildError, Result, check_ranges};
+use crate::error::{BuildError, Result, check_ranges, ensure};
 use crate::mirror::mirror_clip;
 use glam::Quat;
 use rayon::prelude::*;
@@ -52,15 +52,12 @@ pub fn check_length(seconds: impl Iterator<Item = f64>, cfg: &ResampleConfig) ->
         total += s;
         frames += copies * (s * cfg.rate_hz + 1.0);
     }
-    if frames <= MAX_FRAMES {
-        return Ok(());
-    }
     let why = format!(
         "{total:.0} s of motion at {} Hz would be {frames:.0} frames, expected {MAX_FRAMES} at most. Take fewer clips, a \
          lower rate, or set `import.rate_hz` where files name a wrong one",
         cfg.rate_hz
     );
-    Err(BuildError::key("resample.rate_hz", why))
+    ensure(frames <= MAX_FRAMES, || BuildError::key("resample.rate_hz", why))
 }
 
 /// Brings all clips to one rate and adds mirrored copies, each after its original.

@@ -145,23 +145,17 @@ struct JointHeights {
 }
 
 fn tracks(clip: &Clip, skeleton: &Skeleton) -> Vec<JointHeights> {
-    let n = clip.num_frames();
-    let mut positions = vec![Vec::with_capacity(n); FOOT_PARTS.len()];
-    for f in 0..n {
-        let p = clip.joint_positions(skeleton, f);
-        for (track, (j, _)) in positions.iter_mut().zip(FOOT_PARTS) {
-            track.push(p[j.index()]);
-        }
-    }
-    let track = |p: &Vec<Vec3>| {
+    let body: Vec<_> = (0..clip.num_frames()).map(|f| clip.joint_positions(skeleton, f)).collect();
+    let track = |(joint, _): (Joint, Contacts)| {
+        let p: Vec<Vec3> = body.iter().map(|p| p[joint.index()]).collect();
         let upright: Vec<Vec3> = p.iter().map(|p| Vec3::Y * p.y).collect();
         JointHeights {
             heights: p.iter().map(|p| p.y).collect(),
-            speeds: speeds(p, clip.rate_hz),
+            speeds: speeds(&p, clip.rate_hz),
             vertical_speeds: speeds(&upright, clip.rate_hz),
         }
     };
-    positions.iter().map(track).collect()
+    FOOT_PARTS.map(track).into()
 }
 
 /// Speed at each frame by central differences, one-sided at the ends (m/s).

@@ -3,6 +3,7 @@
 use super::contacts::speeds;
 use crate::clip::{Clip, Exclusion, ExclusionReason};
 use crate::error::{Result, check_ranges};
+use crate::side::ARMS;
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -162,9 +163,7 @@ fn angle_from_side(pose: &[Vec3; NUM_JOINTS], side: usize) -> f32 {
 
 /// Shoulder, elbow and hand of both arms.
 fn arms(pose: &[Vec3; NUM_JOINTS]) -> [(Vec3, Vec3, Vec3); 2] {
-    use Joint::*;
-    [[LeftUpperArm, LeftForearm, LeftHand], [RightUpperArm, RightForearm, RightHand]]
-        .map(|[a, b, c]| (pose[a.index()], pose[b.index()], pose[c.index()]))
+    ARMS.map(|[a, b, c]| (pose[a.index()], pose[b.index()], pose[c.index()]))
 }
 
 /// Degree to which a pose is a T-pose.

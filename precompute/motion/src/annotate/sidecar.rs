@@ -26,7 +26,7 @@ mod tests;
 use super::classes::NamedClass;
 use super::hits::HitMark;
 use crate::clip::{Clip, ClipTag, Exclusion, ExclusionReason, FrameRange};
-use crate::error::{BuildError, Result};
+use crate::error::{BuildError, Result, ensure};
 use crate::import::{ImportedClip, ImportedSet, archive, clip_in_file};
 use crate::mirror;
 pub use hit::SidecarHit;
@@ -181,7 +181,7 @@ impl Sidecar {
     /// # Errors
     /// [`BuildError::Key`] for the first of them.
     pub fn check(&self) -> Result<()> {
-        let fault = |list: &str, i: usize, what: String| Err(BuildError::key(format!("{list}[{i}]"), what));
+        let fault = |list: &str, i: usize, what: &str| BuildError::key(format!("{list}[{i}]"), what);
         let sound = |start: f64, end: f64| start >= 0.0 && start.is_finite() && end > start;
         let lists = [("exclude", self.exclude.len()), ("tags", self.tags.len()), ("hits", self.hits.len())];
         if let Some((list, num)) = lists.into_iter().find(|(_, num)| *num > MOST_ENTRIES) {
@@ -189,26 +189,18 @@ impl Sidecar {
             return Err(BuildError::key(list, why));
         }
         for (i, [start, end]) in self.exclude.iter().enumerate() {
-            if !sound(*start, *end) {
-                let what = format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them.");
-                return fault("exclude", i, what);
-            }
+            let what = || format!("expected 0 <= start < end, found [{start}, {end}]. Exchange or correct them.");
+            ensure(sound(*start, *end), || fault("exclude", i, &what()))?;
         }
         for (i, SidecarTag { name, start, end }) in self.tags.iter().enumerate() {
-            if name.trim().is_empty() {
-                return fault("tags", i, "expected a name, found an empty one. Name the range.".into());
-            }
-            if !sound(*start, *end) {
-                return fault("tags", i, wrong_range(name, *start, *end));
-            }
+            let what = "expected a name, found an empty one. Name the range.";
+            ensure(!name.trim().is_empty(), || fault("tags", i, what))?;
+            ensure(sound(*start, *end), || fault("tags", i, &wrong_range(name, *start, *end)))?;
         }
         for (i, h) in self.hits.iter().enumerate() {
-            if h.name.trim().is_empty() {
-                return fault("hits", i, "expected a name, found an empty one. Name the kind of blow.".into());
-            }
-            if let Err(what) = h.times().map(|_| ()).and(h.joint().map(|_| ())) {
-                return fault("hits", i, what);
-            }
+            let what = "expected a name, found an empty one. Name the kind of blow.";
+            ensure(!h.name.trim().is_empty(), || fault("hits", i, what))?;
+            h.times().and(h.joint()).map_err(|what| fault("hits", i, &what))?;
         }
         Ok(())
     }
@@ -313,14 +305,14 @@ impl Sidecars {
         let frames = |start: f64, end: f64, key: &str| -> Result<FrameRange> {
             let at = |t: f64| ((t * per_unit - 1e-6).ceil().max(0.0)).min(n as f64) as usize;
             let range = at(start)..at(end);
-            if range.start >= n {
-                let why = format!(
+            let why = || {
+                format!(
                     "starts at {start}, after the end of clip `{}` ({:.2} in the same unit). Correct the start or remove the range.",
                     original_name(clip),
                     n as f64 / per_unit
-                );
-                return Err(place(key).fault(why));
-            }
+                )
+            };
+            ensure(range.start < n, || place(key).fault(why()))?;
             Ok(range)
         };
         let (automatic_hits, class) = (entry.sidecar.automatic_hits, entry.sidecar.class.clone().unwrap_or_default());
@@ -357,12 +349,9 @@ fn wrong_range(name: &str, start: f64, end: f64) -> String {
 /// Refuses a sidecar beside a file of several clips.
 fn refuse_beside(file: &Path, clip: &str) -> Result<()> {
     let sidecar = file.with_extension("toml");
-    if !archive::is_file(&sidecar) {
-        return Ok(());
-    }
-    let (sidecar, file) = (sidecar.display(), file.display());
-    let message = format!("{sidecar}: {file} holds several clips. Write this into a config, under [clips.\"{clip}\"].");
-    Err(BuildError::Config { message })
+    let (shown, file) = (sidecar.display(), file.display());
+    let message = format!("{shown}: {file} holds several clips. Write this into a config, under [clips.\"{clip}\"].");
+    ensure(!archive::is_file(&sidecar), || BuildError::Config { message })
 }
 
 /// Name of a clip, or of the one that it is a mirrored copy of.

@@ -3,7 +3,7 @@
 //! A joint whose translation varies gets position channels too. Ends of chains become End Sites.
 
 use super::take::Take;
-use crate::raw::{RawClip, RawJoint};
+use crate::raw::{RawClip, RawJoint, children_of};
 use glam::{DQuat, EulerRot, Quat, Vec3};
 use std::io::{self, Write};
 
@@ -69,13 +69,8 @@ struct BvhWriter<'a, W: Write + ?Sized> {
 
 impl<'a, W: Write + ?Sized> BvhWriter<'a, W> {
     fn new(joints: &'a [RawJoint], mut moves: Vec<bool>, out: &'a mut W) -> Self {
-        let mut children = vec![Vec::new(); joints.len()];
-        for (j, joint) in joints.iter().enumerate() {
-            match joint.parent {
-                Some(p) => children[p].push(j),
-                None => moves[j] = true,
-            }
-        }
+        let children = children_of(joints.iter().map(|j| j.parent));
+        joints.iter().zip(&mut moves).for_each(|(joint, moves)| *moves |= joint.parent.is_none());
         Self { joints, children, moves, order: Vec::with_capacity(joints.len()), out }
     }
 

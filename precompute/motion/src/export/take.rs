@@ -10,17 +10,6 @@ use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 
 /// Distance below which two rest positions of a joint are the same: eight of them in a chain stay below 0.1 mm (m).
 const SAME_PLACE_M: f32 = 5e-6;
-/// Tracks of a take: rotations of all joints, their translations, and whether the character is present.
-const WIDTHS: [usize; 2 * NUM_JOINTS + 1] = {
-    let mut widths = [3; 2 * NUM_JOINTS + 1];
-    let mut j = 0;
-    while j < NUM_JOINTS {
-        widths[j] = 4;
-        j += 1;
-    }
-    widths[2 * NUM_JOINTS] = 1;
-    widths
-};
 const NUMBERS: usize = 7 * NUM_JOINTS + 1;
 /// The track of the character's presence.
 pub const PRESENCE_TRACK: usize = 2 * NUM_JOINTS;
@@ -51,18 +40,12 @@ impl ActorPose {
         let (mut translations, mut rotations) = ([Vec3::ZERO; NUM_JOINTS], turned);
         for j in Joint::ALL {
             let i = j.index();
-            (translations[i], rotations[i]) = match j.parent().map(Joint::index) {
-                None => (
-                    root.rotation() * model[i].translation() + root.translation(),
-                    maths::compose(root.rotation(), turned[i]).normalize(),
-                ),
-                Some(p) => {
-                    let back = turned[p].inverse();
-                    (
-                        back * (model[i].translation() - model[p].translation()),
-                        maths::compose(back, turned[i]).normalize(),
-                    )
-                }
+            let parent = j.parent().map(Joint::index);
+            let to_parent = parent.map_or(root.rotation(), |p| turned[p].inverse());
+            rotations[i] = maths::compose(to_parent, turned[i]).normalize();
+            translations[i] = match parent {
+                None => to_parent * model[i].translation() + root.translation(),
+                Some(p) => to_parent * (model[i].translation() - model[p].translation()),
             };
         }
         Self { translations, rotations }
@@ -174,7 +157,9 @@ impl TakeWriter {
         is_library: bool,
     ) -> io::Result<Self> {
         let together = if is_library { 1 } else { actors.len() };
-        let scratch = TrackScratch::new(folder, actors.len(), &WIDTHS, together)?;
+        // Rotations, translations and the presence.
+        let widths: Vec<usize> = [vec![4; NUM_JOINTS], vec![3; NUM_JOINTS], vec![1]].concat();
+        let scratch = TrackScratch::new(folder, actors.len(), &widths, together)?;
         let actor = |(number, name, skeleton)| {
             let mut moves = [false; NUM_JOINTS];
             moves[0] = true;

@@ -143,22 +143,15 @@ fn write_animation(take: &Take, a: usize, name: &str, depth: usize, out: &mut dy
     writeln!(out, "{tab}def SkelAnimation \"{name}\" (\n{tab}    displayName = {}", quoted(&take.actors()[a].name))?;
     writeln!(out, "{tab})\n{tab}{{\n{tab}    uniform token[] joints = {}", joint_paths())?;
     writeln!(out, "{tab}    quatf[] rotations.timeSamples = {{")?;
-    let mut text = String::new();
     take.poses(a, |frame, pose, _| {
-        text.clear();
-        for r in &pose.rotations {
-            _ = write!(text, "({}, {}, {}, {}), ", r.w, r.x, r.y, r.z);
-        }
-        writeln!(out, "{tab}        {frame}: [{}],", text.trim_end_matches([',', ' ']))
+        let turns = list(pose.rotations.iter().map(|r| format!("({}, {}, {}, {})", r.w, r.x, r.y, r.z)));
+        writeln!(out, "{tab}        {frame}: {turns},")
     })?;
     writeln!(out, "{tab}    }}\n{tab}    half3[] scales = {}", list((0..NUM_JOINTS).map(|_| "(1, 1, 1)")))?;
     writeln!(out, "{tab}    float3[] translations.timeSamples = {{")?;
     take.poses(a, |frame, pose, _| {
-        text.clear();
-        for t in &pose.translations {
-            _ = write!(text, "({}, {}, {}), ", t.x, t.y, t.z);
-        }
-        writeln!(out, "{tab}        {frame}: [{}],", text.trim_end_matches([',', ' ']))
+        let places = list(pose.translations.iter().map(|t| format!("({}, {}, {})", t.x, t.y, t.z)));
+        writeln!(out, "{tab}        {frame}: {places},")
     })?;
     writeln!(out, "{tab}    }}\n{tab}}}\n")
 }

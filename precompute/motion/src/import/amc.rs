@@ -4,7 +4,7 @@ use super::archive;
 use super::asf::{Asf, AsfJoint, Dof};
 use super::scan::{Scanner, TextPosition, parse_count, text};
 use super::source::{FrameSink, SourceClip, content_error};
-use crate::error::{ImportError, Warnings};
+use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::SourceFormat;
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
@@ -14,12 +14,6 @@ use throng_base::text::did_you_mean;
 const HELP: &str = "The file is cut short or damaged: compare it with an intact copy.";
 /// Rate of files that name none: the CMU database was captured at 120 Hz and its files do not say so.
 const DEFAULT_RATE_HZ: f64 = 120.0;
-
-/// Keywords before the first frame.
-struct AmcHeader {
-    rate_hz: Option<f64>,
-    degrees: bool,
-}
 
 /// A frame while its lines are read.
 struct AmcFrame {
@@ -39,16 +33,16 @@ struct AmcFrame {
 /// [`ImportError::Syntax`] with line and column; frames must be complete and numbered without gaps.
 pub fn parse(bytes: &[u8], path: &Path, asf: &Asf) -> Result<SourceClip, ImportError> {
     let mut scan = Scanner::new(bytes, path)?;
-    let header = read_header(&mut scan, asf)?;
-    let frames = read_frames(&mut scan, asf, header.degrees)?;
-    let rate_finding = match header.rate_hz {
+    let (named_rate, degrees) = read_header(&mut scan, asf)?;
+    let frames = read_frames(&mut scan, asf, degrees)?;
+    let rate_finding = match named_rate {
         Some(rate) => format!("{rate} frames a second: the file says so (`:SAMPLES-PER-SECOND`)."),
         None => format!(
             "{DEFAULT_RATE_HZ} frames a second: the file names no rate, and files that name none come from the CMU \
              database, captured at that rate (`rate_hz` in the config overrides it)."
         ),
     };
-    let rate_hz = header.rate_hz.unwrap_or(DEFAULT_RATE_HZ);
+    let rate_hz = named_rate.unwrap_or(DEFAULT_RATE_HZ);
     Ok(SourceClip {
         clip: frames.into_clip(path, SourceFormat::AsfAmc, rate_hz),
         declared_metres_per_unit: Some(asf.metres_per_unit),
@@ -57,9 +51,9 @@ pub fn parse(bytes: &[u8], path: &Path, asf: &Asf) -> Result<SourceClip, ImportE
     })
 }
 
-/// Reads comments and keywords up to the first frame number.
-fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<AmcHeader, ImportError> {
-    let mut header = AmcHeader { rate_hz: None, degrees: asf.degrees };
+/// Reads comments and keywords up to the first frame number: the rate, if they name one (Hz), and whether angles are degrees.
+fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<(Option<f64>, bool), ImportError> {
+    let (mut rate_hz, mut degrees) = (None, asf.degrees);
     while scan.skip_space() {
         let mark = scan.position();
         let word = scan.word().unwrap_or_default();
@@ -67,24 +61,24 @@ fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<AmcHeader, ImportError> 
         if is(":SAMPLES-PER-SECOND") {
             let mark = scan.next_position();
             let rate = scan.number("the frames a second", HELP)?;
-            if !(0.1..=100_000.0).contains(&rate) {
-                return Err(scan.error(mark, "a rate between 0.1 and 100000 Hz", HELP));
-            }
-            header.rate_hz = Some(rate);
+            ensure((0.1..=100_000.0).contains(&rate), || scan.error(mark, "a rate between 0.1 and 100000 Hz", HELP))?;
+            rate_hz = Some(rate);
         } else if is(":DEGREES") || is(":RADIANS") {
-            header.degrees = is(":DEGREES");
+            degrees = is(":DEGREES");
         } else if !word.starts_with(b":") && !word.starts_with(b"#") {
             scan.rewind(mark);
             break;
         }
         scan.next_line();
     }
-    Ok(header)
+    Ok((rate_hz, degrees))
 }
 
 fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink, ImportError> {
-    let mut sink =
-        FrameSink::new(asf.joints.clone(), FrameSink::budget_of_text(archive::counted_bytes(scan.path(), scan.len())));
+    let mut sink = FrameSink::new(
+        asf.joints.clone(),
+        FrameSink::budget_of_text(archive::counted_bytes(scan.path, scan.bytes.len())),
+    );
     let by_name: HashMap<&[u8], usize> =
         asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
     let scale = if degrees { 1f64.to_radians() } else { 1.0 };
@@ -111,13 +105,10 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
             block = Some(AmcFrame { number, mark, given, count: 0, index });
             continue;
         }
-        let Some(b) = &mut block else {
-            return Err(scan.error(mark, "the number of the first frame", HELP));
-        };
+        let b = block.as_mut().ok_or_else(|| scan.error(mark, "the number of the first frame", HELP))?;
         let guess = order.get(b.count).copied().filter(|&j| asf.joints[j].name.as_bytes() == word);
-        let Some(joint) = guess.or_else(|| by_name.get(word).copied()) else {
-            return Err(unknown_joint(scan, mark, word, asf));
-        };
+        let joint = guess.or_else(|| by_name.get(word).copied());
+        let joint = joint.ok_or_else(|| unknown_joint(scan, mark, word, asf))?;
         if b.index == 1 {
             order.push(joint);
         }
@@ -138,9 +129,7 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
 /// Reads the number of a frame, which follows that of the previous one.
 fn frame_number(scan: &Scanner, mark: TextPosition, previous: Option<&AmcFrame>) -> Result<u64, ImportError> {
     let mut here = scan.cursor_at(mark);
-    let Some(number) = here.word().and_then(parse_count) else {
-        return Err(scan.error(mark, "a frame number", HELP));
-    };
+    let number = here.word().and_then(parse_count).ok_or_else(|| scan.error(mark, "a frame number", HELP))?;
     if let Some(p) = previous.filter(|p| p.number.checked_add(1) != Some(number)) {
         let help = "Frames are missing or out of order: restore them, or number them without gaps.";
         return Err(scan.error(mark, &format!("frame {}", p.number.saturating_add(1)), help));
@@ -150,10 +139,8 @@ fn frame_number(scan: &Scanner, mark: TextPosition, previous: Option<&AmcFrame>)
 
 impl AmcFrame {
     fn take_joint(&mut self, scan: &Scanner, mark: TextPosition, joint: usize) -> Result<(), ImportError> {
-        if self.given[joint] == self.index {
-            let expected = format!("each joint once in frame {}", self.number);
-            return Err(scan.error(mark, &expected, HELP));
-        }
+        let expected = || format!("each joint once in frame {}", self.number);
+        ensure(self.given[joint] != self.index, || scan.error(mark, &expected(), HELP))?;
         self.given[joint] = self.index;
         self.count += 1;
         Ok(())
@@ -168,7 +155,7 @@ impl AmcFrame {
         }
         if !sink.end_frame() {
             let message = "its skeleton has too many joints that never move";
-            return Err(content_error(scan.path(), message, "Check that the ASF file belongs to this AMC file"));
+            return Err(content_error(scan.path, message, "Check that the ASF file belongs to this AMC file"));
         }
         Ok(())
     }
@@ -179,17 +166,13 @@ fn read_joint(scan: &mut Scanner, detail: &AsfJoint, scale: f64) -> Result<(DVec
     let (mut t, mut r) = (DVec3::ZERO, DQuat::IDENTITY);
     for dof in &detail.dofs {
         let mark = scan.position();
-        let Ok(value) = scan.number("", "") else {
-            return Err(wrong_count(scan, mark, detail));
-        };
+        let value = scan.number("", "").map_err(|_| wrong_count(scan, mark, detail))?;
         match dof {
             Dof::Translate(axis) => t[*axis as usize] = value,
             Dof::Rotate(axis) => r = axis.rotation(value * scale) * r,
         }
     }
-    if !scan.at_line_end() {
-        return Err(wrong_count(scan, scan.position(), detail));
-    }
+    ensure(scan.at_line_end(), || wrong_count(scan, scan.position(), detail))?;
     Ok((t, r))
 }
 

@@ -3,7 +3,7 @@
 
 use super::files::has_extension;
 use super::source::content_error;
-use crate::ImportError;
+use crate::error::{ImportError, ensure};
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
@@ -241,10 +241,8 @@ fn check_archive(archive: &Path, file: SharedArchive) -> Result<ZipArchive<Share
         let help = "Unpack it, or write it anew as an ordinary .zip archive";
         content_error(archive, format!("it is no archive that can be read: {e}"), help)
     })?;
-    if zip.len() > MAX_MEMBERS {
-        let message = format!("it has {} files, expected {MAX_MEMBERS} at most", zip.len());
-        return Err(content_error(archive, message, "Unpack it, or split it"));
-    }
+    let message = || format!("it has {} files, expected {MAX_MEMBERS} at most", zip.len());
+    ensure(zip.len() <= MAX_MEMBERS, || content_error(archive, message(), "Unpack it, or split it"))?;
     // A short archive could name one long file thousands of times.
     let mut ranges: Vec<[u64; 2]> = Vec::with_capacity(zip.len());
     for i in 0..zip.len() {

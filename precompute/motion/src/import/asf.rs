@@ -6,7 +6,7 @@
 
 use super::scan::{Scanner, TextPosition, text};
 use super::source::{CoordinateAxis, MAX_JOINTS, MAX_NAME};
-use crate::ImportError;
+use crate::error::{ImportError, ensure};
 use crate::raw::RawJoint;
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
@@ -148,9 +148,7 @@ impl<'a> AsfReader<'a> {
             if word.eq_ignore_ascii_case(b"length") {
                 let mark = self.scan.next_position();
                 self.length = self.scan.number("the length of a unit", HELP)?;
-                if self.length <= 1e-9 {
-                    return Err(self.scan.error(mark, "a length above 0", HELP));
-                }
+                ensure(self.length > 1e-9, || self.scan.error(mark, "a length above 0", HELP))?;
             } else if word.eq_ignore_ascii_case(b"angle") {
                 let mark = self.scan.next_position();
                 self.degrees = match self.scan.word().unwrap_or_default().to_ascii_lowercase().as_slice() {
@@ -178,9 +176,8 @@ impl<'a> AsfReader<'a> {
             }
             self.scan.next_line();
         }
-        if self.segments[0].joint.dofs.is_empty() {
-            return Err(self.scan.error(self.scan.position(), "`order` in section `:root`", HELP));
-        }
+        let missing = || self.scan.error(self.scan.position(), "`order` in section `:root`", HELP);
+        ensure(!self.segments[0].joint.dofs.is_empty(), missing)?;
         self.segments[0].joint.axis = self.axis_rotation(orientation, axis);
         Ok(position)
     }
@@ -189,10 +186,9 @@ impl<'a> AsfReader<'a> {
         while self.next_entry() {
             self.scan.expect("begin", HELP)?;
             self.read_segment()?;
-            if self.segments.len() > MAX_JOINTS {
-                let expected = format!("at most {MAX_JOINTS} segments");
-                return Err(self.scan.error_found(self.scan.position(), &expected, "one more", HELP));
-            }
+            let expected = format!("at most {MAX_JOINTS} segments");
+            let too_many = || self.scan.error_found(self.scan.position(), &expected, "one more", HELP);
+            ensure(self.segments.len() <= MAX_JOINTS, too_many)?;
         }
         Ok(())
     }
@@ -202,9 +198,7 @@ impl<'a> AsfReader<'a> {
         let (mut direction, mut length) = (None, None);
         let mut joint = AsfJoint::default();
         let end = loop {
-            if !self.next_entry() {
-                return Err(self.scan.error(self.scan.position(), "`end` of the segment", HELP));
-            }
+            ensure(self.next_entry(), || self.scan.error(self.scan.position(), "`end` of the segment", HELP))?;
             let entry = self.scan.position();
             let word = self.scan.word().unwrap_or_default().to_ascii_lowercase();
             let mark = self.scan.next_position();
@@ -226,16 +220,13 @@ impl<'a> AsfReader<'a> {
         };
         let missing = |what: &str| self.scan.error_found(end, what, "the segment's end without it", HELP);
         let (name, name_mark) = name.ok_or_else(|| missing("`name`"))?;
-        if name.len() > MAX_NAME {
-            let expected = format!("a name of at most {MAX_NAME} bytes");
-            return Err(self.scan.error(name_mark, &expected, "Give the segment a shorter name."));
-        }
+        let expected = || format!("a name of at most {MAX_NAME} bytes");
+        ensure(name.len() <= MAX_NAME, || self.scan.error(name_mark, &expected(), "Give the segment a shorter name."))?;
         let direction = direction.ok_or_else(|| missing("`direction`"))?;
         let length = length.ok_or_else(|| missing("`length`"))?;
         let vector = direction.normalize_or_zero() * length;
-        if self.by_name.insert(name, self.segments.len()).is_some() {
-            return Err(self.scan.error(name_mark, "a name that no other segment has", HELP));
-        }
+        let is_new = self.by_name.insert(name, self.segments.len()).is_none();
+        ensure(is_new, || self.scan.error(name_mark, "a name that no other segment has", HELP))?;
         self.segments.push(AsfSegment::new(text(name), name_mark, vector, joint));
         Ok(())
     }
@@ -294,9 +285,8 @@ impl<'a> AsfReader<'a> {
                 while !self.scan.at_line_end() {
                     let mark = self.scan.position();
                     let child = self.read_reference()?;
-                    if child == 0 || self.segments[child].parent.is_some() {
-                        return Err(self.scan.error(mark, "a segment that has no parent yet", HELP));
-                    }
+                    let is_free = child > 0 && self.segments[child].parent.is_none();
+                    ensure(is_free, || self.scan.error(mark, "a segment that has no parent yet", HELP))?;
                     self.segments[child].parent = Some(parent);
                     self.segments[parent].children.push(child);
                 }
@@ -315,7 +305,7 @@ impl<'a> AsfReader<'a> {
     /// Joints in chain order from the root, with the ends of chains.
     fn assemble(self, position: DVec3) -> Result<Asf, ImportError> {
         let mut asf = Asf {
-            path: self.scan.path().to_owned(),
+            path: self.scan.path.to_owned(),
             joints: Vec::new(),
             metres_per_unit: INCH / self.length,
             degrees: self.degrees,
@@ -333,14 +323,9 @@ impl<'a> AsfReader<'a> {
             }
             stack.extend(segment.children.iter().rev().map(|&c| (c, Some(index))));
         }
-        match placed.iter().position(|p| !p) {
-            Some(s) => {
-                let found = format!("`{}` without a way to the root", self.segments[s].name);
-                let expected = "every segment in `:hierarchy`";
-                Err(self.scan.error_found(self.segments[s].mark, expected, &found, HELP))
-            }
-            None => Ok(asf),
-        }
+        let Some(lost) = placed.iter().position(|p| !p).map(|s| &self.segments[s]) else { return Ok(asf) };
+        let found = format!("`{}` without a way to the root", lost.name);
+        Err(self.scan.error_found(lost.mark, "every segment in `:hierarchy`", &found, HELP))
     }
 }
 

@@ -6,7 +6,7 @@
 use super::archive;
 use super::scan::{Scanner, text};
 use super::source::{CoordinateAxis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
-use crate::ImportError;
+use crate::error::{ImportError, ensure};
 use crate::raw::{RawJoint, SourceFormat};
 use glam::Vec3;
 use std::path::Path;
@@ -78,22 +78,17 @@ fn read_hierarchy(scan: &mut Scanner) -> Result<Hierarchy, ImportError> {
                 return Err(scan.error(mark, "`OFFSET`, `CHANNELS`, `JOINT`, `End Site` or `}`", HELP_HIERARCHY));
             }
         }
-        if h.joints.len() > MAX_JOINTS {
-            let expected = format!("at most {MAX_JOINTS} joints");
-            return Err(scan.error_found(mark, &expected, "one more", HELP_HIERARCHY));
-        }
+        let expected = || format!("at most {MAX_JOINTS} joints");
+        ensure(h.joints.len() <= MAX_JOINTS, || scan.error_found(mark, &expected(), "one more", HELP_HIERARCHY))?;
     }
 }
 
 fn open_joint(scan: &mut Scanner, h: &mut Hierarchy) -> Result<(), ImportError> {
     let mark = scan.next_position();
     let name = scan.name();
-    if name.is_empty() {
-        return Err(scan.error(mark, "the name of a joint", HELP_HIERARCHY));
-    }
-    if name.len() > MAX_NAME {
-        return Err(scan.error(mark, &format!("a name of at most {MAX_NAME} bytes"), "Give the joint a shorter name."));
-    }
+    ensure(!name.is_empty(), || scan.error(mark, "the name of a joint", HELP_HIERARCHY))?;
+    let expected = format!("a name of at most {MAX_NAME} bytes");
+    ensure(name.len() <= MAX_NAME, || scan.error(mark, &expected, "Give the joint a shorter name."))?;
     scan.expect("{", HELP_HIERARCHY)?;
     let parent = h.open.replace(h.joints.len());
     h.joints.push(RawJoint::new(text(name), parent, Vec3::ZERO, false));
@@ -112,9 +107,7 @@ fn read_channels(scan: &mut Scanner, joint: usize, channels: &mut Vec<BvhChannel
     let mark = scan.next_position();
     let first = channels.len();
     let count = scan.count("a number of channels", HELP_HIERARCHY)?;
-    if count > 6 {
-        return Err(scan.error(mark, "at most 6 channels", "A joint has three positions and three rotations."));
-    }
+    ensure(count <= 6, || scan.error(mark, "at most 6 channels", "A joint has three positions and three rotations."))?;
     for _ in 0..count {
         scan.skip_space();
         let mark = scan.position();
@@ -167,10 +160,8 @@ fn read_frame_time(scan: &mut Scanner) -> Result<(f64, String), ImportError> {
     scan.expect(":", HELP_HIERARCHY)?;
     let mark = scan.next_position();
     let seconds = scan.number("the seconds of a frame", HELP_HIERARCHY)?;
-    if !(1e-5..=10.0).contains(&seconds) {
-        let help = "Frame Time is in seconds: 0.0333333 at 30 Hz.";
-        return Err(scan.error(mark, "seconds between 0.00001 and 10", help));
-    }
+    let help = "Frame Time is in seconds: 0.0333333 at 30 Hz.";
+    ensure((1e-5..=10.0).contains(&seconds), || scan.error(mark, "seconds between 0.00001 and 10", help))?;
     scan.rewind(mark);
     let written = text(scan.word().unwrap_or_default());
     scan.expect_line_end("nothing more on this line", HELP_HIERARCHY)?;
@@ -190,11 +181,11 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(h.joints, FrameSink::budget_of_text(archive::counted_bytes(scan.path(), scan.len())));
+    let mut sink =
+        FrameSink::new(h.joints, FrameSink::budget_of_text(archive::counted_bytes(scan.path, scan.bytes.len())));
     let num_channels = h.channels.len();
-    if num_channels == 0 {
-        return Err(content_error(scan.path(), "no joint has a channel", "A clip without motion cannot be used"));
-    }
+    let (path, help) = (scan.path, "A clip without motion cannot be used");
+    ensure(num_channels > 0, || content_error(path, "no joint has a channel", help))?;
     let mut frame = 0;
     while scan.skip_space() {
         if frame > num_frames {
@@ -209,19 +200,15 @@ fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<Fram
             channel.apply(scan.number("", "").map_err(of_channel)?, &mut sink);
         }
         scan.expect_line_end(&format!("{num_channels} numbers, one per channel"), HELP_MOTION)?;
-        if !sink.end_frame() {
-            let message = format!("{} joints without channels of their own make too large a clip", sink.num_joints());
-            return Err(content_error(scan.path(), message, "Remove the joints that do not move"));
-        }
+        let is_small = sink.end_frame();
+        let message = || format!("{} joints without channels of their own make too large a clip", sink.joints.len());
+        ensure(is_small, || content_error(scan.path, message(), "Remove the joints that do not move"))?;
     }
     // Writers count the first or the last frame twice, or not at all.
-    match frame + 1 >= num_frames && frame > 0 {
-        true => Ok(sink),
-        false => {
-            let expected = format!("the line of frame {} of {num_frames}", frame + 1);
-            Err(scan.error(scan.position(), &expected, HELP_MOTION))
-        }
-    }
+    let expected = || format!("the line of frame {} of {num_frames}", frame + 1);
+    let is_whole = frame + 1 >= num_frames && frame > 0;
+    ensure(is_whole, || scan.error(scan.position(), &expected(), HELP_MOTION))?;
+    Ok(sink)
 }
 
 fn with_expectation(error: ImportError, what: String) -> ImportError {

@@ -17,10 +17,7 @@ pub enum UpAxis {
 impl UpAxis {
     /// The letter, upper case.
     pub fn letter(self) -> char {
-        match self {
-            Self::Y => 'Y',
-            Self::Z => 'Z',
-        }
+        ['Y', 'Z'][self as usize]
     }
 }
 
@@ -45,12 +42,7 @@ impl Forward {
     /// Heading about +Y (rad).
     pub fn heading(self) -> f32 {
         use std::f32::consts::{FRAC_PI_2, PI};
-        match self {
-            Self::PosZ => 0.0,
-            Self::NegZ => PI,
-            Self::PosX => FRAC_PI_2,
-            Self::NegX => -FRAC_PI_2,
-        }
+        [0.0, PI, FRAC_PI_2, -FRAC_PI_2][self as usize]
     }
 }
 

@@ -29,7 +29,7 @@ pub(crate) mod source;
 mod units;
 
 use crate::clip::{Clip, ClipSet};
-use crate::error::{ImportError, Warnings};
+use crate::error::{ImportError, Warnings, ensure};
 use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
@@ -282,10 +282,9 @@ pub fn read_source(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, I
     let all = read_file(&file, asf)?;
     let names = all.iter().take(20).map(|c| c.clip.path.display().to_string()).collect::<Vec<_>>().join(", ");
     let found: Vec<SourceClip> = all.into_iter().filter(|c| c.clip.path == path).collect();
-    match found.is_empty() {
-        true => Err(content_error(&file, format!("there is no clip `{name}`"), &format!("It holds {names}"))),
-        false => Ok(found),
-    }
+    let what = || format!("there is no clip `{name}`");
+    ensure(!found.is_empty(), || content_error(&file, what(), &format!("It holds {names}")))?;
+    Ok(found)
 }
 
 fn read_file(path: &Path, asf: Option<&Path>) -> Result<Vec<SourceClip>, ImportError> {
@@ -332,9 +331,7 @@ pub fn interpret(
     config: &ImportConfig,
     profiles: &[Profile],
 ) -> Result<ImportedClip, ImportError> {
-    if source.clip.num_frames == 0 {
-        return Err(content_error(&source.clip.path, "it has no frames", "Leave it out"));
-    }
+    ensure(source.clip.num_frames != 0, || content_error(&source.clip.path, "it has no frames", "Leave it out"))?;
     let roles = roles::assign(&source.clip, profiles, config.profile.as_deref())?;
     let metres_per_unit = units::find_unit(&mut source, &roles, config)?;
     let up = units::find_up(&mut source, &roles, config);

@@ -8,7 +8,7 @@ mod kimodo;
 
 use super::archive;
 use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
-use crate::error::{ImportError, Warnings};
+use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::{RawJoint, SourceFormat};
 use crate::smpl::{JOINTS, UPRIGHT};
 use array::{NpyArray, NpzArrays};
@@ -39,9 +39,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
             format!("expected {frames} rows of {} numbers or more of poses, found {width} a row", 3 * NUM_JOINTS);
         return Err(fail(message));
     }
-    if frames == 0 {
-        return Err(fail("it has no frames".into()));
-    }
+    ensure(frames != 0, || fail("it has no frames".into()))?;
     let (rate_hz, name) = rate(&mut arrays).map_err(fail)?;
     let turn = if has_y_up(&poses[0], frames) { DQuat::IDENTITY } else { UPRIGHT };
     let mut sink = FrameSink::new(joints(), FrameSink::budget(archive::counted_bytes(path, bytes.len())));
@@ -57,9 +55,7 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<SourceClip, ImportError> {
         }
         sink.rotations[0] = turn * sink.rotations[0];
         sink.translations[0] = turn * DVec3::from_slice(&offset);
-        if !sink.end_frame() {
-            return Err(fail("the file is too short for its frames".into()));
-        }
+        ensure(sink.end_frame(), || fail("the file is too short for its frames".into()))?;
     }
     let findings = vec![
         format!("{rate_hz} frames a second: the file says so in `{name}`."),
@@ -74,19 +70,17 @@ fn poses(arrays: &mut NpzArrays<'_>) -> Result<Vec<NpyArray>, String> {
     let parted = !arrays.has("poses") && arrays.has("pose_body");
     let mut of = |name: &str| -> Result<NpyArray, String> {
         let array = arrays.get(name)?;
-        match array.shape[..] {
-            [_, _] => Ok(array),
-            _ => Err(format!("`{name}`: expected a table, found the shape {:?}", array.shape)),
-        }
+        let shape = &array.shape;
+        ensure(shape.len() == 2, || format!("`{name}`: expected a table, found the shape {shape:?}"))?;
+        Ok(array)
     };
     if !parted {
         return Ok(vec![of("poses")?]);
     }
     let (root, body) = (of("root_orient")?, of("pose_body")?);
-    match root.shape[1] {
-        3 => Ok(vec![root, body]),
-        other => Err(format!("`root_orient`: expected a table of 3 columns, found {other}")),
-    }
+    let width = root.shape[1];
+    ensure(width == 3, || format!("`root_orient`: expected a table of 3 columns, found {width}"))?;
+    Ok(vec![root, body])
 }
 
 /// True where the body stands along Y rather than Z over the frames; `poses` begins with the turn of the pelvis.
@@ -108,10 +102,8 @@ fn rate(arrays: &mut NpzArrays<'_>) -> Result<(f64, &'static str), String> {
 fn rate_if_any(arrays: &mut NpzArrays<'_>) -> Result<Option<(f64, &'static str)>, String> {
     let Some(name) = RATES.into_iter().find(|n| arrays.has(n)) else { return Ok(None) };
     let rate_hz = arrays.get(name)?.row(0, 1).next().unwrap_or(0.0);
-    match (0.1..=1e5).contains(&rate_hz) {
-        true => Ok(Some((rate_hz, name))),
-        false => Err(format!("`{name}`: expected 0.1 to 100000 Hz, found {rate_hz}")),
-    }
+    ensure((0.1..=1e5).contains(&rate_hz), || format!("`{name}`: expected 0.1 to 100000 Hz, found {rate_hz}"))?;
+    Ok(Some((rate_hz, name)))
 }
 
 /// The body: a T-pose of the default skeleton, parents first in the order of the files.

@@ -1,6 +1,7 @@
 //! Triangles of Wavefront OBJ files.
 
 use super::gltf::{SceneNode, ScenePart, TriangleScene};
+use crate::error::ensure;
 use glam::Vec3;
 
 /// Most corners of a file.
@@ -36,9 +37,8 @@ pub fn scene(text: &str) -> Result<TriangleScene, (usize, String)> {
             }
             Some("f") => {
                 let corners: Vec<Vec3> = words.map(|w| corner(w, &points)).collect::<Result<_, _>>().map_err(fail)?;
-                if corners.len() < 3 {
-                    return Err(fail(format!("expected a face of three corners at least, found `{line}`")));
-                }
+                let what = || fail(format!("expected a face of three corners at least, found `{line}`"));
+                ensure(corners.len() >= 3, what)?;
                 out.extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
             }
             Some(key @ ("o" | "g" | "usemtl")) => {
@@ -53,9 +53,8 @@ pub fn scene(text: &str) -> Result<TriangleScene, (usize, String)> {
             }
             _ => {}
         }
-        if points.len() > MAX_CORNERS || 3 * out.len() > MAX_CORNERS {
-            return Err(fail(format!("expected at most {MAX_CORNERS} corners, found more")));
-        }
+        let num_corners = points.len().max(3 * out.len());
+        ensure(num_corners <= MAX_CORNERS, || fail(format!("expected at most {MAX_CORNERS} corners, found more")))?;
     }
     Ok(TriangleScene { triangles: out, parts, nodes })
 }

@@ -3,6 +3,7 @@
 use super::config::Forward;
 use super::roles::RoleMap;
 use super::units::rest_world;
+use crate::error::ensure;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
@@ -28,11 +29,7 @@ pub enum RestPoseKind {
 impl RestPoseKind {
     /// Name in reports.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::TPose => "t_pose",
-            Self::APose => "a_pose",
-            Self::Other => "other",
-        }
+        ["t_pose", "a_pose", "other"][self as usize]
     }
 }
 
@@ -86,10 +83,8 @@ fn stance(world: &[(Vec3, Quat)], roles: &RoleMap) -> Result<(RestPose, f32), St
     };
     for (from, to) in LEG_SEGMENTS {
         let down = segment(from, to).map_or(0.0, |d| -d.dot(vertical));
-        if down < LEG_DOWN {
-            let side = if from < from.mirrored() { "left" } else { "right" };
-            return Err(format!("its {side} leg does not point down"));
-        }
+        let side = if from < from.mirrored() { "left" } else { "right" };
+        ensure(down >= LEG_DOWN, || format!("its {side} leg does not point down"))?;
     }
     let mut raised = 0f32;
     for (arm, end, side, out) in [

@@ -2,6 +2,7 @@
 //!
 //! Line ends are LF, CRLF or CR; a byte-order mark is skipped. Nothing is allocated but error messages.
 
+use super::source::content_error;
 use crate::ImportError;
 use std::path::Path;
 
@@ -22,8 +23,10 @@ pub(crate) struct TextPosition {
 
 /// A cursor over the bytes of a text file.
 pub(crate) struct Scanner<'a> {
-    bytes: &'a [u8],
-    path: &'a Path,
+    /// The text.
+    pub bytes: &'a [u8],
+    /// The file, for errors.
+    pub path: &'a Path,
     at: TextPosition,
 }
 
@@ -34,24 +37,10 @@ impl<'a> Scanner<'a> {
     /// [`ImportError::Content`] for UTF-16 text.
     pub fn new(bytes: &'a [u8], path: &'a Path) -> Result<Self, ImportError> {
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-            return Err(ImportError::Content {
-                path: path.to_owned(),
-                message: "the text is UTF-16".into(),
-                help: "Save the file as UTF-8 or ASCII".into(),
-            });
+            return Err(content_error(path, "the text is UTF-16", "Save the file as UTF-8 or ASCII"));
         }
         let pos = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         Ok(Self { bytes, path, at: TextPosition { pos, line: 1, line_start: pos } })
-    }
-
-    /// The file, for errors.
-    pub fn path(&self) -> &'a Path {
-        self.path
-    }
-
-    /// Size of the text (bytes).
-    pub fn len(&self) -> usize {
-        self.bytes.len()
     }
 
     /// Position of the cursor.

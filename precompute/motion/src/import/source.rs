@@ -35,12 +35,7 @@ pub(crate) enum CoordinateAxis {
 impl CoordinateAxis {
     /// The axis of a letter of any case.
     pub fn from_letter(letter: u8) -> Option<Self> {
-        match letter.to_ascii_lowercase() {
-            b'x' => Some(Self::X),
-            b'y' => Some(Self::Y),
-            b'z' => Some(Self::Z),
-            _ => None,
-        }
+        [Self::X, Self::Y, Self::Z].into_iter().find(|axis| b"xyz"[*axis as usize] == letter.to_ascii_lowercase())
     }
 
     /// Rotation about the axis (rad).
@@ -55,7 +50,7 @@ impl CoordinateAxis {
 
 /// Frames of a clip while they are read, one joint transform at a time.
 pub(crate) struct FrameSink {
-    joints: Vec<RawJoint>,
+    pub joints: Vec<RawJoint>,
     pub translations: Vec<DVec3>,
     pub rotations: Vec<DQuat>,
     rest: Vec<DVec3>,
@@ -104,11 +99,6 @@ impl FrameSink {
         self.clip_translations.extend(self.translations.iter().map(|t| t.as_vec3()));
         self.clip_rotations.extend(self.rotations.iter().map(|r| r.normalize().as_quat()));
         true
-    }
-
-    /// Number of joints of the skeleton.
-    pub fn num_joints(&self) -> usize {
-        self.joints.len()
     }
 
     /// True for a joint without a parent.

@@ -4,7 +4,7 @@ use super::config::{ImportConfig, UpAxis};
 use super::person::{ADULT_HEIGHT, HEIGHTS, rounded};
 use super::roles::RoleMap;
 use super::source::{SourceClip, content_error};
-use crate::ImportError;
+use crate::error::{ImportError, ensure};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_core::Joint;
@@ -82,14 +82,12 @@ fn longest_end(clip: &RawClip, joint: usize) -> f32 {
 pub(super) fn find_unit(source: &mut SourceClip, roles: &RoleMap, config: &ImportConfig) -> Result<f64, ImportError> {
     let height = f64::from(body_height(&source.clip, roles));
     let path = source.clip.path.clone();
-    if !(height.is_finite() && height > 1e-6) {
-        return Err(content_error(&path, "the skeleton has no size", "Check the offsets or lengths of its joints"));
-    }
+    let (has_size, help) = (height.is_finite() && height > 1e-6, "Check the offsets or lengths of its joints");
+    ensure(has_size, || content_error(&path, "the skeleton has no size", help))?;
     let in_metres = |unit: f64| format!("the body is {height:.4} units or {:.2} m tall", height * unit);
     if let Some(unit) = config.metres_per_unit {
-        if !(unit.is_finite() && unit > 0.0) {
-            return Err(content_error(&path, "`metres_per_unit` must be above 0", "Correct it in the config"));
-        }
+        let is_unit = unit.is_finite() && unit > 0.0;
+        ensure(is_unit, || content_error(&path, "`metres_per_unit` must be above 0", "Correct it in the config"))?;
         source.findings.push(format!("{unit} m a unit: given in the config; {}.", in_metres(unit)));
         return Ok(unit);
     }
@@ -151,10 +149,7 @@ fn clear_axis(mean: Vec3) -> Option<UpAxis> {
 }
 
 fn axis_vector(up: UpAxis) -> Vec3 {
-    match up {
-        UpAxis::Y => Vec3::Y,
-        UpAxis::Z => Vec3::Z,
-    }
+    [Vec3::Y, Vec3::Z][up as usize]
 }
 
 /// Unit vector from between the feet to the head.

@@ -6,6 +6,7 @@
 
 use super::body::{PoseSample, RolePose, SourceBody};
 use super::geometry;
+use crate::side::LEGS;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
 use throng_base::maths::quantile;
@@ -62,25 +63,8 @@ pub fn limb_direction(j: Joint) -> Option<Vec3> {
 
 /// The child that the direction of a joint is taken from.
 pub fn main_child(j: Joint) -> Option<Joint> {
-    use Joint::*;
-    Some(match j {
-        Spine => Chest,
-        Chest => UpperChest,
-        Neck => Head,
-        LeftClavicle => LeftUpperArm,
-        LeftUpperArm => LeftForearm,
-        LeftForearm => LeftHand,
-        RightClavicle => RightUpperArm,
-        RightUpperArm => RightForearm,
-        RightForearm => RightHand,
-        LeftThigh => LeftShin,
-        LeftShin => LeftFoot,
-        LeftFoot => LeftToe,
-        RightThigh => RightShin,
-        RightShin => RightFoot,
-        RightFoot => RightToe,
-        _ => return None,
-    })
+    let mut children = Joint::ALL.into_iter().filter(|c| c.parent() == Some(j));
+    children.next().filter(|_| children.next().is_none())
 }
 
 /// Trunk joints stand as in the rest pose; a limb's rest direction is the T-pose's, reached by the shortest arc.

@@ -16,9 +16,10 @@ mod transfer;
 mod wear;
 
 use crate::clip::ClipSet;
-use crate::error::{BuildError, Result, Warnings};
+use crate::error::{BuildError, Result, Warnings, ensure};
 use crate::import::ImportedClip;
 use crate::raw::{RawClip, RawJoint};
+pub use crate::side::LEGS;
 use body::SourceBody;
 pub use body::{RetargetSource, Roles};
 use glam::Vec3;
@@ -105,10 +106,8 @@ impl ExplicitProportions {
                 let all = Joint::ALL.map(Joint::name).join(", ");
                 BuildError::key(key(), format!("expected the name of a joint ({all}), found `{name}`."))
             })?;
-            if !offset.iter().all(|v| v.abs() <= MAX_OFFSET) {
-                let why = format!("expected up to {MAX_OFFSET} m each way, found {offset:?}");
-                return Err(BuildError::key(key(), why));
-            }
+            let why = || format!("expected up to {MAX_OFFSET} m each way, found {offset:?}");
+            ensure(offset.iter().all(|v| v.abs() <= MAX_OFFSET), || BuildError::key(key(), why()))?;
             out.offsets[joint.index()] = Vec3::from_array(*offset);
         }
         let why = "expected legs longer than 0.05 m; check the offsets of the shins and feet.";
@@ -198,26 +197,20 @@ fn same_rig(a: &RetargetSource, b: &RetargetSource) -> bool {
 /// Checks the roles without which nothing can be retargeted.
 fn check_roles(source: &RetargetSource) -> Result<()> {
     use Joint::*;
-    if source.clip.num_frames == 0 {
-        return Err(fault(source, "the clip has no frames".into(), "Remove the file from the input."));
-    }
+    let has_frames = source.clip.num_frames > 0;
+    ensure(has_frames, || fault(source, "the clip has no frames".into(), "Remove the file from the input."))?;
     let needed = [Hips, LeftThigh, LeftShin, LeftFoot, RightThigh, RightShin, RightFoot];
     let missing: Vec<&str> =
         needed.into_iter().filter(|j| source.roles[j.index()].is_none()).map(Joint::name).collect();
-    if missing.is_empty() {
-        return Ok(());
-    }
     let what =
         format!("expected a joint for each of hips, thighs, shins and feet, found none for {}", missing.join(", "));
-    Err(fault(source, what, "Name the joints in a skeleton profile."))
+    ensure(missing.is_empty(), || fault(source, what, "Name the joints in a skeleton profile."))
 }
 
 fn check_legs(source: &RetargetSource, body: &SourceBody) -> Result<()> {
-    if body.leg_length() > 0.05 {
-        return Ok(());
-    }
     let what = format!("expected legs longer than 0.05 m, found {} m", body.leg_length());
-    Err(fault(source, what, "Check the unit and which joints are named as thighs, shins and feet."))
+    let help = "Check the unit and which joints are named as thighs, shins and feet.";
+    ensure(body.leg_length() > 0.05, || fault(source, what, help))
 }
 
 /// An error about a clip.

@@ -16,8 +16,8 @@ const SHORT_LEGS: f32 = 0.98;
 /// A body that wears motion.
 pub struct BodyFit {
     alignment: Alignment,
-    /// Its own proportions (m).
-    skeleton: Skeleton,
+    /// Its own proportions; its hips are above the ground that it stands on (m).
+    pub skeleton: Skeleton,
     has_toes: [bool; 2],
 }
 
@@ -45,26 +45,6 @@ impl BodyFit {
     /// A body like the database skeleton, with proportions of its own.
     pub fn from_skeleton(skeleton: Skeleton) -> Self {
         Self { alignment: [Quat::IDENTITY; NUM_JOINTS], skeleton, has_toes: [true; 2] }
-    }
-
-    /// Height of the top of its head (m).
-    pub fn height(&self) -> f32 {
-        self.skeleton.height()
-    }
-
-    /// Its own proportions.
-    pub fn skeleton(&self) -> &Skeleton {
-        &self.skeleton
-    }
-
-    /// Raises the body above the ground that it stands on (m).
-    pub fn raise(&mut self, by: f32) {
-        self.skeleton.offsets[0].y += by;
-    }
-
-    /// Length of its legs (m).
-    pub fn leg_length(&self) -> f32 {
-        self.skeleton.leg_length()
     }
 
     /// The body, scaled by a factor.

@@ -11,7 +11,7 @@ mod moved_joints;
 mod surface;
 mod worn_fit;
 
-use crate::error::{BuildError, ImportError, Result};
+use crate::error::{BuildError, ImportError, Result, ensure};
 use crate::export::scratch::TrackScratch;
 use crate::export::{Glb, Take};
 use crate::import::gltf::{self, AccessorReader, GltfDocument};
@@ -80,21 +80,17 @@ impl Wearer {
         let fail = |what: String| content_error(path, what, HELP);
         let (document, binary) = gltf::document(bytes).map_err(fail)?;
         let mut rigs = gltf::rigs(bytes, path)?;
-        if rigs.len() > 1 {
-            let message = format!("expected one character, found {} skeletons", rigs.len());
-            return Err(content_error(path, message, "Export one of them alone").into());
-        }
+        let message = || format!("expected one character, found {} skeletons", rigs.len());
+        ensure(rigs.len() <= 1, || content_error(path, message(), "Export one of them alone"))?;
         let Some(rig) = rigs.pop() else { return Err(fail("it has no skeleton".into()).into()) };
         let json = complete_document(bytes, path)?;
-        if document.buffers.len() > 1 {
-            return Err(fail(format!("expected one buffer, found {}", document.buffers.len())).into());
-        }
+        ensure(document.buffers.len() <= 1, || fail(format!("expected one buffer, found {}", document.buffers.len())))?;
         let buffer = AccessorReader::new(&document, binary, path)?.bytes(0).unwrap_or_default().to_vec();
         // Such files have Y up.
         let config = ImportConfig { up: Some(UpAxis::Y), ..config.clone() };
         let body = interpret(rig.clip.clone(), &config, &crate::import::profile::load_profiles(&config.profiles)?)?;
         let fit = BodyFit::new(&body)?;
-        let (roles, metres_per_unit, height_m) = (body.roles, body.metres_per_unit, fit.height());
+        let (roles, metres_per_unit, height_m) = (body.roles, body.metres_per_unit, fit.skeleton.height());
         let (moved, centre, skin) = (Vec::new(), 0, Err(String::new()));
         let mut wearer =
             Self { document, json, buffer, rig, fit, roles, metres_per_unit, moved, centre, skin, height_m };
@@ -118,7 +114,7 @@ impl Wearer {
         if let Ok(skin) = &mut skin {
             skin.set_moved(&self.moved, joints, self.centre);
             if let Some(stance) = worn_fit::measure_stance(self, skin) {
-                self.fit.raise(-stance.soles_m);
+                self.fit.skeleton.offsets[0].y -= stance.soles_m;
                 self.height_m = stance.height_m;
             }
         }

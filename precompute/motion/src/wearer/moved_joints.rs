@@ -6,27 +6,13 @@ use crate::export::scratch::TrackScratch;
 use crate::import::RoleMap;
 use crate::raw::RawClip;
 use crate::retarget::{BodyFit, WornPose};
+use crate::side::{ARMS, LEGS};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
 use throng_base::maths;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::share_along;
 
-/// Segments of limbs whose twist is shared, and the joints at their ends. Thighs and upper arms twist at their begin, shins and
-/// forearms at their end.
-const LIMBS: [(Joint, Joint, bool); 8] = {
-    use Joint::*;
-    [
-        (LeftUpperArm, LeftForearm, true),
-        (RightUpperArm, RightForearm, true),
-        (LeftThigh, LeftShin, true),
-        (RightThigh, RightShin, true),
-        (LeftForearm, LeftHand, false),
-        (RightForearm, RightHand, false),
-        (LeftShin, LeftFoot, false),
-        (RightShin, RightFoot, false),
-    ]
-};
 /// Height of a character over that of the body whose motion it wears, at most: one with shorter legs keeps its hips lower.
 const MOST_TALLER: f32 = 1.2;
 /// Parts of the names of joints that take a share of a twist.
@@ -104,8 +90,10 @@ pub fn find_moved_joints(clip: &RawClip, roles: &RoleMap, fit: &BodyFit, centre:
             continue;
         }
         let above = std::iter::successors(clip.joints[joint].parent, |&p| clip.joints[p].parent).find_map(role_of);
-        let limb = LIMBS.into_iter().find(|l| Some(l.0) == above);
-        let Some((limb, end, at_begin)) = limb else { continue };
+        // Thighs and upper arms twist at their begin, shins and forearms at their end.
+        let legs = LEGS.map(|[thigh, shin, foot, _]| [thigh, shin, foot]);
+        let mut limbs = legs.into_iter().chain(ARMS).flat_map(|[a, b, end]| [(a, b, true), (b, end, false)]);
+        let Some((limb, end, at_begin)) = limbs.find(|l| Some(l.0) == above) else { continue };
         let (Some(from), Some(to)) = (roles.get(limb), roles.get(end)) else { continue };
         let along = share_along(world[joint].0, [world[from].0, world[to].0]);
         let axis = fit.t_pose_offset(limb, end).normalize_or(Vec3::X);
@@ -151,7 +139,7 @@ impl<'a> ScaledWearer<'a> {
     /// - `own`: skeleton of the motion.
     pub fn new(wearer: &'a Wearer, own: &'a Skeleton) -> Self {
         let tallest = MOST_TALLER * own.height() / wearer.height_m;
-        let growth = f64::from((own.leg_length() / wearer.fit.leg_length()).min(tallest));
+        let growth = f64::from((own.leg_length() / wearer.fit.skeleton.leg_length()).min(tallest));
         Self::with_growth(wearer, own, growth)
     }
 

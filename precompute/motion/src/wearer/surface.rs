@@ -1,15 +1,14 @@
 //! The triangles of a character, their materials, and the frames that move them.
 
 use super::Wearer;
-use crate::import::gltf::{AccessorReader, GltfPrimitive, MAX_BYTES, MAX_PARTS, MAX_TRIANGLES, base64};
+use crate::error::ensure;
+use crate::import::gltf::{AccessorReader, GltfPrimitive, MAX_BYTES, MAX_PARTS, MAX_TRIANGLES, TRIANGLES, base64};
 use glam::{Mat4, Vec2, Vec3};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 
-/// Triangles, not lines or points.
-const TRIANGLES: u32 = 4;
 /// Weight below which a joint does not count.
 const MIN_WEIGHT: f32 = 1e-6;
 /// Material of parts without one.
@@ -103,24 +102,19 @@ impl FigureSurface {
                 None => continue,
             };
             parts += mesh.primitives.len();
-            if parts > MAX_PARTS {
-                return Err(format!("a character may have {MAX_PARTS} parts of meshes at most; merge them"));
-            }
+            let too_many = || format!("a character may have {MAX_PARTS} parts of meshes at most; merge them");
+            ensure(parts <= MAX_PARTS, too_many)?;
             for (i, primitive) in mesh.primitives.iter().enumerate() {
                 let joints = node.skin.map(|s| start..start + document.skins[s].joints.len());
                 out.primitive(&reader, primitive, joints, start).map_err(|e| format!("nodes[{n}], part {i}: {e}"))?;
             }
         }
-        if out.indices.is_empty() {
-            return Err("expected triangles on its skin, found none".into());
-        }
-        if out.frames.len() > usize::from(u16::MAX) {
-            return Err(format!("expected {} joints of skins at most, found {}", u16::MAX, out.frames.len()));
-        }
+        ensure(!out.indices.is_empty(), || "expected triangles on its skin, found none".to_owned())?;
+        let too_many = || format!("expected {} joints of skins at most, found {}", u16::MAX, out.frames.len());
+        ensure(out.frames.len() <= usize::from(u16::MAX), too_many)?;
         out.images = images(&wearer.json, &reader)?;
-        if out.materials.iter().filter_map(|m| m.image).any(|i| i >= out.images.len()) {
-            return Err("a material names an image that there is not".into());
-        }
+        let exist = out.materials.iter().filter_map(|m| m.image).all(|i| i < out.images.len());
+        ensure(exist, || "a material names an image that there is not".to_owned())?;
         Ok(out)
     }
 
@@ -170,9 +164,8 @@ impl FigureSurface {
         let positions = list(has.position, "VEC3", 3)?;
         let (normals, places) = (list(has.normal, "VEC3", 3)?, list(has.texture, "VEC2", 2)?);
         let (carriers, weights) = (list(has.joints, "VEC4", 4)?, list(has.weights, "VEC4", 4)?);
-        if joints.is_some() && (carriers.is_empty() || weights.is_empty()) {
-            return Err("expected attributes JOINTS_0 and WEIGHTS_0 on a skin, found none".into());
-        }
+        let is_bound = joints.is_none() || !carriers.is_empty() && !weights.is_empty();
+        ensure(is_bound, || "expected attributes JOINTS_0 and WEIGHTS_0 on a skin, found none".to_owned())?;
         let material = match primitive.material {
             Some(m) if m < self.materials.len() => m,
             Some(m) => return Err(format!("there is no material {m}")),
@@ -184,9 +177,7 @@ impl FigureSurface {
         let three = |v: &[f32], i: usize| v.get(3 * i..3 * i + 3).map_or(Vec3::ZERO, Vec3::from_slice);
         for i in 0..n {
             let position = three(&positions, i);
-            if !position.is_finite() {
-                return Err(format!("accessors[{accessor}]: position {i} is not a number"));
-            }
+            ensure(position.is_finite(), || format!("accessors[{accessor}]: position {i} is not a number"))?;
             let (frames, weights) = match &joints {
                 None => ([start as u16, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]),
                 Some(joints) => carrying_frames(&carriers[4 * i..4 * i + 4], &weights[4 * i..4 * i + 4], joints)?,

@@ -83,7 +83,7 @@ pub struct WornStance {
 
 /// Measures a character in a T-pose; `None` where no skin hangs on its feet.
 pub fn measure_stance(wearer: &Wearer, skin: &FigureSkin) -> Option<WornStance> {
-    let own = wearer.fit.skeleton();
+    let own = &wearer.fit.skeleton;
     let mut matrices = vec![Mat3x4::default(); skin.surface.frames.len()];
     let pose = own.rest_positions().map(|p| (p, Quat::IDENTITY));
     skin.pose_matrices(&ScaledWearer::unscaled(wearer, own), &pose, &mut matrices);

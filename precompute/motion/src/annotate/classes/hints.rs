@@ -7,56 +7,11 @@ use std::path::Path;
 use throng_core::format::{Gait, Posture};
 
 /// Manners that names give, as they are written.
-const MANNERS: [&str; 48] = [
-    "active",
-    "afraid",
-    "aggressive",
-    "angry",
-    "bored",
-    "catwalk",
-    "chicken",
-    "childish",
-    "childlike",
-    "chimpira",
-    "cool",
-    "confident",
-    "depressed",
-    "drunk",
-    "elated",
-    "elderly",
-    "excited",
-    "exhausted",
-    "feminine",
-    "giant",
-    "happy",
-    "heavy",
-    "injured",
-    "joyful",
-    "lazy",
-    "limping",
-    "macho",
-    "masculine",
-    "masculinity",
-    "monk",
-    "musical",
-    "nervous",
-    "old",
-    "proud",
-    "robot",
-    "sad",
-    "scared",
-    "sexy",
-    "shy",
-    "strutting",
-    "stylish",
-    "surprised",
-    "swagger",
-    "tired",
-    "wild",
-    "young",
-    "youthful",
-    "zombie",
-];
+const MANNERS: &str = "\
+    active afraid aggressive angry bored catwalk chicken childish childlike chimpira cool confident depressed drunk \
+    elated elderly excited exhausted feminine giant happy heavy injured joyful lazy limping macho masculine \
+    masculinity monk musical nervous old proud robot sad scared sexy shy strutting stylish surprised swagger tired \
+    wild young youthful zombie";
 /// Manners that are none.
 pub const NO_MANNER: [&str; 4] = ["normal", "neutral", "natural", "regular"];
 
@@ -130,7 +85,7 @@ impl NameHints {
 
 /// The last manner of the words: names go from the general to the particular.
 fn manner(words: &[String]) -> Option<String> {
-    let at = words.iter().rposition(|w| MANNERS.contains(&w.as_str()) || NO_MANNER.contains(&w.as_str()))?;
+    let at = words.iter().rposition(|w| MANNERS.split(' ').any(|m| m == w) || NO_MANNER.contains(&w.as_str()))?;
     let is_not = at > 0 && words[at - 1] == "not";
     match &words[at] {
         word if NO_MANNER.contains(&word.as_str()) => Some(String::new()),

@@ -19,6 +19,7 @@ mod track;
 
 use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
 use crate::error::Result;
+use crate::side::ARMS;
 pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 use glam::Vec3;
@@ -29,7 +30,7 @@ pub use report::HitReport;
 use runs::ExtensionRun;
 use std::collections::BTreeMap;
 use throng_core::{Contacts, Joint, Skeleton};
-use track::{LimbTrack, Poses, StrikingLimb};
+use track::{LimbTrack, Poses, STRIKING_LEGS, StrikingLimb};
 
 /// Least duration of a blow; shorter ones are faults of the recording: a joint that jumps from one frame to the next (s).
 const MIN_DURATION: f64 = 0.05;
@@ -117,18 +118,19 @@ struct HitSearch<'a> {
 
 impl HitSearch<'_> {
     fn punches(&self, cfg: &PunchConfig) -> Vec<ClipHit> {
-        let feet = StrikingLimb::LEGS.map(|limb| self.track(limb).tips);
+        let feet = STRIKING_LEGS.map(|limb| self.track(limb).tips);
         let raised = |f: usize| (feet[0][f].y - feet[1][f].y).abs() > cfg.raised_foot;
         let balance = self.frames(BALANCE);
         let kicks =
             |peak: usize| (peak.saturating_sub(balance)..=peak + balance).any(|f| f < feet[0].len() && raised(f));
         let mut out = Vec::new();
-        for limb in StrikingLimb::ARMS {
+        for limb in ARMS {
+            let [root, _, end] = limb;
             let track = self.track(limb);
             let mut blows = self.thrusts(limb, &track, cfg);
             if let Some(speed) = cfg.swing_speed {
                 // A bent arm need not grow longer.
-                let shoulder = |f: usize| self.poses[f][limb.root.index()].0.y;
+                let shoulder = |f: usize| self.poses[f][root.index()].0.y;
                 let min_frames = self.frames_up(MIN_DURATION);
                 let in_range =
                     |r: &FrameRange| peaks::swings(&track.speeds, r.clone(), speed, min_frames, self.landing_share);
@@ -141,17 +143,17 @@ impl HitSearch<'_> {
             }
             blows.retain(|b| !kicks(b.peak));
             let blows = peaks::strongest(blows, self.frames(cfg.min_gap));
-            out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Punch, limb.end, &track, b.landing)));
+            out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Punch, end, &track, b.landing)));
         }
         out
     }
 
     /// Blows along the forearm; in the world, too, they go in its direction, and outwards.
-    fn thrusts(&self, limb: StrikingLimb, track: &LimbTrack, cfg: &PunchConfig) -> Vec<SpeedPeak> {
+    fn thrusts(&self, [root, _, end]: StrikingLimb, track: &LimbTrack, cfg: &PunchConfig) -> Vec<SpeedPeak> {
         let level = cfg.elevation_deg.to_radians();
         let strikes = |(range, run): (&FrameRange, ExtensionRun)| {
             let blow = SpeedPeak::from_run(&track.thrusts, &run, self.landing_share);
-            let arm = self.offset(run.full, limb.root, limb.end);
+            let arm = self.offset(run.full, root, end);
             let velocity = track.velocities[blow.landing];
             let back_by = run.full + self.frames(COMES_BACK);
             let shortest = (run.full..back_by.min(range.end)).map(|f| track.extensions[f]).fold(run.longest, f32::min);
@@ -171,10 +173,10 @@ impl HitSearch<'_> {
 
     /// Blows of feet that are high above the other foot where the leg is longest.
     fn kicks(&self, cfg: &KickConfig) -> Vec<ClipHit> {
-        let tracks = StrikingLimb::LEGS.map(|limb| self.track(limb));
+        let tracks = STRIKING_LEGS.map(|limb| self.track(limb));
         let planted = [Contacts::LEFT, Contacts::RIGHT];
         let mut out = Vec::new();
-        for (side, limb) in StrikingLimb::LEGS.into_iter().enumerate() {
+        for (side, [_, _, foot]) in STRIKING_LEGS.into_iter().enumerate() {
             let (track, other) = (&tracks[side], &tracks[1 - side]);
             let strikes = |(_, run): (&FrameRange, ExtensionRun)| {
                 let blow = SpeedPeak::from_run(&track.speeds, &run, self.landing_share);
@@ -189,7 +191,7 @@ impl HitSearch<'_> {
                 is_kick.then_some(blow)
             };
             let blows = peaks::strongest(self.runs(track).filter_map(strikes).collect(), self.frames(cfg.min_gap));
-            out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Kick, limb.end, track, b.landing)));
+            out.extend(blows.iter().filter_map(|b| self.hit(HitKind::Kick, foot, track, b.landing)));
         }
         out
     }

@@ -12,30 +12,14 @@ const DIFFERENCE: f64 = 1.0 / 30.0;
 /// World positions and rotations of the joints, by frame.
 pub type Poses = [[(Vec3, Quat); NUM_JOINTS]];
 
-/// The joints of a limb that strikes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StrikingLimb {
-    /// Shoulder or hip.
-    pub root: Joint,
-    /// Elbow or knee.
-    pub middle: Joint,
-    /// Wrist or ankle: the joint that strikes.
-    pub end: Joint,
-}
+/// The joints of a limb that strikes: shoulder or hip, elbow or knee, and the wrist or ankle that strikes.
+pub type StrikingLimb = [Joint; 3];
 
-impl StrikingLimb {
-    /// Left and right arm.
-    pub const ARMS: [Self; 2] = [
-        Self { root: Joint::LeftUpperArm, middle: Joint::LeftForearm, end: Joint::LeftHand },
-        Self { root: Joint::RightUpperArm, middle: Joint::RightForearm, end: Joint::RightHand },
-    ];
-
-    /// Left and right leg.
-    pub const LEGS: [Self; 2] = [
-        Self { root: Joint::LeftThigh, middle: Joint::LeftShin, end: Joint::LeftFoot },
-        Self { root: Joint::RightThigh, middle: Joint::RightShin, end: Joint::RightFoot },
-    ];
-}
+/// Left and right leg.
+pub const STRIKING_LEGS: [StrikingLimb; 2] = {
+    use Joint::*;
+    [[LeftThigh, LeftShin, LeftFoot], [RightThigh, RightShin, RightFoot]]
+};
 
 /// How one limb moves (num_frames each).
 #[derive(Clone, Debug, PartialEq)]
@@ -56,19 +40,18 @@ pub struct LimbTrack {
 
 impl LimbTrack {
     /// Follows a limb.
-    pub fn new(poses: &Poses, skeleton: &Skeleton, limb: StrikingLimb, rate_hz: f64) -> Self {
-        let tips: Vec<Vec3> = poses.iter().map(|p| tip(p, skeleton, limb.end)).collect();
+    pub fn new(poses: &Poses, skeleton: &Skeleton, [root, middle, end]: StrikingLimb, rate_hz: f64) -> Self {
+        let tips: Vec<Vec3> = poses.iter().map(|p| tip(p, skeleton, end)).collect();
         let velocities = velocities(&tips, rate_hz);
         let path: Vec<Vec3> = poses.iter().map(|p| p[0].0.with_y(0.0)).collect();
         let own: Vec<Vec3> = velocities.iter().zip(self::velocities(&path, rate_hz)).map(|(v, w)| *v - w).collect();
         let at = |pose: &[(Vec3, Quat); NUM_JOINTS], j: Joint| pose[j.index()].0;
-        let axes: Vec<Vec3> =
-            poses.iter().map(|p| (at(p, limb.end) - at(p, limb.middle)).normalize_or_zero()).collect();
-        let length: f32 = [limb.middle, limb.end].iter().map(|j| skeleton.offsets[j.index()].length()).sum();
+        let axes: Vec<Vec3> = poses.iter().map(|p| (at(p, end) - at(p, middle)).normalize_or_zero()).collect();
+        let length: f32 = [middle, end].iter().map(|j| skeleton.offsets[j.index()].length()).sum();
         Self {
             thrusts: own.iter().zip(&axes).map(|(v, axis)| v.dot(*axis)).collect(),
             speeds: own.iter().map(|v| v.length()).collect(),
-            extensions: poses.iter().map(|p| at(p, limb.end).distance(at(p, limb.root)) / length.max(1e-6)).collect(),
+            extensions: poses.iter().map(|p| at(p, end).distance(at(p, root)) / length.max(1e-6)).collect(),
             tips,
             velocities,
             axes,

@@ -79,26 +79,14 @@ pub enum GlitchTreatment {
 impl GlitchTreatment {
     /// Name in words.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Cut => "cut out",
-            Self::Bridged => "bridged",
-            Self::Kept => "kept",
-        }
+        ["cut out", "bridged", "kept"][self as usize]
     }
 }
 
 impl GlitchKind {
     /// Name in words.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Repeat => "repeat",
-            Self::Pop => "pop",
-            Self::Jump => "jump",
-            Self::Flip => "flip",
-            Self::Freeze => "frozen",
-            Self::Apart => "pose apart",
-            Self::DropOut => "drop-out",
-        }
+        ["repeat", "pop", "jump", "flip", "frozen", "pose apart", "drop-out"][self as usize]
     }
 }
 

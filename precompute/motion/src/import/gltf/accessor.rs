@@ -3,7 +3,7 @@
 use super::super::archive::read_file;
 use super::super::source::content_error;
 use super::document::{Accessor, GltfDocument, Sparse, SparsePart};
-use crate::ImportError;
+use crate::error::{ImportError, ensure};
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
@@ -13,11 +13,11 @@ pub const MAX_BYTES: u64 = 1 << 30;
 const MAX_ZEROS: usize = 1_000_000;
 
 const BYTE: u32 = 5120;
-const UNSIGNED_BYTE: u32 = 5121;
+pub(crate) const UNSIGNED_BYTE: u32 = 5121;
 const SHORT: u32 = 5122;
-const UNSIGNED_SHORT: u32 = 5123;
+pub(crate) const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
-const FLOAT: u32 = 5126;
+pub(crate) const FLOAT: u32 = 5126;
 
 /// The buffers of a document, read.
 pub struct AccessorReader<'a> {
@@ -99,9 +99,8 @@ impl<'a> AccessorReader<'a> {
     pub fn indices(&self, accessor: usize) -> Result<Vec<u32>, String> {
         let name = |what: String| format!("accessors[{accessor}]: {what}");
         let a = self.accessor(accessor)?;
-        if a.kind != "SCALAR" || a.sparse.is_some() {
-            return Err(name(format!("expected indices as SCALAR that are not sparse, found {}", a.kind)));
-        }
+        let what = || format!("expected indices as SCALAR that are not sparse, found {}", a.kind);
+        ensure(a.kind == "SCALAR" && a.sparse.is_none(), || name(what()))?;
         let view = a.buffer_view.ok_or_else(|| name("expected a buffer view, found none".into()))?;
         self.whole(view, a.byte_offset, a.component_type, a.count).map_err(name)
     }
@@ -128,9 +127,8 @@ impl<'a> AccessorReader<'a> {
             _ => 16,
         };
         let (size, read) = number(a.component_type, a.normalized)?;
-        if width == 0 || (width == 16 && a.component_type != FLOAT) {
-            return Err(format!("expected {kind}, found {} of type {}", a.kind, a.component_type));
-        }
+        let fits = width > 0 && (width < 16 || a.component_type == FLOAT);
+        ensure(fits, || format!("expected {kind}, found {} of type {}", a.kind, a.component_type))?;
         let mut out: Vec<f32> = match a.buffer_view {
             Some(view) => {
                 let items = self.items(view, a.byte_offset, a.count, size * width)?;
@@ -142,9 +140,7 @@ impl<'a> AccessorReader<'a> {
             None => vec![0.0; a.count * width],
         };
         if let Some(Sparse { count, indices, values }) = &a.sparse {
-            if *count > a.count {
-                return Err(format!("sparse: expected {} items at most, found {count}", a.count));
-            }
+            ensure(*count <= a.count, || format!("sparse: expected {} items at most, found {count}", a.count))?;
             let SparsePart { buffer_view, byte_offset, component_type } = indices;
             let places = self.whole(*buffer_view, *byte_offset, component_type.unwrap_or(0), *count)?;
             let items = self.items(values.buffer_view, values.byte_offset, *count, size * width)?;
@@ -194,19 +190,14 @@ impl<'a> AccessorReader<'a> {
             end.ok_or_else(|| format!("bufferViews[{view}] reaches beyond the {} bytes of its buffer", buffer.len()))?;
         let bytes = &buffer[v.byte_offset..end];
         let stride = v.byte_stride.unwrap_or(size);
-        if stride < size {
-            return Err(format!("bufferViews[{view}].byteStride: expected at least {size}, found {stride}"));
-        }
+        ensure(stride >= size, || format!("bufferViews[{view}].byteStride: expected at least {size}, found {stride}"))?;
         let needed = match count {
             0 => Some(0),
             n => (n - 1).checked_mul(stride).and_then(|s| s.checked_add(size)).and_then(|s| s.checked_add(offset)),
         };
-        match needed {
-            Some(n) if n <= bytes.len() => {
-                Ok((0..count).map(move |i| &bytes[offset + i * stride..offset + i * stride + size]))
-            }
-            _ => Err(format!("{count} items reach beyond the {} bytes of bufferViews[{view}]", bytes.len())),
-        }
+        let beyond = || format!("{count} items reach beyond the {} bytes of bufferViews[{view}]", bytes.len());
+        ensure(needed.is_some_and(|n| n <= bytes.len()), beyond)?;
+        Ok((0..count).map(move |i| &bytes[offset + i * stride..offset + i * stride + size]))
     }
 }
 
@@ -260,9 +251,7 @@ pub fn path_beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     let name = unescaped(uri);
     let outside = || format!("expected a file in its own folder or below, found `{uri}`");
     let plain = |c: Component<'_>| matches!(c, Component::Normal(_) | Component::CurDir);
-    if name.is_empty() || name.contains(['\\', ':', '\0']) || !Path::new(&name).components().all(plain) {
-        return Err(outside());
-    }
+    ensure(!name.is_empty() && !name.contains(['\\', ':', '\0']) && Path::new(&name).components().all(plain), outside)?;
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let file = folder.join(&name);
     // Links may lead anywhere. Where this fails the file does not exist, which is reported when it is read.
@@ -274,21 +263,12 @@ pub fn path_beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
 
 /// A file name whose `%20` and the like are written out.
 fn unescaped(uri: &str) -> String {
-    let mut out = Vec::with_capacity(uri.len());
-    let mut rest = uri.as_bytes();
-    while let Some((&c, after)) = rest.split_first() {
-        let code =
-            after.get(..2).and_then(|h| std::str::from_utf8(h).ok()).and_then(|h| u8::from_str_radix(h, 16).ok());
-        match code.filter(|_| c == b'%') {
-            Some(byte) => {
-                out.push(byte);
-                rest = &after[2..];
-            }
-            None => {
-                out.push(c);
-                rest = after;
-            }
-        }
+    let mut parts = uri.split('%');
+    let mut out = parts.next().unwrap_or_default().as_bytes().to_vec();
+    for part in parts {
+        let code = part.get(..2).and_then(|h| u8::from_str_radix(h, 16).ok());
+        out.push(code.unwrap_or(b'%'));
+        out.extend_from_slice(&part.as_bytes()[if code.is_some() { 2 } else { 0 }..]);
     }
     String::from_utf8_lossy(&out).into_owned()
 }

@@ -1,7 +1,7 @@
 //! Triangles of glTF 2.0 files: positions and indices of triangle primitives, placed by the nodes of the scene.
 
 use super::{AccessorReader, GltfDocument, GltfNode, GltfPrimitive, MAX_BYTES, document};
-use crate::error::{BuildError, Result};
+use crate::error::{BuildError, Result, ensure};
 use glam::{Mat4, Quat, Vec3};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(crate) const MAX_PARTS: usize = 1_000_000;
 const MAX_POSITION: f32 = 1e6;
 
 /// Triangles, not lines or points.
-const TRIANGLES: u32 = 4;
+pub(crate) const TRIANGLES: u32 = 4;
 
 /// Reads the triangles of a `.glb` or `.gltf` file.
 ///
@@ -84,9 +84,7 @@ pub fn scene(path: &Path) -> Result<TriangleScene> {
     for root in roots(&document).map_err(fail)? {
         scene.node(root, Mat4::IDENTITY, None, 0).map_err(fail)?;
     }
-    if scene.out.triangles.is_empty() {
-        return Err(fail("expected triangles in the scene's meshes, found none".into()));
-    }
+    ensure(!scene.out.triangles.is_empty(), || fail("expected triangles in the scene's meshes, found none".into()))?;
     Ok(scene.out)
 }
 
@@ -118,12 +116,9 @@ struct SceneCollector<'a> {
 impl SceneCollector<'_> {
     fn node(&mut self, index: usize, outer: Mat4, parent: Option<usize>, depth: usize) -> Result<(), String> {
         let node = self.document.nodes.get(index).ok_or_else(|| format!("nodes[{index}]: there is no such node"))?;
-        if depth > MAX_DEPTH {
-            return Err(format!("nodes[{index}]: expected at most {MAX_DEPTH} levels of nodes"));
-        }
-        if std::mem::replace(&mut self.seen[index], true) {
-            return Err(format!("nodes[{index}]: it is held more than once; nodes have one parent"));
-        }
+        ensure(depth <= MAX_DEPTH, || format!("nodes[{index}]: expected at most {MAX_DEPTH} levels of nodes"))?;
+        let is_first = !std::mem::replace(&mut self.seen[index], true);
+        ensure(is_first, || format!("nodes[{index}]: it is held more than once; nodes have one parent"))?;
         let here = outer * transform(node).map_err(|e| format!("nodes[{index}].{e}"))?;
         let name = node.extras.get("throng").and_then(|mark| mark.as_str()).unwrap_or(&node.name).to_owned();
         let own = self.out.nodes.len();
@@ -143,9 +138,7 @@ impl SceneCollector<'_> {
 
     fn primitive(&mut self, primitive: &GltfPrimitive, at: Mat4) -> Result<(), String> {
         self.parts += 1;
-        if self.parts > MAX_PARTS {
-            return Err(format!("nodes may show {MAX_PARTS} parts of meshes at most; merge them"));
-        }
+        ensure(self.parts <= MAX_PARTS, || format!("nodes may show {MAX_PARTS} parts of meshes at most; merge them"))?;
         match primitive.mode.unwrap_or(TRIANGLES) {
             TRIANGLES => {}
             mode @ 5..=6 => {
@@ -153,9 +146,7 @@ impl SceneCollector<'_> {
             }
             _ => return Ok(()),
         }
-        let Some(accessor) = primitive.attributes.position else {
-            return Err("expected an attribute POSITION, found none".into());
-        };
+        let accessor = primitive.attributes.position.ok_or("expected an attribute POSITION, found none")?;
         // Parts may share accessors, so that a short text asks for much memory: they are counted before anything is made.
         let positions = self.reader.count(accessor)?;
         self.positions = self.positions.saturating_add(positions);

@@ -10,10 +10,10 @@ mod sampler;
 use super::archive;
 use super::nodes::{self, AnimationSpan, FALLBACK_HZ, RigScene, Transform, rate_of_keys};
 use super::source::{MAX_JOINTS, SourceClip, content_error};
-use crate::error::ImportError;
+use crate::error::{ImportError, ensure};
 use crate::raw::SourceFormat;
-pub(crate) use accessor::base64;
 pub use accessor::{AccessorReader, MAX_BYTES, path_beside};
+pub(crate) use accessor::{FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT, base64};
 pub(crate) use document::split;
 pub use document::{
     Accessor, Attributes, Buffer, BufferView, GltfAnimation, GltfChannel, GltfDocument, GltfMesh, GltfNode,
@@ -21,7 +21,7 @@ pub use document::{
     parse as document,
 };
 use glam::{DMat4, DQuat, DVec3, Mat4};
-pub(crate) use mesh::MAX_PARTS;
+pub(crate) use mesh::{MAX_PARTS, TRIANGLES};
 pub use mesh::{MAX_TRIANGLES, SceneNode, ScenePart, TriangleScene, scene, triangles};
 use sampler::{Keys, Samplers};
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,10 +70,8 @@ pub fn parse(bytes: &[u8], path: &Path) -> Result<Vec<SourceClip>, ImportError> 
 pub(crate) fn rigs(bytes: &[u8], path: &Path) -> Result<Vec<nodes::Rig>, ImportError> {
     let fail = |what: String| content_error(path, what, HELP);
     let (document, binary) = document(bytes).map_err(fail)?;
-    if document.skins.is_empty() {
-        let help = "Export the mesh with the skeleton that carries it, as .glb";
-        return Err(content_error(path, "it has no skin: no joints carry a mesh", help));
-    }
+    let help = "Export the mesh with the skeleton that carries it, as .glb";
+    ensure(!document.skins.is_empty(), || content_error(path, "it has no skin: no joints carry a mesh", help))?;
     let reader = AccessorReader::new(&document, binary, path)?;
     let num_bytes = bytes.len().saturating_add(reader.num_bytes());
     let nodes = bound_nodes(&document, &reader).map_err(fail)?;
@@ -91,9 +89,8 @@ fn scene_nodes(document: &GltfDocument) -> Result<Vec<nodes::RigNode>, String> {
     for (i, node) in document.nodes.iter().enumerate() {
         for &c in &node.children {
             let child = out.get_mut(c).ok_or_else(|| format!("nodes[{i}]: there is no node {c}"))?;
-            if child.parent.replace(i).is_some() {
-                return Err(format!("nodes[{c}]: it is held more than once; nodes have one parent"));
-            }
+            let is_first = child.parent.replace(i).is_none();
+            ensure(is_first, || format!("nodes[{c}]: it is held more than once; nodes have one parent"))?;
         }
     }
     Ok(out)
@@ -116,17 +113,13 @@ pub(crate) fn local_transform(node: &GltfNode) -> Transform {
 fn bound_nodes(document: &GltfDocument, reader: &AccessorReader<'_>) -> Result<Vec<nodes::RigNode>, String> {
     let mut nodes = scene_nodes(document)?;
     for (i, skin) in document.skins.iter().enumerate() {
-        if skin.joints.len() > MAX_JOINTS {
-            return Err(format!("skins[{i}]: expected at most {MAX_JOINTS} joints, found {}", skin.joints.len()));
-        }
+        let what = || format!("skins[{i}]: expected at most {MAX_JOINTS} joints, found {}", skin.joints.len());
+        ensure(skin.joints.len() <= MAX_JOINTS, what)?;
         let Some(accessor) = skin.inverse_bind_matrices else { continue };
         let fail = |e: String| format!("skins[{i}].inverseBindMatrices: {e}");
-        if reader.count(accessor).map_err(fail)? < skin.joints.len() {
-            return Err(fail(format!("expected {} matrices, found fewer", skin.joints.len())));
-        }
-        if reader.count(accessor).map_err(fail)? > MAX_JOINTS {
-            return Err(fail(format!("expected at most {MAX_JOINTS} matrices, found more")));
-        }
+        let (found, least) = (reader.count(accessor).map_err(fail)?, skin.joints.len());
+        ensure(found >= least, || fail(format!("expected {least} matrices, found fewer")))?;
+        ensure(found <= MAX_JOINTS, || fail(format!("expected at most {MAX_JOINTS} matrices, found more")))?;
         let numbers = reader.floats(accessor, "MAT4").map_err(fail)?;
         for (&joint, m) in skin.joints.iter().zip(numbers.chunks_exact(16)) {
             let node = nodes.get_mut(joint).ok_or_else(|| format!("skins[{i}]: there is no node {joint}"))?;
@@ -160,9 +153,7 @@ impl KeyTracks {
         for (i, channel) in animation.channels.iter().enumerate() {
             let path = PATHS.iter().position(|p| *p == channel.target.path);
             let (Some(path), Some(node)) = (path, channel.target.node) else { continue };
-            if node >= num_nodes {
-                return Err(format!("channels[{i}]: there is no node {node}"));
-            }
+            ensure(node < num_nodes, || format!("channels[{i}]: there is no node {node}"))?;
             let at = channel.sampler;
             let sampler =
                 animation.samplers.get(at).ok_or_else(|| format!("channels[{i}]: there is no sampler {at}"))?;

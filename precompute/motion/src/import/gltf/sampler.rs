@@ -2,6 +2,7 @@
 
 use super::accessor::AccessorReader;
 use super::document::{GltfSampler, Interpolation};
+use crate::error::ensure;
 use glam::{DQuat, DVec3, DVec4};
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -76,9 +77,7 @@ impl<'a> Samplers<'a> {
 
 fn seconds(times: &[f32]) -> Result<Vec<f64>, String> {
     let times: Vec<f64> = times.iter().map(|&t| f64::from(t)).collect();
-    if times.is_empty() {
-        return Err("expected times, found none".into());
-    }
+    ensure(!times.is_empty(), || "expected times, found none".to_owned())?;
     if let Some(t) = times.iter().find(|t| t.is_nan() || t.abs() >= MAX_TIME_S) {
         return Err(format!("expected seconds below {MAX_TIME_S}, found {t}"));
     }

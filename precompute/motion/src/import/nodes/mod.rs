@@ -8,7 +8,7 @@ mod rate;
 
 use super::rest::nearest_axis;
 use super::source::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_names};
-use crate::error::{ImportError, Warnings};
+use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use people::ScenePerson;
@@ -116,9 +116,8 @@ impl RigScene<'_> {
     /// [`ImportError::Content`] naming node or animation.
     pub fn clips(&self) -> Result<Vec<SourceClip>, ImportError> {
         let fail = |what: String, help: &str| content_error(self.path, what, help);
-        if self.animations.is_empty() {
-            return Err(fail("it holds no animation".into(), "Export it with animations, or leave it out"));
-        }
+        let help = "Export it with animations, or leave it out";
+        ensure(!self.animations.is_empty(), || fail("it holds no animation".into(), help))?;
         let people =
             people::find_people(self).map_err(|what| fail(what, "Export the skeleton and its motion again"))?;
         let nodes = |p: &ScenePerson| p.above.iter().chain(&p.joints).copied().collect::<BTreeSet<usize>>();
@@ -127,24 +126,19 @@ impl RigScene<'_> {
         for (a, animation) in self.animations.iter().enumerate() {
             let moved = (0..people.len()).filter(|&p| animation.moved().iter().any(|n| nodes[p].contains(n)));
             pairs.extend(moved.map(|p| (a, p)));
-            if pairs.len() > MAX_CLIPS {
-                return Err(fail(format!("expected {MAX_CLIPS} clips at most, found more"), "Export fewer at once"));
-            }
-            if animation.name().len() > MAX_NAME {
-                let what = format!("animation {a}: expected a name of at most {MAX_NAME} bytes, found a longer one");
-                return Err(fail(what, "Give it a shorter name"));
-            }
+            let what = || format!("expected {MAX_CLIPS} clips at most, found more");
+            ensure(pairs.len() <= MAX_CLIPS, || fail(what(), "Export fewer at once"))?;
+            let what = || format!("animation {a}: expected a name of at most {MAX_NAME} bytes, found a longer one");
+            ensure(animation.name().len() <= MAX_NAME, || fail(what(), "Give it a shorter name"))?;
         }
         let of_joint = |n: &usize| size_of::<RawJoint>() + self.nodes[*n].name.len();
         let joint_bytes: Vec<usize> = people.iter().map(|p| p.joints.iter().map(of_joint).sum()).collect();
         let most = self.num_bytes.saturating_mul(JOINT_BYTES).saturating_add(FREE_JOINT_BYTES);
-        if pairs.iter().map(|&(_, p)| joint_bytes[p]).sum::<usize>() > most {
-            let what = format!("the joints of {} clips are too many for its file", pairs.len());
-            return Err(fail(what, "Export fewer at once"));
-        }
-        if pairs.is_empty() {
-            return Err(fail("its animations move no skeleton".into(), "Export it with the motion of its joints"));
-        }
+        let what = || format!("the joints of {} clips are too many for its file", pairs.len());
+        let needed: usize = pairs.iter().map(|&(_, p)| joint_bytes[p]).sum();
+        ensure(needed <= most, || fail(what(), "Export fewer at once"))?;
+        let help = "Export it with the motion of its joints";
+        ensure(!pairs.is_empty(), || fail("its animations move no skeleton".into(), help))?;
         let names = self.names(&pairs, &people);
         let mut budget = self.num_bytes.saturating_add(FREE_TRANSFORMS);
         let mut clips = Vec::new();
@@ -177,9 +171,7 @@ impl RigScene<'_> {
         sink.begin_frame();
         let mut turned = vec![(DVec3::ZERO, DQuat::IDENTITY); rest.joints.len()];
         rest.pose_joints(&world, &mut turned, &mut sink);
-        if !sink.end_frame() {
-            return Err("it has too many joints".into());
-        }
+        ensure(sink.end_frame(), || "it has too many joints".to_owned())?;
         let clip = sink.into_clip(self.path, self.format, FALLBACK_HZ);
         let (findings, warnings) = (Vec::new(), Warnings::default());
         let clip = SourceClip { clip, declared_metres_per_unit: Some(1.0), findings, warnings };
@@ -232,18 +224,14 @@ impl RigScene<'_> {
             let what = format!("{num_frames} frames of {} joints are too many for its file", rest.joints.len());
             fail(what, "Check the times of its keys")
         };
-        if num_frames.saturating_mul(cost) > *budget {
-            return Err(too_many());
-        }
+        ensure(num_frames.saturating_mul(cost) <= *budget, too_many)?;
         for frame in 0..num_frames {
             let seconds = begin + frame as f64 / rate_hz;
             let local = |node: usize| animation.local(node, seconds, self.nodes[node].local);
             let world = person.world(self, local).map_err(|e| fail(e, "Export it again"))?;
             sink.begin_frame();
             rest.pose_joints(&world, &mut turned, &mut sink);
-            if !sink.end_frame() {
-                return Err(too_many());
-            }
+            ensure(sink.end_frame(), too_many)?;
         }
         *budget -= sink.num_frames() * cost;
         let warnings = duplicate_names(&rest.joints, self.path);

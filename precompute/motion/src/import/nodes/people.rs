@@ -2,6 +2,8 @@
 
 use super::super::source::{MAX_JOINTS, MAX_NAME};
 use super::RigScene;
+use crate::error::ensure;
+use crate::raw::children_of;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most levels of nodes; a skeleton has about thirty.
@@ -77,12 +79,7 @@ struct NodeTree<'a, 'b> {
 impl<'a, 'b> NodeTree<'a, 'b> {
     fn new(scene: &'a RigScene<'b>) -> Result<Self, String> {
         let n = scene.nodes.len();
-        let mut children = vec![Vec::new(); n];
-        for (i, node) in scene.nodes.iter().enumerate() {
-            if let Some(p) = node.parent {
-                children[p].push(i);
-            }
-        }
+        let children = children_of(scene.nodes.iter().map(|node| node.parent));
         let mut tree = Self { scene, children, depth: vec![0; n] };
         let mut open: Vec<usize> = (0..n).filter(|&i| scene.nodes[i].parent.is_none()).collect();
         let mut seen = 0;
@@ -97,9 +94,7 @@ impl<'a, 'b> NodeTree<'a, 'b> {
                 open.push(child);
             }
         }
-        if seen < n {
-            return Err(format!("{} nodes are below themselves: expected a tree", n - seen));
-        }
+        ensure(seen >= n, || format!("{} nodes are below themselves: expected a tree", n - seen))?;
         Ok(tree)
     }
 

@@ -1,5 +1,6 @@
 //! NumPy arrays in a zip file, as `numpy.savez` and `numpy.savez_compressed` write them.
 
+use crate::error::ensure;
 use std::io::{Cursor, Read};
 use throng_base::file::MAX_MOTION_BYTES;
 use zip::ZipArchive;
@@ -89,9 +90,7 @@ impl<'a> NpzArrays<'a> {
 
 /// Reads one array.
 fn array(bytes: Vec<u8>) -> Result<NpyArray, String> {
-    if bytes.get(..6) != Some(b"\x93NUMPY") {
-        return Err("it is no NumPy array".into());
-    }
+    ensure(bytes.get(..6) == Some(b"\x93NUMPY"), || "it is no NumPy array".to_owned())?;
     let wide = bytes.get(6).is_some_and(|&v| v > 1);
     let length = number(&bytes, 8, if wide { 4 } else { 2 })?;
     let start: usize = if wide { 12 } else { 10 };
@@ -101,9 +100,8 @@ fn array(bytes: Vec<u8>) -> Result<NpyArray, String> {
         let after = header.split_once(&format!("'{name}':")).map(|(_, after)| after.trim_start());
         after.ok_or_else(|| format!("its header has no `{name}`"))
     };
-    if field("fortran_order")?.starts_with("True") {
-        return Err("it is stored by columns: save it with `numpy.ascontiguousarray`".into());
-    }
+    let by_rows = !field("fortran_order")?.starts_with("True");
+    ensure(by_rows, || "it is stored by columns: save it with `numpy.ascontiguousarray`".to_owned())?;
     let kind = field("descr")?.trim_start_matches('\'').split('\'').next().unwrap_or_default().to_owned();
     let read: fn(&[u8]) -> f64 = match kind.as_str() {
         "<f8" => |b| f64::from_le_bytes(std::array::from_fn(|i| b[i])),
@@ -119,8 +117,7 @@ fn array(bytes: Vec<u8>) -> Result<NpyArray, String> {
     let shape: Vec<usize> = numbers.map(whole).collect::<Result<_, _>>()?;
     let count = shape.iter().try_fold(1usize, |all, n| all.checked_mul(*n)).and_then(|n| n.checked_mul(size));
     let data = (start + length).min(bytes.len());
-    if count != Some(bytes.len() - data) {
-        return Err(format!("its shape {shape:?} does not fit its {} bytes", bytes.len() - data));
-    }
+    let num_bytes = bytes.len() - data;
+    ensure(count == Some(num_bytes), || format!("its shape {shape:?} does not fit its {num_bytes} bytes"))?;
     Ok(NpyArray { shape, file: bytes, data, size, read })
 }

@@ -4,7 +4,7 @@
 
 use super::array::{NpyArray, NpzArrays};
 use super::{HELP, archive, rate_if_any};
-use crate::error::{ImportError, Warnings};
+use crate::error::{ImportError, Warnings, ensure};
 use crate::import::source::{FrameSink, SourceClip, content_error};
 use crate::raw::{RawJoint, SourceFormat};
 use crate::smpl;
@@ -93,9 +93,7 @@ pub fn parse(mut arrays: NpzArrays<'_>, num_bytes: usize, path: &Path) -> Result
         for (j, joint) in body.iter().enumerate() {
             sink.rotations[j] = turn(f, joint.index).map_err(wrong)?;
         }
-        if !sink.end_frame() {
-            return Err(fail("the file is too short for its frames".into()));
-        }
+        ensure(sink.end_frame(), || fail("the file is too short for its frames".into()))?;
     }
     let clip = sink.into_clip(path, SourceFormat::Npz, rate_hz);
     let warnings = Warnings::default();

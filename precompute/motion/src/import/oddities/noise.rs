@@ -1,5 +1,6 @@
 //! Shaking of joints from frame to frame, as unfiltered capture has it.
 
+use crate::clip::median;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
@@ -16,17 +17,10 @@ const TIMES: f32 = 4.0;
 /// Fewest accelerations of a joint that count.
 const FEWEST: usize = 10;
 /// Joints whose turns are measured.
-const JOINTS: [Joint; 9] = [
-    Joint::Hips,
-    Joint::LeftThigh,
-    Joint::RightThigh,
-    Joint::LeftShin,
-    Joint::RightShin,
-    Joint::LeftUpperArm,
-    Joint::RightUpperArm,
-    Joint::LeftForearm,
-    Joint::RightForearm,
-];
+const JOINTS: [Joint; 9] = {
+    use Joint::*;
+    [Hips, LeftThigh, RightThigh, LeftShin, RightShin, LeftUpperArm, RightUpperArm, LeftForearm, RightForearm]
+};
 
 /// A warning of a clip that shakes.
 pub(super) fn find_noise(clip: &RawClip, roles: &RoleMap) -> Option<String> {

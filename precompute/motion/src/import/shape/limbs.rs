@@ -1,8 +1,9 @@
 //! Pairs of limbs: chains of equal lengths that hang on one joint, and the places of the limb's three joints on them.
 
+use super::names::Label;
 use super::names::NamedPart::{self, Foot, Forearm, Hand, Shin, Thigh, UpperArm};
-use super::names::{Label, NamedSide};
 use super::tree::SkeletonTree;
+use crate::side::LateralSide;
 use std::collections::HashSet;
 
 /// Largest difference of segments of a left and a right limb (share).
@@ -45,18 +46,11 @@ impl LimbPair {
     }
 
     /// The side that the names give to the first of the two, where they agree.
-    pub fn named_side(&self, tree: &SkeletonTree) -> Option<NamedSide> {
-        let vote = |joint: usize| match tree.labels[joint].side {
-            Some(NamedSide::Left) => 1,
-            Some(NamedSide::Right) => -1,
-            None => 0,
-        };
-        let votes = |side: usize| -> i32 { (0..3).map(|part| vote(self.joint(part, side))).sum() };
-        match votes(0) - votes(1) {
-            2.. => Some(NamedSide::Left),
-            ..=-2 => Some(NamedSide::Right),
-            _ => None,
-        }
+    pub fn named_side(&self, tree: &SkeletonTree) -> Option<LateralSide> {
+        let vote = |joint: usize| tree.labels[joint].side.map_or(0.0, LateralSide::sign);
+        let votes = |side: usize| -> f64 { (0..3).map(|part| vote(self.joint(part, side))).sum() };
+        let more = votes(0) - votes(1);
+        (more.abs() >= 2.0).then(|| LateralSide::inside(more))
     }
 }
 

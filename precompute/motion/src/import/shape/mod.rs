@@ -13,6 +13,7 @@ mod tree;
 mod trunk;
 
 use super::roles::RoleMap;
+use crate::error::ensure;
 use glam::Vec3;
 use limbs::{LimbPair, MirroredChains};
 use names::NamedPart;
@@ -55,9 +56,7 @@ pub(super) fn recognise(tree: &SkeletonTree) -> Result<RoleMap, NoPerson> {
     map.warnings.extend(sides.warnings);
     set_limbs(tree, &body, [sides.left_leg, sides.left_arm], &mut map);
     trunk::set_trunk_roles(tree, &body, &mut map);
-    if map.get(Joint::Neck).is_none() && map.get(Joint::Head).is_none() {
-        return Err(no_person::no_head(tree, &body));
-    }
+    ensure(map.get(Joint::Neck).or(map.get(Joint::Head)).is_some(), || no_person::no_head(tree, &body))?;
     map.warnings.extend(find_other_names(tree, &map));
     let named = map.joints.iter().flatten().filter(|&&j| tree.labels[j].names_a_part()).count();
     if named * 2 < map.joints.iter().flatten().count() {

@@ -4,29 +4,7 @@
 //! decide where it says nothing.
 
 use super::super::profile::plain;
-
-/// A side of the body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NamedSide {
-    Left,
-    Right,
-}
-
-impl NamedSide {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        }
-    }
-
-    pub fn other(self) -> Self {
-        match self {
-            Self::Left => Self::Right,
-            Self::Right => Self::Left,
-        }
-    }
-}
+use crate::side::LateralSide;
 
 /// A part of the body that a name may mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,7 +79,7 @@ fn words() -> impl Iterator<Item = (&'static str, &'static [NamedPart])> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Label {
     /// The side it names.
-    pub side: Option<NamedSide>,
+    pub side: Option<LateralSide>,
     /// The parts it may mean, by bit; 0 where it names none.
     parts: u16,
     /// True where the name is the word of the part and nothing else.
@@ -168,25 +146,25 @@ fn find_word(rest: &str) -> Option<(&'static str, &'static [NamedPart])> {
     words().find(|(word, _)| *word == rest).or_else(within)
 }
 
-fn side_of(word: &str) -> Option<NamedSide> {
+fn side_of(word: &str) -> Option<LateralSide> {
     match word {
-        "left" | "l" | "lt" | "lft" | "links" | "linke" | "linker" | "linkes" | "li" | "左" => Some(NamedSide::Left),
+        "left" | "l" | "lt" | "lft" | "links" | "linke" | "linker" | "linkes" | "li" | "左" => Some(LateralSide::Left),
         "right" | "r" | "rt" | "rgt" | "rechts" | "rechte" | "rechter" | "rechtes" | "re" | "右" => {
-            Some(NamedSide::Right)
+            Some(LateralSide::Right)
         }
         _ => None,
     }
 }
 
 /// A side that is written without a break: `lfemur`, `leftarm`, `左腕`.
-fn glued_side(part: String) -> (Option<NamedSide>, String) {
-    const PREFIXES: [(NamedSide, &[&str]); 6] = [
-        (NamedSide::Left, &["left"]),
-        (NamedSide::Right, &["right"]),
-        (NamedSide::Left, &["linker", "linkes", "linke", "links"]),
-        (NamedSide::Right, &["rechter", "rechtes", "rechte", "rechts"]),
-        (NamedSide::Left, &["左"]),
-        (NamedSide::Right, &["右"]),
+fn glued_side(part: String) -> (Option<LateralSide>, String) {
+    const PREFIXES: [(LateralSide, &[&str]); 6] = [
+        (LateralSide::Left, &["left"]),
+        (LateralSide::Right, &["right"]),
+        (LateralSide::Left, &["linker", "linkes", "linke", "links"]),
+        (LateralSide::Right, &["rechter", "rechtes", "rechte", "rechts"]),
+        (LateralSide::Left, &["左"]),
+        (LateralSide::Right, &["右"]),
     ];
     for (side, words) in PREFIXES {
         let rest = words.iter().find_map(|word| part.strip_prefix(word).or_else(|| part.strip_suffix(word)));
@@ -194,7 +172,7 @@ fn glued_side(part: String) -> (Option<NamedSide>, String) {
             return (Some(side), rest.to_owned());
         }
     }
-    for (letter, side) in [("l", NamedSide::Left), ("r", NamedSide::Right)] {
+    for (letter, side) in [("l", LateralSide::Left), ("r", LateralSide::Right)] {
         let Some(rest) = part.strip_prefix(letter) else { continue };
         // `larm` may be a lower arm as well; `lradius` has a side.
         if words().any(|(word, _)| word == rest) && !words().any(|(word, _)| word == part && word.len() > 4) {
@@ -228,7 +206,7 @@ mod tests {
 
     #[test]
     fn names_of_many_conventions_come_apart_into_side_and_part() {
-        let (l, r) = (Some(NamedSide::Left), Some(NamedSide::Right));
+        let (l, r) = (Some(LateralSide::Left), Some(LateralSide::Right));
         for (name, side, part) in [
             ("LeftUpLeg", l, Thigh),
             ("Bip01 R Thigh", r, Thigh),
@@ -286,7 +264,8 @@ mod tests {
             assert!(!Label::from_name(name).left_out, "{name}");
         }
         assert!(
-            !Label::from_name("Bone00").names_a_part() && Label::from_name("Bone_L.003").side == Some(NamedSide::Left)
+            !Label::from_name("Bone00").names_a_part()
+                && Label::from_name("Bone_L.003").side == Some(LateralSide::Left)
         );
     }
 }

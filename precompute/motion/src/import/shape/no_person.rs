@@ -5,6 +5,7 @@ use super::names::NamedPart;
 use super::tree::SkeletonTree;
 use super::{NoPerson, RecognisedBody, trunk};
 use crate::import::roles::RoleMap;
+use crate::import::units::rest_world;
 use glam::Vec3;
 use throng_core::Joint;
 
@@ -42,10 +43,7 @@ pub fn check_stance(tree: &SkeletonTree, map: &RoleMap) -> Result<(), NoPerson> 
         let knees = height(middle(frame, shins)) > 0.25 * leg;
         knees && height(end) < 0.25 * leg && height(place(0)) > 0.5 * leg && apart > 0.35 * leg
     };
-    let mut rest = vec![Vec3::ZERO; tree.clip.joints.len()];
-    for (j, joint) in tree.clip.joints.iter().enumerate() {
-        rest[j] = joint.parent.map_or(Vec3::ZERO, |p| rest[p]) + joint.offset;
-    }
+    let rest: Vec<Vec3> = rest_world(tree.clip).into_iter().map(|(at, _)| at).collect();
     let top = map.get(Head).or(map.get(Neck));
     let is_upright = |top: usize| {
         let trunk = (rest[top] - middle(&rest, tops)).normalize_or_zero();

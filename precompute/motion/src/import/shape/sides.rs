@@ -1,9 +1,9 @@
 //! Finds which side is left: toes point and knees bend ahead; the arms lie as the legs do. Names are compared with it.
 
-use super::names::NamedSide;
 use super::tree::SkeletonTree;
 use super::{NoPerson, RecognisedBody};
 use crate::import::roles::RoleMap;
+use crate::side::LateralSide;
 use glam::Vec3;
 use throng_core::Joint;
 
@@ -61,14 +61,14 @@ pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result
         (Some(shape), _) => shape,
         (None, Some(name)) => name,
         (None, None) => match (named[1], side_of_sign(shown.arms)) {
-            (Some(arm), Some(NamedSide::Left)) => arm,
-            (Some(arm), Some(NamedSide::Right)) => arm.other(),
+            (Some(arm), Some(LateralSide::Left)) => arm,
+            (Some(arm), Some(LateralSide::Right)) => arm.other(),
             _ => return Err(unknown(tree, &joints)),
         },
     };
     let first_arm = match (side_of_sign(shown.arms), named[1]) {
-        (Some(NamedSide::Left), _) => first_leg,
-        (Some(NamedSide::Right), _) => first_leg.other(),
+        (Some(LateralSide::Left), _) => first_leg,
+        (Some(LateralSide::Right), _) => first_leg.other(),
         (None, Some(name)) => name,
         (None, None) => return Err(unknown(tree, &joints)),
     };
@@ -78,7 +78,7 @@ pub(super) fn decide_sides(tree: &SkeletonTree, body: &RecognisedBody) -> Result
     }
     let pairs = [joints.thighs, joints.arms].into_iter().zip(wrong);
     let warnings = pairs.filter_map(|(joints, side)| Some(conflicts(tree, joints, side?))).flatten().collect();
-    let index = |first: NamedSide| usize::from(first == NamedSide::Right);
+    let index = |first: LateralSide| usize::from(first == LateralSide::Right);
     Ok(Sides { left_leg: index(first_leg), left_arm: index(first_arm), warnings })
 }
 
@@ -121,19 +121,21 @@ pub fn check_role_sides(tree: &SkeletonTree, map: &RoleMap) -> Result<SwappedSid
     let shown = side_evidence(tree, joints);
     let legs_wrong = shown.is_certain && shown.legs < 0.0;
     match (legs_wrong, shown.arms < 0.0) {
-        (true, false) => Err(swapped(tree, joints, NamedSide::Left, NamedSide::Left)),
+        (true, false) => Err(swapped(tree, joints, LateralSide::Left, LateralSide::Left)),
         (true, true) => {
-            Ok(SwappedSides { legs: true, arms: false, warnings: conflicts(tree, thighs, NamedSide::Left) })
+            Ok(SwappedSides { legs: true, arms: false, warnings: conflicts(tree, thighs, LateralSide::Left) })
         }
-        (false, true) => Ok(SwappedSides { legs: false, arms: true, warnings: conflicts(tree, arms, NamedSide::Left) }),
+        (false, true) => {
+            Ok(SwappedSides { legs: false, arms: true, warnings: conflicts(tree, arms, LateralSide::Left) })
+        }
         (false, false) => Ok(SwappedSides::default()),
     }
 }
 
-fn side_of_sign(value: f32) -> Option<NamedSide> {
+fn side_of_sign(value: f32) -> Option<LateralSide> {
     match value {
-        v if v > 0.0 => Some(NamedSide::Left),
-        v if v < 0.0 => Some(NamedSide::Right),
+        v if v > 0.0 => Some(LateralSide::Left),
+        v if v < 0.0 => Some(LateralSide::Right),
         _ => None,
     }
 }
@@ -193,16 +195,17 @@ fn toe_tip(tree: &SkeletonTree, foot: usize) -> Option<usize> {
 }
 
 /// Warnings about joints such as one named left that is to the right of the spine.
-fn conflicts(tree: &SkeletonTree, joints: [usize; 2], first: NamedSide) -> Vec<String> {
-    let conflict = |(joint, side): (usize, NamedSide)| {
+fn conflicts(tree: &SkeletonTree, joints: [usize; 2], first: LateralSide) -> Vec<String> {
+    let conflict = |(joint, side): (usize, LateralSide)| {
         let (name, named, is) = (tree.name(joint), side.name(), side.other().name());
         format!("`{name}` is named {named}, but is to the {is} of the spine; its place decides.")
     };
     [(joints[0], first), (joints[1], first.other())].map(conflict).to_vec()
 }
 
-fn swapped(tree: &SkeletonTree, joints: SideJoints, leg: NamedSide, arm: NamedSide) -> NoPerson {
-    let of = |pair: [usize; 2], first: NamedSide| tree.name(pair[usize::from(first == NamedSide::Right)]).to_owned();
+fn swapped(tree: &SkeletonTree, joints: SideJoints, leg: LateralSide, arm: LateralSide) -> NoPerson {
+    let of =
+        |pair: [usize; 2], first: LateralSide| tree.name(pair[usize::from(first == LateralSide::Right)]).to_owned();
     let message = format!(
         "left and right are swapped: by toes, knees and shoulders, `{}` and `{}` are on the right of the body",
         of(joints.thighs, leg),

@@ -2,7 +2,8 @@
 
 use super::super::units::sample_frames;
 use super::names::Label;
-use crate::raw::RawClip;
+use crate::clip::median;
+use crate::raw::{RawClip, children_of};
 use glam::Vec3;
 use throng_base::maths::quantile;
 
@@ -34,12 +35,7 @@ impl<'a> SkeletonTree<'a> {
     pub fn new(clip: &'a RawClip) -> Self {
         let n = clip.joints.len();
         let sampled: Vec<usize> = sample_frames(clip.num_frames, MAX_FRAMES).collect();
-        let mut children = vec![Vec::new(); n];
-        for (j, joint) in clip.joints.iter().enumerate() {
-            if let Some(p) = joint.parent {
-                children[p].push(j);
-            }
-        }
+        let children = children_of(clip.joints.iter().map(|j| j.parent));
         let length = |j: usize| {
             let all = sampled.iter().map(|&f| clip.translations[f * n + j].length());
             if clip.joints[j].parent.is_none() { 0.0 } else { quantile(all, [1, 2]).unwrap_or_default() }
