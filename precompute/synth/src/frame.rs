@@ -3,7 +3,7 @@
 use super::SynthConfig;
 use super::foot::FootPose;
 use super::leg::LegShape;
-use super::side::{LateralSide, forward, over_ground};
+use super::side::LateralSide;
 use glam::{DQuat, DVec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::clip::{Clip, ClipTag};
@@ -74,8 +74,8 @@ pub struct BodyPose {
     pub arms: [ArmPose; 2],
     /// Left and right foot.
     pub feet: [FootPose; 2],
-    /// Headings of the knees (rad).
-    pub knees: [f64; 2],
+    /// Directions of the knees, left and right.
+    pub knees: [DVec3; 2],
 }
 
 /// Position of the upper chest joint of a body (m).
@@ -102,17 +102,10 @@ pub fn add_tags<'a>(clip: &mut Clip, spans: impl IntoIterator<Item = (&'a str, f
     clip.tags.sort_by(|a, b| (a.range.start, a.range.end, &a.name).cmp(&(b.range.start, b.range.end, &b.name)));
 }
 
-/// Adds a pose standing on both feet to a clip.
-pub fn push_pose(clip: &mut Clip, pose: &BodyPose, skeleton: &Skeleton) {
-    let knees = pose.knees.map(|heading| over_ground(forward(heading), 0.0));
-    push_pose_with_hands(clip, pose, knees, Contacts::NONE, skeleton);
-}
-
 /// Adds a pose to a clip.
 ///
-/// - `knees`: directions of the knees, left and right, in place of the headings of the pose.
 /// - `held`: contacts other than those of the feet.
-pub fn push_pose_with_hands(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2], held: Contacts, skeleton: &Skeleton) {
+pub fn push_pose(clip: &mut Clip, pose: &BodyPose, held: Contacts, skeleton: &Skeleton) {
     let mut local = [DQuat::IDENTITY; NUM_JOINTS];
     local[Joint::Hips.index()] = pose.hips;
     pose_trunk(&mut local, pose);
@@ -122,7 +115,7 @@ pub fn push_pose_with_hands(clip: &mut Clip, pose: &BodyPose, knees: [DVec3; 2],
         for (joint, q) in side.arm().into_iter().zip([arm.clavicle, arm.upper_arm, arm.forearm, arm.hand]) {
             local[joint.index()] = q;
         }
-        pose_leg(&mut local, side, pose, knees[side.index()], skeleton);
+        pose_leg(&mut local, side, pose, skeleton);
         contacts.insert(pose.feet[side.index()].contacts(side));
     }
     let last = clip.rotations.len().checked_sub(NUM_JOINTS);
@@ -144,11 +137,11 @@ fn pose_trunk(local: &mut [DQuat; NUM_JOINTS], pose: &BodyPose) {
     }
 }
 
-fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: LateralSide, pose: &BodyPose, knee: DVec3, skeleton: &Skeleton) {
+fn pose_leg(local: &mut [DQuat; NUM_JOINTS], side: LateralSide, pose: &BodyPose, skeleton: &Skeleton) {
     let [thigh, shin, ankle, toe] = side.leg();
     let foot = &pose.feet[side.index()];
     let hip = pose.root + pose.hips * skeleton.offsets[thigh.index()].as_dvec3();
-    let leg = LegShape::from_skeleton(skeleton).solve(hip, foot.ankle, knee);
+    let leg = LegShape::from_skeleton(skeleton).solve(hip, foot.ankle, pose.knees[side.index()]);
     let knee = DQuat::from_rotation_x(leg.knee);
     local[thigh.index()] = pose.hips.inverse() * leg.thigh;
     local[shin.index()] = knee;

@@ -18,7 +18,7 @@ mod technique;
 use super::SynthConfig;
 use super::arm::ArmShape;
 use super::frame::{self, ArmPose, BodyPose, Samples};
-use super::side::LateralSide;
+use super::side::{LateralSide, forward_direction};
 use super::signal::{interpolate, smooth};
 use body::BoxerBody;
 use fist::ArmGoal;
@@ -27,7 +27,7 @@ use plan::BoxingDealer;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use throng_core::planar::{twist_about_y, wrap_angle};
-use throng_core::{Joint, Skeleton};
+use throng_core::{Contacts, Joint, Skeleton};
 use throng_motion::clip::ClipSet;
 
 /// Makes the `boxing` set: shadow-boxing with footwork in all directions, straights, hooks and uppercuts of both hands
@@ -50,7 +50,8 @@ pub fn boxing(cfg: &SynthConfig) -> ClipSet {
         let arms = LateralSide::BOTH.map(|side| fist::follow_script(side, &script, &bodies, &samples, &skeleton));
         let mut clip = frame::empty_clip(format!("boxing_{:02}", clips.len()), "boxing", cfg);
         for i in samples.frames() {
-            frame::push_pose(&mut clip, &pose(&bodies[i], [&arms[0][i], &arms[1][i]], &skeleton), &skeleton);
+            let pose = pose(&bodies[i], [&arms[0][i], &arms[1][i]], &skeleton);
+            frame::push_pose(&mut clip, &pose, Contacts::NONE, &skeleton);
         }
         frame::add_tags(&mut clip, script.tags);
         clips.push(clip);
@@ -73,7 +74,7 @@ fn pose(body: &BoxerBody, arms: [&ArmGoal; 2], skeleton: &Skeleton) -> BodyPose 
     let knees = body.feet.map(|foot| {
         let turned = DQuat::from_rotation_y(-body.facing) * body.hips;
         let hips = body.facing + f64::from(twist_about_y(turned.as_quat()));
-        hips + 0.7 * f64::from(wrap_angle((foot.yaw - hips) as f32))
+        forward_direction(hips + 0.7 * f64::from(wrap_angle((foot.yaw - hips) as f32)))
     });
     BodyPose {
         root: body.root,

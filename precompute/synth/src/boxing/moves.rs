@@ -30,14 +30,9 @@ impl HandPunch {
 
     /// The tag of the blow in a clip.
     pub fn tag(self) -> &'static str {
-        match (self.punch, self.lead) {
-            (Punch::Straight, true) => "left_jab",
-            (Punch::Straight, false) => "right_straight",
-            (Punch::Hook, true) => "left_hook",
-            (Punch::Hook, false) => "right_hook",
-            (Punch::Uppercut, true) => "left_uppercut",
-            (Punch::Uppercut, false) => "right_uppercut",
-        }
+        let [left, right] =
+            [["left_jab", "left_hook", "left_uppercut"], ["right_straight", "right_hook", "right_uppercut"]];
+        (if self.lead { left } else { right })[self.punch as usize]
     }
 }
 

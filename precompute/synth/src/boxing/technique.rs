@@ -1,6 +1,6 @@
 //! Technique of each punch and each defence: its postures, and the turn of the striking arm.
 
-use super::moves::{Defence, HandPunch, Punch};
+use super::moves::{Defence, HandPunch};
 use super::posture::{BoxingHandPose, BoxingPosture};
 use glam::DVec3;
 
@@ -43,14 +43,8 @@ impl Technique {
 
 /// The technique of a blow.
 pub fn technique_of(blow: HandPunch) -> Technique {
-    match (blow.punch, blow.lead) {
-        (Punch::Straight, true) => JAB,
-        (Punch::Straight, false) => CROSS,
-        (Punch::Hook, true) => LEAD_HOOK,
-        (Punch::Hook, false) => REAR_HOOK,
-        (Punch::Uppercut, true) => LEAD_UPPERCUT,
-        (Punch::Uppercut, false) => REAR_UPPERCUT,
-    }
+    let [lead, rear] = [[JAB, LEAD_HOOK, LEAD_UPPERCUT], [CROSS, REAR_HOOK, REAR_UPPERCUT]];
+    (if blow.lead { lead } else { rear })[blow.punch as usize]
 }
 
 /// Posture of a blow: hips, chest, pitch, list, flexion and weight; heels and pivots, left and right.

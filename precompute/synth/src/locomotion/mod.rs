@@ -27,7 +27,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use scene::ActTimes;
-use throng_core::Skeleton;
+use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, ClipTag};
 
 /// Number of clips of the whole motion set.
@@ -65,7 +65,7 @@ fn clip(act: &LocomotionAct, number: usize, take: usize, cfg: &SynthConfig, skel
     };
     let mut clip = frame::empty_clip(act.name(take), "locomotion", cfg);
     for &i in &scene.frames {
-        frame::push_pose(&mut clip, &poses[i], skeleton);
+        frame::push_pose(&mut clip, &poses[i], Contacts::NONE, skeleton);
     }
     let whole = 0..clip.num_frames();
     clip.tags =

@@ -54,7 +54,7 @@ mod tests {
         let feet =
             LateralSide::BOTH.map(|s| shape.contact_pose(DVec3::new(0.1 * s.sign(), 0.03, 0.13), 0.0, 0.0, 0.0, 0.0));
         let trunk = [DQuat::IDENTITY; 5];
-        BodyPose { root: DVec3::Y, hips: DQuat::IDENTITY, trunk, arms, feet, knees: [0.0; 2] }
+        BodyPose { root: DVec3::Y, hips: DQuat::IDENTITY, trunk, arms, feet, knees: [DVec3::Z; 2] }
     }
 
     #[test]

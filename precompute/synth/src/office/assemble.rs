@@ -76,9 +76,7 @@ pub fn clip(
         for (k, side) in LateralSide::BOTH.into_iter().enumerate() {
             pose.arms[k] = hands::arm(side, &held, &pose.arms[k], &keyed.hands[k][i], skeleton);
         }
-        frame::push_pose(&mut clip, &pose, skeleton);
-        let frame = clip.contacts.len() - 1;
-        clip.contacts[frame].insert(contacts(script, samples.times[i]));
+        frame::push_pose(&mut clip, &pose, contacts(script, samples.times[i]), skeleton);
     }
     frame::add_tags(&mut clip, script.tags.iter().copied());
     clip.tags.retain(|t| !t.range.is_empty());

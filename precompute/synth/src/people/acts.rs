@@ -9,6 +9,9 @@ use super::super::office::stand::{clasp_hands, lean_on, look_around, look_at_wat
 use super::super::office::visit::{self, mirrored_for_side};
 use super::super::side::LateralSide;
 use super::super::walk::footsteps::FeetStance;
+use HandsAtRest::{Chin, Clasp, Hang, Hip, Watch};
+use LateralSide::{Left, Right};
+use PersonAct::{Buy, Chat, Cheer, Handshake, Look, Nod, Put, Queue, Sit, Take, Wave};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
@@ -93,53 +96,27 @@ const UP: KeyedHandPose = KeyedHandPose { shrug: 0.25, ..hand_before_body([0.34,
 
 impl PersonAct {
     /// All acts, in the order in which clips are made.
-    pub const LIST: [Self; 31] = [
-        Self::Wave(LateralSide::Right),
-        Self::Handshake,
-        Self::Look(HandsAtRest::Chin(LateralSide::Right)),
-        Self::Buy(LateralSide::Right),
-        Self::Chat(0.1),
-        Self::Sit,
-        Self::Queue(HandsAtRest::Hang),
-        Self::Cheer,
-        Self::Nod(LateralSide::Right),
-        Self::Look(HandsAtRest::Clasp),
-        Self::Chat(0.4),
-        Self::Queue(HandsAtRest::Hip(LateralSide::Left)),
-        Self::Buy(LateralSide::Left),
-        Self::Sit,
-        Self::Wave(LateralSide::Left),
-        Self::Look(HandsAtRest::Hang),
-        Self::Chat(0.0),
-        Self::Queue(HandsAtRest::Watch),
-        Self::Cheer,
-        Self::Look(HandsAtRest::Hip(LateralSide::Right)),
-        Self::Chat(0.2),
-        Self::Queue(HandsAtRest::Clasp),
-        Self::Nod(LateralSide::Left),
-        Self::Take(LateralSide::Right, Height::Table),
-        Self::Put(LateralSide::Right, Height::Table),
-        Self::Take(LateralSide::Left, Height::Table),
-        Self::Put(LateralSide::Left, Height::Table),
-        Self::Take(LateralSide::Right, Height::Shelf),
-        Self::Put(LateralSide::Right, Height::Shelf),
-        Self::Take(LateralSide::Left, Height::Shelf),
-        Self::Put(LateralSide::Left, Height::Shelf),
+    pub const LIST: [&[Self]; 5] = [
+        &[Wave(Right), Handshake, Look(Chin(Right)), Buy(Right), Chat(0.1), Sit, Queue(Hang), Cheer],
+        &[Nod(Right), Look(Clasp), Chat(0.4), Queue(Hip(Left)), Buy(Left), Sit, Wave(Left), Look(Hang)],
+        &[Chat(0.0), Queue(Watch), Cheer, Look(Hip(Right)), Chat(0.2), Queue(Clasp), Nod(Left)],
+        &[Take(Right, Height::Table), Put(Right, Height::Table), Take(Left, Height::Table), Put(Left, Height::Table)],
+        &[Take(Right, Height::Shelf), Put(Right, Height::Shelf), Take(Left, Height::Shelf), Put(Left, Height::Shelf)],
     ];
 
     /// Tag of the act.
     pub fn tag(self) -> &'static str {
         match self {
-            Self::Wave(_) | Self::Nod(_) => "greet",
-            Self::Handshake => "handshake",
-            Self::Look(_) => "look",
-            Self::Buy(_) => "buy",
-            Self::Chat(_) => "chat",
-            Self::Sit => "sit",
-            Self::Queue(_) => "queue",
-            Self::Cheer => "cheer",
-            Self::Take(..) => "take",
-            Self::Put(..) => "put",
+            Wave(_) | Nod(_) => "greet",
+            Handshake => "handshake",
+            Look(_) => "look",
+            Buy(_) => "buy",
+            Chat(_) => "chat",
+            Sit => "sit",
+            Queue(_) => "queue",
+            Cheer => "cheer",
+            Take(..) => "take",
+            Put(..) => "put",
         }
     }
 
@@ -147,22 +124,22 @@ impl PersonAct {
     ///
     /// - `variation`: factor on the usual variation.
     pub fn script(self, variation: f64, rng: &mut impl Rng) -> MotionScript {
-        let at = if self == Self::Sit { DVec2::new(0.0, BEFORE_SEAT) } else { DVec2::ZERO };
+        let at = if self == Sit { DVec2::new(0.0, BEFORE_SEAT) } else { DVec2::ZERO };
         let mut script = MotionScript::new(FeetStance { at, heading: 0.0 }, variation);
         let s = &mut script;
         s.wait_until(BEFORE_S);
         let looped = match self {
-            Self::Wave(side) => wave(s, side, rng),
-            Self::Nod(side) => nod(s, side, rng),
-            Self::Handshake => shake_hands(s, rng),
-            Self::Look(rest) => stand(s, rest, 9.0, true, rng),
-            Self::Buy(side) => buy(s, side, rng),
-            Self::Chat(heat) => chat(s, heat, rng),
-            Self::Sit => sit(s, rng),
-            Self::Queue(rest) => stand(s, rest, 10.0, false, rng),
-            Self::Cheer => cheer(s, rng),
-            Self::Take(side, height) => handle(s, side, height, true, rng),
-            Self::Put(side, height) => handle(s, side, height, false, rng),
+            Wave(side) => wave(s, side, rng),
+            Nod(side) => nod(s, side, rng),
+            Handshake => shake_hands(s, rng),
+            Look(rest) => stand(s, rest, 9.0, true, rng),
+            Buy(side) => buy(s, side, rng),
+            Chat(heat) => chat(s, heat, rng),
+            Sit => sit(s, rng),
+            Queue(rest) => stand(s, rest, 10.0, false, rng),
+            Cheer => cheer(s, rng),
+            Take(side, height) => handle(s, side, height, true, rng),
+            Put(side, height) => handle(s, side, height, false, rng),
         };
         let end = s.now;
         s.tags.push((self.tag(), 0.5 * BEFORE_S, end + 0.3));
@@ -220,7 +197,7 @@ fn nod(s: &mut MotionScript, side: LateralSide, rng: &mut impl Rng) -> LoopSpan 
 
 fn shake_hands(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
     let from = s.now;
-    let side = LateralSide::Right;
+    let side = Right;
     s.hand(side, from + 0.7, 0.7, mirrored_for_side(side, GIVEN));
     s.pose(from + 0.7, 0.7, KeyedPosture::with_chest(0.16, 0.1));
     s.turn_head(from + 0.4, 0.4, 0.0, 0.05, 0.0);
@@ -314,7 +291,7 @@ fn sit(s: &mut MotionScript, rng: &mut impl Rng) -> LoopSpan {
 /// Stands with the weight on alternating legs, and looks ahead or about.
 fn stand(s: &mut MotionScript, rest: HandsAtRest, long: f64, ahead: bool, rng: &mut impl Rng) -> LoopSpan {
     let from = s.now;
-    let sides = if rng.random_bool(0.5) { LateralSide::BOTH } else { [LateralSide::Right, LateralSide::Left] };
+    let sides = if rng.random_bool(0.5) { LateralSide::BOTH } else { [Right, Left] };
     let first = lean_on(sides[0], s, rng);
     let second = lean_on(sides[1], s, rng);
     s.pose(from + 1.1, 1.1, first);
@@ -325,7 +302,7 @@ fn stand(s: &mut MotionScript, rest: HandsAtRest, long: f64, ahead: bool, rng: &
     if ahead {
         gaze(s, ready, to, rng);
     } else {
-        let free = if rest == HandsAtRest::Watch { look_at_watch(s, ready + 1.0, rng) } else { ready };
+        let free = if rest == Watch { look_at_watch(s, ready + 1.0, rng) } else { ready };
         look_around(s, free, to - 0.8, rng);
     }
     s.turn_head(to, 0.7, 0.0, 0.0, 0.0);
@@ -339,10 +316,10 @@ fn stand(s: &mut MotionScript, rest: HandsAtRest, long: f64, ahead: bool, rng: &
 fn take_rest_pose(s: &mut MotionScript, rest: HandsAtRest, from: f64) -> f64 {
     let there = from + 1.1;
     match rest {
-        HandsAtRest::Hang | HandsAtRest::Watch => {}
-        HandsAtRest::Clasp => clasp_hands(s, there),
-        HandsAtRest::Hip(side) => s.hand(side, there, 0.9, on_hip(side)),
-        HandsAtRest::Chin(side) => {
+        Hang | Watch => {}
+        Clasp => clasp_hands(s, there),
+        Hip(side) => s.hand(side, there, 0.9, on_hip(side)),
+        Chin(side) => {
             s.hand(side, there, 0.9, mirrored_for_side(side, CHIN));
             s.hand(side.other(), there, 0.95, mirrored_for_side(side.other(), UNDER_ELBOW));
         }

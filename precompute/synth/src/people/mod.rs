@@ -26,7 +26,7 @@ pub const MINUTES: f64 = 4.7;
 pub fn people(cfg: &SynthConfig) -> ClipSet {
     let mut set = ClipSet { skeleton: Skeleton::default(), clips: Vec::new() };
     let mut spent = 0.0;
-    for (number, act) in PersonAct::LIST.iter().cycle().enumerate() {
+    for (number, act) in PersonAct::LIST.into_iter().flatten().cycle().enumerate() {
         if spent >= cfg.minutes * 60.0 {
             break;
         }

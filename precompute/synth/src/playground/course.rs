@@ -1,8 +1,7 @@
 //! Course of a slide: the centre line of its bed, by distance over the ground.
 
-use super::super::side::{forward, leftward, over_ground};
+use super::super::side::{forward, left_direction, leftward, over_ground};
 use super::super::walk::footsteps::FeetStance;
-use super::moment::left_direction;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 

@@ -2,13 +2,13 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::{BodyPose, Samples};
-use super::super::side::LateralSide;
+use super::super::side::{LateralSide, forward_direction, left_direction};
 use super::super::signal::bump;
 use super::super::track::KeyTrack;
 use super::super::walk::footsteps::FeetStance;
 use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::gym::{LADDER, LADDER_FRONT, LEVEL, RAIL_ASIDE, RAIL_TOP, RUNG, RUNG_RADIUS};
-use super::moment::{BodyMoment, ease_in_out, forward_direction, left_direction, mix_turn};
+use super::moment::{BodyMoment, ease_in_out, mix_turn};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;
@@ -59,11 +59,11 @@ pub fn climb(from: &BodyPose, to: &BodyPose, skeleton: &Skeleton, dt: f64, rng: 
         let hanging = if t > 0.5 * plan.duration { to } else { from };
         let feet = plan.feet.each_ref().map(|stays| foot(stays, t, &shape));
         let root = world_point(p.z, p.y, p.x);
-        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees: [0.0; 2] };
-        let hand_contacts = hold_on(&plan.hands, t, &mut body, |p| p, skeleton);
         let out = 0.45 * ease_in_out((t - LEAD) / 0.8) * ease_in_out((plan.duration - t) / 1.4);
         let knees = LateralSide::BOTH.map(|s| forward_direction(0.0) + left_direction(0.0) * (s.sign() * (0.08 + out)));
-        BodyMoment { body, knees, hand_contacts, seat: None }
+        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees };
+        let hand_contacts = hold_on(&plan.hands, t, &mut body, |p| p, skeleton);
+        BodyMoment { body, hand_contacts, seat: None }
     };
     samples.times.iter().zip(plan.body.sample(&samples, &[], 0.06)).map(moment).collect()
 }

@@ -71,7 +71,7 @@ fn perform_legs(name: String, legs: &[VisitLeg], skeleton: &Skeleton, cfg: &Synt
     let mut clip = frame::empty_clip(name, "playground", cfg);
     let mut support = 0.0;
     for moment in moments.iter().step_by(grid.per_frame) {
-        frame::push_pose_with_hands(&mut clip, &moment.body, moment.knees, moment.hand_contacts, skeleton);
+        frame::push_pose(&mut clip, &moment.body, moment.hand_contacts, skeleton);
         support = moment.support().unwrap_or(support);
         clip.support.push(support as f32);
     }

@@ -2,19 +2,15 @@
 
 use super::super::foot::FootPose;
 use super::super::frame::{ArmPose, BodyPose};
-use super::super::side::{forward, leftward, over_ground};
 use super::super::signal::{PieceEnd, quintic};
-use glam::DVec3;
 use throng_core::Contacts;
 use throng_core::planar::wrap_angle;
 
 /// A body at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMoment {
-    /// The pose; the headings of the knees are not used.
+    /// The pose.
     pub body: BodyPose,
-    /// Directions of the knees, left and right.
-    pub knees: [DVec3; 2],
     /// Contacts other than those of the feet.
     pub hand_contacts: Contacts,
     /// Height of the seat's contact, while it carries (m).
@@ -24,8 +20,7 @@ pub struct BodyMoment {
 impl BodyMoment {
     /// Moment of a body on its feet.
     pub fn upright(body: BodyPose) -> Self {
-        let knees = body.knees.map(forward_direction);
-        Self { body, knees, hand_contacts: Contacts::NONE, seat: None }
+        Self { body, hand_contacts: Contacts::NONE, seat: None }
     }
 
     /// Height of the lowest contact of a foot or the seat (m).
@@ -44,10 +39,9 @@ impl BodyMoment {
             trunk: std::array::from_fn(|i| a.trunk[i].slerp(b.trunk[i], share)),
             arms: [0, 1].map(|i: usize| mix_arms(&a.arms[i], &b.arms[i], share)),
             feet: [0, 1].map(|i: usize| mix_feet(&a.feet[i], &b.feet[i], share)),
-            knees: near.body.knees,
+            knees: [0, 1].map(|i: usize| a.knees[i].lerp(b.knees[i], share)),
         };
-        let knees = [0, 1].map(|i: usize| self.knees[i].lerp(to.knees[i], share));
-        Self { body, knees, hand_contacts: near.hand_contacts, seat: near.seat }
+        Self { body, hand_contacts: near.hand_contacts, seat: near.seat }
     }
 }
 
@@ -96,14 +90,4 @@ pub fn mix_turn(a: f64, b: f64, share: f64) -> f64 {
 /// Smooth step from 0 to 1 over `u` in `[0, 1]`, at rest at both ends.
 pub fn ease_in_out(u: f64) -> f64 {
     quintic(PieceEnd::at_rest(0.0), PieceEnd::at_rest(1.0), 1.0, u.clamp(0.0, 1.0))
-}
-
-/// Horizontal direction of a heading.
-pub fn forward_direction(heading: f64) -> DVec3 {
-    over_ground(forward(heading), 0.0)
-}
-
-/// Horizontal direction to the left of a heading.
-pub fn left_direction(heading: f64) -> DVec3 {
-    over_ground(leftward(heading), 0.0)
 }

@@ -2,14 +2,14 @@
 
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::{BodyPose, Samples};
-use super::super::side::{LateralSide, forward, ground_position, leftward};
+use super::super::side::{LateralSide, forward, forward_direction, ground_position, left_direction, leftward};
 use super::super::signal::{PieceEnd, bump, quintic, smooth};
 use super::super::track::KeyTrack;
 use super::super::walk::footsteps::FeetStance;
 use super::LegMoments;
 use super::body::{Carriage, HandTrack, HoldPoint, SynthHandGrip, hold_on};
 use super::course::{SIDE_ASIDE, SIDE_HEIGHT, SlideCourse};
-use super::moment::{self, BodyMoment, ease_in_out, forward_direction, left_direction};
+use super::moment::{self, BodyMoment, ease_in_out};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
@@ -246,18 +246,18 @@ impl SlideRide<'_> {
         let seated = t >= self.times.seat && t <= self.times.rise;
         let hanging = ends[usize::from(t > 0.5 * (self.times.go + self.times.stop))];
         let feet = LateralSide::BOTH.map(|side| self.foot(side, t, carriage.place.x, ends, skeleton));
-        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees: [at.heading; 2] };
+        let knees = LateralSide::BOTH.map(|s| {
+            let apart = 0.12 + 0.2 * f64::from(u8::from(seated));
+            forward_direction(at.heading) + DVec3::Y + left_direction(at.heading) * (s.sign() * apart)
+        });
+        let mut body = BodyPose { root, hips, trunk, arms: hanging.arms, feet, knees };
         let beside = |p: DVec3| self.course.point(carriage.place.x + p.x).offset_point(p.z, p.y + SEAT);
         let mut hand_contacts = hold_on(&self.hands, t, &mut body, beside, skeleton);
         if seated {
             hand_contacts.insert(Contacts::SEAT);
         }
-        let knees = LateralSide::BOTH.map(|s| {
-            let apart = 0.12 + 0.2 * f64::from(u8::from(seated));
-            forward_direction(at.heading) + DVec3::Y + left_direction(at.heading) * (s.sign() * apart)
-        });
         let seat = seated.then(|| self.course.height(carriage.place.x));
-        BodyMoment { body, knees, hand_contacts, seat }
+        BodyMoment { body, hand_contacts, seat }
     }
 
     /// Pose of a foot: on the deck, over the edge, sliding ahead, down to the ground.

@@ -4,6 +4,7 @@ use super::super::SynthConfig;
 use super::super::attitude::{Attitude, Trunk};
 use super::super::foot::FootPose;
 use super::super::frame::{self, ArmPose, BodyPose, Samples};
+use super::super::side::forward_direction;
 use super::super::signal::{interpolate, smooth};
 use super::arms::{self, ArmInput};
 use super::footsteps::Footsteps;
@@ -12,7 +13,7 @@ use super::trunk::{self, Drift};
 use glam::{DQuat, DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::planar::wrap_angle;
-use throng_core::{Planar, Skeleton};
+use throng_core::{Contacts, Planar, Skeleton};
 use throng_motion::clip::Clip;
 
 /// All signals of a clip at the working rate.
@@ -29,7 +30,7 @@ pub fn clip(name: String, steps: &Footsteps, skeleton: &Skeleton, cfg: &SynthCon
     let signals = ClipSignals::new(steps, skeleton, &samples, cfg.variation, rng, |_, _| {}, |_| {});
     let mut clip = frame::empty_clip(name, "walk", cfg);
     for i in samples.frames() {
-        frame::push_pose(&mut clip, &signals.pose(i), skeleton);
+        frame::push_pose(&mut clip, &signals.pose(i), Contacts::NONE, skeleton);
     }
     clip
 }
@@ -104,8 +105,8 @@ pub fn drift(duration: f64, samples: &Samples, speed: &[f64], variation: f64, rn
     Drift { gaze: calm(gaze), nod: calm(nod), arms: arms.map(calm), breath }
 }
 
-/// Headings of the knees, between the hips and the feet (rad).
-pub fn knees(root: DVec3, hips: DQuat, feet: &[FootPose; 2]) -> [f64; 2] {
+/// Directions of the knees, between the hips and the feet.
+pub fn knees(root: DVec3, hips: DQuat, feet: &[FootPose; 2]) -> [DVec3; 2] {
     let heading = f64::from(Planar::split(root.as_vec3(), hips.as_quat()).0.heading);
-    feet.map(|foot| heading + 0.6 * f64::from(wrap_angle((foot.yaw - heading) as f32)))
+    feet.map(|foot| forward_direction(heading + 0.6 * f64::from(wrap_angle((foot.yaw - heading) as f32))))
 }

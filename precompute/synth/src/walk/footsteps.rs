@@ -3,7 +3,6 @@
 use super::super::foot::FootShape;
 use super::super::side::{LateralSide, forward, leftward};
 use super::foot::FootTrack;
-use super::gait::StepShape;
 use super::roll::Footfall;
 use super::wander::{Intent, STANDING_WIDTH, TOE_OUT};
 use glam::DVec2;
@@ -56,14 +55,12 @@ pub fn timing(step: &Intent, last: f64) -> (f64, f64) {
 }
 
 /// A step with its time and place.
-struct PlacedStep {
-    side: LateralSide,
+struct PlacedStep<'a> {
+    intent: &'a Intent,
     lift: f64,
     land: f64,
-    shape: StepShape,
     ankle: DVec2,
     heading: f64,
-    toe_out: f64,
 }
 
 /// Places steps from a stand, followed by a stand of `last` seconds.
@@ -86,22 +83,15 @@ pub fn place_footsteps(
 }
 
 /// Time and place of every step's landing.
-fn place_steps(start: FeetStance, intents: &[Intent]) -> Vec<PlacedStep> {
+fn place_steps(start: FeetStance, intents: &[Intent]) -> Vec<PlacedStep<'_>> {
     let (mut stance, mut last) = (start, 0.0);
     let mut out = Vec::with_capacity(intents.len());
-    for step in intents {
-        stance = stance.after_step(step);
-        let (lift, land) = timing(step, last);
+    for intent in intents {
+        stance = stance.after_step(intent);
+        let (lift, land) = timing(intent, last);
         last = land;
-        out.push(PlacedStep {
-            side: step.side,
-            lift,
-            land,
-            shape: step.shape,
-            ankle: stance.ankle(step.side, step.width),
-            heading: stance.heading,
-            toe_out: step.toe_out,
-        });
+        let ankle = stance.ankle(intent.side, intent.width);
+        out.push(PlacedStep { intent, lift, land, ankle, heading: stance.heading });
     }
     out
 }
@@ -111,23 +101,23 @@ fn falls_of(side: LateralSide, start: FeetStance, placed: &[PlacedStep]) -> Vec<
     let yaw = |heading: f64, toe_out: f64| heading + toe_out * side.sign();
     let mut falls =
         vec![Footfall::standing(0.0, start.ankle(side, STANDING_WIDTH), start.heading, yaw(start.heading, TOE_OUT))];
-    for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.side == side) {
+    for (k, step) in placed.iter().enumerate().filter(|(_, s)| s.intent.side == side) {
         let ahead = forward(step.heading);
-        let other = placed[..k].iter().rev().find(|s| s.side != side);
+        let other = placed[..k].iter().rev().find(|s| s.intent.side != side);
         let other = other.map_or(start.ankle(side.other(), STANDING_WIDTH), |s| s.ankle);
         // The foot leaves its last footfall for this one.
         if let Some(fall) = falls.last_mut() {
             let travel = (step.ankle - fall.ankle).dot(forward(fall.heading));
             fall.lift = step.lift;
-            fall.heel_off = (step.lift - 0.46 * step.shape.period).max(fall.flat + 0.02);
+            fall.heel_off = (step.lift - 0.46 * step.intent.shape.period).max(fall.flat + 0.02);
             fall.push = 0.2 + 0.5 * (travel.max(0.0) / 1.45).min(1.0);
         }
         let reach = (step.ankle - other).dot(ahead);
         falls.push(Footfall {
             land: step.land,
-            flat: step.land + (0.15 * step.shape.period).clamp(0.07, 0.1),
+            flat: step.land + (0.15 * step.intent.shape.period).clamp(0.07, 0.1),
             strike: 0.36 * (reach / 0.75).clamp(0.03, 1.0),
-            ..Footfall::standing(step.land, step.ankle, step.heading, yaw(step.heading, step.toe_out))
+            ..Footfall::standing(step.land, step.ankle, step.heading, yaw(step.heading, step.intent.toe_out))
         });
     }
     falls
@@ -154,7 +144,7 @@ fn load_knots(placed: &[PlacedStep], duration: f64, rng: &mut impl Rng) -> Vec<(
     let mut knots = vec![(0.0, 0.5)];
     let mut last = 0.0;
     for step in placed {
-        let carried = share_on(step.side.other());
+        let carried = share_on(step.intent.side.other());
         stand_knots(&mut knots, last, step.lift - SHIFT, rng);
         knots.extend([(step.lift, carried), (step.land, carried)]);
         last = step.land;
