@@ -46,11 +46,6 @@ impl LateralSide {
         Self::BOTH[1 - self.index()]
     }
 
-    /// Thigh joint of the side.
-    pub fn thigh(self) -> Joint {
-        self.leg()[0]
-    }
-
     /// Thigh, shin, foot and toe joints of the side.
     pub fn leg(self) -> [Joint; 4] {
         LEGS[self.index()]

@@ -1,6 +1,5 @@
 //! Reads AMC: the numbers that move the joints of an ASF skeleton, one line per joint, one block per frame.
 
-use super::archive;
 use super::asf::{Asf, AsfJoint, Dof};
 use super::scan::{Scanner, TextPosition, parse_count, text};
 use super::source::{FrameSink, SourceClip, content_error};
@@ -75,10 +74,7 @@ fn read_header(scan: &mut Scanner, asf: &Asf) -> Result<(Option<f64>, bool), Imp
 }
 
 fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink, ImportError> {
-    let mut sink = FrameSink::new(
-        asf.joints.clone(),
-        FrameSink::budget_of_text(archive::counted_bytes(scan.path, scan.bytes.len())),
-    );
+    let mut sink = FrameSink::of_text(asf.joints.clone(), scan);
     let by_name: HashMap<&[u8], usize> =
         asf.joints.iter().enumerate().filter(|(_, j)| !j.is_end).map(|(i, j)| (j.name.as_bytes(), i)).collect();
     let scale = if degrees { 1f64.to_radians() } else { 1.0 };
@@ -115,7 +111,7 @@ fn read_frames(scan: &mut Scanner, asf: &Asf, degrees: bool) -> Result<FrameSink
         b.take_joint(scan, mark, joint)?;
         let detail = &asf.details[joint];
         let (t, r) = read_joint(scan, detail, scale)?;
-        let root = sink.is_root(joint);
+        let root = sink.joints[joint].parent.is_none();
         sink.translations[joint] += if root { t } else { detail.axis * t };
         sink.rotations[joint] = detail.axis * r * detail.axis.conjugate();
     }

@@ -3,7 +3,6 @@
 //! Rotations apply in channel order (the first channel is the outermost), whatever order each joint chooses.
 //! Position channels replace the joint's offset, axis by axis, on any joint.
 
-use super::archive;
 use super::scan::{Scanner, text};
 use super::source::{CoordinateAxis, FrameSink, MAX_JOINTS, MAX_NAME, SourceClip, content_error, duplicate_names};
 use crate::error::{ImportError, ensure};
@@ -181,8 +180,7 @@ fn rate_of(seconds: f64, written: &str) -> f64 {
 }
 
 fn read_frames(scan: &mut Scanner, h: Hierarchy, num_frames: u64) -> Result<FrameSink, ImportError> {
-    let mut sink =
-        FrameSink::new(h.joints, FrameSink::budget_of_text(archive::counted_bytes(scan.path, scan.bytes.len())));
+    let mut sink = FrameSink::of_text(h.joints, scan);
     let num_channels = h.channels.len();
     let (path, help) = (scan.path, "A clip without motion cannot be used");
     ensure(num_channels > 0, || content_error(path, "no joint has a channel", help))?;

@@ -1,5 +1,7 @@
 //! Motion as its file has it, before units and axes are found.
 
+use super::archive;
+use super::scan::Scanner;
 use crate::error::{ImportError, Warnings};
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 use glam::{DQuat, DVec3};
@@ -60,9 +62,10 @@ pub(crate) struct FrameSink {
 }
 
 impl FrameSink {
-    /// Number of joint transforms that a text of `num_bytes` may make: most of them take several numbers of it.
-    pub fn budget_of_text(num_bytes: usize) -> usize {
-        num_bytes.saturating_mul(2).saturating_add(1 << 20)
+    /// Keeps as many joint transforms as a text may make: most of them take several numbers of it.
+    pub fn of_text(joints: Vec<RawJoint>, text: &Scanner) -> Self {
+        let num_bytes = archive::counted_bytes(text.path, text.bytes.len());
+        Self::new(joints, num_bytes.saturating_mul(2).saturating_add(1 << 20))
     }
 
     /// Number of joint transforms that a compressed file of `num_bytes` may make: in proportion to it.
@@ -99,11 +102,6 @@ impl FrameSink {
         self.clip_translations.extend(self.translations.iter().map(|t| t.as_vec3()));
         self.clip_rotations.extend(self.rotations.iter().map(|r| r.normalize().as_quat()));
         true
-    }
-
-    /// True for a joint without a parent.
-    pub fn is_root(&self, joint: usize) -> bool {
-        self.joints[joint].parent.is_none()
     }
 
     /// Number of frames kept.

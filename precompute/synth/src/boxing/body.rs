@@ -133,7 +133,7 @@ fn hips_heights(bodies: &[BoxerBody], postures: &[BoxingPosture], skeleton: &Ske
     let leg = LegShape::from_skeleton(skeleton);
     let limit = |(body, p): (&BoxerBody, &BoxingPosture)| {
         let under = |side: LateralSide, flexion: f64| {
-            let hip = body.root + body.hips * skeleton.offsets[side.thigh().index()].as_dvec3();
+            let hip = body.root + body.hips * skeleton.offsets[side.leg()[0].index()].as_dvec3();
             let to = body.feet[side.index()].ankle - hip;
             let reach = leg.reach(flexion);
             to.y + (reach * reach - to.x * to.x - to.z * to.z).max(0.01).sqrt()

@@ -113,7 +113,7 @@ impl RunnerBody<'_> {
 
     /// Hip joint of a side (m).
     fn hip(&self, scene: &ActTimes, side: LateralSide, t: f64) -> DVec3 {
-        self.position(t) + self.hips(t).rotation() * scene.skeleton.offsets[side.thigh().index()].as_dvec3()
+        self.position(t) + self.hips(t).rotation() * scene.skeleton.offsets[side.leg()[0].index()].as_dvec3()
     }
 
     fn hips(&self, t: f64) -> Attitude {
