@@ -227,13 +227,6 @@ pub fn joint_transforms(
     out
 }
 
-/// The middle one of values in order, the upper one of two; `None` for no values.
-pub(crate) fn median(values: impl IntoIterator<Item = f32>) -> Option<f32> {
-    let mut all: Vec<f32> = values.into_iter().collect();
-    all.sort_by(f32::total_cmp);
-    all.get(all.len() / 2).copied()
-}
-
 /// The longest runs of frames within `range` for which `holds` is true, in order.
 pub fn runs_where(range: FrameRange, holds: impl Fn(usize) -> bool) -> Vec<FrameRange> {
     let mut out = Vec::new();

@@ -1,17 +1,7 @@
-//! Left and right, and the joints of the limbs.
+//! Left and right, and the joints of their limbs.
 
 use throng_core::Joint;
-
-/// Upper arm, forearm and hand of both sides.
-pub const ARMS: [[Joint; 3]; 2] = {
-    use Joint::*;
-    [[LeftUpperArm, LeftForearm, LeftHand], [RightUpperArm, RightForearm, RightHand]]
-};
-/// Thigh, shin, foot and toe of both sides.
-pub const LEGS: [[Joint; 4]; 2] = {
-    use Joint::*;
-    [[LeftThigh, LeftShin, LeftFoot, LeftToe], [RightThigh, RightShin, RightFoot, RightToe]]
-};
+use throng_core::skeleton::{ARMS, LEGS};
 
 /// A side of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,11 +3,11 @@
 use super::contacts::speeds;
 use crate::clip::{Clip, Exclusion, ExclusionReason};
 use crate::error::{Result, check_ranges};
-use crate::side::ARMS;
 use glam::Vec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use throng_base::thresholds::{BODY_STILL_MPS, POSE_HELD_MPS};
+use throng_core::skeleton::ARMS;
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 
 /// Frames to leave out at the ends of clips.

@@ -6,7 +6,6 @@
 
 use super::body::{PoseSample, RolePose, SourceBody};
 use super::geometry;
-use crate::side::LEGS;
 use glam::{Mat3, Quat, Vec3};
 use throng_base::maths;
 use throng_base::maths::quantile;

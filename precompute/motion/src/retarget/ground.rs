@@ -5,8 +5,6 @@
 //! moves up or down as time goes by, have a slope of their own. What no plane fits is terrain, and stays.
 
 use super::transfer::RetargetedMotion;
-use crate::clip::median;
-use crate::side::LEGS;
 use crate::stance::{self, FootSample};
 use glam::{DMat3, DVec3, Quat, Vec3};
 use throng_base::maths;

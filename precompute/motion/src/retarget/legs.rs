@@ -4,7 +4,6 @@
 //! slide. The knee stays in the plane that the source bends it in; the foot turns as the source's does.
 
 use super::body::RolePose;
-use crate::side::LEGS;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_core::skeleton::LEGS;

@@ -19,7 +19,6 @@ use crate::clip::ClipSet;
 use crate::error::{BuildError, Result, Warnings, ensure};
 use crate::import::ImportedClip;
 use crate::raw::{RawClip, RawJoint};
-pub use crate::side::LEGS;
 use body::SourceBody;
 pub use body::{RetargetSource, Roles};
 use glam::Vec3;

@@ -6,10 +6,10 @@ use crate::export::scratch::TrackScratch;
 use crate::import::RoleMap;
 use crate::raw::RawClip;
 use crate::retarget::{BodyFit, WornPose};
-use crate::side::{ARMS, LEGS};
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use std::io;
 use throng_base::maths;
+use throng_core::skeleton::{ARMS, LEGS};
 use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::share_along;
 

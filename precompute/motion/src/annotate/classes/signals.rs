@@ -2,8 +2,7 @@
 
 use super::{ClassSpan, Gait, HELD_OTHERWISE, MotionClass};
 use crate::annotate::contacts::speeds;
-use crate::clip::{Clip, FrameRange, median, runs_where};
-use crate::side::ARMS;
+use crate::clip::{Clip, FrameRange, runs_where};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::maths::quantile;
 use throng_core::skeleton::ARMS;

@@ -19,7 +19,6 @@ mod track;
 
 use crate::clip::{Clip, ClipHit, FrameRange, HitKind};
 use crate::error::Result;
-use crate::side::ARMS;
 pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 use glam::Vec3;
@@ -29,6 +28,7 @@ pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
 use runs::ExtensionRun;
 use std::collections::BTreeMap;
+use throng_core::skeleton::ARMS;
 use throng_core::{Contacts, Joint, Skeleton};
 use track::{LimbTrack, Poses, STRIKING_LEGS, StrikingLimb};
 

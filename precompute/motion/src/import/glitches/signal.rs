@@ -1,6 +1,5 @@
 //! Tracks of positions and rotations, and the distance of a value from its path.
 
-use crate::clip::median;
 use glam::{Quat, Vec3};
 use throng_base::maths;
 use throng_base::maths::quantile;

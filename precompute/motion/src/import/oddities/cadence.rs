@@ -1,9 +1,9 @@
 //! Detection of steps faster than anybody takes them, as in a file whose rate is not that of the capture.
 
-use crate::clip::median;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::Vec2;
+use throng_base::maths::quantile;
 use throng_base::thresholds::WALKING_MPS;
 use throng_core::Joint;
 
@@ -53,7 +53,7 @@ pub(super) fn find_fast_steps(clip: &RawClip, roles: &RoleMap) -> Option<String>
     intervals.sort_unstable();
     // Medians.
     let steps_hz = clip.rate_hz / intervals[intervals.len() / 2] as f64;
-    let (speed_mps, rate_hz) = (median(speeds)?, clip.rate_hz);
+    let (speed_mps, rate_hz) = (quantile(speeds, [1, 2])?, clip.rate_hz);
     (steps_hz > MOST_HZ).then(|| {
         format!(
             "takes {steps_hz:.1} steps a second, which nobody does, at {speed_mps:.1} m/s: was it captured at the \

@@ -1,6 +1,6 @@
 //! Walks on the spot, as on treadmills and in exports "in place": they are found, and get root motion from planted feet.
 
-use crate::clip::{median, runs_where};
+use crate::clip::runs_where;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Vec2, Vec3, Vec3Swizzles};

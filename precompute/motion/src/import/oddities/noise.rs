@@ -1,6 +1,5 @@
 //! Shaking of joints from frame to frame, as unfiltered capture has it.
 
-use crate::clip::median;
 use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};

@@ -2,7 +2,6 @@
 
 use super::super::units::sample_frames;
 use super::names::Label;
-use crate::clip::median;
 use crate::raw::{RawClip, children_of};
 use glam::Vec3;
 use throng_base::maths::quantile;
