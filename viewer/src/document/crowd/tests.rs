@@ -109,22 +109,24 @@ fn the_last_minute_is_recorded_and_no_more() {
 
 #[test]
 fn the_reasons_of_a_choice_name_the_action_that_is_played() {
-    let mut not_chosen = 0;
     for seed in 0..20 {
         // Nobody else is there to make way for, so that nobody takes another than the best.
         let mut document = crowd(1, seed);
         steps(&mut document.run, 90);
+        // While it answers to a target that has moved on, it plays what it did not choose.
+        let has_chosen = |document: &SceneDocument| explain_choice(&document.chooser(0).unwrap()).is_some();
+        for _ in 0..240 {
+            if has_chosen(&document) {
+                break;
+            }
+            document.run.step().unwrap();
+        }
         let chooser = document.chooser(0).unwrap();
-        // A character that stands may play a segment that it did not choose.
-        let Some(why) = explain_choice(&chooser) else {
-            not_chosen += 1;
-            continue;
-        };
+        let why = explain_choice(&chooser).unwrap();
         // Without chance, the best candidate is taken.
         assert_eq!(why.chosen, 0);
         assert_eq!(why.candidates[0].segment, chooser.characters.segment(0).0);
         assert!(why.step <= document.run.head.shown_step());
         assert!(why.candidates.is_sorted_by(|a, b| a.score >= b.score));
     }
-    assert!(not_chosen <= 4, "{not_chosen} of 20");
 }
