@@ -252,7 +252,7 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
         let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
         let blackboard = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
-        return commands.push(blackboard.unwrap_or(ViewerCommand::SelectCharacter(hit)));
+        commands.push(blackboard.unwrap_or(ViewerCommand::SelectCharacter(hit)));
     }
 }
 
