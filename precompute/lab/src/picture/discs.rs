@@ -119,7 +119,9 @@ fn draw_moment(record: &AgentsRecord, moment: &CrowdMoment, least_m: f32, from: 
     for obstacle in &record.obstacles {
         let mover = OBSTACLE_COLOUR.mix(colour::INK, 0.4);
         out.solids.extend(match obstacle {
-            Obstacle::Ball { centre, radius } => Some((bar(*centre, *centre, *radius), OBSTACLE_COLOUR)),
+            Obstacle::Ball { centre, radius } if record.in_the_air => {
+                Some((bar(*centre, *centre, *radius), OBSTACLE_COLOUR))
+            }
             Obstacle::Wall { from, to, radius } => Some((bar(*from, *to, *radius), OBSTACLE_COLOUR)),
             Obstacle::Mover { path, radius } => {
                 let at = position_on_timed_path(path, moment.time_s);

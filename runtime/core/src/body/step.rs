@@ -15,7 +15,6 @@ use super::reach::Hands;
 use super::reaction::{Reaction, ReactionConfig, ReactionStep, any_lane_reacts, push, react_lanes};
 use super::sample::LanePose;
 use super::springs::DampedSpring;
-use super::times::{Laps, StepPhase};
 use super::touch::BlockTouch;
 use super::upper::{BodyLayers, LayerStates, LayerTick};
 use crate::planar::Planar;
@@ -221,7 +220,6 @@ pub(crate) fn pose_block<F: Lanes>(
     state: &mut BodyState,
     feet: &mut impl PlantFeet<F>,
     to: PoseOutput<'_>,
-    laps: &mut Laps<'_>,
 ) -> [V<F>; 2] {
     let orders = layers.layers.as_ref().unwrap_or(&const { [BodyLayers::NONE; LANES] });
     let is_ordered = layers.layers.is_some();
@@ -241,14 +239,11 @@ pub(crate) fn pose_block<F: Lanes>(
     }
     let mut pose = ModelPose::unposed(F::splat(0.0));
     pose.set_local(|j| load(&body.offsets[j]), motion);
-    laps.end(StepPhase::Sample);
     if tick.reaction.enabled && any_lane_reacts::<F>(&state.reaction) {
         react_lanes(body, tick.reaction, &tick.reaction_step, place, &mut state.reaction, &mut pose);
     }
-    laps.end(StepPhase::Reaction);
     feet.plant(layers, place, state, &mut pose);
     state.seen = [1.0; LANES];
-    laps.end(StepPhase::FootLock);
     if let Some(hands) = &layers.hands {
         hands.reach_places(body, &mut pose);
     }
@@ -262,7 +257,6 @@ pub(crate) fn pose_block<F: Lanes>(
     if !to.locals.is_empty() {
         write_locals(|j| load(&body.offsets[j]), &pose, to.locals.len() / NUM_JOINTS, to.locals);
     }
-    laps.end(StepPhase::Poses);
     // No closure: those are compiled without the processor's vectors.
     let [left, right] = [LEGS[0][3].index(), LEGS[1][3].index()];
     [place.to_world(pose.positions[left]), place.to_world(pose.positions[right])]

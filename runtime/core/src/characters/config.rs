@@ -45,8 +45,6 @@ pub struct CharactersConfig {
     pub local_transforms: bool,
     /// True to also write an [`super::PoseInstance`] of every character.
     pub instances: bool,
-    /// Also measure where the time of a step goes, see [`super::Characters::times`].
-    pub timed: bool,
 }
 
 impl Default for CharactersConfig {
@@ -63,7 +61,6 @@ impl Default for CharactersConfig {
             avoid: None,
             local_transforms: false,
             instances: false,
-            timed: false,
         }
     }
 }

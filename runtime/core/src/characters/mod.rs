@@ -31,11 +31,9 @@ mod transition;
 
 pub use crate::body::FootLockConfig;
 pub use crate::body::ReactionConfig;
-pub use crate::body::StepTimes;
 pub use crate::body::head_centre;
 use crate::body::{
-    BodyVolume, HeightField, Laps, LimbTouch, LocalTransform, Mat3x4, PartnerTouch, PhaseClock, RANGE_BLOCKS,
-    RANGE_LEN, StepPhase, TouchConfig,
+    BodyVolume, HeightField, LimbTouch, LocalTransform, Mat3x4, PartnerTouch, RANGE_BLOCKS, RANGE_LEN, TouchConfig,
 };
 pub use crate::body::{Detail, DetailLevel, PoseInstance};
 use crate::bundle::Bundle;
@@ -114,7 +112,6 @@ pub struct Characters {
     touches: Vec<LimbTouch>,
     /// Collision avoidance, if it is on.
     avoiding: Option<Box<PathAvoidance>>,
-    times: StepTimes,
 }
 
 /// State and root of a character when it chose its action.
@@ -177,7 +174,6 @@ impl Characters {
             touch: None,
             touches: Vec::new(),
             avoiding: config.avoid.map(|avoid| Box::new(PathAvoidance::new(motion_set, &avoid, capacity))),
-            times: StepTimes::default(),
         })
     }
 
@@ -224,7 +220,6 @@ impl Characters {
 
     /// Takes one step with checked arguments.
     pub(super) fn run(&mut self, motion_set: &MotionSet, dt_s: f32, orders: &[PolicyOrder], run: &dyn Executor) {
-        let clock = self.config.timed.then(PhaseClock::default);
         let config = self.config;
         let (ground, touch) = (self.ground.clone(), self.touch.take());
         let tick = CharactersTick {
@@ -235,7 +230,6 @@ impl Characters {
             orders,
             touch: touch.as_deref(),
             moves: true,
-            clock: clock.as_ref(),
         };
         let n = self.num_characters;
         let num_ranges = n.div_ceil(RANGE_LEN);
@@ -253,17 +247,14 @@ impl Characters {
                     let (first, count) = range_span(i, n);
                     step::advance_all(blocks, passed, first, count, &tick);
                 });
-                let mut laps = Laps::start(tick.clock);
                 self.choose_avoiding(&avoid::ChoiceInputs { motion_set, config: &config, avoid, orders });
                 self.passed[..num_ranges].iter_mut().for_each(|passed| passed.sort());
-                laps.end(StepPhase::Control);
                 run_each(run, self.ranges(), |range| step::pose_all(range, &tick));
             }
             None => run_each(run, self.ranges(), |range| step::step(range, &tick)),
         }
         self.blows.gather_blows(&self.passed[..num_ranges], motion_set);
         self.touch = touch;
-        self.times = clock.map_or(self.times, |c| c.times());
     }
 
     /// The parts of a step that threads may share.
@@ -463,11 +454,6 @@ impl Characters {
         block.choice_root[1][lane] += by.y;
         self.mark_paths_stale();
         Ok(())
-    }
-
-    /// Times of the last step's phases; zero unless [`CharactersConfig::timed`].
-    pub fn times(&self) -> StepTimes {
-        self.times
     }
 
     /// Joints of all characters in model space, which [`Characters::root`] places in the world.

@@ -326,8 +326,7 @@ impl PolicyCharacters {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.bundle.hash().to_le_bytes());
         // What is only written or measured besides changes no motion.
-        let outputs =
-            CharactersConfig { local_transforms: false, instances: false, timed: false, ..self.characters.config };
+        let outputs = CharactersConfig { local_transforms: false, instances: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
         SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 9, setup: setup.finish() }
     }

@@ -146,7 +146,6 @@ impl Characters {
             orders: &[],
             touch: touch.as_deref(),
             moves: false,
-            clock: None,
         };
         self.ranges().for_each(|range| step::pose_all(range, &tick));
         self.touch = touch;

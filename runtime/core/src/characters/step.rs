@@ -16,9 +16,9 @@ use super::pace;
 use super::{CharactersConfig, PolicyOrder};
 use crate::body::{
     BlockTouch, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, FrameCursor,
-    FramePosition, HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, Laps, LayerLanes, LimbTouch, LocalTransform,
-    Mat3x4, ModelPose, PartnerTouch, PhaseClock, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose,
-    StepPhase, hips_ground_height, load, pose_block, sample_pose,
+    FramePosition, HeightField, LEGS, Lane, Lane3, LaneBody, LanePose, LayerLanes, LimbTouch, LocalTransform, Mat3x4,
+    ModelPose, PartnerTouch, PlacementLanes, PlantFeet, PoseInstance, PoseOutput, SolePose, hips_ground_height, load,
+    pose_block, sample_pose,
 };
 use crate::contacts::Contacts;
 use crate::skeleton::{Joint, NUM_JOINTS};
@@ -45,8 +45,6 @@ pub(crate) struct CharactersTick<'a> {
     pub touch: Option<&'a PartnerTouch>,
     /// False applies the displacements of the last step's touch again.
     pub moves: bool,
-    /// Sums of the times of each phase, if they are measured.
-    pub clock: Option<&'a PhaseClock>,
 }
 
 /// The part of the characters that one call handles.
@@ -75,10 +73,8 @@ pub(crate) struct CharacterRange<'a> {
 /// The list.
 pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     advance_all(range.blocks, range.passed, range.first, range.count, tick);
-    let mut laps = Laps::start(tick.clock);
     control::choose_all(range.blocks, range.bodies, range.passed, range.first, range.count, tick);
     range.passed.sort();
-    laps.end(StepPhase::Control);
     pose_all(range, tick);
 }
 
@@ -144,7 +140,6 @@ pub(crate) fn advance_all(
     count: usize,
     tick: &CharactersTick<'_>,
 ) {
-    let mut laps = Laps::start(tick.clock);
     passed.clear();
     let frames = tick.dt_s * tick.motion_set.rate_hz;
     for character in 0..count {
@@ -171,7 +166,6 @@ pub(crate) fn advance_all(
         }
         b.age_s[lane] += tick.dt_s;
     }
-    laps.end(StepPhase::Advance);
 }
 
 impl CharacterBlock<'_> {
@@ -186,7 +180,6 @@ impl CharacterBlock<'_> {
     ) {
         let Self { block, body, level, records, orders, touches } = self;
         let r = tick.motion_set;
-        let mut laps = Laps::start(tick.clock);
         let mut spots = [FramePosition::default(); LANES];
         for (lane, spot) in spots.iter_mut().enumerate() {
             // The last frame of a clip has no successor, so it is reached from the one before.
@@ -220,7 +213,6 @@ impl CharacterBlock<'_> {
             detail::write_instances(records, block, &spots, &place, r, tick.config.half_life_s);
         }
         if level == DetailLevel::Record {
-            laps.end(StepPhase::Sample);
             return;
         }
         let mut motion = LanePose::unposed(F::splat(0.0));
@@ -247,7 +239,6 @@ impl CharacterBlock<'_> {
             state,
             &mut CapturedFeet { tick: feet_tick, body: &r.body, contacts, locks, speed: &speed, feet },
             to,
-            &mut laps,
         );
         feet_tick.clear_contacts_in_air::<F>(&r.body, &body.feet, &lift.to_array(), &mut block.contacts);
         body.state.swing.follow(balls, &block.contacts, &seen, &speed, tick.dt_s);

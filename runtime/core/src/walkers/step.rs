@@ -11,7 +11,7 @@ use super::{Control, WalkerActivity, WalkersConfig};
 use crate::blend::{BlendSpace, BlendedPosture, channel, smooth_share};
 use crate::body::{
     Bearing, BodyState, BodyTick, DetailLevel, FeetMotion, FeetTick, FootLock, FootMotion, HeightField, LEGS, Lane,
-    LaneBody, LanePose, Laps, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
+    LaneBody, LanePose, LayerLanes, LocalTransform, Mat3x4, ModelPose, PlacementLanes, PlantFeet, PoseInstance,
     PoseOutput, SolePose, load, planar_of_lane, pose_block, reach_hand, unorm,
 };
 use crate::contacts::Contacts;
@@ -170,9 +170,7 @@ impl LaneWork for BlendWalkersJob<'_, '_> {
                 matrices: &mut matrices[joints.clone()],
                 locals: locals.get_mut(joints).unwrap_or_default(),
             };
-            let mut laps = Laps::start(None);
-            let balls =
-                pose_block(body, &mut motion, &place, &mut layers, &self.tick.body, state, &mut walking, to, &mut laps);
+            let balls = pose_block(body, &mut motion, &place, &mut layers, &self.tick.body, state, &mut walking, to);
             state.swing.follow(balls, contacts, &seen, speed, self.tick.dt_s);
             from += count;
         }

@@ -2,12 +2,15 @@
 
 use super::super::scratch::TrackScratch;
 use super::super::take::Take;
-pub(crate) use crate::import::gltf::{FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT};
 use bytemuck::Pod;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
+/// Types of components, by their codes in glTF.
+pub(crate) const FLOAT: u32 = 5126;
+pub(crate) const UNSIGNED_BYTE: u32 = 5121;
+pub(crate) const UNSIGNED_SHORT: u32 = 5123;
 /// Target of a view that holds data of corners.
 pub const VERTICES: u32 = 34962;
 /// Target of a view that holds corners of triangles.

@@ -4,6 +4,7 @@ use super::super::archive::read_file;
 use super::super::source::content_error;
 use super::document::{Accessor, GltfDocument, Sparse, SparsePart};
 use crate::error::{ImportError, ensure};
+use crate::export::glb::parts::{FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT};
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
@@ -13,11 +14,8 @@ pub const MAX_BYTES: u64 = 1 << 30;
 const MAX_ZEROS: usize = 1_000_000;
 
 const BYTE: u32 = 5120;
-pub(crate) const UNSIGNED_BYTE: u32 = 5121;
 const SHORT: u32 = 5122;
-pub(crate) const UNSIGNED_SHORT: u32 = 5123;
 const UNSIGNED_INT: u32 = 5125;
-pub(crate) const FLOAT: u32 = 5126;
 
 /// The buffers of a document, read.
 pub struct AccessorReader<'a> {

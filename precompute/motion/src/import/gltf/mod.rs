@@ -12,8 +12,8 @@ use super::nodes::{self, AnimationSpan, FALLBACK_HZ, RigScene, Transform, rate_o
 use super::source::{MAX_JOINTS, SourceClip, content_error};
 use crate::error::{ImportError, ensure};
 use crate::raw::SourceFormat;
+pub(crate) use accessor::base64;
 pub use accessor::{AccessorReader, MAX_BYTES, path_beside};
-pub(crate) use accessor::{FLOAT, UNSIGNED_BYTE, UNSIGNED_SHORT, base64};
 pub(crate) use document::split;
 pub use document::{
     Accessor, Attributes, Buffer, BufferView, GltfAnimation, GltfChannel, GltfDocument, GltfMesh, GltfNode,

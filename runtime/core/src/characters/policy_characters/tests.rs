@@ -170,7 +170,7 @@ fn what_was_saved_comes_back_and_goes_on_as_it_did() {
 
 #[test]
 fn what_is_only_written_besides_changes_neither_hash_nor_snapshot() {
-    let more = CharactersConfig { local_transforms: true, instances: true, timed: true, ..config() };
+    let more = CharactersConfig { local_transforms: true, instances: true, ..config() };
     let mut plain = group_of(20, 20);
     let mut other = PolicyCharacters::with_capacity(&tables(), 20, more).unwrap();
     (0..20).for_each(|i| _ = spawn(&mut other, i));

@@ -106,18 +106,3 @@ fn a_played_segment_starts_at_once_and_without_a_jump() {
     assert!(matches!(characters.play(&r, 3, 0), Err(Error::Index { what: "character", .. })));
     assert!(matches!(characters.play(&r, 0, 4), Err(Error::Index { what: "segment", .. })));
 }
-
-#[test]
-fn timing_a_step_changes_nothing_else() {
-    let r = MotionSet::new(&tables());
-    let orders = orders(40);
-    let mut plain_one = Characters::new(&r, plain(), &starts(40)).unwrap();
-    let mut timed = Characters::new(&r, CharactersConfig { timed: true, ..plain() }, &starts(40)).unwrap();
-    for _ in 0..30 {
-        plain_one.step(&r, DT, &orders).unwrap();
-        timed.step(&r, DT, &orders).unwrap();
-    }
-    assert!(plain_one.model_matrices() == timed.model_matrices());
-    assert_eq!(plain_one.times(), StepTimes::default());
-    assert!(timed.times().phases().iter().all(|p| p.1 >= 0.0) && timed.times().total_s() > 0.0);
-}
