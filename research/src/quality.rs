@@ -202,7 +202,8 @@ fn search_with_bounds(table: &PolicyTable, pairs: &[PolicySituation], depth: usi
 /// The stored best action of the nearest cell.
 fn load_best_action(table: &PolicyTable, at: PolicySituation) -> u8 {
     let mut actions = [0];
-    let job = BestActionJob { policy: table, states: &[at.state], targets: &[at.target], choice: 0, actions: &mut actions };
+    let job =
+        BestActionJob { policy: table, states: &[at.state], targets: &[at.target], choice: 0, actions: &mut actions };
     job.run().unwrap_or_else(|e| unreachable!("states come from the table, targets are near: {e}"));
     actions[0]
 }

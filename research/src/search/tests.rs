@@ -6,8 +6,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use throng_bake::policy::made_up::SyntheticProblem;
 use throng_bake::policy::{
-    ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig,
-    PolicyConfig, PolicySolver, PolicyTables, SegmentMotion, collect_rewards, segment_records,
+    ActionModel, Approach, BehaviourSpec, GridConfig, PolicyBehaviour, PolicyBehaviourConfig, PolicyConfig,
+    PolicySolver, PolicyTables, SegmentMotion, collect_rewards, segment_records,
 };
 use throng_core::Planar;
 use throng_core::base::SingleRank;
