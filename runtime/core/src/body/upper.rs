@@ -236,7 +236,7 @@ impl LayerState {
         let is_on = is_shown && (self.clip.loops || self.seconds < end - 1.0 / CLIP_RATE);
         // One that has ended stays gone until another is ordered.
         if self.share.follow(tick, is_on, CLIP_RATE) && !is_shown {
-            // All that is not named here is cleared: the state of each other layer is.
+            // The state of every other layer has to be named here, or it is cleared.
             *self = Self { arms: self.arms, lean: self.lean, lean_rate: self.lean_rate, ..Self::ZERO };
         }
     }

@@ -32,6 +32,11 @@ const DECIDE_AGAIN_S: f32 = 0.25;
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
 
+/// Way at which an agent begins to slow down for its goal, over that which it needs; and its plans then, over the time in which it
+/// slows down: with longer ones it would pass its goal.
+const BRAKES_EARLY: f32 = 1.1;
+const BRAKING_PLANS: f32 = 0.5;
+
 /// Longest plan of an agent that waits before a passage (s).
 const WAITING_S: f32 = 0.5;
 
@@ -171,11 +176,11 @@ impl<V: Space> Decider<'_, V> {
         let soon = 2.0 * fields[state.field as usize].relaxation_s;
         let fast = velocity.length();
         // Until it has to slow down for its goal: a longer plan would pass it.
-        let until_slow = (walker.distance_left - 1.1 * soon * state.speed) / fast.max(slow);
+        let until_slow = (walker.distance_left - BRAKES_EARLY * soon * state.speed) / fast.max(slow);
         let longest = match (fast > slow, until_slow > 0.0) {
             (false, _) => f32::INFINITY,
             (true, true) => until_slow,
-            (true, false) => 0.5 * soon,
+            (true, false) => BRAKING_PLANS * soon,
         };
         let longest = if sees_external_obstacles { longest.min(DECIDE_AGAIN_S) } else { longest };
         let longest = if is_together { longest.min(TOGETHER_S) } else { longest };

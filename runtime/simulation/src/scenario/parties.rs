@@ -43,6 +43,7 @@ impl AgentBrains {
         let around = ASIDE.map(|[x, z]| at + Vec3::new(x, 0.0, z)).into_iter();
         let seen = around.filter(|to| stage.sees(at, *to, CLEARANCE_M, false));
         if let Some(to) = seen.max_by(|a, b| room(*a).total_cmp(&room(*b))) {
+            stage.show_activity(agent, None, None);
             stage.order_walk(agent, to, 1.0, false)?;
         }
         Ok(())
