@@ -1,5 +1,7 @@
 //! Arguments that several subcommands share.
 
+use clap::{Arg, Command};
+use std::any::TypeId;
 use std::path::{Path, PathBuf};
 use throng_core::Bundle;
 use throng_core::base::error::ensure;
@@ -43,6 +45,14 @@ pub fn is_bundle(file: &Path) -> bool {
     file.extension().is_some_and(|e| e.eq_ignore_ascii_case("throng"))
 }
 
+/// A command whose options of numbers take negative ones too, so that their own parsers refuse those with the range.
+pub fn accept_negative_numbers(command: Command) -> Command {
+    let numbers =
+        [TypeId::of::<f32>(), TypeId::of::<f64>(), TypeId::of::<u32>(), TypeId::of::<u64>(), TypeId::of::<usize>()];
+    let is_number = |arg: &Arg| numbers.iter().any(|number| arg.get_value_parser().type_id() == *number);
+    command.mut_args(|arg| if is_number(&arg) { arg.allow_negative_numbers(true) } else { arg })
+}
+
 /// Opens a bundle; messages name the file.
 pub fn open_bundle(path: &Path) -> CommandResult<Bundle> {
     Bundle::open(path).map_err(|e| match e {
@@ -79,10 +89,10 @@ fn parse_up(text: &str) -> std::result::Result<UpAxis, String> {
 #[derive(Default, clap::Args)]
 pub struct UnitArgs {
     /// Length of a unit of the files (m); by default by the body's height.
-    #[arg(long, help_heading = "Reading motion", value_name = "M", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::METRES_PER_UNIT))]
+    #[arg(long, help_heading = "Reading motion", value_name = "M", value_parser = limits::number_parser::<f64>(&limits::METRES_PER_UNIT))]
     metres_per_unit: Option<f64>,
     /// Frames a second of the files, in place of what they say (Hz).
-    #[arg(long, help_heading = "Reading motion", value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOTION_HZ))]
+    #[arg(long, help_heading = "Reading motion", value_name = "N", value_parser = limits::number_parser::<f64>(&limits::MOTION_HZ))]
     rate_hz: Option<f64>,
     /// Axis that points up in the files: y or z.
     #[arg(long, help_heading = "Reading motion", value_name = "AXIS", value_parser = parse_up)]
@@ -189,14 +199,7 @@ pub struct CacheArgs {
     #[arg(long, help_heading = "Cache", value_name = "DIR", default_value = Cache::FOLDER)]
     cache: PathBuf,
     /// Greatest size of the folder, in GB; the least recently used entries are removed first.
-    #[arg(
-        long,
-        help_heading = "Cache",
-        value_name = "GB",
-        default_value_t = Cache::LIMIT_BYTES as f64 / 1e9,
-        allow_negative_numbers = true,
-        value_parser = limits::number_parser::<f64>(&limits::CACHE_GB)
-    )]
+    #[arg(long, help_heading = "Cache", value_name = "GB", default_value_t = Cache::LIMIT_BYTES as f64 / 1e9, value_parser = limits::number_parser::<f64>(&limits::CACHE_GB))]
     cache_limit: f64,
     /// Run every stage, and keep nothing.
     #[arg(long, help_heading = "Cache")]
@@ -241,53 +244,32 @@ const CHARACTERS: &str = "Characters";
 #[derive(clap::Args)]
 pub struct CrowdArgs {
     /// Number of characters; 1000, or what the scene says, where absent.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     characters: Option<usize>,
     /// Simulated time; 20, or what the scene says, where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
     pub seconds: Option<f32>,
     /// Steps a simulated second.
-    #[arg(
-        long,
-        help_heading = CHARACTERS,
-        default_value_t = 60.0,
-        value_name = "HZ",
-        allow_negative_numbers = true,
-        value_parser = limits::number_parser::<f32>(&limits::STEP_HZ)
-    )]
+    #[arg(long, help_heading = CHARACTERS, default_value_t = 60.0, value_name = "HZ", value_parser = limits::number_parser::<f32>(&limits::STEP_HZ))]
     pub step_hz: f32,
     /// Seed of places, targets and choices; 1, or what the scene says, where absent.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
+    #[arg(long, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Choose by the stored best action instead of looking ahead; not for scenes.
     #[arg(long, help_heading = CHARACTERS)]
     single_load: bool,
     /// Choose at random among the best few actions, 0 for always the best; 0, or what the scene says, where absent.
-    #[arg(long, help_heading = CHARACTERS, value_name = "T", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
+    #[arg(long, help_heading = CHARACTERS, value_name = "T", value_parser = limits::number_parser::<f32>(&limits::TEMPERATURE))]
     temperature: Option<f32>,
     /// How far a walked action may be bent towards the target, in radians a metre; 0 plays motion as captured. Not
     /// for scenes.
-    #[arg(
-        long,
-        help_heading = CHARACTERS,
-        default_value_t = 0.0,
-        value_name = "RAD_PER_M",
-        allow_negative_numbers = true,
-        value_parser = limits::number_parser::<f32>(&limits::BEND)
-    )]
+    #[arg(long, help_heading = CHARACTERS, default_value_t = 0.0, value_name = "RAD_PER_M", value_parser = limits::number_parser::<f32>(&limits::BEND))]
     bend: f32,
     /// Let characters take no notice of each other; not for scenes.
     #[arg(long, help_heading = CHARACTERS)]
     no_avoid: bool,
     /// Character shown as a strip of poses; not for scenes.
-    #[arg(
-        long,
-        help_heading = CHARACTERS,
-        default_value_t = 0,
-        value_name = "N",
-        allow_negative_numbers = true,
-        value_parser = limits::number_parser::<usize>(&limits::FOLLOWED)
-    )]
+    #[arg(long, help_heading = CHARACTERS, default_value_t = 0, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::FOLLOWED))]
     follow: usize,
 }
 

@@ -23,7 +23,7 @@ pub struct Args {
     #[arg(long)]
     run: bool,
     /// Number of runs, each with the next seed.
-    #[arg(long, value_name = "N", requires = "run", default_value_t = 1, allow_negative_numbers = true,
+    #[arg(long, value_name = "N", requires = "run", default_value_t = 1,
         value_parser = limits::number_parser::<u64>(&limits::REPEATS))]
     seeds: u64,
     /// For scenes of strangers: read only files in the folder of the scene and below, and build nothing.

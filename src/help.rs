@@ -1,7 +1,7 @@
 //! `throng help`, and the layout of help texts: an option has one row where it fits, and rare options are in groups.
 
 use crate::Cli;
-use crate::args::{CommandResult, fail};
+use crate::args::{CommandResult, accept_negative_numbers, fail};
 use crate::output;
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, Command, CommandFactory};
@@ -32,6 +32,7 @@ pub fn parser(words: impl IntoIterator<Item = OsString>) -> Command {
 /// A command with its help in rows, and so its subcommands.
 fn arranged(command: Command, all: bool) -> Command {
     let command = command.disable_help_subcommand(true).mut_subcommands(|c| arranged(c, all));
+    let command = accept_negative_numbers(command);
     // One sentence, as it also stands in lists of commands; what follows it comes last.
     let text = command.get_long_about().or(command.get_about()).map(ToString::to_string).unwrap_or_default();
     let is_end = |&(i, _): &(usize, &str)| text[i + 1..].starts_with(char::is_whitespace);

@@ -32,16 +32,16 @@ pub struct Args {
     #[arg(long, num_args = 2, value_names = ["FROM", "TO"])]
     path: Vec<String>,
     /// Radius that paths keep from walls (m).
-    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().radius_m, allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::RADIUS_M))]
+    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().radius_m, value_parser = limits::number_parser::<f32>(&limits::RADIUS_M))]
     radius: f32,
     /// Height that has to be free (m).
-    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().height_m, allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::HEIGHT_M))]
+    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().height_m, value_parser = limits::number_parser::<f32>(&limits::HEIGHT_M))]
     height: f32,
     /// Highest step (m).
-    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().climb_m, allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::CLIMB_M))]
+    #[arg(long, value_name = "M", default_value_t = LevelSettings::default().climb_m, value_parser = limits::number_parser::<f32>(&limits::CLIMB_M))]
     climb: f32,
     /// Steepest slope (degrees).
-    #[arg(long, value_name = "DEG", default_value_t = LevelSettings::default().slope_deg, allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SLOPE_DEG))]
+    #[arg(long, value_name = "DEG", default_value_t = LevelSettings::default().slope_deg, value_parser = limits::number_parser::<f32>(&limits::SLOPE_DEG))]
     slope: f32,
     /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]

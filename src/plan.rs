@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=100))]
     variants: u64,
     /// Seed in place of the task's: same seed, same motion.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
+    #[arg(long, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Draw moments before and after, seen from two sides (PNG); of an unsolved task, too.
     #[arg(long, value_name = "FILE")]

@@ -41,7 +41,7 @@ pub struct Args {
     #[arg(long, help_heading = "Scenes", value_name = "FILE")]
     trajectories: Option<PathBuf>,
     /// Points of a trajectory a simulated second.
-    #[arg(long, help_heading = "Scenes", value_name = "HZ", default_value_t = 10.0, allow_negative_numbers = true,
+    #[arg(long, help_heading = "Scenes", value_name = "HZ", default_value_t = 10.0,
         value_parser = limits::number_parser::<f64>(&limits::TRAJECTORY_HZ))]
     trajectory_hz: f64,
     /// Recording of a scene to write, for `throng explain`.
@@ -86,15 +86,7 @@ struct LiveArgs {
     #[arg(long, help_heading = "Live", requires = "serve")]
     serve_anyone: bool,
     /// With --serve, simulated seconds a second; 0 is as fast as possible.
-    #[arg(
-        long,
-        help_heading = "Live",
-        value_name = "X",
-        requires = "serve",
-        default_value_t = 1.0,
-        allow_negative_numbers = true,
-        value_parser = limits::number_parser::<f64>(&limits::LIVE_SPEED)
-    )]
+    #[arg(long, help_heading = "Live", value_name = "X", requires = "serve", default_value_t = 1.0, value_parser = limits::number_parser::<f64>(&limits::LIVE_SPEED))]
     speed: f64,
 }
 

@@ -24,17 +24,17 @@ pub struct Args {
     out: PathBuf,
     /// Length of the set in minutes; the default depends on the set. The locomotion set is a list of clips of 4 s: below
     /// 15 minutes it is cut short, above it holds further takes.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SYNTH_MINUTES))]
+    #[arg(long, value_parser = limits::number_parser::<f64>(&limits::SYNTH_MINUTES))]
     minutes: Option<f64>,
     /// Hours of motion in place of `--minutes`, for large databases: a folder such as `hour_0001` for every hour, each with
     /// its own seed, derived from `--seed`. Memory is that of one hour.
-    #[arg(long, conflicts_with = "minutes", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SYNTH_HOURS))]
+    #[arg(long, conflicts_with = "minutes", value_parser = limits::number_parser::<f64>(&limits::SYNTH_HOURS))]
     hours: Option<f64>,
     /// Same seed, same motion.
-    #[arg(long, default_value_t = SynthConfig::default().seed, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
+    #[arg(long, default_value_t = SynthConfig::default().seed, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: u64,
     /// Frames a second.
-    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::RATE_HZ))]
+    #[arg(long, default_value_t = SynthConfig::default().rate_hz, value_name = "HZ", value_parser = limits::number_parser::<f64>(&limits::RATE_HZ))]
     rate_hz: f64,
     /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]

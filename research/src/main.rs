@@ -18,7 +18,7 @@ mod output;
 #[allow(dead_code, reason = "the product's commands use the rest")]
 mod progress;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::{blend, boxing, people, plan, quality, steering, world};
 use std::process::ExitCode;
 use throng_core::base::limit_threads;
@@ -45,7 +45,9 @@ enum Command {
 
 fn main() -> ExitCode {
     limit_threads();
-    let done = match Cli::parse().command {
+    let parser = Cli::command().mut_subcommands(args::accept_negative_numbers);
+    let cli = Cli::from_arg_matches(&parser.get_matches()).unwrap_or_else(|e| e.exit());
+    let done = match cli.command {
         Command::Blend(a) => blend::run(&a),
         Command::Boxing(a) => boxing::run(&a),
         Command::Crowd(a) => crowd::run(&a),

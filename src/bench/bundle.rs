@@ -17,13 +17,13 @@ pub struct Args {
     #[arg(value_name = "BUNDLE")]
     file: PathBuf,
     /// Numbers of characters.
-    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', default_value = "1000,10000", value_name = "N,...", value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     characters: Vec<usize>,
     /// Numbers of threads.
-    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::THREADS))]
+    #[arg(long, value_delimiter = ',', default_value = "1,2", value_name = "N,...", value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     threads: Vec<usize>,
     /// Time given to each figure.
-    #[arg(long, default_value_t = 0.5, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
+    #[arg(long, default_value_t = 0.5, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::MEASURING_S))]
     seconds: f64,
     /// Measure the levels of detail alone: everybody posed whole, without locked feet, as records of 32 bytes. On one thread.
     #[arg(long)]

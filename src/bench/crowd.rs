@@ -26,23 +26,23 @@ pub struct Args {
     scene: Vec<String>,
     /// Numbers of agents; that of the scene where absent. With several scenes, those of fixed size leave out numbers larger
     /// than their own.
-    #[arg(long, value_delimiter = ',', value_name = "N,...", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
+    #[arg(long, value_delimiter = ',', value_name = "N,...", value_parser = limits::number_parser::<usize>(&limits::CHARACTERS))]
     agents: Vec<usize>,
     /// Engines: events, occupancy; that of the scene where absent. The program of research/ has fixed and pairs too.
     #[arg(long, value_delimiter = ',', value_name = "ENGINE,...")]
     engine: Vec<String>,
     /// Number of runs of each; the fastest is reported in full, as the least disturbed one, with the least, median and
     /// largest time for an agent.
-    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true, value_parser = limits::number_parser::<u32>(&limits::REPEATS))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = limits::number_parser::<u32>(&limits::REPEATS))]
     repeats: u32,
     /// Number of threads.
-    #[arg(long, default_value_t = 1, value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<usize>(&limits::THREADS))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = limits::number_parser::<usize>(&limits::THREADS))]
     threads: usize,
     /// Seed of places, sizes and speeds; that of the scene where absent.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u64>(&limits::SEED))]
+    #[arg(long, value_parser = limits::number_parser::<u64>(&limits::SEED))]
     seed: Option<u64>,
     /// Simulated time; what the scene says where absent.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
     /// Plot of the time for one simulated second over the number of agents.
     #[arg(long, value_name = "FILE")]

@@ -22,13 +22,13 @@ pub struct TakeArgs {
     #[arg(long, value_name = "N..N", value_parser = parse_range, value_delimiter = ',')]
     characters: Vec<RangeInclusive<usize>>,
     /// First moment (s); the start by default.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
     from: Option<f64>,
     /// Last moment (s); by default the end of the scene or the recording, or 20 s of a bundle.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::MOMENT_S))]
     to: Option<f64>,
     /// Frames a second, 1 to 1000; 30 by default.
-    #[arg(long, help_heading = "Takes", value_name = "N", allow_negative_numbers = true, value_parser = limits::number_parser::<f64>(&limits::EXPORT_HZ))]
+    #[arg(long, help_heading = "Takes", value_name = "N", value_parser = limits::number_parser::<f64>(&limits::EXPORT_HZ))]
     fps: Option<f64>,
     /// For a bundle, write its clips instead of characters that run on it.
     #[arg(long, help_heading = "Takes")]

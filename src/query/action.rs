@@ -21,17 +21,17 @@ pub struct Args {
     #[arg(long, default_value = "approach", value_name = "NAME")]
     behaviour: String,
     /// State of the motion graph.
-    #[arg(long, allow_negative_numbers = true, value_parser = limits::number_parser::<u32>(&limits::STATE))]
+    #[arg(long, value_parser = limits::number_parser::<u32>(&limits::STATE))]
     state: u32,
     /// Target in the frame of the character, in metres: X to its left, Z ahead.
     #[arg(long, value_name = "X,Z", allow_hyphen_values = true, value_parser = parse_point)]
     target: [f32; 2],
     /// Height of the target over the ground, in metres, for policies that need one, as for blows; by default the middle of
     /// the policy's range.
-    #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::COORDINATE))]
+    #[arg(long, value_name = "M", value_parser = limits::number_parser::<f32>(&limits::COORDINATE))]
     height: Option<f32>,
     /// Time left until the blow lands, in seconds, for policies that need one, as for evading.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
+    #[arg(long, value_name = "S", value_parser = limits::number_parser::<f32>(&limits::SECONDS))]
     time_left: Option<f32>,
     /// Print one JSON object; `throng help keys` lists its keys.
     #[arg(long)]
