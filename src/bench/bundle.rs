@@ -7,9 +7,9 @@ use serde::Serialize;
 use std::path::PathBuf;
 use throng_core::base::error::ensure;
 use throng_core::base::limits;
-use throng_precompute::measure::{self, BundleMeasureConfig, BundleMeasureReport, LevelFigures};
+use throng_precompute::measure::{self, BundleMeasureConfig, CharactersFigures, LevelFigures};
 
-/// Measure queries, sampling and steps of a bundle beside copying the same bytes, and value iteration.
+/// Measure queries, sampling and steps of a bundle beside copying the same bytes.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::json_keys::<BundleBenchReport>())]
 pub struct Args {
@@ -36,8 +36,9 @@ pub struct Args {
 /// Printed report.
 #[derive(Serialize, JsonSchema)]
 struct BundleBenchReport {
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    measured: Option<BundleMeasureReport>,
+    /// One entry for each number of characters and threads; without `--lod`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    results: Option<Vec<CharactersFigures>>,
     /// The levels of detail; with `--lod`.
     #[serde(skip_serializing_if = "Option::is_none")]
     levels: Option<Vec<LevelFigures>>,
@@ -54,38 +55,28 @@ pub fn run(args: &Args) -> CommandResult {
         seconds: args.seconds,
     };
     let levels = args.lod.then(|| measure::levels(&tables, &config)).transpose()?;
-    let measured = (!args.lod).then(|| measure::measure(&tables, &config)).transpose()?;
-    output::report(&BundleBenchReport { measured, levels }, args.json, print)
+    let results = (!args.lod).then(|| measure::characters(&tables, &config)).transpose()?;
+    output::report(&BundleBenchReport { results, levels }, args.json, print)
 }
 
 /// Prints the figures as text.
 fn print(report: &BundleBenchReport) -> CommandResult {
-    report.measured.iter().try_for_each(print_crowds)?;
+    report.results.iter().flatten().try_for_each(print_crowd)?;
     report.levels.iter().flatten().try_for_each(print_levels)
 }
 
-fn print_crowds(measured: &BundleMeasureReport) -> CommandResult {
-    for r in &measured.results {
-        let [look, actions, look_62] = [r.lookahead_ns_per_query, r.lookahead_actions, r.lookahead_62_ns_per_query];
-        let [step, copy] = [r.step_ns_per_character, r.memcpy_ns_per_character];
-        let single = format!("({:.1} with single load)", r.step_single_load_ns_per_character);
-        output::table(&[
-            ("crowd", format!("{} characters, {} thread(s)", r.characters, r.threads)),
-            ("  single load", format!("{:.1} ns a query", r.control_ns_per_query)),
-            ("  look-ahead", format!("{look:.1} ns a query over {actions:.1} actions, {look_62:.1} over 62")),
-            ("  sampling", format!("{:.2} ns a joint, model matrices included", r.sample_ns_per_joint)),
-            ("  step", format!("{step:.1} ns a character {single}, {:.0} steps a second", r.steps_per_second)),
-            ("  memcpy", format!("{copy:.1} ns a character; a step takes {:.1} times as long", step / copy)),
-        ])?;
-    }
-    let v = &measured.value_iteration;
-    let pairs = format!("{:.1} million pairs, {} sweeps ({} greedy)", v.pairs as f64 / 1e6, v.sweeps, v.greedy_sweeps);
-    let times = format!("{:.3} s: setup {:.3}, sweeps {:.3}", v.seconds, v.setup_seconds, v.sweep_seconds);
-    let bytes = output::bytes(v.bytes_per_sweep as u64);
-    let gb_s = v.bytes_per_sweep as f64 * f64::from(v.sweeps) / v.sweep_seconds.max(1e-9) / 1e9;
-    let moved = format!("a sweep moves {bytes}, at {gb_s:.1} GB/s if greedy ones were free");
-    let copied = format!("a copy moves {:.1} GB/s", v.copy_bytes_per_second / 1e9);
-    output::table(&[("value iteration", format!("{pairs}, {times}; residual {:.1e}; {moved}, {copied}", v.residual))])
+fn print_crowd(r: &CharactersFigures) -> CommandResult {
+    let [step, copy] = [r.step_ns_per_character, r.memcpy_ns_per_character];
+    let single = format!("({:.1} with single load)", r.step_single_load_ns_per_character);
+    let weighed = format!("over {:.1} actions", r.lookahead_actions);
+    output::table(&[
+        ("crowd", format!("{} characters, {} thread(s)", r.characters, r.threads)),
+        ("  single load", format!("{:.1} ns a query", r.control_ns_per_query)),
+        ("  look-ahead", format!("{:.1} ns a query {weighed}", r.lookahead_ns_per_query)),
+        ("  sampling", format!("{:.2} ns a joint, model matrices included", r.sample_ns_per_joint)),
+        ("  step", format!("{step:.1} ns a character {single}, {:.0} steps a second", r.steps_per_second)),
+        ("  memcpy", format!("{copy:.1} ns a character; a step takes {:.1} times as long", step / copy)),
+    ])
 }
 
 fn print_levels(l: &LevelFigures) -> CommandResult {

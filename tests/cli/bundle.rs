@@ -64,7 +64,7 @@ fn bench_reports_every_figure() {
     let place = Place::shared();
     let args =
         ["bench", "bundle", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
-    let report = json(&args, &["results", "value_iteration"]);
+    let report = json(&args, &["results"]);
     let keys = [
         "characters",
         "threads",
@@ -79,6 +79,4 @@ fn bench_reports_every_figure() {
     for key in &keys[2..] {
         assert!(report["results"][0][key].as_f64() > Some(0.0), "{key}: {report}");
     }
-    has_keys(&report["value_iteration"], &["pairs", "sweeps", "seconds", "residual", "bytes_per_sweep"]);
-    assert!(report["value_iteration"]["residual"].as_f64() < Some(1e-4), "{report}");
 }

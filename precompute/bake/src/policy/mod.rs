@@ -8,6 +8,8 @@ mod config;
 mod costs;
 mod export;
 mod follow;
+#[cfg(any(test, feature = "made-up"))]
+#[path = "../../tests/common/made_up.rs"]
 pub mod made_up;
 mod model;
 mod pairs;

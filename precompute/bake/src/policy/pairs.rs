@@ -156,11 +156,6 @@ impl BackupPairs {
         pairs
     }
 
-    /// Bytes that a full sweep reads.
-    pub fn bytes(&self) -> usize {
-        (self.base.len() + self.angle_ratio.len()) * 2 + (self.near.len() + self.far.len() + self.reward.len()) * 4
-    }
-
     /// Backs up one segment at one height, for every cell.
     ///
     /// - `values`: of the state at the segment's end, at that height (value_plane).

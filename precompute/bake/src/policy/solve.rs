@@ -7,7 +7,6 @@ use super::model::ActionModel;
 use super::pairs::{BackupPairs, MAX_PLANE, RowShape};
 use super::sweep::Sweeper;
 use crate::share::share_rows;
-use std::time::Instant;
 use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
 use throng_motion::error::{BuildError, Result};
@@ -36,12 +35,6 @@ pub struct Solution {
     pub num_greedy_sweeps: u32,
     /// Largest change of the last full sweep.
     pub residual: f32,
-    /// Bytes a full sweep reads and writes.
-    pub bytes_per_sweep: usize,
-    /// Time to compute stencils and rewards (s).
-    pub setup_s: f64,
-    /// Time of the sweeps (s).
-    pub sweep_s: f64,
 }
 
 /// Largest change of a full sweep at which values are within `epsilon` of the optimal ones.
@@ -84,7 +77,6 @@ impl PolicySolver<'_> {
     /// of random updates.
     pub fn value_iteration(&self, behaviour: &dyn PolicyBehaviour) -> Result<Solution> {
         let Self { model, cfg, comm, .. } = *self;
-        let begin = Instant::now();
         check_size(model, behaviour, cfg)?;
         let mut solution = blank_table(model, behaviour, cfg)?;
         if behaviour.spec().grid.is_space_time() {
@@ -98,12 +90,8 @@ impl PolicySolver<'_> {
             BackupPairs::new(&solution.table(model, &best)?, &solution.segments, model.segments_of(own.clone()));
         let errors = if solution.errors.is_empty() { &model.action_errors } else { &solution.errors };
         let mut sweeper = Sweeper::new(pairs, model, behaviour.spec().reward, errors, own);
-        solution.bytes_per_sweep = sweeper.bytes_per_sweep();
-        solution.setup_s = begin.elapsed().as_secs_f64();
-        let begin = Instant::now();
         let tolerance = tolerance(cfg.epsilon, behaviour.spec().discount, model.least_frames()) as f32;
         let values = self.iterate(&mut sweeper, tolerance, &mut solution)?;
-        solution.sweep_s = begin.elapsed().as_secs_f64();
         drop(sweeper);
         if solution.residual > tolerance {
             let (residual, sweeps) = (solution.residual, solution.num_sweeps);

@@ -68,11 +68,6 @@ impl<'a> Sweeper<'a> {
         self.pairs.shape.value_row()
     }
 
-    /// Bytes a full sweep reads and writes.
-    pub fn bytes_per_sweep(&self) -> usize {
-        self.pairs.bytes() + self.shared.len() * 4 + self.num_values() * 8 + size_of_val(&*self.greedy)
-    }
-
     /// Runs a full sweep: `next`, of the block, becomes the best backup of `values`, of all; stores the greedy policy.
     ///
     /// Returns the largest change. Every state reads only `values`, so that the split over threads does not matter.

@@ -1,9 +1,9 @@
 //! Cost of a query, a joint and a character, beside copying the same bytes.
 
+use super::BundleMeasureConfig;
 use super::timing::{
     QueryBatch, fail, median_ns, random_order, random_queries, random_starts, run_in_pool, share_of_task,
 };
-use super::{BundleMeasureConfig, EPSILON};
 use crate::trial::{self, TrialConfig};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
@@ -11,12 +11,10 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
-use throng_bake::policy::made_up::SyntheticProblem;
 use throng_core::base::limits::THREADS;
 use throng_core::characters::{
     ActionChoice, AvoidConfig, Characters, CharactersConfig, MotionSet, PolicyOrder, SampleJob,
 };
-use throng_core::policy::PolicyTable;
 use throng_core::{Bundle, CharacterGroup, Error, Executor, Inline, Mat3x4, NUM_JOINTS, Rayon};
 use throng_motion::error::Result;
 
@@ -33,8 +31,6 @@ pub struct CharactersFigures {
     pub lookahead_ns_per_query: f64,
     /// Actions such a look-ahead weighs, mean.
     pub lookahead_actions: f64,
-    /// Look-ahead over the 62 actions of a state of the made-up problem, in a batch.
-    pub lookahead_62_ns_per_query: f64,
     /// Sampling between two rows at a random place, and model matrices.
     pub sample_ns_per_joint: f64,
     /// A full step at 60 Hz: control, sampling, transition, foot lock, model matrices of 22 joints.
@@ -60,16 +56,11 @@ pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<C
     config.check(tables)?;
     config.threads.iter().try_for_each(|&n| THREADS.check_count("threads", n)).map_err(|e| fail(e.to_string()))?;
     let motion_set = MotionSet::new(tables);
-    let made_up = SyntheticProblem::default();
-    let model = made_up.model();
-    let solution = run_in_pool(1, || made_up.solve(&model, EPSILON))??;
-    let best = vec![0; solution.values.len()];
-    let large = solution.table(&model, &best)?;
     let mut results = Vec::new();
-    let (motion_set, large, seconds) = (&motion_set, &large, config.seconds);
+    let (motion_set, seconds) = (&motion_set, config.seconds);
     for &threads in &config.threads {
         for &characters in &config.characters {
-            let bench = CharacterBench { tables, motion_set, large, characters, seconds };
+            let bench = CharacterBench { tables, motion_set, characters, seconds };
             results.push(run_in_pool(threads, || bench.run(threads))??);
         }
     }
@@ -80,7 +71,6 @@ pub fn characters(tables: &Bundle, config: &BundleMeasureConfig) -> Result<Vec<C
 struct CharacterBench<'a> {
     tables: &'a Bundle,
     motion_set: &'a MotionSet,
-    large: &'a PolicyTable,
     characters: usize,
     seconds: f64,
 }
@@ -89,8 +79,8 @@ impl CharacterBench<'_> {
     fn run(&self, threads: usize) -> Result<CharactersFigures> {
         let n = self.characters as f64;
         let Some(policy) = self.motion_set.policy(0) else { return Err(fail("the bundle has no behaviour")) };
-        let (control, lookahead, lookahead_actions) = self.measure_queries(policy)?;
-        let (_, lookahead_62, _) = self.measure_queries(self.large)?;
+        let (states, targets) = random_queries(policy, self.characters);
+        let queries = QueryBatch { policy, states: &states, targets: &targets, seconds: self.seconds };
         let single = CharactersConfig { choice: ActionChoice::BestAction, ..CharactersConfig::default() };
         let step = self.measure_step(CharactersConfig::default())?;
         let avoiding = self.measure_avoiding_step(Some(AvoidConfig::default()))?;
@@ -99,24 +89,15 @@ impl CharacterBench<'_> {
             avoiding_ratio: avoiding / self.measure_avoiding_step(None)?,
             characters: self.characters,
             threads,
-            control_ns_per_query: control / n,
-            lookahead_ns_per_query: lookahead / n,
-            lookahead_actions,
-            lookahead_62_ns_per_query: lookahead_62 / n,
+            control_ns_per_query: queries.single_load_ns()? / n,
+            lookahead_ns_per_query: queries.look_ahead_ns()? / n,
+            lookahead_actions: queries.actions_weighed(),
             sample_ns_per_joint: self.measure_sampling()? / (n * NUM_JOINTS as f64),
             step_ns_per_character: step / n,
             step_single_load_ns_per_character: self.measure_step(single)? / n,
             memcpy_ns_per_character: self.measure_copy() / n,
             steps_per_second: 1e9 / step,
         })
-    }
-
-    /// Time of single-load queries and of look-aheads (ns each), and mean number of actions that a look-ahead weighs.
-    fn measure_queries(&self, policy: &PolicyTable) -> Result<(f64, f64, f64)> {
-        let (states, targets) = random_queries(policy, self.characters);
-        let batch = QueryBatch { policy, states: &states, targets: &targets, seconds: self.seconds };
-        let single_load = batch.single_load_ns()?;
-        Ok((single_load, batch.look_ahead_ns()?, batch.actions_weighed()))
     }
 
     /// Time of sampling all characters at random places.

@@ -1,4 +1,4 @@
-//! A synthetic problem of fixed size for measuring value iteration: every action has a segment of its own.
+//! A synthetic problem of any size for value iteration: every action has a segment of its own.
 
 use super::behaviour::Approach;
 use super::config::{GridConfig, PolicyBehaviourConfig, PolicyConfig};
@@ -7,7 +7,6 @@ use super::solve::{PolicySolver, Solution};
 use glam::Vec2;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use std::time::Instant;
 use throng_base::SingleRank;
 use throng_core::Planar;
 use throng_motion::error::Result;
@@ -27,42 +26,6 @@ pub struct SyntheticProblem {
     pub angles: u32,
     /// Seed of the generator.
     pub seed: u64,
-}
-
-/// Measurements of a solve.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, schemars::JsonSchema)]
-pub struct SolveMeasurements {
-    /// (State, cell, action) triples.
-    pub pairs: u64,
-    /// Full sweeps, the last of which measured the residual.
-    pub sweeps: u32,
-    /// Sweeps over the greedy action alone.
-    pub greedy_sweeps: u32,
-    /// Time to compute stencils and rewards of all pairs (s).
-    pub setup_seconds: f64,
-    /// Time of all sweeps (s).
-    pub sweep_seconds: f64,
-    /// Total time (s).
-    pub seconds: f64,
-    /// Largest change of the last full sweep.
-    pub residual: f32,
-    /// Bytes a full sweep reads and writes.
-    pub bytes_per_sweep: usize,
-    /// Bytes read and written a second by one thread that copies as many as a sweep moves.
-    pub copy_bytes_per_second: f64,
-}
-
-/// Best bandwidth of three copies of a buffer.
-fn copy_bandwidth(bytes: usize) -> f64 {
-    let from = vec![1u8; bytes];
-    let mut to = vec![2u8; bytes];
-    let mut least = f64::INFINITY;
-    for _ in 0..3 {
-        let begin = Instant::now();
-        std::hint::black_box(&mut to).copy_from_slice(std::hint::black_box(&from));
-        least = least.min(begin.elapsed().as_secs_f64());
-    }
-    2.0 * bytes as f64 / least
 }
 
 impl Default for SyntheticProblem {
@@ -119,26 +82,6 @@ impl SyntheticProblem {
     pub fn behaviour(&self) -> Result<Approach> {
         let grid = GridConfig { rings: Some(self.rings), angles: Some(self.angles), ..GridConfig::default() };
         Approach::new(&PolicyBehaviourConfig { grid, ..PolicyBehaviourConfig::default() }, 30.0, None)
-    }
-
-    /// Solves the problem on the current rayon pool, with measurements.
-    ///
-    /// # Errors
-    /// As [`PolicySolver::value_iteration`].
-    pub fn measure(&self, epsilon: f64) -> Result<SolveMeasurements> {
-        let model = self.model();
-        let s = self.solve(&model, epsilon)?;
-        Ok(SolveMeasurements {
-            pairs: s.num_pairs,
-            sweeps: s.num_sweeps,
-            greedy_sweeps: s.num_greedy_sweeps,
-            setup_seconds: s.setup_s,
-            sweep_seconds: s.sweep_s,
-            seconds: s.setup_s + s.sweep_s,
-            residual: s.residual,
-            bytes_per_sweep: s.bytes_per_sweep,
-            copy_bytes_per_second: copy_bandwidth(s.bytes_per_sweep / 2),
-        })
     }
 
     /// Solves the problem on the current rayon pool.
