@@ -72,8 +72,6 @@ pub struct Overlays {
     pub trajectory: bool,
     /// Targets.
     pub targets: bool,
-    /// Values of the policy's cells around the selected character.
-    pub values: bool,
     /// Cues of all characters, not only of the selected one.
     pub of_all: bool,
     /// Poses before and after the one shown, in the clip view.
@@ -88,7 +86,6 @@ impl Default for Overlays {
             trails: true,
             trajectory: true,
             targets: true,
-            values: false,
             of_all: false,
             onion_skin: true,
         }

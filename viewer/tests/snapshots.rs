@@ -405,9 +405,6 @@ fn boxing() {
         Args { file: Some(boxing.targets(1)), characters: None, character: Some(CharacterArg(Some(0))), ..crowd() };
     let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
     let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
-    let mut settings = v.model().settings.clone();
-    settings.overlays.values = true;
-    v.apply(ViewerCommand::Settings(Box::new(settings)));
     v.apply(ViewerCommand::SelectPolicy(1));
     compare(&mut results, rest(v), "panel_policy_heights");
 

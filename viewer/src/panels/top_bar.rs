@@ -129,7 +129,6 @@ fn view(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
     ui.checkbox(&mut o.trails, "Trails of the roots");
     ui.checkbox(&mut o.trajectory, "Where the action leads");
     ui.checkbox(&mut o.targets, "Targets");
-    ui.checkbox(&mut o.values, "Values around the selected character");
     ui.checkbox(&mut o.joint_axes, "Joint axes");
     ui.checkbox(&mut o.of_all, "Of all characters");
     ui.checkbox(&mut o.onion_skin, "Onion skin of clips");

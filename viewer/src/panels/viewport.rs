@@ -14,7 +14,7 @@ use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::render::{self, OrbitCamera, Ray};
 use crate::run::{RunInput, target_home};
-use crate::stage::{self, StageLayout, ValueCell};
+use crate::stage::{self, StageLayout};
 use eframe::egui::text::{LayoutJob, TextFormat};
 use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
 use glam::{Vec2, Vec3};
@@ -29,8 +29,6 @@ const MAX_GRABBED: usize = 50;
 /// Distance from the pointer within which other characters' targets can be grabbed (points).
 const GRAB_OTHERS: f32 = 6.0;
 
-/// A cell of a policy is pointed at within this distance (points).
-const NEAR_CELL: f32 = 7.0;
 
 /// State of the view.
 #[derive(Clone, Debug, Default)]
@@ -77,8 +75,7 @@ pub fn show(
     click(ui, &response, model, layout, commands);
     label::show(ui, rect, model);
     steer::show(ui, rect, model);
-    blackboards::show_tooltip(response.clone(), model);
-    show_value_tooltip(response, model, layout);
+    blackboards::show_tooltip(response, model);
     edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
     build::show_over(ui, rect, model, commands);
@@ -271,28 +268,4 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
         }
         _ => None,
     }
-}
-
-/// Shows a tooltip with the value of the policy's cell under the pointer, and the best action there.
-fn show_value_tooltip(response: Response, model: &Model, layout: &StageLayout) {
-    let (Some(bundle), Some(state)) = (model.document.bundle(), model.inspected_state()) else { return };
-    let Some(at) = response.hover_pos() else { return };
-    let (rect, camera) = (response.rect, model.settings.camera);
-    let eye = camera.eye();
-    let is_near = |c: &&ValueCell| {
-        camera.project(c.place, size(rect)).is_some_and(|p| p.distance(position_in_view(rect, at)) < NEAR_CELL)
-    };
-    // Of cells behind each other, the nearest one.
-    let depth = |c: &ValueCell| c.place.distance(eye);
-    let Some(found) = layout.cells.iter().filter(is_near).min_by(|a, b| depth(a).total_cmp(&depth(b))) else { return };
-    let Some(policy) = bundle.motion_set.policy(model.selection.policy) else { return };
-    let (Some(&value), graph) = (policy.values_of(state).get(found.cell), bundle.tables().graph()) else { return };
-    let best = usize::from(policy.best_of(state, found.cell)[0]);
-    let Some(&segment) = graph.segments_of(state).get(best) else { return };
-    response.on_hover_ui_at_pointer(|ui| {
-        ui.strong(format!("value {}", words::number(value)));
-        let c = policy.grid_of(state).cell_coordinates(found.cell);
-        ui.label(format!("cell {}: {:.2} m, {}", found.cell, c.y, words::direction(c.x)));
-        ui.label(format!("best: {}", bundle.describe_segment(segment)));
-    });
 }

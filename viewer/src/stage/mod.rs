@@ -10,7 +10,6 @@ mod raw;
 pub mod scene;
 mod segment;
 pub mod task;
-mod values;
 mod variety;
 pub mod world;
 mod worn;
@@ -20,7 +19,6 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, RecordInstance, Rgba, SceneColours, ShapeList, Solids};
 use std::sync::Arc;
 use throng_core::{Mat3x4, Skeleton};
-pub use values::ValueCell;
 
 /// Content of one frame of the 3-D view.
 #[derive(Default)]
@@ -43,8 +41,6 @@ pub struct StageLayout {
     pub solids: Solids,
     /// Numbers of the characters of the instances, if these are not all characters (number of instances); else empty.
     pub drawn: Vec<usize>,
-    /// Cells of a policy that are drawn.
-    pub cells: Vec<ValueCell>,
     /// Poses of bodies that differ from one another, where they do (instances * NUM_JOINTS); else empty.
     varied: Vec<Mat3x4>,
     /// Joints of the characters with varied bodies.
@@ -103,7 +99,6 @@ impl StageLayout {
         self.rows = None;
         self.shapes.clear();
         self.poses.clear();
-        self.cells.clear();
         self.drawn.clear();
         self.solids.instances.clear();
         match &model.document {
@@ -181,25 +176,6 @@ mod tests {
         // One at the play head, and some before and after it.
         assert!(layout.instances.len() > 3, "{}", layout.instances.len());
         assert_eq!(layout.poses(&model).len(), layout.instances.len() * NUM_JOINTS);
-    }
-
-    #[test]
-    fn cells_of_the_policy_lie_around_where_the_character_chose() {
-        let (mut model, mut layout) = (open(), StageLayout::default());
-        layout.lay_out(&model, true);
-        assert!(layout.cells.is_empty());
-        model.settings.overlays.values = true;
-        model.selection.character = Some(3);
-        layout.lay_out(&model, true);
-        let chooser = model.document.chooser(3).unwrap();
-        let policy = chooser.bundle.motion_set.policy(0).unwrap();
-        let choice = chooser.characters.last_choice(3).unwrap();
-        assert_eq!(layout.cells.len(), policy.grid_of(choice.state).num_cells());
-        for c in &layout.cells {
-            let seen = choice.root.inverse_transform_point(glam::Vec2::new(c.place.x, c.place.z));
-            let target = policy.cell_target(choice.state, c.cell);
-            assert!(seen.distance(glam::Vec2::new(target.x, target.z)) < 1e-3, "{c:?}");
-        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! A scene: bodies, discs and balls, their surroundings, targets and blows.
 
 use super::agents::{self, Brush, obstacles};
-use super::{StageLayout, StagePalette, body, bout, cues, segment, values, variety, world};
+use super::{StageLayout, StagePalette, body, bout, cues, segment, variety, world};
 use crate::document::{SceneDocument, SceneSurroundings};
 use crate::model::Model;
 use crate::render::{CharacterInstance, OrbitCamera, Ray, RecordInstance, Rgba, SolidInstance};
@@ -64,9 +64,6 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     let mut o = model.settings.overlays;
     // On hills, marks on level ground would be hidden.
     o.contacts &= !scene.surroundings.has_hills;
-    if let Some(chooser) = selected.and_then(|who| scene.chooser(who)).filter(|_| o.values) {
-        values::lay_out(out, model, &chooser, palette);
-    }
     let n = simulation.num_characters();
     let count = if o.of_all { n.min(MAX_CUES) } else { 0 };
     for who in (0..count).chain(selected.filter(|&c| c >= count && c < n)) {
