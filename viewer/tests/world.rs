@@ -109,8 +109,7 @@ fn units_are_edited_and_characters_get_orders() {
     assert_eq!(num_units(&v), 10);
     let refused = v.model().document.world().and_then(|w| w.refused.as_ref()).expect("a reason").reason.clone();
     assert!(refused.contains("ground"), "{refused}");
-    let said = v.harness.get_all_by_label_contains(&refused).count();
-    assert_eq!(said, 2, "in the view and in the panel");
+    v.harness.get_by_label_contains(&refused);
     v.harness.key_press(Key::Escape);
     v.harness.run_steps(3);
     assert!(v.harness.query_by_label_contains(&refused).is_none());

@@ -57,11 +57,8 @@ impl Model {
     /// Takes in motions that were planned meanwhile.
     pub(super) fn adopt_plan(&mut self, waits: bool) {
         let OpenDocument::Task(task) = &mut self.document else { return };
-        if task.adopt_plan(waits)
-            && let Some(why) = &task.refused
-        {
-            let why = format!("Nothing was planned: {why}");
-            self.complain(why);
+        if let Err(why) = task.adopt_plan(waits) {
+            self.complain(format!("Nothing was planned: {why}"));
         }
         self.advance_clip(0.0);
     }

@@ -7,6 +7,9 @@ use crate::document::{OpenDocument, WorldDocument};
 use throng_core::patch::Placement;
 use throng_precompute::environment::UnitObject;
 
+/// Start of the message about an edit that was refused.
+const UNCHANGED: &str = "The world is unchanged: ";
+
 impl Model {
     /// The world with the shown inhabitants; none while a clip is shown.
     pub fn shown_world(&self) -> Option<&WorldDocument> {
@@ -27,12 +30,14 @@ impl Model {
     }
 
     pub(super) fn apply_to_world(&mut self, command: WorldCommand) {
+        if matches!(command, WorldCommand::SelectPlace(_) | WorldCommand::ForgetRefused) {
+            self.forget_refused();
+        }
         let OpenDocument::World(world) = &mut self.document else { return };
         let options = &mut self.selection.world;
         match command {
             WorldCommand::Tool(tool) => (options.tool, options.draft) = (tool, None),
             WorldCommand::SelectPlace(place) => {
-                world.refused = None;
                 (options.place, options.instance, options.link) =
                     (place.filter(|&p| p < world.placed().len()), None, None);
             }
@@ -43,7 +48,7 @@ impl Model {
             WorldCommand::Edit(change) => self.edit(EditorOrder::Change(change)),
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
-            WorldCommand::ForgetRefused => world.refused = None,
+            WorldCommand::ForgetRefused => {}
             WorldCommand::Save(path) => match world.save(&path) {
                 Ok(()) => self.say(format!("Saved {}", path.display())),
                 Err(why) => self.complain(why),
@@ -51,13 +56,29 @@ impl Model {
         }
     }
 
+    /// Closes the message about the last edit, and takes away the unit that it marks.
+    fn forget_refused(&mut self) {
+        if let OpenDocument::World(world) = &mut self.document {
+            world.refused = None;
+            self.messages.retain(|m| !m.text.starts_with(UNCHANGED));
+        }
+    }
+
+    fn tell_refused(&mut self) {
+        if let Some(refused) = self.document.world().and_then(|w| w.refused.as_ref()) {
+            self.complain(format!("{UNCHANGED}{}", refused.reason));
+        }
+    }
+
     fn edit(&mut self, order: EditorOrder) {
+        self.forget_refused();
         let waits = self.is_unhurried;
         let OpenDocument::World(world) = &mut self.document else { return };
         self.selection.world.draft = None;
         if let Err(why) = world.order(order) {
             return self.say(format!("No change: {why}"));
         }
+        self.tell_refused();
         self.adopt_edit(waits);
     }
 
@@ -70,6 +91,7 @@ impl Model {
             (options.place, options.instance, options.link) = (place, None, None);
         }
         if taken.is_some() {
+            self.tell_refused();
             self.limit_selected();
         }
     }

@@ -1,7 +1,6 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
 mod blackboards;
-mod edits;
 mod label;
 pub mod pad;
 pub mod steer;
@@ -76,7 +75,6 @@ pub fn show(
     label::show(ui, rect, model);
     steer::show(ui, rect, model);
     blackboards::show_tooltip(response, model);
-    edits::show(ui, rect, model, commands);
     messages::show(ui, rect, model, commands);
     build::show_over(ui, rect, model, commands);
 }

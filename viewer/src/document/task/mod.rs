@@ -72,8 +72,6 @@ pub struct TaskDocument {
     pub planning: Option<Planning>,
     /// State of the last plans, reused by the next ones.
     planners: Arc<Planners>,
-    /// Why nothing could be planned at last.
-    pub refused: Option<String>,
     /// Grows with every change of the scene.
     revision: u64,
     /// That for which was planned.
@@ -190,7 +188,6 @@ impl TaskDocument {
     ///   motion.
     pub fn plan(&mut self, number: u64, seed: Option<u64>, goes_on: bool) {
         self.cancel();
-        self.refused = None;
         self.planners = Arc::new(if goes_on { self.planners.for_next_run() } else { Planners::default() });
         let (sources, planners) = (Arc::clone(&self.sources), Arc::clone(&self.planners));
         let job = worker::PlanningJob { sources, task: self.task.clone(), number, seed, planners };
@@ -202,24 +199,23 @@ impl TaskDocument {
         self.planning.take().iter().for_each(Planning::cancel);
     }
 
-    /// Adopts motions planned meanwhile; true if the plan has ended.
+    /// Adopts motions planned meanwhile.
     ///
-    /// - `waits`: until it has.
-    pub fn adopt_plan(&mut self, waits: bool) -> bool {
-        let Some((revision, done)) = self.planning.as_ref().and_then(|p| p.poll(waits)) else { return false };
+    /// - `waits`: until the plan has ended.
+    ///
+    /// # Errors
+    /// A message where nothing could be planned.
+    pub fn adopt_plan(&mut self, waits: bool) -> Result<(), String> {
+        let Some((revision, done)) = self.planning.as_ref().and_then(|p| p.poll(waits)) else { return Ok(()) };
         self.planning = None;
-        match done {
-            Ok((staged, all)) => {
-                if revision == self.revision {
-                    self.staged = StagedTask::clone(&staged);
-                }
-                self.planned_revision = revision;
-                self.shown = Some(self.shown.unwrap_or(0).min(all.len().saturating_sub(1)));
-                self.motions = Some(PlannedMotions { staged, all });
-            }
-            Err(why) => self.refused = Some(why),
+        let (staged, all) = done?;
+        if revision == self.revision {
+            self.staged = StagedTask::clone(&staged);
         }
-        true
+        self.planned_revision = revision;
+        self.shown = Some(self.shown.unwrap_or(0).min(all.len().saturating_sub(1)));
+        self.motions = Some(PlannedMotions { staged, all });
+        Ok(())
     }
 
     /// Writes the task with the present positions of things and places: in its file, or beside it.

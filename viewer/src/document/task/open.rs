@@ -44,7 +44,6 @@ impl TaskDocument {
             shown: None,
             planning: None,
             planners: Arc::default(),
-            refused: None,
             revision: 1,
             planned_revision: 0,
         })

@@ -89,7 +89,12 @@ fn tools(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &PatchesPanel
         Tool::Create(_) => "Click where the unit is to stand; Q, E turn it.",
     };
     ui.weak(hint);
-    outcome(ui, world, commands);
+    if let Some(working) = &world.working {
+        ui.horizontal(|ui| {
+            ui.spinner();
+            ui.label(format!("{} …", working.doing));
+        });
+    }
 }
 
 /// Buttons that take changes back and make them again.
@@ -102,22 +107,6 @@ fn history(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
         let tip = format!("{tip}: {} ({key})", change.unwrap_or("nothing"));
         let button = button.on_hover_text(&tip).on_disabled_hover_text(&tip);
         button.request(commands, ViewerCommand::World(command));
-    }
-}
-
-/// Result of the last edit.
-fn outcome(ui: &mut Ui, world: &WorldDocument, commands: &mut Commands) {
-    if let Some(working) = &world.working {
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label(format!("{} …", working.doing));
-        });
-    } else if let Some(refused) = &world.refused {
-        ui.horizontal_wrapped(|ui| {
-            ui.colored_label(ui.visuals().error_fg_color, format!("The world is unchanged: {}", refused.reason));
-            let close = ui.small_button("✖").on_hover_text("Close this message (Escape)");
-            close.request(commands, ViewerCommand::World(WorldCommand::ForgetRefused));
-        });
     }
 }
 

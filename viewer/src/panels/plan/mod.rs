@@ -106,8 +106,6 @@ fn planning(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, comm
             ui.label(format!("motion {motion}: {tried} of {total}"));
             ui.add(ProgressBar::new(tried as f32 / total.max(1) as f32).desired_height(8.0).corner_radius(4));
         });
-    } else if let Some(why) = &task.refused {
-        ui.colored_label(ui.visuals().error_fg_color, format!("Nothing was planned: {why}"));
     } else if task.is_changed() {
         let colour = ThemePalette::for_visuals(ui.visuals()).warning;
         ui.colored_label(colour, "The scene has changed since; what is shown was planned before.");
