@@ -5,9 +5,9 @@ use crate::document::OpenDocument;
 use crate::model::Model;
 use crate::panels::viewport::pad::Pads;
 use crate::panels::{PANELS, PanelStates, SystemDialog, dock, keys, messages, start, top_bar, transport, viewport};
-use crate::render::{SceneCallback, SceneFrame, SceneRenderer, WornFrame};
+use crate::render::{SceneCallback, SceneColours, SceneFrame, SceneRenderer, WornFrame};
 use crate::settings::{Dock, ViewerSettings};
-use crate::stage::{StageLayout, scene_colours};
+use crate::stage::StageLayout;
 use crate::theme;
 use eframe::egui::{self, CentralPanel, Frame, Panel, Ui};
 use eframe::egui_wgpu::RenderState;
@@ -164,7 +164,7 @@ impl Viewer {
                     renderer: Arc::clone(renderer),
                     camera: drawn.camera,
                     size: [1, 1],
-                    colours: scene_colours(dark),
+                    colours: SceneColours::for_theme(dark),
                     time: Arc::clone(drawing),
                 };
                 ui.painter().add(callback.shape(ui, drawn.rect));

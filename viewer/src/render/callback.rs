@@ -75,7 +75,7 @@ mod tests {
                 return;
             }
         };
-        let colours = SceneColours { horizon: crate::render::Rgba::hex(0x2080c0), ..SceneColours::LIGHT };
+        let colours = SceneColours { horizon: crate::render::Rgba::hex(0x2080c0), ..SceneColours::for_theme(false) };
         let colours = SceneColours { sky: colours.horizon, ..colours };
         let callback = SceneCallback {
             renderer: Arc::new(Mutex::new(renderer)),

@@ -72,37 +72,25 @@ pub struct SceneColours {
 }
 
 impl SceneColours {
-    /// For light themes: warm paper.
-    pub const LIGHT: Self = Self {
-        sky: Rgba::hex(0xd9dee5),
-        horizon: Rgba::hex(0xeceae6),
-        ground: Rgba::hex(0xf1efeb),
-        grid: Rgba::hex(0xd3cfc7),
-        grid_strong: Rgba::hex(0xb3aea4),
-        axis_x: Rgba::hex(0xc9625c),
-        axis_z: Rgba::hex(0x4f7fc4),
-        shadow: Rgba([0x3a, 0x3f, 0x4c, 150]),
-        light_above: Rgba([0xf2, 0xf5, 0xff, 170]),
-        light_below: Rgba([0xd8, 0xcf, 0xc2, 105]),
-        light_key: Rgba([0xff, 0xf3, 0xe2, 175]),
-        selected: Rgba::hex(0x7a2bbf),
-    };
-
-    /// For dark themes: slate.
-    pub const DARK: Self = Self {
-        sky: Rgba::hex(0x14171c),
-        horizon: Rgba::hex(0x23272e),
-        ground: Rgba::hex(0x2a2e35),
-        grid: Rgba::hex(0x3a3f48),
-        grid_strong: Rgba::hex(0x545b67),
-        axis_x: Rgba::hex(0xb4544f),
-        axis_z: Rgba::hex(0x4d7cc0),
-        shadow: Rgba([0x06, 0x08, 0x0b, 190]),
-        light_above: Rgba([0xdc, 0xe6, 0xff, 120]),
-        light_below: Rgba([0x8a, 0x86, 0x80, 70]),
-        light_key: Rgba([0xff, 0xf1, 0xdc, 190]),
-        selected: Rgba::hex(0xc79bff),
-    };
+    /// Warm paper for light themes, slate for dark ones.
+    pub fn for_theme(dark: bool) -> Self {
+        let pick = |on_light, on_dark| Rgba(if dark { on_dark } else { on_light });
+        let plain = |on_light, on_dark| Rgba::hex(if dark { on_dark } else { on_light });
+        Self {
+            sky: plain(0xd9dee5, 0x14171c),
+            horizon: plain(0xeceae6, 0x23272e),
+            ground: plain(0xf1efeb, 0x2a2e35),
+            grid: plain(0xd3cfc7, 0x3a3f48),
+            grid_strong: plain(0xb3aea4, 0x545b67),
+            axis_x: plain(0xc9625c, 0xb4544f),
+            axis_z: plain(0x4f7fc4, 0x4d7cc0),
+            shadow: pick([0x3a, 0x3f, 0x4c, 150], [0x06, 0x08, 0x0b, 190]),
+            light_above: pick([0xf2, 0xf5, 0xff, 170], [0xdc, 0xe6, 0xff, 120]),
+            light_below: pick([0xd8, 0xcf, 0xc2, 105], [0x8a, 0x86, 0x80, 70]),
+            light_key: pick([0xff, 0xf3, 0xe2, 175], [0xff, 0xf1, 0xdc, 190]),
+            selected: plain(0x7a2bbf, 0xc79bff),
+        }
+    }
 }
 
 #[cfg(test)]

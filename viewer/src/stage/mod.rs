@@ -16,7 +16,7 @@ mod worn;
 
 use crate::document::OpenDocument;
 use crate::model::Model;
-use crate::render::{CharacterInstance, RecordInstance, Rgba, SceneColours, ShapeList, Solids};
+use crate::render::{CharacterInstance, RecordInstance, Rgba, ShapeList, Solids};
 use std::sync::Arc;
 use throng_core::{Mat3x4, Skeleton};
 
@@ -83,11 +83,6 @@ impl StagePalette {
             middle: ink,
         }
     }
-}
-
-/// Colours of the 3-D view for a theme.
-pub fn scene_colours(dark: bool) -> SceneColours {
-    if dark { SceneColours::DARK } else { SceneColours::LIGHT }
 }
 
 impl StageLayout {

@@ -67,7 +67,7 @@ impl Picture {
             solids,
         });
         assert_eq!(uploaded, Ok(()));
-        let per_level = renderer.draw(SIZE, camera, &SceneColours::LIGHT);
+        let per_level = renderer.draw(SIZE, camera, &SceneColours::for_theme(false));
         let (size, pixels) = renderer.pixels().unwrap_or_default();
         assert_eq!((size, pixels.len()), (SIZE, 400 * 300 * 4));
         (Self(pixels), per_level)
@@ -149,7 +149,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
     use wgpu::TextureFormat::{Rgba8Unorm, Rgba8UnormSrgb};
     for format in [Rgba8Unorm, Rgba8UnormSrgb] {
         let Some(mut renderer) = renderer_for(format) else { return };
-        renderer.draw(SIZE, &OrbitCamera::default(), &SceneColours::DARK);
+        renderer.draw(SIZE, &OrbitCamera::default(), &SceneColours::for_theme(true));
         let (device, queue) = (renderer.gpu.device.clone(), renderer.gpu.queue.clone());
         let window = device.create_texture(&wgpu::TextureDescriptor {
             label: None,
@@ -191,7 +191,7 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
     let expected = RenderError::PaletteLength { characters: 1, expected: NUM_JOINTS, got: NUM_JOINTS - 1 };
     assert!(renderer.pixels().is_err());
     assert_eq!(renderer.upload(&frame), Err(expected));
-    let per_level = renderer.draw([0, 0], &OrbitCamera::default(), &SceneColours::DARK);
+    let per_level = renderer.draw([0, 0], &OrbitCamera::default(), &SceneColours::for_theme(true));
     assert_eq!(per_level, [0; LEVELS]);
     assert_eq!(renderer.pixels().map(|p| p.0), Ok([1, 1]));
 }
@@ -233,7 +233,7 @@ fn records_look_as_posed_characters_do() {
             let rows = Some(bundle.row_poses());
             let frame = SceneFrame { skeleton, body, worn: None, palette, instances, records, rows, shapes, solids };
             renderer.upload(&frame).expect("uploaded");
-            let per_level = renderer.draw(SIZE, &camera, &SceneColours::LIGHT);
+            let per_level = renderer.draw(SIZE, &camera, &SceneColours::for_theme(false));
             assert_eq!(per_level.iter().sum::<usize>(), instances.len() + records.len());
             renderer.pixels().expect("a picture").1
         };
