@@ -19,9 +19,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 use throng_precompute::import;
 
-/// Key of the settings in the store.
-pub const SETTINGS_KEY: &str = "settings";
-
 /// The viewer.
 pub struct Viewer {
     /// All that it knows.
@@ -261,20 +258,5 @@ impl Viewer {
             }
         });
         self.dialog = Some((wanted, receive));
-    }
-}
-
-impl eframe::App for Viewer {
-    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let wall_s = ctx.input(|i| i.unstable_dt);
-        Self::logic(self, ctx, wall_s);
-    }
-
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
-        Self::ui(self, ui);
-    }
-
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, SETTINGS_KEY, &self.model.settings);
     }
 }

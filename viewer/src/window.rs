@@ -1,6 +1,6 @@
 //! The window.
 
-use crate::app::{SETTINGS_KEY, Viewer};
+use crate::app::Viewer;
 use crate::args::{Args, PictureSize};
 use crate::document::{OpenDocument, may_be_made};
 use crate::render::device_descriptor;
@@ -12,6 +12,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use throng_core::base::file::{MAX_BUNDLE_BYTES, open_file};
 
+/// Key of the settings in the store.
+const SETTINGS_KEY: &str = "settings";
 /// Under this name the settings are kept between runs.
 const APP_ID: &str = "throng-viewer";
 /// The window is at least as large (points).
@@ -112,8 +114,8 @@ impl ViewerWindow {
 }
 
 impl eframe::App for ViewerWindow {
-    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
-        eframe::App::logic(&mut self.viewer, ctx, frame);
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.viewer.logic(ctx, ctx.input(|i| i.unstable_dt));
         self.show_waiting(ctx);
         if let Some(left) = self.frames_left.as_mut().filter(|_| self.waiting.is_none()) {
             *left = left.saturating_sub(1);
@@ -124,11 +126,11 @@ impl eframe::App for ViewerWindow {
         }
     }
 
-    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
-        eframe::App::ui(&mut self.viewer, ui, frame);
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.viewer.ui(ui);
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::App::save(&mut self.viewer, storage);
+        eframe::set_value(storage, SETTINGS_KEY, &self.viewer.model.settings);
     }
 }
