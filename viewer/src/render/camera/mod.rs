@@ -6,6 +6,8 @@ mod text;
 pub use ray::Ray;
 pub use text::CameraPreset;
 
+use glam::camera::rh::proj::directx::perspective_infinite_reverse;
+use glam::camera::rh::view::look_to_mat4;
 use glam::{Mat4, Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 use throng_geometry::BoundingBox;
@@ -98,28 +100,11 @@ impl OrbitCamera {
         (self.distance * 0.02).clamp(0.004, 0.1)
     }
 
-    /// World to camera space (X right, Y up, looking along -Z).
-    pub fn view(&self) -> Mat4 {
-        let [x, y, z] = self.axes();
-        let (e, col) = (self.eye(), |a: f32, b: f32, c: f32| Vec3::new(a, b, c).extend(0.0));
-        Mat4::from_cols(
-            col(x.x, y.x, z.x),
-            col(x.y, y.y, z.y),
-            col(x.z, y.z, z.z),
-            Vec3::new(-x.dot(e), -y.dot(e), -z.dot(e)).extend(1.0),
-        )
-    }
-
     /// World to clip space; `aspect` is width over height.
     pub fn view_proj(&self, aspect: f32) -> Mat4 {
-        let f = 1.0 / (0.5 * self.fov_y).tan();
-        let projection = Mat4::from_cols_array_2d(&[
-            [f / aspect, 0.0, 0.0, 0.0],
-            [0.0, f, 0.0, 0.0],
-            [0.0, 0.0, 0.0, -1.0],
-            [0.0, 0.0, self.near_distance(), 0.0],
-        ]);
-        projection * self.view()
+        let [_, up, back] = self.axes();
+        let projection = perspective_infinite_reverse(self.fov_y, aspect, self.near_distance());
+        projection * look_to_mat4(self.eye(), -back, up)
     }
 
     /// The ray through a pixel position of a viewport, (0, 0) at its upper left corner (pixels).
