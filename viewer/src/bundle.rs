@@ -48,13 +48,17 @@ impl OpenBundle {
     /// Poses of all frame rows, made when they are first asked for: joints in model space (rows * NUM_JOINTS).
     pub fn row_poses(&self) -> &Arc<[Mat3x4]> {
         self.rows.get_or_init(|| {
-            let frames: Vec<u32> = (0..self.tables.frames().len() as u32).collect();
-            let mut matrices = vec![Mat3x4::default(); frames.len() * NUM_JOINTS];
-            let (motion_set, ratios) = (&self.motion_set, &vec![0.0; frames.len()]);
-            let job = SampleJob { motion_set, frames: &frames, ratios, matrices: &mut matrices };
-            job.run().unwrap_or_else(|e| unreachable!("all rows exist: {e}"));
-            matrices.into()
+            let rows: Vec<u32> = (0..self.tables.frames().len() as u32).collect();
+            self.sample_rows(&rows).unwrap_or_default().into()
         })
+    }
+
+    /// Poses of frame rows, from their planar roots (number of rows * NUM_JOINTS); none if a row does not exist.
+    pub fn sample_rows(&self, rows: &[u32]) -> Option<Vec<Mat3x4>> {
+        let mut matrices = vec![Mat3x4::default(); rows.len() * NUM_JOINTS];
+        let (motion_set, ratios) = (&self.motion_set, &vec![0.0; rows.len()]);
+        SampleJob { motion_set, frames: rows, ratios, matrices: &mut matrices }.run().ok()?;
+        Some(matrices)
     }
 
     /// A blend space.

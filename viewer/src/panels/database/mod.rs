@@ -2,7 +2,6 @@
 
 mod actions;
 mod catalogue;
-mod figure;
 mod lanes;
 mod list;
 mod strip;

@@ -1,15 +1,13 @@
 //! Poses of a clip at regular intervals along an axis, as an onion skin.
 
-use super::figure::{FigureStyle, PoseFigure};
 use super::timeline::TimelineInput;
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
-use crate::panels::paint::FrameAxis;
+use crate::panels::paint::{FigureStyle, FrameAxis, PoseFigure};
 use crate::theme::ThemePalette;
-use eframe::egui::{Rect, Stroke, Ui, pos2};
+use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use glam::{Quat, Vec3};
-use throng_core::characters::SampleJob;
-use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_precompute::picture::step_up;
 
 /// Least distance of two figures, as a share of the height of the strip.
@@ -33,8 +31,16 @@ pub enum PoseSource<'a> {
 pub struct TimelineStrip {
     /// Document and clip of the poses.
     shown: Option<(u64, usize)>,
-    /// Frames and their poses; the one at the play head comes last.
-    figures: Vec<(u32, PoseFigure)>,
+    /// The one at the play head comes last.
+    figures: Vec<StripFigure>,
+}
+
+/// A body at a frame, and the parts of its feet that stand.
+#[derive(Clone, Debug)]
+struct StripFigure {
+    frame: u32,
+    figure: PoseFigure,
+    contacts: Contacts,
 }
 
 impl TimelineStrip {
@@ -44,8 +50,9 @@ impl TimelineStrip {
         let seen = axis.seen();
         let (first, last) = (seen.start / step * step, seen.end.saturating_sub(1));
         let frames: Vec<u32> = (first..=last).step_by(step as usize).chain([scene.head]).collect();
-        if self.shown != Some(scene.key()) || !self.figures.iter().map(|f| &f.0).eq(&frames) {
-            self.figures = frames.iter().copied().zip(scene.source.sample(&frames)).collect();
+        if self.shown != Some(scene.key()) || !self.figures.iter().map(|f| &f.frame).eq(&frames) {
+            let sampled = frames.iter().zip(scene.source.sample(&frames));
+            self.figures = sampled.map(|(&frame, (figure, contacts))| StripFigure { frame, figure, contacts }).collect();
             self.shown = Some(scene.key());
         }
         self.paint(ui, rect, axis);
@@ -57,19 +64,40 @@ impl TimelineStrip {
         let ground = rect.bottom() - BELOW;
         let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
         painter.hline(rect.x_range(), ground, line);
-        let highest = self.figures.iter().map(|f| f.1.top()).fold(LEAST_HEIGHT_M, f32::max);
+        let highest = self.figures.iter().map(|f| f.figure.top()).fold(LEAST_HEIGHT_M, f32::max);
         let scale = (ground - rect.top() - 2.0) / highest;
         let Some((head, others)) = self.figures.split_last() else { return };
         let paper = ui.visuals().extreme_bg_color;
-        let paint = |(frame, figure): &(u32, PoseFigure), fade, halo| {
-            let foot = pos2(axis.x_of(*frame as f32), ground);
-            figure.paint(&painter, foot, FigureStyle { scale, paper, fade, halo }, &palette);
+        let sides = [palette.left, palette.right, palette.trunk];
+        let paint = |f: &StripFigure, colours, grown_m| {
+            let foot = pos2(axis.x_of(f.frame as f32), ground);
+            let style = FigureStyle { per_m: scale, colours, grown_m };
+            f.figure.paint(&painter, style, |p: Vec3| foot + vec2(p.z, -p.y) * scale);
+            f.paint_contacts(&painter, foot, style);
         };
-        for other in others.iter().filter(|o| o.0 != head.0) {
-            paint(other, 0.5, None);
+        for other in others.iter().filter(|o| o.frame != head.frame) {
+            paint(other, sides.map(|c| c.lerp_to_gamma(paper, 0.5)), 0.0);
         }
-        paint(head, 0.0, Some((palette.head, 0.035)));
-        paint(head, 0.0, None);
+        paint(head, [palette.head; 3], 0.07);
+        paint(head, sides, 0.0);
+    }
+}
+
+impl StripFigure {
+    /// A bar on the ground under every part of a foot that stands.
+    fn paint_contacts(&self, painter: &Painter, foot: Pos2, style: FigureStyle) {
+        let [left, right, _] = style.colours;
+        let parts: [(Contacts, Joint, Color32, f32); 4] = [
+            (Contacts::LEFT_HEEL, Joint::LeftFoot, left, 3.5),
+            (Contacts::LEFT_TOE, Joint::LeftToe, left, 3.5),
+            (Contacts::RIGHT_HEEL, Joint::RightFoot, right, 1.5),
+            (Contacts::RIGHT_TOE, Joint::RightToe, right, 1.5),
+        ];
+        for (_, joint, colour, below) in parts.into_iter().filter(|p| self.contacts.any(p.0)) {
+            let x = foot.x + self.figure.joint(joint).z * style.per_m;
+            let half = (0.07 * style.per_m).max(2.0);
+            painter.hline(x - half..=x + half, foot.y + below, Stroke::new(2.0, colour));
+        }
     }
 }
 
@@ -80,7 +108,7 @@ fn step(least: f32) -> u32 {
 
 impl PoseSource<'_> {
     /// Figures of frames of the clip, numbered from its start.
-    fn sample(self, frames: &[u32]) -> Vec<PoseFigure> {
+    fn sample(self, frames: &[u32]) -> Vec<(PoseFigure, Contacts)> {
         match self {
             Self::Bundle(bundle, clip) => sample_bundle(bundle, clip, frames).unwrap_or_default(),
             Self::Raw(raw) => sample_raw(raw, frames),
@@ -88,19 +116,18 @@ impl PoseSource<'_> {
     }
 }
 
-fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<PoseFigure>> {
+fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<(PoseFigure, Contacts)>> {
     let tables = bundle.tables();
     let record = tables.clips().get(clip)?;
     let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
-    let mut matrices = vec![Mat3x4::default(); rows.len() * NUM_JOINTS];
-    let ratios = vec![0.0; rows.len()];
-    let motion_set = &bundle.motion_set;
-    SampleJob { motion_set, frames: &rows, ratios: &ratios, matrices: &mut matrices }.run().ok()?;
-    let figures = rows.iter().zip(matrices.chunks(NUM_JOINTS));
-    Some(figures.map(|(r, m)| PoseFigure::new(tables.skeleton(), m, tables.contacts()[*r as usize])).collect())
+    let poses = bundle.sample_rows(&rows)?;
+    let figure = |(row, pose): (&u32, &[Mat3x4])| {
+        (PoseFigure::new(tables.skeleton(), pose), tables.contacts()[*row as usize])
+    };
+    Some(rows.iter().zip(poses.chunks(NUM_JOINTS)).map(figure).collect())
 }
 
-fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<PoseFigure> {
+fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<(PoseFigure, Contacts)> {
     let Some(clip) = raw.clips.clips.first().filter(|c| c.num_frames() > 0) else { return Vec::new() };
     let skeleton: &Skeleton = &raw.clips.skeleton;
     let figure = |f: &u32| {
@@ -110,7 +137,7 @@ fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<PoseFigure> {
         let joints = clip
             .joint_transforms(skeleton, frame)
             .map(|(p, r): (Vec3, Quat)| Mat3x4::from_rotation_translation(turn * r, turn * (p - planar.translation())));
-        PoseFigure::new(skeleton, &joints, clip.contacts.get(frame).copied().unwrap_or_default())
+        (PoseFigure::new(skeleton, &joints), clip.contacts.get(frame).copied().unwrap_or_default())
     };
     frames.iter().map(figure).collect()
 }
@@ -133,7 +160,7 @@ mod tests {
     fn poses_of_a_bundle_stand_on_the_ground() {
         let bundle = golden();
         for clip in 0..bundle.tables().clips().len() {
-            for figure in PoseSource::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
+            for (figure, _) in PoseSource::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
                 assert!((1.0..2.2).contains(&figure.top()), "{figure:?}");
             }
         }
@@ -146,6 +173,6 @@ mod tests {
         let raw = RawMotion::open(&path).unwrap();
         let figures = PoseSource::Raw(&raw).sample(&[0, 20, 40, 60]);
         assert_eq!(figures.len(), 4);
-        assert!(figures.iter().all(|f| (1.2..2.2).contains(&f.top())));
+        assert!(figures.iter().all(|f| (1.2..2.2).contains(&f.0.top())));
     }
 }

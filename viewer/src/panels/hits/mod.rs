@@ -1,13 +1,12 @@
 //! Effective hits: where blows land, seen from three sides (Lee and Lee 2004, figure 4).
 
-mod body;
 mod collection;
 mod list;
 mod outline;
 mod plot;
 mod view;
 
-use super::paint::{PanelWidget, TableSort, choose, empty, legend, no_bundle};
+use super::paint::{PanelWidget, PoseFigure, TableSort, choose, empty, legend, no_bundle};
 use super::policy::behaviour_name;
 use super::{moment, words};
 use crate::bundle::OpenBundle;
@@ -15,10 +14,9 @@ use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
-use body::PoseSilhouette;
 use collection::{HitCollection, HitEntry, HitFilter, HitRanges, joint_name};
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{CentralPanel, Color32, ComboBox, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
+use eframe::egui::{CentralPanel, Color32, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::iter::once;
@@ -50,7 +48,8 @@ pub struct HitsPanelState {
     /// Behaviour whose volume is drawn; without a choice, the first one with heights.
     outlined: Option<Option<usize>>,
     sort: TableSort,
-    body: Option<(u64, PoseSilhouette)>,
+    /// The body shown for scale, with its document and frame row.
+    body: Option<((u64, u32), PoseFigure)>,
     dots: Option<(HitDotsKey, [Mesh; 3])>,
     /// Hit under the pointer in the frame before, and true if it was in the list.
     hovered: Option<(usize, bool)>,
@@ -80,7 +79,7 @@ struct HitsInput<'a> {
 
 /// Input shared by all views.
 struct HitViewInput<'a> {
-    body: Option<&'a PoseSilhouette>,
+    body: Option<&'a PoseFigure>,
     outlined: Option<&'a PolicyTable>,
 }
 
@@ -182,16 +181,11 @@ fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut HitsPanelState) 
         return;
     }
     let now = outlined(bundle, state);
-    let text = now.map_or("no grid".into(), |p| format!("grid of {}", behaviour_name(bundle, p)));
     let mut chosen = now;
-    let combo = ComboBox::from_id_salt("outline").selected_text(text).show_ui(ui, |ui| {
-        ui.selectable_value(&mut chosen, None, "no grid");
-        for (policy, _) in volumes(bundle) {
-            ui.selectable_value(&mut chosen, Some(policy), behaviour_name(bundle, policy));
-        }
-    });
+    let named = volumes(bundle).map(|(p, _)| (Some(p), format!("grid of {}", behaviour_name(bundle, p))));
+    let options = once((None, "no grid".to_owned())).chain(named);
     let tip = "Cells of a behaviour, and, dashed, where it is active";
-    combo.response.named(Role::ComboBox, "Grid").on_hover_text(tip);
+    choose(ui, "Grid", None, &mut chosen, options).on_hover_text(tip);
     if chosen != now {
         state.outlined = Some(chosen);
     }
@@ -218,9 +212,11 @@ fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPane
     let bounds = HitBounds::around(seen.iter().copied(), state.whole_body);
     let places = HitViewPlace::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
-    let row = standing_out.map_or_else(|| PoseSilhouette::standing_row(bundle), |i| hits.entries[i].row);
-    if state.body.as_ref().is_none_or(|b| (b.0, b.1.row) != (model.generation, row)) {
-        state.body = PoseSilhouette::sample_row(bundle, row).map(|b| (model.generation, b));
+    let standing = || bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame);
+    let row = standing_out.map_or_else(standing, |i| hits.entries[i].row);
+    if state.body.as_ref().is_none_or(|b| b.0 != (model.generation, row)) {
+        let figure = |pose: Vec<_>| PoseFigure::new(bundle.tables().skeleton(), &pose);
+        state.body = bundle.sample_rows(&[row]).map(|pose| ((model.generation, row), figure(pose)));
     }
     let (document, dark) = (model.generation, visuals.dark_mode);
     let key = HitDotsKey { document, filter: state.filter, colours: state.colours, dark, places };

@@ -4,6 +4,7 @@ use super::HitViewInput;
 use super::collection::HitEntry;
 use super::outline;
 use super::view::{HitViewPlace, HitViewpoint};
+use crate::panels::paint::FigureStyle;
 use crate::volume::Volume;
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Stroke, StrokeKind, Visuals, vec2};
@@ -24,7 +25,8 @@ pub fn paint(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, scene: 
     let inside = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
     if let Some(body) = scene.body {
         let faint = visuals.extreme_bg_color.lerp_to_gamma(visuals.text_color(), 0.2);
-        body.paint(&inside, place, faint);
+        let style = FigureStyle { per_m: place.per_m, colours: [faint; 3], grown_m: 0.02 };
+        body.paint(&inside, style, |p| place.screen(p));
     }
     if let Some(policy) = scene.outlined {
         let colour = visuals.strong_text_color();

@@ -48,7 +48,7 @@ fn the_fist_of_the_body_is_where_the_hit_is() {
     let bundle = OpenBundle::open(&boxing.bundle()).unwrap();
     let hits = HitCollection::from_bundle(&bundle);
     for e in &hits.entries {
-        let body = PoseSilhouette::sample_row(&bundle, e.row).unwrap();
+        let body = PoseFigure::new(bundle.tables().skeleton(), &bundle.sample_rows(&[e.row]).unwrap());
         let apart = body.joint(e.joint).distance(e.position);
         // The striking point lies beyond the wrist or the ankle.
         assert!(apart < 0.25, "{apart} m at row {}", e.row);

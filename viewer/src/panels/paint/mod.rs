@@ -1,10 +1,12 @@
 //! Small painters that panels share: a time axis with its ruler, legends, tables of many rows.
 
 mod axis;
+mod figure;
 mod table;
 mod widget;
 
 pub use axis::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
+pub use figure::{FigureStyle, PoseFigure};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
 pub use widget::{PanelWidget, choose, coordinates, facts, swatch};
 
