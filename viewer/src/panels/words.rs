@@ -1,5 +1,6 @@
 //! Places, directions and numbers in plain words.
 
+use crate::stage::world::kind_of;
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
 use throng_core::Planar;
@@ -87,19 +88,11 @@ pub fn side(degrees: f32) -> &'static str {
 
 /// Activity of an inhabitant of a world, and how long it has waited.
 pub fn inhabitant_activity(state: &InhabitantState) -> String {
-    let word = match state.activity {
-        InhabitantActivity::Roaming => "roams",
-        InhabitantActivity::Planning => "plans a path",
-        InhabitantActivity::Walking => "on its way",
-        InhabitantActivity::Waiting => return format!("has waited {:.1} s for others", state.waited_s),
-        InhabitantActivity::Detour => "makes way for others",
-        InhabitantActivity::Meeting => "waits for a partner",
-        InhabitantActivity::Performing => "does it",
-        InhabitantActivity::Arrived => "is there",
-        InhabitantActivity::Unreachable => "finds no path",
-        InhabitantActivity::Blocked => "waits: its place is taken",
-    };
-    word.to_owned()
+    match state.activity {
+        InhabitantActivity::Planning => "plans a path".to_owned(),
+        InhabitantActivity::Waiting => format!("has waited {:.1} s for others", state.waited_s),
+        activity => kind_of(activity).0.to_owned(),
+    }
 }
 
 /// A character of a scene: its number, its group, and its activity.

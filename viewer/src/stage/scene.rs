@@ -131,7 +131,7 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
             scene.chooser(who).map_or(palette.plain, |c| segment::colour_of_segment(&c, colouring, palette))
         }
         (Colouring::Speed | Colouring::Made, _) => palette.plain,
-        (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::colour_of(i.state(m).activity),
+        (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::kind_of(i.state(m).activity).1,
         (Colouring::Target, (AnyCharacterGroup::Sparring(_), m)) => bout::corner_colour(m, palette),
         (Colouring::Target, (AnyCharacterGroup::Policy(_), _)) if is_at_target(simulation, who) => palette.reached,
         (Colouring::Target, (AnyCharacterGroup::Policy(_) | AnyCharacterGroup::Travel(_), _)) => palette.on_the_way,

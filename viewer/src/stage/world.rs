@@ -27,32 +27,23 @@ pub const DISABLED: Rgba = Rgba::hex(0xe0564f);
 /// Colour of planned paths.
 pub const PLANNED: Rgba = Rgba::hex(0xf2b134);
 
-/// Activities of characters with their names, for the key to the colours.
-pub const KINDS: [(InhabitantActivity, &str); 9] = [
-    (InhabitantActivity::Roaming, "roams"),
-    (InhabitantActivity::Walking, "on its way"),
-    (InhabitantActivity::Waiting, "waits"),
-    (InhabitantActivity::Detour, "detour"),
-    (InhabitantActivity::Meeting, "waits for a partner"),
-    (InhabitantActivity::Performing, "performs"),
-    (InhabitantActivity::Arrived, "there"),
-    (InhabitantActivity::Unreachable, "finds no path"),
-    (InhabitantActivity::Blocked, "its place is taken"),
+/// Activities of characters, with their names and colours.
+pub const KINDS: [(InhabitantActivity, &str, Rgba); 9] = [
+    (InhabitantActivity::Roaming, "roams", Rgba::hex(0xb9c0c9)),
+    (InhabitantActivity::Walking, "on its way", Rgba::hex(0xe8743b)),
+    (InhabitantActivity::Waiting, "waits", Rgba::hex(0xe0457b)),
+    (InhabitantActivity::Detour, "makes way", Rgba::hex(0xf2b134)),
+    (InhabitantActivity::Meeting, "waits for a partner", Rgba::hex(0x4f9fd6)),
+    (InhabitantActivity::Performing, "performs", Rgba::hex(0x8f6fd6)),
+    (InhabitantActivity::Arrived, "is there", Rgba::hex(0x2fb39b)),
+    (InhabitantActivity::Unreachable, "finds no path", Rgba::hex(0x9c2f2f)),
+    (InhabitantActivity::Blocked, "its place is taken", Rgba::hex(0xd98f8f)),
 ];
 
-/// Colour of an activity.
-pub fn colour_of(doing: InhabitantActivity) -> Rgba {
-    match doing {
-        InhabitantActivity::Roaming => Rgba::hex(0xb9c0c9),
-        InhabitantActivity::Planning | InhabitantActivity::Walking => Rgba::hex(0xe8743b),
-        InhabitantActivity::Waiting => Rgba::hex(0xe0457b),
-        InhabitantActivity::Detour => Rgba::hex(0xf2b134),
-        InhabitantActivity::Meeting => Rgba::hex(0x4f9fd6),
-        InhabitantActivity::Performing => Rgba::hex(0x8f6fd6),
-        InhabitantActivity::Arrived => Rgba::hex(0x2fb39b),
-        InhabitantActivity::Unreachable => Rgba::hex(0x9c2f2f),
-        InhabitantActivity::Blocked => Rgba::hex(0xd98f8f),
-    }
+/// Name and colour of an activity; planning a path is part of the way.
+pub fn kind_of(doing: InhabitantActivity) -> (&'static str, Rgba) {
+    let (_, name, colour) = KINDS.into_iter().find(|kind| kind.0 == doing).unwrap_or(KINDS[1]);
+    (name, colour)
 }
 
 pub(super) fn lay_out(out: &mut StageLayout, model: &Model, world: &WorldDocument, palette: &StagePalette, dark: bool) {
@@ -130,7 +121,7 @@ fn inhabitants(out: &mut StageLayout, model: &Model, world: &WorldDocument, pale
     let moment = world.run.reel.moment();
     let selected = model.selection.character;
     let colour = |c: usize| match model.settings.colouring {
-        Colouring::Target => colour_of(moment.states[c].activity),
+        Colouring::Target => kind_of(moment.states[c].activity).1,
         Colouring::Clip => cues::category(moment.states[c].node.instance as usize),
         Colouring::Speed | Colouring::Made | Colouring::Plain => palette.plain,
     };

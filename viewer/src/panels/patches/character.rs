@@ -8,7 +8,7 @@ use crate::model::Model;
 use crate::panels::paint::{PanelWidget, facts};
 use crate::panels::{character_field, colour_of_view, offer_first_character, words};
 use crate::run::RunInput;
-use crate::stage::world::{KINDS, colour_of};
+use crate::stage::world::KINDS;
 use eframe::egui::text::LayoutJob;
 use eframe::egui::{Align, DragValue, FontSelection, Label, RichText, Ui};
 use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal};
@@ -54,9 +54,9 @@ fn population(ui: &mut Ui, world: &WorldDocument, state: &mut PatchesPanelState,
     });
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        for (doing, name) in KINDS {
+        for (_, name, colour) in KINDS {
             let mut text = LayoutJob::default();
-            for part in [RichText::new("■ ").color(colour_of_view(colour_of(doing))), RichText::new(name).weak()] {
+            for part in [RichText::new("■ ").color(colour_of_view(colour)), RichText::new(name).weak()] {
                 part.append_to(&mut text, ui.style(), FontSelection::Default, Align::Center);
             }
             // The name stays in the row of its colour.
