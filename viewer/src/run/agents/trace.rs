@@ -3,25 +3,9 @@
 use throng_simulation::Simulation;
 use throng_simulation::scenario::{Turn, TurnKind};
 
-/// No edge.
-const NONE: u16 = u16::MAX;
-
-/// Last change at one level.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct LevelTrace {
-    /// Time at which its state began, or began anew (s); NaN if unknown.
-    since_s: f32,
-    /// When the edge was taken (s).
-    taken_s: f32,
-    /// The last edge, as numbered in the scene file; [`NONE`] for none.
-    edge: u16,
-    /// Level whose change made this one begin anew.
-    above: u8,
-}
-
 /// The last edges of one agent, the highest level first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AgentTrace([LevelTrace; 3]);
+pub struct AgentTrace([StateEntry; 3]);
 
 /// Entry of an agent into its state at one level.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,29 +19,28 @@ pub struct StateEntry {
 }
 
 impl AgentTrace {
-    /// Trace of an agent that has been in its states since a time; NaN if unknown (s).
-    fn starting_at(since_s: f32) -> Self {
-        Self([LevelTrace { since_s, taken_s: f32::NAN, edge: NONE, above: u8::MAX }; 3])
+    /// Trace of an agent that has been in its states since a time (s).
+    fn starting_at(since_s: Option<f64>) -> Self {
+        Self([StateEntry { since_s, edge: None, began_with: None }; 3])
     }
 
     /// Traces of all agents of a scene in its present state; empty if they have no brains.
     pub fn for_all_agents(simulation: &Simulation) -> Vec<Self> {
-        let since_s = if simulation.time_s() == 0.0 { 0.0 } else { f32::NAN };
+        let since_s = (simulation.time_s() == 0.0).then_some(0.0);
         vec![Self::starting_at(since_s); simulation.brains().map_or(0, |m| m.len())]
     }
 
     /// Records an event of the agent's brain.
     pub fn record_turn(&mut self, turn: &Turn) {
-        let time_s = turn.time_s as f32;
+        let since_s = Some(turn.time_s);
         match turn.kind {
-            TurnKind::Starts => *self = Self::starting_at(time_s),
+            TurnKind::Starts => *self = Self::starting_at(since_s),
             TurnKind::Takes { level, edge, changes, .. } => {
                 let here = &mut self.0[level];
-                (here.edge, here.taken_s) = (edge as u16, time_s);
+                here.edge = Some((edge, turn.time_s));
                 if changes {
-                    (here.since_s, here.above) = (time_s, u8::MAX);
-                    let anew = LevelTrace { since_s: time_s, taken_s: f32::NAN, edge: NONE, above: level as u8 };
-                    self.0[level + 1..].fill(anew);
+                    (here.since_s, here.began_with) = (since_s, None);
+                    self.0[level + 1..].fill(StateEntry { since_s, edge: None, began_with: Some(level) });
                 }
             }
             _ => {}
@@ -66,12 +49,7 @@ impl AgentTrace {
 
     /// Entry into the state at a level (level < 3).
     pub fn entry_at(&self, level: usize) -> StateEntry {
-        let l = self.0[level];
-        StateEntry {
-            since_s: (!l.since_s.is_nan()).then_some(f64::from(l.since_s)),
-            edge: (l.edge != NONE).then_some((usize::from(l.edge), f64::from(l.taken_s))),
-            began_with: (l.above != u8::MAX).then_some(usize::from(l.above)),
-        }
+        self.0[level]
     }
 }
 
@@ -89,7 +67,7 @@ mod tests {
 
     #[test]
     fn a_change_begins_what_is_below_anew_and_leaves_what_is_above() {
-        let mut trace = AgentTrace::starting_at(0.0);
+        let mut trace = AgentTrace::starting_at(Some(0.0));
         trace.record_turn(&turn(1.0, edge(1, 4, true)));
         trace.record_turn(&turn(2.0, edge(2, 7, true)));
         assert_eq!(trace.entry_at(0), StateEntry { since_s: Some(0.0), edge: None, began_with: None });
@@ -105,6 +83,6 @@ mod tests {
         }
         trace.record_turn(&turn(5.0, TurnKind::Starts));
         assert_eq!(trace.entry_at(1), StateEntry { since_s: Some(5.0), edge: None, began_with: None });
-        assert_eq!(AgentTrace::starting_at(f32::NAN).entry_at(0).since_s, None);
+        assert_eq!(AgentTrace::starting_at(None).entry_at(0).since_s, None);
     }
 }
