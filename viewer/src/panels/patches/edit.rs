@@ -5,8 +5,8 @@ use crate::command::{Commands, Tool, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::document::world::UnitChange;
 use crate::model::Model;
-use crate::panels::paint::{PanelWidget, coordinates};
-use eframe::egui::{Button, ComboBox, DragValue, TextEdit, Ui};
+use crate::panels::paint::{PanelWidget, choose, coordinates};
+use eframe::egui::{Button, DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 use throng_core::patch::Placement;
 
@@ -37,13 +37,9 @@ fn create(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patches
     state.unit = state.unit.min(units.len().saturating_sub(1));
     ui.horizontal_wrapped(|ui| {
         ui.label("Create");
-        let name = units.get(state.unit).map_or("nothing", |u| &u.name);
         let before = state.unit;
-        ComboBox::from_id_salt("unit").selected_text(name).show_ui(ui, |ui| {
-            for (i, unit) in units.iter().enumerate() {
-                ui.selectable_value(&mut state.unit, i, &unit.name);
-            }
-        });
+        let names = units.iter().map(|u| u.name.clone()).enumerate();
+        choose(ui, "Unit", None, &mut state.unit, names);
         let creates = matches!(model.selection.world.tool, Tool::Create(_));
         let text = if creates { "click where it is to stand" } else { "Place …" };
         let clicked = ui.selectable_label(creates, text).clicked();

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::panels::paint::{self, PanelWidget, RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::{colour_of_view, moment};
 use crate::stage::world::{DISABLED, ENABLED};
-use eframe::egui::{CollapsingHeader, ComboBox, Ui, vec2};
+use eframe::egui::{CollapsingHeader, Ui, vec2};
 use throng_core::patch::CellRecord;
 use throng_precompute::stitch::{InstanceItem, RemovalReason};
 
@@ -131,12 +131,10 @@ fn choose(ui: &mut Ui, model: &Model, world: &WorldDocument, instance: u32, comm
     let name = |i: u32| format!("{} ({i})", world.patch_name(i));
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("The unit is in {} patches:", all.len()));
-        ComboBox::from_id_salt("instance").selected_text(name(instance)).show_ui(ui, |ui| {
-            for i in all {
-                let select = ViewerCommand::World(WorldCommand::SelectInstance(Some(i)));
-                ui.selectable_label(i == instance, name(i)).request(commands, select);
-            }
-        });
+        let mut chosen = instance;
+        paint::choose(ui, "Patch", None, &mut chosen, all.into_iter().map(|i| (i, name(i))));
+        let select = (chosen != instance).then_some(WorldCommand::SelectInstance(Some(chosen)));
+        commands.extend(select.map(ViewerCommand::World));
     });
 }
 

@@ -3,21 +3,16 @@
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
 use crate::document::TaskDocument;
 use crate::model::Model;
-use crate::panels::paint::{PanelWidget, coordinates};
-use eframe::egui::{ComboBox, Role, Ui};
+use crate::panels::paint::{PanelWidget, choose, coordinates};
+use eframe::egui::Ui;
 
 /// Shows the selected thing or place.
 pub fn show(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
     ui.horizontal_wrapped(|ui| {
         ui.strong("Things and places");
-        let name = wanted.handle.map_or_else(|| "none selected".into(), |h| task.task().handle_name(h));
-        let combo = ComboBox::from_id_salt("handle").selected_text(name).show_ui(ui, |ui| {
-            ui.selectable_value(&mut wanted.handle, None, "none");
-            for handle in task.task().handles() {
-                ui.selectable_value(&mut wanted.handle, Some(handle), task.task().handle_name(handle));
-            }
-        });
-        combo.response.named(Role::ComboBox, "Thing or place");
+        let named = task.task().handles().into_iter().map(|h| (Some(h), task.task().handle_name(h)));
+        let options = std::iter::once((None, "none selected".into())).chain(named);
+        choose(ui, "Thing or place", None, &mut wanted.handle, options);
     });
     let selected = wanted.handle.and_then(|h| Some((h, task.place_of(h, model.task_time_s())?)));
     let Some((handle, place)) = selected else {
