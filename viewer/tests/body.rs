@@ -3,16 +3,17 @@
 use crate::common::{golden, rig};
 use clap::Parser;
 use glam::Vec3;
+use image::RgbImage;
 use std::path::{Path, PathBuf};
 use throng_viewer::args::Args;
 use throng_viewer::document::UserOutfit;
-use throng_viewer::headless::{Headless, Image};
+use throng_viewer::headless::{Headless, save_png};
 
 fn args(rest: &[&str]) -> Args {
     Args::try_parse_from(std::iter::once("throng-viewer").chain(rest.iter().copied())).expect("right arguments")
 }
 
-fn picture(args: &Args) -> Image {
+fn picture(args: &Args) -> RgbImage {
     let mut headless = Headless::new(args).expect("a picture can be drawn");
     for _ in 0..args.frames.unwrap_or(90) {
         headless.advance(false).expect("a frame");
@@ -21,9 +22,9 @@ fn picture(args: &Args) -> Image {
 }
 
 /// Writes a picture where `PICTURES` names a folder, to be looked at.
-fn keep(image: &Image, name: &str) {
+fn keep(image: &RgbImage, name: &str) {
     if let Some(folder) = std::env::var_os("PICTURES") {
-        image.save_png(&PathBuf::from(folder).join(name)).expect("a file");
+        save_png(image, &PathBuf::from(folder).join(name)).expect("a file");
     }
 }
 
@@ -47,8 +48,8 @@ fn everybody_wears_the_mesh_of_a_file() {
         let (worn, made) = (line(&own), line("mannequin"));
         keep(&worn, name);
         // The rig is painted in one strong blue, which nothing else has.
-        let blue = |image: &Image| {
-            let rgb = &image.rgb;
+        let blue = |image: &RgbImage| {
+            let rgb: &[u8] = image;
             (0..rgb.len() / 3).filter(|&i| rgb[3 * i + 2] > 90 && rgb[3 * i] < rgb[3 * i + 2] / 2).collect::<Vec<_>>()
         };
         // So is an axis, which is there without it.

@@ -3,7 +3,6 @@
 use crate::common;
 use crate::common::boxing::Boxing;
 use crate::common::{adapter, bvh, golden};
-use std::io::BufReader;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -42,11 +41,8 @@ fn utf8(path: &Path) -> &str {
 
 /// Width, height and pixels of a picture.
 fn pixels(path: &Path) -> (u32, u32, Vec<[u8; 3]>) {
-    let file = std::fs::File::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-    let mut reader = png::Decoder::new(BufReader::new(file)).read_info().expect("a PNG");
-    let mut bytes = vec![0; reader.output_buffer_size().expect("a size")];
-    let info = reader.next_frame(&mut bytes).expect("pixels");
-    (info.width, info.height, bytes.chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect())
+    let picture = image::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display())).into_rgb8();
+    (picture.width(), picture.height(), picture.pixels().map(|p| p.0).collect())
 }
 
 /// Different colours within the middle of a picture.

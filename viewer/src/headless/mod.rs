@@ -6,12 +6,10 @@
 mod adapter;
 mod bench;
 mod figures;
-mod image;
 mod screen;
 
 pub use bench::{BenchReport, bench};
 pub use figures::FrameFigures;
-pub use image::Image;
 pub use screen::Screen;
 
 use crate::app::Viewer;
@@ -19,9 +17,13 @@ use crate::args::{Args, PICTURE_FRAMES, PanelChoice, PictureSize};
 use crate::model::FrameTimes;
 use crate::run::STEP_HZ;
 use eframe::egui;
+use image::RgbImage;
 use serde::Serialize;
+use std::io::{Cursor, Write};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use throng_precompute::BuildError;
+use throng_precompute::files::{check_target, write_atomically};
 
 /// Final frames during which time stands still, so that layouts that need two passes settle.
 const SETTLING_FRAMES: u32 = 3;
@@ -62,7 +64,7 @@ pub enum HeadlessError {
     Scene(String),
     /// The picture cannot be written.
     #[error(transparent)]
-    Write(#[from] throng_precompute::BuildError),
+    Write(#[from] BuildError),
 }
 
 /// Report on a picture and its times.
@@ -125,7 +127,7 @@ impl Headless {
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]
-    pub fn picture(&mut self) -> Result<Image, HeadlessError> {
+    pub fn picture(&mut self) -> Result<RgbImage, HeadlessError> {
         for i in 1..=SETTLING_FRAMES {
             self.run_frame(0.0, i == SETTLING_FRAMES)?;
         }
@@ -153,13 +155,41 @@ impl Headless {
 /// # Errors
 /// [`HeadlessError`]; what stood at the place of the picture before stays as it was.
 pub fn draw_picture(args: &Args, out: &Path) -> Result<PictureReport, HeadlessError> {
-    throng_precompute::files::check_target(out)?;
+    check_target(out)?;
     let mut headless = Headless::new(args)?;
     let frames = 0..args.frames.unwrap_or(PICTURE_FRAMES);
     let spans = frames.map(|_| headless.advance(args.json)).collect::<Result<Vec<_>, _>>()?;
     let image = headless.picture()?;
-    image.save_png(out)?;
-    let PictureSize { width, height } = image.size;
+    save_png(&image, out)?;
+    let (width, height) = image.dimensions();
     let figures = FrameFigures::from_frames(figures::num_characters(&headless.viewer), &spans);
     Ok(PictureReport { file: out.to_path_buf(), adapter: headless.screen.adapter_name(), width, height, figures })
+}
+
+/// Writes a PNG file.
+///
+/// # Errors
+/// [`BuildError::Io`] names the file; what stood there before stays as it was.
+pub fn save_png(image: &RgbImage, path: &Path) -> Result<(), BuildError> {
+    let mut png = Cursor::new(Vec::new());
+    let written = image.write_to(&mut png, image::ImageFormat::Png);
+    written.map_err(|e| BuildError::Io { path: path.to_path_buf(), source: std::io::Error::other(e) })?;
+    write_atomically(path, |file| file.write_all(png.get_ref()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_is_written_and_read_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.png");
+        let image = RgbImage::from_fn(5, 3, |x, y| image::Rgb([x as u8 * 50, y as u8 * 80, 7]));
+        save_png(&image, &path).expect("written");
+        assert_eq!(image::open(&path).expect("a PNG").into_rgb8(), image);
+        assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 1);
+        let error = save_png(&image, &folder.path().join("no/a.png")).expect_err("no folder");
+        assert!(error.to_string().contains("no"), "{error}");
+    }
 }

@@ -1,10 +1,11 @@
 //! The texture that stands for a screen.
 
-use super::{HeadlessError, Image, adapter};
+use super::{HeadlessError, adapter};
 use crate::args::{AdapterChoice, PictureSize};
 use crate::render::{read_back, wait};
 use eframe::egui;
 use eframe::egui_wgpu::{RenderState, ScreenDescriptor, wgpu};
+use image::RgbImage;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -131,11 +132,11 @@ impl Screen {
     ///
     /// # Errors
     /// [`HeadlessError::Drawing`]
-    pub fn read(&self) -> Result<Image, HeadlessError> {
+    pub fn read(&self) -> Result<RgbImage, HeadlessError> {
         let read = read_back(&self.state.device, &self.state.queue, &self.texture);
         self.complaint()?;
-        let (_, rgba) = read.map_err(|e| self.failed(&e))?;
+        let ([width, height], rgba) = read.map_err(|e| self.failed(&e))?;
         let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(Image { size: self.size, rgb })
+        Ok(RgbImage::from_raw(width, height, rgb).unwrap_or_default())
     }
 }

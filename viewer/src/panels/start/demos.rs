@@ -7,7 +7,6 @@ use eframe::egui::{
     Align, ColorImage, Context, CornerRadius, CursorIcon, Image, Label, Layout, Rect, Response, RichText, Role, Sense,
     StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, pos2, vec2,
 };
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use throng_precompute::run::is_complete;
 use throng_simulation::Scene;
@@ -139,11 +138,9 @@ fn card(ui: &mut Ui, demo: &Demo, is_complete: bool, picture: Option<&TextureHan
 
 /// The picture of a demonstration, for the graphics device.
 fn texture(ctx: &Context, demo: &Demo) -> Option<TextureHandle> {
-    let mut reader = png::Decoder::new(Cursor::new(demo.picture)).read_info().ok()?;
-    let mut rgb = vec![0; reader.output_buffer_size()?];
-    let info = reader.next_frame(&mut rgb).ok()?;
-    let size = [info.width as usize, info.height as usize];
-    let image = (rgb.len() == 3 * size[0] * size[1]).then(|| ColorImage::from_rgb(size, &rgb))?;
+    let picture = image::load_from_memory(demo.picture).ok()?.into_rgb8();
+    let size = [picture.width() as usize, picture.height() as usize];
+    let image = ColorImage::from_rgb(size, &picture);
     Some(ctx.load_texture(demo.file, image, TextureOptions::LINEAR))
 }
 
