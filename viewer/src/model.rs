@@ -13,7 +13,7 @@ pub use documents::name_of;
 pub use steer::{Lags, UserSteering};
 
 use crate::command::{PlanViewOptions, SceneViewOptions, ViewStage, WorldSelection};
-use crate::document::{FileWatch, Loader, OngoingBuild, OpenDocument, OutfitLoader, ShownBuild, UserOutfit};
+use crate::document::{Background, FileWatch, Loader, OngoingBuild, OpenDocument, ShownBuild, UserOutfit};
 use crate::render::{BodyStyle, OrbitCamera};
 use crate::settings::{BODIES, PanelKind, ViewerSettings};
 use eframe::egui;
@@ -125,7 +125,7 @@ pub struct Model {
     pub build: Option<ShownBuild>,
     /// A character of the user's own.
     pub outfit: Option<UserOutfit>,
-    dressing: Option<OutfitLoader>,
+    dressing: Option<Background<Result<UserOutfit, String>>>,
     steering: Option<UserSteering>,
     /// Files of the open document, as requested.
     pub asked: Vec<PathBuf>,
@@ -233,7 +233,8 @@ impl Model {
     }
 
     fn adopt_outfit(&mut self) {
-        let Some(read) = self.dressing.as_ref().and_then(OutfitLoader::poll) else { return };
+        let lost = || Err("Reading the character failed unexpectedly.".to_owned());
+        let Some(read) = self.dressing.as_ref().and_then(|d| d.poll(false, lost)) else { return };
         self.dressing = None;
         match read {
             Ok(outfit) => {

@@ -4,7 +4,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A value that is made on its own thread.
 #[derive(Debug)]
-pub(super) struct Background<T>(pub(super) Receiver<T>);
+pub struct Background<T>(pub(super) Receiver<T>);
 
 impl<T: Send + 'static> Background<T> {
     /// Starts to make a value.

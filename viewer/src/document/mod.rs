@@ -12,10 +12,11 @@ mod task;
 mod watch;
 pub mod world;
 
+pub use background::Background;
 pub use building::{BuildEnd, BuildLog, FinishedBuild, OngoingBuild, ShownBuild};
 pub use clip::RawMotion;
 pub use load::{Loader, may_be_made};
-pub use outfit::{OutfitLoader, UserOutfit};
+pub use outfit::UserOutfit;
 pub use scene::{MAX_SCENE_CHARACTERS, SceneDocument, SceneDoor, SceneResumePoint, SceneSurroundings, SceneUnit};
 pub use task::{PlannedMotion, Planning, TaskDocument};
 pub use watch::{FileStamp, FileWatch};

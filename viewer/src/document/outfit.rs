@@ -1,6 +1,5 @@
 //! A character of the user, with a mesh that all characters wear.
 
-use super::background::Background;
 use crate::render::WornMesh;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,24 +30,5 @@ impl UserOutfit {
     /// Name of the file.
     pub fn name(&self) -> String {
         self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-    }
-}
-
-/// Reads a character on its own thread.
-pub struct OutfitLoader {
-    path: PathBuf,
-    read: Background<Result<UserOutfit, String>>,
-}
-
-impl OutfitLoader {
-    /// Starts to read. `wake` is called when it is done.
-    pub fn start(path: &Path, wake: impl FnOnce() + Send + 'static) -> Self {
-        let own = path.to_path_buf();
-        Self { path: path.to_path_buf(), read: Background::start(move || UserOutfit::open(&own), wake) }
-    }
-
-    /// The character, once it was read.
-    pub fn poll(&self) -> Option<Result<UserOutfit, String>> {
-        self.read.poll(false, || Err(format!("{}: reading failed unexpectedly", self.path.display())))
     }
 }

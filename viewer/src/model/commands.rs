@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::command::{SceneCommand, ViewStage, ViewerCommand, WorldCommand};
-use crate::document::{OpenDocument, OutfitLoader, SceneChoice};
+use crate::document::{Background, OpenDocument, SceneChoice, UserOutfit};
 use crate::run::{Blending, RunInput};
 use crate::settings::PanelKind;
 use eframe::egui;
@@ -39,7 +39,7 @@ impl Model {
             }
             ViewerCommand::Wear(path) => {
                 let ctx = ctx.clone();
-                self.dressing = Some(OutfitLoader::start(&path, move || ctx.request_repaint()));
+                self.dressing = Some(Background::start(move || UserOutfit::open(&path), move || ctx.request_repaint()));
             }
             ViewerCommand::Blend(wanted) => self.blend(wanted),
             ViewerCommand::Steer(command) => self.apply_to_steering(command),
