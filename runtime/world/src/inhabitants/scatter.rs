@@ -79,8 +79,8 @@ impl WorldGraph {
         self.nearest_rest_of(point, |_| true)
     }
 
-    /// Nearest rest cell of the instances that are wanted.
-    pub(crate) fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<WorldNode> {
+    /// The node nearest to a point where a character may stay, among instances that are wanted (m).
+    pub fn nearest_rest_of(&self, point: Vec3, is_wanted: impl Fn(u32) -> bool) -> Option<WorldNode> {
         let mut best = (f32::INFINITY, None);
         for instance in 0..self.num_instances() as u32 {
             let r = self.instance(instance);

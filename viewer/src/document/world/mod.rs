@@ -3,7 +3,6 @@
 mod edit;
 mod open;
 mod orders;
-mod placement;
 mod views;
 mod worker;
 

@@ -2,7 +2,6 @@
 
 use super::open::populate;
 use super::orders::{EditorOrder, UnitChange, ended_message};
-use super::placement::place_inhabitants;
 use super::views::{EditorThread, WalkableWorld};
 use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;
@@ -10,6 +9,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use throng_precompute::environment::{Environment, PlacedGeometry};
 use throng_precompute::stitch::{Editor, StitchReport};
+use throng_world::{WorldGraph, WorldNode};
 
 /// Input of an edit.
 pub(super) struct EditJob {
@@ -117,4 +117,19 @@ impl EditJob {
         let geometry = PlacedGeometry::new(&environment, &self.workshop.kit.geometries);
         Ok(StitchedWorld { ground, environment, geometry, report, run, before, stitch_s: 0.0, total_s: 0.0 })
     }
+}
+
+/// For each character, the nearest rest node that shares no unit with the nodes of earlier characters.
+///
+/// - `places`: where they are (m).
+/// - returns each one's number with its node; characters without a place are left out.
+fn place_inhabitants(graph: &WorldGraph, places: &[Vec3]) -> Vec<(usize, WorldNode)> {
+    let mut taken = vec![false; graph.world().units.len()];
+    let mut put = |(character, &place): (usize, &Vec3)| {
+        let is_free = |i: u32| graph.resources(i).iter().all(|&u| !taken[u as usize]);
+        let node = graph.nearest_rest_of(place, is_free)?;
+        graph.resources(node.instance).iter().for_each(|&u| taken[u as usize] = true);
+        Some((character, node))
+    };
+    places.iter().enumerate().filter_map(&mut put).collect()
 }
