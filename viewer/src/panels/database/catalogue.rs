@@ -83,9 +83,7 @@ impl ClipCatalogue {
         let words: Vec<&str> = query.split_whitespace().collect();
         let matches = |e: &CatalogueClip| words.iter().all(|w| e.haystack.contains(w));
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| matches(&self.entries[i])).collect();
-        if let Some(order) = ORDERS.get(sort.column) {
-            out.sort_by(|&a, &b| sort.directed(order(&self.entries[a], &self.entries[b])));
-        }
+        sort.sort(&mut out, &ORDERS, &self.entries);
         out
     }
 }

@@ -22,10 +22,9 @@ const COLUMNS: [TableColumn<'static>; 7] = [
 #[derive(Clone, Debug, Default)]
 pub struct ClipListState {
     query: String,
-    /// Order of the rows; none for that of the bundle.
-    sort: Option<TableSort>,
+    sort: TableSort,
     /// Key of the rows: document, query, order.
-    made_of: Option<(u64, String, Option<TableSort>)>,
+    made_of: Option<(u64, String, TableSort)>,
     catalogue: ClipCatalogue,
     rows: Vec<usize>,
     shown: Option<usize>,
@@ -48,7 +47,7 @@ impl ClipListState {
             self.catalogue = ClipCatalogue::from_bundle(bundle);
             self.shown = None;
         }
-        self.rows = self.catalogue.select(&self.query, self.sort.unwrap_or(TableSort::NONE));
+        self.rows = self.catalogue.select(&self.query, self.sort);
         self.made_of = Some(now);
     }
 }
@@ -70,13 +69,13 @@ pub fn show(ui: &mut Ui, state: &mut ClipListState, model: &Model, bundle: &Open
     let columns = if has_tags { &COLUMNS[..] } else { &COLUMNS[..COLUMNS.len() - 1] };
     let table = RowTable {
         selected: state.rows.iter().position(|r| *r == selected),
-        sort: state.sort.or(Some(TableSort::NONE)),
+        sort: Some(state.sort),
         scroll_to_selected: state.shown != Some(selected),
         ..RowTable::new("clips", columns, state.rows.len())
     };
     let response = table.show(ui, |row, column| cell(&state.catalogue.entries[state.rows[row]], column));
     state.shown = Some(selected);
-    state.sort = response.sort.or(state.sort);
+    state.sort = response.sort.unwrap_or(state.sort);
     commands.extend(response.chosen.map(|row| ViewerCommand::ShowClip { clip: state.rows[row], frame: 0 }));
 }
 

@@ -122,9 +122,7 @@ impl HitCollection {
         let HitFilter { kind, joint } = filter;
         let admits = |e: &HitEntry| kind.is_none_or(|k| k == e.kind) && joint.is_none_or(|j| j == e.joint);
         let mut out: Vec<usize> = (0..self.entries.len()).filter(|&i| admits(&self.entries[i])).collect();
-        if let Some(order) = ORDERS.get(sort.column) {
-            out.sort_by(|&a, &b| sort.directed(order(&self.entries[a], &self.entries[b])));
-        }
+        sort.sort(&mut out, &ORDERS, &self.entries);
         out
     }
 
@@ -181,7 +179,7 @@ mod tests {
     #[test]
     fn only_hits_of_the_chosen_kind_and_limb_are_shown() {
         let c = collection();
-        let found = |kind, joint| c.select(HitFilter { kind, joint }, TableSort::NONE);
+        let found = |kind, joint| c.select(HitFilter { kind, joint }, TableSort::default());
         assert_eq!(found(None, None), [0, 1, 2]);
         assert_eq!(found(Some(0), None), [0, 1]);
         assert_eq!(found(None, Some(Joint::RightHand)), [1]);

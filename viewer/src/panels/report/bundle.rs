@@ -16,38 +16,16 @@ const COLUMNS: [TableColumn<'static>; 3] = [
 /// Rows of sources that are seen at once.
 const ROWS: usize = 9;
 
+/// Orders of the rows, by column.
+const ORDERS: [fn(&SourceMeta, &SourceMeta) -> Ordering; 3] =
+    [|a, b| a.path.cmp(&b.path), |a, b| a.bytes.cmp(&b.bytes), |a, b| a.hash.cmp(&b.hash)];
+
 /// State of the panel: that of the list of source files.
 #[derive(Clone, Debug, Default)]
 pub struct ReportPanelState {
-    /// Order of the rows; none for that of the bundle.
-    sort: Option<TableSort>,
-    copied: Option<usize>,
-    /// Key of `rows`: document and order.
-    made_of: Option<(u64, Option<TableSort>)>,
-    rows: Vec<usize>,
-}
-
-impl ReportPanelState {
-    fn refresh(&mut self, document: u64, sources: &[SourceMeta]) {
-        if self.made_of == Some((document, self.sort)) {
-            return;
-        }
-        if self.made_of.map(|m| m.0) != Some(document) {
-            self.copied = None;
-        }
-        self.rows = (0..sources.len()).collect();
-        let sort = self.sort.unwrap_or(TableSort::NONE);
-        self.rows.sort_by(|&a, &b| {
-            let (a, b) = (&sources[a], &sources[b]);
-            sort.directed(match sort.column {
-                0 => a.path.cmp(&b.path),
-                1 => a.bytes.cmp(&b.bytes),
-                2 => a.hash.cmp(&b.hash),
-                _ => Ordering::Equal,
-            })
-        });
-        self.made_of = Some((document, self.sort));
-    }
+    sort: TableSort,
+    /// Document and number of the source that was copied last.
+    copied: Option<(u64, usize)>,
 }
 
 /// Shows where a bundle comes from.
@@ -74,16 +52,16 @@ pub fn show(ui: &mut Ui, bundle: &OpenBundle, document: u64, sources: &mut Repor
 }
 
 fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut ReportPanelState) {
-    state.refresh(document, sources);
     let bytes: u64 = sources.iter().map(|s| s.bytes).sum();
     section(ui, &format!("Made from {} files, {}", sources.len(), bytes_text(bytes)));
     if sources.is_empty() {
         return drop(ui.weak("The bundle names no source files: it was made from generated motion."));
     }
-    let rows = &state.rows;
+    let mut rows: Vec<usize> = (0..sources.len()).collect();
+    state.sort.sort(&mut rows, &ORDERS, sources);
     let table = RowTable {
-        selected: state.copied.and_then(|c| rows.iter().position(|r| *r == c)),
-        sort: state.sort.or(Some(TableSort::NONE)),
+        selected: rows.iter().position(|r| state.copied == Some((document, *r))),
+        sort: Some(state.sort),
         most_rows: Some(ROWS),
         ..RowTable::new("sources", &COLUMNS, rows.len())
     };
@@ -98,9 +76,9 @@ fn source_list(ui: &mut Ui, sources: &[SourceMeta], document: u64, state: &mut R
     if let Some(source) = response.chosen.map(|row| rows[row]) {
         let s = &sources[source];
         ui.copy_text(format!("{} {:032x}", s.path, s.hash));
-        state.copied = Some(source);
+        state.copied = Some((document, source));
     }
-    state.sort = response.sort.or(state.sort);
+    state.sort = response.sort.unwrap_or(state.sort);
 }
 
 fn config(ui: &mut Ui, toml: &str) {
@@ -128,13 +106,12 @@ mod tests {
     fn sources_are_sorted_by_the_column_asked_for() {
         let source = |path: &str, bytes, hash| SourceMeta { path: path.into(), bytes, hash };
         let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
-        let mut state = ReportPanelState::default();
-        let mut rows = |sort| {
-            state.sort = Some(sort);
-            state.refresh(1, &all);
-            state.rows.clone()
+        let rows = |sort: TableSort| {
+            let mut rows = [0, 1, 2];
+            sort.sort(&mut rows, &ORDERS, &all);
+            rows
         };
-        assert_eq!(rows(TableSort::NONE), [0, 1, 2]);
+        assert_eq!(rows(TableSort::default()), [0, 1, 2]);
         assert_eq!(rows(TableSort { column: 0, descending: false }), [1, 0, 2]);
         assert_eq!(rows(TableSort { column: 1, descending: true }), [1, 2, 0]);
         assert_eq!(rows(TableSort { column: 2, descending: false }), [0, 2, 1]);

@@ -8,7 +8,7 @@ use eframe::egui::{Color32, CursorIcon, FontId, Id, Rect, Role, Sense, Shape, St
 use std::cmp::Ordering;
 
 /// By which column rows are sorted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TableSort {
     /// Number of the column.
     pub column: usize,
@@ -16,9 +16,22 @@ pub struct TableSort {
     pub descending: bool,
 }
 
+impl Default for TableSort {
+    /// Rows stay in their order.
+    fn default() -> Self {
+        Self { column: usize::MAX, descending: false }
+    }
+}
+
 impl TableSort {
-    /// No sorting: rows stay in their order.
-    pub const NONE: Self = Self { column: usize::MAX, descending: false };
+    /// Sorts numbers of items.
+    ///
+    /// - `orders`: ascending order of each column.
+    pub fn sort<T>(self, rows: &mut [usize], orders: &[fn(&T, &T) -> Ordering], items: &[T]) {
+        if let Some(order) = orders.get(self.column) {
+            rows.sort_by(|&a, &b| self.directed(order(&items[a], &items[b])));
+        }
+    }
 
     /// Order of two rows whose values in the column have the order `ascending`.
     pub fn directed(self, ascending: Ordering) -> Ordering {
@@ -80,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_second_click_on_a_column_reverses_the_order() {
-        let sort = TableSort::NONE.toggled(2);
+        let sort = TableSort::default().toggled(2);
         assert_eq!(sort, TableSort { column: 2, descending: false });
         assert!(sort.toggled(2).descending);
         assert_eq!(sort.toggled(2).toggled(2), sort);
