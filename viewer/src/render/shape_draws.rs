@@ -15,9 +15,9 @@ const END_RINGS: usize = 4;
 /// Corner of the mesh all round cones share: a direction, and 0 at the first or 1 at the second end.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct RoundCorner {
-    direction: [f32; 3],
-    end: f32,
+pub(super) struct RoundCorner {
+    pub direction: [f32; 3],
+    pub end: f32,
 }
 
 /// Shapes on the GPU.
@@ -44,7 +44,7 @@ impl ShapeDraws {
         };
         let mut corners = GrowingBuffer::new(device, "corners", BufferUsages::VERTEX);
         let mut indices = GrowingBuffer::new(device, "triangles", BufferUsages::INDEX);
-        let (points, triangles) = round_mesh();
+        let (points, triangles) = round_mesh(AROUND, END_RINGS);
         corners.write(gpu, &points)?;
         indices.write(gpu, &triangles)?;
         Ok(Self {
@@ -93,21 +93,21 @@ impl ShapeDraws {
 }
 
 /// A sphere cut at its equator; the halves belong to the two ends.
-fn round_mesh() -> (Vec<RoundCorner>, Vec<u32>) {
+pub(super) fn round_mesh(around: usize, end_rings: usize) -> (Vec<RoundCorner>, Vec<u32>) {
     let mut corners = Vec::new();
     let mut ring = |angle: f32, end: f32| {
-        for i in 0..AROUND {
-            let ((s, c), (up, out)) = ((TAU * i as f32 / AROUND as f32).sin_cos(), angle.sin_cos());
+        for i in 0..around {
+            let ((s, c), (up, out)) = ((TAU * i as f32 / around as f32).sin_cos(), angle.sin_cos());
             corners.push(RoundCorner { direction: [out * s, up, out * c], end });
         }
     };
-    let step = |i: usize| 0.5 * PI * i as f32 / END_RINGS as f32;
-    (0..=END_RINGS).rev().for_each(|i| ring(-step(i), 0.0));
-    (0..=END_RINGS).for_each(|i| ring(step(i), 1.0));
+    let step = |i: usize| 0.5 * PI * i as f32 / end_rings as f32;
+    (0..=end_rings).rev().for_each(|i| ring(-step(i), 0.0));
+    (0..=end_rings).for_each(|i| ring(step(i), 1.0));
     let mut indices = Vec::new();
-    for r in 0..2 * END_RINGS + 1 {
-        for i in 0..AROUND {
-            let at = |r: usize, i: usize| (r * AROUND + i % AROUND) as u32;
+    for r in 0..2 * end_rings + 1 {
+        for i in 0..around {
+            let at = |r: usize, i: usize| (r * around + i % around) as u32;
             let [a, b, c, d] = [at(r, i), at(r, i + 1), at(r + 1, i + 1), at(r + 1, i)];
             indices.extend([a, b, c, a, c, d]);
         }
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn the_shared_mesh_faces_outwards() {
-        let (corners, indices) = round_mesh();
+        let (corners, indices) = round_mesh(AROUND, END_RINGS);
         for t in indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let corner = corners[t[i] as usize];

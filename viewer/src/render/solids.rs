@@ -1,9 +1,9 @@
 //! Things that stand in the world: meshes of boxes, bars and triangles, each made once and drawn in many places.
 
+use super::shape_draws::round_mesh;
 use super::{Ray, Rgba};
 use bytemuck::{Pod, Zeroable};
 use glam::{Quat, Vec3};
-use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 use throng_core::patch::Placement;
 use throng_geometry::{RayCrossing, ray_crossing};
@@ -89,24 +89,14 @@ impl SolidMesh {
         let y = (to - from).normalize_or(Vec3::Y);
         let (x, z) = y.any_orthonormal_pair();
         let first = self.vertices.len() as u32;
-        let rings = 2 * (END_RINGS + 1);
-        for r in 0..rings {
-            let (end, step) = if r <= END_RINGS { (from, r as f32) } else { (to, (r - 1) as f32) };
-            let (up, out) = (PI * (step / (2 * END_RINGS) as f32 - 0.5)).sin_cos();
-            for i in 0..AROUND {
-                let (s, c) = (TAU * i as f32 / AROUND as f32).sin_cos();
-                let normal = (x * c + z * s) * out + y * up;
-                let position = (end + normal * radius).to_array();
-                self.vertices.push(SolidVertex { position, normal: normal.to_array() });
-            }
-        }
-        for r in 0..rings - 1 {
-            for i in 0..AROUND {
-                let at = |r: usize, i: usize| first + (r * AROUND + i % AROUND) as u32;
-                let [a, b, c, d] = [at(r, i), at(r + 1, i), at(r + 1, i + 1), at(r, i + 1)];
-                self.indices.extend([a, c, b, a, d, c]);
-            }
-        }
+        let (corners, indices) = round_mesh(AROUND, END_RINGS);
+        self.vertices.extend(corners.iter().map(|corner| {
+            let [aside, up, ahead] = corner.direction;
+            let normal = z * aside + y * up + x * ahead;
+            let position = from.lerp(to, corner.end) + normal * radius;
+            SolidVertex { position: position.to_array(), normal: normal.to_array() }
+        }));
+        self.indices.extend(indices.iter().map(|i| first + i));
     }
 
     /// Adds a solid of a unit.
@@ -153,6 +143,7 @@ impl SolidMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f32::consts::PI;
 
     fn every_triangle_faces_away_from(mesh: &SolidMesh, middle: Vec3) {
         for t in mesh.indices.chunks_exact(3) {

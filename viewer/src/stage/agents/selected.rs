@@ -4,7 +4,9 @@ use super::{BOUND_Y, Brush};
 use crate::command::OverlayScope;
 use crate::render::{Rgba, ShapeList};
 use crate::run::agents::{AgentDetails, agent_bound, agent_details};
+use crate::stage::cues;
 use glam::Vec3;
+use throng_geometry::BoundingBox;
 use throng_simulation::Simulation;
 
 /// Length of the arrow of the largest acceleration (radii).
@@ -70,17 +72,10 @@ fn cells(shapes: &mut ShapeList, d: &AgentDetails, brush: &Brush<'_>) {
 
 /// A square on the ground, the edges of a box in the air.
 fn frame(shapes: &mut ShapeList, from: Vec3, to: Vec3, (width, colour): (f32, Rgba), brush: &Brush<'_>) {
-    let ys = if brush.in_the_air { [from.y, to.y] } else { [BOUND_Y; 2] };
-    let corner = |i: usize, y: f32| {
-        let (right, up) = (matches!(i % 4, 1 | 2), matches!(i % 4, 2 | 3));
-        Vec3::new(if right { to.x } else { from.x }, y, if up { to.z } else { from.z })
-    };
-    for i in 0..4 {
-        shapes.line(corner(i, ys[0]), corner(i + 1, ys[0]), width, colour);
-        if brush.in_the_air {
-            shapes.line(corner(i, ys[1]), corner(i + 1, ys[1]), width, colour);
-            shapes.line(corner(i, ys[0]), corner(i, ys[1]), width, colour);
-        }
+    let place = |p: Vec3| if brush.in_the_air { p } else { p.with_y(BOUND_Y) };
+    let edges = cues::box_edges(BoundingBox { min: from, max: to }.corners());
+    for [a, b] in edges.filter(|edge| brush.in_the_air || edge.iter().all(|p| p.y == from.y)) {
+        shapes.line(place(a), place(b), width, colour);
     }
 }
 
