@@ -3,12 +3,12 @@
 use super::timeline::TimelineInput;
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
-use crate::panels::paint::{FigureStyle, FrameAxis, PoseFigure};
+use crate::panels::paint::{FigureStyle, FrameAxis, figure_of_pose, paint_figure};
 use crate::theme::ThemePalette;
 use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use glam::{Quat, Vec3};
 use throng_core::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
-use throng_precompute::picture::step_up;
+use throng_precompute::picture::{BodyFigure, step_up};
 
 /// Least distance of two figures, as a share of the height of the strip.
 const DISTANCE: f32 = 0.42;
@@ -39,7 +39,7 @@ pub struct TimelineStrip {
 #[derive(Clone, Debug)]
 struct StripFigure {
     frame: u32,
-    figure: PoseFigure,
+    figure: BodyFigure,
     contacts: Contacts,
 }
 
@@ -52,7 +52,8 @@ impl TimelineStrip {
         let frames: Vec<u32> = (first..=last).step_by(step as usize).chain([scene.head]).collect();
         if self.shown != Some(scene.key()) || !self.figures.iter().map(|f| &f.frame).eq(&frames) {
             let sampled = frames.iter().zip(scene.source.sample(&frames));
-            self.figures = sampled.map(|(&frame, (figure, contacts))| StripFigure { frame, figure, contacts }).collect();
+            self.figures =
+                sampled.map(|(&frame, (figure, contacts))| StripFigure { frame, figure, contacts }).collect();
             self.shown = Some(scene.key());
         }
         self.paint(ui, rect, axis);
@@ -64,7 +65,7 @@ impl TimelineStrip {
         let ground = rect.bottom() - BELOW;
         let line = Stroke::new(1.0, ui.visuals().widgets.noninteractive.bg_stroke.color);
         painter.hline(rect.x_range(), ground, line);
-        let highest = self.figures.iter().map(|f| f.figure.top()).fold(LEAST_HEIGHT_M, f32::max);
+        let highest = self.figures.iter().map(|f| top(&f.figure)).fold(LEAST_HEIGHT_M, f32::max);
         let scale = (ground - rect.top() - 2.0) / highest;
         let Some((head, others)) = self.figures.split_last() else { return };
         let paper = ui.visuals().extreme_bg_color;
@@ -72,7 +73,7 @@ impl TimelineStrip {
         let paint = |f: &StripFigure, colours, grown_m| {
             let foot = pos2(axis.x_of(f.frame as f32), ground);
             let style = FigureStyle { per_m: scale, colours, grown_m };
-            f.figure.paint(&painter, style, |p: Vec3| foot + vec2(p.z, -p.y) * scale);
+            paint_figure(&painter, &f.figure, style, |p: Vec3| foot + vec2(p.z, -p.y) * scale);
             f.paint_contacts(&painter, foot, style);
         };
         for other in others.iter().filter(|o| o.frame != head.frame) {
@@ -101,6 +102,11 @@ impl StripFigure {
     }
 }
 
+/// Highest point of a figure (m).
+fn top(figure: &BodyFigure) -> f32 {
+    figure.joints.iter().chain(&figure.tips).map(|p| p.y).fold(0.0, f32::max)
+}
+
 /// The least number of frames of a round series that is not below `least`.
 fn step(least: f32) -> u32 {
     step_up(f64::from(least.clamp(1.0, 1e8).ceil())).round() as u32
@@ -108,7 +114,7 @@ fn step(least: f32) -> u32 {
 
 impl PoseSource<'_> {
     /// Figures of frames of the clip, numbered from its start.
-    fn sample(self, frames: &[u32]) -> Vec<(PoseFigure, Contacts)> {
+    fn sample(self, frames: &[u32]) -> Vec<(BodyFigure, Contacts)> {
         match self {
             Self::Bundle(bundle, clip) => sample_bundle(bundle, clip, frames).unwrap_or_default(),
             Self::Raw(raw) => sample_raw(raw, frames),
@@ -116,18 +122,17 @@ impl PoseSource<'_> {
     }
 }
 
-fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<(PoseFigure, Contacts)>> {
+fn sample_bundle(bundle: &OpenBundle, clip: usize, frames: &[u32]) -> Option<Vec<(BodyFigure, Contacts)>> {
     let tables = bundle.tables();
     let record = tables.clips().get(clip)?;
     let rows: Vec<u32> = frames.iter().map(|f| record.first_frame + f.min(&(record.num_frames - 1))).collect();
     let poses = bundle.sample_rows(&rows)?;
-    let figure = |(row, pose): (&u32, &[Mat3x4])| {
-        (PoseFigure::new(tables.skeleton(), pose), tables.contacts()[*row as usize])
-    };
+    let figure =
+        |(row, pose): (&u32, &[Mat3x4])| (figure_of_pose(tables.skeleton(), pose), tables.contacts()[*row as usize]);
     Some(rows.iter().zip(poses.chunks(NUM_JOINTS)).map(figure).collect())
 }
 
-fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<(PoseFigure, Contacts)> {
+fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<(BodyFigure, Contacts)> {
     let Some(clip) = raw.clips.clips.first().filter(|c| c.num_frames() > 0) else { return Vec::new() };
     let skeleton: &Skeleton = &raw.clips.skeleton;
     let figure = |f: &u32| {
@@ -136,8 +141,8 @@ fn sample_raw(raw: &RawMotion, frames: &[u32]) -> Vec<(PoseFigure, Contacts)> {
         let turn = planar.rotation().inverse();
         let joints = clip
             .joint_transforms(skeleton, frame)
-            .map(|(p, r): (Vec3, Quat)| Mat3x4::from_rotation_translation(turn * r, turn * (p - planar.translation())));
-        (PoseFigure::new(skeleton, &joints), clip.contacts.get(frame).copied().unwrap_or_default())
+            .map(|(p, r): (Vec3, Quat)| (turn * (p - planar.translation()), turn * r));
+        (BodyFigure::from_transforms(skeleton, &joints), clip.contacts.get(frame).copied().unwrap_or_default())
     };
     frames.iter().map(figure).collect()
 }
@@ -161,7 +166,7 @@ mod tests {
         let bundle = golden();
         for clip in 0..bundle.tables().clips().len() {
             for (figure, _) in PoseSource::Bundle(&bundle, clip).sample(&[0, 10, 1_000_000]) {
-                assert!((1.0..2.2).contains(&figure.top()), "{figure:?}");
+                assert!((1.0..2.2).contains(&top(&figure)), "{figure:?}");
             }
         }
         assert!(PoseSource::Bundle(&bundle, usize::MAX).sample(&[0]).is_empty());
@@ -173,6 +178,6 @@ mod tests {
         let raw = RawMotion::open(&path).unwrap();
         let figures = PoseSource::Raw(&raw).sample(&[0, 20, 40, 60]);
         assert_eq!(figures.len(), 4);
-        assert!(figures.iter().all(|f| (1.2..2.2).contains(&f.0.top())));
+        assert!(figures.iter().all(|f| (1.2..2.2).contains(&top(&f.0))));
     }
 }

@@ -2,11 +2,10 @@
 
 mod collection;
 mod list;
-mod outline;
 mod plot;
 mod view;
 
-use super::paint::{PanelWidget, PoseFigure, TableSort, choose, empty, legend, no_bundle};
+use super::paint::{PanelWidget, TableSort, choose, empty, figure_of_pose, legend, no_bundle};
 use super::policy::behaviour_name;
 use super::{moment, words};
 use crate::bundle::OpenBundle;
@@ -22,6 +21,7 @@ use std::collections::BTreeSet;
 use std::iter::once;
 use throng_core::Joint;
 use throng_core::policy::PolicyTable;
+use throng_precompute::picture::BodyFigure;
 use view::{HitBounds, HitViewPlace};
 
 /// Width from which on the list lies beside the views (points).
@@ -49,7 +49,7 @@ pub struct HitsPanelState {
     outlined: Option<Option<usize>>,
     sort: TableSort,
     /// The body shown for scale, with its document and frame row.
-    body: Option<((u64, u32), PoseFigure)>,
+    body: Option<((u64, u32), BodyFigure)>,
     dots: Option<(HitDotsKey, [Mesh; 3])>,
     /// Hit under the pointer in the frame before, and true if it was in the list.
     hovered: Option<(usize, bool)>,
@@ -79,7 +79,7 @@ struct HitsInput<'a> {
 
 /// Input shared by all views.
 struct HitViewInput<'a> {
-    body: Option<&'a PoseFigure>,
+    body: Option<&'a BodyFigure>,
     outlined: Option<&'a PolicyTable>,
 }
 
@@ -215,7 +215,7 @@ fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPane
     let standing = || bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame);
     let row = standing_out.map_or_else(standing, |i| hits.entries[i].row);
     if state.body.as_ref().is_none_or(|b| b.0 != (model.generation, row)) {
-        let figure = |pose: Vec<_>| PoseFigure::new(bundle.tables().skeleton(), &pose);
+        let figure = |pose: Vec<_>| figure_of_pose(bundle.tables().skeleton(), &pose);
         state.body = bundle.sample_rows(&[row]).map(|pose| ((model.generation, row), figure(pose)));
     }
     let (document, dark) = (model.generation, visuals.dark_mode);

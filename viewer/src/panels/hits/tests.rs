@@ -38,7 +38,7 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
         let row = h.state().model.shown_row().unwrap();
         assert_eq!(row, e.row);
         // The body that is drawn for scale is the one that strikes.
-        assert_eq!(h.state().state.body.as_ref().unwrap().1.row, e.row);
+        assert_eq!(h.state().state.body.as_ref().unwrap().0.1, e.row);
     }
 }
 
@@ -48,7 +48,7 @@ fn the_fist_of_the_body_is_where_the_hit_is() {
     let bundle = OpenBundle::open(&boxing.bundle()).unwrap();
     let hits = HitCollection::from_bundle(&bundle);
     for e in &hits.entries {
-        let body = PoseFigure::new(bundle.tables().skeleton(), &bundle.sample_rows(&[e.row]).unwrap());
+        let body = figure_of_pose(bundle.tables().skeleton(), &bundle.sample_rows(&[e.row]).unwrap());
         let apart = body.joint(e.joint).distance(e.position);
         // The striking point lies beyond the wrist or the ankle.
         assert!(apart < 0.25, "{apart} m at row {}", e.row);

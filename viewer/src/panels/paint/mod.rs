@@ -6,7 +6,7 @@ mod table;
 mod widget;
 
 pub use axis::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
-pub use figure::{FigureStyle, PoseFigure};
+pub use figure::{FigureStyle, figure_of_pose, paint_figure};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
 pub use widget::{PanelWidget, choose, coordinates, facts, swatch};
 
