@@ -255,6 +255,14 @@ impl Model {
         self.push_message(text.into(), true);
     }
 
+    /// Tells which files were written, or why none was.
+    fn tell_saved(&mut self, saved: Result<String, String>) {
+        match saved {
+            Ok(files) => self.say(format!("Saved {files}")),
+            Err(why) => self.complain(why),
+        }
+    }
+
     fn push_message(&mut self, text: String, is_error: bool) {
         self.messages.retain(|m| m.text != text);
         self.num_messages += 1;

@@ -18,6 +18,11 @@ fn extension(path: &Path) -> String {
     path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_lowercase())
 }
 
+/// Paths in a row.
+pub fn path_list(paths: &[PathBuf]) -> String {
+    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
 /// True for files that may need a build before they can be shown: motion, scenes and worlds.
 pub fn may_be_made(path: &Path) -> bool {
     is_motion(path) || extension(path) == "toml"
@@ -55,6 +60,16 @@ impl OpenDocument {
             "toml" => Self::Scene(Box::new(SceneDocument::open(path, with)?)),
             _ => Self::Bundle(Box::new(BundleDocument::without_run(OpenBundle::open(path)?))),
         })
+    }
+
+    /// Stamp of the files of the document.
+    ///
+    /// - `before`: stamp of the only file that was asked for, from before it was read.
+    pub fn stamp(&self, asked: &[PathBuf], before: Option<FileStamp>) -> Option<FileStamp> {
+        // A bundle built from motion is newer than its sources: its stamp is read now.
+        let path = self.path()?;
+        let own = if asked == [path] { before } else { FileStamp::read(path) };
+        FileStamp::combined(own, &self.more_files())
     }
 }
 
@@ -111,12 +126,7 @@ impl Loader {
             {
                 judge(opened, &log);
             }
-            let stamp = result.as_ref().ok().and_then(|opened| {
-                // A bundle built from motion is newer than its sources: its stamp is read now.
-                let path = opened.path()?;
-                let own = if own[..] == [path] { before } else { FileStamp::read(path) };
-                FileStamp::combined(own, &opened.more_files())
-            });
+            let stamp = result.as_ref().ok().and_then(|opened| opened.stamp(&own, before));
             (stamp, result)
         };
         let loaded = Background::start(read, wake);
@@ -137,8 +147,7 @@ impl Loader {
     /// Document read since the last call.
     pub fn poll(&mut self) -> Option<LoadedDocument> {
         let RunningLoad { paths, loaded, .. } = self.running.as_ref()?;
-        let names = || paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ");
-        let lost = || (None, Err(format!("{}: reading failed unexpectedly", names())));
+        let lost = || (None, Err(format!("{}: reading failed unexpectedly", path_list(paths))));
         let (stamp, result) = loaded.poll(false, lost)?;
         let RunningLoad { paths, building, .. } = self.running.take()?;
         Some(LoadedDocument { paths, stamp, result, building })

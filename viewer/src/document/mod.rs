@@ -15,7 +15,7 @@ pub mod world;
 pub use background::Background;
 pub use building::{BuildEnd, BuildLog, FinishedBuild, OngoingBuild, ShownBuild};
 pub use clip::RawMotion;
-pub use load::{Loader, may_be_made};
+pub use load::{Loader, may_be_made, path_list};
 pub use outfit::UserOutfit;
 pub use scene::{MAX_SCENE_CHARACTERS, SceneDocument, SceneDoor, SceneResumePoint, SceneSurroundings, SceneUnit};
 pub use task::{PlannedMotion, Planning, TaskDocument};

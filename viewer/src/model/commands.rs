@@ -95,10 +95,8 @@ impl Model {
                 return;
             }
             SceneCommand::Save(path) => {
-                return match scene.save(&path) {
-                    Ok(()) => self.say(format!("Saved {}", path.display())),
-                    Err(why) => self.complain(why),
-                };
+                let saved = scene.save(&path).map(|()| path.display().to_string());
+                return self.tell_saved(saved);
             }
             SceneCommand::Restart(choice) => scene.restart(choice, None, wake),
             SceneCommand::Restore(path) => scene.restore(&path, wake),

@@ -152,9 +152,7 @@ impl Model {
 
     /// Takes the present files of the shown document as known, so that only later changes count.
     pub(super) fn watch_anew(&mut self) {
-        let Some(path) = self.document.path() else { return };
-        let stamp = FileStamp::combined(FileStamp::read(path), &self.document.more_files());
-        self.watch = Some(FileWatch::starting_at(stamp));
+        self.watch = Some(FileWatch::starting_at(self.document.stamp(&[], None)));
     }
 
     pub(super) fn look_for_changes(&mut self, ctx: &egui::Context) {
@@ -182,8 +180,7 @@ impl Model {
     pub fn open_now(&mut self, path: &Path, with: &BuildContext<'_>) -> Result<(), String> {
         let (paths, before) = (vec![path.to_path_buf()], FileStamp::read(path));
         let opened = OpenDocument::read(&paths, with)?;
-        let own = opened.path().and_then(|own| if own == path { before } else { FileStamp::read(own) });
-        self.watch = Some(FileWatch::starting_at(FileStamp::combined(own, &opened.more_files())));
+        self.watch = Some(FileWatch::starting_at(opened.stamp(&paths, before)));
         self.adopt(paths, opened, false);
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::Model;
 use crate::command::PlanCommand;
-use crate::document::OpenDocument;
+use crate::document::{OpenDocument, path_list};
 
 impl Model {
     /// Time of the task that is shown (s).
@@ -23,23 +23,18 @@ impl Model {
             PlanCommand::Move(handle, by) => task.move_by(handle, by.as_dvec3()),
             PlanCommand::EndMove if options.replans => self.plan(true),
             PlanCommand::EndMove => {}
-            PlanCommand::Save(path) => match task.save(&path) {
-                Ok(files) => {
-                    let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
-                    self.say(format!("Saved {}", names.join(", ")));
+            PlanCommand::Save(path) => {
+                let saved = task.save(&path).map(|files| path_list(&files));
+                self.tell_saved(saved);
+            }
+            PlanCommand::SaveTask(path) => {
+                let saved = task.save_task(&path).map(|()| path.display().to_string());
+                // The written file has the shown state: its change is not a new version.
+                if saved.is_ok() && path == task.path {
+                    self.watch_anew();
                 }
-                Err(why) => self.complain(why),
-            },
-            PlanCommand::SaveTask(path) => match task.save_task(&path) {
-                Ok(()) => {
-                    // The written file has the shown state: its change is not a new version.
-                    if path == task.path {
-                        self.watch_anew();
-                    }
-                    self.say(format!("Saved {}", path.display()));
-                }
-                Err(why) => self.complain(why),
-            },
+                self.tell_saved(saved);
+            }
         }
         self.adopt_plan(waits);
     }

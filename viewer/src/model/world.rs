@@ -49,10 +49,10 @@ impl Model {
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
             WorldCommand::ForgetRefused => {}
-            WorldCommand::Save(path) => match world.save(&path) {
-                Ok(()) => self.say(format!("Saved {}", path.display())),
-                Err(why) => self.complain(why),
-            },
+            WorldCommand::Save(path) => {
+                let saved = world.save(&path).map(|()| path.display().to_string());
+                self.tell_saved(saved);
+            }
         }
     }
 
