@@ -1,13 +1,16 @@
 //! The texture that stands for a screen.
 
-use super::{HeadlessError, adapter};
+use super::HeadlessError;
 use crate::args::{AdapterChoice, PictureSize};
-use crate::render::{read_back, wait};
+use crate::render::{device_descriptor, read_back, wait};
 use eframe::egui;
-use eframe::egui_wgpu::{RenderState, ScreenDescriptor, wgpu};
+use eframe::egui_wgpu::{
+    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu,
+};
 use image::RgbImage;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
+use wgpu::{Backend, DeviceType};
 
 /// A texture that egui draws into.
 pub struct Screen {
@@ -26,7 +29,7 @@ impl Screen {
     /// # Errors
     /// [`HeadlessError`] where there is no adapter or it does not draw so large a picture.
     pub fn new(choice: AdapterChoice, size: PictureSize, scale: f32) -> Result<Self, HeadlessError> {
-        let state = adapter::open(choice)?;
+        let state = open_adapter(choice)?;
         let limit = state.device.limits().max_texture_dimension_2d;
         if size.width.max(size.height) > limit {
             return Err(HeadlessError::Size { size, adapter: state.adapter.get_info().name, limit });
@@ -138,5 +141,66 @@ impl Screen {
         let ([width, height], rgba) = read.map_err(|e| self.failed(&e))?;
         let rgb = rgba.chunks_exact(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         Ok(RgbImage::from_raw(width, height, rgb).unwrap_or_default())
+    }
+}
+
+/// Opens a graphics adapter without a window.
+fn open_adapter(choice: AdapterChoice) -> Result<RenderState, HeadlessError> {
+    let mut setup = WgpuSetupCreateNew::without_display_handle();
+    setup.native_adapter_selector = Some(Arc::new(move |adapters, _| {
+        let best = adapters.iter().min_by_key(|a| rank(choice, &a.get_info()));
+        best.cloned().ok_or_else(|| "the system has none".to_owned())
+    }));
+    setup.device_descriptor = Arc::new(device_descriptor);
+    let setup = WgpuSetup::CreateNew(setup);
+    let instance = pollster::block_on(setup.new_instance());
+    let config = WgpuConfiguration { wgpu_setup: setup, ..WgpuConfiguration::default() };
+    let state = pollster::block_on(RenderState::create(&config, &instance, None, RendererOptions::PREDICTABLE));
+    state.map_err(|e| HeadlessError::NoAdapter { reason: e.to_string() })
+}
+
+/// The lower, the better: first the kind of adapter, then the interface to it.
+fn rank(choice: AdapterChoice, info: &wgpu::AdapterInfo) -> (u8, u8) {
+    let by_speed = match info.device_type {
+        DeviceType::DiscreteGpu => 1,
+        DeviceType::IntegratedGpu => 2,
+        DeviceType::VirtualGpu | DeviceType::Other => 3,
+        DeviceType::Cpu => 4,
+    };
+    let kind = match (choice, info.device_type) {
+        (AdapterChoice::Software, DeviceType::Cpu) => 0,
+        _ => by_speed,
+    };
+    let backend = match info.backend {
+        Backend::Vulkan | Backend::Metal | Backend::Dx12 => 0,
+        Backend::Gl => 1,
+        Backend::BrowserWebGpu | Backend::Noop => 2,
+    };
+    // A backend that draws nothing is the last resort, whatever its device.
+    if backend == 2 { (5, backend) } else { (kind, backend) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn info(device_type: DeviceType, backend: Backend) -> wgpu::AdapterInfo {
+        wgpu::AdapterInfo::new(device_type, backend)
+    }
+
+    #[test]
+    fn software_comes_first_where_pictures_are_to_be_alike() {
+        let lavapipe = info(DeviceType::Cpu, Backend::Vulkan);
+        let llvmpipe = info(DeviceType::Cpu, Backend::Gl);
+        let card = info(DeviceType::DiscreteGpu, Backend::Vulkan);
+        let none = info(DeviceType::Cpu, Backend::Noop);
+        let order = |choice, all: [&wgpu::AdapterInfo; 4]| {
+            let mut ranks = all.map(|i| rank(choice, i));
+            let given = ranks;
+            ranks.sort();
+            given == ranks
+        };
+        assert!(order(AdapterChoice::Software, [&lavapipe, &llvmpipe, &card, &none]));
+        assert!(order(AdapterChoice::Any, [&card, &lavapipe, &llvmpipe, &none]));
     }
 }

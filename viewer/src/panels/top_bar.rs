@@ -1,10 +1,10 @@
 //! The bar at the top: file, view, panels, help.
 
 use super::paint::PanelWidget;
-use super::words::{counted, path_list};
+use super::words::counted;
 use super::{PANELS, PanelStates, SystemDialog};
 use crate::command::{Commands, ViewStage, ViewerCommand};
-use crate::document::OpenDocument;
+use crate::document::{OpenDocument, path_list};
 use crate::model::{Model, name_of};
 use crate::render::CameraPreset;
 use crate::settings::{Colouring, ViewerSettings};

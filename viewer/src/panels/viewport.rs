@@ -1,7 +1,5 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
-mod blackboards;
-mod label;
 pub mod pad;
 pub mod steer;
 pub mod task;
@@ -9,13 +7,15 @@ pub mod world;
 
 use super::paint::PanelWidget;
 use super::{build, messages, words};
-use crate::command::{Commands, ViewerCommand};
+use crate::command::{BlackboardCell, Commands, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::model::Model;
+use crate::panels::crowd::blackboards;
 use crate::render::{self, OrbitCamera, Ray};
 use crate::run::{RunInput, target_home};
+use crate::stage::agents::cell_at;
 use crate::stage::{self, StageLayout};
 use eframe::egui::text::{LayoutJob, TextFormat};
-use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui};
+use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 use glam::{Vec2, Vec3};
 use throng_simulation::AnyCharacterGroup;
 use throng_world::inhabitants::InhabitantGoal;
@@ -27,7 +27,6 @@ const GRAB: f32 = 16.0;
 const MAX_GRABBED: usize = 50;
 /// Distance from the pointer within which other characters' targets can be grabbed (points).
 const GRAB_OTHERS: f32 = 6.0;
-
 
 /// State of the view.
 #[derive(Clone, Debug, Default)]
@@ -72,9 +71,9 @@ pub fn show(
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
-    label::show(ui, rect, model);
+    show_label(ui, rect, model);
     steer::show(ui, rect, model);
-    blackboards::show_tooltip(response, model);
+    show_blackboard_tooltip(response, model);
     messages::show(ui, rect, model, commands);
     build::show_over(ui, rect, model, commands);
 }
@@ -246,7 +245,7 @@ fn click(ui: &Ui, response: &Response, model: &Model, layout: &StageLayout, comm
         let body = render::pick(&ray, &layout.skeleton, layout.poses(model), &layout.instances);
         let body = body.and_then(|hit| layout.drawn.get(hit.character).copied());
         let hit = body.or_else(|| stage::scene::pick(scene, &model.settings.camera, &ray, size(rect)));
-        let blackboard = blackboards::select_cell(model, &ray).filter(|_| hit.is_none());
+        let blackboard = select_cell(model, &ray).filter(|_| hit.is_none());
         commands.push(blackboard.unwrap_or(ViewerCommand::SelectCharacter(hit)));
     }
 }
@@ -266,4 +265,64 @@ fn order(model: &Model, ray: &Ray) -> Option<RunInput> {
         }
         _ => None,
     }
+}
+
+/// Shows the selected character and its activity, at the upper right.
+fn show_label(ui: &Ui, rect: Rect, model: &Model) {
+    let Some(text) = describe(model) else { return };
+    show_caption(ui, rect, text, 0.6, |size| rect.right_top() + vec2(-size.x - 16.0, 12.0));
+}
+
+fn describe(model: &Model) -> Option<String> {
+    if model.shows_clip() {
+        let bundle = model.document.bundle()?;
+        let row = model.shown_row()?;
+        let first = bundle.tables().clips().get(model.selection.clip)?.first_frame;
+        return Some(format!("{}  frame {}", bundle.clip_name(model.selection.clip), row - first));
+    }
+    if let Some(world) = model.document.world() {
+        let c = model.selection.character?;
+        let state = world.run.reel.moment().states.get(c)?;
+        let tags = &world.bundle().tables().meta().link_tags;
+        let patch = world.patch_name(state.node.instance);
+        let (activity, goal) = (words::inhabitant_activity(state), words::goal(state.goal, tags));
+        return Some(format!("character {c} · {activity} · {goal} · on {patch}"));
+    }
+    if let Some((bundle, run)) = model.document.blend().filter(|_| model.shows_blend()) {
+        let b = run.blending();
+        return Some(format!("{} · size {:.2}", bundle.blend_meta(b.space).name, b.size));
+    }
+    let (scene, who) = (model.document.scene()?, model.selection.character?);
+    let plays = scene.chooser(who).map(|c| c.bundle.describe_segment(c.characters.segment(c.number).0));
+    let text = words::character(scene.run.simulation(), who)?;
+    Some(plays.map_or(text.clone(), |plays| format!("{text} · {plays}")))
+}
+
+/// The smallest cell with an entry where a ray meets the ground.
+fn pick_cell(model: &Model, ray: &Ray) -> Option<BlackboardCell> {
+    let brains = model.shown_scene()?.run.simulation().brains()?;
+    cell_at(brains, &model.selection.scene, ray.intersect_ground()?)
+}
+
+/// Shows a tooltip with the entries of the blackboard under the pointer.
+fn show_blackboard_tooltip(response: Response, model: &Model) {
+    let Some(scene) = model.shown_scene() else { return };
+    let Some(brains) = scene.run.simulation().brains() else { return };
+    let cell = response.hover_pos().and_then(|at| pick_cell(model, &ray_at(model, response.rect, at)));
+    let Some(cell) = cell else { return };
+    response.on_hover_ui_at_pointer(|ui| {
+        let of_cell = brains.posts().filter(|p| p.cell.is_some_and(|c| BlackboardCell::from_cell(&c) == cell));
+        for (i, entry) in of_cell.enumerate() {
+            if let (0, Some(c)) = (i, entry.cell) {
+                ui.strong(format!("board of a cell of {} m", c.side_m));
+            }
+            ui.label(blackboards::in_words(scene, brains, &entry));
+        }
+    });
+}
+
+/// Selects the blackboard of the cell that was clicked; none for a cell without entries.
+fn select_cell(model: &Model, ray: &Ray) -> Option<ViewerCommand> {
+    let cell = Some(pick_cell(model, ray)?);
+    Some(ViewerCommand::Scene(SceneCommand::SetOptions(SceneViewOptions { cell, ..model.selection.scene })))
 }

@@ -2,7 +2,6 @@
 
 use crate::stage::world::kind_of;
 use glam::{Vec2, Vec3};
-use std::path::PathBuf;
 use throng_core::Planar;
 use throng_simulation::{AnyCharacterGroup, Simulation};
 use throng_world::inhabitants::{InhabitantActivity, InhabitantGoal, InhabitantState};
@@ -48,11 +47,6 @@ pub fn displacement(d: Planar) -> String {
         a => format!("{a:.0}° {}", side(angle)),
     };
     format!("{:.2} m {towards}{turns}", p.length())
-}
-
-/// Paths in a row.
-pub fn path_list(paths: &[PathBuf]) -> String {
-    paths.iter().map(|p| p.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
 /// A number of things, such as `1 warning` or `2 warnings`.

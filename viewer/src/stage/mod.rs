@@ -8,11 +8,9 @@ mod clip;
 mod cues;
 mod raw;
 pub mod scene;
-mod segment;
 pub mod task;
 mod variety;
 pub mod world;
-mod worn;
 
 use crate::document::OpenDocument;
 use crate::model::Model;

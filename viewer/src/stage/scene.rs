@@ -1,12 +1,12 @@
 //! A scene: bodies, discs and balls, their surroundings, targets and blows.
 
-use super::agents::{self, Brush, obstacles};
-use super::{StageLayout, StagePalette, body, bout, cues, segment, variety, world};
+use super::agents::{self, Brush};
+use super::{StageLayout, StagePalette, body, bout, cues, variety, world};
 use crate::document::{SceneDocument, SceneSurroundings};
 use crate::model::Model;
 use crate::render::{CharacterInstance, OrbitCamera, Ray, RecordInstance, Rgba, SolidInstance};
 use crate::run::agents::first_agent;
-use crate::run::{detail_level, is_at_target};
+use crate::run::{PolicyChooser, detail_level, is_at_target};
 use crate::settings::Colouring;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
     draw_surroundings(out, &scene.surroundings, &brush);
     doors(out, &scene.surroundings, simulation, &brush);
     things(out, &scene.surroundings, simulation, &brush);
-    obstacles::lay_out(&mut out.shapes, &scene.surroundings, simulation.time_s(), &brush);
+    agents::lay_out_obstacles(&mut out.shapes, &scene.surroundings, simulation.time_s(), &brush);
     agents::lay_out_blackboards(&mut out.shapes, simulation, &brush);
     let is_varied = variety::is_wanted(model);
     for (g, group) in simulation.groups().iter().enumerate() {
@@ -74,7 +74,7 @@ pub(super) fn lay_out(out: &mut StageLayout, model: &Model, scene: &SceneDocumen
             cues::trail(&mut out.shapes, &points, 2.0, colour);
         }
         if let Some(chooser) = scene.chooser(who).filter(|_| o.trajectory) {
-            segment::trajectory(out, &chooser, palette);
+            trajectory(out, &chooser, palette);
         }
         let is_posed = detail_level(simulation, who) != DetailLevel::Record;
         if let (Some(root), Some(pose), true) = (simulation.root(who), simulation.pose(who), is_posed) {
@@ -128,7 +128,7 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
         (Colouring::Speed, (AnyCharacterGroup::Ground(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed, (AnyCharacterGroup::Air(a), m)) => by_desired(a.layout().setup.agents[m].speed),
         (Colouring::Speed | Colouring::Clip | Colouring::Made, (group, _)) if policy_characters(group).is_some() => {
-            scene.chooser(who).map_or(palette.plain, |c| segment::colour_of_segment(&c, colouring, palette))
+            scene.chooser(who).map_or(palette.plain, |c| colour_of_segment(&c, colouring, palette))
         }
         (Colouring::Speed | Colouring::Made, _) => palette.plain,
         (Colouring::Target, (AnyCharacterGroup::Patches(i), m)) => world::kind_of(i.state(m).activity).1,
@@ -143,7 +143,7 @@ fn colour(colouring: Colouring, scene: &SceneDocument, group: usize, who: usize,
 fn draw_surroundings(out: &mut StageLayout, standing: &SceneSurroundings, brush: &Brush<'_>) {
     out.solids.meshes = std::sync::Arc::clone(&standing.meshes);
     let hills = if brush.dark { [0x4a4f57, 0x434850] } else { [0xd2d4d5, 0xc4c6c8] };
-    let colours = [obstacles::grey(brush.dark), Rgba::hex(hills[0]), Rgba::hex(hills[1])];
+    let colours = [agents::grey(brush.dark), Rgba::hex(hills[0]), Rgba::hex(hills[1])];
     let here = Placement::IDENTITY;
     out.solids.instances.extend((0..).zip(colours).map(|(mesh, colour)| SolidInstance::upright(mesh, here, colour)));
     out.solids.instances.extend(standing.units.iter().map(|u| {
@@ -193,4 +193,42 @@ pub fn pick(scene: &SceneDocument, camera: &OrbitCamera, ray: &Ray, view: Vec2) 
     };
     let all = (0..simulation.num_characters()).filter_map(missed);
     all.min_by(|a, b| a.1.total_cmp(&b.1).then(a.2.total_cmp(&b.2))).map(|f| f.0)
+}
+
+/// By the speed or the clip of the segment that is played, or whether it is made.
+pub(super) fn colour_of_segment(chooser: &PolicyChooser<'_>, colouring: Colouring, palette: &StagePalette) -> Rgba {
+    let (segment, played) = chooser.characters.segment(chooser.number);
+    let s = &chooser.bundle.tables().graph().segments[segment as usize];
+    if colouring == Colouring::Clip {
+        return cues::category(s.clip as usize);
+    }
+    if colouring == Colouring::Made {
+        let row = s.start + (played as u32).min(s.num_frames);
+        return if chooser.bundle.is_made(row) { palette.target } else { palette.plain };
+    }
+    let metres = s.displacement[0].hypot(s.displacement[1]);
+    let speed = metres / s.num_frames as f32 * chooser.bundle.rate_hz();
+    palette.slow.mix(palette.fast, (speed / RUN_SPEED_MPS).min(1.0))
+}
+
+/// Draws the ground path of the rest of the segment, and the final heading.
+pub(super) fn trajectory(out: &mut StageLayout, chooser: &PolicyChooser<'_>, palette: &StagePalette) {
+    let (bundle, characters) = (chooser.bundle, chooser.characters);
+    let (segment, time) = characters.segment(chooser.number);
+    let s = bundle.tables().graph().segments[segment as usize];
+    let root = characters.root(chooser.number);
+    let now = s.start + (time as u32).min(s.num_frames);
+    let clip_to_world = root.compose(bundle.planar(now).inverse());
+    let end = s.start + s.num_frames;
+    let mut points = vec![root.translation().with_y(0.016)];
+    let stride = (s.num_frames / 12).max(1) as usize;
+    points
+        .extend((now..end).step_by(stride).skip(1).map(|row| clip_to_world.compose(bundle.planar(row)).translation()));
+    let goal = clip_to_world.compose(bundle.planar(end));
+    points.push(goal.translation());
+    points.iter_mut().for_each(|p| p.y = 0.016);
+    out.shapes.polyline(&points, 2.5, palette.slow);
+    let ahead = goal.rotation() * Vec3::Z * 0.22;
+    let foot = goal.translation().with_y(0.02);
+    out.shapes.arrow(foot, foot + ahead, 0.014, palette.slow);
 }

@@ -1,7 +1,6 @@
 //! Control of the scene: behaviours and weights, targets, number of characters, seed, saved states.
 
 mod scene;
-mod target;
 
 use crate::command::{Commands, ViewerCommand};
 use crate::document::OpenDocument;

@@ -1,13 +1,14 @@
 //! A scene: groups, numbers, seed, saved states, orders of the selected character, and events.
 
-use super::{behaviours, target};
-use crate::command::{Commands, SceneCommand, ViewerCommand};
+use super::behaviours;
+use crate::command::{Commands, SceneCommand, SteerCommand, ViewerCommand};
 use crate::document::{MAX_SCENE_CHARACTERS, SceneChoice, SceneDocument};
 use crate::model::Model;
-use crate::panels::paint::PanelWidget;
+use crate::panels::paint::{PanelWidget, coordinates};
 use crate::panels::{character_field, offer_first_character, words};
-use crate::run::{RunInput, target_home};
+use crate::run::{MAX_TARGET_M, RunInput, target_home};
 use eframe::egui::{ComboBox, DragValue, Grid, Role, Slider, TextEdit, Ui};
+use glam::Vec3;
 use std::path::PathBuf;
 use throng_crowd::Scheme;
 use throng_simulation::scene::engine;
@@ -63,7 +64,7 @@ fn selected(ui: &mut Ui, model: &Model, scene: &SceneDocument, commands: &mut Co
         ui.label(text);
     });
     if let Some((root, home)) = simulation.root(who).zip(target_home(simulation, who)) {
-        target::show(ui, model, who, home, root.translation(), commands);
+        show_target(ui, model, who, home, root.translation(), commands);
     }
     match simulation.locate(who) {
         (AnyCharacterGroup::Sparring(_), member) => {
@@ -174,4 +175,27 @@ fn event_text(event: &SimulationEvent) -> String {
         CharacterEvent::RunInto { obstacle } => format!("was run into by obstacle {obstacle}"),
     };
     format!("{:.2} s  {} {what}", event.time_s, event.who)
+}
+
+/// Shows the position of the target of a character, and lets it be moved; lets the character be steered.
+///
+/// - `home`: position of the target; `at`: position of the character (m).
+fn show_target(ui: &mut Ui, model: &Model, who: usize, home: Vec3, at: Vec3, commands: &mut Commands) {
+    let mut to = home;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("its target");
+        coordinates(ui, &mut [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], MAX_TARGET_M, 0.02, 2);
+    });
+    if to != home {
+        commands.push(ViewerCommand::Input(RunInput::Target { character: Some(who), to }));
+    }
+    ui.horizontal_wrapped(|ui| {
+        let tip = "With W A S D; Shift runs, X strikes (G)";
+        if model.steering().is_none() {
+            ui.button("Steer it").on_hover_text(tip).request(commands, ViewerCommand::Steer(SteerCommand::Toggle));
+        }
+        let gather = ui.button("Everybody comes here").on_hover_text("All targets move to where this character stands");
+        let here = ViewerCommand::Input(RunInput::Target { character: None, to: at.with_y(home.y) });
+        gather.request(commands, here);
+    });
 }

@@ -1,7 +1,5 @@
 //! The database browser: clips, and a timeline of the selected one.
 
-mod actions;
-mod catalogue;
 mod lanes;
 mod list;
 mod strip;
@@ -9,9 +7,13 @@ mod timeline;
 mod track;
 
 use super::paint::{TableSort, no_bundle, time_text};
+use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::document::{OpenDocument, RawMotion};
 use crate::model::Model;
+use crate::panels::graph::list::show_actions;
+use crate::panels::show_segment;
+use crate::panels::words::counted;
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, CentralPanel, Frame, Label, Panel, RichText, ScrollArea, Ui};
 use strip::PoseSource;
@@ -58,7 +60,7 @@ fn bundle_view(ui: &mut Ui, model: &Model, state: &mut DatabasePanelState, comma
     let actions =
         if wide { Panel::right("actions").default_size(460.0) } else { Panel::bottom("actions").default_size(90.0) };
     actions.min_size(60.0).frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-        state.highlighted = actions::show(ui, bundle, &scene, &mut state.sort, commands);
+        state.highlighted = show_next_actions(ui, bundle, &scene, &mut state.sort, commands);
     });
     let goes_to = clip_view(ui, &scene, &mut state.view);
     commands.extend(goes_to.map(|frame| ViewerCommand::ShowClip { clip, frame }));
@@ -105,6 +107,41 @@ fn header(ui: &mut Ui, scene: &TimelineInput<'_>, view: &mut TimelineView) {
         let facts = format!("{mirrored}{frames} frames at {rate} Hz, {time}, from {}", track.source);
         ui.add(Label::new(RichText::new(facts).weak()).truncate());
     });
+}
+
+/// Shows the actions; a click shows where one leads.
+///
+/// - `sort`: order, none until one was asked for.
+/// - returns the segment that is pointed at.
+fn show_next_actions(
+    ui: &mut Ui,
+    bundle: &OpenBundle,
+    scene: &TimelineInput<'_>,
+    sort: &mut Option<TableSort>,
+    commands: &mut Commands,
+) -> Option<u32> {
+    let Some(from) = scene.next_state else {
+        ui.strong("Actions from here");
+        ui.label(RichText::new("No state of the motion graph follows in this clip: no character passes here.").weak());
+        return None;
+    };
+    let wait = from.frame.saturating_sub(scene.head);
+    let graph = bundle.tables().graph();
+    ui.horizontal_wrapped(|ui| {
+        ui.strong(counted(graph.segments_of(from.state).len(), "action"));
+        let standing = if from.standing { ", standing" } else { "" };
+        let when = if wait == 0 { "here".to_owned() } else { format!("in {wait} frames") };
+        let text = format!("of state {}{standing}, {when}", from.state);
+        let response = ui.link(text).on_hover_text("Select this state, and go to its frame");
+        if response.clicked() {
+            commands.push(ViewerCommand::SelectState(Some(from.state)));
+            let row = graph.states[from.state as usize].frame;
+            commands.push(ViewerCommand::ShowClip { clip: bundle.clip_of(row), frame: from.frame });
+        }
+    });
+    let touched = show_actions(ui, bundle, from.state, "Go to", sort);
+    commands.extend(touched.chosen.map(|segment| show_segment(bundle, segment)));
+    touched.hovered
 }
 
 #[cfg(test)]

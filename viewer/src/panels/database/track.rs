@@ -1,6 +1,6 @@
 //! Data of a clip for a timeline: runs of frames and marks.
 
-use super::catalogue::states_within;
+use super::list::states_within;
 use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::glitches::{self, GlitchMark};

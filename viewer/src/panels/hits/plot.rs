@@ -2,15 +2,15 @@
 
 use super::HitViewInput;
 use super::collection::HitEntry;
-use super::outline;
 use super::view::{HitViewPlace, HitViewpoint};
-use crate::panels::paint::FigureStyle;
+use crate::panels::paint::{FigureStyle, paint_figure};
 use crate::volume::Volume;
 use eframe::egui::epaint::Mesh;
-use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Stroke, StrokeKind, Visuals, vec2};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rangef, Shape, Stroke, StrokeKind, Visuals, pos2, vec2};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
+use throng_core::policy::PolicyTable;
 
 /// Radius of a hit (points).
 const DOT: f32 = 2.6;
@@ -26,15 +26,15 @@ pub fn paint(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, scene: 
     if let Some(body) = scene.body {
         let faint = visuals.extreme_bg_color.lerp_to_gamma(visuals.text_color(), 0.2);
         let style = FigureStyle { per_m: place.per_m, colours: [faint; 3], grown_m: 0.02 };
-        body.paint(&inside, style, |p| place.screen(p));
+        paint_figure(&inside, body, style, |p| place.screen(p));
     }
     if let Some(policy) = scene.outlined {
         let colour = visuals.strong_text_color();
         if !policy.grid().is_polar() {
-            outline::paint_cells(&inside, place, policy, colour.gamma_multiply(0.35));
+            paint_cells(&inside, place, policy, colour.gamma_multiply(0.35));
         }
         if let Some(region) = Volume::of_region(policy.region()) {
-            outline::paint(&inside, place, &region, colour.gamma_multiply(0.9));
+            paint_volume(&inside, place, &region, colour.gamma_multiply(0.9));
         }
     }
     inside.add(dots);
@@ -109,4 +109,44 @@ fn axes(painter: &Painter, visuals: &Visuals, place: &HitViewPlace) {
 
 fn ticks(low: f32, high: f32, step: f32) -> RangeInclusive<i32> {
     (low / step).ceil() as i32..=(high / step).floor() as i32
+}
+
+/// Paints the outline of a volume as a view sees it.
+fn paint_volume(painter: &Painter, place: &HitViewPlace, volume: &Volume, colour: Color32) {
+    let mut points: Vec<Pos2> = volume.over_ground().iter().map(|p| ground_point(place, *p)).collect();
+    if place.view != HitViewpoint::Top {
+        // A view from a side is as wide as the outline over ground and as high as the heights.
+        let x = width_over_ground(place, volume);
+        let [bottom, top] = volume.height.map(|height| place.screen(Vec3::Y * height).y);
+        points = vec![pos2(x.min, bottom), pos2(x.max, bottom), pos2(x.max, top), pos2(x.min, top)];
+    }
+    points.extend(points.first().copied());
+    painter.extend(Shape::dashed_line(&points, Stroke::new(1.6, colour), 6.0, 3.5));
+}
+
+/// Paints the cells of a grid as a view sees them: rings and rays from above, heights from the sides.
+fn paint_cells(painter: &Painter, place: &HitViewPlace, policy: &PolicyTable, colour: Color32) {
+    let (volume, r) = (Volume::of_grid(policy), policy.grid().record());
+    let stroke = Stroke::new(0.7, colour);
+    if place.view == HitViewpoint::Top {
+        for line in volume.lines_over_ground([r.num_angles, r.num_rings]) {
+            painter.add(Shape::line(line.iter().map(|p| ground_point(place, *p)).collect(), stroke));
+        }
+        return;
+    }
+    let across = width_over_ground(place, &volume);
+    for i in 0..r.num_heights {
+        let y = place.screen(Vec3::Y * (r.height_start + i as f32 * r.height_spacing)).y;
+        painter.hline(across, y, stroke);
+    }
+}
+
+fn ground_point(place: &HitViewPlace, ground: Vec2) -> Pos2 {
+    place.screen(Vec3::new(ground.x, 0.0, ground.y))
+}
+
+/// Range on the screen, from left to right, that a volume takes over ground (points).
+fn width_over_ground(place: &HitViewPlace, volume: &Volume) -> Rangef {
+    let across = volume.over_ground().into_iter().map(|p| ground_point(place, p).x);
+    across.fold(Rangef::NOTHING, |range, x| Rangef::new(range.min.min(x), range.max.max(x)))
 }

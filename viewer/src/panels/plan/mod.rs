@@ -1,15 +1,13 @@
 //! Tasks of limbs: steps, planned motions, their trees over time, and movable things and places.
 
-mod handle;
-mod motions;
 #[cfg(test)]
 mod tests;
 mod timeline;
 
 use crate::command::{Commands, PlanCommand, PlanViewOptions, ViewerCommand};
-use crate::document::TaskDocument;
+use crate::document::{PlannedMotion, TaskDocument};
 use crate::model::Model;
-use crate::panels::paint::PanelWidget;
+use crate::panels::paint::{PanelWidget, choose, coordinates};
 use crate::theme::ThemePalette;
 use eframe::egui::{Button, DragValue, ProgressBar, RichText, ScrollArea, TextEdit, Ui};
 use std::path::PathBuf;
@@ -40,11 +38,11 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PlanPanelState, commands: &m
         ui.separator();
         planning(ui, task, &mut wanted, commands);
         ui.separator();
-        motions::show(ui, task, &mut wanted, commands);
+        show_motions(ui, task, &mut wanted, commands);
         ui.separator();
         commands.extend(timeline::show(ui, model, &mut state.along, &mut wanted).map(ViewerCommand::Seek));
         ui.separator();
-        handle::show(ui, model, task, &mut wanted, commands);
+        show_handle(ui, model, task, &mut wanted, commands);
         ui.separator();
         save(ui, task, state, commands);
     });
@@ -132,4 +130,79 @@ fn written(ui: &mut Ui, file: &mut String, button: Button<'_>, tip: &str, is_on:
         (button.clicked() && !file.trim().is_empty()).then(|| PathBuf::from(file.trim()))
     })
     .inner
+}
+
+/// Shows the selected thing or place.
+fn show_handle(ui: &mut Ui, model: &Model, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
+    ui.horizontal_wrapped(|ui| {
+        ui.strong("Things and places");
+        let named = task.task().handles().into_iter().map(|h| (Some(h), task.task().handle_name(h)));
+        let options = std::iter::once((None, "none selected".into())).chain(named);
+        choose(ui, "Thing or place", None, &mut wanted.handle, options);
+    });
+    let selected = wanted.handle.and_then(|h| Some((h, task.place_of(h, model.task_time_s())?)));
+    let Some((handle, place)) = selected else {
+        return drop(ui.weak("Drag a thing or a place in the view; with Alt it goes up and down."));
+    };
+    let now = place.position.as_vec3();
+    let mut to = now;
+    ui.horizontal_wrapped(|ui| {
+        coordinates(ui, &mut [("x", &mut to.x), ("y", &mut to.y), ("z", &mut to.z)], 1e3, 0.0, 3);
+        // The position as in a task file.
+        let at = task.task().written_position(handle).as_vec3();
+        let text = format!("at = [{:.3}, {:.3}, {:.3}]", at.x, at.y, at.z);
+        if ui.small_button("Copy").on_hover_text(format!("{text}: for the task's file")).clicked() {
+            ui.ctx().copy_text(text);
+        }
+    });
+    // The fields show rounded numbers: rounding alone moves nothing.
+    if to.distance(now) > 6e-4 {
+        commands.push(ViewerCommand::Plan(PlanCommand::Move(handle, to - now)));
+        commands.push(ViewerCommand::Plan(PlanCommand::EndMove));
+    }
+}
+
+/// Shows the list.
+fn show_motions(ui: &mut Ui, task: &TaskDocument, wanted: &mut PlanViewOptions, commands: &mut Commands) {
+    ui.horizontal(|ui| {
+        ui.strong("Motions");
+        ui.checkbox(&mut wanted.ghosts, "ghosts of the others").on_hover_text("Other motions, and the clip as it was");
+    });
+    let shown = task.shown();
+    let label = ui.selectable_label(shown.is_none(), "the clip as it was");
+    label.request(commands, ViewerCommand::Plan(PlanCommand::Show(None)));
+    for (i, motion) in task.motions().iter().enumerate() {
+        let apart = motion.distance_rad.map_or_else(String::new, |d| format!(" · {d:.3} rad from the next"));
+        let length = motion.report.path_length_rad;
+        ui.horizontal(|ui| {
+            let text = format!("{} · seed {} · {length:.2} rad long{apart}", i + 1, motion.seed);
+            let label = ui.selectable_label(shown == Some(i), text);
+            label.request(commands, ViewerCommand::Plan(PlanCommand::Show(Some(i))));
+            if !motion.report.solved {
+                ui.colored_label(ui.visuals().error_fg_color, "✖");
+            }
+        });
+    }
+    if task.motions().is_empty() {
+        ui.weak(if task.planning.is_some() { "The first one is planned …" } else { "None was planned yet." });
+    }
+    if let Some(motion) = task.shown_motion() {
+        figures(ui, motion);
+    }
+}
+
+fn figures(ui: &mut Ui, motion: &PlannedMotion) {
+    let r = &motion.report;
+    let number = |x: Option<f64>, unit: &str| x.map_or_else(|| "-".into(), |x| format!("{x:.3}\u{a0}{unit}"));
+    let clear = number(r.clearance_min_m, "m");
+    let jerk = format!("jerk {:.0} rad/s³ ({:.0} before smoothing)", r.jerk_after, r.jerk_before);
+    ui.weak(format!("{clear} clear, {}; {jerk}; {} nodes", r.limits(), r.nodes));
+    let (colour, text) = match motion.outcome.recheck.violations.first() {
+        None => (ThemePalette::for_visuals(ui.visuals()).good, "The check finds no fault.".to_owned()),
+        Some(v) => {
+            let text = format!("The check finds {} faults: at {:.3} s {}", r.recheck_violations, v.time_s, v.what);
+            (ui.visuals().error_fg_color, text)
+        }
+    };
+    ui.colored_label(colour, text);
 }

@@ -3,7 +3,6 @@
 mod chart;
 mod heat;
 mod map;
-mod slices;
 mod story;
 mod why;
 

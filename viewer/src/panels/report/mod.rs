@@ -2,7 +2,6 @@
 
 mod bundle;
 mod clip;
-mod verdict;
 
 pub use bundle::ReportPanelState;
 

@@ -1,13 +1,15 @@
 //! The start page: demonstrations, the user's own motion, recently opened files.
 
 mod demos;
-mod motion;
-mod recent;
 
 use super::{PanelStates, build};
-use crate::command::Commands;
-use crate::model::Model;
-use eframe::egui::{Label, RichText, ScrollArea, Ui};
+use crate::command::{Commands, ViewerCommand};
+use crate::document::path_list;
+use crate::model::{Model, name_of};
+use crate::panels::SystemDialog;
+use crate::panels::paint::PanelWidget;
+use crate::theme::ThemePalette;
+use eframe::egui::{Align, Button, Frame, Label, Layout, Link, Margin, RichText, ScrollArea, Shape, Stroke, Ui, vec2};
 use std::path::PathBuf;
 
 /// Width of the page at most (points).
@@ -75,11 +77,11 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
     }
     let width = ui.available_width();
     if width < WIDE {
-        motion::show(ui, &mut states.dialog);
+        show_motion(ui, &mut states.dialog);
         ui.add_space(GAP);
         demos::show(ui, &mut states.start.demos, commands);
         ui.add_space(GAP);
-        return recent::show(ui, &states.start.recent, commands);
+        return show_recent(ui, &states.start.recent, commands);
     }
     ui.horizontal_top(|ui| {
         let spacing = ui.spacing().item_spacing.x;
@@ -90,9 +92,9 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
         ui.add_space(GAP);
         ui.vertical(|ui| {
             ui.set_width(SIDE);
-            motion::show(ui, &mut states.dialog);
+            show_motion(ui, &mut states.dialog);
             ui.add_space(GAP);
-            recent::show(ui, &states.start.recent, commands);
+            show_recent(ui, &states.start.recent, commands);
         });
     });
 }
@@ -101,6 +103,69 @@ fn page(ui: &mut Ui, model: &Model, states: &mut PanelStates, commands: &mut Com
 fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).size(18.0).strong());
     ui.add_space(6.0);
+}
+
+/// Shows the place.
+fn show_motion(ui: &mut Ui, dialog: &mut Option<SystemDialog>) {
+    heading(ui, "Your own motion");
+    let is_over = ui.input(|i| !i.raw.hovered_files.is_empty());
+    let visuals = ui.visuals();
+    let fill = if is_over { visuals.selection.bg_fill.gamma_multiply(0.4) } else { visuals.extreme_bg_color };
+    let edge = if is_over { visuals.selection.stroke.color } else { visuals.weak_text_color() };
+    let shown = Frame::NONE.fill(fill).corner_radius(8).inner_margin(Margin::same(14)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.label(RichText::new("Drop a folder or files here").size(16.0).strong());
+        let what = "A folder, a .zip or files of motion (.bvh, .amc, .npz, .glb, .fbx) are built and run. A bundle, a \
+                    scene, a world or a single clip is opened.";
+        ui.add(Label::new(RichText::new(what).weak()).wrap());
+        ui.add_space(6.0);
+        ui.horizontal_wrapped(|ui| {
+            for (text, kind) in [("Choose a folder…", SystemDialog::Folder), ("Choose files…", SystemDialog::Files)]
+            {
+                if ui.button(text).clicked() {
+                    *dialog = Some(kind);
+                }
+            }
+        });
+    });
+    let rect = shown.response.rect.shrink(1.0);
+    let corners = [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
+    ui.painter().extend(Shape::dashed_line(&corners, Stroke::new(1.5, edge), 6.0, 5.0));
+}
+
+/// Height of an entry (points).
+const RECENT_ROW: f32 = 34.0;
+
+/// Shows the list.
+///
+/// - `entries`: the files of each, and whether all of them are there.
+fn show_recent(ui: &mut Ui, entries: &[(Vec<PathBuf>, bool)], commands: &mut Commands) {
+    heading(ui, "Opened last");
+    if entries.is_empty() {
+        ui.weak("Nothing yet.");
+    }
+    for (paths, is_there) in entries {
+        let size = vec2(ui.available_width(), RECENT_ROW);
+        ui.allocate_ui_with_layout(size, Layout::right_to_left(Align::Min), |ui| {
+            let remove = ui.add(Button::new("✖").small()).on_hover_text("Take it off this list");
+            remove.request(commands, ViewerCommand::Forget(paths.clone()));
+            if !is_there {
+                ui.colored_label(ThemePalette::for_visuals(ui.visuals()).warning, "missing");
+            }
+            ui.with_layout(Layout::top_down(Align::Min), |ui| entry(ui, paths, *is_there, commands));
+        });
+        ui.add_space(2.0);
+    }
+}
+
+fn entry(ui: &mut Ui, paths: &[PathBuf], is_there: bool, commands: &mut Commands) {
+    ui.spacing_mut().item_spacing.y = 1.0;
+    let more = if paths.len() > 1 { format!(" and {} more", paths.len() - 1) } else { String::new() };
+    let name = RichText::new(format!("{}{more}", name_of(paths))).size(14.0);
+    let link = ui.add_enabled(is_there, Link::new(name)).on_hover_text(path_list(paths));
+    link.request(commands, ViewerCommand::Open(paths.to_vec()));
+    let folder = paths.first().and_then(|p| p.parent()).map_or_else(String::new, |p| p.display().to_string());
+    ui.add(Label::new(RichText::new(folder).weak().size(11.5)).truncate());
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 mod blackboards;
 mod marks;
-pub(super) mod obstacles;
 mod selected;
 mod spread;
 
@@ -14,13 +13,15 @@ pub(super) use spread::colour as colour_by_message;
 
 use super::{StageLayout, StagePalette, cues};
 use crate::command::{OverlayScope, SceneViewOptions};
-use crate::document::SceneDocument;
+use crate::document::{SceneDocument, SceneSurroundings};
 use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
 use crate::run::agents::{agent_bound, agent_path};
 use glam::Vec3;
-use throng_crowd::Scheme;
+use throng_crowd::{Obstacle, Scheme};
+use throng_geometry::BoundingBox;
+use throng_precompute::run::position_on_timed_path;
 use throng_simulation::agents::Disc;
 
 /// Most agents whose routes are drawn.
@@ -149,6 +150,38 @@ fn route(out: &mut StageLayout, corners: &[Vec3], colour: Rgba, is_selected: boo
     out.shapes.polyline(&points, width, colour.alpha(strength));
     if let Some(&goal) = points.last() {
         out.shapes.disc(goal, if is_selected { 0.2 } else { 0.08 }, colour.alpha(strength));
+    }
+}
+
+/// Draws outlines of boxes in the air, and moving obstacles; all others have meshes.
+pub(super) fn lay_out_obstacles(shapes: &mut ShapeList, standing: &SceneSurroundings, time_s: f64, brush: &Brush<'_>) {
+    for obstacle in &standing.obstacles {
+        match obstacle {
+            Obstacle::Box { min, max } if brush.in_the_air => {
+                let edges = cues::box_edges(BoundingBox { min: *min, max: *max }.corners());
+                edges.for_each(|[a, b]| shapes.line(a, b, 1.0, grey(brush.dark).alpha(0.7)));
+            }
+            Obstacle::Mover { path, radius } => mover(shapes, brush, path, *radius, time_s),
+            _ => {}
+        }
+    }
+}
+
+/// Colour of static obstacles.
+pub(super) fn grey(dark: bool) -> Rgba {
+    Rgba::hex(if dark { 0x77808d } else { 0x9aa1ab })
+}
+
+/// A moving obstacle, at its present position and with its path.
+fn mover(shapes: &mut ShapeList, brush: &Brush<'_>, path: &[(f64, Vec3)], radius: f32, time_s: f64) {
+    let at = position_on_timed_path(path, time_s);
+    let lift = Vec3::Y * if brush.in_the_air { 0.0 } else { DISC_Y };
+    let points: Vec<Vec3> = path.iter().map(|w| w.1 + lift).collect();
+    shapes.polyline(&points, 1.5, brush.palette.target.alpha(0.5));
+    if brush.in_the_air {
+        shapes.sphere(at, radius, brush.palette.target);
+    } else {
+        shapes.disc(at + lift, radius, brush.palette.target);
     }
 }
 

@@ -107,3 +107,86 @@ impl LimbTube {
         Influence::chain(&links, (p - a).dot(along))
     }
 }
+
+/// Place along the foot (0 at the ankle, 1 at the ball, 2 at the tip of the toes), half width, height, and shift to the
+/// outer side (m).
+const FOOT: [BodySection; 9] = [
+    (-0.44, 0.024, 0.062, 0.000, 0),
+    (-0.36, 0.034, 0.086, 0.000, 2),
+    (-0.15, 0.039, 0.104, 0.000, 1),
+    (0.12, 0.041, 0.107, 0.001, 3),
+    (0.40, 0.042, 0.088, 0.003, 1),
+    (0.72, 0.046, 0.066, 0.004, 0),
+    (1.05, 0.049, 0.052, 0.004, 2),
+    (1.55, 0.045, 0.045, 0.001, 0),
+    (1.95, 0.033, 0.036, -0.002, 1),
+];
+const HEEL: f32 = -0.5;
+const TIP: f32 = 2.16;
+
+pub(super) fn foot(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let joints = [Joint::LeftFoot, Joint::LeftToe].map(|j| side.joint_on_side(j));
+    let [ankle, ball] = joints.map(|j| plan.joint_position(j));
+    let tip = plan.tips[if side == BodySide::Left { 1 } else { 2 }];
+    let s = plan.scale;
+    // The sole is the ground in rest pose, unless the toes are not where feet have them.
+    let sole = 0.0_f32.clamp(ball.y - 0.04 * s, (ball.y - 0.008 * s).max(ball.y - 0.04 * s));
+    let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
+    let place = |t: f32| {
+        let p = if t <= 1.0 { ankle + (ball - ankle) * t } else { ball + (tip - ball) * (t - 1.0) };
+        p.with_y(sole)
+    };
+    let rings = plan.rings(&FOOT, |[t, width, height, outwards]| {
+        let (centre, v) = (place(t) + Vec3::X * (outwards * mirror) * s, Vec3::Y * (0.5 * height * s));
+        Ring { centre: centre.with_y(sole + v.y), u: Vec3::X * (width * s * mirror), v, square: [2.3, 5.0] }
+    });
+    let poles = [place(HEEL) + Vec3::Y * (0.03 * s), place(TIP) + Vec3::Y * (0.018 * s)];
+    let links = [(joints[0], f32::NEG_INFINITY, 0.0), (joints[1], ball.z, 0.025 * s)];
+    let part = |middle: Vec3| (if middle.y < sole + 0.004 * s { SurfacePart::Sole } else { SurfacePart::Shoe }, side);
+    let loft = Loft { rings: &rings, segments: plan.segments([12, 6, 4, 3]), poles };
+    loft.build(mesh, |p| Influence::chain(&links, p.z), part);
+}
+
+/// Distance from the wrist, half thickness, half width, and how far forward (m).
+const PALM: [BodySection; 7] = [
+    (-0.025, 0.019, 0.023, 0.000, 1),
+    (0.020, 0.018, 0.030, 0.002, 2),
+    (0.055, 0.017, 0.040, 0.003, 0),
+    (0.090, 0.015, 0.042, 0.001, 1),
+    (0.125, 0.012, 0.038, 0.000, 0),
+    (0.155, 0.010, 0.032, -0.002, 2),
+    (0.172, 0.007, 0.022, -0.003, 0),
+];
+const PALM_ENDS: [f32; 2] = [-0.035, 0.181];
+/// Centres and radii along the thumb: distance from the wrist, height, how far forward (m).
+const THUMB: [([f32; 3], f32); 4] = [
+    ([0.022, -0.004, 0.022], 0.0125),
+    ([0.050, -0.010, 0.046], 0.0130),
+    ([0.078, -0.016, 0.060], 0.0110),
+    ([0.100, -0.020, 0.066], 0.0080),
+];
+const THUMB_ENDS: [[f32; 3]; 2] = [[0.008, 0.0, 0.012], [0.109, -0.022, 0.068]];
+
+pub(super) fn hand(plan: &MannequinPlan, side: BodySide, mesh: &mut BodyMesh) {
+    let (fore, hand) = (side.joint_on_side(Joint::LeftForearm), side.joint_on_side(Joint::LeftHand));
+    let wrist = plan.joint_position(hand);
+    let s = plan.scale;
+    let out = (wrist - plan.joint_position(fore)).normalize_or(Vec3::X);
+    let mirror = if side == BodySide::Right { -1.0 } else { 1.0 };
+    let place = |[along, up, forward]: [f32; 3]| wrist + (out * along + Vec3::Y * up + Vec3::Z * forward) * s;
+    let weigh = |p: Vec3| Influence::chain(&[(fore, 0.0, 0.0), (hand, 0.0, 0.03 * s)], (p - wrist).dot(out));
+    let rings = plan.rings(&PALM, |[along, thick, wide, forward]| {
+        Ring::ellipse(place([along, 0.0, forward]), Vec3::Y * (thick * s), Vec3::Z * (wide * s))
+    });
+    let poles = PALM_ENDS.map(|along| place([along, 0.0, 0.0]));
+    let loft = Loft { rings: &rings, segments: plan.segments([10, 5, 3, 3]), poles };
+    loft.build(mesh, weigh, |_| (SurfacePart::Skin, side));
+    if plan.level == 0 {
+        let across = Vec3::new(mirror, 0.0, -1.0).normalize();
+        let ring =
+            |&(at, radius): &([f32; 3], f32)| Ring::ellipse(place(at), across * (radius * s), Vec3::Y * (radius * s));
+        let rings: Vec<Ring> = THUMB.iter().map(ring).collect();
+        let loft = Loft { rings: &rings, segments: 7, poles: THUMB_ENDS.map(place) };
+        loft.build(mesh, weigh, |_| (SurfacePart::Skin, side));
+    }
+}

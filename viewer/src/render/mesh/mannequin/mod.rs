@@ -3,8 +3,6 @@
 //! The tables are for the default skeleton; lengths follow the joints of the one at hand, widths its height. The surface
 //! blends over knees, elbows, hips and shoulders; a ball inside each of these keeps the volume that a bend takes away.
 
-mod foot;
-mod hand;
 mod head;
 mod limb;
 mod trunk;
@@ -84,10 +82,10 @@ pub(super) fn build(skeleton: &Skeleton, level: usize) -> BodyMesh {
     head::build(&plan, &mut mesh);
     for side in BodySide::BOTH {
         limb::leg(&plan, side, &mut mesh);
-        foot::build(&plan, side, &mut mesh);
+        limb::foot(&plan, side, &mut mesh);
         limb::arm(&plan, side, &mut mesh);
         if !plan.is_coarsest() {
-            hand::build(&plan, side, &mut mesh);
+            limb::hand(&plan, side, &mut mesh);
         }
     }
     mesh
