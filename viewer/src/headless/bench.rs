@@ -7,6 +7,7 @@ use crate::command::{SceneCommand, ViewerCommand};
 use crate::document::SceneChoice;
 use crate::model::{FrameTimes, Model};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// Frame times of crowds of several sizes.
@@ -26,18 +27,13 @@ impl fmt::Display for BenchReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { adapter, width, height, .. } = self;
         writeln!(f, "{adapter}, {width} x {height} pixels; median (95th percentile) of a frame, in ms")?;
-        let columns = ["simulation", "layout", "upload", "drawing", "interface", "frame"];
-        writeln!(f, "{:>10}{}", "characters", columns.map(|column| format!(" {column:>17}")).concat())?;
+        let names = PARTS.map(|part| part.0);
+        writeln!(f, "{:>10}{}", "characters", names.map(|name| format!(" {name:>17}")).concat())?;
         for c in &self.crowds {
-            let cells = [
-                (c.simulation_ms, c.simulation_p95_ms),
-                (c.layout_ms, c.layout_p95_ms),
-                (c.upload_ms, c.upload_p95_ms),
-                (c.drawing_ms, c.drawing_p95_ms),
-                (c.interface_ms, c.interface_p95_ms),
-                (c.frame_ms, c.frame_p95_ms),
-            ];
-            let cells = cells.map(|(median, p95)| format!(" {:>17}", format!("{median:.2} ({p95:.2})")));
+            let cells = names.map(|name| {
+                let [median, p95] = ["ms", "p95_ms"].map(|unit| c.times[&format!("{name}_{unit}")]);
+                format!(" {:>17}", format!("{median:.2} ({p95:.2})"))
+            });
             writeln!(f, "{:>10}{}", c.characters, cells.concat())?;
         }
         Ok(())
@@ -75,57 +71,41 @@ pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     Ok(BenchReport { adapter: headless.screen.adapter_name(), width, height, crowds })
 }
 
-/// Times of many frames: medians and 95th percentiles (ms).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+/// Parts of a frame by name: steps of the crowd, laying out, handing poses to the graphics device, from encoding until
+/// all is drawn, remaining time (panels and text), and all of it (s).
+const PARTS: [(&str, fn(&FrameTimes) -> f64); 6] = [
+    ("simulation", |t| t.simulation_s),
+    ("layout", |t| t.layout_s),
+    ("upload", |t| t.upload_s),
+    ("drawing", |t| t.drawing_s),
+    ("interface", |t| (t.frame_s - t.simulation_s - t.layout_s - t.upload_s - t.drawing_s).max(0.0)),
+    ("frame", |t| t.frame_s),
+];
+
+/// Times of many frames.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameFigures {
     /// Characters of the crowd; 0 where a clip is shown.
     pub characters: usize,
     /// Frames that were measured.
     pub frames: usize,
-    /// Steps of the crowd.
-    pub simulation_ms: f64,
-    /// 95th percentile of `simulation_ms`.
-    pub simulation_p95_ms: f64,
-    /// Laying out the frame (ms).
-    pub layout_ms: f64,
-    /// 95th percentile of `layout_ms`.
-    pub layout_p95_ms: f64,
-    /// Handing poses to the graphics device.
-    pub upload_ms: f64,
-    /// 95th percentile of `upload_ms`.
-    pub upload_p95_ms: f64,
-    /// From encoding until all is drawn.
-    pub drawing_ms: f64,
-    /// 95th percentile of `drawing_ms`.
-    pub drawing_p95_ms: f64,
-    /// Remaining time: panels and text (ms).
-    pub interface_ms: f64,
-    /// 95th percentile of `interface_ms`.
-    pub interface_p95_ms: f64,
-    /// All of it.
-    pub frame_ms: f64,
-    /// 95th percentile of `frame_ms`.
-    pub frame_p95_ms: f64,
+    /// Median and 95th percentile of each part, as `NAME_ms` and `NAME_p95_ms`.
+    #[serde(flatten)]
+    pub times: BTreeMap<String, f64>,
 }
 
 impl FrameFigures {
     /// Figures of frames; the first ones, up to ten, warm up and do not count.
     pub fn from_frames(characters: usize, all: &[FrameTimes]) -> Self {
         let counted = &all[(all.len() / 4).min(10)..];
-        let figures = |part: fn(&FrameTimes) -> f64| {
-            let mut ms: Vec<f64> = counted.iter().map(|s| 1000.0 * part(s)).collect();
+        let mut times = BTreeMap::new();
+        for (name, part) in PARTS {
+            let mut ms: Vec<f64> = counted.iter().map(|t| 1000.0 * part(t)).collect();
             ms.sort_by(f64::total_cmp);
-            (share(&ms, 0.5), share(&ms, 0.95))
-        };
-        let mut f = Self { characters, frames: counted.len(), ..Self::default() };
-        (f.simulation_ms, f.simulation_p95_ms) = figures(|s| s.simulation_s);
-        (f.layout_ms, f.layout_p95_ms) = figures(|s| s.layout_s);
-        (f.upload_ms, f.upload_p95_ms) = figures(|s| s.upload_s);
-        (f.drawing_ms, f.drawing_p95_ms) = figures(|s| s.drawing_s);
-        (f.interface_ms, f.interface_p95_ms) =
-            figures(|s| (s.frame_s - s.simulation_s - s.layout_s - s.upload_s - s.drawing_s).max(0.0));
-        (f.frame_ms, f.frame_p95_ms) = figures(|s| s.frame_s);
-        f
+            times.insert(format!("{name}_ms"), share(&ms, 0.5));
+            times.insert(format!("{name}_p95_ms"), share(&ms, 0.95));
+        }
+        Self { characters, frames: counted.len(), times }
     }
 }
 
@@ -151,9 +131,11 @@ mod tests {
         frames.extend((1..=100).map(|ms| frame(f64::from(ms))));
         let f = FrameFigures::from_frames(7, &frames);
         assert_eq!((f.characters, f.frames), (7, 100));
-        assert!((f.frame_ms - 50.0).abs() < 1e-9 && (f.frame_p95_ms - 95.0).abs() < 1e-9, "{f:?}");
-        assert!((f.interface_ms - 49.0).abs() < 1e-9 && f.drawing_ms == 0.0, "{f:?}");
-        assert_eq!(FrameFigures::from_frames(1, &[]), FrameFigures { characters: 1, ..FrameFigures::default() });
+        let is = |key: &str, ms: f64| (f.times[key] - ms).abs() < 1e-9;
+        assert!(is("frame_ms", 50.0) && is("frame_p95_ms", 95.0), "{f:?}");
+        assert!(is("interface_ms", 49.0) && is("drawing_ms", 0.0), "{f:?}");
+        let none = FrameFigures::from_frames(1, &[]);
+        assert!(none.frames == 0 && none.times.len() == 12 && none.times.values().all(|ms| *ms == 0.0), "{none:?}");
         assert_eq!(FrameFigures::from_frames(1, &frames[..1]).frames, 1);
     }
 }

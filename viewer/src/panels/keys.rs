@@ -6,6 +6,7 @@ use crate::model::Model;
 use crate::run::STEP_HZ;
 use crate::settings::ViewerSettings;
 use KeyAction::{Ask, Change, Help, Open};
+use ViewerCommand::{FrameAll, Play, Reload, Restart, Seek, SelectCharacter, Speed, Stage, Steer, Step, World};
 use eframe::egui::{self, Grid, Key, Modal, Modifiers, RichText, ThemePreference, Ui};
 
 /// Action of a key.
@@ -47,43 +48,33 @@ const COMMAND_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND }
 /// All keys but those of the panels, which are in [`PANELS`]. Keys with modifiers come before the same keys without,
 /// since the first match counts.
 pub const SHORTCUTS: &[Shortcut] = &[
-    plain(Key::Space, "play or pause", Ask(|m| ViewerCommand::Play(!m.is_playing()))),
-    with_modifiers(Modifiers::SHIFT, Key::ArrowLeft, "a second back", Ask(|m| ViewerCommand::Step(-steps_a_second(m)))),
-    with_modifiers(
-        Modifiers::SHIFT,
-        Key::ArrowRight,
-        "a second forward",
-        Ask(|m| ViewerCommand::Step(steps_a_second(m))),
-    ),
-    plain(Key::ArrowLeft, "one step back", Ask(|_| ViewerCommand::Step(-1))),
-    plain(Key::ArrowRight, "one step forward", Ask(|_| ViewerCommand::Step(1))),
-    plain(Key::Home, "start of the recording", Ask(|_| ViewerCommand::Seek(0))),
-    plain(Key::End, "end of the recording", Ask(|_| ViewerCommand::Seek(u32::MAX))),
-    plain(Key::OpenBracket, "half as fast", Ask(|m| ViewerCommand::Speed(speed(m) * 0.5))),
-    plain(Key::CloseBracket, "twice as fast", Ask(|m| ViewerCommand::Speed(speed(m) * 2.0))),
-    with_modifiers(Modifiers::COMMAND, Key::R, "reload the file", Ask(|_| ViewerCommand::Reload)),
-    plain(Key::R, "restart the run", Ask(|_| ViewerCommand::Restart)),
-    plain(Key::C, "crowd, blend or clip", Ask(|m| ViewerCommand::Stage(m.next_stage()))),
+    plain(Key::Space, "play or pause", Ask(|m| Play(!m.is_playing()))),
+    with_modifiers(Modifiers::SHIFT, Key::ArrowLeft, "a second back", Ask(|m| Step(-steps_a_second(m)))),
+    with_modifiers(Modifiers::SHIFT, Key::ArrowRight, "a second forward", Ask(|m| Step(steps_a_second(m)))),
+    plain(Key::ArrowLeft, "one step back", Ask(|_| Step(-1))),
+    plain(Key::ArrowRight, "one step forward", Ask(|_| Step(1))),
+    plain(Key::Home, "start of the recording", Ask(|_| Seek(0))),
+    plain(Key::End, "end of the recording", Ask(|_| Seek(u32::MAX))),
+    plain(Key::OpenBracket, "half as fast", Ask(|m| Speed(speed(m) * 0.5))),
+    plain(Key::CloseBracket, "twice as fast", Ask(|m| Speed(speed(m) * 2.0))),
+    with_modifiers(Modifiers::COMMAND, Key::R, "reload the file", Ask(|_| Reload)),
+    plain(Key::R, "restart the run", Ask(|_| Restart)),
+    plain(Key::C, "crowd, blend or clip", Ask(|m| Stage(m.next_stage()))),
     plain(Key::F, "camera follows the selected character", Change(|s, _, _| s.follow = !s.follow)),
-    plain(Key::G, "steer the selected one: W A S D, Shift, X", Ask(|_| ViewerCommand::Steer(SteerCommand::Toggle))),
-    plain(Key::A, "show everything", Ask(|_| ViewerCommand::FrameAll)),
+    plain(Key::G, "steer the selected one: W A S D, Shift, X", Ask(|_| Steer(SteerCommand::Toggle))),
+    plain(Key::A, "show everything", Ask(|_| FrameAll)),
     plain(Key::B, "next body", Change(|s, m, _| s.body = m.next_body())),
     plain(Key::J, "joint axes", Change(|s, _, _| s.overlays.joint_axes = !s.overlays.joint_axes)),
-    plain(Key::Escape, "select nothing", Ask(|_| ViewerCommand::SelectCharacter(None))),
+    plain(Key::Escape, "select nothing", Ask(|_| SelectCharacter(None))),
     plain(
         Key::T,
         "dark or light",
         Change(|s, _, is_dark| s.theme = if is_dark { ThemePreference::Light } else { ThemePreference::Dark }),
     ),
     with_modifiers(Modifiers::COMMAND, Key::O, "open a file", Open),
-    with_modifiers(COMMAND_SHIFT, Key::Z, "redo", Ask(|_| ViewerCommand::World(WorldCommand::Redo))),
-    with_modifiers(Modifiers::COMMAND, Key::Y, "redo", Ask(|_| ViewerCommand::World(WorldCommand::Redo))),
-    with_modifiers(
-        Modifiers::COMMAND,
-        Key::Z,
-        "undo the last edit of a world",
-        Ask(|_| ViewerCommand::World(WorldCommand::Undo)),
-    ),
+    with_modifiers(COMMAND_SHIFT, Key::Z, "redo", Ask(|_| World(WorldCommand::Redo))),
+    with_modifiers(Modifiers::COMMAND, Key::Y, "redo", Ask(|_| World(WorldCommand::Redo))),
+    with_modifiers(Modifiers::COMMAND, Key::Z, "undo the last edit of a world", Ask(|_| World(WorldCommand::Undo))),
     plain(Key::H, "this list", Help),
 ];
 

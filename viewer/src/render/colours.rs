@@ -1,5 +1,6 @@
 //! Colours of the view, as plain data.
 
+use eframe::egui::ecolor::linear_f32_from_gamma_u8;
 use glam::Vec4;
 
 /// An sRGB colour with straight alpha, eight bits a channel.
@@ -32,12 +33,9 @@ impl Rgba {
 
     /// Linear light, alpha unchanged.
     pub fn linear(self) -> Vec4 {
-        let channel = |v: u8| {
-            let v = v as f32 / 255.0;
-            if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
-        };
         let [r, g, b, a] = self.0;
-        Vec4::new(channel(r), channel(g), channel(b), a as f32 / 255.0)
+        let [r, g, b] = [r, g, b].map(linear_f32_from_gamma_u8);
+        Vec4::new(r, g, b, a as f32 / 255.0)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::mesh::LEVELS;
 use bytemuck::{Pod, Zeroable};
+use eframe::egui::ecolor::gamma_u8_from_linear_f32;
 use glam::Vec3;
 use image::imageops::FilterType;
 use image::{ImageFormat, ImageReader, Limits, RgbaImage};
@@ -124,11 +125,7 @@ fn coarser(all: &WornLevel, corners: &[SurfaceCorner], rest: &[Vec3], cell_m: f3
 }
 
 fn gpu_colour(m: &Material) -> [u8; 4] {
-    let [r, g, b, _] = m.colour.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let s = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (s * 255.0).round() as u8
-    });
+    let [r, g, b, _] = m.colour.map(gamma_u8_from_linear_f32);
     [r, g, b, (m.cutoff.clamp(0.0, 1.0) * 255.0).round() as u8]
 }
 

@@ -1,5 +1,6 @@
 //! The colour map of numbers, in the dark and in the light theme.
 
+use super::rgb;
 use eframe::egui::Color32;
 
 /// Stations of viridis, at equal distances: perceptually uniform, distinguished by colour-blind people too (0xRRGGBB).
@@ -10,12 +11,7 @@ const VIRIDIS: [u32; 10] =
 pub fn map(ratio: f32) -> Color32 {
     let t = if ratio.is_nan() { 0.0 } else { ratio.clamp(0.0, 1.0) } * (VIRIDIS.len() - 1) as f32;
     let i = (t as usize).min(VIRIDIS.len() - 2);
-    let part = t - i as f32;
-    let mix = |k: usize| {
-        let [low, high] = [i, i + 1].map(|station| f32::from(VIRIDIS[station].to_be_bytes()[k]));
-        (low + (high - low) * part).round() as u8
-    };
-    Color32::from_rgb(mix(1), mix(2), mix(3))
+    rgb(VIRIDIS[i]).lerp_to_gamma(rgb(VIRIDIS[i + 1]), t - i as f32)
 }
 
 /// The part of the colour map that lines can be drawn with on a panel of the theme.

@@ -235,11 +235,7 @@ fn describe_example(ui: &mut Ui, input: &BlendPanelInput<'_>, example: usize) {
 
 /// Colour of an example's weight, for dots and bars.
 fn weight_colour(weight: f32, dark: bool) -> Color32 {
-    match (weight < 0.0, dark) {
-        (true, _) => surface::colour(surface::RANGE[0], dark),
-        (false, true) => Color32::from_rgb(0x3f, 0xc9, 0x9d),
-        (false, false) => Color32::from_rgb(0x1d, 0x8a, 0x78),
-    }
+    surface::colour(if weight < 0.0 { surface::RANGE[0] } else { 1.0 }, dark)
 }
 
 #[cfg(test)]

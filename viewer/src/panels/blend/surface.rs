@@ -1,6 +1,7 @@
 //! The weight of one example over two axes of a parameter box, in colours.
 
 use super::plane::MapPlane;
+use crate::theme::rgb;
 use eframe::egui::Color32;
 use eframe::egui::epaint::Mesh;
 use std::sync::Arc;
@@ -68,12 +69,12 @@ impl WeightSurface {
 }
 
 /// Weights, and their colours in the light and in the dark theme.
-const STATIONS: [(f32, [[u8; 3]; 2]); 5] = [
-    (RANGE[0], [[0xd2, 0x2f, 0x5a], [0xe8, 0x4a, 0x6f]]),
-    (0.0, [[0xf4, 0xf5, 0xf6], [0x1c, 0x20, 0x27]]),
-    (0.5, [[0x8f, 0xcf, 0xc2], [0x1f, 0x6f, 0x72]]),
-    (1.0, [[0x1d, 0x8a, 0x78], [0x3f, 0xc9, 0x9d]]),
-    (RANGE[1], [[0x8a, 0x6d, 0x00], [0xf6, 0xe3, 0x6b]]),
+const STATIONS: [(f32, [u32; 2]); 5] = [
+    (RANGE[0], [0xd22f5a, 0xe84a6f]),
+    (0.0, [0xf4f5f6, 0x1c2027]),
+    (0.5, [0x8fcfc2, 0x1f6f72]),
+    (1.0, [0x1d8a78, 0x3fc99d]),
+    (RANGE[1], [0x8a6d00, 0xf6e36b]),
 ];
 
 /// Colour of a weight: the background at 0, green at 1, yellow beyond, red below 0.
@@ -81,10 +82,8 @@ pub fn colour(weight: f32, dark: bool) -> Color32 {
     let w = if weight.is_nan() { 0.0 } else { weight.clamp(RANGE[0], RANGE[1]) };
     let i = STATIONS.partition_point(|s| s.0 <= w).clamp(1, STATIONS.len() - 1);
     let ((from, a), (to, b)) = (STATIONS[i - 1], STATIONS[i]);
-    let (a, b) = (a[usize::from(dark)], b[usize::from(dark)]);
-    let t = (w - from) / (to - from);
-    let mix = |k: usize| (f32::from(a[k]) + (f32::from(b[k]) - f32::from(a[k])) * t).round() as u8;
-    Color32::from_rgb(mix(0), mix(1), mix(2))
+    let [a, b] = [a, b].map(|colours| rgb(colours[usize::from(dark)]));
+    a.lerp_to_gamma(b, (w - from) / (to - from))
 }
 
 #[cfg(test)]
