@@ -5,7 +5,6 @@ mod documents;
 mod places;
 mod plan;
 mod playback;
-mod shown_stage;
 mod steer;
 pub mod world;
 

@@ -1,8 +1,7 @@
 //! Characters on the GPU: the matrix palette, roots and colours, and which are drawn at which level of detail.
 
-use super::buffer::GrowingBuffer;
 use super::cull::{self, Frustum};
-use super::device::Gpu;
+use super::device::{Gpu, GrowingBuffer};
 use super::mesh::{self, BodyStyle, LEVELS};
 use super::picking::world_position;
 use super::pipelines::{self, Layer, PipelineInput, PipelineRecipe};

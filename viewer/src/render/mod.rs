@@ -3,7 +3,6 @@
 //! The caller hands over matrices, roots and shapes ([`SceneFrame`]), then asks for a picture from a [`OrbitCamera`].
 //! Nothing in here knows where characters come from.
 
-mod buffer;
 mod callback;
 pub mod camera;
 mod characters;
@@ -16,7 +15,6 @@ mod offscreen;
 pub mod picking;
 mod pipelines;
 mod renderer;
-mod scene_uniform;
 mod shape_draws;
 mod shapes;
 mod solid_draws;

@@ -1,7 +1,6 @@
 //! Draws a list of shapes: one instanced draw for each kind.
 
-use super::buffer::GrowingBuffer;
-use super::device::Gpu;
+use super::device::{Gpu, GrowingBuffer};
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::{Result, ShapeList};
 use bytemuck::{Pod, Zeroable};

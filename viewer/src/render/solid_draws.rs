@@ -1,7 +1,6 @@
 //! Draws things that stand in the world: one instanced draw for each mesh.
 
-use super::buffer::GrowingBuffer;
-use super::device::Gpu;
+use super::device::{Gpu, GrowingBuffer};
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::solids::{SolidInstance, SolidMesh};
 use super::{Result, Rgba, Solids};

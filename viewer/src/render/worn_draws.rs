@@ -1,9 +1,8 @@
 //! Draws characters of the user's own.
 
 use super::Result;
-use super::buffer::GrowingBuffer;
 use super::characters::{GpuMesh, draw_levels, layer_pipelines};
-use super::device::Gpu;
+use super::device::{Gpu, GrowingBuffer};
 use super::mesh::LEVELS;
 use super::pipelines::{self, Layer, PipelineInput};
 use super::worn_mesh::{TEXTURE_PX, WornMesh};

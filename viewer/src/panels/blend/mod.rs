@@ -5,7 +5,6 @@ mod map;
 mod plane;
 mod rows;
 mod surface;
-mod timing;
 
 use super::paint::{PanelWidget, choose, empty, no_bundle};
 use crate::bundle::OpenBundle;
@@ -84,7 +83,7 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut BlendPanelState, commands: &
         *state = BlendPanelState { all: state.all, ..BlendPanelState::default() };
     }
     let mut shown = shown.unwrap_or_else(|| MapAxes::default_for(space.axes())).checked(space.axes());
-    let strongest = timing::order(&moment.weights, false).first().copied().unwrap_or(0);
+    let strongest = rows::order(&moment.weights, false).first().copied().unwrap_or(0);
     let input = BlendPanelInput {
         space,
         meta: bundle.blend_meta(blending.space),

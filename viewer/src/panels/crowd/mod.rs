@@ -8,7 +8,7 @@ mod message_spread;
 mod rates;
 
 use super::colour_of_view;
-use super::paint::{PanelWidget, empty, facts, swatch, time_text};
+use super::paint::{PanelWidget, empty, facts, section, swatch, time_text};
 use crate::command::{Commands, OverlayScope, SceneCommand, SceneViewOptions, ViewerCommand};
 use crate::document::SceneDocument;
 use crate::model::Model;
@@ -16,7 +16,7 @@ use crate::run::agents::first_agent;
 use crate::settings::ViewerSettings;
 use crate::stage::agents::colour_of_group;
 use crate::theme::ThemePalette;
-use eframe::egui::{CollapsingHeader, Grid, RichText, Role, Ui};
+use eframe::egui::{Grid, RichText, Role, Ui};
 use throng_simulation::AnyCharacterGroup;
 use throng_simulation::scenario::AgentBrains;
 
@@ -59,11 +59,6 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
     }
     section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
     section(ui, "Events", |ui| events::show(ui, model, scene, state, commands));
-}
-
-fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
-    ui.add_space(2.0);
-    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show(ui, add);
 }
 
 /// Number of the selected agent among those with brains; none without one.

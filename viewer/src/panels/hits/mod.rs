@@ -1,7 +1,6 @@
 //! Effective hits: where blows land, seen from three sides (Lee and Lee 2004, figure 4).
 
 mod collection;
-mod list;
 mod plot;
 mod view;
 
@@ -126,7 +125,7 @@ fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsP
         let scrolls = before.is_some_and(|h| !h.1);
         let panel = Panel::right("list of hits").default_size(400.0).min_size(200.0);
         panel.frame(Frame::NONE.inner_margin(4)).show(ui, |ui| {
-            let listed = list::show(ui, &input, &mut state.sort, scrolls);
+            let listed = collection::show_list(ui, &input, &mut state.sort, scrolls);
             chosen = listed.chosen.map(|row| shown[row]);
             state.hovered = listed.hovered.map(|(row, _)| (shown[row], true));
         });

@@ -8,7 +8,7 @@ mod widget;
 pub use axis::{FrameAxis, FrameSpan, RULER_HEIGHT, ruler};
 pub use figure::{FigureStyle, figure_of_pose, paint_figure};
 pub use table::{RowClick, RowTable, TableCell, TableColumn, TableResponse, TableSort, least_width};
-pub use widget::{PanelWidget, choose, coordinates, facts, swatch};
+pub use widget::{PanelWidget, choose, coordinates, facts, section, swatch};
 
 use super::words::number;
 use crate::document::OpenDocument;

@@ -1,7 +1,9 @@
 //! Widgets as panels use them: found by their names, and asking the model for something.
 
 use crate::command::{Commands, ViewerCommand};
-use eframe::egui::{Color32, ComboBox, DragValue, Grid, Label, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use eframe::egui::{
+    CollapsingHeader, Color32, ComboBox, DragValue, Grid, Label, Response, RichText, Role, Sense, Ui, WidgetInfo, vec2,
+};
 
 /// A widget with a name, or one that asks the model for something.
 pub trait PanelWidget {
@@ -73,4 +75,10 @@ pub fn facts(ui: &mut Ui, id: &str, wraps: bool, add: impl FnOnce(&mut dyn FnMut
             ui.end_row();
         });
     });
+}
+
+/// A part of a panel below its title, which folds it away.
+pub fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
+    ui.add_space(2.0);
+    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show(ui, add);
 }

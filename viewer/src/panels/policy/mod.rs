@@ -3,7 +3,6 @@
 mod chart;
 mod heat;
 mod map;
-mod story;
 mod why;
 
 use crate::bundle::OpenBundle;

@@ -1,7 +1,8 @@
 //! Results of blows, and penetration of opponents.
 
-use super::{COLOURS, SMOOTH, key, line, plot, section, smooth, strong_facts};
+use super::{COLOURS, SMOOTH, key, line, plot, smooth, strong_facts};
 use crate::panels::colour_of_view;
+use crate::panels::paint::section;
 use crate::run::{BoutFigures, STEP_HZ, StepFigures};
 use crate::stage::bout::{KINDS, colour_of};
 use eframe::egui::Ui;

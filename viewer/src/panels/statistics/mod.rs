@@ -3,9 +3,9 @@
 mod bout;
 
 use crate::model::Model;
-use crate::panels::paint::{facts, fixed_plot, swatch};
+use crate::panels::paint::{facts, fixed_plot, section, swatch};
 use crate::run::{STEP_HZ, SceneRun, StepFigures};
-use eframe::egui::{CollapsingHeader, Color32, Grid, RichText, Ui};
+use eframe::egui::{Color32, Grid, RichText, Ui};
 use egui_plot::{Line, Plot, PlotPoints};
 use throng_core::Bundle;
 use throng_precompute::memory::bytes_text;
@@ -142,11 +142,6 @@ fn memory(ui: &mut Ui, tables: &Bundle) {
             ui.end_row();
         });
     });
-}
-
-fn section(ui: &mut Ui, title: &str, add: impl FnOnce(&mut Ui)) {
-    ui.add_space(4.0);
-    CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show(ui, add);
 }
 
 fn plot(id: &str, unit: &'static str) -> Plot<'static> {

@@ -198,7 +198,7 @@ fn bad_uploads_are_refused_and_the_view_keeps_drawing() {
 
 #[test]
 fn more_than_the_device_can_hold_is_an_error() {
-    use crate::render::buffer::GrowingBuffer;
+    use crate::render::device::GrowingBuffer;
     let Some(renderer) = renderer() else { return };
     let mut buffer = GrowingBuffer::new(&renderer.gpu.device, "joint matrices", wgpu::BufferUsages::STORAGE);
     assert_eq!(buffer.reserve(&renderer.gpu.device, 1000, 48), Ok(true));

@@ -3,12 +3,10 @@
 mod details;
 mod event_log;
 mod rates;
-mod spread;
 mod trace;
 
 pub use details::{AgentDetails, FORCE_TERMS, agent_bound, agent_details};
 pub use event_log::{AgentEvent, AgentEventKind, EventFilter, EventLog, OtherParty};
 pub use rates::{EventRates, WINDOW_S};
-pub use spread::SpreadLog;
 pub use throng_precompute::run::{agent_path, first_agent};
-pub use trace::{AgentTrace, StateEntry};
+pub use trace::{AgentTrace, SpreadLog, StateEntry};

@@ -3,13 +3,12 @@
 mod blackboards;
 mod marks;
 mod selected;
-mod spread;
 
+pub(super) use blackboards::colour_by_message;
 pub(super) use blackboards::lay_out as lay_out_blackboards;
 pub use blackboards::{cell_at, colour_of_message};
 pub use marks::colour_of as colour_of_event;
 pub use selected::{TAKEN, colour_of_force};
-pub(super) use spread::colour as colour_by_message;
 
 use super::{StageLayout, StagePalette, cues};
 use crate::command::{OverlayScope, SceneViewOptions};
@@ -82,7 +81,7 @@ pub(super) fn lay_out(out: &mut StageLayout, run: &SceneRun, brush: &Brush<'_>) 
         OverlayScope::Selected => selected == Some(who),
         OverlayScope::All => selected == Some(who) || count < MAX_LINES,
     };
-    spread::lay_out(&mut out.shapes, simulation, selected, brush);
+    blackboards::lay_out_spread(&mut out.shapes, simulation, selected, brush);
     let mut count = 0;
     for (g, group) in simulation.groups().iter().enumerate() {
         for who in group.characters.clone().filter(|&who| simulation.disc(who).is_some()) {
