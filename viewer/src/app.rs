@@ -3,7 +3,7 @@
 use crate::command::{Commands, ViewerCommand};
 use crate::document::OpenDocument;
 use crate::model::Model;
-use crate::panels::viewport::pad::Pads;
+use crate::panels::viewport::steer::Pads;
 use crate::panels::{PANELS, PanelStates, SystemDialog, dock, keys, messages, start, top_bar, transport, viewport};
 use crate::render::{SceneCallback, SceneColours, SceneFrame, SceneRenderer, WornFrame};
 use crate::settings::{Dock, ViewerSettings};
@@ -155,16 +155,16 @@ impl Viewer {
         let dark = ui.visuals().dark_mode;
         let (renderer, drawing, layout) = (&self.renderer, &self.drawing, &self.layout);
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
-            let paint = |ui: &Ui, drawn: viewport::ViewportArea| {
+            let paint = |ui: &Ui, rect: egui::Rect| {
                 let renderer = renderer.as_ref().map_err(Clone::clone)?;
                 let callback = SceneCallback {
                     renderer: Arc::clone(renderer),
-                    camera: drawn.camera,
+                    camera: model.settings.camera,
                     size: [1, 1],
                     colours: SceneColours::for_theme(dark),
                     time: Arc::clone(drawing),
                 };
-                ui.painter().add(callback.shape(ui, drawn.rect));
+                ui.painter().add(callback.shape(ui, rect));
                 Ok(())
             };
             let mut viewport = std::mem::take(&mut states.viewport);

@@ -49,19 +49,6 @@ impl Volume {
         }
         out.iter().map(|p| *p + Vec2::new(self.centre.x, self.centre.z)).collect()
     }
-
-    /// Lines between the cells of a grid over it, seen from above; counts of angles and rings.
-    pub fn lines_over_ground(&self, [angles, rings]: [u32; 2]) -> Vec<Vec<Vec2>> {
-        let part = |[low, high]: [f32; 2], i: u32, n: u32| low + (high - low) * i as f32 / (n.max(2) - 1) as f32;
-        let centre = Vec2::new(self.centre.x, self.centre.z);
-        let moved = |line: Vec<Vec2>| line.into_iter().map(|p| p + centre).collect();
-        let ring = |i| moved(arc(part(self.distance, i, rings), self.angle));
-        let ray = |i| {
-            let a = part(self.angle, i, angles);
-            moved(self.distance.map(|d| Vec2::new(a.sin(), a.cos()) * d).to_vec())
-        };
-        (0..rings).map(ring).chain((0..angles).map(ray)).collect()
-    }
 }
 
 fn arc(radius: f32, [from, to]: [f32; 2]) -> Vec<Vec2> {
@@ -92,14 +79,5 @@ mod tests {
             assert!(region.contains(Vec3::new(inwards.x, 1.4, inwards.y)) || p.length() < 0.31, "{p}");
         }
         assert_eq!(Volume::of_region(&RegionRecord::EVERYWHERE), None);
-    }
-
-    #[test]
-    fn lines_between_cells_reach_from_edge_to_edge() {
-        let lines = volume().lines_over_ground([4, 3]);
-        assert_eq!(lines.len(), 7);
-        let lengths: Vec<f32> = lines[..3].iter().map(|l| l[0].length()).collect();
-        assert!((lengths[0] - 0.3).abs() < 1e-5 && (lengths[1] - 0.75).abs() < 1e-5, "{lengths:?}");
-        assert!(lines[3..].iter().all(|l| (l[1].length() - 1.2).abs() < 1e-5));
     }
 }

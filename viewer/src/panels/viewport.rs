@@ -1,6 +1,5 @@
 //! The 3-D view: camera, selection, and targets that are dragged.
 
-pub mod pad;
 pub mod steer;
 pub mod task;
 pub mod world;
@@ -14,8 +13,7 @@ use crate::render::{self, OrbitCamera, Ray};
 use crate::run::{RunInput, target_home};
 use crate::stage::agents::cell_at;
 use crate::stage::{self, StageLayout};
-use eframe::egui::text::{LayoutJob, TextFormat};
-use eframe::egui::{self, Align, Color32, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
+use eframe::egui::{self, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 use glam::{Vec2, Vec3};
 use throng_simulation::AnyCharacterGroup;
 use throng_world::inhabitants::InhabitantGoal;
@@ -43,15 +41,6 @@ pub struct ViewportState {
     pub aspect: f32,
 }
 
-/// Area of the view that the caller draws in 3-D.
-#[derive(Clone, Copy, Debug)]
-pub struct ViewportArea {
-    /// Part of the screen.
-    pub rect: Rect,
-    /// From where.
-    pub camera: OrbitCamera,
-}
-
 /// Shows the view in all that is left of the window. `paint` adds the 3-D picture.
 pub fn show(
     ui: &mut Ui,
@@ -59,15 +48,14 @@ pub fn show(
     layout: &StageLayout,
     state: &mut ViewportState,
     commands: &mut Commands,
-    paint: impl FnOnce(&Ui, ViewportArea) -> Result<(), String>,
+    paint: impl FnOnce(&Ui, Rect) -> Result<(), String>,
 ) {
     let response = ui.allocate_rect(ui.available_rect_before_wrap(), Sense::click_and_drag());
     let response = response.named(egui::Role::Image, "3-D view");
     let rect = response.rect;
     state.aspect = rect.width() / rect.height().max(1.0);
-    let camera = model.settings.camera;
-    if let Err(why) = paint(ui, ViewportArea { rect, camera }) {
-        note(ui, rect, &why, ui.visuals().error_fg_color);
+    if let Err(why) = paint(ui, rect) {
+        show_caption(ui, rect, why, 0.9, |size| rect.center() - 0.5 * size);
     }
     drag(ui, &response, model, state, commands);
     click(ui, &response, model, layout, commands);
@@ -76,16 +64,6 @@ pub fn show(
     show_blackboard_tooltip(response, model);
     messages::show(ui, rect, model, commands);
     build::show_over(ui, rect, model, commands);
-}
-
-/// Text in the middle of the view, in as many rows as it needs.
-fn note(ui: &Ui, rect: Rect, text: &str, colour: Color32) {
-    let format = TextFormat::simple(FontId::proportional(16.0), colour);
-    let mut job = LayoutJob::single_section(text.to_owned(), format);
-    (job.halign, job.wrap.max_width) = (Align::Center, (rect.width() - 24.0).max(80.0));
-    let galley = ui.painter().layout_job(job);
-    let top = rect.center() - egui::vec2(0.0, 0.5 * galley.size().y);
-    ui.painter().galley(top, galley, colour);
 }
 
 fn size(rect: Rect) -> Vec2 {

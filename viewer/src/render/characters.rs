@@ -135,6 +135,14 @@ impl GpuMesh {
         self.num_indices = indices.len() as u32;
         Ok(())
     }
+
+    /// Draws a range of instances.
+    pub fn draw(&self, pass: &mut RenderPass<'_>, instances: &wgpu::Buffer, range: Range<u32>) {
+        pass.set_vertex_buffer(0, self.vertices.buffer.slice(..));
+        pass.set_vertex_buffer(1, instances.slice(..));
+        pass.set_index_buffer(self.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.num_indices, 0, range);
+    }
 }
 
 /// Everything about characters that lives on the GPU.
@@ -313,10 +321,7 @@ impl CharacterDraws {
 /// - `numbers`: numbers of characters, of which each list is a range.
 pub(super) fn draw_levels(pass: &mut RenderPass<'_>, meshes: &[GpuMesh], numbers: &wgpu::Buffer, lists: &[Range<u32>]) {
     for (mesh, list) in meshes.iter().zip(lists).filter(|(_, list)| !list.is_empty()) {
-        pass.set_vertex_buffer(0, mesh.vertices.buffer.slice(..));
-        pass.set_vertex_buffer(1, numbers.slice(..));
-        pass.set_index_buffer(mesh.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..mesh.num_indices, 0, list.clone());
+        mesh.draw(pass, numbers, list.clone());
     }
 }
 

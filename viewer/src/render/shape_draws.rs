@@ -1,5 +1,6 @@
 //! Draws a list of shapes: one instanced draw for each kind.
 
+use super::characters::GpuMesh;
 use super::device::{Gpu, GrowingBuffer};
 use super::pipelines::{self, PipelineInput, PipelineOutput, PipelineRecipe};
 use super::{Result, ShapeList};
@@ -24,9 +25,7 @@ pub(super) struct ShapeDraws {
     lines: (RenderPipeline, GrowingBuffer, u32),
     rounds: (RenderPipeline, GrowingBuffer, u32),
     rings: (RenderPipeline, GrowingBuffer, u32),
-    corners: GrowingBuffer,
-    indices: GrowingBuffer,
-    num_indices: u32,
+    round: GpuMesh,
 }
 
 impl ShapeDraws {
@@ -41,18 +40,14 @@ impl ShapeDraws {
             let pipeline = PipelineRecipe { label, shader, stages, groups, input, output, strip, hidden }.build(device);
             (pipeline, GrowingBuffer::new(device, label, BufferUsages::VERTEX), 0)
         };
-        let mut corners = GrowingBuffer::new(device, "corners", BufferUsages::VERTEX);
-        let mut indices = GrowingBuffer::new(device, "triangles", BufferUsages::INDEX);
-        let (points, triangles) = round_mesh(AROUND, END_RINGS);
-        corners.write(gpu, &points)?;
-        indices.write(gpu, &triangles)?;
+        let (corners, triangles) = round_mesh(AROUND, END_RINGS);
+        let mut round = GpuMesh::new(device);
+        round.write(gpu, &corners, &triangles)?;
         Ok(Self {
             lines: kind("lines", ["line_vertex", "line_fragment"], PipelineInput::Lines, PipelineOutput::OVERLAY),
             rounds: kind("solids", ["round_vertex", "round_fragment"], PipelineInput::Rounds, PipelineOutput::GHOST),
             rings: kind("rings", ["ring_vertex", "ring_fragment"], PipelineInput::Rings, PipelineOutput::OVERLAY),
-            corners,
-            indices,
-            num_indices: triangles.len() as u32,
+            round,
         })
     }
 
@@ -69,14 +64,10 @@ impl ShapeDraws {
     /// Draws solids.
     pub fn draw_solids(&self, pass: &mut RenderPass<'_>) {
         let (pipeline, instances, count) = &self.rounds;
-        if *count == 0 {
-            return;
+        if *count > 0 {
+            pass.set_pipeline(pipeline);
+            self.round.draw(pass, &instances.buffer, 0..*count);
         }
-        pass.set_pipeline(pipeline);
-        pass.set_vertex_buffer(0, self.corners.buffer.slice(..));
-        pass.set_vertex_buffer(1, instances.buffer.slice(..));
-        pass.set_index_buffer(self.indices.buffer.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..self.num_indices, 0, 0..*count);
     }
 
     /// Draws rings, then lines.

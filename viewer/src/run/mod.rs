@@ -6,25 +6,21 @@
 pub mod agents;
 mod blend;
 mod blending;
-mod blow_marks;
 mod choices;
 mod figures;
 mod input;
 mod reel;
 mod scene;
-mod scene_choice;
 mod world;
 
 pub use blend::{BlendMoment, BlendRun};
 pub use blending::{BlendCompanions, Blending, LEGS, SIZES};
-pub use blow_marks::{BlowMark, BlowResult};
 pub use choices::{ActionCandidate, BehaviourScore, ChoiceReason, explain_choice};
 pub use choices::{GoalSubject, PolicyChooser, RecordedChoice, RunGoal};
-pub use figures::{BoutFigures, Slip, StepFigures};
-pub use input::{MAX_TARGET_M, RunInput};
+pub use figures::{BlowMark, BlowResult, BoutFigures, Slip, StepFigures};
+pub use input::{MAX_TARGET_M, RunInput, SceneChoice};
 pub use reel::{PlayHead, Reel};
 pub use scene::{SceneFork, SceneRun, detail_level, is_at_target, target_home};
-pub use scene_choice::SceneChoice;
 pub use world::{InhabitantsMoment, WorldRun};
 
 /// Steps a second of simulated time (Hz).

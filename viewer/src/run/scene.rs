@@ -5,15 +5,15 @@
 
 mod state;
 
+pub use state::{detail_level, is_at_target, target_home};
+
 use super::agents::{AgentEvent, AgentEventKind, EventLog, OtherParty, SpreadLog, StateEntry, first_agent};
-use super::blow_marks::{self, BlowMark};
 use super::choices::RunGoal;
-use super::figures::StepFigures;
+use super::figures::{BlowMark, StepFigures, record_blows};
 use super::reel::PlayHead;
 use super::{RunInput, STEP_HZ};
 use glam::{Vec2, Vec3};
 use state::SceneRunState;
-pub use state::{detail_level, is_at_target, target_home};
 use std::collections::VecDeque;
 use std::time::Instant;
 use throng_core::Result;
@@ -280,7 +280,7 @@ impl SceneRun {
     fn record(&mut self, step: u32) {
         let simulation = &self.state.simulation;
         self.events.extend(simulation.events().iter().map(|&e| (step, e)));
-        blow_marks::record_blows(simulation, step, &mut self.marks);
+        record_blows(simulation, step, &mut self.marks);
         self.figures.push_back((step, self.state.figures));
         self.log_events();
         self.log_brain_events();

@@ -183,7 +183,7 @@ fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut HitsPanelState) 
     let mut chosen = now;
     let named = volumes(bundle).map(|(p, _)| (Some(p), format!("grid of {}", behaviour_name(bundle, p))));
     let options = once((None, "no grid".to_owned())).chain(named);
-    let tip = "Cells of a behaviour, and, dashed, where it is active";
+    let tip = "Where a behaviour has values, and, dashed, where it is active";
     choose(ui, "Grid", None, &mut chosen, options).on_hover_text(tip);
     if chosen != now {
         state.outlined = Some(chosen);

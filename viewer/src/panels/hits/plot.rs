@@ -10,7 +10,6 @@ use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rangef, Shape, Stroke
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
-use throng_core::policy::PolicyTable;
 
 /// Radius of a hit (points).
 const DOT: f32 = 2.6;
@@ -31,10 +30,12 @@ pub fn paint(painter: &Painter, visuals: &Visuals, place: &HitViewPlace, scene: 
     if let Some(policy) = scene.outlined {
         let colour = visuals.strong_text_color();
         if !policy.grid().is_polar() {
-            paint_cells(&inside, place, policy, colour.gamma_multiply(0.35));
+            let outline = outline(place, &Volume::of_grid(policy));
+            inside.add(Shape::line(outline, Stroke::new(0.9, colour.gamma_multiply(0.6))));
         }
         if let Some(region) = Volume::of_region(policy.region()) {
-            paint_volume(&inside, place, &region, colour.gamma_multiply(0.9));
+            let stroke = Stroke::new(1.6, colour.gamma_multiply(0.9));
+            inside.extend(Shape::dashed_line(&outline(place, &region), stroke, 6.0, 3.5));
         }
     }
     inside.add(dots);
@@ -111,42 +112,16 @@ fn ticks(low: f32, high: f32, step: f32) -> RangeInclusive<i32> {
     (low / step).ceil() as i32..=(high / step).floor() as i32
 }
 
-/// Paints the outline of a volume as a view sees it.
-fn paint_volume(painter: &Painter, place: &HitViewPlace, volume: &Volume, colour: Color32) {
-    let mut points: Vec<Pos2> = volume.over_ground().iter().map(|p| ground_point(place, *p)).collect();
+/// The outline of a volume as a view sees it: closed.
+fn outline(place: &HitViewPlace, volume: &Volume) -> Vec<Pos2> {
+    let ground = volume.over_ground().into_iter().map(|p| place.screen(Vec3::new(p.x, 0.0, p.y)));
+    let mut points: Vec<Pos2> = ground.collect();
     if place.view != HitViewpoint::Top {
         // A view from a side is as wide as the outline over ground and as high as the heights.
-        let x = width_over_ground(place, volume);
+        let x = points.iter().fold(Rangef::NOTHING, |x, p| Rangef::new(x.min.min(p.x), x.max.max(p.x)));
         let [bottom, top] = volume.height.map(|height| place.screen(Vec3::Y * height).y);
         points = vec![pos2(x.min, bottom), pos2(x.max, bottom), pos2(x.max, top), pos2(x.min, top)];
     }
     points.extend(points.first().copied());
-    painter.extend(Shape::dashed_line(&points, Stroke::new(1.6, colour), 6.0, 3.5));
-}
-
-/// Paints the cells of a grid as a view sees them: rings and rays from above, heights from the sides.
-fn paint_cells(painter: &Painter, place: &HitViewPlace, policy: &PolicyTable, colour: Color32) {
-    let (volume, r) = (Volume::of_grid(policy), policy.grid().record());
-    let stroke = Stroke::new(0.7, colour);
-    if place.view == HitViewpoint::Top {
-        for line in volume.lines_over_ground([r.num_angles, r.num_rings]) {
-            painter.add(Shape::line(line.iter().map(|p| ground_point(place, *p)).collect(), stroke));
-        }
-        return;
-    }
-    let across = width_over_ground(place, &volume);
-    for i in 0..r.num_heights {
-        let y = place.screen(Vec3::Y * (r.height_start + i as f32 * r.height_spacing)).y;
-        painter.hline(across, y, stroke);
-    }
-}
-
-fn ground_point(place: &HitViewPlace, ground: Vec2) -> Pos2 {
-    place.screen(Vec3::new(ground.x, 0.0, ground.y))
-}
-
-/// Range on the screen, from left to right, that a volume takes over ground (points).
-fn width_over_ground(place: &HitViewPlace, volume: &Volume) -> Rangef {
-    let across = volume.over_ground().into_iter().map(|p| ground_point(place, p).x);
-    across.fold(Rangef::NOTHING, |range, x| Rangef::new(range.min.min(x), range.max.max(x)))
+    points
 }

@@ -46,3 +46,18 @@ fn a_click_on_an_excluded_range_goes_there() {
         assert_eq!(harness.state().commands.last(), Some(&ViewerCommand::Seek(start as u32)));
     }
 }
+
+#[test]
+fn sources_are_sorted_by_the_column_asked_for() {
+    let source = |path: &str, bytes, hash| SourceMeta { path: path.into(), bytes, hash };
+    let all = [source("b", 5, 1), source("a", 7, 3), source("c", 6, 2)];
+    let rows = |sort: TableSort| {
+        let mut rows = [0, 1, 2];
+        sort.sort(&mut rows, &ORDERS, &all);
+        rows
+    };
+    assert_eq!(rows(TableSort::default()), [0, 1, 2]);
+    assert_eq!(rows(TableSort { column: 0, descending: false }), [1, 0, 2]);
+    assert_eq!(rows(TableSort { column: 1, descending: true }), [1, 2, 0]);
+    assert_eq!(rows(TableSort { column: 2, descending: false }), [0, 2, 1]);
+}
