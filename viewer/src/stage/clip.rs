@@ -1,12 +1,14 @@
-//! A clip of the database: the pose at the play head, and poses before and after it.
+//! A clip of the database, with poses before and after the play head; a motion file: what was recorded, and what a build makes of it.
 
 use super::{StageLayout, StagePalette, cues};
 use crate::bundle::OpenBundle;
+use crate::document::RawMotion;
 use crate::model::Model;
 use crate::render::CharacterInstance;
+use crate::render::mesh::BodySide;
 use glam::Vec3;
 use throng_core::characters::SampleJob;
-use throng_core::{Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Joint, Mat3x4, NUM_JOINTS, Planar};
 
 /// Time between two poses of the onion skin (s).
 const SKIN_EVERY_S: f32 = 0.4;
@@ -74,4 +76,76 @@ fn planar(bundle: &OpenBundle, row: u32, ratio: f32) -> Planar {
     let b = bundle.planar(row + 1);
     // Headings are unwrapped within a clip.
     Planar::new(a.x + (b.x - a.x) * ratio, a.z + (b.z - a.z) * ratio, a.heading + (b.heading - a.heading) * ratio)
+}
+
+/// Offset of the source's joints from the body (m).
+const BESIDE: Vec3 = Vec3::new(1.1, 0.0, 0.0);
+
+pub(super) fn lay_out_raw(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
+    source(out, model, motion, palette);
+    let Some(clip) = motion.clips.clips.first() else { return };
+    out.skeleton.clone_from(&motion.clips.skeleton);
+    let frame = motion.clip_frame(model.player.frame);
+    let joints = clip.joint_transforms(&motion.clips.skeleton, frame);
+    out.poses.extend(joints.map(|(p, r)| Mat3x4::from_rotation_translation(r, p)));
+    let colour = if clip.is_usable(frame) { palette.on_the_way } else { palette.plain };
+    out.instances.push(CharacterInstance { root: Planar::IDENTITY, colour, is_selected: false, look: 0 });
+    let o = model.settings.overlays;
+    if o.contacts {
+        let contacts = clip.contacts.get(frame).copied().unwrap_or_default();
+        cues::contacts(&mut out.shapes, &joints.map(|j| j.0), contacts, palette);
+    }
+    if o.trails {
+        let points: Vec<Vec3> =
+            (0..clip.num_frames()).step_by(3).map(|f| clip.root_positions[f].with_y(0.012)).collect();
+        out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
+    }
+    if o.joint_axes {
+        cues::joint_axes(&mut out.shapes, Planar::IDENTITY, &out.poses);
+    }
+}
+
+/// The source's joints as limbs and balls, left and right in their colours.
+fn source(out: &mut StageLayout, model: &Model, motion: &RawMotion, palette: &StagePalette) {
+    let raw = &motion.imported.clip;
+    if raw.num_frames == 0 {
+        return;
+    }
+    let frame = (model.player.frame as usize).min(raw.num_frames - 1);
+    let world = raw.world(frame);
+    // Balls at joints are scaled with the body, so that they stand out from limbs.
+    let radius = (0.011 * motion.imported.height / 1.7).clamp(0.003, 0.03);
+    let hips = motion.imported.roles.get(Joint::Hips);
+    for (j, ((joint, &(at, rotation)), side)) in raw.joints.iter().zip(&world).zip(sides(motion)).enumerate() {
+        let colour = match side {
+            BodySide::Left => palette.left,
+            BodySide::Right => palette.right,
+            BodySide::Middle => palette.middle,
+        };
+        // The connection from the origin to the hips is not a limb.
+        if let Some(parent) = joint.parent.filter(|_| hips != Some(j)) {
+            out.shapes.capsule(world[parent].0 + BESIDE, at + BESIDE, radius, colour.mix(palette.middle, 0.25));
+        }
+        if !joint.is_end {
+            out.shapes.sphere(at + BESIDE, radius * 1.9, colour);
+        }
+        if model.settings.overlays.joint_axes {
+            out.shapes.axes(at + BESIDE, rotation, 0.07, 1.5);
+        }
+    }
+}
+
+/// Side of each of the source's joints: from its role, or else from its parent (number of joints).
+fn sides(motion: &RawMotion) -> Vec<BodySide> {
+    let joints = &motion.imported.clip.joints;
+    let mut sides: Vec<BodySide> = Vec::with_capacity(joints.len());
+    for (j, joint) in joints.iter().enumerate() {
+        let role = Joint::ALL.into_iter().find(|&role| motion.imported.roles.get(role) == Some(j));
+        sides.push(match (role, joint.parent) {
+            (Some(role), _) => BodySide::of_joint(role),
+            (None, Some(parent)) => sides[parent],
+            (None, None) => BodySide::Middle,
+        });
+    }
+    sides
 }

@@ -6,7 +6,6 @@ mod body;
 pub mod bout;
 mod clip;
 mod cues;
-mod raw;
 pub mod scene;
 pub mod task;
 mod variety;
@@ -96,7 +95,7 @@ impl StageLayout {
         self.solids.instances.clear();
         match &model.document {
             OpenDocument::Nothing => {}
-            OpenDocument::Clip(motion) => raw::lay_out(self, model, motion, &palette),
+            OpenDocument::Clip(motion) => clip::lay_out_raw(self, model, motion, &palette),
             OpenDocument::Task(t) => task::lay_out(self, model, t, &palette, dark),
             OpenDocument::World(w) => {
                 self.skeleton.clone_from(w.bundle().tables().skeleton());

@@ -1,13 +1,11 @@
 //! An open world of motion patches: the units that stand in it, the patches stitched over them, and its inhabitants.
 
 mod edit;
-mod open;
 mod orders;
 mod views;
 mod worker;
 
 pub use edit::{EditInProgress, EditStatus, EditSummary, RefusedEdit};
-pub use open::unit_mesh;
 pub use orders::{EditorOrder, UnitChange};
 
 use crate::bundle::OpenBundle;
@@ -15,15 +13,16 @@ use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;
 use orders::EditHistory;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use throng_core::patch::{LinkRecord, Placement};
-use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitObject};
+use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitGeometry, UnitObject};
+use throng_precompute::run::{BuildContext, ensure_bundle};
 use throng_precompute::stitch::{
     InstanceItem, RemovalExplanation, RemovalReason, StitchKit, StitchReport, WorldSource,
 };
 use throng_world::WorldGraph;
-use throng_world::inhabitants::InhabitantGoal;
+use throng_world::inhabitants::{InhabitantGoal, scatter_rest_nodes};
 use views::{EditorThread, WalkableWorld};
 
 /// A world that is open.
@@ -155,6 +154,66 @@ impl WorldDocument {
         }
         self.run.give_order(character, goal).map_err(|e| e.to_string())
     }
+}
+
+/// Number of characters that roam in a world.
+const ROAMERS: usize = 20;
+
+impl WorldDocument {
+    /// Reads a world file and stitches the world; some characters roam in it.
+    ///
+    /// # Errors
+    /// A message that names the file and line or key, why the bundle cannot be opened, or the units that do not go
+    /// together, and the way out.
+    pub fn open(path: &Path, with: &BuildContext<'_>) -> Result<Self, String> {
+        let source = WorldSource::load(path).map_err(|e| e.to_string())?;
+        let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+        ensure_bundle(&source.bundle, source.config.as_deref(), with).map_err(|e| fail(&e))?;
+        let bundle = Arc::new(OpenBundle::open(&source.bundle).map_err(|e| fail(&format!("its bundle: {e}")))?);
+        let kit = Arc::new(StitchKit::new(bundle.tables(), &source.bundle).map_err(|e| e.to_string())?);
+        let environment = source.environment(&kit.units, path).map_err(|e| e.to_string())?;
+        let geometry = PlacedGeometry::new(&environment, &kit.geometries);
+        let meshes = kit.geometries.iter().map(|g| unit_mesh(g)).collect();
+        let workshop = EditorThread::new(Arc::clone(&bundle), Arc::clone(&kit), environment.clone(), &source.stitch)
+            .map_err(|e| fail(&e))?;
+        let stitched = workshop.run(|editor| (editor.world().clone(), editor.report().clone()));
+        let (world, report) = stitched.ok_or("stitching the world ended unexpectedly")?;
+        let ground = Arc::new(WalkableWorld::new(bundle, &world)?);
+        let mut choice = SceneChoice { characters: ROAMERS, ..SceneChoice::default() };
+        let run = populate(&mut choice, &ground)?;
+        Ok(Self {
+            path: path.to_path_buf(),
+            source,
+            choice,
+            kit,
+            workshop: Some(workshop),
+            walkable: ground,
+            environment,
+            geometry,
+            report,
+            meshes,
+            run,
+            made: EditHistory::default(),
+            working: None,
+            edited: None,
+            refused: None,
+            revision: 0,
+        })
+    }
+}
+
+/// Places the requested number of characters, as far as there is room.
+fn populate(choice: &mut SceneChoice, ground: &WalkableWorld) -> Result<WorldRun, String> {
+    let starts = scatter_rest_nodes(ground.world.graph(), choice.characters, choice.seed);
+    choice.characters = starts.len();
+    WorldRun::new(&ground.world, choice.seed, &starts).map_err(|e| e.to_string())
+}
+
+/// Triangles of a unit.
+pub fn unit_mesh(geometry: &UnitGeometry) -> SolidMesh {
+    let mut mesh = SolidMesh::default();
+    geometry.solids.iter().for_each(|solid| mesh.add_solid(solid));
+    mesh
 }
 
 #[cfg(test)]

@@ -259,3 +259,20 @@ fn saves(world: &WorldDocument, folder: &Path) {
     }
     assert!(world.save(&folder.join("no/such/folder/w.toml")).is_err());
 }
+
+fn refused_file(name: &str, text: &str) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, text).unwrap();
+    assert!(WorldSource::is_one(&path));
+    quietly(|with| WorldDocument::open(&path, with)).map(|_| ()).unwrap_err()
+}
+
+#[test]
+fn a_world_whose_bundle_cannot_be_opened_is_refused_with_the_way_out() {
+    let place = "[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n";
+    let e = refused_file("square.toml", &format!("bundle = \"no.throng\"\nconfig = \"tiles.toml\"\n{place}"));
+    assert!(e.contains("square.toml") && e.contains("no.throng") && e.contains("tiles.toml"), "{e}");
+    let e = refused_file("square.toml", &format!("bundle = \"no.throng\"\n{place}"));
+    assert!(e.contains("no.throng: there is no such bundle") && e.contains("`throng build`"), "{e}");
+}

@@ -1,7 +1,7 @@
 //! Carries out edits and places new inhabitants on its own thread, so that the window keeps drawing.
 
-use super::open::populate;
 use super::orders::{EditorOrder, UnitChange, ended_message};
+use super::populate;
 use super::views::{EditorThread, WalkableWorld};
 use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;

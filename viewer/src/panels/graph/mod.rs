@@ -1,7 +1,6 @@
 //! The motion graph: segments along the time of their clips, states between them, and the links of a state.
 
 mod draw;
-mod facts;
 mod layout;
 pub(super) mod links;
 pub(super) mod list;
@@ -15,9 +14,8 @@ use crate::panels::paint::{PanelWidget, TableSort, legend};
 use crate::theme::{ThemePalette, viridis};
 use draw::GraphDrawing;
 use eframe::egui::{Align, CursorIcon, Layout as UiLayout, Rect, Response, Role, Sense, TextEdit, Ui, UiBuilder, Vec2};
-use facts::GraphFacts;
 use layout::GraphLayout;
-use links::ActionLinks;
+use links::{ActionLinks, GraphFacts};
 use view::GraphView;
 
 /// Motion shown around a clip that is searched (s).
