@@ -6,13 +6,13 @@ mod view;
 
 use super::paint::{PanelWidget, TableSort, choose, empty, figure_of_pose, legend, no_bundle};
 use super::policy::behaviour_name;
-use super::{moment, words};
+use super::{clip_frame, words};
 use crate::bundle::OpenBundle;
 use crate::command::{Commands, ViewerCommand};
 use crate::model::Model;
 use crate::theme::{ThemePalette, viridis};
 use crate::volume::Volume;
-use collection::{HitCollection, HitEntry, HitFilter, HitRanges, joint_name};
+use collection::{HitFilter, HitRanges, joint_name, moment};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{CentralPanel, Color32, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
@@ -20,6 +20,7 @@ use std::collections::BTreeSet;
 use std::iter::once;
 use throng_core::Joint;
 use throng_core::policy::PolicyTable;
+use throng_precompute::annotate::hits::HitPoint;
 use throng_precompute::picture::BodyFigure;
 use view::{HitBounds, HitViewPlace};
 
@@ -39,7 +40,7 @@ enum HitColouring {
 /// View settings of the panel, and cached results.
 #[derive(Clone, Debug, Default)]
 pub struct HitsPanelState {
-    hits: Option<(u64, HitCollection)>,
+    hits: Option<(u64, Vec<HitPoint>)>,
     filter: HitFilter,
     colours: HitColouring,
     /// The views show the whole body, not only the part near the hits.
@@ -55,7 +56,7 @@ pub struct HitsPanelState {
 }
 
 /// Key of the dots.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 struct HitDotsKey {
     document: u64,
     filter: HitFilter,
@@ -67,7 +68,8 @@ struct HitDotsKey {
 /// Hits that are shown.
 struct HitsInput<'a> {
     bundle: &'a OpenBundle,
-    hits: &'a HitCollection,
+    /// All hits, in the order of the bundle.
+    hits: &'a [HitPoint],
     /// Numbers of the selected hits, in the order of the list.
     shown: &'a [usize],
     /// Ranges over the selected hits; none without any.
@@ -93,10 +95,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &m
     if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
         let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);
         *state = HitsPanelState { colours, whole_body, sort, ..HitsPanelState::default() };
-        state.hits = Some((model.generation, HitCollection::from_bundle(bundle)));
+        state.hits = Some((model.generation, HitPoint::from_bundle(bundle.tables())));
     }
     let Some((_, hits)) = state.hits.take() else { return };
-    if hits.entries.is_empty() {
+    if hits.is_empty() {
         empty(ui, "This bundle has no effective hits", NO_HITS);
     } else {
         show_hits(ui, model, &hits, state, commands);
@@ -107,14 +109,14 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &m
 const NO_HITS: &str = "A hit is where a fist or foot moves fast along its limb. Build from clips with blows \
      (`throng synth --set boxing` makes some), lower the thresholds in `annotate.hits`, or mark hits in sidecar files.";
 
-fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsPanelState, commands: &mut Commands) {
+fn show_hits(ui: &mut Ui, model: &Model, hits: &[HitPoint], state: &mut HitsPanelState, commands: &mut Commands) {
     let Some(bundle) = model.document.bundle() else { return };
-    let shown = hits.select(state.filter, state.sort);
+    let shown = collection::select_hits(hits, &state.filter, state.sort);
     let playing = model.shown_row().filter(|_| model.shows_clip());
-    let playing = playing.and_then(|row| shown.iter().copied().find(|&i| hits.entries[i].row == row));
+    let playing = playing.and_then(|row| shown.iter().copied().find(|&i| bundle.tables().hits()[i].frame == row));
     let before = state.hovered.take();
     let standing_out = before.map(|h| h.0).filter(|i| shown.contains(i)).or(playing);
-    let input = HitsInput { bundle, hits, shown: &shown, ranges: hits.ranges(&shown), standing_out };
+    let input = HitsInput { bundle, hits, shown: &shown, ranges: HitRanges::over(hits, &shown), standing_out };
     options(ui, &input, state);
     summary(ui, &input);
     if shown.is_empty() {
@@ -133,17 +135,18 @@ fn show_hits(ui: &mut Ui, model: &Model, hits: &HitCollection, state: &mut HitsP
     CentralPanel::default_margins().frame(Frame::NONE.inner_margin(2)).show(ui, |ui| {
         chosen = chosen.or(views(ui, model, &input, state));
     });
-    let chosen = chosen.map(|i| hits.entries[i]);
-    commands.extend(chosen.map(|e| ViewerCommand::ShowClip { clip: e.clip, frame: e.frame }));
+    let chosen = chosen.map(|i: usize| clip_frame(bundle, bundle.tables().hits()[i].frame));
+    commands.extend(chosen.map(|(clip, frame)| ViewerCommand::ShowClip { clip, frame }));
 }
 
 fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>, state: &mut HitsPanelState) {
     ui.horizontal_wrapped(|ui| {
-        let kinds: BTreeSet<u32> = hits.entries.iter().map(|e| e.kind).collect();
-        let kinds = kinds.into_iter().map(|k| (Some(k), hits.kind(k).to_owned()));
+        let kinds: BTreeSet<&String> = hits.iter().map(|h| &h.kind).collect();
+        let kinds = kinds.into_iter().map(|k| (Some(k.clone()), k.clone()));
         let kinds = once((None, "all kinds".to_owned())).chain(kinds);
         choose(ui, "Kind", Some(84.0), &mut state.filter.kind, kinds);
-        let joints = hits.joints_present().into_iter().map(|j| (Some(j), joint_name(j)));
+        let present: BTreeSet<Joint> = hits.iter().map(|h| h.joint).collect();
+        let joints = present.iter().map(|&j| (Some(j), joint_name(j)));
         let joints = once((None, "all limbs".to_owned())).chain(joints);
         choose(ui, "Limb", Some(94.0), &mut state.filter.joint, joints);
         outline_choice(ui, bundle, state);
@@ -156,7 +159,7 @@ fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>,
         match (state.colours, ranges) {
             (HitColouring::Force, Some(r)) => legend(ui, r.force, "", |t| viridis::line(t, visuals.dark_mode)),
             (HitColouring::Limb, _) => {
-                for joint in hits.joints_present() {
+                for joint in present {
                     ui.colored_label(limb_colour(joint, &visuals), joint_name(joint));
                 }
             }
@@ -192,7 +195,7 @@ fn outline_choice(ui: &mut Ui, bundle: &OpenBundle, state: &mut HitsPanelState) 
 
 fn summary(ui: &mut Ui, input: &HitsInput<'_>) {
     let Some(r) = input.ranges else { return };
-    let (shown, all) = (input.shown.len(), input.hits.entries.len());
+    let (shown, all) = (input.shown.len(), input.hits.len());
     let count = if shown == all { format!("{all} effective hits") } else { format!("{shown} of {all} hits") };
     let span = |[low, high]: [f32; 2]| format!("{low:.2} to {high:.2}");
     ui.horizontal_wrapped(|ui| {
@@ -207,22 +210,21 @@ fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPane
     let (rect, _) = ui.allocate_exact_size(ui.available_size(), Sense::hover());
     let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set.policy(p));
     let edges = outlined.into_iter().flat_map(outline_points);
-    let seen = hits.entries.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
+    let seen = hits.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
     let bounds = HitBounds::around(seen.iter().copied(), state.whole_body);
     let places = HitViewPlace::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
     let standing = || bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame);
-    let row = standing_out.map_or_else(standing, |i| hits.entries[i].row);
+    let row = standing_out.map_or_else(standing, |i| bundle.tables().hits()[i].frame);
     if state.body.as_ref().is_none_or(|b| b.0 != (model.generation, row)) {
         let figure = |pose: Vec<_>| figure_of_pose(bundle.tables().skeleton(), &pose);
         state.body = bundle.sample_rows(&[row]).map(|pose| ((model.generation, row), figure(pose)));
     }
     let (document, dark) = (model.generation, visuals.dark_mode);
-    let key = HitDotsKey { document, filter: state.filter, colours: state.colours, dark, places };
+    let key = HitDotsKey { document, filter: state.filter.clone(), colours: state.colours, dark, places };
     if state.dots.as_ref().is_none_or(|d| d.0 != key) {
-        let colour = |e: &HitEntry| colour(e, state.colours, ranges, &visuals);
-        let of =
-            |p: &HitViewPlace| plot::dots(p, shown.iter().map(|&i| &hits.entries[i]).map(|e| (e.position, colour(e))));
+        let colour = |e: &HitPoint| colour(e, state.colours, ranges, &visuals);
+        let of = |p: &HitViewPlace| plot::dots(p, shown.iter().map(|&i| &hits[i]).map(|e| (e.position, colour(e))));
         state.dots = Some((key, places.each_ref().map(of)));
     }
     let scene = HitViewInput { body: state.body.as_ref().map(|b| &b.1), outlined };
@@ -231,17 +233,17 @@ fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPane
     for (k, place) in places.iter().enumerate() {
         let dots = state.dots.as_ref().map(|d| d.1[k].clone()).unwrap_or_default();
         plot::paint(&painter, &visuals, place, &scene, dots);
-        if let Some(e) = standing_out.map(|i| &hits.entries[i]) {
+        if let Some(e) = standing_out.map(|i| &hits[i]) {
             plot::paint_mark(&painter, place, e, colour(e, state.colours, ranges, &visuals), &visuals);
         }
         let name = format!("Hits, {} view", place.view.title().to_lowercase());
         let response = ui.interact(place.rect, ui.scope_id().with(&name), Sense::click()).named(Role::Canvas, name);
         let Some(at) = response.hover_pos() else { continue };
-        let places = shown.iter().map(|&i| (i, hits.entries[i].position));
+        let places = shown.iter().map(|&i| (i, hits[i].position));
         if let Some(hit) = plot::pointed_at(place, at, places) {
             state.hovered = Some((hit, false));
             clicked = response.clicked().then_some(hit).or(clicked);
-            show_tooltip(response, bundle, hits, &hits.entries[hit]);
+            show_tooltip(response, &hits[hit]);
             ui.ctx().request_repaint();
         }
     }
@@ -261,18 +263,18 @@ fn outline_points(policy: &PolicyTable) -> Vec<Vec3> {
 }
 
 /// Shows a tooltip about a hit.
-fn show_tooltip(response: Response, bundle: &OpenBundle, hits: &HitCollection, e: &HitEntry) {
+fn show_tooltip(response: Response, e: &HitPoint) {
     response.on_hover_ui_at_pointer(|ui| {
-        ui.label(RichText::new(format!("{}, {}", hits.kind(e.kind), joint_name(e.joint))).strong());
+        ui.label(RichText::new(format!("{}, {}", e.kind, joint_name(e.joint))).strong());
         ui.label(format!("force {:.2}, {:.1} m/s", e.force, e.speed_mps));
         let place = words::place(Vec2::new(e.position.x, e.position.z));
         ui.label(format!("{place}, {:.2} m high", e.position.y));
-        ui.label(format!("{}, frame {}", moment(bundle, e.row), e.frame));
+        ui.label(format!("{}, frame {}", moment(e), e.frame));
         ui.weak("A click shows the clip at this frame.");
     });
 }
 
-fn colour(e: &HitEntry, colours: HitColouring, ranges: Option<HitRanges>, visuals: &Visuals) -> Color32 {
+fn colour(e: &HitPoint, colours: HitColouring, ranges: Option<HitRanges>, visuals: &Visuals) -> Color32 {
     match colours {
         HitColouring::Force => {
             viridis::line(viridis::ratio(e.force, ranges.map_or([0.0, 1.0], |r| r.force)), visuals.dark_mode)

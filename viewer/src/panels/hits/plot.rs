@@ -1,7 +1,6 @@
 //! One view of the hits: axes, a body for scale, the volume of a behaviour, and the hits themselves.
 
 use super::HitViewInput;
-use super::collection::HitEntry;
 use super::view::{HitViewPlace, HitViewpoint};
 use crate::panels::paint::{FigureStyle, paint_figure};
 use crate::volume::Volume;
@@ -10,6 +9,7 @@ use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rangef, Shape, Stroke
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
+use throng_precompute::annotate::hits::HitPoint;
 
 /// Radius of a hit (points).
 const DOT: f32 = 2.6;
@@ -57,7 +57,7 @@ pub fn dots(place: &HitViewPlace, hits: impl Iterator<Item = (Vec3, Color32)>) -
 }
 
 /// Highlights a hit under the pointer or shown as a clip, with its direction.
-pub fn paint_mark(painter: &Painter, place: &HitViewPlace, e: &HitEntry, colour: Color32, visuals: &Visuals) {
+pub fn paint_mark(painter: &Painter, place: &HitViewPlace, e: &HitPoint, colour: Color32, visuals: &Visuals) {
     let painter = painter.with_clip_rect(place.rect.intersect(painter.clip_rect()));
     let (at, tip) = (place.screen(e.position), place.screen(e.position + e.direction * ARROW_M));
     if (tip - at).length() > 4.0 {

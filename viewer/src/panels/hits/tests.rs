@@ -30,15 +30,17 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
         let state = &h.state().state;
         let hits = &state.hits.as_ref().unwrap().1;
         let place = state.dots.as_ref().unwrap().0.places[k];
-        let at = place.screen(hits.entries[hits.entries.len() / 2].position);
-        let all = hits.entries.iter().enumerate().map(|(i, e)| (i, e.position));
-        let e = hits.entries[plot::pointed_at(&place, at, all).unwrap()];
+        let at = place.screen(hits[hits.len() / 2].position);
+        let all = hits.iter().enumerate().map(|(i, e)| (i, e.position));
+        let number = plot::pointed_at(&place, at, all).unwrap();
         click(&mut h, at);
-        assert_eq!(h.state().commands.last(), Some(&ViewerCommand::ShowClip { clip: e.clip, frame: e.frame }));
-        let row = h.state().model.shown_row().unwrap();
-        assert_eq!(row, e.row);
+        let bundle = h.state().model.document.bundle().unwrap();
+        let expected = bundle.tables().hits()[number].frame;
+        let (clip, frame) = clip_frame(bundle, expected);
+        assert_eq!(h.state().commands.last(), Some(&ViewerCommand::ShowClip { clip, frame }));
+        assert_eq!(h.state().model.shown_row(), Some(expected));
         // The body that is drawn for scale is the one that strikes.
-        assert_eq!(h.state().state.body.as_ref().unwrap().0.1, e.row);
+        assert_eq!(h.state().state.body.as_ref().unwrap().0.1, expected);
     }
 }
 
@@ -46,12 +48,11 @@ fn a_click_on_a_hit_in_any_view_shows_its_clip_at_its_frame() {
 fn the_fist_of_the_body_is_where_the_hit_is() {
     let boxing = Boxing::new();
     let bundle = OpenBundle::open(&boxing.bundle()).unwrap();
-    let hits = HitCollection::from_bundle(&bundle);
-    for e in &hits.entries {
-        let body = figure_of_pose(bundle.tables().skeleton(), &bundle.sample_rows(&[e.row]).unwrap());
+    for (e, record) in HitPoint::from_bundle(bundle.tables()).iter().zip(bundle.tables().hits()) {
+        let body = figure_of_pose(bundle.tables().skeleton(), &bundle.sample_rows(&[record.frame]).unwrap());
         let apart = body.joint(e.joint).distance(e.position);
         // The striking point lies beyond the wrist or the ankle.
-        assert!(apart < 0.25, "{apart} m at row {}", e.row);
+        assert!(apart < 0.25, "{apart} m at row {}", record.frame);
     }
 }
 
@@ -59,11 +60,11 @@ fn the_fist_of_the_body_is_where_the_hit_is() {
 fn only_the_selected_patch_is_counted_and_listed() {
     let boxing = Boxing::new();
     let mut h = panel(&boxing);
-    let all = h.state().state.hits.as_ref().unwrap().1.entries.len();
+    let all = h.state().state.hits.as_ref().unwrap().1.len();
     h.get_by_label(&format!("{all} effective hits"));
     h.state_mut().state.filter.joint = Some(Joint::LeftHand);
     h.run_steps(2);
-    let left = h.state().state.hits.as_ref().unwrap().1.entries.iter().filter(|e| e.joint == Joint::LeftHand).count();
+    let left = h.state().state.hits.as_ref().unwrap().1.iter().filter(|e| e.joint == Joint::LeftHand).count();
     assert!(left > 0 && left < all);
     h.get_by_label(&format!("{left} of {all} hits"));
     h.state_mut().state.filter.joint = Some(Joint::Head);
