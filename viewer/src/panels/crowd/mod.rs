@@ -2,10 +2,9 @@
 
 mod agent;
 pub mod blackboards;
+mod curves;
 mod events;
 mod graphs;
-mod message_spread;
-mod rates;
 
 use super::colour_of_view;
 use super::paint::{PanelWidget, empty, facts, section, swatch, time_text};
@@ -53,11 +52,11 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut CrowdPanelState, commands: &
             section(ui, "State graphs", |ui| graphs::show(ui, model, scene, brains));
         }
         if brains.has_events() {
-            section(ui, "News", |ui| message_spread::show(ui, model, scene, brains, commands));
+            section(ui, "News", |ui| curves::show_messages(ui, model, scene, brains, commands));
             section(ui, "Blackboards", |ui| blackboards::show(ui, model, scene, brains, commands));
         }
     }
-    section(ui, "Event rate", |ui| rates::show(ui, model, scene, commands));
+    section(ui, "Event rate", |ui| curves::show_rates(ui, model, scene, commands));
     section(ui, "Events", |ui| events::show(ui, model, scene, state, commands));
 }
 

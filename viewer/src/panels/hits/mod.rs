@@ -2,7 +2,6 @@
 
 mod collection;
 mod plot;
-mod view;
 
 use super::paint::{PanelWidget, TableSort, choose, empty, figure_of_pose, legend, no_bundle};
 use super::policy::behaviour_name;
@@ -16,13 +15,13 @@ use collection::{HitFilter, HitRanges, joint_name, moment};
 use eframe::egui::epaint::Mesh;
 use eframe::egui::{CentralPanel, Color32, Frame, Panel, Response, RichText, Role, Sense, Ui, Visuals};
 use glam::{Vec2, Vec3};
+use plot::{HitBounds, HitViewPlace};
 use std::collections::BTreeSet;
 use std::iter::once;
 use throng_core::Joint;
 use throng_core::policy::PolicyTable;
 use throng_precompute::annotate::hits::HitPoint;
 use throng_precompute::picture::BodyFigure;
-use view::{HitBounds, HitViewPlace};
 
 /// Width from which on the list lies beside the views (points).
 const WIDE: f32 = 700.0;

@@ -2,19 +2,16 @@
 
 mod cell;
 mod column;
-mod header;
-mod keys;
 #[cfg(test)]
 mod tests;
 
 pub use cell::TableCell;
-pub use column::{TableColumn, least_width};
-pub use header::TableSort;
+pub use column::{TableColumn, TableSort, least_width};
 
 use column::{ColumnPlace, places};
 use eframe::egui::{
-    CursorIcon, Key, Modifiers, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder,
-    WidgetInfo, pos2, vec2,
+    CursorIcon, EventFilter, Id, Key, Modifiers, Rect, Response, Role, ScrollArea, Sense, Stroke, StrokeKind,
+    TextStyle, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
 
 /// Effect of a click on a row.
@@ -104,12 +101,12 @@ impl<'a> RowTable<'a> {
         let places = places(self.columns, width);
         let mut out = TableResponse::default();
         let (_, titles) = ui.allocate_space(vec2(width, row_height));
-        out.sort = header::show(ui, self, id, titles, &places);
+        out.sort = column::show_titles(ui, self, id, titles, &places);
         let body = rect.with_min_y(titles.bottom());
         ui.interact(body, id, Sense::focusable_noninteractive());
         let page = (body_height / row_height) as usize;
         let focused = ui.memory(|m| m.has_focus(id));
-        let moved = keys::pressed(ui, id, self, page, &mut memory);
+        let moved = pressed_row(ui, id, self, page, &mut memory);
         // A row that is moved to is chosen at once where rows are selected; else the enter key chooses it.
         let enters = || focused && ui.input_mut(|i| i.consume_key(Modifiers::NONE, Key::Enter));
         out.chosen = if self.click == RowClick::Selects { moved } else { memory.cursor.filter(|_| enters()) };
@@ -179,4 +176,35 @@ fn shown_offset(now: f32, row: usize, row_height: f32, height: f32) -> Option<f3
 /// The part of a row that a column takes.
 fn place_rect(row: Rect, place: &ColumnPlace) -> Rect {
     Rect::from_min_max(pos2(row.left() + place.x.start, row.top()), pos2(row.left() + place.x.end, row.bottom()))
+}
+
+/// Moves on to another row by keys.
+///
+/// - `page`: rows that are seen at once.
+/// - returns the row to bring into sight.
+fn pressed_row(ui: &Ui, id: Id, table: &RowTable<'_>, page: usize, memory: &mut TableMemory) -> Option<usize> {
+    if table.num_rows == 0 || !ui.memory(|m| m.has_focus(id)) {
+        return None;
+    }
+    let filter = EventFilter { vertical_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|m| m.set_focus_lock_filter(id, filter));
+    let page = page.saturating_sub(1).max(1) as isize;
+    let moves = [
+        (Key::ArrowUp, -1),
+        (Key::ArrowDown, 1),
+        (Key::PageUp, -page),
+        (Key::PageDown, page),
+        (Key::Home, isize::MIN),
+        (Key::End, isize::MAX),
+    ];
+    let mut to = None;
+    let mut at = if table.click == RowClick::Selects { table.selected } else { memory.cursor };
+    for (key, by) in moves {
+        if ui.input_mut(|i| i.consume_key(Modifiers::NONE, key)) {
+            at = Some(at.map_or(0, |row| row.saturating_add_signed(by)).min(table.num_rows - 1));
+            to = at;
+        }
+    }
+    memory.cursor = at;
+    to
 }
