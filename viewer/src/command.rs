@@ -85,8 +85,6 @@ pub enum ViewerCommand {
     SelectState(Option<u32>),
     /// Inspect a behaviour in the policy panel.
     SelectPolicy(usize),
-    /// Inspect one height, or time, of the grid of that behaviour.
-    SelectSlice(u32),
 
     /// Show the crowd or a clip.
     Stage(ViewStage),

@@ -31,8 +31,6 @@ pub struct Selection {
     pub state: Option<u32>,
     /// Behaviour.
     pub policy: usize,
-    /// Height, or time, in the grid of that behaviour; clamped to the last one.
-    pub slice: u32,
     /// Clip of the database.
     pub clip: usize,
     /// Selection in a world.

@@ -5,7 +5,7 @@ use crate::common::meeting::Meeting;
 use crate::common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::Queryable;
-use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};
+use throng_viewer::args::{Args, PanelChoice, PictureSize};
 use throng_viewer::command::{BlackboardCell, SceneCommand, ViewerCommand};
 use throng_viewer::document::{SceneChoice, SceneDocument};
 use throng_viewer::panels::PANELS;
@@ -180,7 +180,7 @@ fn scenes_are_drawn_the_same_every_time() {
     let args = Args {
         file: Some(meeting.flock(12)),
         panel: vec![PanelChoice::Open(PanelKind::Crowd)],
-        character: Some(CharacterArg(Some(1))),
+        character: Some(1),
         size: Some(PictureSize { width: 640, height: 400 }),
         frames: Some(60),
         ..Args::default()

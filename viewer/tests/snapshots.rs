@@ -15,7 +15,7 @@ use egui_kittest::{SnapshotOptions, SnapshotResults};
 use std::path::PathBuf;
 use throng_core::patch::Placement;
 use throng_precompute::run::News;
-use throng_viewer::args::{Args, CharacterArg, PanelChoice, ThemeName};
+use throng_viewer::args::{Args, PanelChoice, ThemeName};
 use throng_viewer::command::{
     OverlayScope, PlanCommand, PlanViewOptions, SceneCommand, SceneViewOptions, Tool, ViewerCommand, WorldCommand,
 };
@@ -54,7 +54,7 @@ fn crowd() -> Args {
     Args {
         file: Some(golden()),
         characters: Some(12),
-        character: Some(CharacterArg(Some(3))),
+        character: Some(3),
         panel: vec![PanelChoice::None],
         ..Args::default()
     }
@@ -257,14 +257,14 @@ fn world() {
     let square = Square::new();
     let panel = vec![PanelChoice::Open(PanelKind::Patches)];
     let args = Args { file: Some(square.world(3)), panel, characters: Some(3), ..crowd() };
-    let args = Args { character: Some(CharacterArg(Some(1))), ..args };
+    let args = Args { character: Some(1), ..args };
     let mut v = at_rest(&args, vec2(1000.0, 640.0));
     // The name of the folder is another one every time.
     let field = v.harness.get_by_label("Save").rect();
     v.harness.mask(Rect::from_min_size(field.right_top(), vec2(500.0, field.height() + 4.0)));
     compare(&mut results, v, "panel_patches_world");
     // A refusal is shown beside the unit.
-    let light = Args { theme: Some(ThemeName::Light), character: Some(CharacterArg(None)), ..args };
+    let light = Args { theme: Some(ThemeName::Light), character: None, ..args };
     let mut v = at_rest(&light, vec2(1000.0, 640.0));
     v.apply(ViewerCommand::World(WorldCommand::Tool(Tool::Move)));
     v.apply(ViewerCommand::World(WorldCommand::SelectPlace(Some(4))));
@@ -308,7 +308,7 @@ fn scenes_of_crowds() {
         file: Some(meeting.scene(12)),
         panel,
         characters: None,
-        character: Some(CharacterArg(Some(5))),
+        character: Some(5),
         ..Args::default()
     };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
@@ -350,7 +350,7 @@ fn scenarios() {
         file: Some(market.scene(24)),
         panel: vec![PanelChoice::Open(PanelKind::Crowd)],
         characters: None,
-        character: Some(CharacterArg(Some(5))),
+        character: Some(5),
         message: Some("sale".into()),
         ..Args::default()
     };
@@ -402,7 +402,7 @@ fn boxing() {
     compare(&mut results, at_rest(&hits, vec2(1000.0, 560.0)), "panel_hits");
 
     let alone =
-        Args { file: Some(boxing.targets(1)), characters: None, character: Some(CharacterArg(Some(0))), ..crowd() };
+        Args { file: Some(boxing.targets(1)), characters: None, character: Some(0), ..crowd() };
     let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
     let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
     v.apply(ViewerCommand::SelectPolicy(1));

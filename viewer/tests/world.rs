@@ -5,7 +5,7 @@ use crate::common::{Viewing, adapter, assert_drawn_alike};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::Queryable;
 use glam::Vec3;
-use throng_viewer::args::{Args, CharacterArg, PanelChoice, PictureSize};
+use throng_viewer::args::{Args, PanelChoice, PictureSize};
 use throng_viewer::command::{Tool, ViewerCommand, WorldCommand};
 use throng_viewer::settings::PanelKind;
 use throng_world::inhabitants::InhabitantGoal;
@@ -138,7 +138,7 @@ fn a_scene_in_a_world_is_drawn_the_same_every_time() {
     let args = Args {
         file: Some(square.scene(3)),
         panel: vec![PanelChoice::None],
-        character: Some(CharacterArg(Some(1))),
+        character: Some(1),
         size: Some(PictureSize { width: 640, height: 400 }),
         frames: Some(60),
         ..Args::default()

@@ -3,7 +3,7 @@
 mod parse;
 mod scene;
 
-pub use parse::{AdapterChoice, BodyChoice, CameraArg, CharacterArg, PanelChoice, PictureSize, ThemeName};
+pub use parse::{AdapterChoice, BodyChoice, CameraArg, PanelChoice, PictureSize, ThemeName};
 
 use crate::command::ViewStage;
 use std::path::PathBuf;
@@ -109,9 +109,15 @@ pub struct Args {
         value_parser = number_parser::<u32>(&limits::SHOWN_FRAME)
     )]
     pub frame: Option<u32>,
-    /// Select a character, counted from 0, or `none`.
-    #[arg(long, value_name = "N", requires = "file", allow_negative_numbers = true)]
-    pub character: Option<CharacterArg>,
+    /// Select a character, counted from 0.
+    #[arg(
+        long,
+        value_name = "N",
+        requires = "file",
+        allow_negative_numbers = true,
+        value_parser = number_parser::<usize>(&limits::FOLLOWED)
+    )]
+    pub character: Option<usize>,
     /// Number of characters of the crowd, scene or world.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number_parser::<usize>(&limits::SHOWN_CHARACTERS))]
     pub characters: Option<usize>,
@@ -152,7 +158,7 @@ mod tests {
         .expect("a right line");
         assert_eq!(args.size, Some(PictureSize { width: 640, height: 400 }));
         assert_eq!((args.frames, args.characters, args.seed), (Some(3), Some(7), Some(9)));
-        assert_eq!((args.panel.len(), args.character), (2, Some(CharacterArg(Some(2)))));
+        assert_eq!((args.panel.len(), args.character), (2, Some(2)));
         assert_eq!((args.adapter, args.scale), (AdapterChoice::Any, Some(1.5)));
         assert_eq!(args.body, Some(BodyChoice::Made(BodyStyle::Capsules)));
         assert_eq!(parse("--body me.GLB").expect("a right line").body, Some(BodyChoice::File("me.GLB".into())));
@@ -182,7 +188,7 @@ mod tests {
             ("a.throng --camera up", ErrorKind::ValueValidation, "three-quarter"),
             ("a.throng --body cube", ErrorKind::ValueValidation, "mannequin"),
             ("a.throng --scale 9", ErrorKind::ValueValidation, "0.5 to 3"),
-            ("a.throng --character x", ErrorKind::ValueValidation, "none"),
+            ("a.throng --character x", ErrorKind::ValueValidation, limits::FOLLOWED.range),
             ("a.toml --engine steam", ErrorKind::ValueValidation, "occupancy"),
         ] {
             let e = parse(line).expect_err(line);

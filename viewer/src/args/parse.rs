@@ -71,23 +71,6 @@ pub enum BodyChoice {
     File(PathBuf),
 }
 
-/// A character on the command line, or `none`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CharacterArg(pub Option<usize>);
-
-impl FromStr for CharacterArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "none" => Ok(Self(None)),
-            _ => number_parser::<usize>(&limits::FOLLOWED)(text)
-                .map(|n| Self(Some(n)))
-                .map_err(|e| format!("{e}, or `none`")),
-        }
-    }
-}
-
 /// A camera on the command line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraArg {

@@ -91,10 +91,8 @@ impl Args {
             show_frame(ctx, model, frame)?;
         }
         if let Some(character) = self.character {
-            if let Some(wanted) = character.0 {
-                check_character(model, wanted)?;
-            }
-            model.apply(ctx, ViewerCommand::SelectCharacter(character.0));
+            check_character(model, character)?;
+            model.apply(ctx, ViewerCommand::SelectCharacter(Some(character)));
         }
         if let Some(name) = &self.message {
             let message = Some(find_message(model, name)?);
@@ -209,7 +207,6 @@ fn check_character(model: &Model, wanted: usize) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::args::CharacterArg;
     use crate::fixtures::golden_path as golden;
     use crate::settings::PanelKind;
     use throng_crowd::Scheme;
@@ -238,7 +235,7 @@ mod tests {
         let model = opened(&args).expect("a clip of it");
         assert!(model.shows_clip() && !model.player.playing);
         assert_eq!((model.selection.clip, model.player.frame), (0, 7.0));
-        let args = Args { file: Some(golden()), character: Some(CharacterArg(Some(3))), ..Args::default() };
+        let args = Args { file: Some(golden()), character: Some(3), ..Args::default() };
         assert_eq!(opened(&args).expect("a crowd").selection.character, Some(3));
     }
 
@@ -251,7 +248,7 @@ mod tests {
             (Args { file: file.clone(), frame: Some(1_000_000), ..Args::default() }, "frames, counted from 0"),
             (Args { file: file.clone(), engine: Some(Scheme::Occupancy), ..Args::default() }, "scenes with agents"),
             (Args { file: file.clone(), message: Some("sale".into()), ..Args::default() }, "[[events]]"),
-            (Args { file, character: Some(CharacterArg(Some(100))), ..Args::default() }, "has 100 characters"),
+            (Args { file, character: Some(100), ..Args::default() }, "has 100 characters"),
         ] {
             let e = opened(&args).err().expect(say);
             assert!(e.contains(say), "{e}");
@@ -268,7 +265,7 @@ mod tests {
         for (args, say) in [
             (Args { file: Some(file.clone()), stage: Some(ViewStage::Crowd), ..Args::default() }, "no crowd"),
             (Args { file: Some(file.clone()), clip: Some("a".into()), ..Args::default() }, "one clip"),
-            (Args { file: Some(file.clone()), character: Some(CharacterArg(Some(0))), ..Args::default() }, "no crowd"),
+            (Args { file: Some(file.clone()), character: Some(0), ..Args::default() }, "no crowd"),
         ] {
             let e = opened(&args).err().expect(say);
             assert!(e.contains(say), "{e}");

@@ -58,7 +58,6 @@ impl Model {
             ViewerCommand::ShowClip { clip, frame } => self.show_clip(clip, frame),
             ViewerCommand::SelectState(state) => self.selection.state = state,
             ViewerCommand::SelectPolicy(policy) => self.selection.policy = policy,
-            ViewerCommand::SelectSlice(slice) => self.selection.slice = slice,
             ViewerCommand::Stage(stage) => self.set_stage(stage),
             ViewerCommand::TogglePanel(kind) => self.toggle_panel(kind),
             ViewerCommand::Camera(camera) => self.settings.camera = camera,

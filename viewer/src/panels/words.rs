@@ -54,18 +54,6 @@ pub fn counted(n: usize, thing: &str) -> String {
     format!("{n} {thing}{}", if n == 1 { "" } else { "s" })
 }
 
-/// 1st, 2nd, 3rd, ...
-pub fn ordinal(n: usize) -> String {
-    let ending = match (n % 10, n % 100) {
-        (_, 11..=13) => "th",
-        (1, _) => "st",
-        (2, _) => "nd",
-        (3, _) => "rd",
-        _ => "th",
-    };
-    format!("{n}{ending}")
-}
-
 /// A number with a suitable number of digits.
 pub fn number(v: f32) -> String {
     match v.abs() {
@@ -149,11 +137,5 @@ mod tests {
         assert_eq!(displacement(Planar::new(0.5, 0.5, -0.35)), "0.71 m 45° left, turns 20° right");
         assert_eq!(displacement(Planar::new(0.01, 0.0, 1.0)), "stays, turns 57° left");
         assert_eq!(displacement(Planar::IDENTITY), "stays");
-    }
-
-    #[test]
-    fn ordinals_end_as_they_are_spoken() {
-        let said = [1, 2, 3, 4, 11, 12, 13, 21, 102, 111].map(ordinal);
-        assert_eq!(said, ["1st", "2nd", "3rd", "4th", "11th", "12th", "13th", "21st", "102nd", "111th"]);
     }
 }

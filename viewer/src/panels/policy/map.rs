@@ -5,7 +5,6 @@ use super::chart::PolicyChart;
 use super::heat::{HeatKey, HeatPicture, MapProjection};
 use super::why::behaviour_name;
 use crate::bundle::OpenBundle;
-use crate::command::{Commands, ViewerCommand};
 use crate::panels::paint::{PanelWidget, legend};
 use crate::panels::words;
 use crate::run::{ActionCandidate, ChoiceReason};
@@ -40,8 +39,6 @@ pub struct PolicyMapInput<'a> {
     pub number: usize,
     /// State whose values are shown.
     pub state: u32,
-    /// Height, or time left, that is shown.
-    pub slice: u32,
     /// Choice of the selected character, if it was made in this state.
     pub why: Option<&'a ChoiceReason>,
     /// Target as the selected character sees it now, and as it saw it when it chose (m).
@@ -61,17 +58,17 @@ impl PolicyMapInput<'_> {
 }
 
 /// Shows the map, or the maps of all heights, with options and legend.
-pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
-    options(ui, shown, own, commands);
+pub fn show(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState) {
+    options(ui, shown, own);
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     let arrow_scale = if own.slices && heights > 1 {
-        show_slices(ui, shown, own, commands)
+        show_slices(ui, shown, own)
     } else {
         let side = ui.available_width().min(LARGEST);
         let (rect, response) = ui.allocate_exact_size(Span::splat(side), Sense::hover());
         let response = response.named(Role::Canvas, "Values around the character");
         own.heats.truncate(1);
-        own.paint(ui, shown, shown.slice, rect, response)
+        own.paint(ui, shown, own.slice, rect, response)
     };
     let range = own.heats.first().map_or([0.0, 1.0], |h| h.range);
     ui.horizontal_wrapped(|ui| {
@@ -118,7 +115,7 @@ impl PolicyPanelState {
     }
 }
 
-fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) {
+fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState) {
     let heights = shown.policy.grid_of(shown.state).record().num_heights;
     ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut own.arrows, "best actions");
@@ -129,13 +126,9 @@ fn options(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, 
     });
     if heights > 1 && !own.slices {
         let chart = shown.chart();
-        let mut slice = shown.slice;
         let what = if shown.policy.grid().is_space_time() { "time" } else { "height" };
-        let slider = Slider::new(&mut slice, 0..=heights - 1).text(what);
+        let slider = Slider::new(&mut own.slice, 0..=heights - 1).text(what);
         ui.add(slider.custom_formatter(move |n, _| chart.height_name(n as u32)));
-        if slice != shown.slice {
-            commands.push(ViewerCommand::SelectSlice(slice));
-        }
     }
 }
 
@@ -276,7 +269,7 @@ const TITLE: f32 = 15.0;
 const GAP: f32 = 4.0;
 
 /// Shows the maps; a click shows one of them alone. Returns the least scale of their arrows.
-fn show_slices(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState, commands: &mut Commands) -> f32 {
+fn show_slices(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelState) -> f32 {
     let (chart, heights) = (shown.chart(), shown.policy.grid_of(shown.state).record().num_heights);
     let [low, high] = chart.bounds(-shown.centre());
     let columns = ((ui.available_width() / LEAST) as u32).clamp(1, heights.min(6));
@@ -295,15 +288,14 @@ fn show_slices(ui: &mut Ui, shown: &PolicyMapInput<'_>, own: &mut PolicyPanelSta
         let response = ui.interact(tile, ui.scope_id().with(("slice", k)), Sense::click());
         let response = response.named(Role::Button, format!("Values {name}"));
         let visuals = ui.visuals();
-        let is_chosen = shown.slice == k;
+        let is_chosen = own.slice == k;
         let colour = if is_chosen { visuals.strong_text_color() } else { visuals.weak_text_color() };
         ui.painter().text(tile.center_top(), Align2::CENTER_TOP, &name, FontId::proportional(11.0), colour);
         if is_chosen || response.hovered() {
             ui.painter().rect_stroke(tile, 3.0, Stroke::new(1.0, colour), StrokeKind::Inside);
         }
         if response.clicked() {
-            commands.push(ViewerCommand::SelectSlice(k));
-            own.slices = false;
+            (own.slice, own.slices) = (k, false);
         }
         let map = tile.with_min_y(tile.top() + TITLE);
         arrow_scale = arrow_scale.min(own.paint(ui, shown, k, map, response));

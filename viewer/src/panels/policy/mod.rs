@@ -25,6 +25,8 @@ pub struct PolicyPanelState {
     arrows: bool,
     /// All heights side by side.
     slices: bool,
+    /// The height, or time, that is shown alone; clamped to the last one.
+    slice: u32,
     /// Candidates listed.
     shown: usize,
     /// Segment whose arrow is kept on the map.
@@ -40,6 +42,7 @@ impl Default for PolicyPanelState {
             heats: Vec::new(),
             arrows: true,
             slices: true,
+            slice: 0,
             shown: 6,
             picked: None,
             hovered: None,
@@ -71,10 +74,10 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut PolicyPanelState, commands: 
             w.behaviours.iter().find(|b| b.policy == number).map_or(Some(w.local_target), |b| coming_target(b.target))
         });
         let document = model.generation;
-        let slice = model.selection.slice.min(policy.grid_of(looked_at).record().num_heights - 1);
+        state.slice = state.slice.min(policy.grid_of(looked_at).record().num_heights - 1);
         let targets = [local_target(model, number), then];
-        let shown = map::PolicyMapInput { document, bundle, policy, number, state: looked_at, slice, why, targets };
-        map::show(ui, &shown, state, commands);
+        let shown = map::PolicyMapInput { document, bundle, policy, number, state: looked_at, why, targets };
+        map::show(ui, &shown, state);
     }
     ui.separator();
     why::show(ui, model, state, chooser.as_ref(), why.as_ref(), commands);

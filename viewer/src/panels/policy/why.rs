@@ -214,13 +214,12 @@ pub fn decision(why: &ChoiceReason, chooser: &PolicyChooser<'_>) -> String {
     if why.behaviours.iter().all(|b| b.counted() == 0.0) {
         return format!("No behaviour counted, so all {n} actions were alike; it took {action}.");
     }
-    let rank = words::ordinal(why.chosen + 1);
     let chance = chances(why, chooser)[why.chosen];
     let percent = 100.0 * chance;
     match why.chosen {
         0 if chance > 0.999 => format!("Of {n} actions it took the best, {action}."),
         0 => format!("Of {n} actions it took the best (its chance was {percent:.0} %), {action}."),
-        _ => format!("Of {n} actions it took the {rank} best (at random; its chance was {percent:.0} %), {action}."),
+        c => format!("Of {n} actions it took number {} by score (its chance was {percent:.0} %), {action}.", c + 1),
     }
 }
 
