@@ -120,7 +120,7 @@ fn the_view_of_a_motion_file() {
 fn start_page(size: egui::Vec2, theme: Option<ThemeName>) -> Viewing {
     let mut v = Viewing::new(&Args { theme, ..Args::default() }, size);
     let opened = [vec![PathBuf::from("/motion/walks.zip")], vec![golden(), golden()], vec![golden()]];
-    v.harness.state_mut().model.settings.opened = opened.to_vec();
+    v.harness.state_mut().0.model.settings.opened = opened.to_vec();
     v.harness.run_steps(4);
     v
 }
@@ -164,7 +164,7 @@ fn the_start_page() {
     });
     for (size, name) in [(wide, "start_page_building"), (small, "start_page_building_small")] {
         let mut v = start_page(size, None);
-        v.harness.state_mut().model.build = Some(ShownBuild::UnderWay { paths: walks(), building: building.clone() });
+        v.harness.state_mut().0.model.build = Some(ShownBuild::UnderWay { paths: walks(), building: building.clone() });
         compare_page(&mut results, v, name);
     }
     let told = building.log().clone();
@@ -172,7 +172,7 @@ fn the_start_page() {
                of the file. Add files of motion (.bvh, .amc with its .asf, .npz), or name another folder";
     let failed = FinishedBuild { paths: walks(), log: told, end: BuildEnd::Failed(why.into()) };
     let mut v = start_page(wide, None);
-    v.harness.state_mut().model.build = Some(ShownBuild::Ended(Box::new(failed)));
+    v.harness.state_mut().0.model.build = Some(ShownBuild::Ended(Box::new(failed)));
     compare_page(&mut results, v, "start_page_failed");
 }
 

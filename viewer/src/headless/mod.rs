@@ -16,7 +16,7 @@ use crate::run::STEP_HZ;
 use eframe::egui;
 use image::RgbImage;
 use serde::Serialize;
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use throng_precompute::BuildError;

@@ -28,8 +28,6 @@ const TRUNK: Range<f32> = 0.93..1.07;
 const ARMS: Range<f32> = 0.96..1.04;
 const SHOULDERS: Range<f32> = 0.92..1.08;
 const GIRTH: Range<f32> = 0.9..1.16;
-/// Share by which legs of a pose differ from those of the database if the pose has its own body already.
-const OWN_LEGS: f32 = 0.03;
 /// Colours of shirts, where these tell nothing.
 const SHIRTS: [u32; 12] = [
     0x7c8fa6, 0xa65f4e, 0x5f7f63, 0xc9b28a, 0x4c566a, 0x9c7aa0, 0xd0d3d8, 0x86633f, 0x5b8ca0, 0xb08d3c, 0x6d3f46,
@@ -156,16 +154,14 @@ impl StageLayout {
         }
         let mut varied = std::mem::take(&mut self.varied);
         let (poses, drawn, variety) = (self.poses(model), &self.drawn, &self.variety);
-        let is_own = |pose: &[Mat3x4]| {
-            let legs = body_of_pose(&self.skeleton, pose).leg_length();
-            (legs / self.skeleton.leg_length() - 1.0).abs() > OWN_LEGS
-        };
+        // Other poses have their own bodies already.
+        let is_common = |pose: &[Mat3x4]| has_same_legs(&body_of_pose(&self.skeleton, pose), &self.skeleton);
         let number = |i: usize| drawn.get(i).copied().unwrap_or(i);
         let dressed: Vec<Option<DressedBody>> = poses
             .par_chunks_exact(NUM_JOINTS)
             .enumerate()
             .map(|(i, pose)| {
-                let body = variety.body(number(i)).filter(|_| !is_own(pose))?;
+                let body = variety.body(number(i)).filter(|_| is_common(pose))?;
                 Some(DressedBody { joints: body.pose(&self.skeleton, pose), skeleton: body.skeleton.clone() })
             })
             .collect();
@@ -209,9 +205,12 @@ impl StageLayout {
 
 fn put_on(outfit: &UserOutfit, database: &Skeleton, pose: &[Mat3x4], out: &mut [Mat3x4]) {
     let own = body_of_pose(database, pose);
-    let is_same = (own.leg_length() / database.leg_length() - 1.0).abs() < SAME_LEGS;
     let turned: [(Vec3, Quat); NUM_JOINTS] = std::array::from_fn(|j| (pose[j].translation(), rotation(&pose[j])));
-    outfit.figure.pose_matrices(if is_same { database } else { &own }, &turned, out);
+    outfit.figure.pose_matrices(if has_same_legs(&own, database) { database } else { &own }, &turned, out);
+}
+
+fn has_same_legs(body: &Skeleton, database: &Skeleton) -> bool {
+    (body.leg_length() / database.leg_length() - 1.0).abs() < SAME_LEGS
 }
 
 /// Rotation of a joint; its axes may be scaled, as in bodies of other sizes.

@@ -114,7 +114,20 @@ pub fn adapter() -> Option<String> {
 /// The viewer in a harness.
 pub struct Viewing {
     /// What runs it, 1/60 s a step.
-    pub harness: Harness<'static, Viewer>,
+    pub harness: Harness<'static, Windowed>,
+}
+
+/// The viewer as an application of eframe.
+pub struct Windowed(pub Viewer);
+
+impl eframe::App for Windowed {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.0.logic(ctx, ctx.input(|i| i.unstable_dt));
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.0.ui(ui);
+    }
 }
 
 impl Viewing {
@@ -144,20 +157,20 @@ impl Viewing {
         let harness = builder.build_eframe(move |cc| {
             let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
             args.open(&cc.egui_ctx, &mut viewer.model).expect("what the test asks for is there");
-            viewer
+            Windowed(viewer)
         });
         Self { harness }
     }
 
     /// All that the viewer knows.
     pub fn model(&self) -> &Model {
-        &self.harness.state().model
+        &self.harness.state().0.model
     }
 
     /// Carries out a command as a panel's would be.
     pub fn apply(&mut self, command: ViewerCommand) {
         let ctx = self.harness.ctx.clone();
-        self.harness.state_mut().model.apply(&ctx, command);
+        self.harness.state_mut().0.model.apply(&ctx, command);
     }
 
     /// True where nothing has gone wrong so far.

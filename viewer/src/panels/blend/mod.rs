@@ -15,7 +15,7 @@ use crate::run::{BlendCompanions, BlendMoment, Blending, LEGS, SIZES};
 use eframe::egui::{Color32, Grid, Slider, Ui, WidgetInfo};
 use plane::{MapAxes, unit};
 use surface::WeightSurface;
-use throng_core::blend::{BlendSpace, ExampleRecord, axis};
+use throng_core::blend::{BlendSpace, ExampleRecord};
 use throng_core::format::BlendMeta;
 
 /// View settings of the panel, and cached results.
@@ -117,7 +117,8 @@ fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut 
         let names = (0..spaces.len()).map(|n| (n, bundle.blend_meta(n).name.clone()));
         choose(ui, "Space", Some(80.0), &mut number, names);
         if number != input.blending.space {
-            *wanted = carried_over(input, wanted, number, &spaces[number]);
+            let fresh = Blending::straight_walk(number, &spaces[number]);
+            *wanted = carried_over(input, wanted, fresh, &bundle.blend_meta(number).axes);
         }
         if input.space.axes().len() > 2 {
             let (across, up) = (shown.across, shown.up.unwrap_or(0));
@@ -139,19 +140,17 @@ fn choices(ui: &mut Ui, bundle: &OpenBundle, wanted: &mut Blending, shown: &mut 
     });
 }
 
-/// The point in another space, as far as axes of the same kinds exist.
-fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, number: usize, space: &BlendSpace) -> Blending {
-    let fresh = Blending::straight_walk(number, space);
-    let mut point = fresh.point;
-    for (axis, record) in space.axes().iter().enumerate() {
-        let same = input.space.axes().iter().position(|a| a.kind == record.kind);
-        if let Some(same) = same.filter(|_| record.kind != axis::STYLE) {
-            point[axis] = from.point[same];
-        } else if input.space.axes().get(axis).is_some_and(|a| a.kind == record.kind) {
-            point[axis] = from.point[axis];
+/// The point in another space, as far as axes of the same names exist.
+///
+/// - `fresh`: a walk in that space, whose axes have the names `axes`.
+fn carried_over(input: &BlendPanelInput<'_>, from: &Blending, fresh: Blending, axes: &[String]) -> Blending {
+    let mut to = Blending { space: fresh.space, point: fresh.point, ..*from };
+    for (axis, name) in axes.iter().enumerate() {
+        if let Some(same) = input.meta.axes.iter().position(|a| a == name) {
+            to.point[axis] = from.point[same];
         }
     }
-    Blending { space: number, point, ..*from }
+    to
 }
 
 fn axis_choice(ui: &mut Ui, name: &str, input: &BlendPanelInput<'_>, now: usize) -> Option<usize> {

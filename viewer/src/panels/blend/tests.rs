@@ -123,7 +123,7 @@ fn examples_are_listed_by_weight_and_a_click_chooses_one() {
 }
 
 #[test]
-fn another_space_keeps_axes_of_the_same_kind() {
+fn another_space_keeps_axes_of_the_same_names() {
     use throng_core::blend::axis;
     let paces = Paces::new();
     let bundle = crate::bundle::OpenBundle::open(&paces.bundle()).unwrap();
@@ -138,7 +138,7 @@ fn another_space_keeps_axes_of_the_same_kind() {
         example: 0,
         document: 1,
     };
-    let same = carried_over(&input, &from, 3, space);
+    let same = carried_over(&input, &from, Blending::straight_walk(3, space), &input.meta.axes);
     assert_eq!((same.space, same.point), (3, from.point));
     assert_eq!(space.axis_of(axis::SPEED), Some(0));
 }

@@ -42,8 +42,6 @@ pub struct HitsPanelState {
     hits: Option<(u64, Vec<HitPoint>)>,
     filter: HitFilter,
     colours: HitColouring,
-    /// The views show the whole body, not only the part near the hits.
-    whole_body: bool,
     /// Behaviour whose volume is drawn; without a choice, the first one with heights.
     outlined: Option<Option<usize>>,
     sort: TableSort,
@@ -92,8 +90,8 @@ pub fn show(ui: &mut Ui, model: &Model, state: &mut HitsPanelState, commands: &m
         return no_bundle(ui, &model.document);
     };
     if state.hits.as_ref().is_none_or(|h| h.0 != model.generation) {
-        let (colours, whole_body, sort) = (state.colours, state.whole_body, state.sort);
-        *state = HitsPanelState { colours, whole_body, sort, ..HitsPanelState::default() };
+        let (colours, sort) = (state.colours, state.sort);
+        *state = HitsPanelState { colours, sort, ..HitsPanelState::default() };
         state.hits = Some((model.generation, HitPoint::from_bundle(bundle.tables())));
     }
     let Some((_, hits)) = state.hits.take() else { return };
@@ -149,7 +147,6 @@ fn options(ui: &mut Ui, &HitsInput { bundle, hits, ranges, .. }: &HitsInput<'_>,
         let joints = once((None, "all limbs".to_owned())).chain(joints);
         choose(ui, "Limb", Some(94.0), &mut state.filter.joint, joints);
         outline_choice(ui, bundle, state);
-        ui.checkbox(&mut state.whole_body, "whole body");
         ui.separator();
         ui.label("colour");
         ui.selectable_value(&mut state.colours, HitColouring::Force, "force");
@@ -210,7 +207,7 @@ fn views(ui: &mut Ui, model: &Model, input: &HitsInput<'_>, state: &mut HitsPane
     let outlined = outlined(bundle, state).and_then(|p| bundle.motion_set.policy(p));
     let edges = outlined.into_iter().flat_map(outline_points);
     let seen = hits.iter().map(|e| e.position).chain(edges).collect::<Vec<_>>();
-    let bounds = HitBounds::around(seen.iter().copied(), state.whole_body);
+    let bounds = HitBounds::around(seen.iter().copied());
     let places = HitViewPlace::lay_out(bounds, rect);
     let visuals = ui.visuals().clone();
     let standing = || bundle.tables().graph().states.iter().find(|s| s.standing != 0).map_or(0, |s| s.frame);

@@ -189,11 +189,10 @@ pub struct HitBounds {
 }
 
 impl HitBounds {
-    /// Room for all places and for a standing body, or for as much of one as is near the places.
-    pub fn around(places: impl Iterator<Item = Vec3> + Clone, whole_body: bool) -> Self {
+    /// Room for all places and for as much of a standing body as is near them.
+    pub fn around(places: impl Iterator<Item = Vec3> + Clone) -> Self {
         let lowest = places.clone().map(|p| p.y).fold(1.2, f32::min);
-        let bottom = if whole_body { 0.0 } else { (lowest - 0.3).max(0.0) };
-        let body = (Vec3::new(-0.4, bottom, -0.3), Vec3::new(0.4, 1.8, 0.5));
+        let body = (Vec3::new(-0.4, (lowest - 0.3).max(0.0), -0.3), Vec3::new(0.4, 1.8, 0.5));
         let (mut low, mut high) = places.fold(body, |(l, h), p| (l.min(p), h.max(p)));
         let wide = low.x.abs().max(high.x);
         (low.x, high.x) = (-wide, wide);
@@ -267,23 +266,21 @@ mod tests {
     #[test]
     fn every_place_is_seen_in_all_views_and_goes_back_to_itself() {
         let places = [Vec3::new(0.9, 1.6, 0.8), Vec3::new(-0.2, 2.1, 1.4), Vec3::new(0.0, 0.3, -0.6)];
-        for whole_body in [true, false] {
-            let bounds = HitBounds::around(places.into_iter(), whole_body);
-            for rect in [
-                Rect::from_min_size(pos2(10.0, 20.0), vec2(900.0, 260.0)),
-                Rect::from_min_size(pos2(0.0, 0.0), vec2(400.0, 500.0)),
-            ] {
-                let views = HitViewPlace::lay_out(bounds, rect);
-                for view in views {
-                    assert!(rect.contains_rect(view.rect), "{view:?}");
-                    for p in places {
-                        let at = view.screen(p);
-                        assert!(view.rect.contains(at), "{view:?} {p}");
-                        assert!((view.flat_at(at) - view.view.flat(p)).length() < 1e-4);
-                    }
+        let bounds = HitBounds::around(places.into_iter());
+        for rect in [
+            Rect::from_min_size(pos2(10.0, 20.0), vec2(900.0, 260.0)),
+            Rect::from_min_size(pos2(0.0, 0.0), vec2(400.0, 500.0)),
+        ] {
+            let views = HitViewPlace::lay_out(bounds, rect);
+            for view in views {
+                assert!(rect.contains_rect(view.rect), "{view:?}");
+                for p in places {
+                    let at = view.screen(p);
+                    assert!(view.rect.contains(at), "{view:?} {p}");
+                    assert!((view.flat_at(at) - view.view.flat(p)).length() < 1e-4);
                 }
-                assert!(views.windows(2).all(|v| v[0].rect.right() < v[1].rect.left() && v[0].per_m == v[1].per_m));
             }
+            assert!(views.windows(2).all(|v| v[0].rect.right() < v[1].rect.left() && v[0].per_m == v[1].per_m));
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::command::{Commands, ViewerCommand, WorldCommand};
 use crate::document::WorldDocument;
 use crate::model::Model;
-use crate::panels::paint::{self, PanelWidget, RowClick, RowTable, TableCell, TableColumn};
+use crate::panels::paint::{self, RowClick, RowTable, TableCell, TableColumn};
 use crate::panels::{colour_of_view, moment};
 use crate::stage::world::{DISABLED, ENABLED};
 use eframe::egui::{CollapsingHeader, Ui, vec2};

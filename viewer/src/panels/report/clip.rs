@@ -47,14 +47,6 @@ fn bullet(ui: &mut Ui, text: &str) {
 
 fn motion(ui: &mut Ui, r: &ClipReport) {
     section(ui, "Motion and body");
-    let format = match r.format {
-        "asf_amc" => "ASF/AMC",
-        "bvh" => "BVH",
-        "fbx" => "FBX",
-        "gltf" => "glTF",
-        "npz" => "SMPL",
-        other => other,
-    };
     let rest = match r.rest_pose {
         "t_pose" => "T-pose",
         "a_pose" => "A-pose",
@@ -63,7 +55,7 @@ fn motion(ui: &mut Ui, r: &ClipReport) {
     };
     let all = [
         ("File", r.file.clone()),
-        ("Format", format!("{format}, {} joints", r.joints)),
+        ("Format", format!("{}, {} joints", r.format.replace('_', "/").to_uppercase(), r.joints)),
         ("Motion", format!("{} frames at {} Hz, {}", r.frames, rounded(r.rate_hz, 4), time_text(r.duration_s))),
         ("Unit", format!("{} m", rounded(r.metres_per_unit, 6))),
         ("Up axis", r.up.to_string()),

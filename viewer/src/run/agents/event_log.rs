@@ -118,13 +118,6 @@ const KINDS: [(AgentEventKind, &str, &str); AgentEventKind::COUNT] = [
     (AgentEventKind::Rule, "rule", "An agent followed a rule"),
     (AgentEventKind::Edge, "edge", "An agent took an edge of a state-transition graph"),
 ];
-const _: () = {
-    let mut i = 0;
-    while i < KINDS.len() {
-        assert!(KINDS[i].0 as usize == i, "each kind has its own place");
-        i += 1;
-    }
-};
 
 impl AgentEventKind {
     /// Number of kinds.
@@ -303,6 +296,11 @@ mod tests {
             at: Vec3::ZERO,
             other_at: None,
         }
+    }
+
+    #[test]
+    fn each_kind_has_its_own_place() {
+        assert!(KINDS.iter().enumerate().all(|(i, k)| k.0.number() == i));
     }
 
     #[test]
