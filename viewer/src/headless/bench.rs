@@ -71,9 +71,12 @@ pub fn bench(args: &Args) -> Result<BenchReport, HeadlessError> {
     Ok(BenchReport { adapter: headless.screen.adapter_name(), width, height, crowds })
 }
 
-/// Parts of a frame by name: steps of the crowd, laying out, handing poses to the graphics device, from encoding until
+/// A part of a frame with its name, and its time (s).
+type FramePart = (&'static str, fn(&FrameTimes) -> f64);
+
+/// Parts of a frame: steps of the crowd, laying out, handing poses to the graphics device, from encoding until
 /// all is drawn, remaining time (panels and text), and all of it (s).
-const PARTS: [(&str, fn(&FrameTimes) -> f64); 6] = [
+const PARTS: [FramePart; 6] = [
     ("simulation", |t| t.simulation_s),
     ("layout", |t| t.layout_s),
     ("upload", |t| t.upload_s),

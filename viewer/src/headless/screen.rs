@@ -2,7 +2,7 @@
 
 use super::HeadlessError;
 use crate::args::{AdapterChoice, PictureSize};
-use crate::render::{device_descriptor, read_back, wait};
+use crate::render::{device_descriptor, read_back, target_texture, wait};
 use eframe::egui;
 use eframe::egui_wgpu::{
     RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew, wgpu,
@@ -39,16 +39,8 @@ impl Screen {
         state.device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| {
             heard.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| e.to_string());
         }));
-        let texture = state.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("screen"),
-            size: wgpu::Extent3d { width: size.width, height: size.height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: state.target_format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let (pixels, usage) = ([size.width, size.height], wgpu::TextureUsages::COPY_SRC);
+        let texture = target_texture(&state.device, "screen", pixels, state.target_format, 1, usage);
         Ok(Self { state, texture, size, scale, complaint })
     }
 

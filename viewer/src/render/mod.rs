@@ -29,7 +29,7 @@ pub use colours::{Rgba, SceneColours};
 pub use device::{device_descriptor, wait};
 pub use error::{RenderError, Result};
 pub use mesh::BodyStyle;
-pub use offscreen::read_back;
+pub use offscreen::{read_back, target_texture};
 pub use picking::{PickedCharacter, pick};
 pub use renderer::{SceneFrame, SceneRenderer};
 pub use shapes::ShapeList;

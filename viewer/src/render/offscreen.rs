@@ -62,19 +62,7 @@ impl Offscreen {
 
     fn allocate(&self, device: &Device, size: [u32; 2]) -> RenderTargets {
         use wgpu::TextureUsages as Usage;
-        let [width, height] = size;
-        let texture = |label, format, sample_count, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | Usage::RENDER_ATTACHMENT,
-                view_formats: &[],
-            })
-        };
+        let texture = |label, format, samples, usage| target_texture(device, label, size, format, samples, usage);
         let view = |t: &Texture| t.create_view(&wgpu::TextureViewDescriptor::default());
         let picture = texture("picture", COLOUR, 1, Usage::TEXTURE_BINDING | Usage::COPY_SRC);
         let resolved = view(&picture);
@@ -113,6 +101,29 @@ impl Offscreen {
         let nothing = || RenderError::ReadBack("nothing has been drawn".to_owned());
         read_back(&gpu.device, &gpu.queue, &self.targets.as_ref().ok_or_else(nothing)?.picture)
     }
+}
+
+/// A texture that is drawn into.
+///
+/// - `usage`: other uses.
+pub fn target_texture(
+    device: &Device,
+    label: &str,
+    [width, height]: [u32; 2],
+    format: wgpu::TextureFormat,
+    sample_count: u32,
+    usage: wgpu::TextureUsages,
+) -> Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
 }
 
 /// Size and bytes of a texture of four bytes a pixel; waits for the device.

@@ -9,6 +9,7 @@ use super::worn_mesh::{TEXTURE_PX, WornMesh};
 use std::ops::Range;
 use std::sync::Arc;
 use throng_core::Mat3x4;
+use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, Buffer, Device, RenderPass, RenderPipeline};
 
 /// Characters that wear a mesh of the user's own, for one frame.
@@ -73,38 +74,30 @@ impl WornDraws {
     }
 
     fn upload_textures(&self, Gpu { device, queue }: &Gpu, mesh: &WornMesh) -> BindGroup {
-        let levels = TEXTURE_PX.ilog2() + 1;
-        let extent = |side, layers| wgpu::Extent3d { width: side, height: side, depth_or_array_layers: layers };
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
+        let mip_level_count = TEXTURE_PX.ilog2() + 1;
+        let mut data = Vec::new();
+        for pixels in &mesh.layers {
+            let mut smaller = pixels.clone();
+            for level in 0..mip_level_count {
+                if level > 0 {
+                    let side = TEXTURE_PX >> level;
+                    smaller = image::imageops::thumbnail(&smaller, side, side);
+                }
+                data.extend_from_slice(&smaller);
+            }
+        }
+        let depth_or_array_layers = mesh.layers.len() as u32;
+        let descriptor = wgpu::TextureDescriptor {
             label: Some("textures of characters"),
-            size: extent(TEXTURE_PX, mesh.layers.len() as u32),
-            mip_level_count: levels,
+            size: wgpu::Extent3d { width: TEXTURE_PX, height: TEXTURE_PX, depth_or_array_layers },
+            mip_level_count,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
             format: pipelines::COLOUR,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
-        });
-        for (layer, pixels) in (0..).zip(&mesh.layers) {
-            let mut smaller = pixels.clone();
-            for mip_level in 0..levels {
-                let side = TEXTURE_PX >> mip_level;
-                if mip_level > 0 {
-                    smaller = image::imageops::thumbnail(&smaller, side, side);
-                }
-                queue.write_texture(
-                    wgpu::TexelCopyTextureInfo {
-                        texture: &texture,
-                        mip_level,
-                        origin: wgpu::Origin3d { x: 0, y: 0, z: layer },
-                        aspect: wgpu::TextureAspect::All,
-                    },
-                    &smaller,
-                    wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * side), rows_per_image: None },
-                    extent(side, 1),
-                );
-            }
-        }
+        };
+        let texture = device.create_texture_with_data(queue, &descriptor, TextureDataOrder::LayerMajor, &data);
         let view = texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..Default::default()

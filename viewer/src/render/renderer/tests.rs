@@ -1,7 +1,7 @@
 use super::*;
 use crate::bundle::OpenBundle;
 use crate::fixtures::golden_path;
-use crate::render::offscreen::read_back;
+use crate::render::offscreen::{read_back, target_texture};
 use crate::render::{Rgba, Solids, device_descriptor};
 use glam::{Quat, Vec2, Vec3};
 use throng_core::characters::{
@@ -151,16 +151,7 @@ fn a_window_shows_the_picture_unchanged_whether_it_encodes_or_not() {
         let Some(mut renderer) = renderer_for(format) else { return };
         renderer.draw(SIZE, &OrbitCamera::default(), &SceneColours::for_theme(true));
         let (device, queue) = (renderer.gpu.device.clone(), renderer.gpu.queue.clone());
-        let window = device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
+        let window = target_texture(&device, "window", SIZE, format, 1, wgpu::TextureUsages::COPY_SRC);
         let view = window.create_view(&wgpu::TextureViewDescriptor::default());
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         renderer.blit(&mut encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
