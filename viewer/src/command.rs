@@ -334,8 +334,6 @@ pub enum WorldCommand {
     Undo,
     /// Redo the last undone change.
     Redo,
-    /// Forget that an edit was refused.
-    ForgetRefused,
     /// Write the present world.
     Save(PathBuf),
 }

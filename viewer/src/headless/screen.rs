@@ -153,15 +153,12 @@ fn open_adapter(choice: AdapterChoice) -> Result<RenderState, HeadlessError> {
 
 /// The lower, the better: first the kind of adapter, then the interface to it.
 fn rank(choice: AdapterChoice, info: &wgpu::AdapterInfo) -> (u8, u8) {
-    let by_speed = match info.device_type {
+    let kind = match info.device_type {
+        DeviceType::Cpu if choice == AdapterChoice::Software => 0,
         DeviceType::DiscreteGpu => 1,
         DeviceType::IntegratedGpu => 2,
         DeviceType::VirtualGpu | DeviceType::Other => 3,
         DeviceType::Cpu => 4,
-    };
-    let kind = match (choice, info.device_type) {
-        (AdapterChoice::Software, DeviceType::Cpu) => 0,
-        _ => by_speed,
     };
     let backend = match info.backend {
         Backend::Vulkan | Backend::Metal | Backend::Dx12 => 0,

@@ -47,13 +47,9 @@ impl Model {
             ViewerCommand::Plan(command) => self.apply_to_task(command),
             ViewerCommand::Scene(command) => self.apply_to_scene(ctx, command),
             ViewerCommand::SelectCharacter(c) => {
-                let n = self.num_characters();
-                self.apply_to_world(WorldCommand::ForgetRefused);
-                self.selection.world.place = None;
-                (self.selection.world.instance, self.selection.world.link) = (None, None);
-                self.selection.character = c.filter(|&c| c < n);
-                self.selection.state = None;
-                self.watch_selected();
+                self.apply_to_world(WorldCommand::SelectPlace(None));
+                (self.selection.character, self.selection.state) = (c, None);
+                self.limit_selected();
             }
             ViewerCommand::ShowClip { clip, frame } => self.show_clip(clip, frame),
             ViewerCommand::SelectState(state) => self.selection.state = state,
@@ -122,18 +118,12 @@ impl Model {
         Ok(())
     }
 
-    /// Clears a selection beyond the number of characters.
+    /// Clears a selection beyond the number of characters, and keeps the events of the selected one.
     pub(super) fn limit_selected(&mut self) {
         let n = self.num_characters();
         self.selection.character = self.selection.character.filter(|&c| c < n);
-        self.watch_selected();
-    }
-
-    /// Keeps the events of the selected agent.
-    fn watch_selected(&mut self) {
-        let selected = self.selection.character;
         if let Some(scene) = self.document.scene_mut() {
-            scene.run.log.watch(selected);
+            scene.run.log.watch(self.selection.character);
         }
     }
 

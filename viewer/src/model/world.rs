@@ -30,7 +30,7 @@ impl Model {
     }
 
     pub(super) fn apply_to_world(&mut self, command: WorldCommand) {
-        if matches!(command, WorldCommand::SelectPlace(_) | WorldCommand::ForgetRefused) {
+        if matches!(command, WorldCommand::SelectPlace(_)) {
             self.forget_refused();
         }
         let OpenDocument::World(world) = &mut self.document else { return };
@@ -48,7 +48,6 @@ impl Model {
             WorldCommand::Edit(change) => self.edit(EditorOrder::Change(change)),
             WorldCommand::Undo => self.edit(EditorOrder::Undo),
             WorldCommand::Redo => self.edit(EditorOrder::Redo),
-            WorldCommand::ForgetRefused => {}
             WorldCommand::Save(path) => {
                 let saved = world.save(&path).map(|()| path.display().to_string());
                 self.tell_saved(saved);

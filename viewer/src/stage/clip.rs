@@ -91,18 +91,13 @@ pub(super) fn lay_out_raw(out: &mut StageLayout, model: &Model, motion: &RawMoti
     let colour = if clip.is_usable(frame) { palette.on_the_way } else { palette.plain };
     out.instances.push(CharacterInstance { root: Planar::IDENTITY, colour, is_selected: false, look: 0 });
     let o = model.settings.overlays;
-    if o.contacts {
-        let contacts = clip.contacts.get(frame).copied().unwrap_or_default();
-        cues::contacts(&mut out.shapes, &joints.map(|j| j.0), contacts, palette);
-    }
     if o.trails {
         let points: Vec<Vec3> =
             (0..clip.num_frames()).step_by(3).map(|f| clip.root_positions[f].with_y(0.012)).collect();
         out.shapes.polyline(&points, 2.0, palette.middle.alpha(0.5));
     }
-    if o.joint_axes {
-        cues::joint_axes(&mut out.shapes, Planar::IDENTITY, &out.poses);
-    }
+    let contacts = clip.contacts.get(frame).copied().unwrap_or_default();
+    cues::body(&mut out.shapes, o, Planar::IDENTITY, &out.poses, contacts, palette);
 }
 
 /// The source's joints as limbs and balls, left and right in their colours.

@@ -6,10 +6,11 @@ use crate::model::Model;
 use crate::render::{Rgba, ShapeList};
 use crate::settings::Overlays;
 use glam::Vec3;
-use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar};
+use throng_core::{Contacts, Mat3x4, Planar};
 use throng_precompute::annotate::contacts::FOOT_PARTS;
 
-/// Draws contacts and joint axes of a body, as far as they are enabled.
+/// Draws joint axes of a body, and a mark on the ground below every heel and toe, strong while it is planted, as far as
+/// they are enabled.
 ///
 /// - `pose`: joints in model space.
 pub(super) fn body(
@@ -21,8 +22,14 @@ pub(super) fn body(
     palette: &StagePalette,
 ) {
     if o.contacts {
-        let joints = std::array::from_fn(|j| root.translation() + root.rotation() * pose[j].translation());
-        contacts(shapes, &joints, planted, palette);
+        for (joint, part) in FOOT_PARTS {
+            let at = root.translation() + root.rotation() * pose[joint.index()].translation();
+            if planted.any(part) {
+                shapes.disc(at.with_y(0.01), 0.055, palette.planted.alpha(0.85));
+            } else {
+                shapes.ring(at.with_y(0.01), 0.035, 0.042, palette.lifted);
+            }
+        }
     }
     if o.joint_axes {
         joint_axes(shapes, root, pose);
@@ -35,18 +42,6 @@ pub(super) fn trail(shapes: &mut ShapeList, points: &[Vec3], width: f32, colour:
     for (i, pair) in points.windows(2).enumerate() {
         let share = 0.15 + 0.85 * (i as f32 + 1.0) / last;
         shapes.line(pair[0], pair[1], width, colour.alpha(strength * share));
-    }
-}
-
-/// A mark on the ground below every heel and toe, strong while it is planted.
-pub(super) fn contacts(shapes: &mut ShapeList, joints: &[Vec3; NUM_JOINTS], planted: Contacts, palette: &StagePalette) {
-    for (joint, part) in FOOT_PARTS {
-        let at = joints[joint.index()].with_y(0.01);
-        if planted.any(part) {
-            shapes.disc(at, 0.055, palette.planted.alpha(0.85));
-        } else {
-            shapes.ring(at, 0.035, 0.042, palette.lifted);
-        }
     }
 }
 

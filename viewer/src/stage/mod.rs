@@ -93,33 +93,21 @@ impl StageLayout {
         self.poses.clear();
         self.drawn.clear();
         self.solids.instances.clear();
-        match &model.document {
-            OpenDocument::Nothing => {}
-            OpenDocument::Clip(motion) => clip::lay_out_raw(self, model, motion, &palette),
-            OpenDocument::Task(t) => task::lay_out(self, model, t, &palette, dark),
-            OpenDocument::World(w) => {
-                self.skeleton.clone_from(w.bundle().tables().skeleton());
+        if let Some(bundle) = model.document.bundle() {
+            self.skeleton.clone_from(bundle.tables().skeleton());
+        }
+        match (&model.document, model.document.bundle(), model.document.scene()) {
+            (OpenDocument::Clip(motion), ..) => clip::lay_out_raw(self, model, motion, &palette),
+            (OpenDocument::Task(t), ..) => task::lay_out(self, model, t, &palette, dark),
+            (_, Some(bundle), _) if model.shows_clip() => clip::lay_out(self, model, bundle, &palette),
+            (OpenDocument::World(w), ..) => {
                 self.solids.meshes = Arc::clone(&w.meshes);
-                match model.shows_clip() {
-                    true => clip::lay_out(self, model, w.bundle(), &palette),
-                    false => world::lay_out(self, model, w, &palette, dark),
-                }
+                world::lay_out(self, model, w, &palette, dark);
             }
-            OpenDocument::Scene(s) => {
-                if let Some(bundle) = s.bundle() {
-                    self.skeleton.clone_from(bundle.tables().skeleton());
-                }
-                match s.bundle().filter(|_| model.shows_clip()) {
-                    Some(bundle) => clip::lay_out(self, model, bundle, &palette),
-                    None => scene::lay_out(self, model, s, &palette, dark),
-                }
-            }
-            OpenDocument::Bundle(b) => {
-                self.skeleton.clone_from(b.bundle.tables().skeleton());
-                match (model.shown_scene(), b.blend.as_ref().filter(|_| model.shows_blend())) {
-                    (Some(s), _) => scene::lay_out(self, model, s, &palette, dark),
-                    (None, Some(run)) => blend::lay_out(self, model.settings.overlays, &b.bundle, run, &palette),
-                    (None, None) => clip::lay_out(self, model, &b.bundle, &palette),
+            (_, _, Some(s)) if !model.shows_blend() => scene::lay_out(self, model, s, &palette, dark),
+            (document, ..) => {
+                if let Some((bundle, run)) = document.blend() {
+                    blend::lay_out(self, model.settings.overlays, bundle, run, &palette);
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::render::{CharacterInstance, Rgba, SolidInstance};
 use glam::DVec3;
 use std::sync::Arc;
-use throng_core::{Mat3x4, Planar, Skeleton};
+use throng_core::{Mat3x4, NUM_JOINTS, Planar, Skeleton};
 use throng_planner::linkage::Chain;
 use throng_planner::rotation::Rigid;
 use throng_planner::search::LoggedTrees;
@@ -98,13 +98,10 @@ fn bodies(out: &mut StageLayout, model: &Model, task: &TaskDocument, time_s: f64
             }
         }
     }
-    let o = model.settings.overlays;
-    if let Some((actor, true)) = task.actors().first().map(|a| (a, o.contacts)) {
+    if let Some(pose) = out.poses.get(..NUM_JOINTS) {
         let clip = task.clip(0);
-        let at = frame(clip, time_s);
-        let joints = clip.joint_transforms(&actor.skeleton, at);
-        let contacts = clip.contacts.get(at).copied().unwrap_or_default();
-        cues::contacts(&mut out.shapes, &joints.map(|j| j.0), contacts, palette);
+        let contacts = clip.contacts.get(frame(clip, time_s)).copied().unwrap_or_default();
+        cues::body(&mut out.shapes, model.settings.overlays, Planar::IDENTITY, pose, contacts, palette);
     }
 }
 

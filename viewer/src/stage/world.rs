@@ -167,8 +167,8 @@ fn draw_path(out: &mut StageLayout, world: &WorldDocument, steps: &[WorldStep], 
     let mut points: Vec<Vec3> = Vec::new();
     for step in steps {
         if let Some(link) = world.graph().link(step) {
-            let roots = world.link_path(step.instance, link, step.from_offset..=step.to_offset);
-            points.extend(roots.iter().map(|r| r.translation() + Vec3::Y * 2.0 * ABOVE));
+            let frames = step.from_offset..=step.to_offset;
+            points.extend(world.link_path(step.instance, link, frames, 2.0 * ABOVE));
         }
     }
     out.shapes.polyline(&points, 3.5, colour);
@@ -182,9 +182,7 @@ fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: 
         for (l, link) in links.iter().enumerate().step_by(links.len() / MAX_LINKS + 1) {
             let is_left = graph.is_link_enabled(instance, l as u32);
             let colour = if is_left { ENABLED.alpha(0.45) } else { DISABLED.alpha(0.25) };
-            let roots = world.link_path(instance, link, 0..=link.num_frames);
-            let points: Vec<Vec3> = roots.iter().map(|r| r.translation() + Vec3::Y * ABOVE).collect();
-            out.shapes.polyline(&points, 1.0, colour);
+            out.shapes.polyline(&world.link_path(instance, link, 0..=link.num_frames, ABOVE), 1.0, colour);
         }
     }
     let is_tile = graph.patches().patches[graph.instance(instance).patch as usize].kind == KIND_TILE;
@@ -203,8 +201,7 @@ fn patch(out: &mut StageLayout, model: &Model, world: &WorldDocument, instance: 
         }
     }
     if let Some(link) = options.link.and_then(|l| graph.links(instance).get(l as usize)) {
-        let roots = world.link_path(instance, link, 0..=link.num_frames);
-        let points: Vec<Vec3> = roots.iter().map(|r| r.translation() + Vec3::Y * 2.0 * ABOVE).collect();
+        let points = world.link_path(instance, link, 0..=link.num_frames, 2.0 * ABOVE);
         out.shapes.on_top(true).polyline(&points, 4.0, palette.selected);
         if let [.., a, b] = points[..] {
             out.shapes.arrow(b + (a - b).normalize_or_zero() * 0.2, b, 0.02, palette.selected);

@@ -13,9 +13,10 @@ use crate::render::{Ray, SolidMesh, upright};
 use crate::run::{SceneChoice, WorldRun};
 use glam::Vec3;
 use orders::EditHistory;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use throng_core::patch::{LinkRecord, Placement};
+use throng_core::patch::LinkRecord;
 use throng_precompute::environment::{Environment, PlacedGeometry, PlacedUnit, UnitGeometry, UnitObject};
 use throng_precompute::run::{BuildContext, ensure_bundle};
 use throng_precompute::stitch::{
@@ -100,16 +101,17 @@ impl WorldDocument {
         (0..graph.num_instances() as u32).filter(|&i| graph.resources(i).contains(&(place as u32))).collect()
     }
 
-    /// Roots of a link of an instance between two of its frames, in the world.
-    pub fn link_path(&self, instance: u32, link: &LinkRecord, frames: std::ops::RangeInclusive<u16>) -> Vec<Placement> {
+    /// Path of the root along a link of an instance between two of its frames, raised by `above` (m).
+    pub fn link_path(&self, instance: u32, link: &LinkRecord, frames: RangeInclusive<u16>, above: f32) -> Vec<Vec3> {
         let at = self.graph().instance(instance).placement;
         let (first, last) = (usize::from(*frames.start()), usize::from(*frames.end()));
         let library = self.kit.library(self.bundle().tables());
-        let roots: Vec<Placement> = library.link_roots(link).map(|r| at.compose(r)).collect();
+        let raised = |r| at.compose(r).translation() + Vec3::Y * above;
+        let roots: Vec<Vec3> = library.link_roots(link).map(raised).collect();
         let last = last.min(roots.len().saturating_sub(1));
         // A few straight pieces are enough to show the path.
         let stride = ((last.saturating_sub(first)) / 6).max(1);
-        let mut kept: Vec<Placement> = (first..last).step_by(stride).filter_map(|k| roots.get(k).copied()).collect();
+        let mut kept: Vec<Vec3> = (first..last).step_by(stride).filter_map(|k| roots.get(k).copied()).collect();
         kept.extend(roots.get(last));
         kept
     }

@@ -7,6 +7,7 @@ use crate::fixtures::square::Square;
 use crate::render::Ray;
 use std::path::Path;
 use std::sync::mpsc::channel;
+use throng_core::patch::Placement;
 use throng_world::inhabitants::InhabitantActivity;
 
 fn panel(x: i32, z: i32) -> Placement {

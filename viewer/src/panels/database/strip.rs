@@ -5,9 +5,10 @@ use crate::bundle::OpenBundle;
 use crate::document::RawMotion;
 use crate::panels::paint::{FigureStyle, FrameAxis, figure_of_pose, paint_figure};
 use crate::theme::ThemePalette;
-use eframe::egui::{Color32, Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
+use eframe::egui::{Painter, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use glam::{Quat, Vec3};
-use throng_core::{Contacts, Joint, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_core::{Contacts, Mat3x4, NUM_JOINTS, Planar, Skeleton};
+use throng_precompute::annotate::contacts::FOOT_PARTS;
 use throng_precompute::picture::{BodyFigure, step_up};
 
 /// Least distance of two figures, as a share of the height of the strip.
@@ -88,13 +89,9 @@ impl StripFigure {
     /// A bar on the ground under every part of a foot that stands.
     fn paint_contacts(&self, painter: &Painter, foot: Pos2, style: FigureStyle) {
         let [left, right, _] = style.colours;
-        let parts: [(Contacts, Joint, Color32, f32); 4] = [
-            (Contacts::LEFT_HEEL, Joint::LeftFoot, left, 3.5),
-            (Contacts::LEFT_TOE, Joint::LeftToe, left, 3.5),
-            (Contacts::RIGHT_HEEL, Joint::RightFoot, right, 1.5),
-            (Contacts::RIGHT_TOE, Joint::RightToe, right, 1.5),
-        ];
-        for (_, joint, colour, below) in parts.into_iter().filter(|p| self.contacts.any(p.0)) {
+        let sides = [(left, 3.5), (left, 3.5), (right, 1.5), (right, 1.5)];
+        let parts = FOOT_PARTS.into_iter().zip(sides);
+        for ((joint, _), (colour, below)) in parts.filter(|((_, part), _)| self.contacts.any(*part)) {
             let x = foot.x + self.figure.joint(joint).z * style.per_m;
             let half = (0.07 * style.per_m).max(2.0);
             painter.hline(x - half..=x + half, foot.y + below, Stroke::new(2.0, colour));
