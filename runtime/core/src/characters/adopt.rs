@@ -19,6 +19,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
     let names = &group.bundle.meta().behaviours;
     let number = |policy: u32| Ok(new.find_policy(&names[policy as usize])? as u32);
     let orders = group.orders.iter().map(|o| o.with_policy_numbers(number)).collect::<Result<Vec<_>>>()?;
+    orders.iter().try_for_each(|o| motion_set.manners.check(o.manner))?;
     if motion_set.graph().states.is_empty() {
         return Err(no_graph());
     }

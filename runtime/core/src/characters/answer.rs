@@ -252,6 +252,9 @@ impl PolicyCharacters {
     pub(super) fn give_order(&mut self, at: usize, mut order: PolicyOrder) {
         order.follow(&self.orders[at]);
         let old = std::mem::replace(&mut self.orders[at], order);
+        if old.manner != order.manner {
+            self.characters.enter_manner(&self.motion_set, &self.arrivals, at, order.manner);
+        }
         if asks_anew(&old, &order, self.characters.root(at)) {
             self.characters.answer_order(&self.motion_set, at, &order);
         }

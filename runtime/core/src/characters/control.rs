@@ -5,6 +5,7 @@ use super::bent;
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
 use super::blow::PassedHits;
 use super::idle::StandingChooser;
+use super::manner::MannerName;
 use super::motion_set::MotionSet;
 use super::order::PolicyOrder;
 use super::scheduled_clip::to_root;
@@ -14,7 +15,7 @@ use super::{ActionChoice, Characters, CharactersConfig, pace};
 use crate::body::set_lane;
 use crate::graph::MotionSegment;
 use crate::planar::{Planar, wrap_angle};
-use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
+use crate::policy::{self, BestActionJob, LookAheadJob, MAX_RANKED, NO_ACTION, PolicyTable, RankedActions};
 use glam::{Vec2, Vec3};
 use throng_base::maths;
 use throng_base::simd::{LANES, dispatch};
@@ -113,10 +114,12 @@ impl PendingChoices {
         if b.time[lane] < b.length[lane] as f32 || b.segment[lane] == SCHEDULED {
             return;
         }
-        if b.pace[lane] == pace::HELD_STILL && tick.orders[first + character].is_to_stand() {
+        let (order, end) = (&tick.orders[first + character], motion_set.graph.segments[b.segment[lane] as usize].end);
+        let is_held = b.pace[lane] == pace::HELD_STILL && order.is_to_stand();
+        if is_held && motion_set.manners.wanted(order.manner, end).is_none() {
             return;
         }
-        let (num_goals, goals) = active_goals(&tick.orders[first + character], motion_set);
+        let (num_goals, goals) = active_goals(order, motion_set);
         let policies = goals.map(|g| g.policy);
         if self.len == 0 {
             (self.num_goals, self.policies) = (num_goals, policies);
@@ -124,12 +127,11 @@ impl PendingChoices {
             // It is asked something else: its turn comes in another pass.
             return;
         }
-        let segment = &motion_set.graph.segments[b.segment[lane] as usize];
         let root = b.root_at_end(lane, motion_set);
         let i = self.len;
         self.len += 1;
         self.characters[i] = character as u32;
-        self.states[i] = segment.end;
+        self.states[i] = end;
         self.roots[i] = root;
         for (g, goal) in goals[..num_goals].iter().enumerate() {
             let t = goal.target;
@@ -197,6 +199,22 @@ impl PendingChoices {
                 self.actions[i] = chooser.replace_action(policy, weight, target, self.actions[i]);
             }
         }
+        for i in 0..n {
+            let order = &tick.orders[first + self.characters[i] as usize];
+            if order.manner == MannerName::NONE {
+                continue;
+            }
+            let chosen = motion_set.graph.segments_of(self.states[i])[usize::from(self.actions[i])];
+            // Who stands may turn in any manner.
+            let end = if num_goals == 0 { self.states[i] } else { motion_set.graph.segments[chosen as usize].end };
+            let Some(manner) = motion_set.manners.wanted(order.manner, end) else { continue };
+            let aims = |g: usize| (&motion_set.policies[policies[g]], self.weights[g][i], self.targets[g][i]);
+            let worth = |segment: &MotionSegment| (0..num_goals).map(|g| worth_after(segment, aims(g))).sum();
+            let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.states[i], manner, worth);
+            if ranked[0] != NO_ACTION {
+                (self.actions[i], self.bends[i]) = (ranked[0], 0.0);
+            }
+        }
     }
 
     fn standing_chooser<'a>(
@@ -210,6 +228,12 @@ impl PendingChoices {
         let b = &blocks[character / LANES];
         StandingChooser { b, lane: character % LANES, state: self.states[i], root: self.roots[i], motion_set, config }
     }
+}
+
+/// Value for a behaviour, with its weight and its target, of the end of a segment (m).
+pub(super) fn worth_after(segment: &MotionSegment, (policy, weight, target): (&PolicyTable, f32, Vec3)) -> f32 {
+    let left = segment.displacement().inverse_transform_point(Vec2::new(target.x, target.z));
+    weight * policy.value(segment.end, Vec3::new(left.x, target.y, left.y))
 }
 
 /// Changes the scores of blows by what a character likes at the moment, so that nobody throws the same one all the time.

@@ -113,6 +113,11 @@ impl MotionSet {
         self.policies.get(index)
     }
 
+    /// Names of the manners that orders may have; none where all motion is alike.
+    pub fn manners(&self) -> impl Iterator<Item = &str> {
+        self.manners.known()
+    }
+
     /// The motion graph.
     pub fn graph(&self) -> &MotionGraph {
         &self.graph

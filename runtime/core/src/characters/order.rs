@@ -1,6 +1,7 @@
 //! Orders of one character: behaviours, their weights, and the target they are about.
 
 use super::control::MAX_GOALS;
+use super::manner::MannerName;
 use super::motion_set::MotionSet;
 use crate::body::BodyLayers;
 use crate::bundle::Bundle;
@@ -83,6 +84,7 @@ pub struct PolicyOrder {
     pub(super) layers: BodyLayers,
     /// Counts where there are no behaviours.
     pub(super) stands: StandOrder,
+    pub(super) manner: MannerName,
 }
 
 impl PolicyOrder {
@@ -97,6 +99,7 @@ impl PolicyOrder {
         age_s: 0.0,
         layers: BodyLayers::NONE,
         stands: StandOrder::Follow,
+        manner: MannerName::NONE,
     };
 
     /// An order to stop as soon as the motion allows, and to stand at ease there.
@@ -154,6 +157,12 @@ impl PolicyOrder {
         Self { threat, ..self }
     }
 
+    /// Orders a manner of motion, such as `sad`; `normal` is that which nothing sets apart. It stays with later orders that name
+    /// none; who was never ordered to one keeps that of the motion it is in.
+    pub fn in_manner(self, name: &str) -> Self {
+        Self { manner: MannerName::new(name), ..self }
+    }
+
     /// Replaces what the body does beside its motion.
     pub fn with_layers(self, layers: BodyLayers) -> Self {
         Self { layers, ..self }
@@ -191,8 +200,11 @@ impl PolicyOrder {
         }
     }
 
-    /// Takes the velocity of a target from where it was before.
+    /// Takes the velocity of a target from where it was before, and the manner where it names none.
     pub(super) fn follow(&mut self, old: &Self) {
+        if self.manner == MannerName::NONE {
+            self.manner = old.manner;
+        }
         let since = old.age_s;
         (self.velocity, self.age_s) = (Vec3::ZERO, 0.0);
         if self.policies() != old.policies() || since > MOVES_S {
@@ -236,7 +248,8 @@ impl PolicyOrder {
     /// Checks it against a motion set.
     ///
     /// # Errors
-    /// [`Error::Index`] for a policy that does not exist, [`Error::Value`] for a number out of its range.
+    /// [`Error::Index`] for a policy that does not exist, [`Error::Value`] for a number out of its range, [`Error::Unknown`] for a
+    /// manner in which no motion goes on.
     pub fn check(&self, who: Option<Id>, motion_set: &MotionSet) -> Result<()> {
         let n = self.num_goals as usize;
         check_value("the number of behaviours", who, n as f64, n <= MAX_GOALS, "0 to 4")?;
@@ -252,6 +265,7 @@ impl PolicyOrder {
         let is_recent = (0.0..=2.0 * MOVES_S).contains(&self.age_s);
         check_value("age of the target", who, self.age_s, is_recent, "0 to 1 (s)")?;
         self.layers.check(who, motion_set.num_frames())?;
+        motion_set.manners.check(self.manner)?;
         self.check_target(who)
     }
 

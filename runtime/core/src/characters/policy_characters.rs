@@ -138,6 +138,23 @@ impl PolicyCharacters {
         Ok(())
     }
 
+    /// Orders a character a manner of motion, see [`PolicyOrder::in_manner`]; the rest of its order stays.
+    ///
+    /// # Errors
+    /// [`Error::Gone`], or [`Error::Unknown`] with the manners there are.
+    pub fn set_manner(&mut self, id: Id, name: &str) -> Result<()> {
+        self.order(id, self.order_of(id)?.in_manner(name))
+    }
+
+    /// Name of the manner of the motion that a character plays; empty where no motion has one.
+    ///
+    /// # Errors
+    /// [`Error::Gone`].
+    pub fn manner(&self, id: Id) -> Result<&str> {
+        let (segment, _) = self.characters.segment(self.roster.row(id)?);
+        Ok(self.motion_set.manners.name_of(self.motion_set.graph.segments[segment as usize].end))
+    }
+
     /// Planted parts of a character's feet.
     ///
     /// # Errors
@@ -328,7 +345,7 @@ impl PolicyCharacters {
         // What is only written or measured besides changes no motion.
         let outputs = CharactersConfig { local_transforms: false, instances: false, ..self.characters.config };
         setup.add_bytes(format!("{outputs:?}").as_bytes());
-        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 9, setup: setup.finish() }
+        SnapshotKind { what: "policy characters", tag: *b"PCHR", version: 10, setup: setup.finish() }
     }
 }
 

@@ -1,6 +1,8 @@
 //! Spawning and despawning: characters stay side by side in memory.
 
 use super::block::{BodyBlock, MotionBlock, NO_STATE, SCHEDULED};
+use super::control::draw_random;
+use super::manner::MannerName;
 use super::motion_set::MotionSet;
 use super::pace;
 use super::{CharacterStart, Characters};
@@ -61,6 +63,27 @@ impl Characters {
         self.clear_row(last);
         self.num_characters -= 1;
         self.mark_paths_stale();
+    }
+
+    /// Lets one that has entered and not begun stand in a manner from the start, where there is room for it (at <
+    /// num_characters).
+    pub(super) fn enter_manner(&mut self, motion_set: &MotionSet, arrivals: &[u32], at: usize, manner: MannerName) {
+        let (b, lane) = (&mut self.blocks[at / LANES], at % LANES);
+        let (before, pace, graph) = (*b, b.pace[lane], &motion_set.graph);
+        if b.segment[lane] == SCHEDULED || b.num_choices[lane] > 0 || b.time[lane] < b.length[lane] as f32 {
+            return;
+        }
+        let wanted = motion_set.manners.wanted(manner, graph.segments[b.segment[lane] as usize].end);
+        let draw = draw_random(b, lane, &self.config);
+        let state = wanted.and_then(|manner| motion_set.manners.draw_state(&motion_set.stops.stops, manner, draw));
+        let Some(state) = state else { return };
+        let frame = graph.states[state as usize].frame;
+        b.start_at_state(lane, motion_set, b.root(lane), frame, arrivals[state as usize]);
+        b.pace[lane] = pace;
+        if !self.reserve_path(motion_set, at) {
+            self.blocks[at / LANES].copy_lane(lane, &before, lane);
+            self.reserve_path(motion_set, at);
+        }
     }
 
     /// Reserves the path of one that has come; where there is no room for the stop from its state, it is held in it.

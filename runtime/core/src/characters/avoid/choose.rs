@@ -3,6 +3,7 @@
 use super::super::block::{MotionBlock, SCHEDULED};
 use super::super::control::{self, MAX_GOALS, OwnGoal};
 use super::super::idle::StandingChooser;
+use super::super::manner::MannerName;
 use super::super::motion_set::MotionSet;
 use super::super::transition::{SegmentChange, StartTransitionsJob};
 use super::super::{ActionChoice, Characters, CharactersConfig, PolicyOrder, pace};
@@ -10,6 +11,7 @@ use super::path::{self, SegmentPlan};
 use super::steer::{NUM_DIRECTIONS, SteeringQuery};
 use super::{AvoidConfig, PathAvoidance, elapsed_s};
 use crate::body::RANGE_LEN;
+use crate::graph::MotionSegment;
 use crate::planar::Planar;
 use crate::policy::{self, LookAheadJob, MAX_RANKED, NO_ACTION, RankedActions};
 use glam::{Vec2, Vec3};
@@ -161,6 +163,22 @@ impl ChoosingCharacter<'_> {
     fn clear_plan(&self, avoiding: &mut PathAvoidance, b: &MotionBlock) -> Option<(SegmentPlan, bool)> {
         let motion_set = self.step.motion_set;
         let segments = motion_set.graph.segments_of(self.state);
+        // Who stands may turn in any manner.
+        let has_own = self.order().manner != MannerName::NONE && !self.goals.is_empty();
+        let first = has_own.then(|| self.ranked_actions(b, 0.0)[0]).and_then(|first| segments.get(usize::from(first)));
+        let end = first.map_or(self.state, |&s| motion_set.graph.segments[s as usize].end);
+        if let Some(manner) = motion_set.manners.wanted(self.order().manner, end) {
+            let aims =
+                |goal: &OwnGoal| (&motion_set.policies[goal.policy], goal.weight, self.target_seen_turned(goal, 0.0));
+            let worth =
+                |segment: &MotionSegment| self.goals.iter().map(|g| control::worth_after(segment, aims(g))).sum();
+            let ranked = motion_set.manners.ranked_actions(&motion_set.graph, self.state, manner, worth);
+            let known = ranked.into_iter().filter(|&action| action != NO_ACTION);
+            let mut plans = known.map(|action| self.segment_plan(segments[usize::from(action)], 0.0));
+            if let Some(plan) = plans.find(|&plan| self.is_clear(plan, avoiding)) {
+                return Some((plan, true));
+            }
+        }
         if self.order().is_to_stand() {
             let (action, bend) = self.standing_chooser(b).choose_stand(self.order());
             let segment = segments[usize::from(action)];

@@ -1,6 +1,7 @@
 use super::*;
 use crate::characters::ActionChoice;
 use crate::characters::made_up::tables;
+use crate::characters::manner::Manners;
 use crate::characters::tests::TwoThreads;
 use throng_base::Inline;
 
@@ -295,4 +296,69 @@ fn who_has_had_layers_moves_as_who_has_had_none() {
     step(&mut group, 100);
     step(&mut plain, 100);
     assert_eq!(group.hash(), plain.hash());
+}
+
+/// Characters of motion that is calm or sad.
+fn moody_group(config: CharactersConfig) -> (PolicyCharacters, Vec<Id>) {
+    let mut group = PolicyCharacters::with_capacity(&tables(), 4, config).unwrap();
+    group.motion_set.manners = Manners::made_up(&group.motion_set.graph).into();
+    let enter = |i: u32| group.spawn(Spawn { root: Planar::new(20.0 * i as f32, 0.0, 0.0), state: Some(i) }).unwrap();
+    let ids = (0..4).map(enter).collect();
+    (group, ids)
+}
+
+#[test]
+fn a_manner_that_is_ordered_is_entered_and_kept_until_another_one_is() {
+    let avoids = CharactersConfig { avoid: Some(crate::characters::AvoidConfig::default()), ..config() };
+    for config in [config(), avoids] {
+        let (mut group, ids) = moody_group(config);
+        let are_all = |group: &PolicyCharacters, name| ids.iter().all(|id| group.manner(*id).unwrap() == name);
+        step(&mut group, 30);
+        assert!(!are_all(&group, "calm") && !are_all(&group, "sad"), "each goes on as it began");
+        for (k, name) in ["sad", "calm", "sad"].into_iter().enumerate() {
+            let orders =
+                [PolicyOrder::towards(0, target(k)), PolicyOrder::IDLE, PolicyOrder::STOP, PolicyOrder::turn_to(2.0)];
+            for (id, order) in ids.iter().zip(orders) {
+                group.order(*id, order.in_manner(name)).unwrap();
+            }
+            let begun = (0..80).position(|_| {
+                step(&mut group, 1);
+                are_all(&group, name)
+            });
+            assert!(begun.is_some(), "within 2 s: {:?}", ids.iter().map(|id| group.manner(*id)).collect::<Vec<_>>());
+            // Orders that name no manner leave it.
+            for step_number in 0..400 {
+                if step_number % 50 == 0 {
+                    for (i, id) in ids.iter().enumerate() {
+                        let to = 3.0 * target(step_number / 50 % 4) + 20.0 * i as f32 * Vec3::X;
+                        group.order(*id, PolicyOrder::towards(0, to)).unwrap();
+                    }
+                }
+                step(&mut group, 1);
+                assert!(are_all(&group, name));
+            }
+        }
+        let e = group.set_manner(ids[0], "merry").unwrap_err().to_string();
+        assert!(["merry", "calm", "sad"].iter().all(|name| e.contains(name)), "{e}");
+        group.set_manner(ids[0], "calm").unwrap();
+        let mut kept = Vec::new();
+        group.save(&mut kept);
+        step(&mut group, 60);
+        assert_eq!(group.manner(ids[0]).unwrap(), "calm");
+        let after = seen(&group, ids[0]);
+        group.load(&kept).unwrap();
+        step(&mut group, 60);
+        assert_eq!(seen(&group, ids[0]).0, after.0);
+    }
+}
+
+#[test]
+fn who_has_not_begun_stands_in_its_manner_from_the_start() {
+    let (mut group, ids) = moody_group(config());
+    let roots = group.bodies().roots.to_vec();
+    ids.iter().for_each(|id| group.set_manner(*id, "sad").unwrap());
+    assert!(ids.iter().all(|id| group.manner(*id).unwrap() == "sad"));
+    assert_eq!(ids.iter().map(|id| group.characters.root(group.row(*id).unwrap())).collect::<Vec<_>>(), roots);
+    group.step(0.0, &Inline).unwrap();
+    assert_eq!(group.bodies().roots, roots);
 }
