@@ -7,7 +7,7 @@ use serde::Serialize;
 use std::f32::consts::PI;
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::characters::{CharactersConfig, PolicyCharacters, PolicyOrder, Spawn};
-use throng_core::{Bundle, CharacterGroup, Inline, Joint, NUM_JOINTS, Planar, Result};
+use throng_core::{Bundle, CharacterGroup, Id, Inline, Joint, NUM_JOINTS, Planar, Result};
 
 /// Number of characters, steps a second, and distance between neighbours (m).
 const DRILLED: (usize, f32, f32) = (24, 30.0, 200.0);
@@ -45,6 +45,8 @@ pub struct DrillFigures {
     pub answer_s: f64,
     /// Distance from a target that goes away at 0.5 m/s, after 4 s (m).
     pub lag_m: f64,
+    /// Time from an order for another manner until its motion is played, and the longest one; none where all motion is alike (s).
+    pub manner_s: Option<[f64; 2]>,
 }
 
 /// Positions of all joints, step by step, of every character.
@@ -100,7 +102,35 @@ pub fn run(tables: &Bundle) -> Result<DrillFigures> {
     };
     let mut lags: Vec<f32> = follow.iter().map(lag).collect();
     let [answer_s, lag_m] = [&mut answers, &mut lags].map(|values| median(values).unwrap_or(0.0));
-    Ok(DrillFigures { turn_90_s, turn_90_m, turn_180_s, turn_180_m, turn_standing_s, stop_s, stop_m, answer_s, lag_m })
+    let manner_s = time_manners(tables, on_way)?;
+    let turns = DrillFigures { turn_90_s, turn_90_m, turn_180_s, turn_180_m, turn_standing_s, ..Default::default() };
+    Ok(DrillFigures { stop_s, stop_m, answer_s, lag_m, manner_s, ..turns })
+}
+
+/// Median and longest time from an order for another manner until its motion is played (s).
+fn time_manners(tables: &Bundle, first: impl Fn(Vec3) -> PolicyOrder) -> Result<Option<[f64; 2]>> {
+    let (mut group, ids) = start(tables, first)?;
+    let known: Vec<String> = group.motion_set().manners().map(str::to_owned).collect();
+    (0..(SECONDS[0] * DRILLED.1) as usize).try_for_each(|_| group.step(1.0 / DRILLED.1, &Inline))?;
+    let mut times = Vec::new();
+    for (i, &id) in ids.iter().enumerate() {
+        let own = group.manner(id)?.to_owned();
+        let others: Vec<_> = known.iter().filter(|name| **name != own).collect();
+        let Some(wanted) = others.get(i % others.len().max(1)) else { return Ok(None) };
+        group.set_manner(id, wanted)?;
+        times.push((id, *wanted, SECONDS[1]));
+    }
+    for step in 1..=(SECONDS[1] * DRILLED.1) as usize {
+        group.step(1.0 / DRILLED.1, &Inline)?;
+        for (id, wanted, time_s) in &mut times {
+            if *time_s == SECONDS[1] && group.manner(*id)? == *wanted {
+                *time_s = step as f32 / DRILLED.1;
+            }
+        }
+    }
+    let mut times: Vec<f32> = times.into_iter().map(|(_, _, time_s)| time_s).collect();
+    let longest = times.iter().copied().fold(0.0, f32::max);
+    Ok(median(&mut times).map(|middle| [middle, f64::from(longest)]))
 }
 
 fn hips(track: &[[Vec3; NUM_JOINTS]], f: usize) -> Vec2 {
@@ -134,17 +164,8 @@ fn play(
     first: impl Fn(Vec3) -> PolicyOrder,
     then: impl Fn(Vec3, Vec2, f32) -> PolicyOrder,
 ) -> Result<Course> {
-    let (n, hz, apart) = DRILLED;
-    let config = CharactersConfig::default();
-    let mut group = PolicyCharacters::with_capacity(tables, n, config)?;
-    let states = start_states(tables, &config);
-    let mut ids = Vec::with_capacity(n);
-    for i in 0..n {
-        let root = Planar::new(apart * i as f32, 0.0, 0.0);
-        let id = group.spawn(Spawn { root, state: Some(states[i * states.len() / n]) })?;
-        group.order(id, first(Vec3::new(root.x, 0.0, 0.0)))?;
-        ids.push(id);
-    }
+    let (n, hz, _) = DRILLED;
+    let (mut group, ids) = start(tables, first)?;
     let mut course: Course = vec![Vec::new(); n];
     let ordered = (SECONDS[0] * hz) as usize;
     for step in 0..((SECONDS[0] + SECONDS[1]) * hz) as usize {
@@ -158,6 +179,22 @@ fn play(
         (0..n).for_each(|c| course[c].push(group.characters().joint_positions(c)));
     }
     Ok(course)
+}
+
+/// Characters apart from each other, each with an order of its place (m).
+fn start(tables: &Bundle, first: impl Fn(Vec3) -> PolicyOrder) -> Result<(PolicyCharacters, Vec<Id>)> {
+    let (n, _, apart) = DRILLED;
+    let config = CharactersConfig::default();
+    let mut group = PolicyCharacters::with_capacity(tables, n, config)?;
+    let states = start_states(tables, &config);
+    let mut ids = Vec::with_capacity(n);
+    for i in 0..n {
+        let root = Planar::new(apart * i as f32, 0.0, 0.0);
+        let id = group.spawn(Spawn { root, state: Some(states[i * states.len() / n]) })?;
+        group.order(id, first(Vec3::new(root.x, 0.0, 0.0)))?;
+        ids.push(id);
+    }
+    Ok((group, ids))
 }
 
 #[cfg(test)]
