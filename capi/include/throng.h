@@ -662,6 +662,19 @@ enum ThrongStatus throng_characters_stop(struct ThrongSimulation simulation, str
 enum ThrongStatus throng_characters_turn_to(struct ThrongSimulation simulation, struct ThrongId id, float heading);
 
 /**
+ * Orders a character a manner of motion, which stays until another one is ordered; its other order goes on. The error message
+ * lists the manners there are.
+ *
+ * @param manner such as "sad"; "normal" is that which nothing sets apart.
+ *
+ * @pre
+ * `manner` ends with a zero.
+ */
+enum ThrongStatus throng_characters_set_manner(struct ThrongSimulation simulation,
+                                               struct ThrongId id,
+                                               const char *manner);
+
+/**
  * Progress of a character's order.
  *
  * @param left_m remaining length of its path while it is on its way, else 0 (m).

@@ -162,6 +162,7 @@ public:
     }
     void stop(ThrongId id) { check(throng_characters_stop(handle_, id)); }
     void turn_to(ThrongId id, float heading) { check(throng_characters_turn_to(handle_, id, heading)); }
+    void set_manner(ThrongId id, const std::string& manner) { check(throng_characters_set_manner(handle_, id, manner.c_str())); }
     /// Records of everybody; none unless config().instances.
     std::vector<ThrongInstance> instances() const { return records<ThrongInstance>(throng_characters_instances); }
     /// Who is posed from now on; null for everybody.

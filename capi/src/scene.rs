@@ -279,6 +279,26 @@ pub extern "C" fn throng_characters_turn_to(simulation: ThrongSimulation, id: Th
     simulation.call(|stage| Ok(stage.characters_mut()?.order(id.into(), PolicyOrder::turn_to(heading))?))
 }
 
+/// Orders a character a manner of motion, which stays until another one is ordered; its other order goes on. The error message
+/// lists the manners there are.
+///
+/// @param manner such as "sad"; "normal" is that which nothing sets apart.
+///
+/// # Safety
+/// `manner` ends with a zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn throng_characters_set_manner(
+    simulation: ThrongSimulation,
+    id: ThrongId,
+    manner: *const c_char,
+) -> ThrongStatus {
+    catch_fault(|| {
+        // SAFETY: promised by the caller.
+        let manner = unsafe { read_text("manner", manner) }?;
+        simulation.with(|stage| Ok(stage.characters_mut()?.set_manner(id.into(), manner)?))
+    })
+}
+
 /// Progress of a character's order.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

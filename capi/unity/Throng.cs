@@ -147,6 +147,7 @@ namespace Throng
         }
         public void Stop(Id id) { Native.Check(Native.throng_characters_stop(handle, id)); }
         public void TurnTo(Id id, float heading) { Native.Check(Native.throng_characters_turn_to(handle, id, heading)); }
+        public void SetManner(Id id, string manner) { Native.Check(Native.throng_characters_set_manner(handle, id, Native.Text(manner))); }
         public Progress ProgressOf(Id id, out float leftMetres)
         {
             Progress progress;
@@ -254,6 +255,7 @@ namespace Throng
         [DllImport(Library)] internal static extern Status throng_characters_despawn(ulong of, Id id);
         [DllImport(Library)] internal static extern Status throng_characters_stop(ulong of, Id id);
         [DllImport(Library)] internal static extern Status throng_characters_turn_to(ulong of, Id id, float heading);
+        [DllImport(Library)] internal static extern Status throng_characters_set_manner(ulong of, Id id, byte[] manner);
         [DllImport(Library)] internal static extern Status throng_characters_place(ulong of, Id id, float x, float z, float heading);
         [DllImport(Library)] internal static extern Status throng_characters_order(ulong of, Id id, uint policy, float x, float y, float z);
         [DllImport(Library)] internal static extern Status throng_characters_set_layers(ulong of, Id id, ref Layers layers);

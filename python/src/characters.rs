@@ -85,6 +85,13 @@ impl PyCharacters {
         self.characters.order(id, PolicyOrder::turn_to(heading)).map_err(error::runtime_error)
     }
 
+    /// Orders a character a manner of motion, such as "sad", which stays until another one is ordered; "normal" is that which nothing
+    /// sets apart. Before the first step it stands in it at once.
+    fn set_manner(&mut self, who: usize, manner: &str) -> PyResult<()> {
+        let id = self.id(who)?;
+        self.characters.set_manner(id, manner).map_err(error::runtime_error)
+    }
+
     /// Sets the layers of a character, a JSON object.
     fn _set_layers(&mut self, who: usize, layers: &str) -> PyResult<()> {
         let layers: BodyLayers = serde_json::from_str(layers).map_err(|e| error::input_error(e.to_string()))?;

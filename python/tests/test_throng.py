@@ -162,6 +162,9 @@ def test_characters_pose(bundle):
     assert np.abs(people.roots[0] - stands)[:2].max() < 0.01
     with pytest.raises(throng.InputError, match="3"):
         people.stop(3)
+    people.set_manner(0, "normal")
+    with pytest.raises(throng.InputError, match="merry"):
+        people.set_manner(0, "merry")
 
 
 def test_characters_wave_walk_and_report_their_steps(bundle):

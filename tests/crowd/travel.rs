@@ -49,6 +49,13 @@ fn walk(sim: &mut Simulation, walls: &[[[f32; 2]; 2]], until_s: f64) -> usize {
 }
 
 #[test]
+fn a_manner_that_the_motion_lacks_is_refused_by_name() {
+    let text = group(2, [[-4.0, -7.0], [4.0, -3.0]], "shift = { by = [0.0, 10.0] }");
+    let e = people(&text.replace("count", "manners = [\"merry\"]\ncount")).unwrap_err();
+    assert!(e.contains("groups[0]") && e.contains("manner \"merry\""), "{e}");
+}
+
+#[test]
 fn people_find_their_way_round_walls_and_through_doors() {
     let start = [[-4.0, -7.0], [4.0, -3.0]];
     let across = "shift = { by = [0.0, 10.0] }";

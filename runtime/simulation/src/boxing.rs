@@ -83,6 +83,12 @@ pub(crate) fn weighted_order(compiled: &CompiledScene, group: usize) -> Result<(
     Ok((numbers.iter().zip(weights).fold(PolicyOrder::IDLE, weighed), numbers))
 }
 
+/// The order in the manner of one of a group's characters, where the group names any.
+pub(crate) fn in_own_manner(order: PolicyOrder, group: &GroupConfig, number: usize) -> PolicyOrder {
+    let own = group.manners.get(number % group.manners.len().max(1));
+    own.map_or(order, |manner| order.in_manner(manner))
+}
+
 pub(crate) fn characters_config(compiled: &CompiledScene, group: usize) -> CharactersConfig {
     let choice = ActionChoice::LookAhead { temperature: compiled.scene().groups[group].temperature as f32 };
     let (seed, first_number) = (compiled.scene().seed, compiled.first_number(group) as u64);
@@ -117,7 +123,7 @@ impl Bouts {
         for pair in starts.as_chunks().0 {
             let first = sparring.spawn(*pair).map_err(|e| setup.fault(e))?;
             for id in [first, sparring.opponent(first)?] {
-                sparring.order(id, order).map_err(|e| setup.fault(e))?;
+                sparring.order(id, in_own_manner(order, setup.config(), id.index())).map_err(|e| setup.fault(e))?;
             }
         }
         sparring.boxers_mut().release_entrants();
@@ -165,7 +171,7 @@ impl Practice {
             practice.boxers_mut().set_walls(&compiled.scene().environment.walls());
             for (start, home) in starts.into_iter().zip(&homes) {
                 let id = practice.spawn(start)?;
-                practice.order(id, order.with_target(*home))?;
+                practice.order(id, in_own_manner(order, own, id.index()).with_target(*home))?;
             }
             practice.boxers_mut().release_entrants();
             Ok(practice)

@@ -1,7 +1,7 @@
 //! Characters with policies on the way to goals: navigation puts a point before them, and their policy goes there.
 
 use crate::agents::{CrowdLayout, Disc};
-use crate::boxing::{characters_config, resting_states, weighted_order};
+use crate::boxing::{characters_config, in_own_manner, resting_states, weighted_order};
 use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
 use crate::scene::{AtEndConfig, Scene};
@@ -97,6 +97,7 @@ impl Travellers {
             let mut spawn = || people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]) });
             let first = spawn();
             let id = (1..POSES_TRIED).fold(first, |made, _| made.or_else(|_| spawn())).map_err(fault)?;
+            let order = in_own_manner(order, &scene.groups[*of], id.index());
             people.order(id, order.with_target(Vec3::new(at.x, 0.0, at.y))).map_err(fault)?;
             let route = agent.route.map(|route| &layout.setup.routes[route]);
             if let Some(route) = route {

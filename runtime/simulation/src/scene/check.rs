@@ -26,7 +26,7 @@ const MAX_POINTS: usize = 30_000_000;
 const MAX_KNOTS: usize = 1 << 29;
 
 /// Keys of a group that only some kinds of motion have, with these kinds.
-const KEYS: [(&str, &[GroupMotion]); 22] = {
+const KEYS: [(&str, &[GroupMotion]); 23] = {
     use GroupMotion::{Blend, None as Bare, Patches, Policy, Sparring};
     [
         ("place", &[Bare, Blend, Policy, Sparring]),
@@ -45,6 +45,7 @@ const KEYS: [(&str, &[GroupMotion]); 22] = {
         ("style_by_speed", &[Blend]),
         ("bodies", &[Blend]),
         ("behaviours", &[Policy, Sparring]),
+        ("manners", &[Policy, Sparring]),
         ("temperature", &[Policy, Sparring]),
         ("stagger_force", &[Sparring]),
         ("target", &[Policy]),

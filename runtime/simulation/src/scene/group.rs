@@ -81,6 +81,10 @@ pub struct GroupConfig {
     /// with a goal names none.
     #[serde(default)]
     pub behaviours: Vec<WeightedBehaviour>,
+    /// Manners of motion, such as `sad`, for `policy` and `sparring`; characters take them in turn and keep them. `normal` is that which
+    /// nothing sets apart.
+    #[serde(default)]
+    pub manners: Vec<String>,
     /// Temperature of random choices among the best few actions, for `policy` and `sparring`; 0 takes the best (0 to 1000).
     #[serde(default)]
     pub temperature: f64,

@@ -83,6 +83,7 @@ fn faults_name_line_key_and_what_was_expected() {
         (agents("").replace(GOAL, ""), ["`groups[0].goal`", "stay"]),
         (agents("").replace(BLOCK, ""), ["`groups[0].place`", "block"]),
         (agents("temperature = 1.0\n"), ["square.toml:6:1", "\"policy\" or \"sparring\""]),
+        (agents("manners = [\"sad\"]\n"), ["square.toml:6:1", "\"policy\" or \"sparring\""]),
         (boxers("sparring", 3, ""), ["`groups[0].count`", "even"]),
         (boxers("sparring", 2, "target = {}\n"), ["square.toml:6:1", "\"policy\""]),
         (boxers("sparring", 2, "stagger_force = 11.0\n"), ["`groups[0].stagger_force`", "found 11"]),
