@@ -18,8 +18,8 @@ const LINK_COST_M: f32 = 2.0;
 const LINK_COST_UP: f32 = 3.0;
 /// Share of the free height over which a triangle may be off the ground that Recast found.
 const LAYER: f32 = 0.75;
-/// Angle by which walls have to turn for a corner (rad).
-const CORNER: f32 = 1e-3;
+/// Angle by which walls have to turn for a corner: so little that a ray along a longer wall ends at its vertices (rad).
+const CORNER: f32 = 5e-6;
 
 /// Makes a level; warnings go to `warn`.
 ///

@@ -383,3 +383,27 @@ fn files_cut_short_or_changed_are_refused() {
     let e = Level::from_bytes(b"\x89THRONG\nxxxx").unwrap_err().to_string();
     assert!(e.contains("throng level"), "{e}");
 }
+
+/// Corners that the radius of people cuts off have vertices that are nearly on one line.
+#[test]
+fn who_can_walk_there_can_walk_back() {
+    let (level, _) = level_of(&source(shapes::halls));
+    let mut rng = Pcg64Mcg::seed_from_u64(7);
+    let mut heights = Vec::new();
+    let mut draw = || loop {
+        let at = Vec2::new(rng.random_range(0.0..128.0), rng.random_range(0.0..24.0));
+        heights.clear();
+        level.add_heights(at, &mut heights);
+        if let [height] = heights[..] {
+            return Vec3::new(at.x, height, at.y);
+        }
+    };
+    let (mut there, mut back) = (LevelPath::default(), LevelPath::default());
+    for _ in 0..4000 {
+        let [a, b] = [draw(), draw()];
+        level.path_on_foot(a, b, &mut there).unwrap_or_else(|e| panic!("{e}"));
+        level.path_on_foot(b, a, &mut back).unwrap_or_else(|e| panic!("{e}"));
+        let [longer, shorter] = [there.length_m().max(back.length_m()), there.length_m().min(back.length_m())];
+        assert!(longer < 1.0201 * shorter + 1e-3, "{a} to {b}: {longer} and {shorter} m");
+    }
+}

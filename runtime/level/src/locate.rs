@@ -8,6 +8,8 @@ const EDGE_M: f32 = 1e-4;
 /// Vertical distance that counts as much as one metre along the ground: floors are told apart by it.
 const VERTICAL: f32 = 2.0;
 
+/// Difference of heights that are of one floor (m).
+const ONE_FLOOR_M: f32 = 0.3;
 /// Height over the ground within which a point is on it (m).
 const UNDER_M: f32 = 0.75;
 
@@ -38,18 +40,42 @@ impl Level {
         self.nearest_in(at, 0.0, f32::INFINITY).map(|p| p.at.y)
     }
 
+    /// Adds the heights of the ground at a point, one for each floor there (m).
+    pub fn add_heights(&self, at: Vec2, out: &mut Vec<f32>) {
+        let first = out.len();
+        for &polygon in self.polygons_in(self.square_at(at)) {
+            if self.nearest_on(polygon, at).distance(at) <= EDGE_M {
+                let height = self.height_on(polygon, at);
+                if out[first..].iter().all(|h| (h - height).abs() > ONE_FLOOR_M) {
+                    out.push(height);
+                }
+            }
+        }
+    }
+
+    /// Square of the grid that a point is in, or the nearest one.
+    fn square_at(&self, at: Vec2) -> [u32; 2] {
+        let head = self.head();
+        [0, 1].map(|axis| {
+            let k = ((at[axis] - head.low[axis]) / head.square_m).floor();
+            k.clamp(0.0, head.squares[axis] as f32 - 1.0) as u32
+        })
+    }
+
+    /// Polygons in a square of the grid.
+    fn polygons_in(&self, [x, z]: [u32; 2]) -> &[u32] {
+        let k = (z * self.head().squares[0] + x) as usize;
+        &self.0.listed[self.0.squares[k] as usize..self.0.squares[k + 1] as usize]
+    }
+
     /// - `along_m`, `up_m`: no farther away along the ground, and up or down (m).
     fn nearest_in(&self, at: Vec3, along_m: f32, up_m: f32) -> Option<LevelPoint> {
-        let (t, head, flat) = (&self.0, self.head(), at.xz());
-        let square = |v: f32, axis: usize| {
-            let k = ((v - head.low[axis]) / head.square_m).floor();
-            k.clamp(0.0, head.squares[axis] as f32 - 1.0) as u32
-        };
+        let flat = at.xz();
+        let [low, high] = [-along_m, along_m].map(|off| self.square_at(flat + off));
         let mut best = (f32::INFINITY, None);
-        for z in square(flat.y - along_m, 1)..=square(flat.y + along_m, 1) {
-            for x in square(flat.x - along_m, 0)..=square(flat.x + along_m, 0) {
-                let k = (z * head.squares[0] + x) as usize;
-                for &polygon in &t.listed[t.squares[k] as usize..t.squares[k + 1] as usize] {
+        for z in low[1]..=high[1] {
+            for x in low[0]..=high[0] {
+                for &polygon in self.polygons_in([x, z]) {
                     let place = self.nearest_on(polygon, flat);
                     let away = place.distance(flat);
                     if away > along_m || away >= best.0 {

@@ -1,7 +1,7 @@
 //! Paths between points of a level, over links too.
 
 use crate::search::LevelSearch;
-use crate::{Level, LevelPoint};
+use crate::{Level, LevelLink, LevelPoint};
 use glam::Vec3;
 use throng_base::{Error, Result};
 
@@ -56,12 +56,24 @@ impl Level {
     /// # Errors
     /// [`Error::NoPath`] for a point that is more than 1.5 m from the ground, or where nothing leads; the path is empty then.
     pub fn path(&self, from: Vec3, to: Vec3, out: &mut LevelPath) -> Result<()> {
+        self.find_path(from, to, self.links(), out)
+    }
+
+    /// Finds the shortest path that takes no link, see [`Level::path`].
+    ///
+    /// # Errors
+    /// As [`Level::path`].
+    pub fn path_on_foot(&self, from: Vec3, to: Vec3, out: &mut LevelPath) -> Result<()> {
+        self.find_path(from, to, &[], out)
+    }
+
+    fn find_path(&self, from: Vec3, to: Vec3, links: &[LevelLink], out: &mut LevelPath) -> Result<()> {
         let ends = [from, to].map(|at| self.nearest(at, NEAR_M).unwrap_or(LevelPoint::UNKNOWN));
         out.corners.clear();
         out.links.clear();
         out.length_m = f64::INFINITY;
         let is_ground = ends.iter().all(|e| (e.polygon as usize) < self.num_polygons());
-        match is_ground.then(|| self.path_between([&ends[0], &ends[1]], out)).flatten() {
+        match is_ground.then(|| self.path_between([&ends[0], &ends[1]], links, out)).flatten() {
             Some(length_m) => {
                 out.length_m = length_m;
                 Ok(())
@@ -73,10 +85,9 @@ impl Level {
         }
     }
 
-    fn path_between(&self, [from, to]: [&LevelPoint; 2], out: &mut LevelPath) -> Option<f64> {
+    fn path_between(&self, [from, to]: [&LevelPoint; 2], links: &[LevelLink], out: &mut LevelPath) -> Option<f64> {
         out.corners.push(from.at);
         let direct = out.find_leg(self, [from, to], f64::INFINITY);
-        let links = self.links();
         if links.is_empty() {
             return direct;
         }

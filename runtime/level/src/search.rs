@@ -15,6 +15,8 @@ use std::collections::BinaryHeap;
 const WEIGHT: f64 = 1.02;
 /// Rounding that a corner's distance may have (m).
 const SLACK_M: f64 = 1e-7;
+/// Distance from a vertex within which a ray goes to it (m).
+const NEAR_VERTEX_M: f64 = 1e-4;
 /// Rounding of areas (m^2).
 const FLAT: f64 = 1e-8;
 /// Largest number of nodes for each edge of a level; damaged levels may have no end.
@@ -235,15 +237,21 @@ impl LevelSearch {
                     _ => a / (a - b),
                 }
             });
+            // Vertices of a straight wall are not quite on one line: a ray along it ends at the vertex, not beside it.
+            let least = NEAR_VERTEX_M / (v - u).length();
+            let [right, left] = [right, left].map(|share| match share {
+                share if share < least => 0.0,
+                share if share > 1.0 - least => 1.0,
+                share => share,
+            });
             let cut = |share: f64| match share {
                 0.0 => (u, vertices[0]),
                 1.0 => (v, vertices[1]),
                 share => (u + (v - u) * share, NONE),
             };
-            let least = SLACK_M / (v - u).length();
             let left = left.max(right);
             for (part, [from, to]) in [[0.0, right], [right, left], [left, 1.0]].into_iter().enumerate() {
-                if to - from <= least {
+                if to <= from {
                     continue;
                 }
                 let root = match part {

@@ -159,3 +159,19 @@ pub fn islands(m: &mut Mesh) {
     m.plate([0.0, 10.0], [10.0, 18.0], [3.0; 2]);
     m.plate([36.0, 44.0], [0.0, 8.0], [0.0; 2]);
 }
+
+/// Three halls in a row, joined by passages of 4 m, each with pillars.
+pub fn halls(m: &mut Mesh) {
+    for k in 0..3 {
+        let x = 44.0 * k as f32;
+        m.plate([x, x + 40.0], [0.0, 24.0], [0.0; 2]);
+        for pillar in 0..4 {
+            let at = x + 6.0 + 9.0 * pillar as f32;
+            m.block([at, at + 1.0], [9.0, 10.0], [0.0, 3.0]);
+            m.block([at, at + 5.0], [14.5, 14.8], [0.0, 3.0]);
+        }
+        if k < 2 {
+            m.plate([x + 40.0, x + 44.0], [8.0, 12.0], [0.0; 2]);
+        }
+    }
+}
