@@ -62,7 +62,11 @@ fn report(tables: &Bundle, characters: usize, steps: usize) -> Result<(), Box<dy
     let mut sparring = Sparring::with_capacity(tables, starts.len() / 2, config)?;
     let all = (0..3).fold(PolicyOrder::IDLE, |order, policy| order.with_policy(policy, 1.0));
     for pair in starts.as_chunks::<2>().0 {
-        let first = sparring.spawn(pair.map(|CharacterStart { root, state }| Spawn { root, state: Some(state) }))?;
+        let first = sparring.spawn(pair.map(|CharacterStart { root, state }| Spawn {
+            root,
+            state: Some(state),
+            floor_m: 0.0,
+        }))?;
         for id in [first, sparring.opponent(first)?] {
             sparring.order(id, all)?;
         }

@@ -21,7 +21,9 @@ fn people(tables: &Bundle, ground: HeightField) -> PolicyCharacters {
     people.set_ground(ground);
     for c in 0..PEOPLE {
         let root = Planar::new(3.0 * c as f32, 0.4 * c as f32, 0.7 * c as f32);
-        people.spawn(Spawn { root, state: Some((37 * c % tables.graph().states.len()) as u32) }).expect("room");
+        people
+            .spawn(Spawn { root, state: Some((37 * c % tables.graph().states.len()) as u32), floor_m: 0.0 })
+            .expect("room");
     }
     people
 }
@@ -97,7 +99,7 @@ fn walk(ground: &HeightField, pushes: bool) -> Seen {
             for side in 0..2 {
                 for part in 0..2 {
                     let p = soles[side][part];
-                    let over = p.y - ground.ground_at(Vec2::new(p.x, p.z)).height;
+                    let over = p.y - ground.ground_at(Vec2::new(p.x, p.z), 0.0).height;
                     if down[side][part] {
                         seen.gaps.push(over.abs());
                     }

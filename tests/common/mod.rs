@@ -138,7 +138,7 @@ pub fn pairs(tables: &Bundle, n: usize) -> Vec<[Spawn; 2]> {
         let (pair, far) = (i / 2, i % 2 == 1);
         let side = if far { Planar::new(0.0, 0.9, std::f32::consts::PI) } else { Planar::IDENTITY };
         let root = Planar::new(3.0 * pair as f32, 0.0, 0.7 * pair as f32).compose(side);
-        Spawn { root, state: Some((i * 37 % states) as u32) }
+        Spawn { root, state: Some((i * 37 % states) as u32), floor_m: 0.0 }
     };
     (0..n).map(|pair| [2 * pair, 2 * pair + 1].map(start)).collect()
 }

@@ -304,13 +304,7 @@ fn scenes_of_crowds() {
     let mut results = SnapshotResults::new();
     let meeting = Meeting::new();
     let panel = vec![PanelChoice::Open(PanelKind::Crowd)];
-    let args = Args {
-        file: Some(meeting.scene(12)),
-        panel,
-        characters: None,
-        character: Some(5),
-        ..Args::default()
-    };
+    let args = Args { file: Some(meeting.scene(12)), panel, characters: None, character: Some(5), ..Args::default() };
     let light = Args { theme: Some(ThemeName::Light), ..args.clone() };
     for (args, name) in [(args.clone(), "panel_crowd_scene"), (light, "panel_crowd_scene_light")] {
         let v = rest_at(Viewing::new(&args, vec2(1000.0, 1330.0)), MET);
@@ -401,8 +395,7 @@ fn boxing() {
     let hits = Args { panel: vec![PanelChoice::Open(PanelKind::Hits)], character: None, ..bundle.clone() };
     compare(&mut results, at_rest(&hits, vec2(1000.0, 560.0)), "panel_hits");
 
-    let alone =
-        Args { file: Some(boxing.targets(1)), characters: None, character: Some(0), ..crowd() };
+    let alone = Args { file: Some(boxing.targets(1)), characters: None, character: Some(0), ..crowd() };
     let policy = Args { panel: vec![PanelChoice::Open(PanelKind::Policy)], ..alone.clone() };
     let mut v = Viewing::new(&policy, vec2(1000.0, 560.0));
     v.apply(ViewerCommand::SelectPolicy(1));

@@ -190,7 +190,7 @@ fn start(tables: &Bundle, first: impl Fn(Vec3) -> PolicyOrder) -> Result<(Policy
     let mut ids = Vec::with_capacity(n);
     for i in 0..n {
         let root = Planar::new(apart * i as f32, 0.0, 0.0);
-        let id = group.spawn(Spawn { root, state: Some(states[i * states.len() / n]) })?;
+        let id = group.spawn(Spawn { root, state: Some(states[i * states.len() / n]), floor_m: 0.0 })?;
         group.order(id, first(Vec3::new(root.x, 0.0, 0.0)))?;
         ids.push(id);
     }

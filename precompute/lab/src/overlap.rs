@@ -7,6 +7,9 @@ use throng_core::{BodyVolume, Planar, PosedBody};
 use throng_crowd::{Obstacle, Space};
 use throng_geometry::{Bounds2d, BoxGrid, Capsule, distance_to_segment};
 
+/// Difference of the heights of two trunks from which they are on two floors (m).
+const FLOOR_M: f32 = 1.5;
+
 /// A character in the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct PresentCharacter {
@@ -135,7 +138,10 @@ impl NearPairs {
 
 /// Overlap depth of two characters; negative if they are apart (m).
 pub fn overlap_depth(a: &PresentCharacter, b: &PresentCharacter) -> f32 {
-    let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0;
+    // Discs on two floors do not meet.
+    let height = |c: &PresentCharacter| c.core.map(|core| core[0].ends[0].y);
+    let is_on_one_floor = height(a).zip(height(b)).is_none_or(|(a, b)| (a - b).abs() < FLOOR_M);
+    let on_ground = a.radius_m > 0.0 && b.radius_m > 0.0 && is_on_one_floor;
     let discs = if on_ground { a.radius_m + b.radius_m - a.place.distance(b.place) } else { f32::NEG_INFINITY };
     let (Some(a), Some(b)) = (&a.core, &b.core) else { return discs };
     BodyVolume::overlap_depth(a, b, discs)

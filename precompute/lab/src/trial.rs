@@ -280,7 +280,7 @@ fn scatter_apart(tables: &Bundle, config: &TrialConfig, spacing_m: f32) -> Scatt
         let target = (0..TRIES).map(|_| draw()).find(is_free).unwrap_or_else(&mut draw);
         taken.insert(target_cell(target), target);
         let state = Some(states[rng.random_range(0..states.len())]);
-        let id = group.spawn(Spawn { root, state })?;
+        let id = group.spawn(Spawn { root, state, floor_m: 0.0 })?;
         let target = Vec3::new(target.x, 0.0, target.y);
         group.order(id, PolicyOrder::towards(0, target))?;
         targets.push(target);

@@ -257,7 +257,7 @@ fn start_placements(compiled: &CompiledScene, number: usize) -> Result<(Vec<Spaw
         let half = 0.5 * distance;
         for (z, turn) in [(-half, 0.0), (half, std::f32::consts::PI)].into_iter().take(per_place) {
             let root = centre.compose(Planar::new(0.0, z, turn));
-            starts.push(Spawn { root, state: Some(states[rng.random_range(0..states.len())]) });
+            starts.push(Spawn { root, state: Some(states[rng.random_range(0..states.len())]), floor_m: 0.0 });
             let home = centre.compose(Planar::new(0.0, -z, 0.0));
             homes.push(Vec3::new(home.x, group.target.height_m as f32, home.z));
         }

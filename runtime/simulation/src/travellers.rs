@@ -94,7 +94,8 @@ impl Travellers {
             let ahead = path.get(1).map_or(Vec2::Y, |next| *next - at);
             let root = Planar::new(at.x, at.y, maths::atan2(ahead.x, ahead.y));
             // Not every pose has room everywhere.
-            let mut spawn = || people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]) });
+            let mut spawn =
+                || people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]), floor_m: 0.0 });
             let first = spawn();
             let id = (1..POSES_TRIED).fold(first, |made, _| made.or_else(|_| spawn())).map_err(fault)?;
             let order = in_own_manner(order, &scene.groups[*of], id.index());

@@ -421,7 +421,7 @@ fn add_fields(fields: &mut [SolidMesh; 2], ground: &HeightField, centre: Vec2, h
     let n = (2.0 * half / HILL_STEP_M).ceil() as usize;
     let corner = |i: usize, k: usize| {
         let at = centre + Vec2::new(i as f32, k as f32) * (2.0 * half / n as f32) - half;
-        Vec3::new(at.x, ground.ground_at(at).height, at.y)
+        Vec3::new(at.x, ground.ground_at(at, 0.0).height, at.y)
     };
     for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
         let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];

@@ -319,7 +319,8 @@ impl PathMeter {
             f.knee_rate_max_radps = f.knee_rate_max_radps.max(f64::from(rate));
         }
         let feet = [Joint::LeftFoot, Joint::LeftToe, Joint::RightFoot, Joint::RightToe].map(|j| pose[j.index()]);
-        let below = feet.map(|p| ground.ground_at(Vec2::new(p.x, p.z)).height - p.y).into_iter().fold(0.0, f32::max);
+        let below =
+            feet.map(|p| ground.ground_at(Vec2::new(p.x, p.z), p.y).height - p.y).into_iter().fold(0.0, f32::max);
         f.below_ground_max_m = f.below_ground_max_m.max(f64::from(below));
         f.speed_max_mps = f.speed_max_mps.max(f64::from(speed));
         self.speed_sum += f64::from(speed);

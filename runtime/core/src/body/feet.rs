@@ -242,9 +242,9 @@ impl<'a> FeetTick<'a> {
             for (bit, (part, thickness)) in Contacts::FEET[side].into_iter().zip(parts) {
                 for (lane, contacts) in contacts.iter_mut().enumerate() {
                     let height = |ground: f32| part[1][lane] - thickness[lane] - lift[lane] - ground;
-                    let hangs = !is_flat
-                        && height(self.ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height).abs()
-                            > OFF_GROUND_M;
+                    let ground =
+                        || self.ground.ground_at(Vec2::new(part[0][lane], part[2][lane]), part[1][lane]).height;
+                    let hangs = !is_flat && height(ground()).abs() > OFF_GROUND_M;
                     if hangs || step[lane] < 1.0 {
                         contacts.remove(bit);
                     }

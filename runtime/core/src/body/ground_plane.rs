@@ -118,19 +118,20 @@ pub(crate) fn follow_ground<F: Lanes>(
     let velocity = [(at.x - was.x) * moves, (at.z - was.z) * moves];
     let heel = [at.x - dx * length * share, at.z - dz * length * share];
     let ball = [heel[0] + dx * length, heel[1] + dz * length];
-    let below = [heel, ball].map(|[x, z]| heights(ground, x, z));
+    let near = over.place.y;
+    let below = [heel, ball].map(|[x, z]| heights_at(ground, x, z, near));
     let mut wanted = below;
     for ahead in AHEAD_S.map(F::splat) {
         let [dx, dz] = [velocity[0] * ahead, velocity[1] * ahead];
         for (wanted, [x, z]) in wanted.iter_mut().zip([heel, ball]) {
-            *wanted = wanted.max(heights(ground, x + dx, z + dz));
+            *wanted = wanted.max(heights_at(ground, x + dx, z + dz, near));
         }
     }
     // To the left of the foot's direction.
     let side = F::splat(0.5 * WIDTH_M);
     let (mx, mz) = ((heel[0] + ball[0]) * half, (heel[1] + ball[1]) * half);
-    let left = heights(ground, mx + dz * side, mz - dx * side);
-    let right = heights(ground, mx - dz * side, mz + dx * side);
+    let left = heights_at(ground, mx + dz * side, mz - dx * side, near);
+    let right = heights_at(ground, mx - dz * side, mz + dx * side, near);
     let [steepest, steepest_aside] = STEEPEST.map(F::splat);
     let aside = ((left - right) / F::splat(WIDTH_M)).min(steepest_aside).max(-steepest_aside);
     let drop = steepest * length;
@@ -162,10 +163,11 @@ pub(crate) fn follow_ground<F: Lanes>(
 /// Height of the ground over which hips are held (m): the mean along a stride, a little ahead.
 ///
 /// - `speed`: (m/s)
-pub(crate) fn hips_ground_height(ground: &HeightField, root: Planar, speed: f32) -> f32 {
+/// - `near_m`: height to which the floor is the nearest one (m).
+pub(crate) fn hips_ground_height(ground: &HeightField, root: Planar, speed: f32, near_m: f32) -> f32 {
     let at = |along: f32| {
         let p = root.transform_point(Vec2::new(0.0, along + speed * BASE_LAG_S));
-        ground.ground_at(p).height
+        ground.ground_at(p, near_m).height
     };
     BASE_M.iter().map(|&along| at(along)).sum::<f32>() / BASE_M.len() as f32
 }
@@ -179,7 +181,8 @@ pub(crate) fn keep_planted(ground: &HeightField, leg: &LaneLeg, foot: &FootPlane
     let parts = [(&foot.heel, &[0.0; LANES]), (&foot.ball, &leg.thickness)];
     for ((part, thickness), bearing) in parts.into_iter().zip(bearing) {
         for (lane, bears) in bearing.iter_mut().enumerate() {
-            let height = ground.ground_at(Vec2::new(part[0][lane], part[2][lane])).height + thickness[lane];
+            let at = Vec2::new(part[0][lane], part[2][lane]);
+            let height = ground.ground_at(at, part[1][lane]).height + thickness[lane];
             if *bears > 0.5 && (part[1][lane] - height).abs() > FOOT_STANDS_M {
                 *bears = 0.0;
             }
@@ -201,10 +204,11 @@ fn level_length<F: Lanes>(heel: &Lane3, ball: &Lane3) -> F {
     (along.x * along.x + along.z * along.z).sqrt().max(F::splat(1e-3))
 }
 
-/// Heights of the ground at eight places (m).
+/// Heights of the ground at eight places, of the floors that are nearest to other heights (m).
 #[inline(always)]
-fn heights<F: Lanes>(ground: &HeightField, x: F, z: F) -> F {
-    let (x, z) = (x.to_array(), z.to_array());
-    let heights: [f32; LANES] = std::array::from_fn(|lane| ground.ground_at(Vec2::new(x[lane], z[lane])).height);
+fn heights_at<F: Lanes>(ground: &HeightField, x: F, z: F, near: F) -> F {
+    let (x, z, near) = (x.to_array(), z.to_array(), near.to_array());
+    let height = |lane: usize| ground.ground_at(Vec2::new(x[lane], z[lane]), near[lane]).height;
+    let heights: [f32; LANES] = std::array::from_fn(height);
     F::from_array(heights)
 }

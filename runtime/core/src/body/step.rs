@@ -91,19 +91,21 @@ impl BodyState {
     /// Moves the height that the hips are held over on.
     ///
     /// - `speed`: of each lane (m/s).
+    /// - `near`: height of each lane to which its floor is the nearest one (m).
     pub fn follow_base(
         &mut self,
         ground: &HeightField,
         spring: &DampedSpring,
         root: impl Fn(usize) -> Planar,
         speed: &Lane,
+        near: &Lane,
     ) {
         if ground.is_flat() {
             (self.base, self.base_rate) = ([0.0; LANES], [0.0; LANES]);
             return;
         }
         for lane in 0..LANES {
-            let wanted = hips_ground_height(ground, root(lane), speed[lane]);
+            let wanted = hips_ground_height(ground, root(lane), speed[lane], near[lane]);
             let (off, rate) = spring.pull_towards_zero(self.base[lane] - wanted, self.base_rate[lane]);
             (self.base[lane], self.base_rate[lane]) = match self.seen[lane] > 0.5 {
                 true => (wanted + off, rate),

@@ -31,7 +31,8 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
         let old = &group.characters;
         let root = old.root(at);
         // Poses of states stand on flat ground.
-        let height = hips_ground_height(&old.ground, root, 0.0);
+        let floor_m = old.blocks[at / LANES].floor[at % LANES];
+        let height = hips_ground_height(&old.ground, root, 0.0, floor_m);
         let shown = old.last_pose(at).map(|pose| {
             let mut pose = *pose;
             pose.iter_mut().for_each(|joint| joint.rows[1][3] -= height);
@@ -41,6 +42,7 @@ pub(super) fn adopt(group: &mut PolicyCharacters, new: &Bundle) -> Result<AdoptR
         out.farthest_m = out.farthest_m.max(farthest_m);
         let name = old.blocks[at / LANES].name[at % LANES];
         characters.add_character(&motion_set, CharacterStart { root, state: state as u32 }, &arrivals, name);
+        characters.set_floor(at, floor_m);
         characters.carry_over(old, at);
         if let Some(shown) = &shown {
             ease_to_pose(&mut characters, at, shown, &poses[state]);

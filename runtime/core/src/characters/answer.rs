@@ -349,7 +349,7 @@ mod tests {
     fn walker(config: CharactersConfig, steps: usize) -> (PolicyCharacters, Id) {
         let mut group = PolicyCharacters::with_capacity(&tables(), 1, config).unwrap();
         group.motion_set = standing_set();
-        let id = group.spawn(Spawn { root: Planar::new(3.0, -2.0, 1.0), state: Some(3) }).unwrap();
+        let id = group.spawn(Spawn { root: Planar::new(3.0, -2.0, 1.0), state: Some(3), floor_m: 0.0 }).unwrap();
         group.order(id, PolicyOrder::towards(0, Vec3::new(30.0, 0.0, 0.0))).unwrap();
         (0..steps).for_each(|_| group.step(1.0 / 60.0, &Inline).unwrap());
         (group, id)

@@ -85,6 +85,8 @@ pub(crate) struct MotionBlock {
     pub clip_to_world: Lane3,
     /// Planar root in the world at the last step: x, z, heading (m, m, rad).
     pub root: Lane3,
+    /// Height to which the floor is the nearest one, where the ground has several (m).
+    pub floor: Lane,
     /// Height of the clip's ground in the world, at time `drift_from` (m).
     pub lift: Lane,
     /// Drift of place and lift that a scheduled clip adds per frame after `drift_from`, along the world's axes
@@ -175,6 +177,7 @@ impl MotionBlock {
         time: [0.0; LANES],
         clip_to_world: [[0.0; LANES]; 3],
         root: [[0.0; LANES]; 3],
+        floor: [0.0; LANES],
         lift: [0.0; LANES],
         drift: [[0.0; LANES]; 3],
         turn: [0.0; LANES],
@@ -279,6 +282,7 @@ lanewise_fields!(MotionBlock {
     time,
     clip_to_world,
     root,
+    floor,
     lift,
     drift,
     turn,

@@ -280,7 +280,11 @@ impl Characters {
         if self.ground.is_flat() != ground.is_flat() {
             self.bodies.iter_mut().filter(|b| b.awake == 1).for_each(|b| b.state.seen = [0.0; LANES]);
         }
+        if let Some(avoiding) = &mut self.avoiding {
+            avoiding.ground = ground.clone();
+        }
         self.ground = ground;
+        self.mark_paths_stale();
     }
 
     /// Stops the limbs of characters in rows 2i and 2i + 1 at each other's bodies, from the next step on.

@@ -17,15 +17,14 @@ use crate::bundle::Bundle;
 use crate::character_group::{AdoptReport, CharacterGroup, OrderStatus, PosedBodies};
 use crate::contacts::Contacts;
 use crate::planar::Planar;
-use crate::reserve::ReservedRegion;
+use crate::reserve::{FloorWall, ReservedRegion};
 use crate::roster::Roster;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use glam::{Vec2, Vec3};
-use throng_base::error::check_index;
+use throng_base::error::{check_index, check_value};
 use throng_base::limits::STEP_S;
 use throng_base::simd::LANES;
 use throng_base::{Error, Executor, Hash128, Id, Result, SnapshotKind};
-use throng_geometry::Capsule2d;
 
 /// Distance from the target within which a character has arrived (m).
 pub const ARRIVED_M: f32 = 0.5;
@@ -37,12 +36,14 @@ pub struct Spawn {
     pub root: Planar,
     /// State of the motion graph; none for one in which characters stand, where there is any.
     pub state: Option<u32>,
+    /// Height to which its floor is the nearest one, where the ground has several (m).
+    pub floor_m: f32,
 }
 
 impl Spawn {
     /// Start in a standing state.
     pub fn standing_at(root: Planar) -> Self {
-        Self { root, state: None }
+        Self { root, state: None, floor_m: 0.0 }
     }
 }
 
@@ -237,7 +238,7 @@ impl PolicyCharacters {
     }
 
     /// Sets the walls, see [`Characters::set_walls`].
-    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
+    pub fn set_walls(&mut self, walls: impl IntoIterator<Item: Into<FloorWall>>) {
         self.characters.set_walls(walls);
     }
 
@@ -374,8 +375,10 @@ impl CharacterGroup for PolicyCharacters {
         check_index("state", Some(id), state as usize, self.motion_set.graph().states.len())?;
         check_root(Some(id), start.root)?;
         let at = self.characters.num_characters();
+        check_value("floor_m", Some(id), start.floor_m, start.floor_m.abs() < 1e4, "finite and below 10000 m")?;
         let entry = CharacterStart { root: start.root, state };
         self.characters.add_character(&self.motion_set, entry, &self.arrivals, name(id));
+        self.characters.set_floor(at, start.floor_m);
         let reserve = if self.gathers { Characters::reserve_held } else { Characters::reserve_start };
         if !reserve(&mut self.characters, &self.motion_set, at) {
             self.characters.remove_character(at);

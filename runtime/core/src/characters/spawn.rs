@@ -28,6 +28,16 @@ impl Characters {
         self.num_choosers += 1;
     }
 
+    /// Height of the floor that one is on; 0 where the ground has one floor (m, at < num_characters).
+    pub fn floor_m(&self, at: usize) -> f32 {
+        self.blocks[at / LANES].floor[at % LANES]
+    }
+
+    /// Sets the height to which the floor of one is the nearest one (m, at < num_characters).
+    pub(super) fn set_floor(&mut self, at: usize, floor_m: f32) {
+        self.blocks[at / LANES].floor[at % LANES] = floor_m;
+    }
+
     /// Empties a row, without writing memory that was never written (at < capacity).
     pub(super) fn clear_row(&mut self, at: usize) {
         self.blocks[at / LANES].copy_lane(at % LANES, &MotionBlock::ZERO, 0);

@@ -196,6 +196,12 @@ impl CharacterBlock<'_> {
         let was = block.root;
         let mut place = update_roots(block, [x, z, heading]);
         let lift = place.y;
+        if tick.ground.has_floors() {
+            for lane in 0..LANES {
+                let at = glam::Vec2::new(block.root[0][lane], block.root[1][lane]);
+                block.floor[lane] = tick.ground.ground_at(at, block.floor[lane]).height;
+            }
+        }
         let speed = forward_speed(&was, block, &place, &body.state.seen, tick.dt_s);
         if tick.ground.is_flat() {
             if body.state.base != [0.0; LANES] {
@@ -203,10 +209,11 @@ impl CharacterBlock<'_> {
             }
         } else if level == DetailLevel::Record {
             // Bodies that are never posed are never written.
-            let height = std::array::from_fn(|lane| hips_ground_height(tick.ground, block.root(lane), 0.0));
+            let height = |lane| hips_ground_height(tick.ground, block.root(lane), 0.0, block.floor[lane]);
+            let height = std::array::from_fn(height);
             place.y = place.y + F::from_array(height);
         } else {
-            body.state.follow_base(tick.ground, &body_tick.base, |lane| block.root(lane), &speed);
+            body.state.follow_base(tick.ground, &body_tick.base, |lane| block.root(lane), &speed, &block.floor);
             place.y = place.y + F::load(&body.state.base);
         }
         if !records.is_empty() {

@@ -7,6 +7,7 @@
 mod path;
 
 use glam::Vec2;
+use path::are_on_other_floors;
 pub use path::{PathNode, TimedPath};
 pub use throng_base::ground::{ExternalObstacle, ExternalObstacles, ReservedRegion};
 use throng_geometry::{Bounds2d, BoxGrid, Capsule2d};
@@ -23,7 +24,8 @@ pub struct PathReservations {
     nodes: Vec<PathNode>,
     slots: Vec<ReservationSlot>,
     grid: BoxGrid,
-    walls: Vec<(Capsule2d, Bounds2d)>,
+    walls: Vec<FloorWall>,
+    wall_grid: BoxGrid,
     pub(crate) external_obstacles: ExternalObstacles,
     /// Depth to which the discs of members of one group may overlap (m, >= 0).
     pub(crate) group_depth_m: f32,
@@ -36,10 +38,28 @@ struct ReservationSlot {
     /// Group, whose members may come nearer to each other.
     group: u32,
     velocity: Vec2,
+    /// Lowest and highest ground on the path (m).
+    heights_m: [f32; 2],
 }
 
 impl ReservationSlot {
-    const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO };
+    const FREE: Self = Self { num_nodes: 0, elapsed_s: 0.0, group: NONE, velocity: Vec2::ZERO, heights_m: [0.0; 2] };
+}
+
+/// Wall on ground between two heights.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FloorWall {
+    /// Wall, from above.
+    pub wall: Capsule2d,
+    /// Lowest and highest ground at it (m).
+    pub heights_m: [f32; 2],
+}
+
+impl From<&Capsule2d> for FloorWall {
+    /// A wall through all floors.
+    fn from(wall: &Capsule2d) -> Self {
+        Self { wall: *wall, heights_m: [f32::NEG_INFINITY, f32::INFINITY] }
+    }
 }
 
 /// Paths that touched when they were taken may be found this deep in each other later (m).
@@ -52,6 +72,15 @@ pub struct ReservedPath {
     pub nodes: Vec<PathNode>,
     /// Mean velocity of its motion, for others to avoid (m/s).
     pub velocity: Vec2,
+    /// Lowest and highest ground on it (m); 0 where the ground has one floor.
+    pub heights_m: [f32; 2],
+}
+
+impl ReservedPath {
+    /// The path as it begins.
+    pub fn begun(&self, elapsed_s: f32) -> TimedPath<'_> {
+        TimedPath { nodes: &self.nodes, elapsed_s, heights_m: self.heights_m }
+    }
 }
 
 impl PathReservations {
@@ -64,24 +93,42 @@ impl PathReservations {
             slots: vec![ReservationSlot::FREE; capacity],
             grid: BoxGrid::with_capacity(capacity),
             walls: Vec::new(),
+            wall_grid: BoxGrid::with_capacity(0),
             external_obstacles: ExternalObstacles::default(),
             group_depth_m: 0.0,
         }
     }
 
-    /// Walls.
+    /// Walls, on all floors.
     pub fn walls(&self) -> impl Iterator<Item = &Capsule2d> {
-        self.walls.iter().map(|w| &w.0)
+        self.walls.iter().map(|w| &w.wall)
     }
 
     /// Replaces the walls.
-    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
-        self.walls = walls.iter().map(|w| (*w, w.bounds())).collect();
+    pub fn set_walls(&mut self, walls: impl IntoIterator<Item = FloorWall>) {
+        self.wall_grid.clear();
+        self.walls.clear();
+        for wall in walls {
+            self.wall_grid.set(self.walls.len(), wall.wall.bounds());
+            self.walls.push(wall);
+        }
+    }
+
+    /// True where a wall on the floors of some ground is so near to a box that `meets` says so.
+    pub fn meets_wall(&self, bounds: &Bounds2d, heights_m: [f32; 2], meets: impl Fn(&Capsule2d) -> bool) -> bool {
+        let mut found = false;
+        self.wall_grid.visit_intersecting(bounds, |at| {
+            let wall = &self.walls[at];
+            found = !are_on_other_floors(wall.heights_m, heights_m) && meets(&wall.wall);
+            !found
+        });
+        found
     }
 
     /// Copies walls and external obstacles.
     pub fn copy_surroundings(&mut self, other: &Self) {
         self.walls.clone_from(&other.walls);
+        self.wall_grid.clone_from(&other.wall_grid);
         self.external_obstacles.clone_from(&other.external_obstacles);
     }
 
@@ -97,7 +144,8 @@ impl PathReservations {
     pub fn set(&mut self, who: usize, path: &ReservedPath, elapsed_s: f32) {
         self.nodes[who * self.max_nodes..][..path.nodes.len()].copy_from_slice(&path.nodes);
         let (num_nodes, group) = (path.nodes.len() as u32, self.slots[who].group);
-        self.slots[who] = ReservationSlot { num_nodes, elapsed_s, group, velocity: path.velocity };
+        let ReservedPath { velocity, heights_m, .. } = *path;
+        self.slots[who] = ReservationSlot { num_nodes, elapsed_s, group, velocity, heights_m };
         self.grid.set(who, bounds(&path.nodes));
     }
 
@@ -121,7 +169,7 @@ impl PathReservations {
     pub fn path(&self, who: usize) -> TimedPath<'_> {
         let slot = &self.slots[who];
         let nodes = &self.nodes[who * self.max_nodes..][..slot.num_nodes as usize];
-        TimedPath { nodes, elapsed_s: slot.elapsed_s }
+        TimedPath { nodes, elapsed_s: slot.elapsed_s, heights_m: slot.heights_m }
     }
 
     /// Mean velocity of a character's motion (m/s).
@@ -144,7 +192,7 @@ impl PathReservations {
     ///
     /// - `ago_s`: time since the start of the path, for the others (s).
     pub fn is_clear(&self, who: usize, path: &ReservedPath, ago_s: f32) -> bool {
-        let own = TimedPath { nodes: &path.nodes, elapsed_s: 0.0 };
+        let own = path.begun(0.0);
         let is_deep = || !self.is_apart(who, &self.path(who), 0.0, ROUNDING_M);
         self.is_clear_of_all(who, &own, ago_s, 0.0) && (self.is_apart(who, &own, ago_s, 0.0) || is_deep())
     }
@@ -169,7 +217,7 @@ impl PathReservations {
     /// group, must stay `room_m` away (m).
     pub fn is_clear_of_all(&self, who: usize, own: &TimedPath<'_>, ago_s: f32, room_m: f32) -> bool {
         let bounds = bounds(own.nodes);
-        if self.walls.iter().any(|(wall, around)| around.intersects(&bounds) && own.meets_capsule(wall)) {
+        if self.meets_wall(&bounds, own.heights_m, |wall| own.meets_capsule(wall)) {
             return false;
         }
         let mut clear = true;
@@ -205,8 +253,10 @@ mod tests {
 
     #[test]
     fn members_of_a_group_may_come_into_each_others_discs_as_far_as_it_allows() {
-        let at =
-            |x: f32| ReservedPath { nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)], velocity: Vec2::ZERO };
+        let at = |x: f32| ReservedPath {
+            nodes: vec![PathNode::new(0.0, Vec2::new(x, 0.0), 0.3)],
+            ..ReservedPath::default()
+        };
         let mut book = PathReservations::with_capacity(3, 1);
         book.group_depth_m = 0.1;
         [(0, Some(7)), (1, Some(7)), (2, None)].into_iter().for_each(|(who, group)| book.set_group(who, group));
@@ -236,9 +286,9 @@ mod tests {
             let mut list: Vec<Option<ReservedPath>> = vec![None; 12];
             for (who, x, z, length, stays) in steps {
                 let node = |k: f32| PathNode::new(k, Vec2::new(x + k * length, z), 0.3);
-                let path = ReservedPath { nodes: vec![node(0.0), node(1.0)], velocity: Vec2::ZERO };
-                let own = TimedPath { nodes: &path.nodes, elapsed_s: 0.0 };
-                let meets = |p: &ReservedPath| own.meets_path(&TimedPath { nodes: &p.nodes, elapsed_s: 0.0 }, 0.0);
+                let path = ReservedPath { nodes: vec![node(0.0), node(1.0)], ..ReservedPath::default() };
+                let own = path.begun(0.0);
+                let meets = |p: &ReservedPath| own.meets_path(&p.begun(0.0), 0.0);
                 let clear = !list.iter().enumerate().any(|(o, p)| o != who && p.as_ref().is_some_and(meets));
                 prop_assert_eq!(book.is_clear(who, &path, 0.0), clear);
                 if stays {

@@ -28,6 +28,16 @@ pub struct TimedPath<'a> {
     pub nodes: &'a [PathNode],
     /// Time since it began (s).
     pub elapsed_s: f32,
+    /// Lowest and highest ground on it (m).
+    pub heights_m: [f32; 2],
+}
+
+/// Difference of heights from which ground is another floor: on one floor, bodies that touch differ by less (m).
+const FLOOR_M: f32 = 1.0;
+
+/// True for ground between two heights that is on other floors than that between two others (m).
+pub(super) fn are_on_other_floors(a: [f32; 2], b: [f32; 2]) -> bool {
+    a[0] - b[1] > FLOOR_M || b[0] - a[1] > FLOOR_M
 }
 
 /// Most nodes that one capsule of a reserved region encloses.
@@ -60,9 +70,17 @@ impl TimedPath<'_> {
         self.position_at(self.node_before(self.elapsed_s), self.elapsed_s)
     }
 
+    /// True for a path on other floors.
+    pub fn is_on_other_floors(&self, other: &TimedPath<'_>) -> bool {
+        are_on_other_floors(self.heights_m, other.heights_m)
+    }
+
     /// True where the discs of the two come nearer to each other than `room_m`, or deeper into each other than `-room_m`, at any
     /// time from now on (m).
     pub fn meets_path(&self, other: &TimedPath<'_>, room_m: f32) -> bool {
+        if self.is_on_other_floors(other) {
+            return false;
+        }
         let (mut i, mut j) = (self.node_before(self.elapsed_s), other.node_before(other.elapsed_s));
         let (mut p, mut q) = (self.position_at(i, self.elapsed_s), other.position_at(j, other.elapsed_s));
         loop {
@@ -133,6 +151,10 @@ mod tests {
     use crate::reserve::bounds;
     use proptest::prelude::*;
 
+    fn timed(nodes: &[PathNode], elapsed_s: f32) -> TimedPath<'_> {
+        TimedPath { nodes, elapsed_s, heights_m: [0.0; 2] }
+    }
+
     fn path() -> impl Strategy<Value = (Vec<PathNode>, f32)> {
         let node = (0.05f32..1.0, -3.0f32..3.0, -3.0f32..3.0, 0.1f32..0.6);
         (proptest::collection::vec(node, 1..8), 0.0f32..4.0).prop_map(|(steps, elapsed)| {
@@ -161,7 +183,7 @@ mod tests {
         #[test]
         fn held_ground_holds_all_discs((a, elapsed_s) in path()) {
             let mut held = Vec::new();
-            TimedPath { nodes: &a, elapsed_s }.add_reserved_regions(&mut held);
+            timed(&a, elapsed_s).add_reserved_regions(&mut held);
             for k in 0..900 {
                 let (at, radius) = disc(&a, elapsed_s + k as f32 * 1e-2);
                 let least = held.iter().map(|capsule| capsule.distance_to(at)).fold(f32::INFINITY, f32::min);
@@ -171,7 +193,7 @@ mod tests {
 
         #[test]
         fn paths_meet_where_dense_sampling_says_so((a, ea) in path(), (b, eb) in path()) {
-            let (p, q) = (TimedPath { nodes: &a, elapsed_s: ea }, TimedPath { nodes: &b, elapsed_s: eb });
+            let (p, q) = (timed(&a, ea), timed(&b, eb));
             let gap = |k: i32| {
                 let ((at, ra), (bt, rb)) = (disc(&a, ea + k as f32 * 1e-3), disc(&b, eb + k as f32 * 1e-3));
                 at.distance(bt) - ra - rb
@@ -192,7 +214,7 @@ mod tests {
                 let (at, radius) = disc(&a, ea + k as f32 * 1e-2);
                 to_wall(at) - radius - 0.1
             };
-            let (meets, gap) = (TimedPath { nodes: &a, elapsed_s: ea }.meets_capsule(&wall), (0..900).map(gap).fold(f32::INFINITY, f32::min));
+            let (meets, gap) = (timed(&a, ea).meets_capsule(&wall), (0..900).map(gap).fold(f32::INFINITY, f32::min));
             prop_assert!(gap >= 0.0 || meets, "{gap} m apart, and not seen");
             prop_assert!(gap <= 1.7 || !meets, "{gap} m apart, but seen");
         }

@@ -332,7 +332,8 @@ impl<F: Lanes> WalkingFeet<'_, '_, F> {
 #[inline(always)]
 fn update_placement<F: Lanes>(block: &mut WalkerBlock, tick: &WalkersTick<'_>) -> PlacementLanes<F> {
     let WalkerBlock { root, speed, body: state, .. } = block;
-    state.follow_base(tick.body.ground, &tick.body.base, |lane| planar_of_lane(root, lane), speed);
+    let near = state.base;
+    state.follow_base(tick.body.ground, &tick.body.base, |lane| planar_of_lane(root, lane), speed, &near);
     let [x, z, heading] = root;
     let (sin, cos) = F::load(heading).sin_cos8();
     PlacementLanes { x: F::load(x), y: F::load(&state.base), z: F::load(z), sin, cos }

@@ -49,7 +49,7 @@ fn facing(num_pairs: usize, distance: f32) -> Vec<[Spawn; 2]> {
         let (x, heading) = (5.0 * i as f32, 0.3 * i as f32);
         let first = Planar::new(x, -2.0, heading);
         let second = first.compose(Planar::new(0.0, distance, std::f32::consts::PI));
-        [first, second].map(|root| Spawn { root, state: Some((i % 4) as u32) })
+        [first, second].map(|root| Spawn { root, state: Some((i % 4) as u32), floor_m: 0.0 })
     };
     (0..num_pairs).map(pair).collect()
 }

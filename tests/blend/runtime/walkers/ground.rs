@@ -81,7 +81,7 @@ fn walk(ground: &HeightField, course: Course, seconds: f32) -> Seen {
                 (b - a).angle_between(d - b)
             });
             for part in down.iter().flatten().flatten() {
-                gaps.push((part.y - ground.ground_at(Vec2::new(part.x, part.z)).height).abs());
+                gaps.push((part.y - ground.ground_at(Vec2::new(part.x, part.z), 0.0).height).abs());
             }
             steps += 2;
             planted += down.iter().filter(|foot| foot.iter().any(Option::is_some)).count();

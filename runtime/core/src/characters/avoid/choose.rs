@@ -90,6 +90,7 @@ impl Characters {
             root,
             is_held: is_held || b.pace[lane] == pace::SLOWING,
             ago_s,
+            floor_m: b.floor[lane],
             goals: &goals[..num_goals],
             step,
         };
@@ -108,6 +109,7 @@ impl Characters {
                 let plan = SegmentPlan { segment: b.segment[lane], pace: pace::HELD_STILL, bend: 0.0 };
                 if !is_held {
                     plan.lay_path(None, root, motion_set, &mut avoiding.path);
+                    avoiding.find_heights(b.floor[lane]);
                     avoiding.book.set(at, &avoiding.path, 0.0);
                     b.pace[lane] = pace::HELD_STILL;
                     b.time[lane] = b.length[lane] as f32;
@@ -118,6 +120,7 @@ impl Characters {
             None => {
                 let plan = path::stop_of(state, motion_set);
                 plan.lay_path(Some(state), root, motion_set, &mut avoiding.path);
+                avoiding.find_heights(b.floor[lane]);
                 plan
             }
         };
@@ -153,6 +156,8 @@ struct ChoosingCharacter<'a> {
     is_held: bool,
     /// Time since the end of its segment (s).
     ago_s: f32,
+    /// Height to which its floor is the nearest one (m).
+    floor_m: f32,
     goals: &'a [OwnGoal],
     step: &'a ChoiceInputs<'a>,
 }
@@ -267,6 +272,7 @@ impl ChoosingCharacter<'_> {
     /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
     fn is_clear(&self, plan: SegmentPlan, avoiding: &mut PathAvoidance) -> bool {
         plan.lay_path(Some(self.state), self.root, self.step.motion_set, &mut avoiding.path);
+        avoiding.find_heights(self.floor_m);
         avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
     }
 

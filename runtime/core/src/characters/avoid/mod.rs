@@ -15,7 +15,10 @@ use super::Characters;
 use super::block::MotionBlock;
 use super::motion_set::MotionSet;
 use super::pace;
-use crate::reserve::{ExternalObstacle, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath};
+use crate::body::HeightField;
+use crate::reserve::{
+    ExternalObstacle, FloorWall, PathReservations, ROUNDING_M, ReservedPath, ReservedRegion, TimedPath,
+};
 use crate::stops::BODY_RADIUS_M;
 use glam::Vec2;
 use std::cmp::Reverse;
@@ -24,7 +27,6 @@ use throng_base::Result;
 use throng_base::error::check_range;
 use throng_base::simd::LANES;
 use throng_base::thresholds::WALKING_MPS;
-use throng_geometry::Capsule2d;
 
 pub(crate) use choose::ChoiceInputs;
 pub(crate) use path::{SegmentPlan, stop_of};
@@ -69,6 +71,8 @@ pub(crate) struct PathAvoidance {
     /// Speed of a walking character (m/s).
     speed_mps: f32,
     turns: steer::Turns,
+    /// The ground that all stand on.
+    pub ground: HeightField,
     /// See [`AvoidConfig::pairs_m`].
     pairs: bool,
     /// True after a character was moved: paths no longer follow from the state.
@@ -88,8 +92,24 @@ impl PathAvoidance {
             path,
             speed_mps: walking_speed(motion_set),
             turns: steer::candidate_turns(),
+            ground: HeightField::flat(),
             pairs: config.pairs_m.is_some(),
             is_stale: true,
+        }
+    }
+
+    /// Finds the heights of the ground on the path that is tried.
+    ///
+    /// - `near_m`: height to which the floor at its beginning is the nearest one (m).
+    fn find_heights(&mut self, near_m: f32) {
+        if self.ground.has_floors() {
+            let mut height = near_m;
+            self.path.heights_m = [near_m; 2];
+            for node in &self.path.nodes {
+                height = self.ground.ground_at(node.place, height).height;
+                let [low, high] = self.path.heights_m;
+                self.path.heights_m = [low.min(height), high.max(height)];
+            }
         }
     }
 
@@ -97,9 +117,10 @@ impl PathAvoidance {
     fn update_path(&mut self, blocks: &[MotionBlock], motion_set: &MotionSet, at: usize) -> bool {
         let (b, lane) = (&blocks[at / LANES], at % LANES);
         path::path_of_state(b, lane, motion_set, &mut self.path);
+        self.find_heights(b.floor[lane]);
         let elapsed_s = elapsed_s(b, lane, motion_set);
         self.book.set_group(at, self.pairs.then_some(at as u32 / 2));
-        let clear = self.book.is_clear_of_all(at, &TimedPath { nodes: &self.path.nodes, elapsed_s }, 0.0, -ROUNDING_M);
+        let clear = self.book.is_clear_of_all(at, &self.path.begun(elapsed_s), 0.0, -ROUNDING_M);
         self.book.set(at, &self.path, elapsed_s);
         clear
     }
@@ -142,9 +163,9 @@ impl Characters {
     ///
     /// Set walls before characters walk there: a character whose path crosses a new wall goes on to its stop, and may
     /// be unable to leave.
-    pub fn set_walls(&mut self, walls: &[Capsule2d]) {
+    pub fn set_walls(&mut self, walls: impl IntoIterator<Item: Into<FloorWall>>) {
         if let Some(avoiding) = &mut self.avoiding {
-            avoiding.book.set_walls(walls);
+            avoiding.book.set_walls(walls.into_iter().map(Into::into));
         }
     }
 
@@ -166,6 +187,7 @@ impl Characters {
     pub(super) fn copy_surroundings(&mut self, other: &Self) {
         if let (Some(avoiding), Some(other)) = (&mut self.avoiding, &other.avoiding) {
             avoiding.book.copy_surroundings(&other.book);
+            avoiding.ground = other.ground.clone();
         }
     }
 

@@ -100,8 +100,12 @@ impl SteeringQuery<'_> {
             }
         };
         let around = Bounds2d::around_disc(self.place, reach);
+        let own = self.book.path(self.number);
         self.book.for_each_near(self.number, &around, |other| {
             let mut moving = self.book.path(other);
+            if moving.is_on_other_floors(&own) {
+                return true;
+            }
             moving.elapsed_s -= self.ago_s;
             add(other as u32, moving.position_now(), self.book.velocity(other), BODY_RADIUS_M);
             true
@@ -116,12 +120,14 @@ impl SteeringQuery<'_> {
     /// Time until a wall is hit (s), sampled at a few points ahead.
     fn walls_ahead(&self, velocity: Vec2) -> f32 {
         const PLACES: usize = 4;
-        let nearest = |place: Vec2| {
+        let heights_m = self.book.path(self.number).heights_m;
+        let is_near = |place: Vec2| {
             let gap = |w: &Capsule2d| distance_to_segment(place, [w.from, w.to]) - w.radius_m;
-            self.book.walls().map(gap).fold(f32::INFINITY, f32::min)
+            let around = Bounds2d::around_disc(place, BODY_RADIUS_M);
+            self.book.meets_wall(&around, heights_m, |w| gap(w) < BODY_RADIUS_M)
         };
         let times = (1..=PLACES).map(|k| self.config.horizon_s * k as f32 / (2 * PLACES) as f32);
-        let meets = |t: &f32| nearest(self.place + velocity * *t) < BODY_RADIUS_M;
+        let meets = |t: &f32| is_near(self.place + velocity * *t);
         times.into_iter().find(meets).unwrap_or(f32::INFINITY)
     }
 }

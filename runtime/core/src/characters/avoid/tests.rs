@@ -1,4 +1,5 @@
 use crate::Bundle;
+use crate::body::HeightField;
 use crate::character_group::CharacterGroup;
 use crate::characters::made_up::{bytes, tables};
 use crate::characters::tests::TwoThreads;
@@ -7,6 +8,7 @@ use crate::characters::{
 };
 use crate::format::{AlignedBytes, FormatError, FrameRow};
 use crate::planar::Planar;
+use crate::skeleton::Joint;
 use crate::stops::SweepNode;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
@@ -24,7 +26,7 @@ fn config(bend_rad_per_m: f32, choice: ActionChoice) -> CharactersConfig {
 fn character_group_of(starts: &[(f32, f32, f32, u32)], config: CharactersConfig) -> PolicyCharacters {
     let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config).unwrap();
     for &(x, z, heading, state) in starts {
-        match group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+        match group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
             Ok(_) | Err(Error::Occupied { .. }) => {}
             Err(e) => panic!("{e}"),
         }
@@ -34,6 +36,47 @@ fn character_group_of(starts: &[(f32, f32, f32, u32)], config: CharactersConfig)
 
 fn places(group: &PolicyCharacters) -> Vec<Vec2> {
     group.bodies().roots.iter().map(|r| Vec2::new(r.x, r.z)).collect()
+}
+
+/// Floors that are 3 m above each other, as heights by z at the knots of a grid.
+fn floors(heights_at: impl Fn(f32) -> Vec<f32>) -> HeightField {
+    let heights = |k: usize| heights_at((k / 2) as f32 * 0.25 - 10.0);
+    HeightField::with_floors(Vec2::splat(-10.0), 0.25, [2, 81], (0..2 * 81).map(heights).collect()).unwrap()
+}
+
+#[test]
+fn who_walks_up_a_ramp_comes_to_be_above_others() {
+    // Up from z = -7 to -1; beyond, the upper floor lies over the lower one.
+    let ramp = |z: f32| (0.5 * (z + 7.0)).clamp(0.0, 3.0);
+    let above_and_below = |z: f32| match ramp(z) {
+        height if height > 2.0 => vec![0.0, height],
+        height => vec![height],
+    };
+    let mut group = PolicyCharacters::with_capacity(&tables(), 2, config(0.0, ActionChoice::BestAction)).unwrap();
+    group.set_ground(floors(above_and_below));
+    let spawn = |group: &mut PolicyCharacters, at: Vec2| {
+        let root = Planar::new(at.x, at.y, 0.0);
+        let id = group.spawn(Spawn { root, state: Some(0), floor_m: 0.0 }).unwrap();
+        group.order(id, PolicyOrder::towards(0, Vec3::new(0.0, 0.0, 8.0))).unwrap();
+        id
+    };
+    let climber = spawn(&mut group, Vec2::new(0.0, -8.0));
+    let hips = |group: &PolicyCharacters| group.bodies().get(climber).unwrap().world(Joint::Hips).w_axis.y;
+    let mut seen: Vec<(f32, f32)> = Vec::new();
+    while seen.last().is_none_or(|(z, _)| *z < 1.0) {
+        group.step(1.0 / 30.0, &Inline).unwrap();
+        assert_on_paths(&group);
+        seen.push((places(&group)[0].y, hips(&group)));
+        assert!(seen.len() < 9000, "it comes nowhere: {:?}", seen.last());
+    }
+    let [low, high] = [&seen[..9], &seen[seen.len() - 9..]].map(|part| part.iter().map(|s| s.1).sum::<f32>() / 9.0);
+    assert!((high - low - 3.0).abs() < 0.1, "from {low} m to {high} m");
+    let steepest = seen.windows(2).map(|w| (w[1].1 - w[0].1).abs()).fold(0.0, f32::max);
+    assert!(steepest < 0.1, "{steepest} m in a thirtieth of a second");
+    // Somebody comes below it.
+    let at = places(&group)[0];
+    spawn(&mut group, at);
+    assert!(least_room(&places(&group)) < 0.0);
 }
 
 /// Smallest gap between the discs of any two characters (m).
@@ -110,7 +153,7 @@ proptest! {
         let mut group = PolicyCharacters::with_capacity(&tables(), starts.len(), config(0.0, ActionChoice::BestAction)).unwrap();
         group.set_walls(&[wall]);
         for (x, z, heading, state) in starts {
-            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
                 group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
@@ -124,6 +167,32 @@ proptest! {
         }
     }
 
+    /// Who is above others walks as they do, whatever both do below each other; on one floor nobody meets anybody.
+    #[test]
+    fn floors_above_each_other_are_two_places(
+        starts in starts(), target in [-3.0f32..3.0, 3.0f32..7.0],
+    ) {
+        let mut group = PolicyCharacters::with_capacity(&tables(), 2 * starts.len(), config(0.2, ActionChoice::BestAction)).unwrap();
+        group.set_ground(floors(|_| vec![3.0, 0.0]));
+        let mut pairs = Vec::new();
+        for (x, z, heading, state) in starts {
+            let start = |floor_m| Spawn { root: Planar::new(x, z + 4.0, heading), state: Some(state), floor_m };
+            if let Ok(lower) = group.spawn(start(0.0)) {
+                let upper = group.spawn(start(3.0)).expect("free where the floor below is");
+                pairs.push([lower, upper]);
+            }
+        }
+        pairs.iter().flatten().for_each(|&id| group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap());
+        for _ in 0..150 {
+            group.step(1.0 / 30.0, &Inline).unwrap();
+            let rows = |side: usize| pairs.iter().map(|p| group.row(p[side]).unwrap()).collect::<Vec<_>>();
+            let all = places(&group);
+            let [lower, upper] = [0, 1].map(|side| rows(side).into_iter().map(|row| all[row]).collect::<Vec<_>>());
+            prop_assert_eq!(&lower, &upper);
+            prop_assert!(least_room(&lower) > -1e-3, "{} m in each other", -least_room(&lower));
+        }
+    }
+
     #[test]
     fn those_who_come_later_leave_those_who_walk_as_they_are(
         starts in starts(), before in 1usize..80, target in [-5.0f32..5.0, -5.0f32..5.0],
@@ -131,7 +200,7 @@ proptest! {
         let config = config(0.2, ActionChoice::BestAction);
         let mut group = PolicyCharacters::with_capacity(&tables(), starts.len() + 1, config).unwrap();
         for (x, z, heading, state) in starts {
-            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state) }) {
+            if let Ok(id) = group.spawn(Spawn { root: Planar::new(x, z, heading), state: Some(state), floor_m: 0.0 }) {
                 group.order(id, PolicyOrder::towards(0, Vec3::new(target[0], 0.0, target[1]))).unwrap();
             }
         }
@@ -146,7 +215,7 @@ proptest! {
         };
         let then = paces(&mut group);
         group.hold_entrants();
-        group.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0) }).unwrap();
+        group.spawn(Spawn { root: Planar::new(50.0, 50.0, 0.0), state: Some(0), floor_m: 0.0 }).unwrap();
         group.release_entrants();
         prop_assert_eq!(then, paces(&mut group));
         for _ in 0..60 {
@@ -210,17 +279,17 @@ fn threads_change_nothing() {
 #[test]
 fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
     let mut group = PolicyCharacters::with_capacity(&tables(), 3, config(0.0, ActionChoice::BestAction)).unwrap();
-    let first = group.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
-    let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0) };
+    let first = group.spawn(Spawn { root: Planar::IDENTITY, state: Some(0), floor_m: 0.0 }).unwrap();
+    let near = Spawn { root: Planar::new(0.5, 0.0, 0.0), state: Some(0), floor_m: 0.0 };
     assert!(matches!(group.spawn(near), Err(Error::Occupied { .. })));
-    let far = group.spawn(Spawn { root: Planar::new(9.0, 0.0, 0.0), state: Some(0) }).unwrap();
+    let far = group.spawn(Spawn { root: Planar::new(9.0, 0.0, 0.0), state: Some(0), floor_m: 0.0 }).unwrap();
     let before = group.hash();
     assert!(matches!(group.place(far, Planar::new(0.3, 0.3, 0.0)), Err(Error::Occupied { .. })));
     assert_eq!(group.hash(), before);
     // The same places without avoidance: two overlap, which characters with avoidance do not accept.
     let blind = CharactersConfig { avoid: None, ..config(0.0, ActionChoice::BestAction) };
     let mut others = PolicyCharacters::with_capacity(&tables(), 3, blind).unwrap();
-    others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0) }).unwrap();
+    others.spawn(Spawn { root: Planar::IDENTITY, state: Some(0), floor_m: 0.0 }).unwrap();
     others.spawn(near).unwrap();
     assert_eq!(group.characters.find_path_conflict(&group.motion_set, &others.characters.saved_blocks().0, 2), Some(1));
     group.despawn(first).unwrap();
@@ -229,7 +298,7 @@ fn who_would_start_in_anothers_way_is_refused_and_forged_snapshots_too() {
 
 #[test]
 fn what_is_refused_changes_nothing_and_names_who_it_is_about() {
-    let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0) };
+    let at = |x: f32| Spawn { root: Planar::new(x, 0.0, 0.0), state: Some(0), floor_m: 0.0 };
     let mut group = PolicyCharacters::with_capacity(&tables(), 4, config(0.0, ActionChoice::BestAction)).unwrap();
     let gone = group.spawn(at(20.0)).unwrap();
     let ids = [0.0, 0.65].map(|x| group.spawn(at(x)).unwrap());
@@ -279,7 +348,9 @@ fn blows_come_in_the_order_of_their_numbers() {
     let tables = crate::characters::made_up::tables_with(&hits);
     let mut group = PolicyCharacters::with_capacity(&tables, 12, config(0.0, ActionChoice::BestAction)).unwrap();
     (0..12).for_each(|k| {
-        _ = group.spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4) }).unwrap()
+        _ = group
+            .spawn(Spawn { root: Planar::new(9.0 * k as f32, 0.0, 0.0), state: Some(k % 4), floor_m: 0.0 })
+            .unwrap()
     });
     let mut twice = 0;
     for _ in 0..300 {
@@ -335,7 +406,7 @@ fn ways_that_leap_are_saved_and_read_back_and_refused_where_they_leap_too_far() 
                 let root = Planar::new((n % 3) as f32 * 4.0, (n / 3) as f32 * 4.0, 6.0 * draw(n));
                 let target = Vec3::new(8.0 * draw(n + 10), 0.0, 8.0 * draw(n + 20));
                 // Some starts lie on another character's long path.
-                if let Ok(id) = group.spawn(Spawn { root, state: Some(n as u32 % 4) }) {
+                if let Ok(id) = group.spawn(Spawn { root, state: Some(n as u32 % 4), floor_m: 0.0 }) {
                     group.order(id, PolicyOrder::towards(0, target)).unwrap();
                 }
             }

@@ -20,7 +20,7 @@ fn target(i: usize) -> Vec3 {
 }
 
 fn spawn(group: &mut PolicyCharacters, i: usize) -> Id {
-    let id = group.spawn(Spawn { root: root(i), state: Some(i as u32 % 4) }).unwrap();
+    let id = group.spawn(Spawn { root: root(i), state: Some(i as u32 % 4), floor_m: 0.0 }).unwrap();
     group.order(id, PolicyOrder::towards(0, target(i))).unwrap();
     id
 }
@@ -302,7 +302,9 @@ fn who_has_had_layers_moves_as_who_has_had_none() {
 fn moody_group(config: CharactersConfig) -> (PolicyCharacters, Vec<Id>) {
     let mut group = PolicyCharacters::with_capacity(&tables(), 4, config).unwrap();
     group.motion_set.manners = Manners::made_up(&group.motion_set.graph).into();
-    let enter = |i: u32| group.spawn(Spawn { root: Planar::new(20.0 * i as f32, 0.0, 0.0), state: Some(i) }).unwrap();
+    let enter = |i: u32| {
+        group.spawn(Spawn { root: Planar::new(20.0 * i as f32, 0.0, 0.0), state: Some(i), floor_m: 0.0 }).unwrap()
+    };
     let ids = (0..4).map(enter).collect();
     (group, ids)
 }

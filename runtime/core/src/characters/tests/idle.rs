@@ -16,7 +16,7 @@ fn people(
     let mut group = PolicyCharacters::with_capacity(bundle, n, config).unwrap();
     let enter = |i: usize| {
         let root = Planar::new(2.0 * i as f32, 0.0, 0.0);
-        let id = group.spawn(Spawn { root, state: Some(0) }).unwrap();
+        let id = group.spawn(Spawn { root, state: Some(0), floor_m: 0.0 }).unwrap();
         group.order(id, order(root)).unwrap();
         id
     };

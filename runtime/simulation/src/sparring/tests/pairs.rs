@@ -201,7 +201,7 @@ fn bodies_that_overlap_part() {
     let tables = tables_with(&[]);
     // Side by side and into each other, on paths that cross.
     let roots = [Planar::IDENTITY, Planar::new(0.25, 0.0, 0.0)];
-    let starts = [roots.map(|root| Spawn { root, state: Some(0) })];
+    let starts = [roots.map(|root| Spawn { root, state: Some(0), floor_m: 0.0 })];
     let run = |enabled: bool| {
         let separation = SeparationConfig { enabled, ..SeparationConfig::default() };
         let mut s = spar(&tables, SparringConfig { separation, ..config() }, &starts).unwrap();

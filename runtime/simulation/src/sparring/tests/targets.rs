@@ -51,7 +51,7 @@ fn practice(tables: &Bundle, n: usize) -> TargetPractice {
     let mut practice = TargetPractice::with_capacity(tables, n, PracticeConfig::default()).unwrap();
     for i in 0..n {
         let root = Planar::new(3.0 * i as f32, 1.0, 0.4 * i as f32);
-        let id = practice.spawn(Spawn { root, state: Some(0) }).unwrap();
+        let id = practice.spawn(Spawn { root, state: Some(0), floor_m: 0.0 }).unwrap();
         practice.order(id, PolicyOrder::towards(0, Vec3::new(0.0, 50.0, 0.0))).unwrap();
     }
     practice.step(0.0, &Inline).unwrap();
