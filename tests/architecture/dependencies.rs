@@ -26,7 +26,7 @@ const FAMILIES: [(&str, &[&str]); 8] = [
     ("fuzz", &["runtime", "precompute"]),
 ];
 /// Agents without bodies know nothing of bundles, worlds and scenes: they may need these at most.
-const CROWD_MAY_USE: [&str; 2] = ["throng-base", "throng-geometry"];
+const CROWD_MAY_USE: [&str; 3] = ["throng-base", "throng-geometry", "throng-level"];
 
 fn is_ours(name: &str) -> bool {
     name.starts_with("throng")

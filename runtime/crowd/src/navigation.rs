@@ -1,5 +1,7 @@
 //! Navigation for bodies that something else moves: captured motion, or the characters of an engine.
 
+mod level;
+
 use crate::error::check;
 use crate::routes::goals::GoalTable;
 use crate::routes::guide::Guide;
@@ -13,11 +15,17 @@ use crate::steering::forces::{ForceSurroundings, SteeredAgent, desired_velocity}
 use crate::steering::retreat::BlockedAgent;
 use crate::steering::sight::SeenNeighbour;
 use crate::{CrowdError, ForceField, Obstacle, Route, Space};
-use glam::Vec2;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use level::{FLOOR_M, LevelRoutes};
 use throng_base::{Error, Id, Result};
+use throng_level::Level;
 
 /// Extent of the ground that the squares of the density grid cover before they repeat (m).
 const GROUND_M: f32 = 500.0;
+
+/// Height of a storey, whose bodies share a density grid (m), and most storeys.
+const STOREY_M: f32 = 4.0;
+const MOST_STOREYS: f32 = 100.0;
 
 /// Side of the cells in which neighbours are looked for (m).
 const CELL_M: f32 = 5.0;
@@ -48,6 +56,8 @@ pub struct NavigatedBody {
     pub position: Vec2,
     /// Velocity (m/s).
     pub velocity: Vec2,
+    /// Height of the ground below it, which tells floors of a level apart (m).
+    pub height_m: f32,
 }
 
 /// Next part of a body's route: the point that it goes to, and the velocity to go there.
@@ -102,13 +112,14 @@ struct RouteProgress {
 /// let at = Vec2::new(0.0, -3.0);
 /// let route = Route { subgoals: vec![Vec2::new(0.0, 3.0)], arrival_radius: 0.5, at_end: AtEnd::Stay };
 /// let body = navigation.add_body(&route, at)?;
-/// navigation.update(0.0, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO }));
+/// navigation.update(0.0, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO, height_m: 0.0 }));
 /// assert!(navigation.aim(body).position.x.abs() > 5.0); // round one of the ends
 /// # Ok::<(), throng_base::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Navigation {
     streets: Option<Streets>,
+    level: Option<LevelRoutes>,
     obstacles: Vec<Obstacle<Vec2>>,
     /// Solids of each obstacle, and those of all.
     solids: Vec<Vec<ConvexSolid<Vec2>>>,
@@ -116,7 +127,10 @@ pub struct Navigation {
     goals: GoalTable,
     passages: Passages,
     turns: PassageTurns,
-    grid: DensityGrid<Vec2>,
+    /// Density grid of each storey, from the lowest ground up.
+    grids: Vec<DensityGrid<Vec2>>,
+    /// Height of the lowest ground (m).
+    lowest_m: f32,
     steering: SteeringConfig,
     field: ForceField,
     radius_m: f32,
@@ -152,11 +166,13 @@ impl Navigation {
             turns: PassageTurns::new(&passages),
             passages,
             streets: Some(streets.clone()).filter(|s| !s.is_open()),
+            level: None,
             all_solids: solids.concat(),
             solids,
             obstacles,
             goals: GoalTable::default(),
-            grid: DensityGrid::new(steering.square_radii * radius_m, Vec2::splat(GROUND_M), capacity),
+            grids: vec![DensityGrid::new(steering.square_radii * radius_m, Vec2::splat(GROUND_M), capacity)],
+            lowest_m: 0.0,
             steering,
             field: CAPTURED,
             radius_m,
@@ -167,6 +183,52 @@ impl Navigation {
             bodies: Vec::with_capacity(capacity),
             time_s: 0.0,
         })
+    }
+
+    /// Navigation in a level, on all its floors; bodies walk, and take no links.
+    ///
+    /// - `radius_m`, `speed_mps`: as in [`Navigation::new`].
+    ///
+    /// # Errors
+    /// As [`Navigation::new`].
+    pub fn in_level(level: &Level, radius_m: f32, speed_mps: f32, capacity: usize) -> Result<Self> {
+        let empty = Self::new(&Streets::new(&[], radius_m)?, radius_m, speed_mps, capacity)?;
+        let (routes, all_solids) = LevelRoutes::new(level);
+        let passages = routes.find_passages(radius_m + PASSAGE_ROOM_M)?;
+        let heights =
+            level.vertices().fold([f32::INFINITY, f32::NEG_INFINITY], |[l, h], at| [l.min(at.y), h.max(at.y)]);
+        let lowest_m = if level.num_polygons() > 0 { heights[0] } else { 0.0 };
+        let num_storeys = ((heights[1] - lowest_m) / STOREY_M).round().clamp(0.0, MOST_STOREYS) as usize + 1;
+        let grids = vec![empty.grids[0].clone(); num_storeys];
+        let turns = PassageTurns::new(&passages);
+        Ok(Self { level: Some(routes), all_solids, turns, passages, grids, lowest_m, ..empty })
+    }
+
+    /// Adds a body in a level, and returns its number: that of the bodies before it.
+    ///
+    /// # Errors
+    /// As [`Navigation::set_route_in_level`].
+    pub fn add_body_in_level(&mut self, route: &Route<Vec3>, at: Vec3) -> Result<usize> {
+        let on_plane = self.lay_on_plane(self.paths.len(), route, at)?;
+        self.add_body(&on_plane, at.xz())
+    }
+
+    /// Gives a body in a level another route, on which it begins at the first subgoal.
+    ///
+    /// # Errors
+    /// As [`Navigation::set_route`]; [`Error::NoPath`] where nobody can walk to the first subgoal.
+    pub fn set_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<()> {
+        throng_base::error::check_index("body", None, body, self.paths.len())?;
+        let on_plane = self.lay_on_plane(body, route, at)?;
+        self.set_route(body, &on_plane, at.xz())
+    }
+
+    fn lay_on_plane(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec2>> {
+        for subgoal in &route.subgoals {
+            check("route.subgoals", body, subgoal.y, subgoal.y.abs() < 1e6, "finite and within 1e6 m")?;
+        }
+        let level = self.level.as_mut().ok_or(Error::NoPath { who: Some(Id::first(body)), from: at, to: at })?;
+        level.set_route(body, route, at)
     }
 
     /// Adds a body, and returns its number: that of the bodies before it.
@@ -223,43 +285,68 @@ impl Navigation {
         self.time_s = time_s;
         self.bodies.clear();
         self.bodies.extend((0..self.paths.len()).map(body));
-        self.grid.clear();
+        self.grids.iter_mut().for_each(DensityGrid::clear);
         self.by_cell.clear();
         for (number, (progress, body)) in (0u32..).zip(self.progress.iter().zip(&self.bodies)) {
-            let Some(NavigatedBody { position, velocity }) = *body else { continue };
+            let Some(NavigatedBody { position, velocity, height_m }) = *body else { continue };
             let aim = progress.cursor.aim;
             let intent = if progress.has_arrived { Vec2::ZERO } else { Space::unit_and_length(aim - position).0 };
-            self.grid.add(position, velocity, intent);
-            self.turns.count(&self.passages, position, if progress.has_arrived { position } else { aim });
+            let storey = self.storey_of(height_m);
+            self.grids[storey].add(position, velocity, intent);
+            self.turns.count(&self.passages, position, if progress.has_arrived { position } else { aim }, height_m);
             self.by_cell.push((cell_key(cell_of(position)), number));
         }
         self.by_cell.sort_unstable();
         self.turns.update(&self.passages, time_s);
+        let mut level = self.level.take();
         for number in 0..self.paths.len() {
             let Some(body) = self.bodies[number] else { continue };
             let mut progress = self.progress[number];
-            self.follow_route(number, &body, time_s, &mut progress);
+            self.follow_route(number, &body, time_s, level.as_mut(), &mut progress);
             if time_s >= progress.steers_at_s {
-                progress.velocity = self.find_velocity(number, &body, &mut progress, time_s);
+                progress.velocity = self.find_velocity(number, &body, &mut progress, time_s, level.as_ref());
                 progress.steers_at_s = time_s + STEER_S;
             }
             self.progress[number] = progress;
         }
+        self.level = level;
+    }
+
+    /// Number of the storey at a height (m).
+    fn storey_of(&self, height_m: f32) -> usize {
+        let storey = ((height_m - self.lowest_m) / STOREY_M).round().max(0.0) as usize;
+        storey.min(self.grids.len() - 1)
     }
 
     /// Passes subgoals, and finds the aim anew where that is due.
-    fn follow_route(&self, number: usize, body: &NavigatedBody, time_s: f64, progress: &mut RouteProgress) {
-        let (streets, goals, grid, steering) = (self.streets.as_ref(), &self.goals, &self.grid, &self.steering);
+    fn follow_route(
+        &self,
+        number: usize,
+        body: &NavigatedBody,
+        time_s: f64,
+        level: Option<&mut LevelRoutes>,
+        progress: &mut RouteProgress,
+    ) {
+        let (streets, goals, steering) = (self.streets.as_ref(), &self.goals, &self.steering);
+        let grid = &self.grids[self.storey_of(body.height_m)];
         let (path, cursor, position) = (&self.paths[number], &mut progress.cursor, body.position);
         let leg = cursor.leg;
-        let again = path.pass_subgoals(cursor, position);
+        let again = match &level {
+            Some(level) => path.advance_cursor(cursor, |leg| level.is_at(number, path, leg, body)),
+            None => path.pass_subgoals(cursor, position),
+        };
+        let is_on_floor = level.as_ref().is_none_or(|level| level.is_at(number, path, cursor.leg, body));
+        let has_arrived = path.has_arrived(cursor, position) && is_on_floor;
         let near = cursor.aim.distance_squared(position) < steering.corner_m * steering.corner_m;
         if time_s >= cursor.look_at || cursor.rest > 0.0 && near || leg != cursor.leg {
-            Guide { streets, goals, grid, steering }.find_aim(path, cursor, position, self.radius_m);
+            match level {
+                Some(level) => level.find_aim(number, path, cursor, body),
+                None => Guide { streets, goals, grid, steering }.find_aim(path, cursor, position, self.radius_m),
+            }
             cursor.look_at = time_s + steering.look_s;
         }
         let left_m = path.distance_left(cursor, position);
-        progress.has_arrived = again || path.has_arrived(cursor, position);
+        progress.has_arrived = again || has_arrived;
         if again || progress.has_arrived || left_m < progress.least_left_m - PROGRESS_M {
             progress.least_left_m = if again { f32::INFINITY } else { left_m };
             progress.progressed_at_s = time_s;
@@ -267,8 +354,16 @@ impl Navigation {
     }
 
     /// Velocity at which a body should go on among others, as an agent of a [`crate::Crowd`] would like to.
-    fn find_velocity(&self, number: usize, body: &NavigatedBody, progress: &mut RouteProgress, time_s: f64) -> Vec2 {
-        let NavigatedBody { position, velocity } = *body;
+    fn find_velocity(
+        &self,
+        number: usize,
+        body: &NavigatedBody,
+        progress: &mut RouteProgress,
+        time_s: f64,
+        level: Option<&LevelRoutes>,
+    ) -> Vec2 {
+        let NavigatedBody { position, velocity, height_m } = *body;
+        let grid = &self.grids[self.storey_of(height_m)];
         let (desired, distance) = Space::unit_and_length(progress.cursor.aim - position);
         let mut me = SteeredAgent {
             position,
@@ -280,7 +375,7 @@ impl Navigation {
             distance_left: distance + progress.cursor.rest,
             ..SteeredAgent::default()
         };
-        let found = self.passages.find_use(position, progress.cursor.aim).filter(|_| !progress.has_arrived);
+        let found = self.passages.find_use(position, progress.cursor.aim, height_m).filter(|_| !progress.has_arrived);
         let advice = found.map(|found| self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M));
         if advice.is_some_and(|advice| advice != PassageAdvice::Enter) {
             // Who waits for its turn is in no jam.
@@ -298,8 +393,8 @@ impl Navigation {
         if waited > PATIENCE_S && !progress.has_arrived && !found.is_some_and(|found| found.is_inside) {
             // Who makes no progress steps back: the few before the many, else some by chance.
             let blocked = BlockedAgent { position, ahead: desired, waited, half: None };
-            let by_chance = || blocked.random_retreat_direction(number as u32, time_s, &self.grid, &self.steering);
-            let outnumbered = blocked.retreat_direction(&self.grid, &self.steering).filter(|_| found.is_none());
+            let by_chance = || blocked.random_retreat_direction(number as u32, time_s, grid, &self.steering);
+            let outnumbered = blocked.retreat_direction(grid, &self.steering).filter(|_| found.is_none());
             let retreat = outnumbered.or_else(by_chance);
             if let Some(direction) = retreat {
                 (me.desired, me.retreats) = (direction, true);
@@ -307,7 +402,8 @@ impl Navigation {
         }
         let (mut seen, num) = ([UNSEEN; MOST_SEEN], &mut 0);
         self.for_each_near(position, |other| {
-            let Some(its) = self.bodies[other].filter(|_| other != number) else { return };
+            let is_seen = |b: &NavigatedBody| other != number && (b.height_m - height_m).abs() < FLOOR_M;
+            let Some(its) = self.bodies[other].filter(is_seen) else { return };
             let offset = its.position - position;
             let one = SeenNeighbour {
                 offset,
@@ -320,7 +416,10 @@ impl Navigation {
         });
         let (mut near, mut num_near) = ([0; MOST_SEEN], 0);
         let reach = self.speed_mps * self.field.horizon_s + self.radius_m;
-        for (solid, number) in self.all_solids.iter().zip(0u32..) {
+        if let Some(level) = level {
+            num_near = level.gather_walls(&self.all_solids, body, reach, &mut near);
+        }
+        for (solid, number) in self.all_solids.iter().zip(0u32..).filter(|_| level.is_none()) {
             if num_near < MOST_SEEN && solid.direction_and_distance(position).1 < reach {
                 near[num_near] = number;
                 num_near += 1;
@@ -331,7 +430,7 @@ impl Navigation {
             solids: &self.all_solids,
             near: &near[..num_near],
             walls: &near[..num_near],
-            grid: &self.grid,
+            grid,
             interests: &[],
             steering: &self.steering,
         };
@@ -422,7 +521,6 @@ fn add_nearest(seen: &mut [SeenNeighbour<Vec2>; MOST_SEEN], num: &mut usize, one
 mod tests {
     use super::*;
     use crate::AtEnd;
-    use glam::Vec3;
 
     fn route(points: &[[f32; 2]]) -> Route<Vec2> {
         let subgoals = points.iter().map(|&p| Vec2::from_array(p)).collect();
@@ -441,7 +539,7 @@ mod tests {
         let (mut at, mut path) = (from, vec![from]);
         for step in 0..6000 {
             let time_s = f64::from(step) / 60.0;
-            navigation.update(time_s, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO }));
+            navigation.update(time_s, |_| Some(NavigatedBody { position: at, velocity: Vec2::ZERO, height_m: 0.0 }));
             let aim = navigation.aim(0);
             if aim.has_arrived {
                 return (time_s, path);
@@ -480,7 +578,7 @@ mod tests {
         // Nearest to the last leg, it begins at the first all the same.
         let start = Vec2::new(0.0, 58.0);
         navigation.add_body(&route(&[[0.0, -60.0], [90.0, -60.0], [90.0, 60.0], [0.0, 60.0]]), start).unwrap();
-        navigation.update(0.0, |_| Some(NavigatedBody { position: start, velocity: Vec2::ZERO }));
+        navigation.update(0.0, |_| Some(NavigatedBody { position: start, velocity: Vec2::ZERO, height_m: 0.0 }));
         // Its line across the path is 20 m wide to each side.
         assert_eq!(navigation.aim(0).position, Vec2::new(0.0, -40.3));
     }

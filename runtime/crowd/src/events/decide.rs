@@ -300,7 +300,7 @@ impl<V: Space> Decider<'_, V> {
     /// Lets an agent wait before a passage that is granted to others, or give way where it is blocked; true where it waits.
     fn take_turns(&self, agent: u32, state: &mut AgentState<V>, walker: &mut SteeredAgent<V>) -> bool {
         let at = walker.position.on_ground();
-        let found = self.scenery.passages.find_use(at, state.cursor.aim.on_ground()).filter(|_| !state.is_there);
+        let found = self.scenery.passages.find_use(at, state.cursor.aim.on_ground(), 0.0).filter(|_| !state.is_there);
         let Some(found) = found else {
             if self.give_way(agent, state, walker, false) {
                 // Regaining the ground it yielded counts as progress.

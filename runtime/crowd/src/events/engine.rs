@@ -238,7 +238,7 @@ impl<V: Space> Engine<V> {
     pub fn add_seen(&mut self, agent: &SeenAgent<V>) {
         let SeenAgent { position, velocity, intent, aim } = *agent;
         self.grid.add(position, velocity, intent);
-        self.turns.count(&self.scenery.passages, position.on_ground(), aim.on_ground());
+        self.turns.count(&self.scenery.passages, position.on_ground(), aim.on_ground(), 0.0);
     }
 
     /// Empties the density grid, if it is time to fill it; the time that it is to show.

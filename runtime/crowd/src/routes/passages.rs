@@ -4,13 +4,15 @@
 //! mouth and leaves those who come out a lane. Where people wait on both sides, directions take turns, and nobody enters
 //! until the last one is out. Turns change only when the density grid is filled: so all who decide in between know the same.
 
-use super::streets::Streets;
+use super::streets::{Streets, is_one_floor};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use throng_geometry::{Bounds2d, BoxGrid, nearest_on_segment};
 
 /// Width below which two cannot meet, in radii.
 const NARROW_RADII: f32 = 4.4;
+/// Difference of heights from which a passage is stairs, or a ramp (m).
+const STAIRS_M: f32 = 1.0;
 /// Distance between the points of a middle line (m).
 const STEP_M: f32 = 0.1;
 /// Most points of a middle line.
@@ -49,6 +51,8 @@ struct Passage {
     length: f32,
     /// Largest distance of a wall from the line (m).
     half_width: f32,
+    /// Lowest and highest ground in it (m).
+    floor: [f32; 2],
 }
 
 /// All passages of some streets.
@@ -124,13 +128,22 @@ struct WallsBeside {
 }
 
 impl Passages {
-    /// Finds the passages for people of a radius (m).
+    /// Finds the passages for people of a radius, in which two cannot meet (m).
     pub fn find(streets: &Streets, radius_m: f32) -> Self {
+        Self::find_with_stairs(streets, radius_m, NARROW_RADII * radius_m)
+    }
+
+    /// Finds the passages for people of a radius, and stairs that are narrower than a width (m).
+    pub fn find_with_stairs(streets: &Streets, radius_m: f32, stairs_m: f32) -> Self {
         let mut all: Vec<Passage> = Vec::new();
-        let widths = [2.0 * radius_m, NARROW_RADII * radius_m];
-        streets.visit_narrow_gaps(widths, |middle, across| {
-            if !all.iter().any(|passage| passage.holds(middle)) {
-                all.extend(Passage::trace(streets, widths, middle, across));
+        let widths = |[low, high]: [f32; 2]| {
+            let is_stairs = high - low > STAIRS_M;
+            [2.0 * radius_m, if is_stairs { stairs_m } else { NARROW_RADII * radius_m }]
+        };
+        streets.visit_narrow_gaps(widths, |middle, across, floor| {
+            if !all.iter().any(|passage| is_one_floor(passage.floor, floor) && passage.holds(middle)) {
+                let gap = NarrowGap { streets, widths: widths(floor), floor };
+                all.extend(Passage::trace(&gap, middle, across));
             }
         });
         join_passages(&mut all, JOINED_RADII * radius_m);
@@ -143,10 +156,13 @@ impl Passages {
     }
 
     /// The next passage on the way of somebody at a place, with an aim.
-    pub fn find_use(&self, at: Vec2, aim: Vec2) -> Option<PassageUse> {
+    ///
+    /// - `height_m`: height of the ground below (m; any where the ground has one floor).
+    pub fn find_use(&self, at: Vec2, aim: Vec2, height_m: f32) -> Option<PassageUse> {
         let mut best: Option<PassageUse> = None;
         self.boxes.as_ref()?.visit_intersecting(&Bounds2d { min: at, max: at }, |number| {
-            let found = self.all[number].find_use(number, at, aim);
+            let passage = &self.all[number];
+            let found = passage.find_use(number, at, aim).filter(|_| is_one_floor(passage.floor, [height_m; 2]));
             if let Some(found) = found
                 && best.is_none_or(|b| (found.distance, found.number) < (b.distance, b.number))
             {
@@ -167,20 +183,19 @@ impl Passages {
 impl Passage {
     /// The passage through a narrow place; none where it leads nowhere.
     ///
-    /// - `widths`: narrowest, and that from which on there is room (m).
     /// - `across`: unit vector from wall to wall.
-    fn trace(streets: &Streets, widths: [f32; 2], middle: Vec2, across: Vec2) -> Option<Self> {
-        let mut half_width = 0.5 * widths[0];
-        let mut line = trace_way(streets, widths, middle, across.perp(), &mut half_width)?;
+    fn trace(gap: &NarrowGap<'_>, middle: Vec2, across: Vec2) -> Option<Self> {
+        let mut half_width = 0.5 * gap.widths[0];
+        let mut line = gap.trace_way(middle, across.perp(), &mut half_width)?;
         line.reverse();
         line.push(middle);
-        line.extend(trace_way(streets, widths, middle, -across.perp(), &mut half_width)?);
-        Some(Self::from_line(line, half_width))
+        line.extend(gap.trace_way(middle, -across.perp(), &mut half_width)?);
+        Some(Self::from_line(line, half_width, gap.floor))
     }
 
-    fn from_line(line: Vec<Vec2>, half_width: f32) -> Self {
+    fn from_line(line: Vec<Vec2>, half_width: f32, floor: [f32; 2]) -> Self {
         let length = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-        Self { line, length, half_width }
+        Self { line, length, half_width, floor }
     }
 
     /// Mouth at an end, and the unit vector out of it.
@@ -250,63 +265,69 @@ impl Passage {
     }
 }
 
-/// Middle line from a narrow place on to the mouth; none where the way ends before.
-fn trace_way(
-    streets: &Streets,
-    [narrowest, wide]: [f32; 2],
-    from: Vec2,
-    along: Vec2,
-    half_width: &mut f32,
-) -> Option<Vec<Vec2>> {
-    let (mut at, mut along, mut line) = (from, along, Vec::new());
-    while line.len() < MOST_POINTS {
-        at += along * STEP_M;
-        let walls = walls_beside(streets, at, along, wide);
-        let mut ahead_m = wide;
-        streets.visit_walls_near(at, narrowest, |ends, radius| {
-            ahead_m = ahead_m.min(nearest_on_segment(at, ends).distance(at) - radius);
-        });
-        if ahead_m < 0.4 * narrowest {
-            return None;
-        }
-        let Some(walls) = walls else {
-            line.push(at);
-            return Some(line);
-        };
-        let width = walls.left_m + walls.right_m;
-        if width < narrowest {
-            return None;
-        }
-        if width >= wide {
-            line.push(at);
-            return Some(line);
-        }
-        *half_width = half_width.max(0.5 * width);
-        let left = along.perp();
-        at += left * (0.5 * (walls.left_m - walls.right_m)).clamp(-STEP_M, STEP_M);
-        line.push(at);
-        let turned = -walls.across.perp();
-        along = (along + if turned.dot(along) < 0.0 { -turned } else { turned }).normalize_or(along);
-    }
-    None
+/// A narrow place, through which a passage is traced.
+struct NarrowGap<'a> {
+    streets: &'a Streets,
+    /// Narrowest width, and that from which on there is room (m).
+    widths: [f32; 2],
+    /// Lowest and highest ground of the floor that it is on (m).
+    floor: [f32; 2],
 }
 
-/// Walls on both sides of a way, within a distance; none where one is missing.
-fn walls_beside(streets: &Streets, at: Vec2, along: Vec2, within: f32) -> Option<WallsBeside> {
-    let left = along.perp();
-    let mut sides = [(within, None); 2];
-    streets.visit_walls_near(at, within, |[a, b], radius| {
-        let off = nearest_on_segment(at, [a, b]) - at;
-        let distance = off.length();
-        if off.dot(along).abs() <= BESIDE * distance {
-            let side = &mut sides[usize::from(off.dot(left) < 0.0)];
-            if distance - radius < side.0 {
-                *side = (distance - radius, Some(off));
+impl NarrowGap<'_> {
+    /// Middle line from a narrow place on to the mouth; none where the way ends before.
+    fn trace_way(&self, from: Vec2, along: Vec2, half_width: &mut f32) -> Option<Vec<Vec2>> {
+        let [narrowest, wide] = self.widths;
+        let (mut at, mut along, mut line) = (from, along, Vec::new());
+        while line.len() < MOST_POINTS {
+            at += along * STEP_M;
+            let walls = self.walls_beside(at, along, wide);
+            let mut ahead_m = wide;
+            self.streets.visit_walls_near(at, narrowest, self.floor, |ends, radius| {
+                ahead_m = ahead_m.min(nearest_on_segment(at, ends).distance(at) - radius);
+            });
+            if ahead_m < 0.4 * narrowest {
+                return None;
             }
+            let Some(walls) = walls else {
+                line.push(at);
+                return Some(line);
+            };
+            let width = walls.left_m + walls.right_m;
+            if width < narrowest {
+                return None;
+            }
+            if width >= wide {
+                line.push(at);
+                return Some(line);
+            }
+            *half_width = half_width.max(0.5 * width);
+            let left = along.perp();
+            at += left * (0.5 * (walls.left_m - walls.right_m)).clamp(-STEP_M, STEP_M);
+            line.push(at);
+            let turned = -walls.across.perp();
+            along = (along + if turned.dot(along) < 0.0 { -turned } else { turned }).normalize_or(along);
         }
-    });
-    let [(left_m, Some(to_left)), (right_m, Some(to_right))] = sides else { return None };
-    Some(WallsBeside { left_m, right_m, across: (to_left - to_right).normalize_or(left) })
+        None
+    }
+
+    /// Walls on both sides of a way, within a distance; none where one is missing.
+    fn walls_beside(&self, at: Vec2, along: Vec2, within: f32) -> Option<WallsBeside> {
+        let left = along.perp();
+        let mut sides = [(within, None); 2];
+        self.streets.visit_walls_near(at, within, self.floor, |[a, b], radius| {
+            let off = nearest_on_segment(at, [a, b]) - at;
+            let distance = off.length();
+            if off.dot(along).abs() <= BESIDE * distance {
+                let side = &mut sides[usize::from(off.dot(left) < 0.0)];
+                if distance - radius < side.0 {
+                    *side = (distance - radius, Some(off));
+                }
+            }
+        });
+        let [(left_m, Some(to_left)), (right_m, Some(to_right))] = sides else { return None };
+        Some(WallsBeside { left_m, right_m, across: (to_left - to_right).normalize_or(left) })
+    }
 }
 
 /// Joins passages at mouths so near to each other that nobody can wait in between; where more than two meet, none are joined.
@@ -314,7 +335,7 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
     while let Some(junction) = find_junction(all, near_m) {
         let [(first, first_end), (other, other_end)] = junction;
         let next = all.remove(other);
-        let Passage { mut line, half_width, .. } = all[first].clone();
+        let Passage { mut line, half_width, floor, .. } = all[first].clone();
         if !first_end {
             line.reverse();
         }
@@ -324,7 +345,8 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
         } else {
             line.extend(ahead)
         }
-        all[first] = Passage::from_line(line, half_width.max(next.half_width));
+        let floor = [floor[0].min(next.floor[0]), floor[1].max(next.floor[1])];
+        all[first] = Passage::from_line(line, half_width.max(next.half_width), floor);
     }
 }
 
@@ -334,6 +356,9 @@ fn find_junction(all: &[Passage], near_m: f32) -> Option<[(usize, bool); 2]> {
     let ends = |number: usize| [(number, false), (number, true)];
     for other in 0..all.len() {
         for first in 0..other {
+            if !is_one_floor(all[first].floor, all[other].floor) {
+                continue;
+            }
             let pairs = ends(first).into_iter().flat_map(|one| ends(other).map(|two| [one, two]));
             let gap = |[one, two]: &[(usize, bool); 2]| mouth(*one).distance(mouth(*two));
             let Some(pair) = pairs.min_by(|a, b| gap(a).total_cmp(&gap(b))) else { continue };
@@ -370,8 +395,8 @@ impl PassageTurns {
     }
 
     /// Counts somebody on the way from a place to an aim.
-    pub fn count(&mut self, passages: &Passages, at: Vec2, aim: Vec2) {
-        if let Some(found) = passages.find_use(at, aim) {
+    pub fn count(&mut self, passages: &Passages, at: Vec2, aim: Vec2, height_m: f32) {
+        if let Some(found) = passages.find_use(at, aim, height_m) {
             let count = &mut self.counts[found.number];
             let of = if found.is_inside { &mut count.inside } else { &mut count.near };
             let to = usize::from(found.towards);

@@ -179,11 +179,16 @@ impl<V: Space> RoutePath<V> {
 
     /// Advances to the next subgoals where the line at one is passed; true where it began again.
     pub fn pass_subgoals(&self, cursor: &mut RouteCursor<V>, x: V) -> bool {
+        self.advance_cursor(cursor, |leg| self.legs[leg as usize].is_passed(x, self.route.arrival_radius))
+    }
+
+    /// Advances to the next subgoals as long as one is passed; true where it began again.
+    pub fn advance_cursor(&self, cursor: &mut RouteCursor<V>, is_passed: impl Fn(u32) -> bool) -> bool {
         let mut again = false;
         for _ in 0..self.legs.len() {
             let at = cursor.leg as usize;
             let is_last = at + 1 == self.legs.len();
-            if is_last && !self.is_round() || !self.legs[at].is_passed(x, self.route.arrival_radius) {
+            if is_last && !self.is_round() || !is_passed(cursor.leg) {
                 break;
             }
             again |= is_last;

@@ -43,6 +43,8 @@ pub struct Streets {
     owners: Vec<usize>,
     bounds: Vec<(Vec2, Vec2)>,
     edges: EdgeGrid,
+    /// Lowest and highest ground at each outline, in a level; empty where the ground has one floor (m).
+    floors: Vec<[f32; 2]>,
     /// Lowest and highest that agents are (m).
     heights: Option<[f32; 2]>,
     clearance: f32,
@@ -139,6 +141,16 @@ const TAUT: f32 = 0.5;
 const CLOSED_M: f32 = 1e4;
 /// Most corners that ways lead round: memory and time to make a graph grow with their square.
 const MOST_AROUND: usize = 4000;
+/// Heights of a floor that holds all (m).
+pub(crate) const ALL_HEIGHTS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
+/// Difference of heights from which ground is another floor (m).
+const FLOOR_M: f32 = 1.0;
+
+/// True for ground between two heights that is on the floors of that between two others (m).
+pub(crate) fn is_one_floor(a: [f32; 2], b: [f32; 2]) -> bool {
+    a[0] - b[1] < FLOOR_M && b[0] - a[1] < FLOOR_M
+}
+
 /// Most corners between which an agent chooses.
 pub(crate) const MOST_CORNERS: usize = 6;
 
@@ -180,6 +192,27 @@ impl Streets {
         clearance_m: f32,
         nearest_m: f32,
     ) -> Result<Self> {
+        let mut streets = Self::without_paths(obstacles, heights, clearance_m, nearest_m)?;
+        let num = streets.outlines.iter().map(|o| o.corners().len()).sum::<usize>();
+        check_value("number of corners of obstacles", None, num as f64, num <= MOST_AROUND, "at most 4000")?;
+        streets.make_graph();
+        Ok(streets)
+    }
+
+    /// Walls of a level, on all its floors: no paths lead between them.
+    ///
+    /// - `floors`: lowest and highest ground at each wall (m).
+    pub(crate) fn of_level(walls: &[Obstacle], floors: Vec<[f32; 2]>, clearance_m: f32) -> Result<Self> {
+        let streets = Self::without_paths(walls, None, clearance_m, 0.5 * clearance_m)?;
+        Ok(Self { floors, ..streets })
+    }
+
+    fn without_paths(
+        obstacles: &[Obstacle],
+        heights: Option<[f32; 2]>,
+        clearance_m: f32,
+        nearest_m: f32,
+    ) -> Result<Self> {
         let good = clearance_m > 0.0 && clearance_m < 1e6;
         check_value("clearance_m", None, clearance_m, good, "above 0 and below 1e6")?;
         let good = (0.0..=clearance_m).contains(&nearest_m);
@@ -191,15 +224,14 @@ impl Streets {
         let odd = bounds.iter().position(|(low, high)| !low.is_finite() || !high.is_finite());
         let expected = "one with coordinates that are finite";
         check_value("number of an obstacle", None, odd.unwrap_or(0) as f64, odd.is_none(), expected)?;
-        let num = outlines.iter().map(|o| o.corners().len()).sum::<usize>();
-        check_value("number of corners of obstacles", None, num as f64, num <= MOST_AROUND, "at most 4000")?;
-        let mut streets = Self {
+        Ok(Self {
             obstacles: obstacles.to_vec(),
             doors: vec![0; outlines.len()],
             edges: EdgeGrid::new(&outlines, &bounds),
             outlines,
             owners,
             bounds,
+            floors: Vec::new(),
             heights,
             clearance: clearance_m,
             nearest: nearest_m,
@@ -208,9 +240,7 @@ impl Streets {
             around: Vec::new(),
             at_doors: Vec::new(),
             seen: Vec::new(),
-        };
-        streets.make_graph();
-        Ok(streets)
+        })
     }
 
     /// Joins all points that see each other, through doors too.
@@ -434,24 +464,38 @@ impl Streets {
     }
 
     /// Calls `visit` for the edges of all that stands near a place, doors left out, with their radii (m).
-    pub(crate) fn visit_walls_near(&self, at: Vec2, within: f32, mut visit: impl FnMut([Vec2; 2], f32)) {
+    ///
+    /// - `floor`: lowest and highest ground of the floor that they stand on (m).
+    pub(crate) fn visit_walls_near(
+        &self,
+        at: Vec2,
+        within: f32,
+        floor: [f32; 2],
+        mut visit: impl FnMut([Vec2; 2], f32),
+    ) {
         self.edges.visit_near(at, within, |ends, radius, outline| {
-            if self.doors[outline] == 0 {
+            if self.doors[outline] == 0 && self.is_on_floor(outline, floor) {
                 visit(ends, radius);
             }
         });
     }
 
     /// Calls `visit` for narrow gaps between corners and what stands beside them: their middle, and the unit vector from wall to
-    /// wall.
+    /// wall; and the lowest and highest ground there.
     ///
-    /// - `widths`: narrowest and widest gap (m).
-    pub(crate) fn visit_narrow_gaps(&self, [narrowest, widest]: [f32; 2], mut visit: impl FnMut(Vec2, Vec2)) {
-        for (outline, _) in self.outlines.iter().zip(&self.doors).filter(|(_, door)| **door == 0) {
+    /// - `widths`: narrowest and widest gap on ground between two heights (m).
+    pub(crate) fn visit_narrow_gaps(
+        &self,
+        widths: impl Fn([f32; 2]) -> [f32; 2],
+        mut visit: impl FnMut(Vec2, Vec2, [f32; 2]),
+    ) {
+        for (number, outline) in self.outlines.iter().enumerate().filter(|(n, _)| self.doors[*n] == 0) {
+            let floor = self.floors.get(number).copied().unwrap_or(ALL_HEIGHTS);
+            let [narrowest, widest] = widths(floor);
             let own = if let ObstacleOutline::Wall { radius, .. } = outline { *radius } else { 0.0 };
             for corner in outline.corners() {
                 let mut gaps = Vec::new();
-                self.visit_walls_near(corner, own + widest, |ends, radius| {
+                self.visit_walls_near(corner, own + widest, floor, |ends, radius| {
                     let (across, distance) =
                         Space::unit_and_length(throng_geometry::nearest_on_segment(corner, ends) - corner);
                     let width = distance - own - radius;
@@ -461,17 +505,22 @@ impl Streets {
                 });
                 for (middle, across, width) in gaps {
                     // Nothing else is nearer.
-                    if self.is_clear_of_walls(middle, 0.49 * width) {
-                        visit(middle, across);
+                    if self.is_clear_of_walls(middle, 0.49 * width, floor) {
+                        visit(middle, across, floor);
                     }
                 }
             }
         }
     }
 
-    /// True if a place keeps a clearance from everything that stands, doors left out.
-    fn is_clear_of_walls(&self, at: Vec2, clearance: f32) -> bool {
-        self.edges.find_near(&self.outlines, [at, at], clearance, |n| self.doors[n] != 0)
+    /// True if a place keeps a clearance from everything that stands on a floor, doors left out.
+    fn is_clear_of_walls(&self, at: Vec2, clearance: f32, floor: [f32; 2]) -> bool {
+        let is_passed = |n| self.doors[n] != 0 || !self.is_on_floor(n, floor);
+        self.edges.find_near(&self.outlines, [at, at], clearance, is_passed)
+    }
+
+    fn is_on_floor(&self, outline: usize, floor: [f32; 2]) -> bool {
+        self.floors.get(outline).is_none_or(|own| is_one_floor(*own, floor))
     }
 
     /// True if a straight line keeps a clearance from everything that stands.
