@@ -14,6 +14,9 @@ use throng_motion::progress::Progress;
 use throng_simulation::{GroupMotion, Scene};
 use throng_world::World;
 
+/// Way out where a bundle is missing.
+const WAY_OUT: &str = "build it with `throng build`, or name another with --bundle";
+
 /// Cache, progress and messages for building.
 #[derive(Clone, Copy)]
 pub struct BuildContext<'a> {
@@ -32,6 +35,11 @@ pub struct BuildContext<'a> {
 pub fn ensure_scene(scene: &Scene, with: &BuildContext<'_>) -> Result<()> {
     for (g, group) in scene.groups.iter().enumerate().filter(|(_, g)| g.motion != GroupMotion::None) {
         let (Some(bundle), config) = scene.bundle_of(g) else { continue };
+        if config.is_none() && !bundle.exists() {
+            let key = if group.bundle.is_some() { format!("groups[{g}].bundle") } else { "bundle".into() };
+            let why = format!("{} is not there; {WAY_OUT}", bundle.display());
+            return Err(config_error(scene.fault(&key, why).to_string()));
+        }
         ensure_bundle(bundle, config, with)?;
         if let (GroupMotion::Patches, (Some(world), Some(file))) = (group.motion, scene.world_of(g)) {
             let source = WorldSource { bundle: bundle.to_path_buf(), ..WorldSource::load(file)? };
@@ -60,8 +68,7 @@ pub fn ensure_bundle(bundle: &Path, config: Option<&Path>, with: &BuildContext<'
     }
     let name = bundle.display();
     let Some(config) = config else {
-        let way_out = "build it with `throng build`, or name another with --bundle";
-        return Err(config_error(format!("{name}: there is no such bundle; {way_out}")));
+        return Err(config_error(format!("{name}: there is no such bundle; {WAY_OUT}")));
     };
     (with.report_news)(News::Making(format!("{name} is not there: building it from {}", config.display())));
     let report = BuildConfig::load(config).and_then(|c| pipeline::build(&c, bundle, with.cache, with.progress));
