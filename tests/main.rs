@@ -14,6 +14,7 @@ mod graph;
 mod guides;
 mod hits;
 mod import;
+mod levels;
 mod meetings;
 mod patch;
 mod pipeline;

@@ -6,19 +6,25 @@ use crate::compile::CompiledScene;
 use crate::motion_kind::{GroupStep, MotionKind, refused_snapshot, saved_bytes};
 use crate::scene::{AtEndConfig, Scene};
 use crate::{CharacterEvent, SimulationEvent};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::f32::consts::PI;
 use std::sync::Arc;
 use throng_base::ground::ReservedRegion;
 use throng_base::maths;
 use throng_base::thresholds::{WAITS_BELOW_MPS, WALK_SPEED_MPS};
 use throng_base::{Bytes, Error, Id, Result, SnapshotKind};
+use throng_core::body::HeightField;
 use throng_core::characters::{PolicyCharacters, PolicyOrder, Spawn};
+use throng_core::reserve::FloorWall;
 use throng_core::stops::BODY_RADIUS_M;
 use throng_core::{CharacterGroup, Contacts, Mat3x4, NUM_JOINTS, Planar};
-use throng_crowd::{NavigatedBody, Navigation, NavigationAim, NavigationState, Streets};
+use throng_crowd::{NavigatedBody, Navigation, NavigationAim, NavigationState, Route, Streets};
+use throng_geometry::Capsule2d;
+use throng_level::Level;
 
 /// Distance of the target from a character that is on its way: so far that its policy does not slow down at a corner (m).
 const TARGET_AHEAD_M: f32 = 2.0;
@@ -26,6 +32,24 @@ const TARGET_AHEAD_M: f32 = 2.0;
 const POSES_TRIED: usize = 16;
 /// Distance from the goal at which a character goes straight there (m).
 const GOAL_NEAR_M: f32 = 1.0;
+
+/// Distance of a start from its place that is tried first, and at most (m), and the factor by which it grows.
+const LEAST_REACH_M: f32 = 0.5;
+const MOST_REACH_M: f32 = 12.0;
+const REACH_GROWS: f32 = 1.01;
+/// Distance of a goal from its place (m).
+const GOAL_REACH_M: f32 = 2.0;
+/// Distance from a point within which the ground is below it (m).
+const NEAR_M: f32 = 0.5;
+/// Distance around a goal within which ground is level, and the difference of heights that it may have (m).
+const ROOM_M: f32 = 0.8;
+const LEVEL_M: f32 = 0.1;
+/// Most draws of a goal.
+const MOST_DRAWN: usize = 400;
+/// Spacing of the heights that feet are put on (m).
+const GROUND_SPACING_M: f32 = 0.06;
+/// Most heights of the ground of a level; on a larger one they lie farther apart.
+const MOST_KNOTS: f32 = 8e6;
 
 /// Group of characters with policies on the way to goals.
 #[derive(Clone, Debug)]
@@ -56,13 +80,14 @@ impl Travellers {
     /// Creates groups with one bundle, with all characters in place.
     ///
     /// # Errors
-    /// As [`CrowdLayout::new`], and [`Error::Text`] for starts in each other.
+    /// As [`CrowdLayout::new`], and [`Error::Text`] for starts in each other, or goals to which nobody can walk.
     pub(crate) fn new(compiled: &CompiledScene, groups: &[usize]) -> Result<Self> {
         let (scene, group) = (&compiled.scene, groups[0]);
         let (bundle, key) = (compiled.bundle(group)?, format!("groups[{group}]"));
         let layout = CrowdLayout::<Vec2>::of_groups(scene, |g| groups.contains(&g))?;
         let orders = groups.iter().map(|&g| weighted_order(compiled, g).map(|(order, _)| order));
         let orders: Vec<PolicyOrder> = orders.collect::<Result<_>>()?;
+        let num = groups.iter().map(|&g| scene.groups[g].count).sum();
         let fault = |e: Error| match e {
             Error::Occupied { who, .. } => {
                 let why = format!(
@@ -72,9 +97,29 @@ impl Travellers {
             }
             e => scene.fault(&key, e),
         };
-        let num = layout.num_agents();
-        let mut people =
-            PolicyCharacters::with_capacity(bundle, num, characters_config(compiled, group)).map_err(fault)?;
+        let mut made = Self {
+            scene: Arc::clone(scene),
+            groups: groups.to_vec(),
+            people: PolicyCharacters::with_capacity(bundle, num, characters_config(compiled, group)).map_err(fault)?,
+            navigation: Navigation::new(&Streets::new(&[], BODY_RADIUS_M)?, BODY_RADIUS_M, WALK_SPEED_MPS, num)?,
+            travels: vec![TravelState::default(); num],
+            layout,
+            targets: Vec::with_capacity(num),
+        };
+        let states = resting_states(bundle);
+        made.people.hold_entrants();
+        let added = match scene.level.as_ref().filter(|level| level.all_floors) {
+            Some(level) => made.add_on_all_floors(&Level::open(&level.file)?, &orders, &states),
+            None => made.add_in_streets(&orders, &states),
+        };
+        added.map_err(fault)?;
+        made.people.release_entrants();
+        Ok(made)
+    }
+
+    /// Adds all people at their starts in streets.
+    fn add_in_streets(&mut self, orders: &[PolicyOrder], states: &[u32]) -> Result<()> {
+        let Self { scene, groups, people, layout, .. } = self;
         let mut streets = match &layout.setup.streets {
             Some(streets) => streets.clone(),
             None => Streets::new(&[], BODY_RADIUS_M)?,
@@ -83,38 +128,58 @@ impl Travellers {
         for (d, door) in scene.environment.doors.iter().enumerate().filter(|_| is_known) {
             streets.set_open(layout.first_door + d, door.open)?;
         }
-        let mut navigation = Navigation::new(&streets, BODY_RADIUS_M, WALK_SPEED_MPS, num).map_err(fault)?;
-        let states = resting_states(bundle);
-        let mut rng = Pcg64Mcg::seed_from_u64(scene.seed ^ group as u64);
-        people.hold_entrants();
+        self.navigation = Navigation::new(&streets, BODY_RADIUS_M, WALK_SPEED_MPS, self.travels.len())?;
+        let mut rng = Pcg64Mcg::seed_from_u64(scene.seed ^ groups[0] as u64);
         people.set_walls(&scene.environment.walls_and_closed_doors());
         for ((agent, path), of) in layout.setup.agents.iter().zip(&layout.paths).zip(&layout.groups) {
             let order = orders[groups.iter().position(|g| g == of).unwrap_or_default()];
-            let at = agent.position;
-            let ahead = path.get(1).map_or(Vec2::Y, |next| *next - at);
-            let root = Planar::new(at.x, at.y, maths::atan2(ahead.x, ahead.y));
+            let ahead = path.get(1).map_or(Vec2::Y, |next| *next - agent.position);
+            let mut spawn = || spawn_at(people, agent.position.extend(0.0).xzy(), ahead, states, &mut rng);
             // Not every pose has room everywhere.
-            let mut spawn =
-                || people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]), floor_m: 0.0 });
             let first = spawn();
-            let id = (1..POSES_TRIED).fold(first, |made, _| made.or_else(|_| spawn())).map_err(fault)?;
+            let id = (1..POSES_TRIED).fold(first, |made, _| made.or_else(|_| spawn()))?;
             let order = in_own_manner(order, &scene.groups[*of], id.index());
-            people.order(id, order.with_target(Vec3::new(at.x, 0.0, at.y))).map_err(fault)?;
-            let route = agent.route.map(|route| &layout.setup.routes[route]);
-            if let Some(route) = route {
-                navigation.add_body(route, at).map_err(fault)?;
+            people.order(id, order.with_target(agent.position.extend(0.0).xzy()))?;
+            if let Some(route) = agent.route {
+                self.navigation.add_body(&layout.setup.routes[route], agent.position)?;
             }
         }
-        people.release_entrants();
-        Ok(Self {
-            scene: Arc::clone(scene),
-            groups: groups.to_vec(),
-            people,
-            navigation,
-            travels: vec![TravelState::default(); num],
-            layout,
-            targets: Vec::with_capacity(num),
-        })
+        Ok(())
+    }
+
+    /// Adds all people at places of a level, on all its floors.
+    fn add_on_all_floors(&mut self, level: &Level, orders: &[PolicyOrder], states: &[u32]) -> Result<()> {
+        let Self { scene, groups, people, layout, .. } = self;
+        self.navigation = Navigation::in_level(level, BODY_RADIUS_M, WALK_SPEED_MPS, self.travels.len())?;
+        people.set_ground(ground_of_level(level)?);
+        people.set_walls(walls_of_level(level));
+        layout.show_walls(walls_of_level(level).map(|w| [w.wall.from, w.wall.to]));
+        let mut rng = Pcg64Mcg::seed_from_u64(scene.seed ^ groups[0] as u64);
+        let ground = LevelGround::new(level);
+        for (&g, order) in groups.iter().zip(orders) {
+            let group = &scene.groups[g];
+            let [starts, goals] = group.level_places().map(|names| places_of_level(level, names.unwrap_or_default()));
+            for n in 0..group.count {
+                let (mut made, mut reach_m) = (None, LEAST_REACH_M);
+                while made.is_none() && reach_m < MOST_REACH_M {
+                    let at = ground.draw_point(starts.get(n % starts.len().max(1)), reach_m, &mut rng);
+                    let ahead = maths::direction_at_angle(rng.random_range(-PI..PI));
+                    made = at.and_then(|at| Some((at, spawn_at(people, at, ahead, states, &mut rng).ok()?)));
+                    reach_m *= REACH_GROWS;
+                }
+                let by = "another character or a wall";
+                let (at, id) = made.ok_or_else(|| Error::Occupied { who: Id::first(n), by: by.into() })?;
+                let goal = ground.draw_goal(&goals, at, &mut rng);
+                let back = (group.at_end == AtEndConfig::Again).then_some(at);
+                let subgoals = std::iter::once(goal).chain(back).collect();
+                let route = Route { subgoals, arrival_radius: group.arrival_m, at_end: group.at_end.into() };
+                let order = in_own_manner(*order, group, id.index());
+                people.order(id, order.with_target(at))?;
+                self.navigation.add_body_in_level(&route, at)?;
+                layout.add_person(g, [at.xz(), goal.xz()]);
+            }
+        }
+        Ok(())
     }
 
     /// The characters.
@@ -132,7 +197,8 @@ impl Travellers {
         let row = self.row(number)?;
         let (root, book) = (self.people.bodies().roots[row], self.people.characters().reservations());
         let velocity = book.map_or(Vec2::ZERO, |book| book.velocity(row));
-        let [centre, velocity] = [Vec2::new(root.x, root.z), velocity].map(|v| Vec3::new(v.x, 0.0, v.y));
+        let centre = Vec3::new(root.x, self.people.characters().floor_m(row), root.z);
+        let velocity = Vec3::new(velocity.x, 0.0, velocity.y);
         Some(Disc { root, centre, velocity, radius: BODY_RADIUS_M, knows: false })
     }
 
@@ -182,6 +248,99 @@ fn target_ahead(place: Vec2, aim: &NavigationAim) -> Vec3 {
     Vec3::new(target.x, 0.0, target.y)
 }
 
+/// Adds a person who stands in one of some states.
+fn spawn_at(people: &mut PolicyCharacters, at: Vec3, ahead: Vec2, states: &[u32], rng: &mut Pcg64Mcg) -> Result<Id> {
+    let root = Planar::new(at.x, at.z, maths::atan2(ahead.x, ahead.y));
+    people.spawn(Spawn { root, state: Some(states[rng.random_range(0..states.len())]), floor_m: at.y })
+}
+
+/// Places of a level with some names (m).
+fn places_of_level(level: &Level, names: &[String]) -> Vec<Vec3> {
+    level.places().filter(|p| names.iter().any(|n| n == p.name)).map(|p| p.at).collect()
+}
+
+/// The largest part of a level's ground that no walk leaves, from which points are drawn.
+struct LevelGround<'a> {
+    level: &'a Level,
+    component: u32,
+    /// Lowest and highest x and z of the level (m).
+    corners: [Vec2; 2],
+}
+
+impl<'a> LevelGround<'a> {
+    fn new(level: &'a Level) -> Self {
+        let of = |polygon: usize| level.component(polygon as u32);
+        let mut sizes = BTreeMap::new();
+        (0..level.num_polygons()).for_each(|p| *sizes.entry(of(p)).or_insert(0) += 1);
+        let component = sizes.into_iter().max_by_key(|(_, size)| *size).map_or(0, |(component, _)| component);
+        let all = || level.vertices().map(|at| at.xz());
+        Self { level, component, corners: [all().fold(Vec2::MAX, Vec2::min), all().fold(Vec2::MIN, Vec2::max)] }
+    }
+
+    /// Point on the floor of a place and within a distance of it (m), or anywhere; none where the draw misses the ground.
+    fn draw_point(&self, place: Option<&Vec3>, reach_m: f32, rng: &mut Pcg64Mcg) -> Option<Vec3> {
+        let Some(place) = place else {
+            let [low, high] = self.corners;
+            let at = Vec2::new(rng.random_range(low.x..high.x), rng.random_range(low.y..high.y));
+            let mut floors = Vec::new();
+            self.level.add_heights(at, &mut floors);
+            let height = *floors.get(rng.random_range(0..floors.len().max(1)))?;
+            let found = self.level.nearest(Vec3::new(at.x, height, at.y), NEAR_M)?;
+            return (self.level.component(found.polygon) == self.component).then_some(found.at);
+        };
+        let off =
+            maths::direction_at_angle(rng.random_range(-PI..PI)) * (reach_m * rng.random_range(0.0..1.0f32).sqrt());
+        let found = self.level.nearest(*place + Vec3::new(off.x, 0.0, off.y), NEAR_M)?.at;
+        (found.xz().distance(place.xz()) <= reach_m).then_some(found)
+    }
+
+    /// True for level ground in all directions: nobody chooses to stand on stairs or in a door.
+    fn is_room(&self, at: Vec3) -> bool {
+        let off = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].map(|off| at + off * ROOM_M);
+        off.into_iter().all(|p| self.level.height_at(p).is_some_and(|height| (height - at.y).abs() < LEVEL_M))
+    }
+
+    /// Goal near one of some places, or anywhere; if it can be, with room and not near to where somebody starts.
+    fn draw_goal(&self, places: &[Vec3], start: Vec3, rng: &mut Pcg64Mcg) -> Vec3 {
+        let mut goal = start;
+        for _ in 0..MOST_DRAWN {
+            let place = (!places.is_empty()).then(|| &places[rng.random_range(0..places.len())]);
+            goal = self.draw_point(place, GOAL_REACH_M, rng).unwrap_or(goal);
+            if goal.distance(start) > MOST_REACH_M && self.is_room(goal) {
+                break;
+            }
+        }
+        goal
+    }
+}
+
+/// Ground of all floors of a level.
+///
+/// # Errors
+/// As [`HeightField::with_floors`].
+fn ground_of_level(level: &Level) -> Result<HeightField> {
+    let all = || level.vertices().map(|at| at.xz());
+    let low = all().fold(Vec2::MAX, Vec2::min) - 1.0;
+    let extent = all().fold(Vec2::MIN, Vec2::max) + 1.0 - low;
+    let spacing = GROUND_SPACING_M.max((extent.x * extent.y / MOST_KNOTS).sqrt());
+    let size = extent.to_array().map(|length| (length / spacing) as usize + 2);
+    let floors = (0..size[0] * size[1]).map(|k| {
+        let (mut out, knot) = (Vec::new(), Vec2::new((k % size[0]) as f32, (k / size[0]) as f32));
+        level.add_heights(low + knot * spacing, &mut out);
+        out
+    });
+    HeightField::with_floors(low, spacing, size, floors.collect())
+}
+
+/// Walls of a level.
+fn walls_of_level(level: &Level) -> impl Iterator<Item = FloorWall> {
+    level.walls().iter().map(|wall| {
+        let [from, to] = [wall.from, wall.to].map(Vec3::from);
+        let heights_m = [from.y.min(to.y), from.y.max(to.y)];
+        FloorWall { wall: Capsule2d { from: from.xz(), to: to.xz(), radius_m: 0.0 }, heights_m }
+    })
+}
+
 impl MotionKind for Travellers {
     fn num_characters(&self) -> usize {
         self.travels.len()
@@ -194,7 +353,8 @@ impl MotionKind for Travellers {
             let row = people.row(Id::first(number)).ok()?;
             let root = people.bodies().roots[row];
             let velocity = people.characters().reservations().map_or(Vec2::ZERO, |book| book.velocity(row));
-            Some(NavigatedBody { position: Vec2::new(root.x, root.z), velocity })
+            let height_m = people.characters().floor_m(row);
+            Some(NavigatedBody { position: Vec2::new(root.x, root.z), velocity, height_m })
         });
         self.targets.clear();
         for (id, root) in self.people.ids().iter().zip(self.people.bodies().roots) {

@@ -181,6 +181,21 @@ impl<V: Space> CrowdLayout<V> {
         Ok(())
     }
 
+    /// Takes the walls of a level for pictures, from above.
+    pub(crate) fn show_walls(&mut self, walls: impl Iterator<Item = [V; 2]>) {
+        self.setup.obstacles = walls.map(|[from, to]| Obstacle::Wall { from, to, radius: 0.0 }).collect();
+        self.first_door = self.setup.obstacles.len();
+    }
+
+    /// Adds a person of a group who walks from one place to another (m).
+    pub(crate) fn add_person(&mut self, group: usize, path: [V; 2]) {
+        let config = &self.scene.groups[group];
+        self.setup.agents.push(Agent { radius: config.largest_radius_m(), ..Agent::standing_at(path[0]) });
+        self.groups.push(group);
+        self.arrivals.push(self.scene.groups[group].arrival_m);
+        self.paths.push(path.to_vec());
+    }
+
     /// Number of agents.
     pub fn num_agents(&self) -> usize {
         self.groups.len()
@@ -301,7 +316,7 @@ fn goal_position<V: Space>(goal: &GoalConfig, around: (V, V), start: V) -> V {
             let along = |i: usize| from.get(i).map_or(0.0, |f| f + (to[i] - f) * share(i));
             V::from_coordinates(std::array::from_fn(along))
         }
-        GoalConfig::Place { .. } | GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
+        GoalConfig::Place { .. } | GoalConfig::Level { .. } | GoalConfig::Wander { .. } | GoalConfig::Stay {} => start,
     }
 }
 

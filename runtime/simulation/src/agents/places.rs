@@ -30,6 +30,7 @@ pub(super) fn start_positions<V: Space>(place: &PlaceConfig, count: usize, radiu
         PlaceConfig::Ring { centre, spacing_m, rings } => {
             jitter_positions(ring_positions(to_point(centre), *spacing_m, *rings, count), 0.9 * *spacing_m, radius, rng)
         }
+        PlaceConfig::Level { .. } => Vec::new(),
         // The check of scenes refuses such a place for agents.
         PlaceConfig::Grid { centre, .. } => vec![to_point(centre); count],
     }

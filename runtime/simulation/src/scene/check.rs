@@ -171,6 +171,14 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
         let why = format!("\"{kind}\" needs a `bundle`, here or at the top of the file");
         return key_fault(&format!("groups[{g}]"), why);
     }
+    let is_on_all_floors = scene.level.as_ref().is_some_and(|level| level.all_floors);
+    let [starts, goals] = group.level_places().map(|names| names.is_some());
+    let is_captured = group.motion == GroupMotion::Policy;
+    if is_on_all_floors && !(starts && goals && is_captured) || !is_on_all_floors && (starts || goals) {
+        let why = "people on all floors are `motion = \"policy\"`, with `place = { level = {} }` and \
+                   `goal = { level = {} }`, in a scene whose `level` has `all_floors = true`";
+        return key_fault(&format!("groups[{g}]"), why);
+    }
     let on_ground = scene.environment.space == SpaceConfig::Ground;
     if group.is_of_agents() {
         if group.motion == GroupMotion::Blend && !on_ground {
@@ -184,6 +192,9 @@ fn check_group(scene: &Scene, g: usize, group: &GroupConfig) -> Result<(), KeyFa
             return key_fault(&at("motion"), why);
         }
         check_route(&at, group, dimensions)?;
+        if let ([Some(_), Some(_)], [_, ..]) = (group.level_places(), &group.via[..]) {
+            return key_fault(&at("via"), "expected none for people on all floors of a level");
+        }
     } else if group.motion == GroupMotion::Patches {
         check_goal_in_world(&at, group)?;
     } else if group.goal.is_some() {

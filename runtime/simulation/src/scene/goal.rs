@@ -19,6 +19,12 @@ pub enum GoalConfig {
         /// Name of the place.
         name: String,
     },
+    /// Ground of the scene's level, on all its floors: each person goes to a point of it by chance.
+    Level {
+        /// Names of places, to one of which each goes; anywhere where there are none.
+        #[serde(default)]
+        names: Vec<String>,
+    },
     /// The same displacement for all agents.
     Shift {
         /// Displacement (m).
@@ -96,7 +102,7 @@ impl GoalConfig {
                 check_corners(&format!("{key}.wander"), from, to, dimensions)?;
                 check_numbers(&[(&format!("{key}.wander.points"), *points, 2, 1000)])
             }
-            Self::Stay {} => Ok(()),
+            Self::Level { .. } | Self::Stay {} => Ok(()),
         }
     }
 
@@ -106,7 +112,7 @@ impl GoalConfig {
             Self::Shift { by: far } => scale_points(&mut [far], by),
             Self::Opposite { centre } => scale_points(&mut [centre], by),
             Self::Area { from, to } | Self::Wander { from, to, .. } => scale_points(&mut [from, to], by),
-            Self::Place { .. } | Self::Stay {} => {}
+            Self::Place { .. } | Self::Level { .. } | Self::Stay {} => {}
         }
     }
 }

@@ -333,6 +333,19 @@ impl GroupConfig {
         self.motion == GroupMotion::None || self.motion == GroupMotion::Blend && self.paths.is_none()
     }
 
+    /// Places of the level at which its people start, and to which they go; none for a group that is not on all floors.
+    pub fn level_places(&self) -> [Option<&[String]>; 2] {
+        let starts = match &self.place {
+            Some(PlaceConfig::Level { names }) => Some(&names[..]),
+            _ => None,
+        };
+        let goals = match &self.goal {
+            Some(GoalConfig::Level { names }) => Some(&names[..]),
+            _ => None,
+        };
+        [starts, goals]
+    }
+
     /// Largest radius of its characters on the ground (m).
     pub fn largest_radius_m(&self) -> f32 {
         if self.motion == GroupMotion::Policy { BODY_RADIUS_M } else { self.radius_m[1] }

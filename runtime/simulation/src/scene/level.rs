@@ -24,6 +24,9 @@ pub struct SceneLevelConfig {
     /// Height of the floor that people are on (m, -10000 to 10000).
     #[serde(default)]
     pub height_m: f32,
+    /// True for people on all floors: groups of `motion = "policy"`, with places of the level to start at and to go to.
+    #[serde(default)]
+    pub all_floors: bool,
 }
 
 impl Scene {
@@ -43,7 +46,10 @@ impl Scene {
                 return Err(self.fault("level", "a level is ground, and the scene is in the air"));
             }
             let level = Level::open(&config.file).map_err(|e| self.fault(key, e))?;
-            self.add_walls(&level, config.height_m)?;
+            match config.all_floors {
+                true => self.check_level_places(&level)?,
+                false => self.add_walls(&level, config.height_m)?,
+            }
         }
         let places = self.places.iter().map(|p| (p.name.clone(), p.at.clone())).collect::<HashMap<_, _>>();
         for group in &mut self.groups {
@@ -51,6 +57,19 @@ impl Scene {
                 && let Some(at) = places.get(name)
             {
                 group.goal = Some(GoalConfig::Point { at: at.clone() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that the level has the places that groups name.
+    fn check_level_places(&self, level: &Level) -> Result<()> {
+        for (g, group) in self.groups.iter().enumerate() {
+            let [starts, goals] = group.level_places();
+            for (key, names) in [("place", starts), ("goal", goals)] {
+                for name in names.into_iter().flatten() {
+                    level.place(name).map_err(|e| self.fault(&format!("groups[{g}].{key}.level.names"), e))?;
+                }
             }
         }
         Ok(())

@@ -36,6 +36,12 @@ pub enum PlaceConfig {
         #[serde(default = "one_ring")]
         rings: usize,
     },
+    /// Ground of the scene's level, on all its floors.
+    Level {
+        /// Names of places, around which people stand in turn; anywhere where there are none.
+        #[serde(default)]
+        names: Vec<String>,
+    },
     /// Square grid on the ground with random headings: pairs face each other, and other characters their targets.
     Grid {
         /// Centre (m).
@@ -76,6 +82,7 @@ impl PlaceConfig {
                 check_numbers(&[(&format!("{key}.ring.spacing_m"), *spacing_m, 0.02, 1000.0)])?;
                 check_numbers(&[(&format!("{key}.ring.rings"), *rings, 1, 100)])
             }
+            Self::Level { .. } => Ok(()),
             Self::Grid { centre, spacing_m, distance_m } => {
                 check_point(&format!("{key}.grid.centre"), centre, 2)?;
                 check_numbers(&[
@@ -90,7 +97,7 @@ impl PlaceConfig {
         match self {
             Self::Block { from, to, .. } => scale_points(&mut [from, to], by),
             Self::Disc { centre, .. } | Self::Ring { centre, .. } => scale_points(&mut [centre], by),
-            Self::Grid { .. } => {}
+            Self::Level { .. } | Self::Grid { .. } => {}
         }
     }
 }
