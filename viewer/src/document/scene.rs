@@ -15,6 +15,7 @@ use throng_core::base::file::{MAX_SNAPSHOT_BYTES, read_file};
 use throng_core::body::HeightField;
 use throng_core::patch::Placement;
 use throng_crowd::Obstacle;
+use throng_level::Level;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::files::write_atomically;
 use throng_precompute::run::{BuildContext, ensure_scene, obstacle_in_world, policy_characters};
@@ -28,6 +29,8 @@ pub const MAX_SCENE_CHARACTERS: usize = 100_000;
 const MAGIC: &str = "throng-viewer scene 1";
 /// Distance of the corners of hills as they are drawn (m).
 const HILL_STEP_M: f32 = 1.0;
+/// Radius of the bars that show the walls of a level (m).
+const KERB_M: f32 = 0.03;
 /// Margin of drawn hills beyond the square that characters keep to (m).
 const BEYOND_M: f32 = 6.0;
 
@@ -350,6 +353,11 @@ fn build_surroundings(compiled: &CompiledScene, run: &SceneRun) -> Result<SceneS
     let mut doors = Vec::new();
     for character_group in run.simulation().character_groups() {
         match character_group {
+            AnyCharacterGroup::Travel(people) if people.layout().setup.streets.is_some() => {
+                let (walls, all) = people.layout().walls_and_doors();
+                out.obstacles = walls.iter().map(obstacle_in_world).collect();
+                doors = all.iter().map(obstacle_in_world).collect();
+            }
             AnyCharacterGroup::Ground(agents) => {
                 let (walls, all) = agents.layout().walls_and_doors();
                 out.obstacles = walls.iter().map(obstacle_in_world).collect();
@@ -375,6 +383,13 @@ fn build_surroundings(compiled: &CompiledScene, run: &SceneRun) -> Result<SceneS
     // Obstacles in the air have no heights.
     let heights = compiled.scene().environment.heights_m().chain(std::iter::repeat(DOOR_M));
     let mut meshes = vec![mesh_of(out.obstacles.iter().zip(heights), out.in_the_air)];
+    if let Some(level) = compiled.scene().level.as_ref().filter(|level| level.all_floors) {
+        let level = Level::open(&level.file).map_err(|e| e.to_string())?;
+        let polygons = 0..level.num_polygons() as u32;
+        polygons.flat_map(|p| level.triangles(p)).for_each(|t| hills[0].add_triangle(t.map(Vec3::from)));
+        level.walls().iter().for_each(|w| meshes[0].add_bar(w.from.into(), w.to.into(), KERB_M));
+        out.has_hills = true;
+    }
     meshes.extend(hills);
     let mut seen: BTreeSet<&Path> = BTreeSet::new();
     for g in 0..compiled.scene().groups.len() {
