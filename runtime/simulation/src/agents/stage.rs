@@ -201,11 +201,13 @@ impl<V: Space> ScenarioStage for CrowdStage<V> {
 
     fn order_route(&mut self, agent: u32, points: &[Vec3], again: bool, begin: Option<u32>) -> Result<bool> {
         let then = if again { AtEnd::Again } else { AtEnd::Stay };
-        // Rounds have no end that progress could be measured to.
-        if let Some(from) = self.current_position(agent).filter(|_| !again) {
+        if let Some(from) = self.current_position(agent) {
             let path = &mut self.layout.paths[agent as usize];
             path.clear();
-            path.extend(std::iter::once(from).chain(points.iter().map(|p| V::from_world(*p))));
+            // Rounds have no end to which a path leads.
+            if !again {
+                path.extend(std::iter::once(from).chain(points.iter().map(|p| V::from_world(*p))));
+            }
             self.layout.arrivals[agent as usize] = 1.0;
         }
         let begin = begin.map_or(RouteBegin::Nearest, RouteBegin::Leg);

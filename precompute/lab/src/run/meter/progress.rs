@@ -52,7 +52,7 @@ struct AgentProgress<V> {
 pub struct AgentSample<'a, V> {
     /// Position; `None` if it has left (m).
     pub at: Option<V>,
-    /// Corners of its path from its start to its goal (m).
+    /// Corners of its path from its start to its goal (m); none on rounds, along which progress is that of `remaining_m`.
     pub path: &'a [V],
     /// How often its path has changed.
     pub path_number: u32,
@@ -137,7 +137,7 @@ impl<V: Space> AgentProgress<V> {
             has_arrived: false,
             is_stuck: false,
         };
-        one.remaining_m = one.remaining_length(sight.path, at);
+        one.remaining_m = one.remaining_length(sight, at);
         one.has_arrived = one.has_reached_goal(sight, at);
         one
     }
@@ -156,7 +156,7 @@ impl<V: Space> AgentProgress<V> {
             // It has left at its goal.
             self.has_arrived = true;
             self.stands = false;
-            return (self.remaining_m, spent);
+            return (if sight.path.is_empty() { 0.0 } else { self.remaining_m }, spent);
         };
         let step_m = (at - std::mem::replace(&mut self.at, at)).length();
         self.stands = f64::from(step_m) < STANDING_MPS_F64 * spent;
@@ -166,10 +166,15 @@ impl<V: Space> AgentProgress<V> {
         // A round begins again where the way that is left grows by most of it, however far beside the goal.
         let laps = sight.is_loop && sight.remaining_m > self.nearest.0 + 0.5 * path_length(sight.path);
         let is_there = laps || self.has_reached_goal(sight, at);
-        let left = self.remaining_length(sight.path, at);
+        let left = self.remaining_length(sight, at);
         // A loop may have begun again; a route by other corners may be longer than the path.
         let left = if is_there { left.min(sight.remaining_m) } else { left };
-        let gained = std::mem::replace(&mut self.remaining_m, left) - left;
+        let mut gained = std::mem::replace(&mut self.remaining_m, left) - left;
+        if sight.path.is_empty() && gained.abs() > 1.01 * step_m {
+            // Nobody gains more than it walks: another round or leg has begun.
+            gained = 0.0;
+            self.nearest = (sight.remaining_m, time_s);
+        }
         if (at - self.stayed_since.0).length() > STUCK_M {
             self.stayed_since = (at, time_s);
         }
@@ -203,13 +208,16 @@ impl<V: Space> AgentProgress<V> {
     fn has_reached_goal(&self, sight: &AgentSample<'_, V>, at: V) -> bool {
         let is_on_last =
             self.corner >= sight.path.len().saturating_sub(1) || !sight.is_loop && sight.remaining_m <= sight.arrival_m;
-        is_on_last && sight.path.last().is_none_or(|&goal| (at - goal).length() <= sight.arrival_m)
+        is_on_last && sight.path.last().is_some_and(|&goal| (at - goal).length() <= sight.arrival_m)
     }
 
-    /// Remaining length: to the corner, and from there along the path (m).
-    fn remaining_length(&self, path: &[V], at: V) -> f32 {
-        let Some(&corner) = path.get(self.corner) else { return 0.0 };
-        (at - corner).length() + path[self.corner..].windows(2).map(|l| (l[1] - l[0]).length()).sum::<f32>()
+    /// Remaining length: to the corner, and from there along the path; on rounds that of the route (m).
+    fn remaining_length(&self, sight: &AgentSample<'_, V>, at: V) -> f32 {
+        match sight.path.get(self.corner) {
+            Some(&corner) => (at - corner).length() + path_length(&sight.path[self.corner..]),
+            None if sight.path.is_empty() => sight.remaining_m,
+            None => 0.0,
+        }
     }
 }
 
@@ -312,6 +320,37 @@ mod tests {
         }
         assert!((meter.progress_mps() - 1.3).abs() < 0.02, "{}", meter.progress_mps());
         assert_eq!((meter.arrived(), meter.stuck()), (1, 0));
+    }
+
+    #[test]
+    fn progress_on_rounds_is_that_along_them_and_people_without_a_goal_are_left_out() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=1800 {
+            let t = f64::from(i) / 30.0;
+            let round = |speed: f64, radius: f32| {
+                let s = (speed * t) as f32;
+                let at = radius * Vec2::new((s / radius).cos(), (s / radius).sin());
+                // A round of 30 m, begun anew whenever it is over.
+                AgentSample { path: &[], remaining_m: 30.0 - s % 30.0, ..sight(Some(at), false) }
+            };
+            let still = Vec2::new(5.0, 5.0);
+            let idle =
+                AgentSample { path: std::slice::from_ref(&still), remaining_m: 0.0, ..sight(Some(still), false) };
+            meter.observe(t, [round(1.2, 4.8), round(0.8, 4.8), idle].into_iter());
+        }
+        // 1.2 and 0.8 m/s; the sample in which a round begins gains nothing: 2 and 1 of them in 1800.
+        assert!((meter.progress_mps() - 1.0).abs() < 0.002, "{}", meter.progress_mps());
+        assert_eq!((meter.arrived(), meter.stuck(), meter.stopped_share()), (1, 0, 0.0));
+    }
+
+    #[test]
+    fn who_stands_on_a_round_is_stuck() {
+        let mut meter = ProgressMeter::default();
+        for i in 0..=330 {
+            let still = AgentSample { path: &[], remaining_m: 12.0, ..sight(Some(Vec2::new(4.0, 0.0)), false) };
+            meter.observe(f64::from(i) / 30.0, std::iter::once(still));
+        }
+        assert_eq!((meter.stuck(), meter.progress_mps()), (1, 0.0));
     }
 
     #[test]
