@@ -37,7 +37,7 @@ pub fn ensure_scene(scene: &Scene, with: &BuildContext<'_>) -> Result<()> {
         let (Some(bundle), config) = scene.bundle_of(g) else { continue };
         if config.is_none() && !bundle.exists() {
             let key = if group.bundle.is_some() { format!("groups[{g}].bundle") } else { "bundle".into() };
-            let why = format!("{} is not there; {WAY_OUT}", bundle.display());
+            let why = format!("{}: there is no such bundle; {WAY_OUT}", bundle.display());
             return Err(config_error(scene.fault(&key, why).to_string()));
         }
         ensure_bundle(bundle, config, with)?;
