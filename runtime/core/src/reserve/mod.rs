@@ -116,6 +116,9 @@ impl PathReservations {
 
     /// True where a wall on the floors of some ground is so near to a box that `meets` says so.
     pub fn meets_wall(&self, bounds: &Bounds2d, heights_m: [f32; 2], meets: impl Fn(&Capsule2d) -> bool) -> bool {
+        if self.walls.is_empty() {
+            return false;
+        }
         let mut found = false;
         self.wall_grid.visit_intersecting(bounds, |at| {
             let wall = &self.walls[at];

@@ -126,6 +126,9 @@ impl SteeringQuery<'_> {
             let around = Bounds2d::around_disc(place, BODY_RADIUS_M);
             self.book.meets_wall(&around, heights_m, |w| gap(w) < BODY_RADIUS_M)
         };
+        if self.book.walls().next().is_none() {
+            return f32::INFINITY;
+        }
         let times = (1..=PLACES).map(|k| self.config.horizon_s * k as f32 / (2 * PLACES) as f32);
         let meets = |t: &f32| is_near(self.place + velocity * *t);
         times.into_iter().find(meets).unwrap_or(f32::INFINITY)
