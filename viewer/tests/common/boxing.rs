@@ -62,6 +62,19 @@ impl Boxing {
         self.scene("targets", "policy", characters, "[groups.target]\nheight_m = 1.5\n")
     }
 
+    /// A scene of people on the way to a goal behind a wall.
+    pub fn travellers(&self, characters: usize) -> PathBuf {
+        let text = format!(
+            "bundle = \"boxing.throng\"\n[[groups]]\nmotion = \"policy\"\ncount = {characters}\n\
+             place = {{ block = {{ from = [0.0, 0.0], to = [6.0, 6.0] }} }}\n\
+             goal = {{ point = {{ at = [3.0, 12.0] }} }}\nbehaviours = [{{ name = \"approach\" }}]\n\
+             [[environment.obstacles]]\nwall = {{ points = [[0.0, 8.0], [6.0, 8.0]] }}\n"
+        );
+        let path = self.folder.path().join("travellers.toml");
+        std::fs::write(&path, text).expect("a scene");
+        path
+    }
+
     fn scene(&self, name: &str, motion: &str, characters: usize, more: &str) -> PathBuf {
         let text = format!(
             "bundle = \"boxing.throng\"\n[[groups]]\nmotion = \"{motion}\"\ncount = {characters}\n\

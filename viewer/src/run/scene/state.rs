@@ -193,9 +193,11 @@ impl SceneRunState {
 }
 
 impl ChoosingGroup {
-    /// The state of a group; none for a group without policies.
+    /// The state of a group; none for a group without policies, or with goals.
     fn new(simulation: &Simulation, character_group: usize, characters: &std::ops::Range<usize>) -> Option<Self> {
-        let boxers = policy_characters(&simulation.character_groups()[character_group])?;
+        let group = &simulation.character_groups()[character_group];
+        // Navigation puts a point before people on their way, of which nothing is kept.
+        let boxers = policy_characters(group).filter(|_| !matches!(group, AnyCharacterGroup::Travel(_)))?;
         let order = boxers.order_of(*boxers.ids().first()?).ok()?;
         let goal = |&policy: &u32| {
             let is_threat = boxers.motion_set().policy(policy as usize)?.grid().is_space_time();

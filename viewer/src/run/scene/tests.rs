@@ -154,6 +154,20 @@ fn the_reasons_of_a_boxer_name_what_it_does_and_which_behaviours_did_not_count()
 }
 
 #[test]
+fn people_on_their_way_are_played_with_their_walls() {
+    let boxing = Boxing::new();
+    let mut document = open(&boxing.travellers(4));
+    assert_eq!(document.surroundings.obstacles.len(), 1);
+    let run = &mut document.run;
+    steps(run, 60);
+    let seen = poses(run);
+    run.seek(10).unwrap();
+    assert!(poses(run) != seen);
+    run.seek(60).unwrap();
+    assert!(poses(run) == seen && document.chooser(2).is_none());
+}
+
+#[test]
 fn walkers_on_hills_are_played_and_rewound() {
     let paces = Paces::new();
     let mut document = open(&paces.scene(7, 0.5));
