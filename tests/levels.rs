@@ -126,6 +126,7 @@ fn what_people_on_all_floors_need_is_told() {
     for (level, motion, name, told) in [
         ("", "policy", "low", "`level` has `all_floors = true`"),
         (one_floor, "policy", "low", "`level` has `all_floors = true`"),
+        ("level = { file = \"floors.level\", height_m = 3.5, all_floors = true }", "policy", "low", "found both"),
         (floors, "blend", "low", "people on all floors are `motion = \"policy\"`"),
         (floors, "policy", "roof", "\"low\", \"high\""),
     ] {

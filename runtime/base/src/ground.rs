@@ -3,6 +3,14 @@
 use glam::Vec2;
 use throng_geometry::{Bounds2d, BoxGrid, Capsule2d};
 
+/// Difference of heights from which ground is another floor: on one floor, bodies that touch differ by less (m).
+pub const FLOOR_M: f32 = 1.0;
+
+/// True for ground between two heights that is on the same floor as that between two others (lowest and highest, m).
+pub fn is_one_floor(a: [f32; 2], b: [f32; 2]) -> bool {
+    a[0] - b[1] < FLOOR_M && b[0] - a[1] < FLOOR_M
+}
+
 /// External obstacle: a body that another group moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ExternalObstacle {

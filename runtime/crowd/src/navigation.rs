@@ -16,7 +16,8 @@ use crate::steering::retreat::BlockedAgent;
 use crate::steering::sight::SeenNeighbour;
 use crate::{CrowdError, ForceField, Obstacle, Route, Space};
 use glam::{Vec2, Vec3, Vec3Swizzles};
-use level::{FLOOR_M, LevelRoutes};
+use level::LevelRoutes;
+use throng_base::ground::FLOOR_M;
 use throng_base::{Error, Id, Result};
 use throng_level::Level;
 
@@ -209,26 +210,30 @@ impl Navigation {
     /// # Errors
     /// As [`Navigation::set_route_in_level`].
     pub fn add_body_in_level(&mut self, route: &Route<Vec3>, at: Vec3) -> Result<usize> {
-        let on_plane = self.lay_on_plane(self.paths.len(), route, at)?;
-        self.add_body(&on_plane, at.xz())
+        let route = self.prepare_route_in_level(self.paths.len(), route, at)?;
+        let body = self.add_body(&route.clone().map(|p| p.xz()), at.xz())?;
+        self.level.iter_mut().for_each(|level| level.set_heights(body, &route));
+        Ok(body)
     }
 
     /// Gives a body in a level another route, on which it begins at the first subgoal.
     ///
     /// # Errors
-    /// As [`Navigation::set_route`]; [`Error::NoPath`] where nobody can walk to the first subgoal.
+    /// As [`Navigation::set_route`]; [`Error::NoPath`] where nobody can walk to the first subgoal, or without a level.
     pub fn set_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<()> {
         throng_base::error::check_index("body", None, body, self.paths.len())?;
-        let on_plane = self.lay_on_plane(body, route, at)?;
-        self.set_route(body, &on_plane, at.xz())
+        let route = self.prepare_route_in_level(body, route, at)?;
+        self.set_route(body, &route.clone().map(|p| p.xz()), at.xz())?;
+        self.level.iter_mut().for_each(|level| level.set_heights(body, &route));
+        Ok(())
     }
 
-    fn lay_on_plane(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec2>> {
+    fn prepare_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec3>> {
         for subgoal in &route.subgoals {
             check("route.subgoals", body, subgoal.y, subgoal.y.abs() < 1e6, "finite and within 1e6 m")?;
         }
         let level = self.level.as_mut().ok_or(Error::NoPath { who: Some(Id::first(body)), from: at, to: at })?;
-        level.set_route(body, route, at)
+        level.prepare_route(body, route, at)
     }
 
     /// Adds a body, and returns its number: that of the bodies before it.

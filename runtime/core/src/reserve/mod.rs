@@ -7,8 +7,8 @@
 mod path;
 
 use glam::Vec2;
-use path::are_on_other_floors;
 pub use path::{PathNode, TimedPath};
+use throng_base::ground::is_one_floor;
 pub use throng_base::ground::{ExternalObstacle, ExternalObstacles, ReservedRegion};
 use throng_geometry::{Bounds2d, BoxGrid, Capsule2d};
 
@@ -122,7 +122,7 @@ impl PathReservations {
         let mut found = false;
         self.wall_grid.visit_intersecting(bounds, |at| {
             let wall = &self.walls[at];
-            found = !are_on_other_floors(wall.heights_m, heights_m) && meets(&wall.wall);
+            found = is_one_floor(wall.heights_m, heights_m) && meets(&wall.wall);
             !found
         });
         found

@@ -1,6 +1,7 @@
 //! Predicted path: a disc whose centre moves from node to node, evenly in time, and stays at the last one for good.
 
 use glam::Vec2;
+use throng_base::ground::is_one_floor;
 use throng_geometry::{Capsule2d, segment_distance_squared};
 
 /// A place at a time.
@@ -30,14 +31,6 @@ pub struct TimedPath<'a> {
     pub elapsed_s: f32,
     /// Lowest and highest ground on it (m).
     pub heights_m: [f32; 2],
-}
-
-/// Difference of heights from which ground is another floor: on one floor, bodies that touch differ by less (m).
-const FLOOR_M: f32 = 1.0;
-
-/// True for ground between two heights that is on other floors than that between two others (m).
-pub(super) fn are_on_other_floors(a: [f32; 2], b: [f32; 2]) -> bool {
-    a[0] - b[1] > FLOOR_M || b[0] - a[1] > FLOOR_M
 }
 
 /// Most nodes that one capsule of a reserved region encloses.
@@ -72,7 +65,7 @@ impl TimedPath<'_> {
 
     /// True for a path on other floors.
     pub fn is_on_other_floors(&self, other: &TimedPath<'_>) -> bool {
-        are_on_other_floors(self.heights_m, other.heights_m)
+        !is_one_floor(self.heights_m, other.heights_m)
     }
 
     /// True where the discs of the two come nearer to each other than `room_m`, or deeper into each other than `-room_m`, at any

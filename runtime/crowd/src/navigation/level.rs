@@ -7,12 +7,11 @@ use crate::routes::streets::Streets;
 use crate::space::solid::ConvexSolid;
 use crate::{AtEnd, Obstacle, Route, Space};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use throng_base::ground::{FLOOR_M, is_one_floor};
 use throng_base::{Error, Id, Result};
 use throng_geometry::{Bounds2d, BoxGrid};
 use throng_level::{Level, LevelPath};
 
-/// Difference of heights from which a place is on another floor (m).
-pub(super) const FLOOR_M: f32 = 1.0;
 /// Distance from a corner within which a body goes to the next one (m).
 const CORNER_M: f32 = 0.3;
 /// Largest distance from a corner at which people pass it, and room that they leave to the wall beyond (m).
@@ -62,11 +61,11 @@ impl LevelRoutes {
         Ok(Passages::find_with_stairs(&streets, radius_m, NARROW_M))
     }
 
-    /// Route on the plane of one over the level, which is that of a body from now on.
+    /// Route of a body without the points that repeat the one before.
     ///
     /// # Errors
-    /// [`Error::NoPath`] where nobody can walk from `at` to the first subgoal; nothing has changed then.
-    pub fn set_route(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec2>> {
+    /// [`Error::NoPath`] where nobody can walk from `at` to the first subgoal.
+    pub fn prepare_route(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec3>> {
         let mut points = route.subgoals.clone();
         points.dedup_by(|a, b| a.xz().distance(b.xz()) < SAME_M);
         if let Some(&first) = points.first() {
@@ -76,12 +75,15 @@ impl LevelRoutes {
                 points.pop_if(|last| last.xz().distance(first.xz()) < SAME_M);
             }
         }
+        Ok(Route { subgoals: points, ..route.clone() })
+    }
+
+    /// Keeps the heights of a body's subgoals.
+    pub fn set_heights(&mut self, body: usize, route: &Route<Vec3>) {
         if self.heights.len() <= body {
             self.heights.resize(body + 1, Vec::new());
         }
-        self.heights[body] = points.iter().map(|p| p.y).collect();
-        let subgoals = points.iter().map(|p| p.xz()).collect();
-        Ok(Route { subgoals, arrival_radius: route.arrival_radius, at_end: route.at_end })
+        self.heights[body] = route.subgoals.iter().map(|p| p.y).collect();
     }
 
     /// True for a body within the arrival radius of a subgoal, on its floor.
@@ -149,8 +151,7 @@ impl LevelRoutes {
     }
 
     fn is_wall_on_floor(&self, wall: usize, height_m: f32) -> bool {
-        let [low, high] = self.wall_heights[wall];
-        height_m - high < FLOOR_M && low - height_m < FLOOR_M
+        is_one_floor(self.wall_heights[wall], [height_m; 2])
     }
 
     /// Walls of a body's floor within a distance of it, the nearest where there are many; returns their number.

@@ -4,9 +4,10 @@
 //! mouth and leaves those who come out a lane. Where people wait on both sides, directions take turns, and nobody enters
 //! until the last one is out. Turns change only when the density grid is filled: so all who decide in between know the same.
 
-use super::streets::{Streets, is_one_floor};
+use super::streets::Streets;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
+use throng_base::ground::is_one_floor;
 use throng_geometry::{Bounds2d, BoxGrid, nearest_on_segment};
 
 /// Width below which two cannot meet, in radii.

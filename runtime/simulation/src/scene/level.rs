@@ -46,6 +46,9 @@ impl Scene {
                 return Err(self.fault("level", "a level is ground, and the scene is in the air"));
             }
             let level = Level::open(&config.file).map_err(|e| self.fault(key, e))?;
+            if config.all_floors && config.height_m != 0.0 {
+                return Err(self.fault("level", "expected either `height_m` or `all_floors`, found both"));
+            }
             match config.all_floors {
                 true => self.check_level_places(&level)?,
                 false => self.add_walls(&level, config.height_m)?,

@@ -22,6 +22,7 @@ pub(crate) use search::OpenPoint;
 use search::path_length;
 use serde::Serialize;
 use throng_base::error::check_value;
+use throng_base::ground::is_one_floor;
 use throng_base::{Error, Result};
 
 /// Paths round obstacles that keep a clearance.
@@ -143,14 +144,6 @@ const CLOSED_M: f32 = 1e4;
 const MOST_AROUND: usize = 4000;
 /// Heights of a floor that holds all (m).
 pub(crate) const ALL_HEIGHTS: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
-/// Difference of heights from which ground is another floor (m).
-const FLOOR_M: f32 = 1.0;
-
-/// True for ground between two heights that is on the floors of that between two others (m).
-pub(crate) fn is_one_floor(a: [f32; 2], b: [f32; 2]) -> bool {
-    a[0] - b[1] < FLOOR_M && b[0] - a[1] < FLOOR_M
-}
-
 /// Most corners between which an agent chooses.
 pub(crate) const MOST_CORNERS: usize = 6;
 
