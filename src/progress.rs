@@ -82,8 +82,13 @@ impl Default for BuildProgressBar {
             std::thread::spawn(move || {
                 loop {
                     std::thread::sleep(LINE_PERIOD);
+                    // A handler of Ctrl+C holds the state for as long as the program runs.
                     let Some(now) = watched.upgrade() else { return };
-                    if let Some(line) = lock(&now).status.status_line() {
+                    let now = lock(&now);
+                    if now.is_over {
+                        return;
+                    }
+                    if let Some(line) = now.status.status_line() {
                         output::print_to_stderr(line);
                     }
                 }
