@@ -57,7 +57,7 @@ pub fn run(args: &Args) -> CommandResult {
     // Farther than most targets of a run, so that many characters pass each other.
     let trial_config = TrialConfig { streams: true, distances: [7.0, 8.0], ..args.crowd.trial() };
     let (report, record) = trial::run(&tables, &trial_config)?;
-    picture::trial_sheet(&tables, &trial_config, &report, &record).save_png(&args.out)?;
+    picture::trial_sheet(&tables, &trial_config, &report, &record)?.save_png(&args.out)?;
     if args.json {
         return output::json(&DemoReport { trial: report, build: built });
     }

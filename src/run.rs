@@ -158,7 +158,7 @@ pub fn run(args: &Args) -> CommandResult {
     config.recorded = config.recorded.filter(|&c| args.png.is_some() || c >= config.characters);
     let (report, record) = trial::run(&tables, &config)?;
     if let Some(png) = &args.png {
-        picture::trial_sheet(&tables, &config, &report, &record).save_png(png)?;
+        picture::trial_sheet(&tables, &config, &report, &record)?.save_png(png)?;
     }
     let verdict = Verdict::new(&tables, &report, &blend_spaces);
     if args.json {

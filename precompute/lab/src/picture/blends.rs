@@ -1,8 +1,9 @@
 //! The picture of blend spaces: figures at the corners and in the middle of the parameter box, at three phases each.
 
 use super::{BodyFigure, Picture, WorldMoment, WorldStrip, sheet, world_strip};
+use std::cmp::Reverse;
 use std::f32::consts::PI;
-use throng_bake::examples::judge::{BlendQuality, judge, parameters_at, postures_over_cycle};
+use throng_bake::examples::judge::{BLEND_WORDS, BlendQuality, judge, parameters_at, postures_over_cycle};
 use throng_core::blend::{BlendSpace, MAX_AXES, axis, channel};
 use throng_core::{Bundle, Joint};
 use throng_motion::clip::joint_transforms;
@@ -19,9 +20,20 @@ const WIDTH_M: f32 = 1.5;
 /// # Errors
 /// As [`BlendSpace::new`]; the spaces of an open bundle are sound.
 pub fn blend_sheet(tables: &Bundle) -> throng_core::Result<Picture> {
+    Ok(sheet(&blend_strips(tables, usize::MAX)?.iter().collect::<Vec<_>>()))
+}
+
+/// Draws blend spaces of a bundle, those of the lowest quality first.
+///
+/// - `most`: number of spaces that are drawn at most.
+///
+/// # Errors
+/// As [`blend_sheet`].
+pub(super) fn blend_strips(tables: &Bundle, most: usize) -> throng_core::Result<Vec<Picture>> {
     let spaces = tables.meta().blends.iter().map(|b| tables.blend(&b.name)).collect::<throng_core::Result<Vec<_>>>()?;
-    let strips: Vec<Picture> = spaces.iter().map(|space| draw_space(space, &judge(space))).collect();
-    Ok(sheet(&strips.iter().collect::<Vec<_>>()))
+    let mut judged: Vec<_> = spaces.iter().map(|space| (space, judge(space))).collect();
+    judged.sort_by_key(|(_, quality)| Reverse(BLEND_WORDS.iter().position(|word| *word == quality.word)));
+    Ok(judged.iter().take(most).map(|(space, quality)| draw_space(space, quality)).collect())
 }
 
 fn draw_space(space: &BlendSpace, quality: &BlendQuality) -> Picture {
@@ -34,7 +46,7 @@ fn draw_space(space: &BlendSpace, quality: &BlendQuality) -> Picture {
     let places: Vec<[f32; MAX_AXES]> = corners.chain([[0.5; MAX_AXES]]).collect();
     let moments: Vec<WorldMoment> = places.iter().flat_map(|at| moments(space, at)).collect();
     let reason = if quality.reason.is_empty() { String::new() } else { format!(": {}", quality.reason) };
-    let title = format!("{}: {}{reason}", space.name(), quality.word);
+    let title = format!("Blend space {}: {}{reason}", space.name(), quality.word);
     let subtitle = format!(
         "corners and middle of its parameters, three phases each; soles slip {:.0} mm/s before feet are locked; blends are within \
          {:.0} deg a joint of an example",

@@ -1,5 +1,6 @@
 //! The picture of a trial: the crowd on its way, some of it from near at three moments, and stretches of one character's path.
 
+use super::blends::blend_strips;
 use super::canvas::Area;
 use super::furniture::header;
 use super::text::{Align, TextStyle, draw_text};
@@ -24,6 +25,8 @@ const COLUMNS: usize = 12;
 const POSE_M: f32 = 1.7;
 /// Width of the view from near (m).
 const NEAR_M: f32 = 13.0;
+/// Blend spaces that are shown at most.
+const BLEND_SPACES: usize = 4;
 /// Parts of the feet with the joints above them, and the colours of their sides.
 const FEET: [(Contacts, Joint, Colour); 4] = [
     (Contacts::LEFT_HEEL, Joint::LeftFoot, colour::LEFT),
@@ -33,8 +36,17 @@ const FEET: [(Contacts, Joint, Colour); 4] = [
 ];
 
 /// Draws a trial: the crowd from above, the middle of it from near, then, halfway to the end and at the end, and the recorded
-/// character's poses where it walks most and at the end, side by side, and along its path.
-pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, record: &TrialRecord) -> Picture {
+/// character's poses where it walks most and at the end, side by side, and along its path; below them the blend spaces of
+/// the lowest quality.
+///
+/// # Errors
+/// As [`super::blend_sheet`].
+pub fn trial_sheet(
+    tables: &Bundle,
+    config: &TrialConfig,
+    report: &TrialReport,
+    record: &TrialRecord,
+) -> throng_core::Result<Picture> {
     let what = if config.streams { "in two streams that pass each other" } else { "each with a target of its own" };
     let after_s = record.moments.first().map_or(0.0, |first| first.time_s);
     let title = format!("{}: {} characters, {what}, after {after_s:.1} s", tables.meta().name, report.characters);
@@ -68,7 +80,8 @@ pub fn trial_sheet(tables: &Bundle, config: &TrialConfig, report: &TrialReport, 
         pictures.extend(strips("Character A at the end", last_stretch(&record.frames, STRIP_S)));
         pictures.push(path_sheet(longest_stretch(&record.frames, PATH_S)));
     }
-    sheet(&pictures.iter().collect::<Vec<_>>())
+    pictures.extend(blend_strips(tables, BLEND_SPACES)?);
+    Ok(sheet(&pictures.iter().collect::<Vec<_>>()))
 }
 
 /// Draws the crowd at a moment.
