@@ -62,6 +62,10 @@ pub struct SceneFigures {
     /// 95th percentile of the speed of planted heels and toes (m/s).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub foot_slip_p95_mps: Option<f64>,
+    /// Hash of the state at the end, in hexadecimal, of all groups together: the same for the same scene on any number of threads.
+    /// `bench crowd` hashes the engine of the agents alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub state_hash: Option<String>,
 }
 
 /// Figures of characters with policies.
@@ -208,7 +212,4 @@ pub struct AgentFigures {
     /// Largest distance over ground of hips from the centre of their disc (m).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub hips_off_max_m: Option<f64>,
-    /// Hash of the engine's state at the end, in hexadecimal: the same for the same scene on any number of threads.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub state_hash: Option<String>,
 }

@@ -150,6 +150,7 @@ pub fn run_recorded(
         GroupReport { group: group.name.clone(), motion: group.motion.name(), figures }
     });
     let groups = groups.collect();
+    let figures = SceneFigures { state_hash: Some(format!("{:016x}", sim.hash())), ..figures };
     let (scene, expectations) = (scene.scene().name.clone(), Vec::new());
     let statistics = sim.statistics();
     let mut report = SceneReport { scene, total: figures, groups, statistics, expectations };
@@ -262,6 +263,7 @@ fn measure_agents<V: Space>(
         simulated_s: seconds,
         stuck: Some(watch.progress.stuck()),
         crowd: Some(watch.figures(live, seconds, Some((wall_s, ran.unwrap_or(wall_s))))),
+        state_hash: Some(format!("{hash:016x}")),
         ..SceneFigures::default()
     })
 }

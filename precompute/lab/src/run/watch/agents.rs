@@ -222,7 +222,6 @@ impl<V: Space> AgentWatch<V> {
             lane_order: self.lanes.as_ref().and_then(LaneMeter::final_order),
             flow: self.gate.as_ref().map(GateMeter::flow),
             hips_off_max_m: self.hips_off_max_m,
-            state_hash: of_all.then(|| format!("{:016x}", agents.crowd().hash())),
         }
     }
 
