@@ -32,6 +32,10 @@ pub(super) const STAND_S: f32 = 0.5;
 const SHIFT_S: f32 = 0.3;
 /// Share of the steps of a start over which it gains speed.
 const GAIN: f32 = 0.85;
+/// Time of a step of who turns round: while walking, and on the spot (s).
+const QUICK_STEP_S: [f32; 2] = [0.44, 0.37];
+/// Times of a stance before a turn on the spot, and from the first shift of weight to its first step (s).
+const TURN_BEGINS_S: [f32; 2] = [0.3, 0.2];
 /// Share of the gait in the pose of who steps on the spot.
 const IN_PLACE: f32 = 0.3;
 /// Shares of pace and of the gait's pose that a half turn takes away in its middle.
@@ -59,7 +63,18 @@ impl MadeMove {
         }
     }
 
+    /// The gait that it is made of: who turns round takes quick steps.
+    pub fn quicken(&self, gait: &GaitCycle) -> GaitCycle {
+        match *self {
+            Self::Turn(_, steps) => gait.with_quick_steps(steps, QUICK_STEP_S[1]),
+            Self::Pivot(angle) => gait.with_quick_steps(pivot_steps(gait, angle), QUICK_STEP_S[0]),
+            _ => gait.clone(),
+        }
+    }
+
     /// The course; `None` where the gait is too short for it.
+    ///
+    /// - `gait`: as [`Self::quicken`] returns it.
     pub fn course(&self, gait: &GaitCycle, stance: &RestStance) -> Option<MadeCourse> {
         let rate = gait.clip.rate_hz as f32;
         let (stand, shift) = ((STAND_S * rate) as usize, (SHIFT_S * rate) as usize);
@@ -139,10 +154,9 @@ impl MadeMove {
                 }
             }
             Self::Pivot(angle) => {
-                // Slower, and the arms swing less, the farther it turns; half turns take a step more, and so do runs.
+                // Slower, and the arms swing less, the farther it turns.
                 let depth = angle.abs() / PI;
-                let steps = if depth > 0.6 { 2 + cycles } else { 1 + cycles };
-                let over = steps as f32 * step;
+                let over = pivot_steps(gait, angle) as f32 * step;
                 let until = event + over as usize;
                 let n = until + TAIL;
                 let heading = |f: usize| angle * ramp(f, event as f32, over - 1.0);
@@ -162,7 +176,9 @@ impl MadeMove {
             }
             Self::Turn(angle, steps) => {
                 let over = steps as f32 * step;
-                let heading = |f: usize| angle * ramp(f, lift as f32 - 0.1 * rate, over);
+                let [begins, shift] = TURN_BEGINS_S.map(|s| s * rate);
+                let lift = (begins + shift) as usize;
+                let heading = |f: usize| angle * ramp(f, begins, over);
                 in_place(none, gait, stance, [lift, stand], steps, |f| Planar::new(0.0, 0.0, heading(f)))
             }
             Self::Step(x, z, steps) => {
@@ -186,6 +202,11 @@ impl MadeMove {
             [Self::Arc(angle, cycles), Self::Arc(-angle, cycles)]
         })
     }
+}
+
+/// Number of steps of a turn while walking: half turns take a step more, and so do runs.
+fn pivot_steps(gait: &GaitCycle, angle: f32) -> usize {
+    1 + usize::from(angle.abs() > 0.6 * PI) + if gait.speed_mps() > FAST_MPS[1] { 2 } else { 1 }
 }
 
 /// Time in which an arc of so many frames begins, and ends, to turn (frames).

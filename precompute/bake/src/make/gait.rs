@@ -33,6 +33,9 @@ const SPECIAL: f32 = 0.4;
 const SEAMS: f32 = 0.1;
 /// Shares of a step over which a foot leaves its place, and comes to the next.
 const EASE: f32 = 0.35;
+/// Shortest quick step, and time over which steps become quick (frames).
+const LEAST_STEP: usize = 6;
+const HASTE: usize = 4;
 /// Shortest time for which a foot leaves the ground (s).
 const MIN_SWING_S: f64 = 0.1;
 
@@ -51,6 +54,8 @@ pub struct GaitCycle {
     base: Planar,
     /// Mean travel (m/frame), in the frame of `base`.
     pub travel: [f32; 2],
+    /// Frames at which the frames of `clip` were captured, counted as they are; empty where they are the same.
+    captured_at: Vec<f32>,
     /// Difference of the poses a cycle apart (rad a joint); smaller is steadier.
     pub unsteadiness: f32,
     /// Its class.
@@ -147,8 +152,32 @@ impl GaitCycle {
         let class = class.cloned().unwrap_or_default();
         let is_unknown = matches!(class.gait, Gait::Stand | Gait::Other);
         let class = if is_unknown { MotionClass { gait: Gait::Walk, neutral: false, ..class } } else { class };
-        let gait = Self { clip: cut, event: lead, foot, period, base, travel, unsteadiness, class };
+        let captured_at = Vec::new();
+        let gait = Self { clip: cut, event: lead, foot, period, base, travel, captured_at, unsteadiness, class };
         gait.plants(skeleton, foot).get(1).is_some().then_some(gait)
+    }
+
+    /// This gait with so many quick steps after its event, and as it was captured before and after them.
+    ///
+    /// - `step_s`: time of a quick step (s); a gait whose steps are as quick stays as it is.
+    pub fn with_quick_steps(&self, steps: usize, step_s: f32) -> Self {
+        let slow = steps * self.period / 2;
+        let step = ((step_s * self.clip.rate_hz as f32).round() as usize).max(LEAST_STEP).max(self.period.div_ceil(4));
+        let quick = steps * step;
+        if quick >= slow {
+            return self.clone();
+        }
+        let share = |f: usize| (f.min(quick - 1 - f) as f32 / HASTE as f32).min(1.0);
+        let gain = (slow - quick) as f32 / (0..quick).map(share).sum::<f32>();
+        let mut captured_at: Vec<f32> = (0..=self.event).map(|f| f as f32).collect();
+        let mut at = self.event as f32;
+        for f in 0..quick - 1 {
+            at += 1.0 + gain * 0.5 * (share(f) + share(f + 1));
+            captured_at.push(at);
+        }
+        captured_at.extend((self.event + slow..self.clip.num_frames()).map(|f| f as f32));
+        let clip = sample_clip(&self.clip, &captured_at);
+        Self { clip, captured_at, period: 2 * step, ..self.clone() }
     }
 
     /// Speed (m/s).
@@ -158,7 +187,7 @@ impl GaitCycle {
 
     /// Mean place and heading at a frame of the gait's clip.
     pub fn course(&self, frame: usize) -> Planar {
-        let k = frame as f32 - self.event as f32;
+        let k = self.captured_at.get(frame).copied().unwrap_or(frame as f32) - self.event as f32;
         self.base.compose(Planar::new(self.travel[0] * k, self.travel[1] * k, 0.0))
     }
 
@@ -312,6 +341,22 @@ fn play_round(clip: &Clip, range: FrameRange, num_frames: usize, period: usize) 
         out.contacts.push(out.contacts[source]);
     }
     out
+}
+
+/// A clip at other moments.
+///
+/// - `at`: frames of the clip, with the shares of the time to the next (0 to its number of frames - 1).
+fn sample_clip(clip: &Clip, at: &[f32]) -> Clip {
+    let (mut roots, mut rotations, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
+    for at in at {
+        let (a, share) = (at.floor() as usize, at.fract());
+        let b = (a + 1).min(clip.num_frames() - 1);
+        roots.push(clip.root_positions[a].lerp(clip.root_positions[b], share));
+        let (from, to) = (clip.frame_rotations(a), clip.frame_rotations(b));
+        rotations.extend(from.iter().zip(to).map(|(p, q)| maths::slerp_f32(*p, *q, share)));
+        contacts.push(clip.contacts[if share < 0.5 { a } else { b }]);
+    }
+    Clip { contacts, ..Clip::new(clip.name.clone(), clip.rate_hz, roots, rotations) }
 }
 
 /// Difference of two gaits at their events (rad a joint).

@@ -248,12 +248,14 @@ impl<'a> MotionMaker<'a> {
         if lacks.starts && usual {
             moves.extend([FRAC_PI_4, FRAC_PI_2].map(|a| MadeMove::Start(side * a)));
         }
-        if (lacks.starts || lacks.turns) && usual {
-            moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 3), (PI, 5)].map(|(a, n)| MadeMove::Turn(side * a, n)));
+        if (lacks.starts || lacks.turns) && is_first {
+            moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 2), (PI, 3)].map(|(a, n)| MadeMove::Turn(side * a, n)));
+        }
+        if (lacks.starts || lacks.steps) && usual {
             let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, 0.7], [0.0, -0.4]];
             moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
         }
-        if lacks.pivots && usual {
+        if lacks.pivots && is_first {
             moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
         }
         let kind = gait.class.gait as usize;
@@ -277,6 +279,7 @@ impl<'a> MotionMaker<'a> {
 
     /// Makes one clip.
     fn make(&mut self, what: MadeMove, gait: &GaitCycle, stance: &RestStance, number: String) {
+        let gait = &what.quicken(gait);
         let Some(course) = what.course(gait, stance) else { return };
         let walker = CourseWalker { gait, stance, skeleton: self.skeleton, course: &course };
         let Some(clip) = walker.walk() else { return };

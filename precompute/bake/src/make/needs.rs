@@ -3,6 +3,7 @@
 use super::gait::{GaitCycle, walking_s};
 use crate::graph::{MotionApart, RawMotionGraph, played_frames};
 use serde::{Deserialize, Serialize};
+use std::f32::consts::PI;
 use throng_base::maths;
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::format::Gait;
@@ -34,7 +35,8 @@ const START_S: f64 = 2.5;
 const SHORT_STAND_S: f64 = 0.1;
 /// Least angle and largest distance between the stands before and after a turn on the spot (rad, m).
 const TURN: [f32; 2] = [0.7, 0.7];
-
+/// Mean rate of a quick turn on the spot, and time that it may take beside (rad/s, s).
+const QUICK_TURN: (f32, f64) = (PI, 0.4);
 /// Least angle of a turn round while walking, and the time that it takes at most (rad, s).
 const PIVOT: (f32, f64) = (2.2, 1.4);
 
@@ -50,8 +52,10 @@ pub struct Lacks {
     pub joins: bool,
     /// Motion to which nothing leads, and which starts and stops of its own may join.
     pub apart: Vec<MotionApart>,
-    /// Turns on the spot, and steps aside and back.
+    /// Quick turns on the spot.
     pub turns: bool,
+    /// Steps aside and back, of which there are as many as turns on the spot.
+    pub steps: bool,
     /// Turning to both sides, of each gait that goes.
     pub arcs: [bool; NUM_GAITS],
     /// Sideways acceleration of the captured turning, or one at which people turn where there is none (m/s2).
@@ -67,6 +71,7 @@ impl Lacks {
         joins: true,
         apart: Vec::new(),
         turns: true,
+        steps: true,
         arcs: [true; NUM_GAITS],
         sideways_mps2: SIDEWAYS_MPS2,
         pivots: true,
@@ -74,7 +79,7 @@ impl Lacks {
 
     /// True if there is something to make.
     pub fn any(&self) -> bool {
-        let some = self.starts || self.joins || self.turns || self.pivots;
+        let some = self.starts || self.joins || self.turns || self.steps || self.pivots;
         some || !self.apart.is_empty() || self.arcs.contains(&true)
     }
 
@@ -95,15 +100,16 @@ impl Lacks {
         let walked_s: f64 = graph.segments.iter().filter(goes).map(|s| seconds(s.num_frames)).sum();
         let all_s: f64 = clips.clips.iter().map(walking_s).sum();
         let played = played_frames(graph, clips);
-        let (mut starts, mut stops, mut on_the_spot, mut pivots) = (0, 0, 0, 0);
+        let (mut starts, mut stops, mut on_the_spot, mut pivots) = (0, 0, [0, 0], 0);
         let mut gaits: [GaitUse; NUM_GAITS] = Default::default();
         for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
             let is_played = |f: usize| played[first as usize + f];
             for run in clip.usable_ranges() {
                 count_turning(clip, &run, &is_played, &mut gaits);
                 for run in runs_where(run, is_played) {
-                    let [a, b, c, d] = count_changes(clip, &run, STAND_S);
-                    (starts, stops, on_the_spot, pivots) = (starts + a, stops + b, on_the_spot + c, pivots + d);
+                    let [a, b, turns, quick, c] = count_changes(clip, &run, STAND_S);
+                    (starts, stops, pivots) = (starts + a, stops + b, pivots + c);
+                    on_the_spot = [on_the_spot[0] + turns, on_the_spot[1] + quick];
                 }
             }
         }
@@ -117,7 +123,8 @@ impl Lacks {
             starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
             joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
             apart: apart.to_vec(),
-            turns: on_the_spot < ENOUGH_TURNS,
+            turns: on_the_spot[1] < ENOUGH_TURNS,
+            steps: on_the_spot[0] < ENOUGH_TURNS,
             arcs: std::array::from_fn(goes_straight),
             sideways_mps2: captured.map_or(SIDEWAYS_MPS2, |a| a.clamp(LEAST_SIDEWAYS_MPS2, 2.0 * SIDEWAYS_MPS2)),
             pivots: pivots < ENOUGH_TURNS,
@@ -162,14 +169,14 @@ pub(super) fn count_starts(clips: &ClipSet) -> usize {
     let captured = clips.clips.iter().filter(|c| !c.mirrored && !c.is_made());
     let of_clip =
         |c: &Clip| c.usable_ranges().iter().map(|run| count_changes(c, run, SHORT_STAND_S)).collect::<Vec<_>>();
-    let all: Vec<[usize; 4]> = captured.flat_map(of_clip).collect();
+    let all: Vec<[usize; 5]> = captured.flat_map(of_clip).collect();
     [0, 1].map(|what| all.iter().map(|counts| counts[what]).sum()).into_iter().min().unwrap_or(0)
 }
 
-/// Starts, stops, turns on the spot, and turns round while walking within a run.
+/// Starts, stops, turns on the spot, quick ones among them, and turns round while walking within a run.
 ///
 /// - `stand_s`: shortest time of a stand (s).
-fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 4] {
+fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 5] {
     let frames = |s: f64| ((s * clip.rate_hz) as usize).max(1);
     let half = frames(0.2);
     let speed = |f: usize| {
@@ -183,11 +190,14 @@ fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 4] {
     let near = frames(START_S);
     let starts = stands.iter().filter(|r| walks(r.end..(r.end + near).min(run.end))).count();
     let stops = stands.iter().filter(|r| walks(r.start.saturating_sub(near).max(run.start)..r.start)).count();
-    let turns = |w: &&[FrameRange]| {
+    // Angle by which it turns on the spot between two stands (rad), and the time that it takes (frames).
+    let turn = |w: &[FrameRange]| {
         let (a, b) = (clip.planar(w[0].end - 1), clip.planar(w[1].start));
-        let turned = wrap_angle(b.heading - a.heading).abs() > TURN[0];
-        turned && (a.x - b.x).hypot(a.z - b.z) < TURN[1] && w[1].start - w[0].end < 2 * near
+        let (turned, over) = (wrap_angle(b.heading - a.heading).abs(), w[1].start - w[0].end);
+        (turned > TURN[0] && (a.x - b.x).hypot(a.z - b.z) < TURN[1] && over < 2 * near).then_some((turned, over))
     };
+    let turns: Vec<(f32, usize)> = stands.windows(2).filter_map(turn).collect();
+    let is_quick = |&&(angle, over): &&(f32, usize)| over < frames(f64::from(angle / QUICK_TURN.0) + QUICK_TURN.1);
     let over = frames(PIVOT.1);
     let heading = |f: usize| clip.planar(f).heading;
     let goes = |f: usize| speed(f) > WALKING_MPS;
@@ -197,5 +207,5 @@ fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 4] {
         pivots += usize::from(is_pivot);
         f += if is_pivot { over } else { 1 };
     }
-    [starts, stops, stands.windows(2).filter(turns).count(), pivots]
+    [starts, stops, turns.len(), turns.iter().filter(is_quick).count(), pivots]
 }

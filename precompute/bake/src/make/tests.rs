@@ -78,7 +78,7 @@ fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
         let set = library(names);
         let made = made_of(&set);
         let MadeReport { starts, stops, turns, pivots, .. } = made.report;
-        assert!(starts > 2 && stops > 0 && turns > 2 && pivots == 2, "{names:?}: {:?}", made.report);
+        assert!(starts > 2 && stops > 0 && turns > 2 && pivots > 1, "{names:?}: {:?}", made.report);
         let captured = looks(&set, &set.clips);
         let steps: Vec<Clip> = set.clips.iter().filter(|c| !c.name.starts_with("idle")).cloned().collect();
         let [captured_steps, made] = [&steps, &made.clips].map(|clips| looks(&set, clips));
@@ -156,11 +156,12 @@ fn short_stands_are_held_for_longer() {
 
 #[test]
 fn pivots_turn_round_within_two_or_three_steps() {
-    for names in [&["walk_", "idle_"][..], &["walk_"], &["jog_"]] {
+    for names in [&["walk_", "idle_"][..], &["walk_"], &["walk_tired_v070_g00"], &["jog_"]] {
         let set = library(names);
         let made = made_of(&set);
         let pivots: Vec<&Clip> = made.clips.iter().filter(|c| c.name.starts_with("made/pivot")).collect();
-        assert_eq!(pivots.len(), 4, "{names:?}");
+        let manners: std::collections::BTreeSet<_> = set.clips.iter().map(|c| &c.classes[0].class.manner).collect();
+        assert_eq!(pivots.len(), 4 * manners.len(), "{names:?}: each manner has its own");
         for clip in pivots {
             let last = clip.num_frames() - 1;
             let mut heading = vec![0.0f32];
@@ -176,7 +177,7 @@ fn pivots_turn_round_within_two_or_three_steps() {
             assert!(seconds < 1.2, "{} takes {seconds} s", clip.name);
             // Hips over planted feet.
             for f in 0..=last {
-                for foot in [0, 1] {
+                for foot in [0, 1].into_iter().filter(|&foot| clip.contacts[f].any(gait::FEET[foot])) {
                     let foot_at = feet::foot_point(clip, &set.skeleton, f, foot).planar();
                     let twist = throng_core::planar::wrap_angle(foot_at.heading - clip.planar(f).heading).abs();
                     assert!(twist < 1.3, "{} twists a leg by {twist} rad at frame {f}", clip.name);
@@ -187,11 +188,16 @@ fn pivots_turn_round_within_two_or_three_steps() {
 }
 
 #[test]
-fn stands_begin_and_end_with_all_of_both_feet_on_the_ground() {
+fn who_stands_turns_round_within_a_second_over_feet_that_stand_before_and_after() {
     let set = library(&["walk_", "idle_"]);
     let both = Contacts(Contacts::LEFT.0 | Contacts::RIGHT.0);
     for clip in made_of(&set).clips.iter().filter(|c| c.name.starts_with("made/turn")) {
         let last = clip.num_frames() - 1;
+        let turned = |f: usize| throng_core::planar::wrap_angle(clip.planar(f).heading - clip.planar(0).heading).abs();
+        let until = |angle: f32| (0..=last).find(|&f| turned(f) > angle).unwrap_or(last) as f32 / clip.rate_hz as f32;
+        let all: f32 = clip.name.split('-').rev().nth(1).and_then(|n| n.parse().ok()).unwrap_or(0.0);
+        let seconds = until(all.abs().to_radians() - 0.52) - until(0.1);
+        assert!(seconds < 0.9 * all.abs() / 180.0 + 0.1, "{} takes {seconds} s", clip.name);
         assert!(clip.contacts[0].all(both) && clip.contacts[last].all(both), "{}", clip.name);
         let turned = throng_core::planar::wrap_angle(clip.planar(last).heading - clip.planar(0).heading).abs();
         let named: f32 = clip.name.split('-').rev().nth(1).and_then(|n| n.parse().ok()).unwrap_or(0.0);
