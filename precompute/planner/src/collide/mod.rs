@@ -2,7 +2,6 @@
 
 mod checker;
 mod edge;
-mod sample_cache;
 #[cfg(test)]
 mod tests;
 

@@ -1,17 +1,16 @@
 //! Correction of clips: a limb that collides with what is around is planned anew.
 
-mod spans;
 #[cfg(test)]
 mod tests;
-
-pub use spans::{CollisionStretch, find_collisions};
 
 use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::planner::{Budget, LimbPlanner, PlanConfig, PlanError, PlanOutcome, Planners};
-use crate::problem::{LimbState, Problem};
+use crate::problem::{EXTERNAL_STEP_S, LimbState, Problem};
 use crate::search::TreeLog;
 use crate::setup::{ProblemError, ProblemSpec};
+use schemars::JsonSchema;
+use serde::Serialize;
 use throng_motion::Clip;
 
 /// How clips are corrected.
@@ -212,4 +211,47 @@ impl CorrectionWindow<'_> {
     fn is_planted(&self, frame: usize) -> bool {
         self.problem.chain.limb.is_planted(&self.clip.contacts, frame)
     }
+}
+
+/// A stretch of time in which a limb collides by the motion itself. The names of the fields are keys of JSON reports.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct CollisionStretch {
+    /// Begin (s).
+    pub from_s: f64,
+    /// End (s).
+    pub to_s: f64,
+    /// Part of the limb, or held capsule, that is deepest.
+    pub part: String,
+    /// Obstacle that it is in.
+    #[serde(rename = "obstacle")]
+    pub with: String,
+    /// Largest depth (m).
+    pub depth_m: f64,
+}
+
+/// Penetration below which rounding alone may explain it (m).
+const NEGLIGIBLE_M: f64 = 1e-4;
+
+/// Stretches in which the external motion's own poses of the limb collide, sampled 120 times a second.
+pub fn find_collisions(problem: &Problem) -> Vec<CollisionStretch> {
+    let mut checker = Checker::default();
+    let mut spans: Vec<CollisionStretch> = Vec::new();
+    let mut inside = false;
+    let [from, to] = [problem.init.time_s, problem.goal.time_s];
+    for step in 0..problem.external_poses.len() {
+        let time_s = (from + step as f64 * EXTERNAL_STEP_S).min(to);
+        let state = LimbState { pose: problem.external_pose_at(time_s), time_s };
+        let hit = checker.deepest_hit(problem, &state).filter(|h| h.depth_m > NEGLIGIBLE_M);
+        let goes_on = std::mem::replace(&mut inside, hit.is_some());
+        let Some(hit) = hit else { continue };
+        let ([part, with], depth_m) = (problem.hit_names(&hit), hit.depth_m);
+        match spans.last_mut().filter(|_| goes_on) {
+            Some(span) if depth_m > span.depth_m => {
+                (span.to_s, span.part, span.with, span.depth_m) = (time_s, part, with, depth_m);
+            }
+            Some(span) => span.to_s = time_s,
+            None => spans.push(CollisionStretch { from_s: time_s, to_s: time_s, part, with, depth_m }),
+        }
+    }
+    spans
 }

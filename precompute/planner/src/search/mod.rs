@@ -5,10 +5,8 @@ mod grid;
 #[cfg(test)]
 mod tests;
 mod tree;
-mod tree_log;
 
 pub(crate) use algorithm::SearchRequest;
 pub use algorithm::{SearchConfig, SearchOutcome, TreeSearch};
 pub(crate) use grid::TimeGrid;
-pub use tree::MetricWeights;
-pub use tree_log::{LoggedNode, LoggedTrees, TreeLog};
+pub use tree::{LoggedNode, LoggedTrees, MetricWeights, TreeLog};

@@ -1,6 +1,5 @@
 //! Smoothing of landmarks into natural motion: straightened, rounded, and blended into the motion before and after it.
 
-mod ease;
 mod ends;
 mod jerk;
 mod round;
@@ -8,7 +7,7 @@ mod straighten;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use ease::smoothstep;
+pub(crate) use ends::smoothstep;
 pub use jerk::{Roughness, roughness};
 pub(crate) use round::RoundingWindow;
 

@@ -1,12 +1,9 @@
 //! Execution of one step: a correction, or a limb that goes to a target and comes back.
 
-use super::entries::TaskAction;
-use super::grips::HandTarget;
-use super::run::{UnresolvedSpan, nearest_distance};
 use super::stage::{TaskStage, ThingPlacement, arm_of_hand, hand_joint};
 use super::step::{Anchor, OtherHand, TaskPlace, TaskStep};
 use super::visit::{LimbVisit, PlacementChange, visit_first_goal};
-use super::{both_hands, gaze, lean};
+use super::{HandTarget, TaskAction, UnresolvedSpan, both_hands, gaze, lean, nearest_distance};
 use crate::collide::Checker;
 use crate::correct::{CollisionStretch, CorrectConfig, CorrectionError, correct_clip};
 use crate::linkage::Limb;

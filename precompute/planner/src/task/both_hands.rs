@@ -1,12 +1,9 @@
 //! Both hands at one thing: the first one leads, the second one follows it frame by frame.
 
 use super::actions::{Attempt, CONTACT_S, PlanResult, StepFailure, allow_step_contacts, next_with};
-use super::entries::TaskAction;
-use super::follow::{FollowError, HandPath};
-use super::grips::HandTarget;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, SecondHand, TaskStage, hand_joint};
-use super::step::TaskStep;
 use super::visit::{LimbVisit, PlacementChange, TRIES, VisitResult, first_success, reachable_goals};
+use super::{FollowError, HandPath, HandTarget, TaskAction, TaskStep};
 use crate::clips::with_motion;
 use crate::collide::Checker;
 use crate::ik::LimbIk;

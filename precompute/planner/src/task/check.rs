@@ -1,7 +1,6 @@
 //! Check of everything that a task did, by the means of [`crate::recheck`].
 
-use super::stage::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, TrunkLean, hand_joint};
-use super::{gaze, lean};
+use super::{Pin, PlannedLimb, StageActor, TaskStage, ThingPlacement, TrunkLean, gaze, hand_joint, lean};
 use crate::balance::distance_off_feet;
 use crate::limits::JointLimits;
 use crate::recheck::{OtherClip, RATE_HZ, Recheck, RecheckReport, limit_excess, place_at};

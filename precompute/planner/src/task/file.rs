@@ -3,8 +3,7 @@
 use super::entries::{
     CharacterEntry, PaceEntry, PlannerEntry, ShapeEntry, TaskAction, TaskFile, ThingEntry, WalkEntry,
 };
-use super::mesh;
-use super::step::{NameTable, TaskStep};
+use super::{NameTable, TaskStep, mesh};
 use crate::correct::CorrectConfig;
 use crate::linkage::Limb;
 use crate::planner::{Budget, PlanConfig};

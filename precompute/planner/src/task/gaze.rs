@@ -1,9 +1,6 @@
 //! Head and neck turn to the target of a limb, and back.
 
-use super::lean::ease;
-use super::preview::object_target;
-use super::stage::{TaskGaze, TaskStage, ThingPlacement};
-use super::step::{Anchor, TaskStep};
+use super::{Anchor, TaskGaze, TaskStage, TaskStep, ThingPlacement, ease, object_target};
 use crate::rotation::{rotation_about, wrap_angle};
 use glam::{DQuat, DVec3};
 use throng_base::maths;

@@ -1,7 +1,6 @@
 //! Places of hands for grips.
 
-use super::stage::{SecondHand, StageActor, ThingPlacement, hand_joint, palm};
-use super::step::ObjectGrip;
+use super::{ObjectGrip, SecondHand, StageActor, ThingPlacement, hand_joint, palm};
 use crate::linkage::{Chain, LIMB_JOINTS, Limb, LimbPose};
 use crate::rotation::{Rigid, angle_between, rotation_about, rotation_between};
 use glam::{DQuat, DVec3};

@@ -1,9 +1,6 @@
 //! Bending of the trunk where an arm cannot reach otherwise; hips move with it, so that the weight stays over the feet.
 
-use super::actions::StepFailure;
-use super::preview::object_target;
-use super::stage::{TaskStage, TrunkLean};
-use super::step::TaskStep;
+use super::{StepFailure, TaskStage, TaskStep, TrunkLean, object_target};
 use crate::balance::centre_of_mass;
 use crate::driven::place_joints;
 use crate::ik::{LimbIk, Swivel};

@@ -30,3 +30,15 @@ pub use scenery::{Handle, TaskScenery};
 pub use stage::{ActorClip, TaskGaze};
 pub use throng_motion::import::obj::triangles as obj_triangles;
 pub use walk::{ActorSource, WalkError, WalkedTask};
+
+use actions::{CONTACT_S, PlanResult, StepFailure, run_step};
+use entries::TaskAction;
+use follow::{FollowError, HandPath};
+use grips::{HandTarget, awkwardness};
+use held_capsules::capsules_around;
+use lean::ease;
+use mesh::open_edges;
+use preview::{object_target, solve_hands};
+use run::nearest_distance;
+use stage::{Pin, PlannedLimb, SecondHand, StageActor, TaskStage, ThingPlacement, TrunkLean, hand_joint, palm};
+use step::{Anchor, NameTable, ObjectGrip, TaskPlace, TaskStep};

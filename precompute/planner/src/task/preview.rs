@@ -1,13 +1,7 @@
 //! Facts about a task before any search: targets within reach, least times, collisions of clips.
 
-use super::entries::TaskAction;
-use super::file::Task;
-use super::grips::HandTarget;
-use super::lean;
-use super::mesh::open_edges;
-use super::run::ClipMismatch;
 use super::stage::{ActorClip, LimbSurroundings, TaskStage};
-use super::step::{ObjectGrip, TaskStep};
+use super::{ClipMismatch, HandTarget, ObjectGrip, Task, TaskAction, TaskStep, lean, open_edges};
 use crate::collide::Checker;
 use crate::correct::{CollisionStretch, find_collisions};
 use crate::ik::IkError;

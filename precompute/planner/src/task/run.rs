@@ -1,11 +1,7 @@
 //! Runs the steps of a task, one after the other.
 
-use super::actions::{StepFailure, run_step};
-use super::both_hands;
-use super::entries::TaskAction;
-use super::file::{Task, TaskCharacter};
-use super::scenery::TaskScenery;
 use super::stage::{ActorClip, TaskGaze, TaskStage, ThingPlacement, hand_joint};
+use super::{StepFailure, Task, TaskAction, TaskCharacter, TaskScenery, both_hands, run_step};
 use crate::correct::CollisionStretch;
 use crate::linkage::Limb;
 use crate::planner::{PlanError, PlanOutcome, Planners};

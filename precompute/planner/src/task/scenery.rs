@@ -1,9 +1,6 @@
 //! Places of everything in a task, for drawing and for moving things.
 
-use super::file::{Task, ThingStart};
-use super::run::ClipMismatch;
-use super::stage::{ActorClip, TaskStage};
-use super::step::{Anchor, TaskStep};
+use super::{ActorClip, Anchor, ClipMismatch, Task, TaskStage, TaskStep, ThingStart};
 use crate::rotation::Rigid;
 use crate::track::RigidPath;
 use glam::DVec3;

@@ -1,9 +1,6 @@
 //! State of a task while it is worked on: clips as they are by now, and the place of every thing at every time.
 
-use super::actions::StepFailure;
-use super::file::{Task, TaskCharacter, ThingStart};
-use super::held_capsules::capsules_around;
-use super::step::{Anchor, TaskPlace};
+use super::{Anchor, StepFailure, Task, TaskCharacter, TaskPlace, ThingStart, capsules_around};
 use crate::body::BodyCapsules;
 use crate::correct::{CollisionStretch, CorrectConfig, find_collisions};
 use crate::driven::DrivenMotion;

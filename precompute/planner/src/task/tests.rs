@@ -4,6 +4,7 @@ mod both;
 mod heads;
 mod read;
 mod worn;
+mod write_back;
 
 use super::*;
 use crate::search::LoggedTrees;

@@ -1,11 +1,7 @@
 //! A limb that leaves the clip, reaches a goal, and comes back.
 
-use super::actions::{CONTACT_S, PlanResult, StepFailure};
-use super::grips::{HandTarget, awkwardness};
-use super::held_capsules::capsules_around;
-use super::preview::solve_hands;
 use super::stage::{LimbSurroundings, Pin, PlacementSpan, TaskStage, ThingPlacement};
-use super::step::TaskStep;
+use super::{CONTACT_S, HandTarget, PlanResult, StepFailure, TaskStep, awkwardness, capsules_around, solve_hands};
 use crate::ik::IkError;
 use crate::linkage::Limb;
 use crate::manipulate::{ReachError, ReachTask, reach_target, wrong_times};

@@ -4,9 +4,7 @@ mod gait;
 mod route;
 mod stand;
 
-use super::file::Task;
-use super::run::ClipMismatch;
-use super::stage::{ActorClip, TaskStage};
+use super::{ActorClip, ClipMismatch, Task, TaskStage};
 use gait::WalkRecording;
 use glam::DVec2;
 use stand::StandSearch;
