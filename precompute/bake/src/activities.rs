@@ -7,9 +7,8 @@ use throng_base::thresholds::WALKING_MPS;
 use throng_core::Contacts;
 use throng_core::format::{ActivityMeta, Gait, MotionClass, Posture};
 use throng_motion::annotate::classes::NO_MANNER;
-use throng_motion::clip::{Clip, ClipSet, ExclusionReason, FrameRange, runs_where};
-use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
+use throng_motion::{BuildError, Clip, ClipSet, ExclusionReason, FrameRange, Result, runs_where};
 
 /// Hips lower than this share of their height at the beginning show a body that sits or kneels.
 const SEATED: f32 = 0.8;

@@ -324,10 +324,7 @@ impl Cache {
 
 /// Checksum of an entry and its name, so that an entry stored under another name is invalid.
 fn checksum(name: &str, body: &[u8]) -> u128 {
-    let mut hash = Xxh3::new();
-    hash.update(name.as_bytes());
-    hash.update(body);
-    hash.digest128()
+    CacheKey::hash([name.as_bytes(), body]).0
 }
 
 /// Name of the entry of a stage.

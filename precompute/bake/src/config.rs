@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use throng_base::text::TomlSource;
 use throng_motion::annotate::{AnnotateConfig, Sidecar};
-use throng_motion::error::{BuildError, Result};
 use throng_motion::import::{self, ImportConfig};
 use throng_motion::resample::ResampleConfig;
 use throng_motion::retarget::RetargetConfig;
+use throng_motion::{BuildError, Result};
 use throng_synth::SynthInput;
 
 /// Config of a build. Every table but `inputs` or `synth` may be left out.

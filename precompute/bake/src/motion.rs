@@ -19,11 +19,8 @@ use streamed::StreamedMotion;
 use throng_base::Comm;
 use throng_motion::annotate::classes::NameHints;
 use throng_motion::annotate::{self, Sidecars, hits};
-use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::{self, ClipsResult, ImportedClip, ImportedSet, MotionFile};
-use throng_motion::progress::Progress;
-use throng_motion::{mirror, resample, retarget};
+use throng_motion::{BuildError, Clip, ClipSet, Progress, Result, Warnings, mirror, resample, retarget};
 use throng_synth as synth;
 
 /// The stages from files to clips.

@@ -24,12 +24,10 @@ use throng_base::thresholds::WALKING_MPS;
 use throng_base::{Comm, SingleRank};
 use throng_core::format::{ActivityMeta, MAGIC};
 use throng_motion::annotate::{self, Sidecar, Sidecars};
-use throng_motion::clip::{ClipSet, FrameRange};
 use throng_motion::error::{BuildError, Result, Warnings};
 use throng_motion::import::ImportedClip;
-use throng_motion::progress::Progress;
 use throng_motion::resample::ResampleConfig;
-use throng_motion::{files, resample, retarget};
+use throng_motion::{ClipSet, FrameRange, Progress, files, resample, retarget};
 
 /// Bakes the files of a config into a bundle.
 ///

@@ -17,9 +17,9 @@ use crate::write::{BundleInputs, WrittenBundle};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use throng_core::format::FrameRow;
+use throng_motion::Warnings;
 use throng_motion::annotate::ContactSanity;
 use throng_motion::annotate::hits::{HitPoint, HitReport};
-use throng_motion::error::Warnings;
 
 /// Report printed by `throng build --json`.
 #[derive(Clone, Debug, PartialEq, Serialize, schemars::JsonSchema)]

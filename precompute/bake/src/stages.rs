@@ -7,10 +7,7 @@ use std::cell::RefCell;
 use std::ops::Deref;
 use std::time::Instant;
 use throng_base::Comm;
-use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Result, Warnings};
-use throng_motion::memory;
-use throng_motion::progress::Progress;
+use throng_motion::{BuildError, ClipSet, Progress, Result, Warnings, memory};
 
 /// A fault of a stage, and the way out.
 pub(crate) fn stage_error(stage: &'static str, message: impl Into<String>, help: impl Into<String>) -> BuildError {

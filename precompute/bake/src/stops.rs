@@ -17,8 +17,7 @@ use throng_core::stops::{
     BODY_RADIUS_M, REST, SLOW_DOWN, SWEEP_TOLERANCE_M, StopRecord, SweepNode, SweepRecord, WALK_ON,
 };
 use throng_core::{Contacts, Joint};
-use throng_motion::clip::{Clip, ClipSet, FrameId};
-use throng_motion::error::Result;
+use throng_motion::{Clip, ClipSet, FrameId, Result};
 
 /// Largest motion of a resting character from its place and back (m).
 const REST_PATH_M: f32 = 0.1;

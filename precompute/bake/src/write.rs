@@ -22,9 +22,8 @@ use throng_core::hits::KIND_NAMES;
 use throng_core::patch::{PairRecord, PatchRecord};
 use throng_core::planar::wrap_angle;
 use throng_core::{Bundle, Contacts, HitRecord, Planar, bundle::tags};
-use throng_motion::clip::{Clip, ClipHit, ClipSet, joint_transforms};
-use throng_motion::error::{BuildError, Result};
 use throng_motion::files::write_atomically;
+use throng_motion::{BuildError, Clip, ClipHit, ClipSet, Result, joint_transforms};
 
 /// Contents of a bundle.
 #[derive(Clone, Copy, Debug)]

@@ -18,5 +18,8 @@ mod smpl;
 pub mod stance;
 pub mod wearer;
 
-pub use clip::{Clip, ClipSet};
-pub use error::{BuildError, ImportError, Warnings};
+pub use clip::{
+    Clip, ClipHit, ClipSet, ClipTag, Exclusion, ExclusionReason, FrameId, FrameRange, joint_transforms, runs_where,
+};
+pub use error::{BuildError, ImportError, Result, Warnings, check_ranges};
+pub use progress::{Progress, Silent, StopRequested};

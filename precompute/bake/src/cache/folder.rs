@@ -6,8 +6,8 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::time::{Duration, SystemTime};
 use throng_base::file::read_file;
-use throng_motion::error::{BuildError, Result};
 use throng_motion::files::{remove_leftovers, write_quickly};
+use throng_motion::{BuildError, Result};
 
 /// A folder that holds entries, created when first needed.
 #[derive(Debug)]

@@ -2,23 +2,23 @@
 //! section 3).
 
 mod agglomerate;
-mod classes;
-mod config;
 mod linkage;
 mod neighbours;
+#[cfg(test)]
+mod tests;
 mod tree;
-
-pub use config::ClusterConfig;
 
 use crate::features::Features;
 use crate::share::run_dealt;
 use crate::stages::stage_error;
 use neighbours::FrameSpace;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use throng_base::Comm;
 use throng_motion::clip::{ClipSet, FrameId};
-use throng_motion::error::Result;
+use throng_motion::error::{Result, check_ranges};
 use throng_motion::progress::Progress;
 use tree::ClusterItem;
 
@@ -81,7 +81,7 @@ pub fn group(
 ) -> Result<PoseGroups> {
     let limit = check(clips, features, config)?;
     // Large classes first, so that no thread starts one when the others are done.
-    let mut classes: Vec<Vec<u32>> = classes::classes_of_contacts(clips).into_values().collect();
+    let mut classes: Vec<Vec<u32>> = classes_of_contacts(clips).into_values().collect();
     classes.sort_by_key(|frames| std::cmp::Reverse(frames.len()));
     let own = classes.iter().skip(comm.rank()).step_by(comm.num_ranks());
     progress.begin("cluster", own.map(|frames| frames.len() as u64).sum(), "frames");
@@ -136,5 +136,46 @@ fn medoid(frames: &[u32], features: &Features) -> FrameId {
     sums.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(FrameId(frames[0]), |(_, f)| f)
 }
 
-#[cfg(test)]
-mod tests;
+/// Settings of the grouping of frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ClusterConfig {
+    /// Upper bound of the distance between any two frames of a group (rad, as `features` explains; > 0).
+    pub threshold: f64,
+}
+
+impl Default for ClusterConfig {
+    fn default() -> Self {
+        Self { threshold: 0.3 }
+    }
+}
+
+impl ClusterConfig {
+    /// Threshold as single precision: any distance below it is below the one of the config.
+    ///
+    /// # Errors
+    /// [`throng_motion::error::BuildError::Key`] for a threshold outside its limits.
+    pub(crate) fn check(&self) -> Result<f32> {
+        check_ranges([("threshold", self.threshold, 1e-6, 1e3)]).map_err(|e| e.within_key("cluster"))?;
+        Ok(self.threshold as f32)
+    }
+}
+
+/// Contact states of a frame with its neighbours: previous, this, next.
+type ContactStates = [u8; 3];
+
+/// Usable frames by contact states, ascending.
+///
+/// At the ends of a run of usable frames, the frame itself stands in for the missing neighbour, as for velocities.
+fn classes_of_contacts(clips: &ClipSet) -> BTreeMap<ContactStates, Vec<u32>> {
+    let mut classes = BTreeMap::<_, Vec<u32>>::new();
+    for (clip, start) in clips.clips.iter().zip(clips.frame_starts()) {
+        for run in clip.usable_ranges() {
+            for f in run.clone() {
+                let neighbours = [f.max(run.start + 1) - 1, f, (f + 1).min(run.end - 1)];
+                classes.entry(neighbours.map(|f| clip.contacts[f].0)).or_default().push(start + f as u32);
+            }
+        }
+    }
+    classes
+}

@@ -18,7 +18,7 @@ fn walk(minutes: f64) -> (ClipSet, Features) {
 /// Groups of all classes with a bound on the pairs known at a time.
 fn bounded(clips: &ClipSet, features: &Features, max_pairs: usize, limit: f32) -> Vec<Vec<FrameId>> {
     let space = FrameSpace::new(features);
-    let classes = classes::classes_of_contacts(clips);
+    let classes = classes_of_contacts(clips);
     let items = classes.values().flat_map(|frames| agglomerate(&space, frames, limit, max_pairs));
     let mut groups: Vec<Vec<FrameId>> = items.map(|i| i.frames.into_iter().map(FrameId).collect()).collect();
     groups.iter_mut().for_each(|g| g.sort());
@@ -83,4 +83,13 @@ fn several_ranks_find_the_groups_of_one() {
             "{num_ranks} ranks"
         );
     }
+}
+
+#[test]
+fn refuses_thresholds_that_are_not_above_zero() {
+    for threshold in [0.0, -0.3, f64::NAN, f64::INFINITY, 1e30, 1e-30] {
+        let error = ClusterConfig { threshold }.check().unwrap_err().to_string();
+        assert!(error.starts_with("cluster.threshold: expected 0.000001 to 1000, found"), "{error}");
+    }
+    assert_eq!(ClusterConfig::default().check().unwrap(), 0.3);
 }

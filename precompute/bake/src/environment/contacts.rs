@@ -5,9 +5,9 @@ use super::placed::TouchedSurface;
 use super::touch::{GeometryTouchConfig, PARTS, SkinPoint, SkinPoints};
 use glam::Vec3;
 use throng_core::{Contacts, Skeleton};
+use throng_motion::Clip;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::annotate::contacts::{hysteresis, speeds, trim};
-use throng_motion::clip::Clip;
 
 /// Part number of the seat.
 const SEAT: usize = 6;

@@ -5,20 +5,25 @@
 //! about places that were not touched.
 
 mod bars;
-mod clear;
 mod places;
 mod plates;
 mod report;
+#[cfg(test)]
+mod tests;
 
-use super::placed::PlacedGeometry;
-use super::{EnvironmentFile, PlacementPattern, UnitObject, UnitSet, UnitShape, geometries};
+pub use report::InferReport;
+
+use super::{
+    BodySpheres, Environment, EnvironmentFile, GeometryTouchConfig, PlacedGeometry, PlacedUnit, PlacementPattern,
+    UnitObject, UnitSet, UnitShape, annotate_in, geometries,
+};
 use bars::InferredBar;
 use glam::Vec3;
 use places::TouchKind;
 use plates::InferredPlate;
-pub use report::InferReport;
 use std::path::Path;
 use throng_core::Skeleton;
+use throng_core::patch::Placement;
 use throng_geometry::BoundingBox;
 use throng_motion::annotate::ContactConfig;
 use throng_motion::clip::Clip;
@@ -54,7 +59,7 @@ pub fn infer_environment(clips: &[&Clip], skeleton: &Skeleton, name: &str) -> Re
     // Pieces that a body passes through are dropped.
     let flat = plates.iter().map(|p| (p.piece(), p.held_s));
     let pieces: Vec<(InferredPiece, f32)> = flat.chain(bars.iter().map(|b| (b.piece(), b.held_s))).collect();
-    let standing = clear::keep_clear_pieces(&pieces, clips, skeleton)?;
+    let standing = keep_clear_pieces(&pieces, clips, skeleton)?;
     let mut stands = standing.iter().copied();
     plates.retain(|_| stands.next().unwrap_or(true));
     bars.retain(|_| stands.next().unwrap_or(true));
@@ -140,5 +145,43 @@ fn round_to_mm(p: Vec3) -> Vec3 {
     (p * 1000.0).round() / 1000.0
 }
 
-#[cfg(test)]
-mod tests;
+/// Depth in a piece from which a body passes through it; markers and skin are off by less (m).
+const THROUGH: f32 = 0.07;
+/// Time within a piece from which it is dropped (s).
+const SHORTEST: f32 = 0.1;
+/// Share of the time of support that this time must also exceed.
+const SHARE: f32 = 0.2;
+
+/// For each piece, true if no clip passes through it.
+///
+/// - `pieces`: in the frame of the clips, each with the time for which something was planted on it (s).
+///
+/// # Errors
+/// As [`geometries`].
+pub fn keep_clear_pieces(pieces: &[(InferredPiece, f32)], clips: &[&Clip], skeleton: &Skeleton) -> Result<Vec<bool>> {
+    let unit = |(i, ((shape, _), _)): (usize, &(InferredPiece, f32))| {
+        let (name, shapes) = (format!("piece_{i}"), vec![shape.clone()]);
+        UnitObject { name, shapes, region: None, symmetry: 1, tile: None, floor: true }
+    };
+    let set = UnitSet { units: pieces.iter().enumerate().map(unit).collect() };
+    let geometries = geometries(&set)?;
+    let at = Placement::new(0.0, 0.0, 0.0, 0.0);
+    let units = (0..pieces.len()).map(|unit| PlacedUnit { unit, placement: at }).collect();
+    let all = PlacedGeometry::new(&Environment { name: String::new(), units }, &geometries);
+    let body = BodySpheres::new(skeleton);
+    let mut through_s = vec![0.0f32; pieces.len()];
+    for clip in clips {
+        let mut annotated = (*clip).clone();
+        annotate_in(&mut annotated, skeleton, &all, &ContactConfig::default(), &GeometryTouchConfig::default());
+        for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
+            let pose = body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]);
+            all.overlapping(&pose.bounds, |i| {
+                if pose.penetration(at, &geometries[i], THROUGH).is_some() {
+                    through_s[i] += (1.0 / annotated.rate_hz) as f32;
+                }
+            });
+        }
+    }
+    let stands = |((_, held_s), through_s): (&(InferredPiece, f32), &f32)| *through_s <= SHORTEST.max(SHARE * held_s);
+    Ok(pieces.iter().zip(&through_s).map(stands).collect())
+}

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use throng_base::file::read_file;
-use throng_motion::error::Result;
+use throng_motion::Result;
 use throng_motion::import::gltf;
 pub(super) use throng_motion::import::gltf::{MAX_TRIANGLES, triangles as read};
 

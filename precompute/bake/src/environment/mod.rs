@@ -4,7 +4,6 @@
 //! [`UnitSet::load`] and [`EnvironmentFile::load`] read files, [`EnvironmentFile::expand`] lays units out,
 //! [`UnitGeometry`] and [`PlacedGeometry`] measure distances of points, and [`BodySpheres`] tests whether a pose fits.
 
-mod belong;
 mod body;
 mod check;
 mod contacts;
@@ -17,7 +16,6 @@ mod solid;
 mod touch;
 mod unit;
 
-pub use belong::UnitMembership;
 pub use body::{BodySpheres, NUM_SPHERES, Penetration, PosedSpheres, Sphere};
 pub use contacts::annotate_in;
 pub use file::{EnvironmentFile, PlacementPattern};
@@ -26,7 +24,7 @@ pub use infer::{InferReport, InferredEnvironment, infer_environment};
 pub(crate) use mesh::buffer_files;
 pub use placed::{PlacedGeometry, TouchedSurface};
 pub use solid::UnitSolid;
-pub use touch::GeometryTouchConfig;
+pub use touch::{GeometryTouchConfig, UnitMembership};
 pub use unit::{TileEdges, UnitObject, UnitRegion, UnitSet, UnitShape};
 
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@ use super::track::{ClipTrack, FractionalPose};
 use super::twist::{FacingTwist, SteadyCourse, rotate_ground};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::clip::FrameRange;
+use throng_motion::FrameRange;
 use throng_motion::mirror::mirror_rotation;
 
 /// Range over which a cycle's end is moved to close best (frames).

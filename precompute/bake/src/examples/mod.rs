@@ -38,9 +38,7 @@ use throng_core::blend::{
 };
 use throng_core::format::{BlendMeta, FormatError, Table};
 use throng_core::{Bundle, Skeleton};
-use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Result, Warnings};
-use throng_motion::progress::Progress;
+use throng_motion::{BuildError, ClipSet, Progress, Result, Warnings};
 
 /// Displacement of a joint from its reference beyond which its antipode is near, where the shorter way changes sides
 /// (rad).

@@ -8,10 +8,8 @@ use super::steps;
 use super::track::ClipTrack;
 use std::collections::BTreeMap;
 use throng_core::Contacts;
-use throng_motion::clip::{Clip, ClipSet, Exclusion, ExclusionReason, FrameRange};
-use throng_motion::error::{BuildError, Result};
 use throng_motion::import::matches;
-use throng_motion::mirror;
+use throng_motion::{BuildError, Clip, ClipSet, Exclusion, ExclusionReason, FrameRange, Result, mirror};
 
 /// Least share of frames of a still example in which its feet stand.
 const STANDING: f64 = 0.8;

@@ -3,7 +3,7 @@
 use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
 use throng_core::{Planar, Skeleton};
-use throng_motion::clip::Clip;
+use throng_motion::Clip;
 use throng_motion::retarget::LEGS;
 
 /// A foot: its ball, and the rotation of the foot and of the toes on it.

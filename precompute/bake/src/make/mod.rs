@@ -29,9 +29,7 @@ use throng_base::thresholds::USUAL_GAIT_MPS;
 use throng_core::Skeleton;
 use throng_core::format::{Gait, MADE_TAG, MotionClass};
 use throng_motion::annotate::classes::{NameHints, classify};
-use throng_motion::clip::{Clip, ClipSet, ClipTag};
-use throng_motion::error::Result;
-use throng_motion::mirror;
+use throng_motion::{Clip, ClipSet, ClipTag, Result, mirror};
 
 /// Most gaits that get starts and stops: of all motion, and of that to which nothing leads.
 const MAX_GAITS: [usize; 2] = [14, 6];

@@ -10,8 +10,8 @@ use throng_base::maths;
 use throng_core::format::{Gait, MotionClass};
 use throng_core::planar::twist_about_y;
 use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
-use throng_motion::clip::{Clip, FrameRange};
 use throng_motion::retarget::LEGS;
+use throng_motion::{Clip, FrameRange};
 
 /// Time that a stance lasts where its clip has as much (s).
 const LONG_S: f64 = 2.0;

@@ -15,8 +15,7 @@ use std::f32::consts::TAU;
 use throng_base::{Comm, maths};
 use throng_core::format::MotionClass;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
-use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::Result;
+use throng_motion::{Clip, ClipSet, Result};
 
 /// Length of a captured stand that repeats itself seldom enough, and time of such stands that is enough (s).
 const LONG_S: f64 = 6.0;

@@ -12,8 +12,8 @@ use glam::{Quat, Vec2, Vec3};
 use throng_base::maths;
 use throng_core::planar::wrap_angle;
 use throng_core::{Contacts, Joint, NUM_JOINTS, Planar, Skeleton};
-use throng_motion::clip::{Clip, joint_transforms};
 use throng_motion::retarget::{LEGS, bend_leg};
+use throng_motion::{Clip, joint_transforms};
 
 /// Share of a gait's swing that even the slowest step has, so that feet clear the ground, and speed of a gait from which
 /// they do so with less (m/s).

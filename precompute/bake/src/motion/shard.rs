@@ -12,9 +12,8 @@ use serde::Serialize;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use throng_base::SingleRank;
-use throng_motion::error::{BuildError, ImportError, Result};
 use throng_motion::import::{self, ClipsResult, MotionFile};
-use throng_motion::progress::Progress;
+use throng_motion::{BuildError, ImportError, Progress, Result};
 
 /// One of several processes: number `index` of `count`, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

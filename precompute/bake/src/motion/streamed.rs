@@ -5,9 +5,9 @@ use crate::provenance::FileKeys;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
-use throng_motion::error::{BuildError, Result};
 use throng_motion::import::{self, ImportedClip, MotionFile};
 use throng_motion::retarget::RetargetSource;
+use throng_motion::{BuildError, Result};
 
 /// Index of motion that stays in the cache.
 pub(super) struct StreamedMotion<'a> {

@@ -18,9 +18,7 @@ use crate::stages::stage_error;
 use bounds::FrameExtents;
 use serde::{Deserialize, Serialize};
 use throng_core::patch::{CellRecord, EdgeRecord, LinkRecord, NONE, PairRecord, Placement};
-use throng_motion::clip::ClipSet;
-use throng_motion::error::Result;
-use throng_motion::progress::Progress;
+use throng_motion::{ClipSet, Progress, Result};
 use track::PatchTrack;
 
 /// A motion patch, as the bundle stores it.

@@ -10,9 +10,7 @@ use std::path::Path;
 use std::sync::Arc;
 use throng_core::Contacts;
 use throng_motion::annotate::ContactConfig;
-use throng_motion::clip::{Clip, ClipSet};
-use throng_motion::error::{BuildError, Result};
-use throng_motion::mirror;
+use throng_motion::{BuildError, Clip, ClipSet, Result, mirror};
 
 /// Most names of clips in a message.
 const MAX_LISTED: usize = 12;

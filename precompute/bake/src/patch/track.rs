@@ -7,8 +7,7 @@ use throng_base::thresholds::STANDING_MPS;
 use throng_core::patch::Placement;
 use throng_core::planar::wrap_angle;
 use throng_core::{NUM_JOINTS, Planar};
-use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
-use throng_motion::error::Result;
+use throng_motion::{Clip, ClipSet, FrameId, FrameRange, Result, runs_where};
 
 /// Largest speed of a standing joint (rad/s).
 const STANDING_RADPS: f32 = 1.0;

@@ -6,7 +6,6 @@ mod behaviour;
 mod compare;
 mod config;
 mod costs;
-mod export;
 mod follow;
 #[cfg(any(test, feature = "made-up"))]
 #[path = "../../tests/common/made_up.rs"]
@@ -30,9 +29,8 @@ pub use config::{
     PolicyBehaviourConfig, PolicyConfig, RegionConfig, RewardForm,
 };
 pub use costs::ActionTraits;
-pub use export::write_csv;
 pub use follow::{PlayedAction, PolicySituation, collect_rewards, play};
 pub use model::{ActionModel, SegmentMotion};
-pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve};
+pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve, write_csv};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
 pub use solve::{PolicySolver, Solution, tolerance};

@@ -7,8 +7,7 @@ use glam::Vec2;
 use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
 use throng_core::policy::{ActionTable, MAX_ACTIONS};
-use throng_motion::clip::ClipSet;
-use throng_motion::error::Result;
+use throng_motion::{ClipSet, Result};
 
 /// Motion of a segment, for behaviours.
 #[derive(Clone, Debug, PartialEq)]

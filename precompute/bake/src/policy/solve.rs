@@ -9,8 +9,7 @@ use super::sweep::Sweeper;
 use crate::share::share_rows;
 use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
-use throng_motion::error::{BuildError, Result};
-use throng_motion::progress::Progress;
+use throng_motion::{BuildError, Progress, Result};
 
 /// Values of a solved policy, with measurements.
 #[derive(Clone, Debug, Default)]

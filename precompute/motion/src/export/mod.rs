@@ -2,7 +2,6 @@
 
 pub mod bvh;
 mod csv;
-mod each;
 pub(crate) mod glb;
 mod instances;
 mod npz;
@@ -10,18 +9,22 @@ pub(crate) mod scratch;
 pub(crate) mod take;
 mod usd;
 
-use crate::clip::Clip;
-use crate::raw::{RawClip, RawJoint, SourceFormat};
 pub(crate) use csv::quoted;
 pub use csv::{positions_csv, take_csv};
-pub use each::write_each_actor;
-use glam::{Quat, Vec3};
 pub use glb::Glb;
 pub use instances::{CrowdInstance, InstanceRecording};
 pub use npz::{write_amass, write_npz};
 pub use take::{ActorPose, Take, TakeActor, TakeWriter};
-use throng_core::{Joint, Skeleton};
 pub use usd::usda;
+
+use crate::clip::Clip;
+use crate::error::Result;
+use crate::files::write_atomically;
+use crate::raw::{RawClip, RawJoint, SourceFormat};
+use glam::{Quat, Vec3};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use throng_core::{Joint, Skeleton};
 
 /// Joints with the names of their roles, and the ends of head and toes `NAME_end`; rest rotations are the identity.
 fn joints(skeleton: &Skeleton) -> Vec<RawJoint> {
@@ -58,4 +61,28 @@ pub fn to_raw(clip: &Clip, skeleton: &Skeleton) -> RawClip {
         translations,
         rotations,
     }
+}
+
+/// Writes a file for each actor who is ever present: `NAME-7.bvh` of number 7, or `NAME.bvh` where there is one.
+///
+/// - `write`: writes the actor of a number.
+/// - returns the files.
+///
+/// # Errors
+/// Errors of [`write_atomically`].
+pub fn write_each_actor(
+    take: &Take,
+    out: &Path,
+    write: impl Fn(usize, &mut dyn Write) -> io::Result<()>,
+) -> Result<Vec<PathBuf>> {
+    let there = (0..take.actors().len()).filter(|&a| !take.actors()[a].present_frames.is_empty());
+    let file_of = |a: usize| match take.actors() {
+        [_] => out.to_path_buf(),
+        actors => {
+            let stem = out.file_stem().unwrap_or_default().to_string_lossy();
+            let extension = out.extension().map_or(String::new(), |e| format!(".{}", e.to_string_lossy()));
+            out.with_file_name(format!("{stem}-{}{extension}", actors[a].number))
+        }
+    };
+    there.map(|a| write_atomically(&file_of(a), |w| write(a, w)).map(|()| file_of(a))).collect()
 }

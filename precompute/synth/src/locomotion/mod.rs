@@ -2,20 +2,15 @@
 //! frame to its last.
 //!
 //! `motion_set` lists the acts. An act moves along an even arc (`drive`) with steps (`stride`) placed on it (`falls`).
-//! Gaits with a foot always on the ground are assembled from the parts of the walker (`walker`, `still`); a runner
-//! bounces (`bounce`) and folds its legs (`swing`, `spline`) in `runner`. A `manner` changes the steps, and `posture`
-//! applies it to the body.
+//! Gaits with a foot always on the ground are assembled from the parts of the walker (`walker`); a runner bounces
+//! (`runner`) and folds its legs (`swing`). A `manner` changes the steps and the body.
 
-mod bounce;
 mod drive;
 mod falls;
 mod manner;
 mod motion_set;
-mod posture;
 mod runner;
 mod scene;
-mod spline;
-mod still;
 mod stride;
 mod swing;
 mod walker;

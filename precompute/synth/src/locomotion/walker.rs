@@ -12,14 +12,13 @@ use super::super::walk::pelvis::{self, PelvisInput};
 use super::super::walk::roll::Footfall;
 use super::super::walk::trunk::{self, Drift};
 use super::falls::AlternatingFootfalls;
-use super::manner::Manner;
+use super::manner::{Manner, apply_manner};
 use super::motion_set::LocomotionAct;
-use super::posture::apply_manner;
 use super::scene::ActTimes;
-use super::still;
 use super::stride::Stride;
 use glam::DVec2;
-use rand::Rng;
+use rand::{Rng, RngExt};
+use std::f64::consts::TAU;
 
 /// Share of the wandering of gaze and arms for a steady gait.
 const CALM: f64 = 0.3;
@@ -38,7 +37,7 @@ pub fn poses_of_stepping(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl R
     poses(act, scene, &steps, &drift)
 }
 
-/// Poses of standing at ease: weight, gaze and breath repeat after [`still::PERIOD`].
+/// Poses of standing at ease: weight, gaze and breath repeat after [`PERIOD`].
 pub fn poses_of_standing(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl Rng) -> Vec<BodyPose> {
     let stride = Stride::for_act(act);
     let shape = FootShape::from_skeleton(&scene.skeleton);
@@ -47,7 +46,7 @@ pub fn poses_of_standing(act: &LocomotionAct, scene: &ActTimes, rng: &mut impl R
         vec![Footfall::standing(scene.time().start, ankle, 0.0, stride.toe_out * side.sign())]
     });
     let feet = FootTrack::pair(shape, falls, |_| 0.0);
-    let ease = still::StandingEase::new(scene.variation, rng);
+    let ease = StandingEase::new(scene.variation, rng);
     let load = scene.samples.times.iter().map(|&t| (t, ease.left_foot_load(t))).collect();
     let steps = Footsteps { feet, load, duration: scene.time().end };
     poses(act, scene, &steps, &ease.drift(&scene.samples.times))
@@ -81,4 +80,43 @@ fn poses(act: &LocomotionAct, scene: &ActTimes, steps: &Footsteps, drift: &Drift
         pose
     };
     (0..num_samples).map(pose).collect()
+}
+
+/// Period of standing: a breath of fifteen a minute (s).
+pub const PERIOD: f64 = 4.0;
+
+/// State of standing at ease.
+pub struct StandingEase {
+    variation: f64,
+    /// Phases of weight, gaze, nod, arms and breath (rad).
+    phases: [f64; 6],
+}
+
+impl StandingEase {
+    /// Begins at random phases.
+    ///
+    /// - `variation`: factor on the usual amount of shifting and looking.
+    pub fn new(variation: f64, rng: &mut impl Rng) -> Self {
+        Self { variation, phases: [(); 6].map(|()| rng.random_range(0.0..TAU)) }
+    }
+
+    /// Share of the weight on the left foot.
+    pub fn left_foot_load(&self, t: f64) -> f64 {
+        0.5 + 0.09 * self.variation * self.wave(0, t)
+    }
+
+    /// Gaze, arms and breath.
+    pub fn drift(&self, times: &[f64]) -> Drift {
+        let of = |k: usize, amount: f64| times.iter().map(|&t| amount * self.wave(k, t)).collect();
+        let small = |k: usize, amount: f64| of(k, amount * self.variation);
+        let arms = [3, 4].map(|k| small(k, 0.025));
+        Drift { gaze: small(1, 0.07), nod: small(2, 0.02), arms, breath: of(5, 1.0) }
+    }
+
+    /// A slightly uneven wave of the period; even for the breath.
+    fn wave(&self, k: usize, t: f64) -> f64 {
+        let angle = TAU * t / PERIOD + self.phases[k];
+        let uneven = if k == 5 { 0.0 } else { 0.35 };
+        angle.sin() + uneven * (2.0 * angle + self.phases[5]).sin()
+    }
 }

@@ -6,7 +6,6 @@
 
 pub(super) mod arms;
 pub(super) mod assemble;
-pub(super) mod balance;
 pub(super) mod foot;
 pub(super) mod footsteps;
 pub(super) mod gait;

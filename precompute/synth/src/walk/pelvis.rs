@@ -4,10 +4,11 @@ use super::super::attitude::Attitude;
 use super::super::foot::{FootPose, FootShape};
 use super::super::frame::Samples;
 use super::super::leg::LegShape;
+use super::super::pendulum::pendulum;
 use super::super::side::{LateralSide, forward, ground_position, over_ground};
 use super::super::signal::{PieceEnd, interpolate, quintic, shifted, smooth, smooth_below};
-use super::balance::centre_of_mass;
 use super::footsteps::Footsteps;
+use super::roll::Footfall;
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Joint, Skeleton};
 
@@ -167,4 +168,35 @@ fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, side: LateralSide) 
     };
     let (under, reaching) = (PieceEnd::at_rest(STANDING_FLEXION), PieceEnd::at_rest(REACHING_FLEXION));
     at(quintic(under, reaching, 0.2, across.length().min(0.2)))
+}
+
+/// The centre of mass on the ground plane (x, z) at every sample (m).
+pub fn centre_of_mass(steps: &Footsteps, shape: &FootShape, samples: &Samples) -> Vec<DVec2> {
+    let pressure: Vec<DVec2> = samples.times.iter().map(|&t| centre_of_pressure(steps, shape, t)).collect();
+    pendulum(&pressure, samples.dt)
+}
+
+fn centre_of_pressure(steps: &Footsteps, shape: &FootShape, t: f64) -> DVec2 {
+    let under = |side: LateralSide| {
+        let falls = &steps.feet[side.index()].falls;
+        let i = falls.partition_point(|f| f.land <= t).saturating_sub(1);
+        pressure_under(&falls[i], shape, t)
+    };
+    let share = interpolate(&steps.load, t);
+    under(LateralSide::Left) * share + under(LateralSide::Right) * (1.0 - share)
+}
+
+/// Pressure under one foot, which moves from the heel over the middle, where it stays in standing, to the ball.
+fn pressure_under(fall: &Footfall, shape: &FootShape, t: f64) -> DVec2 {
+    const ROLL: f64 = 0.25;
+    let flat = fall.flat + 0.05;
+    let mut knots = vec![(fall.land, -0.1 * shape.ball), (flat, 0.35 * shape.ball)];
+    if fall.lift.is_finite() {
+        let leave = fall.heel_off.max(flat + 0.01);
+        if leave - ROLL > flat {
+            knots.push((leave - ROLL, 0.35 * shape.ball));
+        }
+        knots.extend([(leave, 0.7 * shape.ball), (fall.lift.max(leave + 0.01), shape.ball)]);
+    }
+    fall.ankle + forward(fall.yaw) * interpolate(&knots, t)
 }

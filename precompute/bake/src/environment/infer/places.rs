@@ -8,7 +8,7 @@ use throng_core::{Joint, NUM_JOINTS, Skeleton};
 use throng_geometry::BoundingBox;
 use throng_motion::annotate::contacts::{detect_contacts, hysteresis, speeds};
 use throng_motion::annotate::{ContactConfig, GroundShape};
-use throng_motion::clip::{Clip, FrameRange, runs_where};
+use throng_motion::{Clip, FrameRange, runs_where};
 
 /// Shortest hold and shortest seat (s).
 const SHORTEST: [f32; 2] = [0.2, 0.7];

@@ -7,8 +7,8 @@ use super::plates::{InferredPlate, ON_GROUND};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use throng_core::{Contacts, Skeleton};
+use throng_motion::Clip;
 use throng_motion::annotate::ContactConfig;
-use throng_motion::clip::Clip;
 
 /// Counts of inferred geometry and its residuals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -92,27 +92,18 @@ impl InferReport {
 
 impl fmt::Display for InferReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let total = self.foot_places + self.seat_places;
+        let Self { foot_places, seat_places, hand_places, hands_unexplained, on_ground, plates, plates_of_one, .. } =
+            self;
+        let Self { bars, bars_guessed, dismissed, units, .. } = self;
+        let total = foot_places + seat_places;
+        writeln!(f, "{foot_places} places of feet, {seat_places} of seats, {hand_places} of hands")?;
         writeln!(
             f,
-            "{} places of feet, {} of seats, {} of hands",
-            self.foot_places, self.seat_places, self.hand_places
+            "{on_ground} of {total} on the ground, the others on {plates} plates ({plates_of_one} of one place)"
         )?;
-        writeln!(
-            f,
-            "{} of {total} on the ground, the others on {} plates ({} of one place)",
-            self.on_ground, self.plates, self.plates_of_one
-        )?;
-        writeln!(
-            f,
-            "{} bars ({} of fewer than three places, direction guessed), {} places of hands on none",
-            self.bars, self.bars_guessed, self.hands_unexplained
-        )?;
-        writeln!(
-            f,
-            "{} units; {} plates and bars dismissed, because the body goes through them",
-            self.units, self.dismissed
-        )?;
+        write!(f, "{bars} bars ({bars_guessed} of fewer than three places, direction guessed), ")?;
+        writeln!(f, "{hands_unexplained} places of hands on none")?;
+        writeln!(f, "{units} units; {dismissed} plates and bars dismissed, because the body goes through them")?;
         let (rms, max) = (1000.0 * self.residual_rms_m, 1000.0 * self.residual_max_m);
         writeln!(f, "residual {rms:.0} mm rms, {max:.0} mm at most")?;
         let (planted, deep) = (100.0 * self.planted_share, 100.0 * self.penetrating_share);

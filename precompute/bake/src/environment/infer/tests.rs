@@ -80,7 +80,7 @@ fn what_the_body_goes_through_is_not_there() {
         ((UnitShape::Bar { from, to, radius: 0.02 }, bounds), 1.0)
     };
     let clip = clip(vec![s.offsets[0]; 30]);
-    let standing = clear::keep_clear_pieces(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
+    let standing = keep_clear_pieces(&[bar(0.0), bar(-1.0)], &[&clip], &s).unwrap();
     assert_eq!(standing, [false, true], "the first bar is in the chest of the character, the second behind it");
 }
 

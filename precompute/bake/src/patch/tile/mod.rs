@@ -1,6 +1,5 @@
 //! Tilable patches: motion that enters and leaves on matching edges (Lee, Choi and Lee 2006, section 6).
 
-mod best;
 mod layout;
 mod pairs;
 mod prune;
@@ -9,7 +8,6 @@ mod region;
 mod rest;
 mod search;
 mod source;
-mod turn;
 mod vocabulary;
 
 pub use prune::{Freedom, PrunedTile, TileCell, TileGraph, prune};
@@ -22,6 +20,7 @@ use rayon::prelude::*;
 use region::TileOutline;
 use search::TileSearch;
 use source::TileSource;
+use std::f32::consts::TAU;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};
 use throng_motion::error::{BuildError, Result};
 use vocabulary::TileVocabulary;
@@ -123,12 +122,12 @@ fn all_links(search: &TileSearch) -> Vec<LinkRecord> {
     let spots = (0..search.layout.spots.len() as u32).filter(begins);
     let turned = search.layout.quarter_turn();
     let from: Vec<u32> = match &turned {
-        Some(turned) => turn::first_turns(turned, spots),
+        Some(turned) => first_turns(turned, spots),
         None => spots.collect(),
     };
     let found = from.par_iter().flat_map_iter(|&s| search.links_from(s));
     let mut links: Vec<LinkRecord> = match &turned {
-        Some(turned) => found.flat_map_iter(|l| turn::all_turns(turned, l)).collect(),
+        Some(turned) => found.flat_map_iter(|l| all_turns(turned, l)).collect(),
         None => found.collect(),
     };
     links.extend(rest::links(search));
@@ -250,5 +249,45 @@ impl UnprunedTile<'_> {
         let mut pairs: Vec<PairRecord> = left.iter().map(pair).collect();
         pairs.sort_by_key(|p| (p.edge, p.link, p.partner_link));
         (links, pairs, reports)
+    }
+}
+
+/// Spots from which links must be searched: the first of each orbit of quarter turns.
+fn first_turns(turned: &[u32], spots: impl Iterator<Item = u32>) -> Vec<u32> {
+    let first = |spot: u32| {
+        let mut other = turned[spot as usize];
+        while other > spot {
+            other = turned[other as usize];
+        }
+        other == spot
+    };
+    spots.filter(|&s| first(s)).collect()
+}
+
+/// All images under quarter turns of a link that begins in the first spot of its orbit, itself included.
+fn all_turns(turned: &[u32], link: LinkRecord) -> impl Iterator<Item = LinkRecord> {
+    let quarter = Placement::new(0.0, 0.0, 0.0, TAU / 4.0);
+    let next = move |l: &LinkRecord| {
+        let (from, to) = (turned[l.from as usize], turned[l.to as usize]);
+        let [start, end] = [l.start, l.end].map(|p| quarter.compose(p));
+        (from != link.from).then_some(LinkRecord { from, to, start, end, ..*l })
+    };
+    std::iter::successors(Some(link), next)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn a_link_is_turned_through_all_of_its_set_once() {
+        let turned = [1, 2, 3, 0, 4];
+        assert_eq!(first_turns(&turned, 0..5), [0, 4]);
+        let link = LinkRecord { from: 0, to: 4, start: Placement::new(0.0, 0.0, 1.0, 0.0), ..LinkRecord::zeroed() };
+        let all: Vec<_> = all_turns(&turned, link).collect();
+        assert_eq!(all.iter().map(|l| (l.from, l.to)).collect::<Vec<_>>(), [(0, 4), (1, 4), (2, 4), (3, 4)]);
+        assert!((all[1].start.x - 1.0).abs() < 1e-6 && (all[2].start.z + 1.0).abs() < 1e-6);
+        assert!((all[3].start.heading - 3.0 * TAU / 4.0).abs() < 1e-5);
     }
 }

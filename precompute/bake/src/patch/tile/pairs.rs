@@ -14,8 +14,7 @@ use glam::Vec2;
 use throng_core::Planar;
 use throng_core::patch::{LinkRecord, NONE, Placement};
 use throng_core::planar::wrap_angle;
-use throng_motion::clip::{ExclusionReason, FrameRange};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::{BuildError, ExclusionReason, FrameRange, Result};
 
 /// Longest time from standing still to the beginning of the tagged range, and from its end to standing still (s).
 const STANDING_WITHIN_S: f64 = 1.5;

@@ -1,8 +1,7 @@
 //! Links that stay in place: standing, turning on the spot, and tagged activities.
 
-use super::best::{BestCandidates, LinkCandidate};
 use super::layout::{SpotKind, TileLayout};
-use super::search::TileSearch;
+use super::search::{BestCandidates, LinkCandidate, TileSearch};
 use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;

@@ -4,7 +4,6 @@
 mod axis;
 mod choose;
 mod fit;
-mod on_grid;
 mod report;
 
 use super::behaviour::PolicyBehaviour;

@@ -1,19 +1,17 @@
 //! Loss of an adaptive policy, compared with uniform grids of equal size.
 
-use super::super::behaviour::PolicyBehaviour;
+use super::super::behaviour::{BehaviourSpec, PolicyBehaviour};
 use super::super::compare::random_target;
-use super::super::model::ActionModel;
+use super::super::model::{ActionModel, SegmentMotion};
 use super::super::solve::{PolicySolver, Solution};
 use super::fit::GridShapes;
-use super::on_grid::RegriddedBehaviour;
 use super::{bytes_per_cell, solution_bytes, with_shapes};
 use glam::Vec3;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use throng_base::SingleRank;
-use throng_core::policy::{MAX_ACTIONS, PolicyTable, TargetGrid};
-use throng_motion::error::Result;
-use throng_motion::progress::Silent;
+use throng_core::policy::{MAX_ACTIONS, PolicyTable, SegmentRecord, TargetGrid};
+use throng_motion::{Result, Silent};
 
 /// Three ways to store a policy in equal memory, each compared with the policy on the finest grid everywhere.
 ///
@@ -180,4 +178,20 @@ fn first_actions(solution: &Solution) -> Vec<u8> {
 fn score<'a>(table: &PolicyTable, (state, target): (u32, Vec3), buffer: &'a mut [f32; MAX_ACTIONS]) -> &'a [f32] {
     let n = table.action_scores(state, target, buffer).expect("the state exists and the target is finite");
     &buffer[..n]
+}
+
+/// A behaviour moved to another grid over the same region.
+pub(super) struct RegriddedBehaviour<'a> {
+    pub behaviour: &'a dyn PolicyBehaviour,
+    pub grid: TargetGrid,
+}
+
+impl PolicyBehaviour for RegriddedBehaviour<'_> {
+    fn spec(&self) -> BehaviourSpec<'_> {
+        BehaviourSpec { grid: self.grid, ..self.behaviour.spec() }
+    }
+
+    fn sample(&self, segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
+        self.behaviour.sample(segment, motion, record);
+    }
 }

@@ -16,8 +16,7 @@ use throng_base::Comm;
 use throng_base::maths::quantile;
 use throng_core::Joint;
 use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
-use throng_motion::clip::ClipSet;
-use throng_motion::error::{BuildError, Result};
+use throng_motion::{BuildError, ClipSet, Result};
 
 /// Behaviour of being away from the place where a blow lands, at that moment.
 ///

@@ -8,8 +8,7 @@ use crate::graph::RawMotionGraph;
 use glam::Vec3;
 use throng_core::Joint;
 use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
-use throng_motion::clip::{ClipHit, ClipSet};
-use throng_motion::error::{BuildError, Result};
+use throng_motion::{BuildError, ClipHit, ClipSet, Result};
 
 /// An effective hit within a segment.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,15 +2,16 @@
 
 mod hints;
 mod signals;
-mod spans;
+#[cfg(test)]
+mod tests;
 
-use crate::clip::Clip;
 pub use hints::{NO_MANNER, NameHints, NamedClass};
+pub use throng_core::format::{ClassSpan, Gait, MotionClass, Posture};
+
+use crate::clip::{Clip, FrameRange};
 use signals::Signals;
-use spans::{runs_of, settle};
 use throng_base::thresholds::{STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
 use throng_core::Skeleton;
-pub use throng_core::format::{ClassSpan, Gait, MotionClass, Posture};
 
 /// Shortest span of a posture or a gait; shorter ones become part of their neighbours (s).
 const SHORTEST_S: f64 = 0.4;
@@ -165,5 +166,32 @@ fn carries(s: &Signals, f: usize, hints: &NameHints) -> bool {
     both && s.arm_deg[f].iter().all(|a| *a < 75.0) || hints.carry && goes && left.max(right) > 0.8 * bend
 }
 
-#[cfg(test)]
-mod tests;
+/// The longest runs of frames with one value, in order.
+fn runs_of<T: PartialEq>(num_frames: usize, value: impl Fn(usize) -> T) -> Vec<FrameRange> {
+    let mut out: Vec<FrameRange> = Vec::new();
+    for f in 0..num_frames {
+        match out.last_mut() {
+            Some(run) if value(run.start) == value(f) => run.end = f + 1,
+            _ => out.push(f..f + 1),
+        }
+    }
+    out
+}
+
+/// Gives runs that are shorter than `least` the value of their longer neighbour, the shortest first.
+fn settle<T: PartialEq + Copy>(values: &mut [T], least: usize) {
+    let mut runs: Vec<(T, usize)> =
+        runs_of(values.len(), |f| values[f]).into_iter().map(|r| (values[r.start], r.len())).collect();
+    while let Some(i) = (0..runs.len()).filter(|&i| runs[i].1 < least).min_by_key(|&i| runs[i].1) {
+        let beside = [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter(|&k| k < runs.len());
+        let Some(longest) = beside.max_by_key(|&k| runs[k].1) else { break };
+        runs[i].0 = runs[longest].0;
+        runs.dedup_by(|b, a| {
+            let same = a.0 == b.0;
+            a.1 += if same { b.1 } else { 0 };
+            same
+        });
+    }
+    let settled = runs.into_iter().flat_map(|(value, len)| std::iter::repeat_n(value, len));
+    values.iter_mut().zip(settled).for_each(|(value, settled)| *value = settled);
+}

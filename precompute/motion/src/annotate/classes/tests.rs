@@ -89,3 +89,16 @@ fn a_clip_of_one_frame_has_one_span() {
     one.rotations.truncate(NUM_JOINTS);
     assert_eq!(classes(&one).len(), 1);
 }
+
+#[test]
+fn short_runs_become_part_of_their_longer_neighbours() {
+    let settled = |text: &str, least| {
+        let mut values: Vec<char> = text.chars().collect();
+        settle(&mut values, least);
+        values.into_iter().collect::<String>()
+    };
+    assert_eq!(settled("aaaabaaacccc", 2), "aaaaaaaacccc");
+    assert_eq!(settled("aaabbcccc", 3), "aaacccccc");
+    assert_eq!(settled("ab", 3), "bb");
+    assert_eq!((settled("a", 3), settled("", 3)), ("a".into(), String::new()));
+}

@@ -12,7 +12,6 @@ mod mark;
 mod peaks;
 mod point;
 mod report;
-mod runs;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -23,10 +22,9 @@ pub use config::HitConfig;
 use config::{KickConfig, PunchConfig};
 use glam::Vec3;
 pub use mark::HitMark;
-use peaks::SpeedPeak;
+use peaks::{ExtensionRun, SpeedPeak};
 pub use point::{HitPoint, write_csv};
 pub use report::HitReport;
-use runs::ExtensionRun;
 use std::collections::BTreeMap;
 use throng_core::skeleton::ARMS;
 use throng_core::{Contacts, Joint, Skeleton};
@@ -203,7 +201,7 @@ impl HitSearch<'_> {
     /// Runs in which a limb grows longer, for at least as long as a blow takes, and the usable frames that each is in.
     fn runs(&self, track: &LimbTrack) -> impl Iterator<Item = (&FrameRange, ExtensionRun)> {
         let shortest = self.frames_up(MIN_DURATION);
-        let in_range = |r: &'_ FrameRange| runs::outward_runs(&track.extensions, r.clone());
+        let in_range = |r: &'_ FrameRange| peaks::outward_runs(&track.extensions, r.clone());
         let all: Vec<(&FrameRange, ExtensionRun)> =
             self.ranges.iter().flat_map(|r| in_range(r).into_iter().map(move |run| (r, run))).collect();
         all.into_iter().filter(move |(_, run)| run.full - run.start >= shortest)
