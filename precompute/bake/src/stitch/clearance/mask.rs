@@ -7,7 +7,7 @@ use super::link_clearance::{EarlierMask, LinkClearance, ObstacleMask};
 use super::sampler::{CollisionSampler, LinkSamples};
 use super::swept::SweptSquares;
 use crate::stitch::place::paths::LinkRoots;
-use crate::stitch::sets::bits::{num_words, set_bit};
+use crate::stitch::sets::rows::{num_words, set_bit};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;

@@ -1,70 +1,46 @@
 //! Writes the remaining world: bits of cells in the component, and the tables it needs.
 
-use super::prepare::ChangedWorld;
-use super::stitch_result::StitchResult;
+use super::component_cells::ComponentCells;
+use super::joined::JoinedGraph;
+use super::remains::WorldRemains;
 use crate::environment::Environment;
+use crate::stitch::place::place_patches::PlacedPatches;
 use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::sets::bits::WordPool;
+use crate::stitch::report::StitchReport;
+use crate::stitch::sets::rows::WordPool;
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
 use throng_core::patch::NONE;
 use throng_world::{AdjacencyRecord, InstanceRecord, JointTableRecord, UnitRecord, WorldData};
 
 /// Writes a stitched world, except its metadata.
-///
-/// - `past`: the world before a change, and the previous number of each unchanged instance, as for
-///   [`super::remains::RemainsSearch`].
-/// - `world`: the written world before the change; ignored if everything is new.
-pub(in crate::stitch) fn write_world(
-    environment: &Environment,
-    made: &StitchResult,
-    past: Option<(ChangedWorld<'_>, &[u32])>,
-    world: &mut WorldData,
-) {
+pub(in crate::stitch) fn write_world(environment: &Environment, made: &StitchResult) -> WorldData {
     let units = environment.units.iter().map(|u| UnitRecord { unit: u.unit as u32, placement: u.placement });
-    world.units.clear();
-    world.units.extend(units);
-    world.neighbours.clone_from(&made.patches.neighbours);
-    write_instances(made, past, world);
-    write_joints(made, world);
-    resources(made, world);
+    let neighbours = made.patches.neighbours.clone();
+    let mut world = WorldData { units: units.collect(), neighbours, ..WorldData::default() };
+    write_instances(made, &mut world);
+    write_joints(made, &mut world);
+    resources(made, &mut world);
+    world
 }
 
-/// Writes instances and their bits. Unchanged ones, most of a world, are not touched.
-fn write_instances(made: &StitchResult, past: Option<(ChangedWorld<'_>, &[u32])>, world: &mut WorldData) {
+/// Writes instances and their bits.
+fn write_instances(made: &StitchResult, world: &mut WorldData) {
     let StitchResult { patches: placed, remains, .. } = made;
-    let were = std::mem::take(&mut world.instances);
-    let (mut first_cell_word, mut first_link_word) = (0, 0);
     for (i, f) in (0u32..).zip(&placed.fitted) {
         let outcome = remains.outcome(i);
         world.instances.push(InstanceRecord {
             patch: f.patch,
             first_neighbour: placed.first_neighbour[i as usize],
             placement: f.placement,
-            first_cell_word: first_cell_word as u32,
-            first_link_word: first_link_word as u32,
+            first_cell_word: world.cell_words.len() as u32,
+            first_link_word: world.link_words.len() as u32,
             first_adjacency: 0,
             num_adjacencies: 0,
             first_resource: 0,
             num_resources: 0,
         });
-        first_cell_word += outcome.cells.len();
-        first_link_word += outcome.links.len();
-    }
-    world.cell_words.resize(first_cell_word, 0);
-    world.link_words.resize(first_link_word, 0);
-    for (i, record) in (0u32..).zip(&world.instances) {
-        let (outcome, at) = (remains.outcome(i), [record.first_cell_word, record.first_link_word]);
-        let is_there = |(past, previous_of): (ChangedWorld<'_>, &[u32])| {
-            let was = previous_of[i as usize];
-            let stood = were.get(was as usize).is_some_and(|r| [r.first_cell_word, r.first_link_word] == at);
-            stood && Arc::ptr_eq(past.result.remains.outcome(was), outcome)
-        };
-        if !past.is_some_and(is_there) {
-            let [cells, links] = at.map(|first| first as usize);
-            world.cell_words[cells..cells + outcome.cells.len()].copy_from_slice(&outcome.cells);
-            world.link_words[links..links + outcome.links.len()].copy_from_slice(&outcome.links);
-        }
+        world.cell_words.extend_from_slice(&outcome.cells);
+        world.link_words.extend_from_slice(&outcome.links);
     }
 }
 
@@ -74,9 +50,8 @@ fn write_joints(made: &StitchResult, world: &mut WorldData) {
     let numbers = write_tables(made, world);
     let table_of: Vec<u32> =
         joined.crossings.iter().map(|c| numbers.get(&c.relation).copied().unwrap_or(NONE)).collect();
-    let mut pool = WordPool::new(std::mem::take(&mut world.joint_words));
+    let mut pool = WordPool::default();
     let mut first_words = vec![NONE; remains.remaining.len()];
-    world.adjacencies.clear();
     for i in 0..placed.fitted.len() as u32 {
         let first = world.adjacencies.len();
         for o in joined.overlaps_of(i) {
@@ -110,9 +85,6 @@ fn write_tables(made: &StitchResult, world: &mut WorldData) -> HashMap<RelativeP
     }
     let used = joined.crossings.iter().zip(&is_used).filter(|(_, is_used)| **is_used);
     let by_relation: BTreeMap<_, _> = used.map(|(c, _)| (c.relation, &c.table)).collect();
-    world.tables.clear();
-    world.joints.clear();
-    world.joints_by_b.clear();
     for (relation, table) in &by_relation {
         world.tables.push(JointTableRecord {
             patch_a: relation.a,
@@ -146,7 +118,6 @@ fn resources(made: &StitchResult, world: &mut WorldData) {
     };
     (0u32..).zip(&placed.fitted).for_each(|(i, f)| hold(i, &f.units));
     on_floor().for_each(|(a, b, _)| hold(*b, &placed.fitted[*a as usize].units));
-    world.resources.clear();
     let mut first = 0;
     for (instance, end) in world.instances.iter_mut().zip(ends) {
         let own = &mut held[first..end];
@@ -156,4 +127,18 @@ fn resources(made: &StitchResult, world: &mut WorldData) {
         world.resources.extend(own.chunk_by(|a, b| a == b).map(|same| same[0]));
         instance.num_resources = world.resources.len() as u32 - instance.first_resource;
     }
+}
+
+/// A stitched world, with its intermediate results.
+pub(in crate::stitch) struct StitchResult {
+    /// Placed patches.
+    pub patches: PlacedPatches,
+    /// The graph.
+    pub joined: JoinedGraph,
+    /// Membership of its cells in the component.
+    pub component: ComponentCells,
+    /// Remaining instances and pairs.
+    pub remains: WorldRemains,
+    /// Report.
+    pub report: StitchReport,
 }

@@ -2,7 +2,6 @@
 
 use super::joined::JoinedGraph;
 use super::reach::{ReachSearch, ReachedNodes, SearchDirection};
-use super::update_component::{PriorGraph, update_component};
 use crate::components::largest;
 use crate::stitch::sets::rows::set_bits;
 
@@ -36,18 +35,11 @@ const TRIES: usize = 4;
 ///
 /// A cell reached by joints only, not by motion, belongs to it as well: its links do, and nothing in the component ends
 /// there.
-///
-/// - `before`: the world before a change, if any.
-pub(in crate::stitch) fn find_component(
-    graph: &JoinedGraph,
-    before: Option<&PriorGraph<'_>>,
-) -> Option<ComponentCells> {
+pub(in crate::stitch) fn find_component(graph: &JoinedGraph) -> Option<ComponentCells> {
     let around = |seed: (u32, u32)| ComponentCells::membership_at(graph, seed);
-    let changed = before.and_then(|before| update_component(before, graph));
-    changed
-        .or_else(|| seed_cells(graph).map(around).find(|component| component.is_largest(graph)))
-        // Every component has cells reached by motion, which have the first numbers.
-        .or_else(|| largest(graph).map(|node| around(graph.instance_of(node))))
+    let seeded = seed_cells(graph).map(around).find(|component| component.is_largest(graph));
+    // Every component has cells reached by motion, which have the first numbers.
+    seeded.or_else(|| largest(graph).map(|node| around(graph.instance_of(node))))
 }
 
 /// Cells from which motion continues, of instances all over the world.
@@ -74,7 +66,7 @@ impl ComponentCells {
 
     /// - `from`: all nodes reached from the component.
     /// - `to`: all nodes that lead to it.
-    pub fn new(from: ReachedNodes, to: ReachedNodes) -> Self {
+    fn new(from: ReachedNodes, to: ReachedNodes) -> Self {
         let ReachedNodes { mut moved, joined } = from.intersection(&to);
         moved.iter_mut().zip(joined).for_each(|(m, j)| *m |= j);
         Self { from, to, inside: moved }
@@ -83,7 +75,7 @@ impl ComponentCells {
     /// True if no other component can have as many nodes as that of all nodes reached in both directions.
     ///
     /// All nodes of one component are reached in the same directions.
-    pub fn is_largest(&self, graph: &JoinedGraph) -> bool {
+    fn is_largest(&self, graph: &JoinedGraph) -> bool {
         let (from, to) = (&self.from, &self.to);
         let mut counts = [0u64; 4];
         for (part, p) in (0u32..).zip(&graph.parts) {

@@ -4,7 +4,7 @@
 use super::crossing::CrossingJoints;
 use super::situation::PatchSituation;
 use crate::components::SuccessorGraph;
-use crate::stitch::sets::bits::{num_words, set_bit};
+use crate::stitch::sets::rows::{num_words, set_bit};
 use std::sync::Arc;
 use throng_core::patch::{CellRecord, NONE, PatchRecord, PatchTables};
 
@@ -124,13 +124,6 @@ impl JoinedGraph {
     pub fn overlaps_of(&self, part: u32) -> &[InstanceOverlap] {
         let p = &self.parts[part as usize];
         &self.overlaps[p.first_overlap as usize..(p.first_overlap + p.num_overlaps) as usize]
-    }
-
-    /// Instances that an instance leads to or is reached from, possibly repeated.
-    pub fn adjacent(&self, part: u32) -> impl Iterator<Item = u32> {
-        let edges = self.patches.edges_of(self.parts[part as usize].patch as usize).len() as u32;
-        let across = (0..edges).filter_map(move |edge| self.neighbour(part, edge));
-        across.chain(self.overlaps_of(part).iter().map(|o| o.other))
     }
 
     /// The joints of an overlap.

@@ -1,7 +1,7 @@
 //! Joins overlapping patches, and keeps the largest strongly connected component.
 //!
 //! [`prepare`] finds joints once for all pairs with equal relative placement, [`allow`] builds the graph,
-//! [`component_cells`] finds its component (or [`update_component`] around a change), and [`assemble`] writes the world.
+//! [`component_cells`] finds its component and [`assemble`] writes the world.
 
 pub(in crate::stitch) mod allow;
 pub(in crate::stitch) mod assemble;
@@ -13,6 +13,4 @@ pub(in crate::stitch) mod prepare;
 pub(in crate::stitch) mod reach;
 pub(in crate::stitch) mod remains;
 pub(in crate::stitch) mod situation;
-pub(in crate::stitch) mod stitch_result;
 pub(in crate::stitch) mod table;
-pub(in crate::stitch) mod update_component;

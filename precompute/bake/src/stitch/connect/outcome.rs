@@ -3,8 +3,8 @@
 use super::component_cells::ComponentMembership;
 use super::situation::PatchSituation;
 use crate::stitch::report::RemovalReason;
-use crate::stitch::sets::bits::{num_words, set_bit};
-use crate::stitch::sets::identity_arc::IdentityArc;
+use crate::stitch::sets::numbers::IdentityArc;
+use crate::stitch::sets::rows::{num_words, set_bit};
 use std::hash::{Hash, Hasher};
 use throng_core::patch::{CellRecord, PatchTables};
 use throng_world::is_set;

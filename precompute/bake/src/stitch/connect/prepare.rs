@@ -4,7 +4,6 @@
 use super::crossing::{CrossingJoints, PairState, RemainingJoints};
 use super::outcome::{InstanceOutcome, InstanceState};
 use super::situation::{PatchSituation, PatchSurroundings};
-use super::stitch_result::StitchResult;
 use super::table::JointTable;
 use crate::stitch::clearance::bodies::FrameBodies;
 use crate::stitch::clearance::collision_span::CollisionSpan;
@@ -16,9 +15,7 @@ use crate::stitch::place::fit::FittedPatch;
 use crate::stitch::place::paths::{JoinSpots, LinkRoots};
 use crate::stitch::place::place_patches::{PlacedPatches, Placer};
 use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::place::update_patches::KeptInstances;
-use crate::stitch::sets::identity_arc::IdentityArc;
-use crate::stitch::sets::numbers::SharedNumbers;
+use crate::stitch::sets::numbers::{IdentityArc, SharedNumbers};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
@@ -48,8 +45,6 @@ pub(in crate::stitch) struct StitchCache {
     fields: Vec<OnceLock<DistanceField>>,
     tables: HashMap<RelativePlacement, Arc<JointTable>>,
     masks: KnownMasks,
-    /// Relations of tables and of masks that may be unused.
-    stale: [Vec<RelativePlacement>; 2],
     /// Unobstructed motion of patches, by their surroundings.
     pub situations: HashMap<PatchSurroundings, Arc<PatchSituation>>,
     /// Remaining motion of instances, by their state relative to the component.
@@ -86,18 +81,6 @@ pub(in crate::stitch) struct PreparedWorld {
     pub shares_floor: Vec<bool>,
 }
 
-/// The world before a change, with its unchanged part.
-#[derive(Clone, Copy)]
-pub(in crate::stitch) struct ChangedWorld<'p> {
-    /// The world.
-    pub result: &'p StitchResult,
-    /// Unchanged part.
-    pub kept: &'p KeptInstances,
-}
-
-/// Number of possibly unused tables and masks above which they are checked.
-const MAX_STALE: usize = 64;
-
 /// Distinct values; ascending.
 fn distinct<T: Ord>(named: impl Iterator<Item = T>) -> Vec<T> {
     let mut out: Vec<T> = named.collect();
@@ -126,24 +109,10 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Computes the tables, masks, situations and crossings of a world that are not cached.
-    ///
-    /// - `past`: the world before a change, if any.
-    pub fn prepare(
-        &mut self,
-        placed: &PlacedPatches,
-        past: Option<ChangedWorld<'_>>,
-        progress: &dyn Progress,
-    ) -> PreparedWorld {
+    pub fn prepare(&mut self, placed: &PlacedPatches, progress: &dyn Progress) -> PreparedWorld {
         self.forget_unshared();
-        let new_pairs = || {
-            let is_new = |k: &usize| past.is_none_or(|past| past.kept.previous_pair_of[*k] == NONE);
-            (0..placed.pairs.len()).filter(is_new).map(|k| placed.pairs[k].2)
-        };
-        let pairs = distinct(new_pairs());
-        let obstacles = match past {
-            Some(past) => distinct(past.kept.new_obstacles.iter().copied()),
-            None => distinct(placed.obstacles.iter().map(|o| o.2)),
-        };
+        let pairs = distinct(placed.pairs.iter().map(|p| p.2));
+        let obstacles = distinct(placed.obstacles.iter().map(|o| o.2).filter(|r| !self.found.masks.contains_key(r)));
         self.prepare_shared(&obstacles);
 
         let mut tables = std::mem::take(&mut self.found.tables);
@@ -158,31 +127,9 @@ impl<'a> Stitcher<'a> {
         self.found.masks = masks;
         progress.end();
         let mut out = PreparedWorld::default();
-        self.find_situations(placed, past, &mut out);
-        self.find_crossings(placed, past, &mut out);
+        self.find_situations(placed, &mut out);
+        self.find_crossings(placed, &mut out);
         out
-    }
-
-    /// Drops tables and masks that a change made unused.
-    ///
-    /// - `laid`: the changed world.
-    /// - `gone`: as in [`KeptInstances::removed`].
-    pub fn forget(&mut self, placed: &PlacedPatches, gone: &[Vec<RelativePlacement>; 2]) {
-        for (k, needed) in [&placed.pairs, &placed.obstacles].into_iter().enumerate() {
-            let stale = &mut self.found.stale[k];
-            *stale = distinct(stale.iter().chain(&gone[k]).copied());
-            if stale.len() <= MAX_STALE {
-                continue;
-            }
-            let is_stale = |r: &&RelativePlacement| stale.binary_search(r).is_ok();
-            let still: HashSet<RelativePlacement> = needed.iter().map(|p| &p.2).filter(is_stale).copied().collect();
-            for relation in stale.drain(..).filter(|r| !still.contains(r)) {
-                match k {
-                    0 => _ = self.found.tables.remove(&relation),
-                    _ => _ = self.found.masks.remove(&relation),
-                }
-            }
-        }
     }
 
     /// Drops all tables and masks except those of a world.
@@ -191,7 +138,6 @@ impl<'a> Stitcher<'a> {
             [&placed.pairs, &placed.obstacles].map(|needed| needed.iter().map(|p| p.2).collect::<HashSet<_>>());
         self.found.tables.retain(|r, _| pairs.contains(r));
         self.found.masks.retain(|r, _| obstacles.contains(r));
-        self.found.stale = [Vec::new(), Vec::new()];
     }
 
     /// Drops results that no world uses any more: first those that share others.
@@ -215,66 +161,44 @@ impl<'a> Stitcher<'a> {
     }
 
     /// Finds the situations of all instances.
-    fn find_situations(&mut self, placed: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
-        let is_alike = |i: usize| past.is_some_and(|past| past.kept.is_alike[i]);
+    fn find_situations(&mut self, placed: &PlacedPatches, out: &mut PreparedWorld) {
         let mut obstacles = placed.obstacles.chunk_by(|o, p| o.0 == p.0).peekable();
         let mut around = |i: u32| obstacles.next_if(|o| o[0].0 == i).unwrap_or(&[]);
-        let mut surroundings = |(i, f): (u32, &FittedPatch)| {
-            let all = around(i);
-            let own = all.iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
-            (!is_alike(i as usize)).then(|| PatchSurroundings { patch: f.patch, obstacles: distinct(own) })
+        let surroundings = |(i, f): (u32, &FittedPatch)| {
+            let all = around(i).iter().map(|o| o.2).filter(|r| !self.found.masks[r].words.is_empty());
+            PatchSurroundings { patch: f.patch, obstacles: distinct(all) }
         };
-        let keys: Vec<Option<PatchSurroundings>> = (0u32..).zip(&placed.fitted).map(&mut surroundings).collect();
-        let new: Vec<PatchSurroundings> = keys.iter().flatten().cloned().collect();
+        let keys: Vec<PatchSurroundings> = (0u32..).zip(&placed.fitted).map(surroundings).collect();
         let mut known = std::mem::take(&mut self.found.situations);
-        make_missing(&mut known, &new, |key| {
+        make_missing(&mut known, &keys, |key| {
             let masks = key.obstacles.iter().map(|r| self.found.masks[r].words.as_slice());
             Arc::new(PatchSituation::new(&self.placer.patches, key.clone(), masks))
         });
-        let joined = past.map(|past| &past.result.joined);
-        let mut numbers = SharedNumbers::new(joined.map_or(&[], |j| &j.situations));
-        let was = |i: usize| past.map_or(NONE, |past| past.kept.previous_of[i]);
-        let number = |(i, key): (usize, Option<PatchSurroundings>)| match (key, joined) {
-            (Some(key), _) => numbers.number_of(&known[&key]),
-            (None, Some(joined)) => numbers.renumber(joined.parts[was(i) as usize].situation),
-            (None, None) => NONE,
-        };
-        out.situation_of = keys.into_iter().enumerate().map(number).collect();
+        let mut numbers = SharedNumbers::default();
+        out.situation_of = keys.iter().map(|key| numbers.number_of(&known[key])).collect();
         out.situations = numbers.all;
         self.found.situations = known;
     }
 
     /// Finds the usable joints of all pairs.
-    fn find_crossings(&mut self, placed: &PlacedPatches, past: Option<ChangedWorld<'_>>, out: &mut PreparedWorld) {
-        // Previous number of a pair, if it and the surroundings of its side a are unchanged.
-        let was = |k: usize, a: u32| {
-            past.filter(|p| p.kept.is_alike[a as usize]).map_or(NONE, |p| p.kept.previous_pair_of[k])
+    fn find_crossings(&mut self, placed: &PlacedPatches, out: &mut PreparedWorld) {
+        let tables = &self.found.tables;
+        let key = |(a, _, r): &(u32, u32, RelativePlacement)| {
+            let situation = &out.situations[out.situation_of[*a as usize] as usize];
+            (!tables[r].joints.is_empty()).then(|| (*r, IdentityArc::new(situation)))
         };
-        let key = |(k, (a, _, r)): (usize, &(u32, u32, RelativePlacement))| {
-            let is_new = was(k, *a) == NONE && !self.found.tables[r].joints.is_empty();
-            is_new.then(|| (*r, IdentityArc::new(&out.situations[out.situation_of[*a as usize] as usize])))
-        };
-        let keys: Vec<_> = placed.pairs.iter().enumerate().map(key).collect();
-        let new: Vec<_> = keys.iter().flatten().cloned().collect();
+        let keys: Vec<_> = placed.pairs.iter().map(key).collect();
+        let with_joints: Vec<_> = keys.iter().flatten().cloned().collect();
         let mut known = std::mem::take(&mut self.found.crossings);
-        make_missing(&mut known, &new, |(relation, IdentityArc(situation))| {
+        make_missing(&mut known, &with_joints, |(relation, IdentityArc(situation))| {
             let hit = |link: u32| self.collision_span(&situation.surroundings, link);
             let table = &self.found.tables[relation];
             Arc::new(CrossingJoints::new(&self.placer.patches, *relation, table, situation, hit))
         });
-        let joined = past.map(|past| &past.result.joined);
-        let mut numbers = SharedNumbers::new(joined.map_or(&[], |j| &j.crossings));
-        for ((k, (a, _, r)), key) in placed.pairs.iter().enumerate().zip(keys) {
-            let (number, shares_floor) = match (key, joined, was(k, *a)) {
-                (Some(key), ..) => (numbers.number_of(&known[&key]), self.found.tables[r].shares_floor),
-                (None, Some(joined), was) if was != NONE => {
-                    (numbers.renumber(joined.crossing_of[was as usize]), joined.shares_floor[was as usize])
-                }
-                _ => (NONE, self.found.tables[r].shares_floor),
-            };
-            out.crossing_of.push(number);
-            out.shares_floor.push(shares_floor);
-        }
+        let mut numbers = SharedNumbers::default();
+        out.crossing_of =
+            keys.iter().map(|key| key.as_ref().map_or(NONE, |key| numbers.number_of(&known[key]))).collect();
+        out.shares_floor = placed.pairs.iter().map(|p| self.found.tables[&p.2].shares_floor).collect();
         out.crossings = numbers.all;
         self.found.crossings = known;
     }
@@ -316,7 +240,7 @@ impl<'a> Stitcher<'a> {
         JointTable::new(patches, spots, patterns[patch].is_tile.then_some(panel), relation, config)
     }
 
-    /// - `before`: masks of the world before the change.
+    /// - `before`: masks of the world before a change.
     fn mask(&self, relation: &RelativePlacement, before: &KnownMasks) -> ObstacleMask {
         let (unit, at) = (&self.placer.library.geometries[relation.b as usize].bounds, relation.placement());
         let alike = before.iter().filter(|(r, _)| (r.a, r.b) == (relation.a, relation.b));

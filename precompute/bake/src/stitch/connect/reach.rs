@@ -37,17 +37,14 @@ impl ReachedNodes {
     }
 }
 
-/// A search from several nodes.
+/// A search from a node.
 pub(in crate::stitch) struct ReachSearch<'j> {
-    /// Graph that is searched.
-    pub graph: &'j JoinedGraph,
+    graph: &'j JoinedGraph,
     direction: SearchDirection,
     /// Nodes found so far.
-    pub found: ReachedNodes,
+    found: ReachedNodes,
     /// Nodes whose edges have been followed.
-    pub done: ReachedNodes,
-    /// Instances whose edges are followed; `None` for all.
-    pub within: Option<&'j [bool]>,
+    done: ReachedNodes,
     /// Queue of instances with nodes still to be followed.
     open: VecDeque<u32>,
     is_open: Vec<bool>,
@@ -71,7 +68,6 @@ impl<'j> ReachSearch<'j> {
             direction,
             found: ReachedNodes::empty(graph.num_words),
             done: ReachedNodes::empty(graph.num_words),
-            within: None,
             open: VecDeque::new(),
             is_open: vec![false; graph.parts.len()],
         }
@@ -79,16 +75,11 @@ impl<'j> ReachSearch<'j> {
 
     /// Runs the search to its end.
     pub fn run(mut self) -> ReachedNodes {
-        while self.follow_next() {}
+        while let Some(part) = self.open.pop_front() {
+            self.is_open[part as usize] = false;
+            self.follow_new(part);
+        }
         self.found
-    }
-
-    /// Follows all edges of one instance's nodes; false if none is left.
-    pub fn follow_next(&mut self) -> bool {
-        let Some(part) = self.open.pop_front() else { return false };
-        self.is_open[part as usize] = false;
-        self.follow_new(part);
-        true
     }
 
     /// Begins at a cell reached by motion.
@@ -109,9 +100,8 @@ impl<'j> ReachSearch<'j> {
     }
 
     /// Queues an instance with found nodes that are not followed.
-    pub fn queue_instance(&mut self, part: u32) {
-        let is_within = self.within.is_none_or(|within| within[part as usize]);
-        if is_within && !std::mem::replace(&mut self.is_open[part as usize], true) {
+    fn queue_instance(&mut self, part: u32) {
+        if !std::mem::replace(&mut self.is_open[part as usize], true) {
             self.open.push_back(part);
         }
     }

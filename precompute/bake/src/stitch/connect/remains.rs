@@ -4,12 +4,13 @@ use super::component_cells::ComponentCells;
 use super::crossing::{PairState, RemainingJoints};
 use super::joined::JoinedGraph;
 use super::outcome::{InstanceOutcome, InstanceState, WorldCounts, cell_reason, is_end, link_reason};
-use super::prepare::{ChangedWorld, StitchCache, make_missing};
+use super::prepare::{StitchCache, make_missing};
 use crate::stitch::place::place_patches::PlacedPatches;
+use crate::stitch::place::relation::RelativePlacement;
 use crate::stitch::report::RemovalReason;
-use crate::stitch::sets::identity_arc::IdentityArc;
-use crate::stitch::sets::numbers::SharedNumbers;
+use crate::stitch::sets::numbers::{IdentityArc, SharedNumbers};
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::sync::Arc;
 use throng_core::patch::NONE;
 use throng_world::is_set;
@@ -35,17 +36,6 @@ impl JudgedGraph<'_> {
         let l = &self.joined.patches.links_of(self.joined.parts[part as usize].patch as usize)[link as usize];
         let free = is_set(&self.joined.situation(part).link_words, 0, link);
         link_reason(free, self.cell_reason(part, l.from), || self.cell_reason(part, l.to))
-    }
-
-    /// True for an instance whose state relative to the component is unchanged.
-    ///
-    /// - `was`: its previous number, with equal surroundings.
-    fn is_alike(&self, part: u32, before: &Self, was: u32) -> bool {
-        let (now, old) = (self.joined.words(part), before.joined.words(was));
-        let edges = self.joined.patches.edges_of(self.joined.parts[part as usize].patch as usize).len() as u32;
-        self.component.inside[now.clone()] == before.component.inside[old.clone()]
-            && self.component.to.moved[now] == before.component.to.moved[old]
-            && (0..edges).all(|e| self.joined.neighbour(part, e).is_some() == before.joined.neighbour(was, e).is_some())
     }
 
     /// State of an instance relative to the component.
@@ -90,95 +80,53 @@ impl WorldRemains {
     }
 }
 
-/// Search for the remaining motion of a world.
-pub(in crate::stitch) struct RemainsSearch<'s> {
-    /// Results of earlier searches.
-    pub found: &'s mut StitchCache,
-    /// Placed patches.
-    pub placed: &'s PlacedPatches,
-    /// The graph.
-    pub judged: &'s JudgedGraph<'s>,
-    /// The world before a change, and the previous number of each unchanged instance, as in
-    /// [`super::update_component::PriorGraph::previous_of`].
-    pub past: Option<(ChangedWorld<'s>, &'s [u32])>,
+/// Finds the remaining motion of a world.
+///
+/// - `found`: results of earlier searches.
+pub(in crate::stitch) fn find_remains(
+    found: &mut StitchCache,
+    placed: &PlacedPatches,
+    judged: &JudgedGraph<'_>,
+) -> WorldRemains {
+    let mut out = WorldRemains::default();
+    find_outcomes(&mut found.outcomes, placed, judged, &mut out);
+    find_remaining_joints(&mut found.remaining, placed, judged.joined, &mut out);
+    out
 }
 
-impl RemainsSearch<'_> {
-    /// Finds the remaining motion.
-    pub fn find(mut self) -> WorldRemains {
-        let mut out = WorldRemains::default();
-        let is_same = self.find_outcomes(&mut out);
-        self.find_remaining_joints(&is_same, &mut out);
-        out
-    }
+fn find_outcomes(
+    known: &mut HashMap<InstanceState, Arc<InstanceOutcome>>,
+    placed: &PlacedPatches,
+    judged: &JudgedGraph<'_>,
+    out: &mut WorldRemains,
+) {
+    let all = (0..placed.fitted.len() as u32).into_par_iter().with_min_len(256);
+    let states: Vec<InstanceState> = all.map(|i| judged.state(i)).collect();
+    make_missing(known, &states, |state| Arc::new(InstanceOutcome::new(&judged.joined.patches, state)));
+    let mut numbers = SharedNumbers::default();
+    out.outcome_of = states.iter().map(|state| numbers.number_of(&known[state])).collect();
+    out.outcomes = numbers.all;
+}
 
-    /// - returns for each instance whether its remaining motion is unchanged.
-    fn find_outcomes(&mut self, out: &mut WorldRemains) -> Vec<bool> {
-        let Self { placed, judged, past, .. } = *self;
-        let all = 0..placed.fitted.len() as u32;
-        let was = |i: u32| past.map_or(NONE, |(_, same)| same[i as usize]);
-        let before = past.map(|(past, _)| {
-            (past.result, JudgedGraph { joined: &past.result.joined, component: &past.result.component })
-        });
-        let state = |i: u32| match &before {
-            Some((_, before)) if was(i) != NONE && judged.is_alike(i, before, was(i)) => None,
-            _ => Some(judged.state(i)),
-        };
-        let states: Vec<Option<InstanceState>> = all.clone().into_par_iter().with_min_len(256).map(state).collect();
-        let new: Vec<InstanceState> = states.iter().flatten().cloned().collect();
-        let known = &mut self.found.outcomes;
-        make_missing(known, &new, |state| Arc::new(InstanceOutcome::new(&judged.joined.patches, state)));
-        let mut numbers = SharedNumbers::new(before.as_ref().map_or(&[], |(made, _)| &made.remains.outcomes));
-        for (i, state) in all.zip(&states) {
-            out.outcome_of.push(match (state, &before) {
-                (Some(state), _) => numbers.number_of(&known[state]),
-                (None, Some((made, _))) => numbers.renumber(made.remains.outcome_of[was(i) as usize]),
-                (None, None) => NONE,
-            });
-        }
-        out.outcomes = numbers.all;
-        states.iter().map(Option::is_none).collect()
-    }
-
-    /// - `is_same`: for each instance, whether its remaining motion is unchanged.
-    fn find_remaining_joints(&mut self, is_same: &[bool], out: &mut WorldRemains) {
-        let (placed, joined, past) = (self.placed, self.judged.joined, self.past.map(|(past, _)| past));
-        let before = past.map(|past| past.result);
-        let crossing_before = |was: u32| {
-            let joined = &before?.joined;
-            joined.crossings.get(*joined.crossing_of.get(was as usize)? as usize)
-        };
-        // Previous number of a pair, if everything about it is unchanged.
-        let was = |k: usize| {
-            let was = past.map_or(NONE, |past| past.kept.previous_pair_of[k]);
-            let (a, b, _) = placed.pairs[k];
-            let is_left = is_same[a as usize] && is_same[b as usize];
-            let crossing = &joined.crossings[joined.crossing_of[k] as usize];
-            let is_alike = is_left && crossing_before(was).is_some_and(|before| Arc::ptr_eq(before, crossing));
-            if is_alike { was } else { NONE }
-        };
-        let state = |k: usize| PairState {
-            crossing: IdentityArc::new(&joined.crossings[joined.crossing_of[k] as usize]),
-            sides: [placed.pairs[k].0, placed.pairs[k].1].map(|i| IdentityArc::new(out.outcome(i))),
-        };
-        let has_joints = |k: &usize| joined.crossing_of[*k] != NONE;
-        let pairs: Vec<(usize, u32)> = (0..placed.pairs.len()).filter(has_joints).map(|k| (k, was(k))).collect();
-        let new: Vec<PairState> = pairs.iter().filter(|(_, was)| *was == NONE).map(|(k, _)| state(*k)).collect();
-        let known = &mut self.found.remaining;
-        make_missing(known, &new, |key| {
-            let crossing = &key.crossing.0;
-            let links = joined.patches.links_of(crossing.relation.a as usize);
-            Arc::new(crossing.remaining(links, &key.sides[0].0.cells, &key.sides[1].0.cells))
-        });
-        let mut numbers = SharedNumbers::new(before.map_or(&[], |made| &made.remains.remaining));
-        let mut left_of = vec![NONE; placed.pairs.len()];
-        let mut new = new.iter();
-        for (k, was) in pairs {
-            left_of[k] = match (was, before) {
-                (NONE, _) | (_, None) => new.next().map_or(NONE, |key| numbers.number_of(&known[key])),
-                (was, Some(made)) => numbers.renumber(made.remains.remaining_of[was as usize]),
-            };
-        }
-        (out.remaining_of, out.remaining) = (left_of, numbers.all);
-    }
+fn find_remaining_joints(
+    known: &mut HashMap<PairState, Arc<RemainingJoints>>,
+    placed: &PlacedPatches,
+    joined: &JoinedGraph,
+    out: &mut WorldRemains,
+) {
+    let state = |(&crossing, (a, b, _)): (&u32, &(u32, u32, RelativePlacement))| {
+        let crossing = IdentityArc::new(joined.crossings.get(crossing as usize)?);
+        Some(PairState { crossing, sides: [*a, *b].map(|i| IdentityArc::new(out.outcome(i))) })
+    };
+    let states: Vec<Option<PairState>> = joined.crossing_of.iter().zip(&placed.pairs).map(state).collect();
+    let with_joints: Vec<PairState> = states.iter().flatten().cloned().collect();
+    make_missing(known, &with_joints, |key| {
+        let crossing = &key.crossing.0;
+        let links = joined.patches.links_of(crossing.relation.a as usize);
+        Arc::new(crossing.remaining(links, &key.sides[0].0.cells, &key.sides[1].0.cells))
+    });
+    let mut numbers = SharedNumbers::default();
+    let number = |state: &Option<PairState>| state.as_ref().map_or(NONE, |state| numbers.number_of(&known[state]));
+    out.remaining_of = states.iter().map(number).collect();
+    out.remaining = numbers.all;
 }

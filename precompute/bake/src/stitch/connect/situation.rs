@@ -3,8 +3,7 @@
 use super::table::JointTable;
 use crate::stitch::clearance::collision_span::CollisionSpan;
 use crate::stitch::place::relation::RelativePlacement;
-use crate::stitch::sets::bits::{all_set, clear_bit};
-use crate::stitch::sets::rows::BitRows;
+use crate::stitch::sets::rows::{BitRows, all_set, clear_bit};
 use throng_core::patch::{NONE, PatchTables};
 use throng_world::is_set;
 

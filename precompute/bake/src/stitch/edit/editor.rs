@@ -1,13 +1,12 @@
-//! An editable world: unchanged parts are not computed again.
+//! An editable world: results that a change leaves as they are, such as obstacles and joints, are not computed again.
 
-use super::history::WorldEditHistory;
+use super::history::{EnvironmentEdit, WorldEditHistory};
 use super::make::make_world;
 use crate::environment::{Environment, PlacedUnit};
 use crate::stitch::config::StitchConfig;
+use crate::stitch::connect::assemble::StitchResult;
 use crate::stitch::connect::prepare::Stitcher;
-use crate::stitch::connect::stitch_result::StitchResult;
 use crate::stitch::library::{Library, refusal_error};
-use crate::stitch::place::change::EnvironmentEdit;
 use crate::stitch::place::place_patches::Placer;
 use crate::stitch::report::StitchReport;
 use throng_core::patch::{PatchTables, Placement};
@@ -17,10 +16,9 @@ use throng_world::WorldData;
 
 /// A stitched world with its intermediate results, so that a change is cheap.
 ///
-/// Joint tables and obstacle masks belong to pairs in one relative placement: a change computes only those of new
-/// pairs, and after a small move of a unit samples only the links that it may have affected. The component is searched
-/// only around changed parts. After every change the world equals a newly stitched one. An editor may be sent to
-/// another thread, so that the display continues meanwhile.
+/// A change stitches the world anew from results that are kept. Joint tables and obstacle masks belong to pairs in one
+/// relative placement: a change computes only those of new pairs, and after a small move of a unit samples only the
+/// links that it may have affected. An editor may be sent to another thread, so that the display continues meanwhile.
 pub struct Editor<'a> {
     pub(in crate::stitch) stitcher: Stitcher<'a>,
     environment: Environment,
@@ -42,8 +40,7 @@ impl<'a> Editor<'a> {
         progress: &dyn Progress,
     ) -> Result<Self> {
         let mut stitcher = Stitcher::new(Placer::new(patches, library, config)?);
-        let mut world = WorldData::default();
-        let made = make_world(&mut stitcher, &environment, None, &mut world, progress)?;
+        let (made, world) = make_world(&mut stitcher, &environment, progress)?;
         Ok(Self { stitcher, environment, made, world, history: WorldEditHistory::default() })
     }
 
@@ -158,10 +155,9 @@ impl<'a> Editor<'a> {
     fn apply(&mut self, edit: EnvironmentEdit) -> Result<EnvironmentEdit> {
         let mut environment = self.environment.clone();
         let back = edit.apply(&mut environment.units);
-        let before = Some((&self.made, &back));
-        match make_world(&mut self.stitcher, &environment, before, &mut self.world, &Silent) {
-            Ok(made) => {
-                (self.made, self.environment) = (made, environment);
+        match make_world(&mut self.stitcher, &environment, &Silent) {
+            Ok((made, world)) => {
+                (self.made, self.world, self.environment) = (made, world, environment);
                 Ok(back)
             }
             Err(refused) => {

@@ -1,10 +1,11 @@
 //! Undo and redo of changes.
 
-use crate::stitch::place::change::EnvironmentEdit;
+use crate::environment::PlacedUnit;
+use throng_core::patch::Placement;
 
 /// Stacks of changes for undo and redo.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::stitch) struct WorldEditHistory {
+pub(super) struct WorldEditHistory {
     /// Changes that undo the past ones, the last one at the end.
     pub undo: Vec<EnvironmentEdit>,
     /// Changes that redo the undone ones, the one undone last at the end.
@@ -42,12 +43,51 @@ impl WorldEditHistory {
     }
 }
 
+/// A change of the placed units of an environment.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum EnvironmentEdit {
+    /// Inserts a unit before the one with this index (index <= number of units).
+    Insert {
+        /// Index of the unit.
+        index: usize,
+        /// Unit with its placement.
+        unit: PlacedUnit,
+    },
+    /// Removes a unit (index < number of units).
+    Remove {
+        /// Index of the unit.
+        index: usize,
+    },
+    /// Moves a unit (index < number of units).
+    Move {
+        /// Index of the unit.
+        index: usize,
+        /// New placement.
+        placement: Placement,
+    },
+}
+
+impl EnvironmentEdit {
+    /// Makes the change; returns the reverse one.
+    pub fn apply(self, units: &mut Vec<PlacedUnit>) -> Self {
+        match self {
+            Self::Insert { index, unit } => {
+                units.insert(index, unit);
+                Self::Remove { index }
+            }
+            Self::Remove { index } => Self::Insert { index, unit: units.remove(index) },
+            Self::Move { index, placement } => {
+                let placement = std::mem::replace(&mut units[index].placement, placement);
+                Self::Move { index, placement }
+            }
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::environment::PlacedUnit;
     use proptest::prelude::*;
-    use throng_core::patch::Placement;
 
     proptest! {
         #[test]

@@ -1,28 +1,21 @@
-//! Stitching from the first step to the last, in full or after a change.
+//! Stitching from the first step to the last.
 
 use crate::environment::{Environment, UnitSolid};
 use crate::stages::stage_error;
 use crate::stitch::clearance::field::DistanceField;
 use crate::stitch::config::StitchConfig;
 use crate::stitch::connect::allow::build_joined_graph;
-use crate::stitch::connect::assemble::write_world;
+use crate::stitch::connect::assemble::{StitchResult, write_world};
 use crate::stitch::connect::component_cells::{ComponentMembership, find_component};
-use crate::stitch::connect::joined::JoinedGraph;
 use crate::stitch::connect::outcome::WorldCounts;
-use crate::stitch::connect::prepare::{ChangedWorld, Stitcher};
-use crate::stitch::connect::remains::{JudgedGraph, RemainsSearch};
-use crate::stitch::connect::stitch_result::StitchResult;
-use crate::stitch::connect::update_component::PriorGraph;
+use crate::stitch::connect::prepare::Stitcher;
+use crate::stitch::connect::remains::{JudgedGraph, find_remains};
 use crate::stitch::library::{Library, STAGE, refusal_error};
-use crate::stitch::place::change::EnvironmentEdit;
 use crate::stitch::place::place_patches::PlacedPatches;
-use crate::stitch::place::update_patches::UpdatedPlacement;
 use crate::stitch::report::{RemovalReason, StitchReport};
 use serde::Serialize;
-use std::sync::Arc;
 use std::time::Instant;
 use throng_core::base::Hash128;
-use throng_core::patch::NONE;
 use throng_motion::error::{BuildError, Result};
 use throng_motion::memory;
 use throng_motion::progress::Progress;
@@ -30,56 +23,36 @@ use throng_world::{WorldData, WorldMeta};
 
 /// Stitching, in reading order.
 ///
-/// - `before`: the world before a change, and the reverse of the change.
-/// - `world`: previous world, which is overwritten; unchanged if an error is returned.
-///
 /// # Errors
 /// As [`crate::stitch::stitch`].
 pub(in crate::stitch) fn make_world<'a>(
     stitcher: &mut Stitcher<'a>,
     environment: &Environment,
-    before: Option<(&StitchResult, &EnvironmentEdit)>,
-    world: &mut WorldData,
     progress: &dyn Progress,
-) -> Result<StitchResult> {
+) -> Result<(StitchResult, WorldData)> {
     let begin = Instant::now();
-    let updated =
-        before.and_then(|(made, back)| Some((made, stitcher.placer.update_patches(environment, &made.patches, back)?)));
-    let (placed, kept) = match updated {
-        Some((made, UpdatedPlacement { patches: placed, kept })) => (placed, Some((made, kept))),
-        None => (stitcher.placer.place_patches(environment)?, None),
-    };
-    let past = kept.as_ref().map(|(made, kept)| ChangedWorld { result: made, kept });
+    let placed = stitcher.placer.place_patches(environment)?;
     stitcher.check_sizes(environment, &placed)?;
     progress.check()?;
-    let prepared = stitcher.prepare(&placed, past, progress);
+    let prepared = stitcher.prepare(&placed, progress);
     progress.check()?;
     let joined = build_joined_graph(&stitcher.placer.patches, &placed, prepared);
     progress.begin("component", joined.num_nodes as u64, "cells");
-    let before = past.map(|ChangedWorld { result: made, kept }| PriorGraph {
-        joined: &made.joined,
-        component: &made.component,
-        previous_of: unchanged_numbers(&made.joined, &joined, &kept.previous_of),
-    });
-    let largest = find_component(&joined, before.as_ref()).ok_or_else(|| stitcher.no_component(environment))?;
+    let largest = find_component(&joined).ok_or_else(|| stitcher.no_component(environment))?;
     progress.end();
     let judged = JudgedGraph { joined: &joined, component: &largest };
-    let alike = past.zip(before.as_ref().map(|before| before.previous_of.as_slice()));
-    let remains = RemainsSearch { found: &mut stitcher.found, placed: &placed, judged: &judged, past: alike }.find();
+    let remains = find_remains(&mut stitcher.found, &placed, &judged);
     stitcher.check_reached(environment, &placed, &judged)?;
     let report = stitcher.report(&placed, &remains.counts());
     let meta = stitcher.meta(environment, &report)?;
     let mut made = StitchResult { patches: placed, joined, component: largest, remains, report };
-    write_world(environment, &made, alike, world);
+    let mut world = write_world(environment, &made);
     world.meta = meta;
-    match &kept {
-        Some((_, kept)) => stitcher.forget(&made.patches, &kept.removed),
-        None => stitcher.forget_all_but(&made.patches),
-    }
+    stitcher.forget_all_but(&made.patches);
     let report = &mut made.report;
     (report.tables, report.joints) = (world.tables.len(), world.joints.len());
     (report.peak_bytes, report.seconds) = (memory::peak_bytes().unwrap_or(0), begin.elapsed().as_secs_f64());
-    Ok(made)
+    Ok((made, world))
 }
 
 /// Most cells of a world, about 80 bytes each during stitching, and most words of 64 links.
@@ -97,14 +70,6 @@ fn too_many(sizes: impl ExactSizeIterator<Item = [u32; 2]>) -> Option<String> {
             "{instances} instances have {cells} cells with {words} words of links, expected {MOST_CELLS} and {MOST_WORDS} at most"
         )
     })
-}
-
-/// Previous number of each instance; [`NONE`] for new ones and those with changed surroundings.
-///
-/// - `was`: previous numbers, regardless of surroundings.
-fn unchanged_numbers(before: &JoinedGraph, joined: &JoinedGraph, was: &[u32]) -> Vec<u32> {
-    let is_same = |i: u32, was: u32| Arc::ptr_eq(joined.situation(i), before.situation(was));
-    (0u32..).zip(was).map(|(i, &was)| if was != NONE && is_same(i, was) { was } else { NONE }).collect()
 }
 
 impl Stitcher<'_> {

@@ -22,16 +22,9 @@ pub(in crate::stitch) struct FittedPatch {
     pub placement: Placement,
     /// Placed units, in the order of the patch's.
     pub units: Vec<u32>,
-    /// Number of steps by which the first of them is turned, within its symmetry, from the patch's unit.
-    pub turn: u32,
 }
 
 impl FittedPatch {
-    /// Unique sort key of instances.
-    pub fn sort_key(&self) -> (u32, u32, u32) {
-        (self.units[0], self.patch, self.turn)
-    }
-
     /// Relative placement of a placed unit that obstructs the instance; `None` for its own.
     pub fn obstacle(&self, number: u32, unit: &PlacedUnit) -> Option<RelativePlacement> {
         let relation = || RelativePlacement::new(self.patch, self.placement, unit.unit as u32, unit.placement);
@@ -51,14 +44,8 @@ impl<'a> UnitIndex<'a> {
 
     /// Indexes all units of an environment.
     pub fn new(environment: &'a Environment) -> Self {
-        Self::from_units(environment, 0..environment.units.len() as u32)
-    }
-
-    /// Indexes some units of an environment; ascending.
-    pub fn from_units(environment: &'a Environment, units: impl Iterator<Item = u32>) -> Self {
         let mut buckets: HashMap<_, Vec<u32>> = HashMap::new();
-        for i in units {
-            let u = &environment.units[i as usize];
+        for (i, u) in (0u32..).zip(&environment.units) {
             let p = u.placement.translation().to_array().map(Self::bucket);
             buckets.entry((u.unit, p)).or_default().push(i);
         }
@@ -95,10 +82,8 @@ impl<'a> UnitIndex<'a> {
 }
 
 impl Placer<'_> {
-    /// Every set of placed units that matches a patch's units, once, ascending by [`FittedPatch::sort_key`].
-    ///
-    /// - `firsts`: possible first units of a set; ascending.
-    pub fn fit_patches(&self, index: &UnitIndex<'_>, firsts: impl Iterator<Item = u32>) -> Vec<FittedPatch> {
+    /// Every set of placed units that matches a patch's units, once, ascending by its first unit, the patch and the turn.
+    pub fn fit_patches(&self, index: &UnitIndex<'_>) -> Vec<FittedPatch> {
         let Self { library, patterns, .. } = self;
         let mut of_unit = vec![Vec::new(); library.units.units.len()];
         for (p, pattern) in patterns.iter().enumerate() {
@@ -106,8 +91,7 @@ impl Placer<'_> {
         }
         let mut seen = HashSet::new();
         let mut out = Vec::new();
-        for i in firsts {
-            let placed = &index.environment.units[i as usize];
+        for (i, placed) in (0u32..).zip(&index.environment.units) {
             let period = library.period(placed.unit);
             let base = normalised(placed.placement, period);
             for &p in &of_unit[placed.unit] {
@@ -118,7 +102,7 @@ impl Placer<'_> {
                     let mut set = units.clone();
                     set.sort_unstable();
                     if seen.insert((p, set)) {
-                        out.push(FittedPatch { patch: p as u32, placement: frame.with_wrapped_heading(), units, turn });
+                        out.push(FittedPatch { patch: p as u32, placement: frame.with_wrapped_heading(), units });
                     }
                 }
             }

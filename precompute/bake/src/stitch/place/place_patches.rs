@@ -16,10 +16,6 @@ use throng_motion::error::{BuildError, Result};
 pub(in crate::stitch) struct PlacedPatches {
     /// The instances.
     pub fitted: Vec<FittedPatch>,
-    /// Bounds of the bodies in each of them.
-    pub bounds: Vec<BoundingBox>,
-    /// Bounds of placed units.
-    pub shapes: Vec<BoundingBox>,
     /// Instance across each edge of each tile.
     pub neighbours: Vec<u32>,
     /// Index of each instance's first neighbour.
@@ -61,7 +57,7 @@ impl<'a> Placer<'a> {
         self.check_units(environment)?;
         self.check_overlaps(environment)?;
         let index = UnitIndex::new(environment);
-        let fitted = self.fit_patches(&index, 0..environment.units.len() as u32);
+        let fitted = self.fit_patches(&index);
         self.check_cover(environment, &fitted)?;
         let (neighbours, first_neighbour) = self.neighbours(&index, &fitted);
         let bounds: Vec<BoundingBox> = fitted.iter().map(|f| self.instance_bounds(f)).collect();
@@ -72,22 +68,22 @@ impl<'a> Placer<'a> {
         let obstacle =
             |(i, u): (u32, u32)| Some((i, u, fitted[i as usize].obstacle(u, &environment.units[u as usize])?));
         let obstacles = overlapping_pairs(&bounds, &shapes).into_iter().filter_map(obstacle).collect();
-        Ok(PlacedPatches { fitted, bounds, shapes, neighbours, first_neighbour, pairs, obstacles })
+        Ok(PlacedPatches { fitted, neighbours, first_neighbour, pairs, obstacles })
     }
 
     /// Bounds of the bodies in an instance.
-    pub fn instance_bounds(&self, fitted: &FittedPatch) -> BoundingBox {
+    fn instance_bounds(&self, fitted: &FittedPatch) -> BoundingBox {
         let p = &self.patches.patches[fitted.patch as usize];
         BoundingBox { min: p.min.into(), max: p.max.into() }.mapped(|p| fitted.placement.transform_point(p))
     }
 
     /// Bounds of a placed unit.
-    pub fn pattern_bounds(&self, unit: &PlacedUnit) -> BoundingBox {
+    fn pattern_bounds(&self, unit: &PlacedUnit) -> BoundingBox {
         self.library.geometries[unit.unit].bounds.mapped(|p| unit.placement.transform_point(p))
     }
 
     /// Overlap of two instances, side a first: a tile, or of two blocks that of the lower patch; `None` for two tiles.
-    pub fn pair(&self, fitted: &[FittedPatch], i: u32, j: u32) -> Option<(u32, u32, RelativePlacement)> {
+    fn pair(&self, fitted: &[FittedPatch], i: u32, j: u32) -> Option<(u32, u32, RelativePlacement)> {
         let tile = |i: u32| self.patterns[fitted[i as usize].patch as usize].is_tile;
         let [first, second] = [i, j].map(|i| &fitted[i as usize]);
         let relation =
@@ -120,12 +116,12 @@ impl<'a> Placer<'a> {
     }
 
     /// True for one of the bundle's units at a valid place.
-    pub fn is_known(&self, unit: &PlacedUnit) -> bool {
+    fn is_known(&self, unit: &PlacedUnit) -> bool {
         unit.unit < self.library.units.units.len() && unit.placement.is_moderate(1e5)
     }
 
     /// Checks that every unit that is not just an obstacle belongs to an instance.
-    pub fn check_cover(&self, environment: &Environment, fitted: &[FittedPatch]) -> Result<()> {
+    fn check_cover(&self, environment: &Environment, fitted: &[FittedPatch]) -> Result<()> {
         let mut covered = vec![false; environment.units.len()];
         fitted.iter().flat_map(|f| &f.units).for_each(|&u| covered[u as usize] = true);
         let left: Vec<usize> =

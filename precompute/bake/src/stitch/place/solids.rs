@@ -91,26 +91,6 @@ impl Placer<'_> {
         }
         Ok(())
     }
-
-    /// True if no other unit overlaps a given one, and no copy of it is in the same place.
-    ///
-    /// - `shapes`: bounds of all units (units).
-    pub fn is_free(&self, environment: &Environment, shapes: &[BoundingBox], unit: usize) -> bool {
-        let (library, depth_m) = (&self.library, self.config.overlap_m);
-        let placed = |i: usize| {
-            let u = &environment.units[i];
-            OrientedBox::boxes_of_unit(&library.units.units[u.unit]).into_iter().map(|s| s.transformed(u.placement))
-        };
-        let own: Vec<OrientedBox> = placed(unit).collect();
-        let at = environment.units[unit].placement.translation();
-        let is_apart = |i: usize| {
-            let far = (environment.units[i].placement.translation() - at).abs().max_element() > 2.0 * SAME_PLACE_M;
-            (far || environment.units[i].unit != environment.units[unit].unit)
-                && (!shapes[i].overlaps(&shapes[unit])
-                    || placed(i).all(|s| own.iter().all(|o| s.overlap_depth(o) <= depth_m)))
-        };
-        (0..environment.units.len()).filter(|&i| i != unit).all(is_apart)
-    }
 }
 
 /// The first two copies of a unit that stand in the same place.

@@ -1,6 +1,4 @@
 //! Bits, sets of cells, and shared values that are stored once.
 
-pub(in crate::stitch) mod bits;
-pub(in crate::stitch) mod identity_arc;
 pub(in crate::stitch) mod numbers;
 pub(in crate::stitch) mod rows;

@@ -1,38 +1,23 @@
-//! Numbering of shared values: values of a changed world in common with the previous one stay shared, and are found by
-//! number, without comparing their inputs.
+//! Numbering of shared values, which are found without comparing their inputs.
 
-use super::identity_arc::IdentityArc;
 use std::collections::HashMap;
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
-use throng_core::patch::NONE;
 
 /// Numbers of shared values, in the order of first use.
-pub(in crate::stitch) struct SharedNumbers<'b, T> {
-    before: &'b [Arc<T>],
-    /// New number of each previous value; [`NONE`] until used (before.len()).
-    now: Vec<u32>,
+pub(in crate::stitch) struct SharedNumbers<T> {
     known: HashMap<IdentityArc<T>, u32>,
     /// All used values, by number.
     pub all: Vec<Arc<T>>,
 }
 
-impl<'b, T> SharedNumbers<'b, T> {
-    /// - `before`: values of the previous world.
-    pub fn new(before: &'b [Arc<T>]) -> Self {
-        Self { before, now: vec![NONE; before.len()], known: HashMap::new(), all: Vec::new() }
+impl<T> Default for SharedNumbers<T> {
+    fn default() -> Self {
+        Self { known: HashMap::new(), all: Vec::new() }
     }
+}
 
-    /// New number of a value with a previous number; [`NONE`] for [`NONE`].
-    pub fn renumber(&mut self, was: u32) -> u32 {
-        let Some(&now) = self.now.get(was as usize) else { return NONE };
-        if now != NONE {
-            return now;
-        }
-        let now = self.number_of(&self.before[was as usize]);
-        self.now[was as usize] = now;
-        now
-    }
-
+impl<T> SharedNumbers<T> {
     /// The number of a shared thing.
     pub fn number_of(&mut self, shared: &Arc<T>) -> u32 {
         let all = &mut self.all;
@@ -43,20 +28,54 @@ impl<'b, T> SharedNumbers<'b, T> {
     }
 }
 
+/// A shared value, equal only to itself.
+#[derive(Debug)]
+pub(in crate::stitch) struct IdentityArc<T>(pub Arc<T>);
+
+impl<T> IdentityArc<T> {
+    /// Key of a shared value.
+    pub fn new(shared: &Arc<T>) -> Self {
+        Self(Arc::clone(shared))
+    }
+}
+
+impl<T> Clone for IdentityArc<T> {
+    fn clone(&self) -> Self {
+        Self::new(&self.0)
+    }
+}
+
+impl<T> PartialEq for IdentityArc<T> {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl<T> Eq for IdentityArc<T> {}
+
+impl<T> Hash for IdentityArc<T> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        Arc::as_ptr(&self.0).hash(state);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::HashSet;
 
     #[test]
-    fn what_was_there_before_and_what_is_new_have_one_number_each() {
-        let before: Vec<Arc<char>> = "abc".chars().map(Arc::new).collect();
-        let new = Arc::new('d');
-        let mut numbers = SharedNumbers::new(&before);
-        assert_eq!(
-            [numbers.renumber(2), numbers.number_of(&new), numbers.number_of(&before[2]), numbers.renumber(NONE)],
-            [0, 1, 0, NONE]
-        );
-        assert_eq!([numbers.number_of(&before[0]), numbers.renumber(0), numbers.renumber(2)], [2, 2, 0]);
-        assert_eq!(numbers.all.iter().map(|c| **c).collect::<String>(), "cda");
+    fn shared_values_have_one_number_each_in_the_order_of_their_first_use() {
+        let [a, b] = ['a', 'b'].map(Arc::new);
+        let mut numbers = SharedNumbers::default();
+        assert_eq!([&b, &a, &b, &Arc::new('b'), &a].map(|c| numbers.number_of(c)), [0, 1, 0, 2, 1]);
+        assert_eq!(numbers.all.iter().map(|c| **c).collect::<String>(), "bab");
+    }
+
+    #[test]
+    fn a_shared_thing_is_equal_to_itself_alone() {
+        let (a, b) = (Arc::new(1), Arc::new(1));
+        let mut known = HashSet::from([IdentityArc::new(&a)]);
+        assert!(!known.insert(IdentityArc::new(&a)) && known.insert(IdentityArc::new(&b)));
     }
 }
