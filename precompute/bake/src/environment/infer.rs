@@ -15,7 +15,7 @@ pub use report::InferReport;
 
 use super::{
     BodySpheres, Environment, EnvironmentFile, GeometryTouchConfig, PlacedGeometry, PlacedUnit, PlacementPattern,
-    UnitObject, UnitSet, UnitShape, annotate_in, geometries,
+    PosedSpheres, UnitObject, UnitSet, UnitShape, annotate_in, geometries,
 };
 use bars::InferredBar;
 use glam::Vec3;
@@ -152,6 +152,23 @@ const SHORTEST: f32 = 0.1;
 /// Share of the time of support that this time must also exceed.
 const SHARE: f32 = 0.2;
 
+/// Passes the body of every usable frame to `visit`, with contacts as the geometry has them, and the time of a frame (s).
+fn visit_poses(
+    clips: &[&Clip],
+    skeleton: &Skeleton,
+    geometry: &PlacedGeometry,
+    mut visit: impl FnMut(&PosedSpheres, f64),
+) {
+    let (body, touch) = (BodySpheres::new(skeleton), GeometryTouchConfig::default());
+    for clip in clips {
+        let mut annotated = (*clip).clone();
+        annotate_in(&mut annotated, skeleton, geometry, &ContactConfig::default(), &touch);
+        for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
+            visit(&body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]), 1.0 / annotated.rate_hz);
+        }
+    }
+}
+
 /// For each piece, true if no clip passes through it.
 ///
 /// - `pieces`: in the frame of the clips, each with the time for which something was planted on it (s).
@@ -168,20 +185,14 @@ pub fn keep_clear_pieces(pieces: &[(InferredPiece, f32)], clips: &[&Clip], skele
     let at = Placement::new(0.0, 0.0, 0.0, 0.0);
     let units = (0..pieces.len()).map(|unit| PlacedUnit { unit, placement: at }).collect();
     let all = PlacedGeometry::new(&Environment { name: String::new(), units }, &geometries);
-    let body = BodySpheres::new(skeleton);
     let mut through_s = vec![0.0f32; pieces.len()];
-    for clip in clips {
-        let mut annotated = (*clip).clone();
-        annotate_in(&mut annotated, skeleton, &all, &ContactConfig::default(), &GeometryTouchConfig::default());
-        for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
-            let pose = body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]);
-            all.overlapping(&pose.bounds, |i| {
-                if pose.penetration(at, &geometries[i], THROUGH).is_some() {
-                    through_s[i] += (1.0 / annotated.rate_hz) as f32;
-                }
-            });
-        }
-    }
+    visit_poses(clips, skeleton, &all, |pose, frame_s| {
+        all.overlapping(&pose.bounds, |i| {
+            if pose.penetration(at, &geometries[i], THROUGH).is_some() {
+                through_s[i] += frame_s as f32;
+            }
+        });
+    });
     let stands = |((_, held_s), through_s): (&(InferredPiece, f32), &f32)| *through_s <= SHORTEST.max(SHARE * held_s);
     Ok(pieces.iter().zip(&through_s).map(stands).collect())
 }

@@ -1,9 +1,6 @@
 //! Found examples sorted into spaces of one posture and manner each, without those that do not look like the others.
 
-use super::config::{AxisConfig, AxisKind};
-use super::cycle::Cycle;
-use super::select::{ExampleCandidate, ExampleSource};
-use super::track::ClipTrack;
+use super::{AxisConfig, AxisKind, ClipTrack, Cycle, ExampleCandidate, ExampleSource};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use throng_base::maths::quantile;

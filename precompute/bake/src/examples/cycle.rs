@@ -1,9 +1,7 @@
 //! One closed cycle of a clip: the best-closing one of a steady stretch, with its seam smoothed.
 
-use super::average::{displacement, exponential};
-use super::steps::StepCycle;
-use super::track::{ClipTrack, FractionalPose};
 use super::twist::{FacingTwist, SteadyCourse, rotate_ground};
+use super::{ClipTrack, FractionalPose, StepCycle, displacement, exponential};
 use glam::{DQuat, DVec3, Quat, Vec3};
 use throng_core::{Contacts, Joint, NUM_JOINTS, Skeleton};
 use throng_motion::FrameRange;

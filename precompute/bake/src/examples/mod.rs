@@ -24,6 +24,8 @@ mod twist;
 pub use config::{AxisConfig, AxisKind, BlendConfig, ExampleConfig, Extrapolation, FindConfig};
 
 use alike::{Refusals, SpaceClass, UsualCarriage};
+use arc::{Arc, wrap_angle};
+use average::{displacement, exponential, reference};
 use cardinal::{CardinalBasis, CardinalFault};
 use cycle::Cycle;
 use grid::{ParameterBounds, WeightTable};
@@ -32,6 +34,7 @@ use posture::Postures;
 use select::{ExampleCandidate, ExampleSource};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use steps::StepCycle;
 use throng_core::blend::{
     AxisRecord, BlendRecord, BlendSpace, Blends, ChannelRow, ExampleRecord, MAX_AXES, MAX_KNOTS, MAX_WEIGHT,
     ReferenceRow,
@@ -39,6 +42,8 @@ use throng_core::blend::{
 use throng_core::format::{BlendMeta, FormatError, Table};
 use throng_core::{Bundle, Skeleton};
 use throng_motion::{BuildError, ClipSet, Progress, Result, Warnings};
+use track::{ClipTrack, FractionalPose};
+use twist::FacingTwist;
 
 /// Displacement of a joint from its reference beyond which its antipode is near, where the shorter way changes sides
 /// (rad).

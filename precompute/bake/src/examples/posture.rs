@@ -1,8 +1,6 @@
 //! Posture tables: references and channels of all examples, phase by phase (Kim, Kim and Shin 2003a, section 4.2.3).
 
-use super::average::{displacement, reference};
-use super::cycle::Cycle;
-use super::track::FractionalPose;
+use super::{Cycle, FractionalPose, displacement, reference};
 use glam::{DQuat, Vec3};
 use rayon::prelude::*;
 use throng_core::blend::{ChannelRow, NUM_CHANNELS, PADDED_JOINTS, ReferenceRow, channel};

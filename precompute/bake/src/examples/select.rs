@@ -1,11 +1,7 @@
 //! Selection of examples: those named by a config, and those found in clips.
 
-use super::WIDEST_SEAM;
-use super::config::{AxisKind, BlendConfig, ExampleConfig, FindConfig};
-use super::cycle::Cycle;
 use super::steady::{self, Tolerance};
-use super::steps;
-use super::track::ClipTrack;
+use super::{AxisKind, BlendConfig, ClipTrack, Cycle, ExampleConfig, FindConfig, WIDEST_SEAM, steps};
 use std::collections::BTreeMap;
 use throng_core::Contacts;
 use throng_motion::import::matches;

@@ -1,8 +1,6 @@
 //! Long clips split into steady pieces, each of which is one arc at one speed (Kim, Kim and Shin 2003a, section 4.1).
 
-use super::steps::StepCycle;
-use super::track::ClipTrack;
-use super::twist::FacingTwist;
+use super::{ClipTrack, FacingTwist, StepCycle};
 
 /// Limits of the variation of movement over a steady piece.
 #[derive(Clone, Copy, Debug, PartialEq)]

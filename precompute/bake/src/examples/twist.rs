@@ -1,8 +1,6 @@
 //! Steady movement over the ground: constant velocity in a frame that turns at a constant rate.
 
-use super::arc::{Arc, wrap_angle};
-use super::steps::StepCycle;
-use super::track::ClipTrack;
+use super::{Arc, ClipTrack, StepCycle, wrap_angle};
 use glam::DVec2;
 use throng_base::thresholds::STANDING_MPS_F64;
 

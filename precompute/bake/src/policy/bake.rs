@@ -1,9 +1,8 @@
 //! Best actions of every (state, cell), found with the runtime's own look-ahead, which also verifies the values.
 
-use super::config::PolicyConfig;
-use super::model::ActionModel;
-use super::solve::{Solution, stage_error, tolerance};
+use super::{ActionModel, PolicyConfig, Solution, tolerance};
 use crate::share::share_rows;
+use crate::stages::stage_error;
 use rayon::prelude::*;
 use throng_base::Comm;
 use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions};
@@ -39,7 +38,7 @@ pub fn bake(model: &ActionModel, solution: &mut Solution, cfg: &PolicyConfig, co
         }
         if solution.num_sweeps >= cfg.max_sweeps {
             let message = format!("a sweep still changes values by {residual:e}, wanted {wanted:e}");
-            return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+            return Err(stage_error("policy", message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
         }
         solution.values = scores;
     }

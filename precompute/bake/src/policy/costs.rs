@@ -1,7 +1,6 @@
 //! Costs of actions beside their transitions: travel against the front, gestures, changes of manner.
 
-use super::behaviour::BehaviourSpec;
-use super::model::ActionModel;
+use super::{ActionModel, BehaviourSpec};
 use crate::graph::RawMotionGraph;
 use glam::Vec2;
 use throng_base::thresholds::WALKING_MPS;

@@ -34,3 +34,6 @@ pub use model::{ActionModel, SegmentMotion};
 pub use policies::{PolicyReport, PolicyTables, RawPolicy, solve, write_csv};
 pub use promise::{ENOUGH_KEPT, LEAST_KEPT, Promise, PromisePart, help, promise};
 pub use solve::{PolicySolver, Solution, tolerance};
+
+use pairs::{BackupPair, BackupPairs, MAX_PLANE, RowShape};
+use sweep::Sweeper;

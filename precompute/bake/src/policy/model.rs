@@ -1,8 +1,8 @@
 //! State-action model that a policy is solved on: the motion graph without its poses (Lee and Lee 2004, section 3).
 
 use super::costs::{ActionTraits, action_traits};
-use super::solve::stage_error;
 use crate::graph::RawMotionGraph;
+use crate::stages::stage_error;
 use glam::Vec2;
 use std::ops::Range;
 use throng_core::planar::{Planar, wrap_angle};
@@ -70,13 +70,17 @@ impl ActionModel {
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         if let Some(c) = clips.clips.iter().find(|c| c.rate_hz != rate_hz) {
             let message = format!("clip {} has {} Hz, others {rate_hz} Hz", c.name, c.rate_hz);
-            return Err(stage_error(message, "Resample all clips to one rate."));
+            return Err(stage_error("policy", message, "Resample all clips to one rate."));
         }
         for (s, pair) in graph.action_offsets.windows(2).enumerate() {
             let n = pair[1].saturating_sub(pair[0]) as usize;
             if n == 0 || n > MAX_ACTIONS {
                 let message = format!("state {s} has {n} actions, expected 1 to {MAX_ACTIONS}");
-                return Err(stage_error(message, "Lower the branching or the transition threshold of the graph."));
+                return Err(stage_error(
+                    "policy",
+                    message,
+                    "Lower the branching or the transition threshold of the graph.",
+                ));
             }
         }
         let starts = clips.frame_starts();

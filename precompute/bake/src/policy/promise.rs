@@ -1,8 +1,7 @@
 //! Promised and collected rewards of a policy: values are interpolated between cells, and may promise more than any
 //! action gives.
 
-use super::compare::random_target;
-use super::follow::{PolicySituation, collect_rewards};
+use super::{PolicySituation, collect_rewards, random_target};
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

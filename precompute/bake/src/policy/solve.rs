@@ -1,15 +1,12 @@
 //! Value iteration to a residual that proves the distance from the optimal values (Lee and Lee 2004, section 4.2).
 
-use super::behaviour::{PolicyBehaviour, segment_records};
-use super::config::PolicyConfig;
 use super::costs::own_errors;
-use super::model::ActionModel;
-use super::pairs::{BackupPairs, MAX_PLANE, RowShape};
-use super::sweep::Sweeper;
+use super::{ActionModel, BackupPairs, MAX_PLANE, PolicyBehaviour, PolicyConfig, RowShape, Sweeper, segment_records};
 use crate::share::share_rows;
+use crate::stages::stage_error;
 use throng_base::Comm;
 use throng_core::policy::{PathRecord, PolicyRecord, PolicySlices, PolicyTable, SegmentRecord, StateGridRecord};
-use throng_motion::{BuildError, Progress, Result};
+use throng_motion::{Progress, Result};
 
 /// Values of a solved policy, with measurements.
 #[derive(Clone, Debug, Default)]
@@ -98,7 +95,7 @@ impl PolicySolver<'_> {
                 "behaviour \"{}\": a sweep still changes values by {residual:e} after {sweeps} sweeps, wanted {tolerance:e}",
                 behaviour.spec().name
             );
-            return Err(stage_error(message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
+            return Err(stage_error("policy", message, "Raise `max_sweeps` or `epsilon`, or lower `discount`."));
         }
         let cells = values.chunks_exact(shape.stride()).flat_map(|ring| &ring[..shape.angles]);
         solution.values.iter_mut().zip(cells).for_each(|(out, &v)| *out = v);
@@ -144,7 +141,7 @@ fn check_size(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &Policy
     let shape = RowShape::new(&grid);
     if !grid.is_space_time() && shape.value_plane() + LANES_TO_SPARE > MAX_PLANE {
         let message = format!("behaviour \"{name}\" has {} cells at one height", shape.plane());
-        return Err(stage_error(message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
+        return Err(stage_error("policy", message, "Use fewer rings or angles: rings * (angles + 1) up to 65000."));
     }
     let (states, segments) = (model.num_states() as f64, model.segments.len() as f64);
     let (cells, plane) = (grid.num_cells() as f64, grid.num_plane_cells() as f64);
@@ -158,7 +155,11 @@ fn check_size(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &Policy
              {:.0} GB to solve",
             bytes / 1e9
         );
-        return Err(stage_error(message, "Use fewer rings, angles or heights in `grid`; up to 12 GB are taken."));
+        return Err(stage_error(
+            "policy",
+            message,
+            "Use fewer rings, angles or heights in `grid`; up to 12 GB are taken.",
+        ));
     }
     Ok(())
 }
@@ -175,10 +176,6 @@ const GREEDY_PRECISION: f32 = 0.02;
 const GREEDY_TOLERANCE: f32 = 0.3;
 /// Most greedy sweeps between two full ones.
 const MAX_GREEDY_SWEEPS: u32 = 500;
-
-pub(super) fn stage_error(message: String, help: &str) -> BuildError {
-    crate::stages::stage_error("policy", message, help)
-}
 
 /// A record with zero values.
 fn blank_table(model: &ActionModel, behaviour: &dyn PolicyBehaviour, cfg: &PolicyConfig) -> Result<Solution> {
@@ -216,8 +213,9 @@ impl Solution {
     /// # Errors
     /// [`BuildError::Stage`] for an inconsistent model.
     pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable> {
-        let fault =
-            |e: throng_core::Error| stage_error(e.to_string(), "The motion graph is not sound: build it again.");
+        let fault = |e: throng_core::Error| {
+            stage_error("policy", e.to_string(), "The motion graph is not sound: build it again.")
+        };
         let slices = PolicySlices {
             segments: (&self.segments).into(),
             paths: (&self.paths).into(),

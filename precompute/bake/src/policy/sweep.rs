@@ -1,7 +1,6 @@
 //! Sweeps over all (state, cell) pairs: full ones over every action, and cheap ones over the greedy action only.
 
-use super::model::ActionModel;
-use super::pairs::{BackupPair, BackupPairs};
+use super::{ActionModel, BackupPair, BackupPairs};
 use rayon::prelude::*;
 use std::ops::Range;
 use throng_core::policy::Reward;

@@ -1,8 +1,6 @@
 //! Reads AMC: the numbers that move the joints of an ASF skeleton, one line per joint, one block per frame.
 
-use super::asf::{Asf, AsfJoint, Dof};
-use super::scan::{Scanner, TextPosition, parse_count, text};
-use super::source::{FrameSink, SourceClip, content_error};
+use super::{Asf, AsfJoint, Dof, FrameSink, Scanner, SourceClip, TextPosition, content_error, parse_count, text};
 use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::SourceFormat;
 use glam::{DQuat, DVec3};

@@ -1,8 +1,7 @@
 //! Files in `.zip` archives, which are named as if the archive were a folder: `clips.zip/walk/slow.bvh`. An archive may lie in
 //! another one, but no third one in that.
 
-use super::files::has_extension;
-use super::source::content_error;
+use super::{content_error, has_extension};
 use crate::error::{ImportError, ensure};
 use std::borrow::Cow;
 use std::fs::File;

@@ -4,8 +4,7 @@
 //! become `NAME_end` joints. So every rest rotation is the identity, and a segment's own `axis` C turns its motion R into
 //! global axes: the joint rotates by C R C^-1.
 
-use super::scan::{Scanner, TextPosition, text};
-use super::source::{CoordinateAxis, MAX_JOINTS, MAX_NAME};
+use super::{CoordinateAxis, MAX_JOINTS, MAX_NAME, Scanner, TextPosition, text};
 use crate::error::{ImportError, ensure};
 use crate::raw::RawJoint;
 use glam::{DQuat, DVec3};

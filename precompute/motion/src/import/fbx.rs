@@ -2,11 +2,10 @@
 //!
 //! Units and axes are those that the file names. Rates are, too, unless keys are closer together.
 
-use super::archive;
 use super::nodes::{
     AnimationSpan, FALLBACK_HZ, NodeAnimation, RigNode, RigScene, Transform, rate_of_keys, without_rounding,
 };
-use super::source::{SourceClip, content_error};
+use super::{SourceClip, archive, content_error};
 use crate::error::ImportError;
 use crate::raw::SourceFormat;
 use glam::{DQuat, DVec3};

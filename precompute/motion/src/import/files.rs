@@ -1,7 +1,6 @@
 //! Choice of the files to read: folders, patterns and archives become sorted lists, and an AMC file finds its skeleton.
 
-use super::source::content_error;
-use super::{archive, gltf};
+use super::{archive, content_error, gltf};
 use crate::ImportError;
 use std::collections::BTreeSet;
 use std::path::{Component, Path, PathBuf};

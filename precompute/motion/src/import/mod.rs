@@ -33,22 +33,27 @@ use crate::error::{ImportError, Warnings, ensure};
 use crate::export::{self, to_raw};
 use crate::progress::Progress;
 use crate::raw::RawClip;
+use asf::{Asf, AsfJoint, Dof};
 pub use config::{Forward, ImportConfig, UpAxis};
+use files::has_extension;
 pub use files::{
     EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find_motion_files, is_motion, matches, read_along,
 };
 pub use glitches::{Glitch, GlitchKind, GlitchTreatment, Glitches};
+use person::{ADULT_HEIGHT, HEIGHTS, rounded};
 use profile::Profile;
 use rayon::prelude::*;
 pub(crate) use rest::{LEG_DOWN, LEG_SEGMENTS, nearest_axis};
 pub use rest::{RestPose, RestPoseKind};
 pub use roles::RoleMap;
+use scan::{Scanner, TextPosition, parse_count, text};
 pub(crate) use shape::split_words;
 pub use source::SourceClip;
-use source::content_error;
+use source::{CoordinateAxis, FrameSink, MAX_JOINTS, MAX_NAME, content_error, duplicate_names};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 pub use throng_base::file::MAX_MOTION_BYTES;
+use units::{body_height, rest_world};
 
 /// A clip as read, with all findings about it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -6,8 +6,7 @@
 mod array;
 mod kimodo;
 
-use super::archive;
-use super::source::{FrameSink, MAX_JOINTS, SourceClip, content_error};
+use super::{FrameSink, MAX_JOINTS, SourceClip, archive, content_error};
 use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::{RawJoint, SourceFormat};
 use crate::smpl::{JOINTS, UPRIGHT};

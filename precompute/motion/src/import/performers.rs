@@ -1,7 +1,6 @@
 //! Several performers in one hierarchy: each becomes a clip of its own.
 
-use super::roles;
-use super::source::{SourceClip, duplicate_names};
+use super::{SourceClip, duplicate_names, roles};
 use crate::raw::{RawClip, RawJoint};
 use glam::{Quat, Vec3};
 use throng_base::maths;

@@ -1,8 +1,6 @@
 //! Refuses clips of sizes that no person has, or far from the origin.
 
-use super::roles::RoleMap;
-use super::source::content_error;
-use super::units::body_height;
+use super::{RoleMap, body_height, content_error};
 use crate::ImportError;
 use crate::raw::RawClip;
 use throng_core::Joint;

@@ -1,8 +1,6 @@
 //! Classifies the zero pose of a source: a standing body with its heading, or not a body at all.
 
-use super::config::Forward;
-use super::roles::RoleMap;
-use super::units::rest_world;
+use super::{Forward, RoleMap, rest_world};
 use crate::error::ensure;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};

@@ -1,8 +1,7 @@
 //! Finds the role of each joint: by profile where one fits, else by the shape of the skeleton.
 
-use super::profile::Profile;
 use super::shape::{self, NoPerson, SkeletonTree};
-use super::source::content_error;
+use super::{Profile, content_error};
 use crate::ImportError;
 use crate::raw::{RawClip, RawJoint};
 use std::path::Path;

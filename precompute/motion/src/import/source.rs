@@ -1,7 +1,6 @@
 //! Motion as its file has it, before units and axes are found.
 
-use super::archive;
-use super::scan::Scanner;
+use super::{Scanner, archive};
 use crate::error::{ImportError, Warnings};
 use crate::raw::{RawClip, RawJoint, SourceFormat};
 use glam::{DQuat, DVec3};

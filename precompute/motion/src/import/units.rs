@@ -1,9 +1,6 @@
 //! Finds the length of a unit and the up axis of a source from the size and pose of its body.
 
-use super::config::{ImportConfig, UpAxis};
-use super::person::{ADULT_HEIGHT, HEIGHTS, rounded};
-use super::roles::RoleMap;
-use super::source::{SourceClip, content_error};
+use super::{ADULT_HEIGHT, HEIGHTS, ImportConfig, RoleMap, SourceClip, UpAxis, content_error, rounded};
 use crate::error::{ImportError, ensure};
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};

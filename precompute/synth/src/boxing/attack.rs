@@ -1,8 +1,6 @@
 //! Target of a combination, and adaptation of a blow's technique to it.
 
-use super::moves::{HandPunch, Punch};
-use super::posture::BoxingPosture;
-use super::technique::Technique;
+use super::{BoxingPosture, HandPunch, Punch, Technique};
 use rand::{Rng, RngExt};
 
 /// Height at which a blow is meant to land.

@@ -7,9 +7,7 @@ use super::super::leg::LegShape;
 use super::super::pendulum::pendulum;
 use super::super::side::{LateralSide, forward, ground_position, leftward, over_ground};
 use super::super::signal::{smooth, smooth_below};
-use super::foot::DesiredFoot;
-use super::posture::BoxingPosture;
-use super::script::BoxingScript;
+use super::{BoxingPosture, BoxingScript, DesiredFoot};
 use glam::{DQuat, DVec2, DVec3};
 use throng_core::{Joint, Skeleton};
 

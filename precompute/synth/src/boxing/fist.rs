@@ -7,11 +7,8 @@ use super::super::arm::ArmShape;
 use super::super::frame::Samples;
 use super::super::side::{LateralSide, forward, over_ground};
 use super::super::signal::{PieceEnd, quintic};
-use super::body::BoxerBody;
-use super::moves::Punch;
-use super::posture::BoxingHandPose;
-use super::script::{BoxingScript, ScriptedBlow};
 use super::technique::{self, Technique};
+use super::{BoxerBody, BoxingHandPose, BoxingScript, Punch, ScriptedBlow};
 use glam::{DQuat, DVec3};
 use throng_core::Skeleton;
 

@@ -3,9 +3,7 @@
 use super::super::deck::CardDeck;
 use super::attack::{self, Attack, BlowLevel};
 use super::moves::{COMBINATIONS, Defence, FOOTWORK, HandPunch, Shuffle};
-use super::posture::{BoxingHandPose, BoxingPosture};
-use super::script::{BoxingScript, ScriptedBlow};
-use super::technique;
+use super::{BoxingHandPose, BoxingPosture, BoxingScript, ScriptedBlow, technique};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use throng_core::Skeleton;

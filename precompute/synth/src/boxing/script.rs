@@ -3,9 +3,7 @@
 use super::super::foot::FootShape;
 use super::super::side::{LateralSide, forward, leftward};
 use super::super::track::KeyTrack;
-use super::foot::BoxerFoot;
-use super::moves::{HandPunch, Shuffle};
-use super::posture::{BoxingHandPose, BoxingPosture};
+use super::{BoxerFoot, BoxingHandPose, BoxingPosture, HandPunch, Shuffle};
 use glam::DVec2;
 use throng_core::Skeleton;
 

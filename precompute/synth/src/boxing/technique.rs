@@ -1,7 +1,6 @@
 //! Technique of each punch and each defence: its postures, and the turn of the striking arm.
 
-use super::moves::{Defence, HandPunch};
-use super::posture::{BoxingHandPose, BoxingPosture};
+use super::{BoxingHandPose, BoxingPosture, Defence, HandPunch};
 use glam::DVec3;
 
 const GUARD: BoxingPosture = BoxingPosture::GUARD;

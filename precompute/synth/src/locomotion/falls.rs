@@ -2,8 +2,7 @@
 
 use super::super::side::LateralSide;
 use super::super::walk::roll::Footfall;
-use super::motion_set::LocomotionAct;
-use super::stride::Stride;
+use super::{LocomotionAct, Stride};
 use glam::DVec2;
 use rand::{Rng, RngExt};
 use std::ops::Range;

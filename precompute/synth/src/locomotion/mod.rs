@@ -17,11 +17,15 @@ mod walker;
 
 use super::SynthConfig;
 use super::frame;
+use drive::Drive;
+use falls::AlternatingFootfalls;
+use manner::{MANNERS, Manner, apply_manner};
 use motion_set::{GaitKind, LocomotionAct};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use scene::ActTimes;
+use stride::Stride;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::clip::{Clip, ClipSet, ClipTag};
 

@@ -1,7 +1,6 @@
 //! Contents of the set: gaits at speeds and turning rates.
 
-use super::drive::Drive;
-use super::manner::{MANNERS, Manner};
+use super::{Drive, MANNERS, Manner};
 
 /// A gait.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

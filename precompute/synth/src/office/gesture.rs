@@ -2,9 +2,7 @@
 
 use super::super::attitude::Attitude;
 use super::super::side::LateralSide;
-use super::posture::{KeyedHandPose, KeyedPosture};
-use super::script::MotionScript;
-use super::visit::{LAP, mirrored_for_side};
+use super::{KeyedHandPose, KeyedPosture, LAP, MotionScript, mirrored_for_side};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 

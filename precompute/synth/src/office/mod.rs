@@ -20,14 +20,17 @@ pub(super) mod visit;
 mod work;
 
 use super::SynthConfig;
+use desk::{BEFORE_SEAT, SEAT, TOP, is_blocked};
 use partners::{PairActivity, pair_scripts};
+use posture::{KeyedHandPose, KeyedPosture};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
-use script::MotionScript;
-use stand::Stander;
+use script::{MotionScript, ScriptStep};
+use seat::{ChairStay, SeatedShare};
+use stand::{Stander, face_partner, lean_on};
 use throng_core::Skeleton;
 use throng_motion::clip::ClipSet;
-use visit::DeskVisitor;
+use visit::{DeskVisitor, LAP, SITTING, mirrored_for_side};
 
 /// Share of the set at the desk.
 const AT_DESK: f64 = 7.0 / 13.0;

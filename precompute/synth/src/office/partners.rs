@@ -3,10 +3,7 @@
 use super::super::side::{LateralSide, leftward};
 use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, TalkStyle, hand_before_body};
-use super::posture::{KeyedHandPose, KeyedPosture};
-use super::script::{MotionScript, ScriptStep};
-use super::stand::{face_partner, lean_on};
-use super::visit::mirrored_for_side;
+use super::{KeyedHandPose, KeyedPosture, MotionScript, ScriptStep, face_partner, lean_on, mirrored_for_side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use std::f64::consts::PI;

@@ -5,9 +5,7 @@ use super::super::deck::CardDeck;
 use super::super::side::{LateralSide, leftward};
 use super::super::walk::footsteps::FeetStance;
 use super::gesture::{self, CLASP, TalkStyle, hand_before_body as pose, on_hip};
-use super::posture::{KeyedHandPose, KeyedPosture};
-use super::script::{MotionScript, ScriptStep};
-use super::visit::mirrored_for_side;
+use super::{KeyedHandPose, KeyedPosture, MotionScript, ScriptStep, mirrored_for_side};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 

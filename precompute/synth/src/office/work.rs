@@ -5,11 +5,8 @@ use super::super::deck::CardDeck;
 use super::super::side::LateralSide;
 use super::super::walk::footsteps::FeetStance;
 use super::super::walk::wander::TOE_OUT;
-use super::desk::TOP;
 use super::gesture::{self, TalkStyle};
-use super::posture::{KeyedHandPose, KeyedPosture};
-use super::script::{MotionScript, ScriptStep};
-use super::visit::{LAP, SITTING, mirrored_for_side};
+use super::{KeyedHandPose, KeyedPosture, LAP, MotionScript, SITTING, ScriptStep, TOP, mirrored_for_side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 

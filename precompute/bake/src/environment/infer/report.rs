@@ -1,14 +1,14 @@
 //! How well inferred geometry explains the motion it was inferred from.
 
-use super::super::{BodySpheres, GeometryTouchConfig, PlacedGeometry, annotate_in};
+use super::super::{GeometryTouchConfig, PlacedGeometry};
 use super::bars::InferredBar;
 use super::places::{InferredTouch, TouchKind};
 use super::plates::{InferredPlate, ON_GROUND};
+use super::visit_poses;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use throng_core::{Contacts, Skeleton};
 use throng_motion::Clip;
-use throng_motion::annotate::ContactConfig;
 
 /// Counts of inferred geometry and its residuals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -73,18 +73,13 @@ impl InferReport {
 
     /// Measures how well the clips agree with the geometry.
     pub fn measure(&mut self, clips: &[&Clip], skeleton: &Skeleton, geometry: &PlacedGeometry) {
-        let (body, touch) = (BodySpheres::new(skeleton), GeometryTouchConfig::default());
+        let tolerance = GeometryTouchConfig::default().penetration;
         let (mut frames, mut planted, mut deep) = (0usize, 0usize, 0usize);
-        for clip in clips {
-            let mut annotated = (*clip).clone();
-            annotate_in(&mut annotated, skeleton, geometry, &ContactConfig::default(), &touch);
-            for f in (0..annotated.num_frames()).filter(|&f| annotated.is_usable(f)) {
-                frames += 1;
-                planted += usize::from(annotated.contacts[f] != Contacts::NONE);
-                let pose = body.pose(&annotated.joint_transforms(skeleton, f), annotated.contacts[f]);
-                deep += usize::from(pose.penetration_in(geometry, touch.penetration).is_some());
-            }
-        }
+        visit_poses(clips, skeleton, geometry, |pose, _| {
+            frames += 1;
+            planted += usize::from(pose.contacts != Contacts::NONE);
+            deep += usize::from(pose.penetration_in(geometry, tolerance).is_some());
+        });
         let share = |n: usize| n as f32 / frames.max(1) as f32;
         (self.planted_share, self.penetrating_share) = (share(planted), share(deep));
     }

@@ -1,7 +1,6 @@
 //! Spots at which links of a tile may begin and end: entries and exits on its edges, rest inside.
 
-use super::region::{TileOutline, lateral};
-use super::vocabulary::TileVocabulary;
+use super::{TileOutline, TileVocabulary, lateral};
 use crate::environment::TileEdges;
 use crate::patch::TileConfig;
 use glam::Vec2;

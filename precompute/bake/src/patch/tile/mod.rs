@@ -14,11 +14,11 @@ pub use prune::{Freedom, PrunedTile, TileCell, TileGraph, prune};
 
 use super::{PairReport, PatchInputs, PatchReport, RawPatch, TileConfig, inner_cell, is_ground};
 use crate::environment::UnitObject;
-use layout::{SpotKind, TileLayout, lay_out};
+use layout::{SpotKind, TileLayout, TileSpot, edge_height, lay_out};
 use pairs::{PairLinks, PairSearch};
 use rayon::prelude::*;
-use region::TileOutline;
-use search::TileSearch;
+use region::{TileOutline, crosses_itself, lateral};
+use search::{BestCandidates, LinkCandidate, TileSearch};
 use source::TileSource;
 use std::f32::consts::TAU;
 use throng_core::patch::{CellRecord, EdgeRecord, KIND_TILE, LinkRecord, NONE, PairRecord, Placement};

@@ -4,9 +4,7 @@
 //! So each reserves its own ground, walks there and away as to any other rest spot, and the two have the relative
 //! placement of the capture.
 
-use super::layout::{TileLayout, TileSpot};
-use super::region::TileOutline;
-use super::source::TileSource;
+use super::{TileLayout, TileOutline, TileSource, TileSpot};
 use crate::patch::config::star_text;
 use crate::patch::track::is_slow;
 use crate::patch::{PairReport, PatchInputs, TileConfig};

@@ -1,10 +1,6 @@
 //! Reasons why a tile cannot be made, and the way out.
 
-use super::layout::TileLayout;
-use super::prune::{TileCell, TileGraph};
-use super::region::TileOutline;
-use super::source::TileSource;
-use super::{PatchInputs, TileConfig, UnprunedTile};
+use super::{PatchInputs, TileCell, TileConfig, TileGraph, TileLayout, TileOutline, TileSource, UnprunedTile};
 use crate::environment::UnitObject;
 use crate::patch::is_ground;
 use crate::stages::stage_error;

@@ -1,7 +1,6 @@
 //! Links that stay in place: standing, turning on the spot, and tagged activities.
 
-use super::layout::{SpotKind, TileLayout};
-use super::search::{BestCandidates, LinkCandidate, TileSearch};
+use super::{BestCandidates, LinkCandidate, SpotKind, TileLayout, TileSearch};
 use crate::patch::track::PatchTrack;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;

@@ -1,9 +1,7 @@
 //! All sub-sequences of the motion from one spot of a tile to others, by looping over first and last frames (Lee, Choi
 //! and Lee 2006, section 6).
 
-use super::TileSource;
-use super::layout::{SpotKind, TileLayout};
-use super::region::{TileOutline, crosses_itself};
+use super::{SpotKind, TileLayout, TileOutline, TileSource, crosses_itself};
 use crate::patch::TileConfig;
 use crate::patch::track::PatchTrack;
 use glam::Vec2;

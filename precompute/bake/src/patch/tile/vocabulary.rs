@@ -1,8 +1,6 @@
 //! Pose groups in which characters enter, leave and rest.
 
-use super::TileSource;
-use super::layout::edge_height;
-use super::region::TileOutline;
+use super::{TileOutline, TileSource, edge_height};
 use crate::cluster::PoseGroups;
 use crate::patch::TileConfig;
 use glam::Vec2;

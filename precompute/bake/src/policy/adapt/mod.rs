@@ -6,10 +6,7 @@ mod choose;
 mod fit;
 mod report;
 
-use super::behaviour::PolicyBehaviour;
-use super::config::AdaptiveConfig;
-use super::model::ActionModel;
-use super::solve::Solution;
+use super::{ActionModel, AdaptiveConfig, PolicyBehaviour, Solution};
 use choose::ShapeChoices;
 use fit::{FitScratch, GridShapes};
 use rayon::prelude::*;

@@ -3,10 +3,10 @@
 use super::super::config::{CentreConfig, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
 use super::throw_punches::SCALE;
-use super::{ActionCosts, BehaviourSpec, PolicyBehaviour};
+use super::{BehaviourSpec, PolicyBehaviour};
 use glam::Vec2;
 use throng_core::Planar;
-use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
+use throng_core::policy::{RegionRecord, SegmentRecord};
 use throng_motion::error::{BuildError, Result};
 
 /// Behaviour of moving to the target and staying there.
@@ -24,12 +24,8 @@ use throng_motion::error::{BuildError, Result};
 pub struct Approach {
     config: PolicyBehaviourConfig,
     form: RewardForm,
-    centre: Vec2,
-    grid: TargetGrid,
-    region: RegionRecord,
-    reward: Reward,
-    costs: ActionCosts,
-    discount: f64,
+    /// Properties, without the name.
+    spec: BehaviourSpec<'static>,
     rate_hz: f64,
 }
 
@@ -58,31 +54,24 @@ impl Approach {
             }
         };
         let (reward, costs) = c.make_reward(form, KernelConfig::Exponential, 1.5, 1.0)?;
-        Ok(Self {
-            grid: c.grid.make_polar()?,
-            region: region_of(c, centre)?,
-            reward,
-            costs,
-            discount: c.discount_at(rate_hz),
-            config: config.clone(),
-            form,
-            centre,
-            rate_hz,
-        })
+        let (grid, region) = (c.grid.make_polar()?, region_of(c, centre)?);
+        let spec = BehaviourSpec::new("", grid, reward, c.discount_at(rate_hz));
+        let spec = BehaviourSpec { region, centre, costs, adaptive: c.grid.adaptive, ..spec };
+        Ok(Self { config: config.clone(), form, spec, rate_hz })
     }
 
     /// Position at a moment of the point that is to reach the target, relative to its start (m).
     fn place_at(&self, motion: &SegmentMotion, moment: f32) -> Vec2 {
         let heading = motion.path[(moment.round() as usize).min(motion.path.len() - 1)].heading;
-        let turned = Planar::new(0.0, 0.0, heading).transform_point(self.centre);
-        motion.position_at(moment) + turned - self.centre
+        let turned = Planar::new(0.0, 0.0, heading).transform_point(self.spec.centre);
+        motion.position_at(moment) + turned - self.spec.centre
     }
 
     /// Weights of the four moments: discounted time, shared between the two moments around each frame.
     fn time_weights(&self, motion: &SegmentMotion) -> [f32; 4] {
         let c = &self.config;
         let mut weights = [0.0f64; 4];
-        let mut factor = (1.0 - self.discount) / (1.0 + c.stand_bonus);
+        let mut factor = (1.0 - self.spec.discount) / (1.0 + c.stand_bonus);
         for frame in 0..motion.num_frames as usize {
             let slowness = (-(motion.speed(frame, self.rate_hz) / c.stand_speed).powi(2)).exp();
             let weight = factor * (1.0 + c.stand_bonus * slowness);
@@ -90,7 +79,7 @@ impl Approach {
             let low = moment as usize;
             weights[low] += weight * (1.0 - (moment - low as f64));
             weights[low + 1] += weight * (moment - low as f64);
-            factor *= self.discount;
+            factor *= self.spec.discount;
         }
         weights.map(|w| w as f32)
     }
@@ -108,9 +97,7 @@ fn region_of(c: &PolicyBehaviourConfig, centre: Vec2) -> Result<RegionRecord> {
 
 impl PolicyBehaviour for Approach {
     fn spec(&self) -> BehaviourSpec<'_> {
-        let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
-        let (region, centre, costs) = (self.region, self.centre, self.costs);
-        BehaviourSpec { region, centre, costs, adaptive: self.config.grid.adaptive, ..spec }
+        BehaviourSpec { name: &self.config.name, ..self.spec }
     }
 
     fn sample(&self, _segment: usize, motion: &SegmentMotion, record: &mut SegmentRecord) {
@@ -119,7 +106,7 @@ impl PolicyBehaviour for Approach {
         record.inner = [a.x, a.y, b.x, b.y];
         record.weights = match self.form {
             RewardForm::Integral => self.time_weights(motion),
-            _ => [0.0, 1.0, 2.0, 3.0].map(|k| self.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32),
+            _ => [0.0, 1.0, 2.0, 3.0].map(|k| self.spec.discount.powf(f64::from(motion.num_frames) * k / 3.0) as f32),
         };
     }
 }

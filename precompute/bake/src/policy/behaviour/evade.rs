@@ -6,16 +6,16 @@
 
 use super::super::config::{KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
-use super::super::solve::stage_error;
-use super::{ActionCosts, BehaviourSpec, PolicyBehaviour, joint_named};
+use super::{BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
 use crate::share::{clip_owners, sort_by_owner};
+use crate::stages::stage_error;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use throng_base::Comm;
 use throng_base::maths::quantile;
 use throng_core::Joint;
-use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord, TargetGrid};
+use throng_core::policy::{PATH_POINTS, PathRecord, RegionRecord, Reward, RewardRecord, SegmentRecord};
 use throng_motion::{BuildError, ClipSet, Result};
 
 /// Behaviour of being away from the place where a blow lands, at that moment.
@@ -26,11 +26,8 @@ use throng_motion::{BuildError, ClipSet, Result};
 #[derive(Clone, Debug)]
 pub struct Evade {
     config: PolicyBehaviourConfig,
-    grid: TargetGrid,
-    region: RegionRecord,
-    reward: Reward,
-    costs: ActionCosts,
-    discount: f64,
+    /// Properties, without the name.
+    spec: BehaviourSpec<'static>,
     paths: Vec<PathRecord>,
 }
 
@@ -59,15 +56,10 @@ impl Evade {
             RegionRecord { distance: [0.0, grid.radius()], height: [0.0, horizon], ..RegionRecord::EVERYWHERE };
         let (reward, costs) = c.make_reward(RewardForm::Max, KernelConfig::Exponential, 0.2, -1.0)?;
         let reward = RewardRecord { height: height as f32, ..*reward.record() };
-        Ok(Self {
-            region: c.region.make_region(true, default)?,
-            reward: Reward::new(reward).map_err(|e| BuildError::key("height", e))?,
-            costs,
-            discount: c.discount_at(rate_hz),
-            config: config.clone(),
-            grid,
-            paths,
-        })
+        let region = c.region.make_region(true, default)?;
+        let reward = Reward::new(reward).map_err(|e| BuildError::key("height", e))?;
+        let spec = BehaviourSpec { region, costs, ..BehaviourSpec::new("", grid, reward, c.discount_at(rate_hz)) };
+        Ok(Self { config: config.clone(), spec, paths })
     }
 }
 
@@ -111,11 +103,7 @@ fn median_height(paths: &[PathRecord]) -> f64 {
 
 impl PolicyBehaviour for Evade {
     fn spec(&self) -> BehaviourSpec<'_> {
-        BehaviourSpec {
-            costs: self.costs,
-            region: self.region,
-            ..BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount)
-        }
+        BehaviourSpec { name: &self.config.name, ..self.spec }
     }
 
     fn sample(&self, _: usize, _: &SegmentMotion, _: &mut SegmentRecord) {}
@@ -130,6 +118,6 @@ impl PolicyBehaviour for Evade {
         }
         let (name, point) = (&self.config.name, &self.config.point);
         let message = format!("behaviour \"{name}\": no blow in its grid ever comes near `{point}`");
-        Err(stage_error(message, "Raise `scale`, or set `height` to where blows land."))
+        Err(stage_error("policy", message, "Raise `scale`, or set `height` to where blows land."))
     }
 }

@@ -4,8 +4,7 @@ mod approach;
 mod evade;
 mod throw_punches;
 
-use super::config::AdaptiveConfig;
-use super::model::SegmentMotion;
+use super::{AdaptiveConfig, SegmentMotion};
 pub use approach::Approach;
 pub use evade::Evade;
 use glam::Vec2;

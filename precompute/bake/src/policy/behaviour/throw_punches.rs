@@ -2,12 +2,12 @@
 
 use super::super::config::{BehaviourKind, KernelConfig, PolicyBehaviourConfig, RewardForm};
 use super::super::model::SegmentMotion;
-use super::super::solve::stage_error;
-use super::{ActionCosts, BehaviourSpec, PolicyBehaviour, joint_named};
+use super::{BehaviourSpec, PolicyBehaviour, joint_named};
 use crate::graph::RawMotionGraph;
+use crate::stages::stage_error;
 use glam::Vec3;
 use throng_core::Joint;
-use throng_core::policy::{RegionRecord, Reward, SegmentRecord, TargetGrid};
+use throng_core::policy::{RegionRecord, SegmentRecord, TargetGrid};
 use throng_motion::{BuildError, ClipHit, ClipSet, Result};
 
 /// An effective hit within a segment.
@@ -64,11 +64,8 @@ pub fn segment_hits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Vec<SegmentH
 #[derive(Clone, Debug)]
 pub struct ThrowPunches {
     config: PolicyBehaviourConfig,
-    grid: TargetGrid,
-    region: RegionRecord,
-    reward: Reward,
-    costs: ActionCosts,
-    discount: f64,
+    /// Properties, without the name.
+    spec: BehaviourSpec<'static>,
     /// Weight and position of the two strongest hits of each segment.
     blows: Vec<[(f32, Vec3); 2]>,
     /// Least and greatest (angle, distance, height) of all hits.
@@ -106,16 +103,10 @@ impl ThrowPunches {
         let scale = reward.record().scale;
         let grid = c.grid.make_cylinder(widen_volume(reach, scale), scale)?;
         let above = if c.grid.bounds.height_m.is_some() { 0.0 } else { (1.0 - LAYERS_BEYOND) * scale };
-        Ok(Self {
-            region: c.region.make_region(false, region_of(&grid, reach, above))?,
-            reward,
-            costs,
-            blows: hits.iter().map(strongest).collect(),
-            config: config.clone(),
-            grid,
-            discount,
-            reach,
-        })
+        let region = c.region.make_region(false, region_of(&grid, reach, above))?;
+        let spec = BehaviourSpec::new("", grid, reward, discount);
+        let spec = BehaviourSpec { region, costs, adaptive: c.grid.adaptive, ..spec };
+        Ok(Self { config: config.clone(), spec, blows: hits.iter().map(strongest).collect(), reach })
     }
 }
 
@@ -175,8 +166,7 @@ fn region_of(grid: &TargetGrid, reach: [Vec3; 2], above: f32) -> RegionRecord {
 
 impl PolicyBehaviour for ThrowPunches {
     fn spec(&self) -> BehaviourSpec<'_> {
-        let spec = BehaviourSpec::new(&self.config.name, self.grid, self.reward, self.discount);
-        BehaviourSpec { region: self.region, costs: self.costs, adaptive: self.config.grid.adaptive, ..spec }
+        BehaviourSpec { name: &self.config.name, ..self.spec }
     }
 
     fn sample(&self, segment: usize, _: &SegmentMotion, record: &mut SegmentRecord) {
@@ -191,7 +181,8 @@ impl PolicyBehaviour for ThrowPunches {
             return Ok(());
         }
         let [low, high] = self.reach;
-        let (first, last) = (self.grid.cell_coordinates(0), self.grid.cell_coordinates(self.grid.num_cells() - 1));
+        let grid = &self.spec.grid;
+        let (first, last) = (grid.cell_coordinates(0), grid.cell_coordinates(grid.num_cells() - 1));
         let volume = |a: Vec3, b: Vec3| {
             format!("{:.2} to {:.2} rad, {:.2} to {:.2} m, {:.2} to {:.2} m high", a.x, b.x, a.y, b.y, a.z, b.z)
         };
@@ -199,7 +190,7 @@ impl PolicyBehaviour for ThrowPunches {
         let message = format!(
             "behaviour \"{name}\": no hit comes near any cell of its grid. The grid covers {covered}; hits land at {hits}"
         );
-        Err(stage_error(message, "Change `grid.bounds` so that it covers the hits, or raise `scale`."))
+        Err(stage_error("policy", message, "Change `grid.bounds` so that it covers the hits, or raise `scale`."))
     }
 }
 
@@ -243,13 +234,13 @@ mod tests {
             assert_eq!(region.contains(place.into()), inside, "{place:?}");
         }
         // Layers are where some blow lands, within half of what a reward reaches.
-        let layers = [0, b.grid.num_cells() - 1].map(|cell| b.grid.cell_coordinates(cell).z);
+        let layers = [0, b.spec.grid.num_cells() - 1].map(|cell| b.spec.grid.cell_coordinates(cell).z);
         assert!((layers[0] - 1.05).abs() < 1e-3 && (layers[1] - 1.65).abs() < 1e-3, "{layers:?}");
         // With one height, heights are those of the hits all the same.
         let mut flat = config();
         flat.grid.heights = Some(1);
         let flat = ThrowPunches::new(&flat, 30.0, &hits).expect("a valid behaviour");
-        assert_eq!(flat.region.height, [1.2, 1.5]);
+        assert_eq!(flat.spec.region.height, [1.2, 1.5]);
     }
 
     #[test]

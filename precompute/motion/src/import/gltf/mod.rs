@@ -7,9 +7,8 @@ mod document;
 mod mesh;
 mod sampler;
 
-use super::archive;
 use super::nodes::{self, AnimationSpan, FALLBACK_HZ, RigScene, Transform, rate_of_keys};
-use super::source::{MAX_JOINTS, SourceClip, content_error};
+use super::{MAX_JOINTS, SourceClip, archive, content_error};
 use crate::error::{ImportError, ensure};
 use crate::raw::SourceFormat;
 pub(crate) use accessor::base64;

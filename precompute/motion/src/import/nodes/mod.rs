@@ -6,8 +6,7 @@
 mod people;
 mod rate;
 
-use super::rest::nearest_axis;
-use super::source::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_names};
+use super::{FrameSink, MAX_NAME, SourceClip, content_error, duplicate_names, nearest_axis};
 use crate::error::{ImportError, Warnings, ensure};
 use crate::raw::{RawJoint, SourceFormat};
 use glam::{DAffine3, DQuat, DVec3, Vec3};
