@@ -170,7 +170,7 @@ fn seat(skeleton: &Skeleton, scale: f32) -> Vec<SkinPoint> {
     out
 }
 
-/// Finds the placed units that poses belong to.
+/// Finds the placed units that poses belong to (Lee, Choi and Lee 2006, section 4).
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnitMembership {
     probes: SkinPoints,

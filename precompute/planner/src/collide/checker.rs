@@ -201,7 +201,9 @@ struct CachedSample {
 const NEVER: CachedSample =
     CachedSample { core: Segment { a: DVec3::ZERO, b: DVec3::ZERO }, free_m: f64::NEG_INFINITY, near: u32::MAX };
 
-/// Cached samples by mesh, part and time interval.
+/// Cached samples by mesh, part and time interval: the free distance around the part, and the triangle that was near.
+///
+/// Results are the same with and without it, but mostly cost one distance in place of a search.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SampleCache {
     /// Number of the problem that the samples belong to.

@@ -1,4 +1,5 @@
-//! Blends both ends of a motion into the motion before and after it, in velocity as well as in position.
+//! Both ends of a motion: they start and stop gently where they are at rest, with a speed that grows and shrinks like a
+//! bell, and blend into the motion before and after them, in velocity as well as in position.
 
 use super::Smoother;
 use crate::linkage::{LIMB_JOINTS, LimbPose};

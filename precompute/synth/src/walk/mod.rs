@@ -1,8 +1,8 @@
 //! A walker that wanders.
 //!
 //! From intention to pose, in this order: `wander` deals the steps, `footsteps` places them on the ground and in time,
-//! `foot` swings the feet and `roll` rolls them over the ground, `balance` moves the centre of mass over them, and
-//! `pelvis`, `trunk` and `arms` move the body along.
+//! `foot` swings the feet and `roll` rolls them over the ground, `pelvis` moves the centre of mass over them and the hips
+//! with it, and `trunk` and `arms` move the body along.
 
 pub(super) mod arms;
 pub(super) mod assemble;

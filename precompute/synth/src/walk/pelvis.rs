@@ -170,8 +170,12 @@ fn leg_limit(input: &PelvisInput, pelvis: &Pelvis, i: usize, side: LateralSide) 
     at(quintic(under, reaching, 0.2, across.length().min(0.2)))
 }
 
-/// The centre of mass on the ground plane (x, z) at every sample (m).
-pub fn centre_of_mass(steps: &Footsteps, shape: &FootShape, samples: &Samples) -> Vec<DVec2> {
+/// The centre of mass on the ground plane (x, z) at every sample, balanced over the feet as a linear inverted pendulum (m).
+///
+/// The centre of pressure follows from the stance of the feet and the transfer of weight between them; the pendulum
+/// turns it into a centre of mass that sways over the standing foot, shifts before the first step, speeds up and slows
+/// down within each step, and leans into starts, stops and turns, without further rules.
+fn centre_of_mass(steps: &Footsteps, shape: &FootShape, samples: &Samples) -> Vec<DVec2> {
     let pressure: Vec<DVec2> = samples.times.iter().map(|&t| centre_of_pressure(steps, shape, t)).collect();
     pendulum(&pressure, samples.dt)
 }

@@ -5,7 +5,7 @@ use super::prepare::PreparedWorld;
 use crate::stitch::place::place_patches::PlacedPatches;
 use throng_core::patch::{NONE, PatchTables};
 
-/// Builds the graph of a world (prepared for `laid`, whose sizes are checked).
+/// Builds the graph of a world (prepared for `placed`, whose sizes are checked).
 pub(in crate::stitch) fn build_joined_graph(
     patches: &PatchTables,
     placed: &PlacedPatches,

@@ -28,7 +28,7 @@ impl<T> SharedNumbers<T> {
     }
 }
 
-/// A shared value, equal only to itself.
+/// A shared value, equal only to itself: a key in place of everything it was computed from.
 #[derive(Debug)]
 pub(in crate::stitch) struct IdentityArc<T>(pub Arc<T>);
 

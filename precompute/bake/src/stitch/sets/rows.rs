@@ -1,4 +1,5 @@
-//! Sets of cells, one for each cell of a patch, as non-empty words of 64 bits: a search handles many cells at a time.
+//! Bits in words of 64: sets of cells, one for each cell of a patch, as non-empty words, so that a search handles many cells
+//! at a time; and lists of words with equal ones stored once.
 
 use std::collections::HashMap;
 
