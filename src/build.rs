@@ -178,6 +178,11 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
     ]);
     rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
     rows.extend(g.apart.iter().map(|a| ("stays out", a.to_string())));
+    if !g.thin_manners.is_empty() {
+        let thin = g.thin_manners.join(", ");
+        let text = format!("{thin} change unasked: too little motion to go and stand in them alone");
+        rows.push(("manners", text));
+    }
     if let Some([neutral, all]) = g.scarce_neutral_s {
         let text = format!(
             "too, as only {neutral:.0} of {all:.0} s of standing are neutral: add clips of people who just stand"

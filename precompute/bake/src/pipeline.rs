@@ -193,14 +193,14 @@ fn graph_config(cfg: &BuildConfig) -> MotionGraphConfig {
 /// A motion graph and its figures.
 type Connected = (graph::RawMotionGraph, graph::GraphReport);
 
-/// What motion lacks that the behaviours of a config need; `None` if nothing is to be made.
+/// What the motion of each manner lacks that the behaviours of a config need; `None` if nothing is to be made.
 fn missing_motion(
     cfg: &BuildConfig,
     clips: &ClipSet,
     connected: Option<&StageOutput<Connected>>,
-) -> Option<make::Lacks> {
-    let lacks = connected.map_or(make::Lacks::ALL, |c| make::Lacks::of_graph(clips, &c.0, &c.1.apart));
-    (makes_motion(cfg, clips) && lacks.any()).then_some(lacks)
+) -> Option<BTreeMap<String, make::Lacks>> {
+    let lacks = make::Lacks::of_manners(clips, connected.map(|c| (&c.0, &*c.1.apart)));
+    (makes_motion(cfg, clips) && !lacks.is_empty()).then_some(lacks)
 }
 
 /// True if motion is made where it lacks.

@@ -93,6 +93,11 @@ impl Features {
         Self { rows, joint_weights, orientation_weight: weights.orientation as f32 }
     }
 
+    /// The features of some frames.
+    pub(crate) fn select(&self, frames: &[usize]) -> Self {
+        Self { rows: frames.iter().map(|&f| self.rows[f].clone()).collect(), ..*self }
+    }
+
     /// Number of frames.
     pub fn num_frames(&self) -> usize {
         self.rows.len()

@@ -62,7 +62,7 @@ pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame]
     }
     let states: Vec<FrameId> = state_events.iter().map(|&i| events[i].frame).collect();
     let standing = places_to_stand(&state_events.iter().map(|&i| &events[i]).collect::<Vec<_>>());
-    RawMotionGraph { states, standing, segments, action_offsets, actions }
+    RawMotionGraph { states, standing, segments, action_offsets, actions, ..RawMotionGraph::default() }
 }
 
 /// For each state, true if a character may stand there for long: states at rest, or all standing states if every one of

@@ -1,6 +1,7 @@
 //! The largest strongly connected component, without dead ends.
 
-use super::matches::TransitionLink;
+use super::connect::GraphInputs;
+use super::matches::{TransitionLink, displacement, successors};
 use crate::components::SuccessorGraph;
 use crate::share::{gather_all, gather_each, gather_rows, own_numbers};
 use std::borrow::Cow;
@@ -24,6 +25,30 @@ pub(super) struct EventGraph {
 }
 
 impl EventGraph {
+    /// The events, as their clips go on, without links.
+    pub fn of_events(given: &GraphInputs<'_>) -> Self {
+        let GraphInputs { clips, events, rate_hz, .. } = *given;
+        let next = successors(events);
+        let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
+        let starts = clips.frame_starts();
+        for (i, n) in next.iter().enumerate() {
+            let Some(n) = *n else { continue };
+            let (from, to) = (events[i].frame, events[n].frame);
+            frames[n] = to.0 - from.0;
+            let offset = displacement(clips, &starts, events[i].clip, from, to);
+            worth[n] = frames[n] + (f64::from(offset.x.hypot(offset.z)) * rate_hz).round() as u32;
+        }
+        let rests = events.iter().map(|e| e.is_rest).collect();
+        Self { next, frames, worth, rests, links: vec![Vec::new(); events.len()] }
+    }
+
+    /// True if people can go and stand within some events.
+    pub fn serves(&self, events: impl Iterator<Item = usize> + Clone) -> bool {
+        let rests = events.clone().filter(|&n| self.rests[n]).count();
+        let travelled: u64 = events.map(|n| u64::from(self.worth[n].saturating_sub(self.frames[n]))).sum();
+        rests >= LEAST_RESTS && travelled >= LEAST_TRAVEL
+    }
+
     /// The same events with other links.
     pub fn with_links(&self, links: Vec<Vec<TransitionLink>>) -> Self {
         let (next, frames) = (self.next.clone(), self.frames.clone());
@@ -235,12 +260,7 @@ impl<N: Fn(usize) -> usize, T: Fn(usize, usize) -> Option<usize>> SuccessorGraph
 fn strongest(graph: &EventGraph, parts: Vec<Vec<u32>>, leads_to_itself: &[u8]) -> Vec<bool> {
     let worth = |c: &[u32]| c.iter().map(|&n| u64::from(graph.worth[n as usize])).sum::<u64>();
     let cycles = parts.into_iter().filter(|c| c.len() > 1 || leads_to_itself[c[0] as usize] > 0);
-    let serves = |c: &[u32]| {
-        let rests = c.iter().filter(|&&n| graph.rests[n as usize]).count();
-        let travelled: u64 =
-            c.iter().map(|&n| u64::from(graph.worth[n as usize].saturating_sub(graph.frames[n as usize]))).sum();
-        rests >= LEAST_RESTS && travelled >= LEAST_TRAVEL
-    };
+    let serves = |c: &[u32]| graph.serves(c.iter().map(|&n| n as usize));
     let best = cycles.max_by_key(|c| (serves(c), worth(c), std::cmp::Reverse(c[0])));
     let mut out = vec![false; graph.next.len()];
     best.into_iter().flatten().for_each(|n| out[n as usize] = true);

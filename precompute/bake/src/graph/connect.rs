@@ -6,6 +6,7 @@ use super::choose::MotionOutcome;
 use super::component::{EventGraph, largest_component};
 use super::config::MotionGraphConfig;
 use super::events::{self, EventFrame};
+use super::manners::{ConnectedEvents, MannersSearch};
 use super::matches::{self, LinkFinder, LinkLimits, TransitionLink};
 use super::report::{self, GraphReport};
 use super::take::TakenFrames;
@@ -41,7 +42,8 @@ const GROWTH: f32 = 1.3;
 /// - `comm`: processes that search for similar frames together, each for some of them.
 ///
 /// Transitions join event frames of equal kind: a foot about to leave the ground, with the other foot equally
-/// planted or not, or standing. The largest strongly connected component of all transitions up to
+/// planted or not, or standing. Each manner that can be gone and stood in has what it has alone, and then ways to others.
+/// The largest strongly connected component of all transitions up to
 /// `config.max_error` is kept. Of its transitions as many are actions as give states `config.branching` of them on
 /// average: the nearer ones, those of every kind of outcome, and those that keep the component whole. Frames
 /// with one way out are collapsed; motion without a choice for longer than `config.max_action_s` is left out.
@@ -75,8 +77,8 @@ pub fn connect(
         points_per_kind: POINTS_PER_KIND,
         points_per_event: POINTS_PER_EVENT,
     };
-    let finder = LinkFinder::new(given, limits, progress, comm)?;
-    let (graph, threshold) = GraphSearch::new(given, finder, comm)?.run()?;
+    let ConnectedEvents { graph, alive, threshold, manners } = MannersSearch { given, limits, progress, comm }.run()?;
+    let graph = RawMotionGraph { manners, ..collapse::collapse(&graph, &alive, events, clips) };
     let apart = motion_apart(&given, &taken, &report::played_frames(&graph, clips));
     let report = GraphReport {
         apart,
@@ -116,6 +118,13 @@ pub(super) struct GraphInputs<'a> {
     /// Outcomes of the motion after each event (events.len()).
     pub outcomes: &'a [MotionOutcome],
     pub rate_hz: f64,
+}
+
+impl GraphInputs<'_> {
+    /// Longest action (frames).
+    pub fn most_frames(&self) -> u32 {
+        (self.config.max_action_s * self.rate_hz).round() as u32
+    }
 }
 
 fn check_clips(clips: &ClipSet) -> Result<f64> {
@@ -170,7 +179,7 @@ impl BranchingProbe {
 }
 
 /// The search for a graph of the wanted branching.
-struct GraphSearch<'a> {
+pub(super) struct GraphSearch<'a> {
     given: GraphInputs<'a>,
     finder: LinkFinder<'a>,
     comm: &'a dyn Comm,
@@ -185,27 +194,14 @@ struct GraphSearch<'a> {
 }
 
 impl<'a> GraphSearch<'a> {
-    fn new(given: GraphInputs<'a>, finder: LinkFinder<'a>, comm: &'a dyn Comm) -> Result<Self> {
-        let GraphInputs { clips, config, events, rate_hz, .. } = given;
-        let next = matches::successors(events);
-        let (mut frames, mut worth) = (vec![0; events.len()], vec![0; events.len()]);
-        let starts = clips.frame_starts();
-        for (i, n) in next.iter().enumerate() {
-            let Some(n) = *n else { continue };
-            let (from, to) = (events[i].frame, events[n].frame);
-            frames[n] = to.0 - from.0;
-            let offset = matches::displacement(clips, &starts, events[i].clip, from, to);
-            worth[n] = frames[n] + (f64::from(offset.x.hypot(offset.z)) * rate_hz).round() as u32;
-        }
-        let rests = events.iter().map(|e| e.is_rest).collect();
-        let whole = EventGraph { next, frames, worth, rests, links: Vec::new() };
-        let most_frames = (config.max_action_s * rate_hz).round() as u32;
+    pub fn new(given: GraphInputs<'a>, finder: LinkFinder<'a>, comm: &'a dyn Comm) -> Result<Self> {
+        let (whole, most_frames) = (EventGraph::of_events(&given), given.most_frames());
         let (alive, arrivals) = (Vec::new(), IncomingLinks::new(&[], &SingleRank)?);
         Ok(Self { given, finder, comm, whole, alive, arrivals, most_frames })
     }
 
     /// Graph at the given threshold, or at the least one that reaches the wanted branching, or at the largest error.
-    fn run(mut self) -> Result<(RawMotionGraph, f32)> {
+    pub fn run(mut self) -> Result<(EventGraph, Vec<bool>, f32)> {
         let threshold = match self.given.config.threshold {
             Some(threshold) => {
                 self.find_links_to(threshold as f32)?;
@@ -214,7 +210,7 @@ impl<'a> GraphSearch<'a> {
             None => self.find_threshold()?,
         };
         let (graph, alive) = self.event_frames(threshold)?;
-        Ok((collapse::collapse(&graph, &alive, self.given.events, self.given.clips), threshold))
+        Ok((graph, alive, threshold))
     }
 
     /// Finds the links for thresholds up to `threshold`, and their largest component.

@@ -5,7 +5,7 @@ use super::connect::{EventLinks, GraphInputs};
 use super::events::{EventFrame, EventFrameKind};
 use super::tree::{PointTree, PointTreeWalk};
 use crate::features::projection::{ProjectedPoint, project, squared_reach};
-use crate::share::{exchange_values, gather_all, is_own, own_numbers};
+use crate::share::{exchange_values, gather_all, gather_rows, is_own, own_numbers};
 use bytemuck::{Pod, Zeroable};
 use rayon::prelude::*;
 use std::cmp::Reverse;
@@ -204,6 +204,15 @@ impl<'a> LinkFinder<'a> {
             links.shrink_to_fit();
         });
         Ok(scatter_to_all(events.len(), &own, links))
+    }
+
+    /// Best link of every event to each kind of outcome, best first (events.len()).
+    ///
+    /// # Errors
+    /// [`throng_base::Error::Rank`].
+    pub fn best_of_kinds(mut self, comm: &dyn Comm) -> Result<EventLinks> {
+        let own = own_numbers(comm, self.of_kinds.len());
+        gather_rows(comm, self.of_kinds.len(), own.iter().map(|&i| std::mem::take(&mut self.of_kinds[i])).collect())
     }
 
     /// Threshold at which about so many links of an event are chosen; the limit if there are never as many.

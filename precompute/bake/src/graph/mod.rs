@@ -9,6 +9,7 @@ mod config;
 mod connect;
 mod events;
 mod export;
+mod manners;
 mod matches;
 mod report;
 mod take;
@@ -19,6 +20,7 @@ pub use config::{MakeMotion, MotionGraphConfig};
 pub use connect::{connect, empty_graph};
 pub(crate) use events::{holds_arm_out, standing_runs_of};
 pub use export::{ActionRow, DisplacementRow, GraphRows, StateRow, graph_rows, write_graph_json};
+pub use manners::KeptManners;
 pub(crate) use report::played_frames;
 pub use report::{GraphReport, MinMeanMax};
 pub use take::{MotionLeftOut, TakenMotion};
@@ -74,6 +76,8 @@ pub struct RawMotionGraph {
     pub action_offsets: Vec<u32>,
     /// Actions of all states.
     pub actions: Vec<GraphAction>,
+    /// Manners that people keep.
+    pub manners: KeptManners,
 }
 
 impl RawMotionGraph {

@@ -43,7 +43,8 @@ pub struct GraphReport {
     pub actions: usize,
     /// Segments that actions play.
     pub segments: usize,
-    /// Distance up to which frames match; some transitions are farther, as `MotionGraphConfig::max_error` explains (rad).
+    /// Distance up to which frames match, the largest of all manners; some transitions are farther, as
+    /// `MotionGraphConfig::max_error` explains (rad).
     pub threshold: f64,
     /// Distances of the transitions; natural continuations do not count (rad).
     pub transition_error: MinMeanMax,
@@ -59,6 +60,8 @@ pub struct GraphReport {
     pub apart: Vec<MotionApart>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
+    /// Manners with too little motion to go and stand in them alone: people come to them and leave them unasked.
+    pub thin_manners: Vec<String>,
 }
 
 /// True for every frame that some action plays (clips.num_frames()).
@@ -94,6 +97,7 @@ pub(super) fn report(graph: &RawMotionGraph, clips: &ClipSet, event_frames: usiz
         left_out: Vec::new(),
         apart: Vec::new(),
         scarce_neutral_s: None,
+        thin_manners: graph.manners.thin.clone(),
     }
 }
 

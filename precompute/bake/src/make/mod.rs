@@ -22,16 +22,17 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use stance::RestStance;
 pub use stand::make_stands;
+use std::collections::BTreeMap;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use stepping::CourseWalker;
 use throng_base::Comm;
 use throng_base::thresholds::USUAL_GAIT_MPS;
 use throng_core::Skeleton;
 use throng_core::format::{Gait, MADE_TAG, MotionClass};
-use throng_motion::annotate::classes::{NameHints, classify};
+use throng_motion::annotate::classes::{NameHints, classify, named_manner};
 use throng_motion::{Clip, ClipSet, ClipTag, Result, mirror};
 
-/// Most gaits that get starts and stops: of all motion, and of that to which nothing leads.
+/// Most gaits of a manner that get starts and stops: of all motion, and of that to which nothing leads.
 const MAX_GAITS: [usize; 2] = [14, 6];
 /// Most gaits of each kind that get arcs.
 const MAX_ARCED: usize = 2;
@@ -118,13 +119,14 @@ impl MadeMotion {
 
 /// Makes the motion that behaviours need and clips lack.
 ///
+/// - `lacks`: what each manner lacks.
 /// - `comm`: processes that hold the other poses.
 ///
 /// # Errors
 /// Faults of the exchange between processes.
 pub fn make_missing(
     clips: &ClipSet,
-    lacks: &Lacks,
+    lacks: &BTreeMap<String, Lacks>,
     cfg: &MotionGraphConfig,
     mirrored: bool,
     comm: &dyn Comm,
@@ -138,17 +140,48 @@ pub fn make_missing(
     })?;
     let (gaits, stances): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     let mut made = MadeMotion::default();
-    let gaits = choose_gaits(gaits.into_iter().flatten().collect(), mirrored, lacks, &cfg.take);
-    let stances: Vec<RestStance> = stances.into_iter().flatten().collect();
+    let (all, stances): (Vec<GaitCycle>, Vec<RestStance>) =
+        (gaits.into_iter().flatten().collect(), stances.into_iter().flatten().collect());
+    for (manner, lacks) in lacks {
+        let own = all.iter().filter(|g| named_manner(&g.class.manner) == manner).cloned().collect();
+        make_of_gaits(
+            &choose_gaits(own, mirrored, lacks, &cfg.take),
+            &stances,
+            lacks,
+            &clips.skeleton,
+            mirrored,
+            &mut made,
+        );
+    }
+    let report = &mut made.report;
+    report.stances.sort_unstable();
+    report.stances.dedup();
+    report.gaits.dedup();
+    report.captured_starts = needs::count_starts(clips);
+    Ok(made)
+}
+
+/// Makes what the gaits that people keep to give.
+///
+/// - `captured`: stances of all motion.
+fn make_of_gaits(
+    gaits: &[GaitCycle],
+    captured: &[RestStance],
+    lacks: &Lacks,
+    skeleton: &Skeleton,
+    mirrored: bool,
+    made: &mut MadeMotion,
+) {
     let mut manners: Vec<&str> = gaits.iter().map(|g| &*g.class.manner).collect();
     manners.sort_unstable();
     manners.dedup();
     let of_manner = |manner: &&str| {
         let gaits: Vec<&GaitCycle> = gaits.iter().filter(|g| g.class.manner == **manner).collect();
-        RestStance::choose(&stances, &gaits, &clips.skeleton)
+        RestStance::choose(captured, &gaits, skeleton)
     };
     let of_manners: Vec<Vec<RestStance>> = manners.iter().map(of_manner).collect();
-    let mut maker = MotionMaker::new(&clips.skeleton, mirrored, &mut made);
+    let first = made.report.gaits.len();
+    let mut maker = MotionMaker::new(skeleton, mirrored, made);
     for stances in &of_manners {
         maker.make_stands("stand", stances);
     }
@@ -158,15 +191,11 @@ pub fn make_missing(
         let key = (gait.foot, of);
         let is_first = !seen.contains(&key);
         seen.push(key);
-        maker.make_all(gait, k, &of_manners[of], is_first, lacks);
+        maker.make_all(gait, first + k, &of_manners[of], is_first, lacks);
     }
-    made.report.stances = of_manners.iter().flatten().filter(|s| !s.made).map(|s| s.clip.name.clone()).collect();
-    made.report.stances.sort_unstable();
-    made.report.stances.dedup();
-    made.report.gaits = gaits.iter().map(|g| g.clip.name.clone()).collect();
-    made.report.gaits.dedup();
-    made.report.captured_starts = needs::count_starts(clips);
-    Ok(made)
+    let report = &mut made.report;
+    report.stances.extend(of_manners.iter().flatten().filter(|s| !s.made).map(|s| s.clip.name.clone()));
+    report.gaits.extend(gaits.iter().map(|g| g.clip.name.clone()));
 }
 
 /// Gaits that are worth a start and a stop, the most usual one first, one of each manner before others, and each unlike
@@ -246,14 +275,14 @@ impl<'a> MotionMaker<'a> {
         if lacks.starts && usual {
             moves.extend([FRAC_PI_4, FRAC_PI_2].map(|a| MadeMove::Start(side * a)));
         }
-        if (lacks.starts || lacks.turns) && is_first {
+        if (lacks.starts || lacks.turns) && usual {
             moves.extend([(FRAC_PI_4, 2), (FRAC_PI_2, 2), (PI, 3)].map(|(a, n)| MadeMove::Turn(side * a, n)));
         }
         if (lacks.starts || lacks.steps) && usual {
             let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, 0.7], [0.0, -0.4]];
             moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
         }
-        if lacks.pivots && is_first {
+        if lacks.pivots && usual {
             moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
         }
         let kind = gait.class.gait as usize;

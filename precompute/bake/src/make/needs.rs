@@ -3,12 +3,14 @@
 use super::gait::{GaitCycle, walking_s};
 use crate::graph::{MotionApart, RawMotionGraph, played_frames};
 use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
 use throng_base::maths;
 use throng_base::thresholds::{STANDING_MPS, WALKING_MPS};
 use throng_core::format::Gait;
 use throng_core::planar::wrap_angle;
-use throng_motion::clip::{Clip, ClipSet, FrameRange, runs_where};
+use throng_motion::annotate::classes::named_manner;
+use throng_motion::clip::{Clip, ClipSet, FrameId, FrameRange, runs_where};
 
 /// Fewest standing states of a graph in which people can stand.
 const LEAST_RESTS: usize = 4;
@@ -88,22 +90,36 @@ impl Lacks {
         self.apart.iter().any(|a| a.gait == gait.class.gait.name() && a.clips.contains(&gait.clip.name))
     }
 
-    /// What the motion of a graph lacks.
+    /// What each manner of a graph lacks, each to be gone and stood in alone.
     ///
-    /// - `apart`: motion that stays out of it.
-    pub fn of_graph(clips: &ClipSet, graph: &RawMotionGraph, apart: &[MotionApart]) -> Self {
+    /// - `graph`: with the motion that stays out of it; none where there is no graph.
+    pub fn of_manners(clips: &ClipSet, graph: Option<(&RawMotionGraph, &[MotionApart])>) -> BTreeMap<String, Self> {
+        let manners: BTreeSet<&str> = clips.clips.iter().map(manner_of).collect();
+        let lacks = |manner| graph.map_or(Self::ALL, |(graph, apart)| Self::of_manner(manner, clips, graph, apart));
+        manners.into_iter().map(|manner| (manner.to_owned(), lacks(manner))).filter(|(_, lacks)| lacks.any()).collect()
+    }
+
+    /// What the motion of a manner lacks in a graph.
+    fn of_manner(manner: &str, clips: &ClipSet, graph: &RawMotionGraph, apart: &[MotionApart]) -> Self {
+        let frame_starts = clips.frame_starts();
+        let is_own = |frame: FrameId| {
+            let clip = frame_starts.partition_point(|&s| s <= frame.0) - 1;
+            manner_of(&clips.clips[clip]) == manner
+        };
         let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let seconds = |frames: u32| f64::from(frames) / rate;
         let goes = |s: &&crate::graph::GraphSegment| {
             f64::from(s.displacement.z) > f64::from(WALKING_MPS) * seconds(s.num_frames)
         };
-        let walked_s: f64 = graph.segments.iter().filter(goes).map(|s| seconds(s.num_frames)).sum();
-        let all_s: f64 = clips.clips.iter().map(walking_s).sum();
+        let walked_s: f64 =
+            graph.segments.iter().filter(|s| is_own(s.start)).filter(goes).map(|s| seconds(s.num_frames)).sum();
+        let own = || clips.clips.iter().zip(&frame_starts).filter(|(clip, _)| manner_of(clip) == manner);
+        let all_s: f64 = own().map(|(clip, _)| walking_s(clip)).sum();
         let played = played_frames(graph, clips);
         let (mut starts, mut stops, mut on_the_spot, mut pivots) = (0, 0, [0, 0], 0);
         let mut gaits: [GaitUse; NUM_GAITS] = Default::default();
-        for (clip, first) in clips.clips.iter().zip(clips.frame_starts()) {
-            let is_played = |f: usize| played[first as usize + f];
+        for (clip, first) in own() {
+            let is_played = |f: usize| played[*first as usize + f];
             for run in clip.usable_ranges() {
                 count_turning(clip, &run, &is_played, &mut gaits);
                 for run in runs_where(run, is_played) {
@@ -113,7 +129,7 @@ impl Lacks {
                 }
             }
         }
-        let rests = graph.standing.iter().filter(|s| **s).count();
+        let rests = graph.states.iter().zip(&graph.standing).filter(|(frame, s)| **s && is_own(**frame)).count();
         let changes = starts.min(stops);
         let mut turning: Vec<f32> = gaits.iter().flat_map(|g| g.sideways_mps2.iter().copied()).collect();
         turning.sort_by(f32::total_cmp);
@@ -130,6 +146,11 @@ impl Lacks {
             pivots: pivots < ENOUGH_TURNS,
         }
     }
+}
+
+/// Manner that the name of a clip gives.
+fn manner_of(clip: &Clip) -> &str {
+    clip.classes.first().map_or("", |span| named_manner(&span.class.manner))
 }
 
 /// Turning of a gait.

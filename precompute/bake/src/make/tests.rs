@@ -2,6 +2,7 @@ use super::*;
 use crate::features::FeaturesConfig;
 use crate::graph;
 use glam::Vec3;
+use std::collections::BTreeSet;
 use throng_base::{SingleRank, maths};
 use throng_core::format::{ClassSpan, MotionClass};
 use throng_core::planar::wrap_angle;
@@ -22,8 +23,12 @@ fn library(names: &[&str]) -> ClipSet {
     set
 }
 
+fn num_manners(set: &ClipSet) -> usize {
+    Lacks::of_manners(set, None).len()
+}
+
 fn made_of(set: &ClipSet) -> MadeMotion {
-    make_missing(set, &Lacks::ALL, &MotionGraphConfig::default(), true, &SingleRank).unwrap()
+    make_missing(set, &Lacks::of_manners(set, None), &MotionGraphConfig::default(), true, &SingleRank).unwrap()
 }
 
 /// How clips look.
@@ -78,7 +83,11 @@ fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
         let set = library(names);
         let made = made_of(&set);
         let MadeReport { starts, stops, turns, pivots, .. } = made.report;
-        assert!(starts > 2 && stops > 0 && turns > 2 && pivots > 1, "{names:?}: {:?}", made.report);
+        assert!(
+            starts > 2 && stops > 0 && turns > 2 && pivots == 2 * num_manners(&set),
+            "{names:?}: {:?}",
+            made.report
+        );
         let captured = looks(&set, &set.clips);
         let steps: Vec<Clip> = set.clips.iter().filter(|c| !c.name.starts_with("idle")).cloned().collect();
         let [captured_steps, made] = [&steps, &made.clips].map(|clips| looks(&set, clips));
@@ -160,8 +169,7 @@ fn pivots_turn_round_within_two_or_three_steps() {
         let set = library(names);
         let made = made_of(&set);
         let pivots: Vec<&Clip> = made.clips.iter().filter(|c| c.name.starts_with("made/pivot")).collect();
-        let manners: std::collections::BTreeSet<_> = set.clips.iter().map(|c| &c.classes[0].class.manner).collect();
-        assert_eq!(pivots.len(), 4 * manners.len(), "{names:?}: each manner has its own");
+        assert_eq!(pivots.len(), 4 * num_manners(&set), "{names:?}");
         for clip in pivots {
             let last = clip.num_frames() - 1;
             let mut heading = vec![0.0f32];
@@ -212,7 +220,7 @@ fn walks_alone_give_people_who_set_off_and_stand() {
         graph::connect(set, &FeaturesConfig::default(), &MotionGraphConfig::default(), &Silent, &SingleRank).unwrap().0
     };
     let before = graph(&set);
-    let lacks = Lacks::of_graph(&set, &before, &[]);
+    let lacks = &Lacks::of_manners(&set, Some((&before, &[])))[""];
     assert!(lacks.starts && lacks.turns && !before.standing.contains(&true));
     let made = made_of(&set);
     assert!(made.report.stances.is_empty() && made.report.stands == 1);
@@ -284,7 +292,7 @@ fn graph_of_all(set: &ClipSet) -> graph::RawMotionGraph {
 fn arcs_are_lacking_gait_by_gait() {
     let lacks = |names: &[&str]| {
         let set = library(names);
-        Lacks::of_graph(&set, &graph_of_all(&set), &[])
+        Lacks::of_manners(&set, Some((&graph_of_all(&set), &[])))[""].clone()
     };
     let arcs = |lacks: Lacks| [Gait::Walk, Gait::Run].map(|g| lacks.arcs[g as usize]);
     let straight = ["walk_neutral_v110_g00", "run_neutral_v320_g00"];
@@ -313,7 +321,7 @@ fn motion_of_another_gait_is_joined_by_starts_and_stops_of_its_own_or_told() {
     assert!(
         apart.error > Some(apart.limit) && told.contains("back_neutral") && told.contains("`graph.max_error` is 0.5")
     );
-    let lacks = Lacks::of_graph(&set, &before, &report.apart);
+    let lacks = Lacks::of_manners(&set, Some((&before, &report.apart)));
     let made = make_missing(&set, &lacks, &MotionGraphConfig::default(), true, &SingleRank).unwrap();
     set.clips.extend(made.clips);
     let (_, report) = graph(&set);
@@ -415,4 +423,59 @@ fn jumps_and_stairs_are_no_gaits() {
     assert_eq!(spoilt(|t| 0.01 * (6.0 * t).sin()), 2, "hips that sway are a walk's");
     assert_eq!(spoilt(|t| 0.3 * (4.0 * t).sin().max(0.0)), 0, "it leaps");
     assert_eq!(spoilt(|t| 0.3 * t), 0, "it climbs");
+}
+
+#[test]
+fn each_manner_gets_what_it_gets_alone() {
+    let names = |of: &[&str]| {
+        let report = made_of(&library(of)).report;
+        [report.starts, report.stops, report.turns, report.arcs, report.pivots, report.steps]
+    };
+    let [proud, tired] = [["walk_proud", "idle_proud"], ["walk_tired", "idle_tired"]];
+    let alone = [names(&proud), names(&tired)];
+    assert!(alone.as_flattened().iter().all(|n| *n > 0), "{alone:?}");
+    let together = names(&[proud, tired].concat());
+    assert_eq!(together, std::array::from_fn(|what| alone[0][what] + alone[1][what]));
+}
+
+/// A moment of motion: its manner, its clip, and the frame within it.
+type Moment = (String, String, u32);
+
+/// Transitions of the graph of some motion, and the manners that it cannot keep.
+fn transitions(set: &ClipSet) -> (BTreeSet<[Moment; 2]>, Vec<String>) {
+    let (features, config) = (FeaturesConfig::default(), MotionGraphConfig::default());
+    let (graph, report) = graph::connect(set, &features, &config, &Silent, &SingleRank).unwrap();
+    let starts = set.frame_starts();
+    let moment = |frame: FrameId| {
+        let number = starts.partition_point(|&s| s <= frame.0) - 1;
+        let clip = &set.clips[number];
+        (clip.classes[0].class.manner.clone(), clip.name.clone(), frame.0 - starts[number])
+    };
+    let of_state = |s: usize| {
+        let from = graph.states[s];
+        let starts =
+            graph.actions_of(graph::StateId(s as u32)).iter().map(|a| graph.segments[a.segment.0 as usize].start);
+        starts.filter(move |to| *to != from).map(move |to| [from, to].map(moment)).collect::<Vec<_>>()
+    };
+    ((0..graph.states.len()).flat_map(of_state).collect(), report.thin_manners)
+}
+
+#[test]
+fn links_within_a_manner_are_those_that_a_bake_of_it_alone_finds() {
+    let mut set = library(&["walk_proud_v110", "idle_proud", "walk_tired_v110", "idle_tired"]);
+    set.clips.extend(made_of(&set).clips);
+    let only = |keep: &dyn Fn(&Clip) -> bool| {
+        let clips = set.clips.iter().filter(|c| keep(c)).cloned().collect();
+        transitions(&ClipSet { clips, ..set.clone() })
+    };
+    let (all, thin) = transitions(&set);
+    assert_eq!(thin, [""; 0]);
+    for manner in ["proud", "tired"] {
+        let within = all.iter().filter(|ends| ends.iter().all(|end| end.0 == manner)).cloned();
+        assert_eq!(within.collect::<BTreeSet<_>>(), only(&|c| c.classes[0].class.manner == manner).0, "{manner}");
+        assert!(all.iter().filter(|[from, to]| from.0 == manner && to.0 != manner).count() > 10, "out of {manner}");
+    }
+    // Who walks tired and cannot stand so stands otherwise.
+    let stands_proud = |c: &Clip| c.classes[0].class.manner == "proud" || c.name.starts_with("walk_tired");
+    assert_eq!(only(&stands_proud).1, ["tired"]);
 }

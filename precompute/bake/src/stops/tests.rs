@@ -162,6 +162,7 @@ fn the_resting_states_are_the_greatest_set_that_leads_into_itself() {
             .to_vec(),
         action_offsets: vec![0, 2, 3, 5],
         actions: [0, 2, 2, 0, 1].map(|s| GraphAction { segment: SegmentId(s), error: 0.0 }).to_vec(),
+        ..RawMotionGraph::default()
     };
     let (found, report) = find_stops(&clips(), &graph, &SingleRank).unwrap();
     assert_eq!(found.stops.iter().map(|s| s.kind).collect::<Vec<_>>(), [REST, WALK_ON, WALK_ON]);

@@ -48,6 +48,11 @@ const HOLDING: (f32, f32) = (50.0, 0.04);
 /// Manners that motion alone tells: trunk, arms and hips of somebody who goes somewhere with a purpose of his own.
 pub const HELD_OTHERWISE: [&str; 3] = ["bent", "arms-out", "low"];
 
+/// Manner of motion that its name gives; empty where motion alone tells one.
+pub fn named_manner(manner: &str) -> &str {
+    if HELD_OTHERWISE.contains(&manner) { "" } else { manner }
+}
+
 /// Class of one frame, before its manner is known.
 type FrameClass = (Posture, Gait, bool, bool);
 
