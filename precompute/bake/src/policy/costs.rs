@@ -18,6 +18,9 @@ const OFF_FRONT: [f32; 2] = [std::f32::consts::FRAC_1_SQRT_2, -0.5];
 /// Share of made motion that counts where nobody goes anywhere: without small steps people would stay short of targets.
 const MADE_ON_THE_SPOT: f32 = 0.1;
 
+/// Share of a change of manner that counts where people keep neither of the two.
+const WITHIN_KEPT: f32 = 0.0625;
+
 /// What every action shows.
 pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<ActionTraits> {
     let starts = clips.frame_starts();
@@ -44,7 +47,8 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
             let entered = graph.segments[segment].start;
             let (mut manner, mut standing) = (0.0, 0.0);
             if let (false, Some(from), Some(to)) = (entered == *state, class(state.0), class(entered.0)) {
-                manner = f32::from(from.manner != to.manner);
+                let [kept, other] = [from, to].map(|class| graph.manners.kept_in(&class.manner));
+                manner = if kept != other { 1.0 } else { WITHIN_KEPT * f32::from(from.manner != to.manner) };
                 standing = f32::from(stands(from) && is_standing);
             }
             out.push([backwards, sideways, gesture, carrying, manner, standing, made]);

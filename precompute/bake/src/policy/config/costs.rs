@@ -18,7 +18,7 @@ pub struct CostsConfig {
     pub gesture: f64,
     /// Hands that hold a load (s a second of it, 0 to 60).
     pub carrying: f64,
-    /// Transition to a frame of another manner (s, 0 to 60).
+    /// Transition to a frame of another manner; a sixteenth of it where there is too little motion to keep either (s, 0 to 60).
     pub manner_change_s: f64,
     /// Transition from standing to more standing (s, 0 to 60).
     pub standing_change_s: f64,
@@ -33,7 +33,7 @@ impl Default for CostsConfig {
             sideways: 0.1,
             gesture: 0.3,
             carrying: 0.5,
-            manner_change_s: 0.3,
+            manner_change_s: 4.8,
             standing_change_s: 0.0,
             made: 0.2,
         }
