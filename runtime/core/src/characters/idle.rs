@@ -6,6 +6,7 @@
 
 use super::block::{MotionBlock, NO_STATE};
 use super::control::uniform_random;
+use super::manner::Manners;
 use super::order::{PolicyOrder, StandOrder};
 use super::{Characters, CharactersConfig, MotionSet, pace};
 use crate::graph::{MotionGraph, MotionSegment};
@@ -100,10 +101,13 @@ pub(super) struct WaysToStand {
 
 impl WaysToStand {
     /// Finds the shortest ways; a short stand is worth a way to a longer one.
-    pub fn find(graph: &MotionGraph, turns: &[TurnToStand], rate_hz: f32) -> Self {
+    pub fn find(graph: &MotionGraph, manners: &Manners, turns: &[TurnToStand], rate_hz: f32) -> Self {
         let find = |most_turn: f32, cost: &dyn Fn(u32) -> f32| {
-            let least = |s: usize| graph.segments_of(s as u32).iter().map(|&s| cost(s)).fold(f32::INFINITY, f32::min);
-            find_ways(graph, (0..graph.states.len()).map(least).collect(), most_turn)
+            let least = |state: u32| {
+                let changed = |s: u32| manners.change_frames(state, graph.segments[s as usize].end);
+                graph.segments_of(state).iter().map(|&s| cost(s) + changed(s)).fold(f32::INFINITY, f32::min)
+            };
+            find_ways(graph, manners, (0..graph.states.len() as u32).map(least).collect(), most_turn)
         };
         let to_turn = |wanted: f32| {
             find(STAYS[1], &|s| {
@@ -133,7 +137,7 @@ impl WaysToStand {
 
 /// Action that leads from each state on the cheapest way to one that has a cost of its own, over segments that turn no further
 /// (rad).
-fn find_ways(graph: &MotionGraph, mut costs: Vec<f32>, most_turn: f32) -> Vec<u8> {
+fn find_ways(graph: &MotionGraph, manners: &Manners, mut costs: Vec<f32>, most_turn: f32) -> Vec<u8> {
     let mut out = vec![NO_ACTION; costs.len()];
     for _ in 0..MAX_WAY {
         let before = costs.clone();
@@ -141,7 +145,8 @@ fn find_ways(graph: &MotionGraph, mut costs: Vec<f32>, most_turn: f32) -> Vec<u8
             let (segments, errors) = graph.actions_of(state as u32);
             for (action, (&s, error)) in segments.iter().zip(errors).enumerate() {
                 let s = &graph.segments[s as usize];
-                let cost = before[s.end as usize] + s.num_frames as f32 + ERROR_FRAMES * error;
+                let changed = manners.change_frames(state as u32, s.end);
+                let cost = before[s.end as usize] + s.num_frames as f32 + ERROR_FRAMES * error + changed;
                 let [x, z, heading] = s.displacement;
                 if cost < *least && maths::hypot(x, z) < WAY_M && heading.abs() < most_turn {
                     (*least, *way) = (cost, action as u8);
@@ -384,7 +389,7 @@ mod tests {
         let turns = find_turns(&graph, 30.0);
         let found: Vec<(u32, f32)> = turns.iter().map(|t| (t.frames, t.by.heading)).collect();
         assert_eq!(found, [(10, 0.0), (20, 1.1), (10, 0.6)]);
-        let ways = WaysToStand::find(&graph, &turns, 1.0);
+        let ways = WaysToStand::find(&graph, &Manners::default(), &turns, 1.0);
         assert_eq!(ways.to_idle, [0, 0, NO_ACTION]);
         assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, 0.9, TURN_MISSES)), [None, None, Some(0)]);
         assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, -1.5, TURN_MISSES)), [None; 3]);
@@ -407,7 +412,7 @@ mod tests {
         };
         let rate_hz = motion_set.rate_hz;
         motion_set.turns = find_turns(&motion_set.graph, rate_hz).into();
-        motion_set.ways = WaysToStand::find(&motion_set.graph, &motion_set.turns, rate_hz).into();
+        motion_set.ways = WaysToStand::find(&motion_set.graph, &motion_set.manners, &motion_set.turns, rate_hz).into();
         let b = MotionBlock { segment: [0; LANES], age_s: [1.0; LANES], ..MotionBlock::ZERO };
         let (root, config) = (Planar::IDENTITY, CharactersConfig::default());
         let chooser = StandingChooser { b: &b, lane: 0, state: 0, root, motion_set: &motion_set, config: &config };

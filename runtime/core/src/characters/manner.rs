@@ -15,6 +15,9 @@ use throng_base::{Error, Result, maths};
 const PLAIN: &str = "normal";
 /// Time on the way to a manner by which an action is e times worse (s).
 const URGENCY_S: f32 = 0.5;
+/// Time that a change of manner is worth on the way to a stand: a short one in the same manner is preferred to a long one in
+/// another (frames).
+const CHANGE_FRAMES: f32 = 600.0;
 /// Delay from states from which no motion leads to a manner.
 const NEVER: u16 = u16::MAX;
 
@@ -81,6 +84,11 @@ impl Manners {
     /// True where motion to one state is in the manner of that to another.
     pub fn are_alike(&self, a: u32, b: u32) -> bool {
         self.of_states.is_empty() || self.of_states[a as usize] == self.of_states[b as usize]
+    }
+
+    /// Cost of motion from one state to another on the way to a stand, beside its time (frames).
+    pub fn change_frames(&self, from: u32, to: u32) -> f32 {
+        if self.are_alike(from, to) { 0.0 } else { CHANGE_FRAMES }
     }
 
     /// Number of a manner.

@@ -66,7 +66,7 @@ impl MotionSet {
     /// Takes the needed views of an open bundle.
     pub fn new(tables: &Bundle) -> Self {
         let rate_hz = tables.meta().rate_hz as f32;
-        let turns = find_turns(tables.graph(), rate_hz);
+        let (turns, manners) = (find_turns(tables.graph(), rate_hz), Manners::find(tables));
         let mut out = Self {
             frames: ensure_length(tables.frames(), WINDOW),
             rotation_code: Arc::new(*tables.rotation_code()),
@@ -77,10 +77,10 @@ impl MotionSet {
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
             stops: tables.stops().clone(),
-            ways: WaysToStand::find(tables.graph(), &turns, rate_hz).into(),
+            ways: WaysToStand::find(tables.graph(), &manners, &turns, rate_hz).into(),
             turns: turns.into(),
             entries: Arc::default(),
-            manners: Manners::find(tables).into(),
+            manners: manners.into(),
             policies: tables.policies().clone(),
             skeleton: tables.skeleton().clone(),
             body: Arc::new(LaneBody::from_skeleton(tables.skeleton())),
