@@ -235,6 +235,8 @@ fn choose_gaits(mut all: Vec<GaitCycle>, mirrored: bool, lacks: &Lacks, take: &[
     out
 }
 
+/// Most that hips of made motion sink below those of its gait and stance (m).
+const MOST_SUNK_M: f32 = 0.08;
 /// Angle up to which a joint is as it was captured (rad).
 const SAME_RAD: f32 = 0.005;
 
@@ -310,6 +312,11 @@ impl<'a> MotionMaker<'a> {
         let Some(course) = what.course(gait, stance) else { return };
         let walker = CourseWalker { gait, stance, skeleton: self.skeleton, course: &course };
         let Some(clip) = walker.walk() else { return };
+        // Feet that a turn of this gait puts too far apart pull the hips down.
+        let lowest = |clip: &Clip| clip.root_positions.iter().map(|p| p.y).fold(f32::MAX, f32::min);
+        if lowest(&clip) < lowest(&gait.clip).min(lowest(&stance.clip)) - MOST_SUNK_M {
+            return;
+        }
         // What is neither the gait's pose nor the stance's is made.
         let is_captured = |f: &usize| {
             let wanted = &clip.frame_rotations(*f)[1..];
