@@ -22,7 +22,7 @@ pub fn run(command: &BenchCommand) -> CommandResult {
     match command {
         BenchCommand::Bundle(a) => bundle::run(a),
         BenchCommand::Motion(a) => motion::run(a),
-        BenchCommand::Crowd(a) => crowd::run(a),
+        BenchCommand::Crowd(a) => crowd::run(a).map(drop),
         BenchCommand::Plan(a) => plan::run(a),
         BenchCommand::Scenario(a) => scenario::run(a),
     }

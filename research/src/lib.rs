@@ -5,6 +5,7 @@ pub mod measure;
 pub mod natural;
 pub mod paper;
 pub mod plain_problem;
+pub mod plot;
 pub mod quality;
 pub mod reaches;
 pub mod search;

@@ -6,7 +6,7 @@ mod commands;
 #[allow(dead_code, reason = "the product's commands use the rest")]
 mod args;
 #[path = "../../src/bench/crowd.rs"]
-mod crowd;
+mod bench_crowd;
 #[path = "../../src/figures.rs"]
 mod figures;
 #[path = "../../src/keys.rs"]
@@ -19,7 +19,7 @@ mod output;
 mod progress;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
-use commands::{blend, boxing, people, plan, quality, steering, world};
+use commands::{blend, boxing, crowd, people, plan, quality, steering, world};
 use std::process::ExitCode;
 use throng_core::base::limit_threads;
 

@@ -66,12 +66,13 @@ fn crowds_run_on_every_engine_and_are_plotted() {
         assert_eq!(report["state_hash"], ask(engine)["state_hash"], "it repeats");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let png = folder.path().join("flock.png");
-    let png = png.to_string_lossy();
-    let sizes = ["--agents", "20,40", "--engine", "events,fixed", "--seconds", "1", "--png", &png, "--json"];
+    let svg = folder.path().join("flock.svg");
+    let svg = svg.to_string_lossy();
+    let sizes = ["--agents", "20,40", "--engine", "events,fixed", "--seconds", "1", "--svg", &svg, "--json"];
     let report = json(&[&["crowd", "--scene", "flock"][..], &sizes].concat());
     assert_eq!(report["runs"].as_array().map(Vec::len), Some(4));
-    assert!(std::fs::read(&*png).is_ok_and(|b| b.starts_with(b"\x89PNG")));
+    let drawn = std::fs::read_to_string(&*svg).expect("a plot");
+    assert_eq!(drawn.matches("<polyline").count(), 2, "a line for each engine");
     assert!(refused(&["crowd", "--engine", "magic"]).contains("fixed"));
 }
 

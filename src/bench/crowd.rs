@@ -9,7 +9,6 @@ use std::path::Path;
 use throng_core::base::error::ensure;
 use throng_core::base::limits;
 use throng_crowd::Scheme;
-use throng_precompute::picture::{self, Plot};
 use throng_precompute::run::{self, BUILT_IN_SCENES, SceneFigures, built_in_scene};
 use throng_simulation::Scene;
 
@@ -44,9 +43,6 @@ pub struct Args {
     /// Simulated time; what the scene says where absent.
     #[arg(long, value_name = "S", value_parser = limits::number_parser::<f64>(&limits::SECONDS))]
     seconds: Option<f64>,
-    /// Plot of the time for one simulated second over the number of agents.
-    #[arg(long, value_name = "FILE")]
-    png: Option<std::path::PathBuf>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -54,34 +50,27 @@ pub struct Args {
 
 /// Printed report of one run.
 #[derive(Serialize, schemars::JsonSchema)]
-struct CrowdBenchRun {
+pub struct CrowdBenchRun {
     /// The scene's name.
-    scene: String,
+    pub scene: String,
     #[serde(flatten)]
-    figures: SceneFigures,
+    pub figures: SceneFigures,
 }
 
 impl CrowdBenchRun {
-    fn us_per_agent(&self) -> f64 {
+    /// Time for an agent and a simulated second (us).
+    pub fn us_per_agent(&self) -> f64 {
         self.figures.crowd.as_ref().and_then(|c| c.us_per_agent_second).unwrap_or_default()
     }
 
     /// Wall time of a simulated second (s).
-    fn wall_s(&self) -> f64 {
+    pub fn wall_s(&self) -> f64 {
         self.figures.crowd.as_ref().and_then(|c| c.wall_s_per_simulated_s).unwrap_or_default()
-    }
-
-    fn agents(&self) -> usize {
-        self.figures.agents.unwrap_or(0)
-    }
-
-    fn engine(&self) -> &str {
-        self.figures.engine.as_deref().unwrap_or_default()
     }
 }
 
 /// Measures every requested scene with every number of agents and every engine.
-pub fn run(args: &Args) -> CommandResult {
+pub fn run(args: &Args) -> CommandResult<Vec<CrowdBenchRun>> {
     let trials = requested_scenes(args)?;
     let is_sweep = trials.len() > 1;
     let mut runs = Vec::new();
@@ -94,19 +83,18 @@ pub fn run(args: &Args) -> CommandResult {
         if is_sweep && !args.json {
             output::text(run.figures.row(&run.scene) + "\n")?;
         } else if !args.json {
-            let scene = format!("{}: {} agent(s), {:.0} s", run.scene, run.agents(), run.figures.simulated_s);
+            let (agents, seconds) = (run.figures.agents.unwrap_or(0), run.figures.simulated_s);
+            let scene = format!("{}: {agents} agent(s), {seconds:.0} s", run.scene);
             print_figures("scene", scene, &run.figures)?;
         }
         runs.push(run);
     }
-    if let Some(png) = &args.png {
-        plot(&runs).save_png(png)?;
-    }
     match &runs[..] {
-        _ if !args.json => Ok(()),
-        [one] => output::json(one),
-        _ => output::json(&BTreeMap::from([("runs", runs)])),
+        _ if !args.json => {}
+        [one] => output::json(one)?,
+        _ => output::json(&BTreeMap::from([("runs", &runs)]))?,
     }
+    Ok(runs)
 }
 
 /// The fastest of several runs, which only differ in their time.
@@ -168,37 +156,4 @@ fn engines(args: &Args, scene: &Scene) -> CommandResult<Vec<Scheme>> {
         return Ok(vec![scene.agents.engine]);
     }
     args.engine.iter().map(|name| named_engine(name)).collect()
-}
-
-/// Plots the time over the number of agents, a line for each scene and engine, as figure 6 of Kim, Kim and Shin 2003.
-fn plot(runs: &[CrowdBenchRun]) -> picture::Picture {
-    let scene = runs.first().map_or("", |r| &r.scene);
-    let is_one = runs.iter().all(|r| r.scene == scene);
-    let mut lines: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
-    for r in runs {
-        let name = if is_one { r.engine().to_owned() } else { format!("{}, {}", r.scene, r.engine()) };
-        let point = [r.agents() as f64, 1e-3 * r.us_per_agent() * r.agents() as f64];
-        match lines.iter_mut().find(|l| l.0 == name) {
-            Some(line) => line.1.push(point),
-            None => lines.push((name, vec![point])),
-        }
-    }
-    picture::plot(&Plot {
-        title: &format!("{}: time to simulate one second", if is_one { scene } else { "crowds" }),
-        subtitle: &compare_engines(runs).filter(|_| is_one).unwrap_or_else(|| "without drawing or measuring".into()),
-        axes: ["agents", "time for one simulated second (ms)"],
-        lines,
-    })
-}
-
-/// Text that compares the slowest and the fastest engine at the largest number of agents; `None` for one engine.
-fn compare_engines(runs: &[CrowdBenchRun]) -> Option<String> {
-    let most = runs.iter().map(CrowdBenchRun::agents).max()?;
-    let wall = |r: &&CrowdBenchRun| r.wall_s();
-    let all = || runs.iter().filter(|r| r.agents() == most);
-    let slow = all().max_by(|a, b| wall(a).total_cmp(&wall(b)))?;
-    let fast = all().min_by(|a, b| wall(a).total_cmp(&wall(b)))?;
-    let times = wall(&slow) / wall(&fast);
-    let text = format!("with {most} agents, {} takes {times:.1} times as long as {}", slow.engine(), fast.engine());
-    (slow.engine() != fast.engine() && times.is_finite()).then_some(text)
 }

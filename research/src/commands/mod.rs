@@ -2,6 +2,7 @@
 
 pub mod blend;
 pub mod boxing;
+pub mod crowd;
 pub mod people;
 pub mod plan;
 pub mod quality;

@@ -16,6 +16,13 @@ pub(super) fn nice_step(wanted: f32) -> f32 {
     times * power
 }
 
+/// The smallest of 1, 2, 5 times a power of ten that is not below `wanted`.
+pub fn step_up(wanted: f64) -> f64 {
+    let power = 10f64.powf(wanted.log10().floor());
+    let times = [1.0, 2.0, 5.0, 10.0].into_iter().find(|t| t * power >= wanted * (1.0 - 1e-6)).unwrap_or(10.0);
+    times * power
+}
+
 /// A length as text: metres, without needless digits.
 pub(super) fn metres(length: f32) -> String {
     if length >= 1.0 { format!("{length:.0} m") } else { format!("{length:.1} m") }
@@ -138,6 +145,9 @@ mod tests {
     fn steps_are_one_two_or_five_times_a_power_of_ten() {
         for (wanted, step) in [(0.01, 0.1), (0.99, 0.5), (1.0, 1.0), (4.9, 2.0), (73.0, 50.0), (199.0, 100.0)] {
             assert!((nice_step(wanted) - step).abs() < 1e-4 * step, "{wanted}: {}", nice_step(wanted));
+        }
+        for (wanted, step) in [(0.9, 1.0), (1.1, 2.0), (166.0, 200.0), (0.003, 0.005), (6.0, 10.0)] {
+            assert!((step_up(wanted) / step - 1.0).abs() < 1e-9, "{wanted}: {}", step_up(wanted));
         }
         assert_eq!(metres(0.5), "0.5 m");
         assert_eq!(metres(20.0), "20 m");
