@@ -95,7 +95,7 @@ impl Features {
 
     /// The features of some frames.
     pub(crate) fn select(&self, frames: &[usize]) -> Self {
-        Self { rows: frames.iter().map(|&f| self.rows[f].clone()).collect(), ..*self }
+        Self { rows: frames.iter().map(|&f| self.rows[f]).collect(), ..*self }
     }
 
     /// Number of frames.

@@ -65,8 +65,8 @@ impl PolicySolver<'_> {
     /// In a space-time grid, values stay 0 here.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
-    /// [`BuildError::Stopped`]; [`throng_base::Error::Rank`].
+    /// [`throng_motion::BuildError::Stage`] if the grid is too large, or with the last residual after `cfg.max_sweeps`;
+    /// [`throng_motion::BuildError::Stopped`]; [`throng_base::Error::Rank`].
     ///
     /// # Source
     /// Values as in Lee and Lee (2004), equation 4, with linear interpolation between cells. Differs: full sweeps instead
@@ -211,7 +211,7 @@ impl Solution {
     /// The runtime's view of the values, with one best action each.
     ///
     /// # Errors
-    /// [`BuildError::Stage`] for an inconsistent model.
+    /// [`throng_motion::BuildError::Stage`] for an inconsistent model.
     pub fn table(&self, model: &ActionModel, best: &[u8]) -> Result<PolicyTable> {
         let fault = |e: throng_core::Error| {
             stage_error("policy", e.to_string(), "The motion graph is not sound: build it again.")
