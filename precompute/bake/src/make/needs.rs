@@ -56,7 +56,7 @@ pub struct Lacks {
     pub apart: Vec<MotionApart>,
     /// Quick turns on the spot.
     pub turns: bool,
-    /// Steps aside and back, of which there are as many as turns on the spot.
+    /// Steps aside and back; they lack where turns on the spot are few.
     pub steps: bool,
     /// Turning to both sides, of each gait that goes.
     pub arcs: [bool; NUM_GAITS],
