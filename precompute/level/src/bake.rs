@@ -16,8 +16,8 @@ const SMALLEST_PART_M2: f32 = 2.0;
 /// Metres of a walk that cost as much as a link, and that each metre of height adds to it.
 const LINK_COST_M: f32 = 2.0;
 const LINK_COST_UP: f32 = 3.0;
-/// Share of the free height over which a triangle may be off the ground that Recast found.
-const LAYER: f32 = 0.75;
+/// A triangle belongs to a floor if it is within this share of the free height of it.
+const FLOOR_SHARE: f32 = 0.75;
 /// Angle by which walls have to turn for a corner: so little that a ray along a longer wall ends at its vertices (rad).
 const CORNER: f32 = 5e-6;
 
@@ -171,7 +171,7 @@ fn add_heights(data: &mut LevelData, ground: &GroundPolygons, source: &LevelSour
             }
             let middle = clipped.iter().sum::<Vec2>() / clipped.len() as f32;
             let up = height_on(&triangles[t as usize], middle) - ground_height(ground, p, middle, centre.y);
-            if up.abs() < LAYER * settings.height_m {
+            if up.abs() < FLOOR_SHARE * settings.height_m {
                 own.push((up.abs() > settings.climb_m.max(0.2), -height_on(&triangles[t as usize], middle), t));
             }
         }

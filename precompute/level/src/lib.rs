@@ -9,7 +9,7 @@ mod source;
 pub use bake::bake;
 pub use source::{LevelSource, MarkedArea, MarkedLink};
 
-/// Settings of a level: who walks there, and how fine the ground is found.
+/// Who walks on a level: radius, height, highest step and steepest slope.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelSettings {
     /// Radius: paths keep it from walls (m, > 0).

@@ -151,11 +151,12 @@ impl CardinalBasis {
     /// Moves weights to the nearest ones that are not negative and still blend to a point, by Dykstra's projections onto both
     /// sets in turn.
     fn keep_positive(&self, point: &[f64], out: &mut [f64]) {
-        /// Most rounds, and weights below zero that are as good as none.
+        /// Most rounds.
         const ROUNDS: usize = 100;
-        const NONE: f64 = -1e-4;
+        /// A weight above this counts as not negative.
+        const MOST_NEGATIVE: f64 = -1e-4;
         let n = self.num_examples;
-        let mut owed = vec![0.0; n];
+        let mut correction = vec![0.0; n];
         for _ in 0..ROUNDS {
             let mut off = [0.0; MAX_AXES + 1];
             off[0] = out.iter().sum::<f64>() - 1.0;
@@ -164,13 +165,13 @@ impl CardinalBasis {
             }
             // The hyperplanes' coefficients are the pseudo-inverse of these sums.
             self.linear.chunks_exact(n).zip(off).for_each(|(row, off)| add(out, -off, row));
-            if out.iter().all(|w| *w > NONE) {
+            if out.iter().all(|w| *w > MOST_NEGATIVE) {
                 break;
             }
-            for (w, owed) in out.iter_mut().zip(&mut owed) {
-                *owed += *w;
-                *w = owed.max(0.0);
-                *owed -= *w;
+            for (w, correction) in out.iter_mut().zip(&mut correction) {
+                *correction += *w;
+                *w = correction.max(0.0);
+                *correction -= *w;
             }
         }
         out.iter_mut().for_each(|w| *w = w.max(0.0));

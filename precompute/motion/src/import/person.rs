@@ -7,8 +7,8 @@ use throng_core::Joint;
 
 /// Heights of people, small children included (m).
 pub(super) const HEIGHTS: std::ops::RangeInclusive<f32> = 0.85..=2.5;
-/// Heights that a config may ask for by naming the unit (m).
-const MEANT: std::ops::RangeInclusive<f32> = 0.4..=3.5;
+/// Heights accepted where the config gives `metres_per_unit` (m).
+const HEIGHTS_OF_GIVEN_UNIT: std::ops::RangeInclusive<f32> = 0.4..=3.5;
 /// Length below which legs are not legs (m).
 const SHORTEST_LEG_M: f32 = 0.1;
 /// Height of an adult (m).
@@ -36,7 +36,7 @@ pub fn check_size(clip: &RawClip, roles: &RoleMap, metres_per_unit: f64, is_mean
         }
     }
     let height = body_height(clip, roles);
-    if HEIGHTS.contains(&height) || (is_meant && MEANT.contains(&height)) {
+    if HEIGHTS.contains(&height) || (is_meant && HEIGHTS_OF_GIVEN_UNIT.contains(&height)) {
         return Ok(());
     }
     let unit = metres_per_unit * f64::from(ADULT_HEIGHT / height);

@@ -32,9 +32,9 @@ const DECIDE_AGAIN_S: f32 = 0.25;
 /// Longest plan of an agent that walks together with others (s).
 const TOGETHER_S: f32 = 0.4;
 
-/// Way at which an agent begins to slow down for its goal, over that which it needs; and its plans then, over the time in which it
-/// slows down: with longer ones it would pass its goal.
+/// Factor on the braking distance: an agent begins to brake this much earlier.
 const BRAKES_EARLY: f32 = 1.1;
+/// Longest plan while braking, as a share of the braking time: longer ones would pass the goal.
 const BRAKING_PLANS: f32 = 0.5;
 
 /// Longest plan of an agent that waits before a passage (s).
@@ -76,7 +76,7 @@ pub(crate) struct AgentState<V> {
     pub is_struck: bool,
     /// True where it acts before its plan ends, see `Engine::woken_at`.
     pub is_woken: bool,
-    /// True where it has acted so, and keeps its plan to its end.
+    /// True where it keeps its plan to its end, as it was woken and found no other safe one.
     pub goes_on: bool,
 }
 

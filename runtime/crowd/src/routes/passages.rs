@@ -18,7 +18,7 @@ const STAIRS_M: f32 = 1.0;
 const STEP_M: f32 = 0.1;
 /// Most points of a middle line.
 const MOST_POINTS: usize = 2000;
-/// Largest part of the direction to a wall beside the way that may lead along the way.
+/// Largest cosine between the path and the direction to a wall for the wall to be beside it.
 const BESIDE: f32 = 0.8;
 /// Distance of mouths between which nobody can wait, in radii: two passages are one there.
 const JOINED_RADII: f32 = 4.0;

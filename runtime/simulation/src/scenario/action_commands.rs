@@ -59,7 +59,8 @@ impl AgentBrains {
         loop {
             let brain = &mut self.brains[m];
             (brain.action, brain.phase) = (at, ActionPhase::Idle);
-            (brain.until, brain.again, brain.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+            (brain.stands_until_s, brain.acts_again_at_s, brain.gives_up_at_s) =
+                (f64::INFINITY, f64::INFINITY, f64::INFINITY);
             match self.action(at) {
                 CompiledAction::End => return self.end_behaviour(stage, agent),
                 CompiledAction::Primitive { .. } => {
@@ -176,9 +177,9 @@ impl AgentBrains {
         }
         let brain = &mut self.brains[m];
         if !is_again {
-            brain.most = brain.most.min(self.now + command.most_s);
+            brain.gives_up_at_s = brain.gives_up_at_s.min(self.now + command.most_s);
         }
-        brain.again = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
+        brain.acts_again_at_s = if command.again_s > 0.0 { self.now + command.again_s } else { f64::INFINITY };
         if !matches!(command.walk, WalkCommand::Keep | WalkCommand::Along) {
             self.engagements[m].runs_course = false;
         }
@@ -219,7 +220,7 @@ impl AgentBrains {
 
     pub(super) fn stand_until(&mut self, agent: u32, stay_s: f64) -> Result<bool> {
         let brain = &mut self.brains[agent as usize];
-        (brain.phase, brain.until) = (ActionPhase::Standing, self.now + stay_s);
+        (brain.phase, brain.stands_until_s) = (ActionPhase::Standing, self.now + stay_s);
         Ok(false)
     }
 

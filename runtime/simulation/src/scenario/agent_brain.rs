@@ -21,11 +21,11 @@ pub struct AgentBrain {
     pub(super) action: u32,
     pub(super) phase: ActionPhase,
     /// End of standing (s).
-    pub(super) until: f64,
+    pub(super) stands_until_s: f64,
     /// Time of the next call of its action's function (s).
-    pub(super) again: f64,
-    /// Latest end of its action (s).
-    pub(super) most: f64,
+    pub(super) acts_again_at_s: f64,
+    /// Time at which it gives up its action, or a line in which it stands (s).
+    pub(super) gives_up_at_s: f64,
     /// Whether a rule's behaviour lasts.
     pub(super) is_busy: bool,
     /// Priority of the rule whose behaviour lasts.
@@ -184,7 +184,15 @@ pub struct LearntEvent {
 impl AgentBrain {
     /// Times at which it has to act by itself (s).
     pub(super) fn wake_times(&self) -> [f64; 7] {
-        [self.until, self.again, self.most, self.timer, self.crossing_at, self.told_at, self.tells_at]
+        [
+            self.stands_until_s,
+            self.acts_again_at_s,
+            self.gives_up_at_s,
+            self.timer,
+            self.crossing_at,
+            self.told_at,
+            self.tells_at,
+        ]
     }
 
     pub(super) fn new(group: u16) -> Self {
@@ -196,9 +204,9 @@ impl AgentBrain {
             state_since: 0.0,
             action: NONE,
             phase: ActionPhase::Idle,
-            until: f64::INFINITY,
-            again: f64::INFINITY,
-            most: f64::INFINITY,
+            stands_until_s: f64::INFINITY,
+            acts_again_at_s: f64::INFINITY,
+            gives_up_at_s: f64::INFINITY,
             is_busy: false,
             priority: i8::MIN,
             resumed: NONE,

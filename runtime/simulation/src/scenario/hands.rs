@@ -33,7 +33,7 @@ impl AgentBrains {
         if self.brains[agent as usize].phase == ActionPhase::Standing {
             let is_over = stage.is_handling_over(agent, thing);
             if !is_over {
-                self.brains[agent as usize].again = self.now + POLL_S;
+                self.brains[agent as usize].acts_again_at_s = self.now + POLL_S;
             }
             return Ok(is_over);
         }
@@ -100,7 +100,7 @@ impl AgentBrains {
         let at = self.handling_position(stage, thing, puts, said);
         stage.show_activity(agent, motion, None);
         stage.begin_handling(agent, motion, Handling { thing, puts, at });
-        self.brains[agent as usize].again = self.now + POLL_S;
+        self.brains[agent as usize].acts_again_at_s = self.now + POLL_S;
         self.stand_until(agent, said.amount(2, MOST_S))
     }
 

@@ -15,10 +15,10 @@ const INTERESTS: usize = 4;
 const INTEREST_MPS2: f32 = 1.0;
 const INTEREST_RADII: f32 = 4.0;
 
-/// Time after which an agent tells its news again, over that of telling.
-const TELLS_AGAIN: f64 = 2.0;
-/// Clearance from walls with which agents hear each other (m).
-const SIGHT_M: f32 = 0.01;
+/// An agent repeats its news after this many times the time that telling takes.
+const REPEAT_TELLINGS: f64 = 2.0;
+/// Clearance from walls of the line along which agents hear each other (m).
+const HEARING_CLEARANCE_M: f32 = 0.01;
 
 /// Time after which a door that could not close is tried again, and a source that found no room (s).
 pub(super) const RETRY_S: f64 = 0.5;
@@ -199,7 +199,8 @@ impl AgentBrains {
         self.drop_all_things(stage, agent);
         let brain = &mut self.brains[agent as usize];
         (brain.is_there, brain.action, brain.phase) = (false, NONE, ActionPhase::Idle);
-        (brain.until, brain.again, brain.most) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
+        (brain.stands_until_s, brain.acts_again_at_s, brain.gives_up_at_s) =
+            (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         (brain.timer, brain.crossing_at) = (f64::INFINITY, f64::INFINITY);
         (brain.told_by, brain.aim) = (NONE, NONE);
         (brain.told_at, brain.tells_at) = (f64::INFINITY, f64::INFINITY);
@@ -245,7 +246,7 @@ impl AgentBrains {
         }
         self.brains[m].news |= bit;
         if self.scenario.events[e].channel.is_some() && self.scenario.telling_s > 0.0 {
-            self.brains[m].tells_at = self.now + TELLS_AGAIN * self.scenario.telling_s;
+            self.brains[m].tells_at = self.now + REPEAT_TELLINGS * self.scenario.telling_s;
         }
         if !is_known {
             let at = stage.position(agent).unwrap_or_default();
@@ -298,7 +299,7 @@ impl AgentBrains {
     /// Tells news again to those around an agent that have not heard them, such as behind a wall.
     pub(super) fn tell_again(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<()> {
         let has_news = self.brains[agent as usize].news & self.shared_events() != 0;
-        let again = self.now + TELLS_AGAIN * self.scenario.telling_s;
+        let again = self.now + REPEAT_TELLINGS * self.scenario.telling_s;
         self.brains[agent as usize].tells_at = if has_news { again } else { f64::INFINITY };
         // Whoever is near counts as met anew once the senses change.
         stage.set_senses(agent, 0, 0)
@@ -307,7 +308,7 @@ impl AgentBrains {
     /// True where an agent is near another one, without a wall or a closed door between them.
     fn hears(&self, stage: &impl ScenarioStage, agent: u32, other: u32) -> bool {
         let (Some(a), Some(b)) = (stage.position(agent), stage.position(other)) else { return false };
-        a.distance(b) <= self.scenario.hearing_m && stage.sees(a, b, SIGHT_M, true)
+        a.distance(b) <= self.scenario.hearing_m && stage.sees(a, b, HEARING_CLEARANCE_M, true)
     }
 
     /// Lets an agent learn events from another one, as bits.

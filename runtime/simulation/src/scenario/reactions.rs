@@ -248,8 +248,8 @@ impl AgentBrains {
             return Ok(());
         }
         let brain = &self.brains[m];
-        let is_over = brain.until <= self.now || brain.most <= self.now;
-        if is_over || brain.again <= self.now && self.run_primitive(stage, agent, true)? {
+        let is_over = brain.stands_until_s <= self.now || brain.gives_up_at_s <= self.now;
+        if is_over || brain.acts_again_at_s <= self.now && self.run_primitive(stage, agent, true)? {
             return self.next_action(stage, agent);
         }
         Ok(())

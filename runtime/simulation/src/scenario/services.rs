@@ -37,8 +37,8 @@ pub(super) struct ServiceRecord {
     pub wait_sum_s: f64,
     pub longest_s: f64,
     /// Time for which anybody stood in line, and the sum of the times of all who did (s).
-    pub lined_s: f64,
-    pub line_sum_s: f64,
+    pub time_with_line_s: f64,
+    pub agent_seconds_in_line: f64,
     pub most_in_line: u32,
 }
 
@@ -125,7 +125,7 @@ pub struct SourceStatistics {
     pub entered: u32,
     /// Agents that are there now.
     pub present: u32,
-    /// Tries, twice a second, that found no room, or no agent that is not there.
+    /// Entries put off as there was no room, or all agents of the group were present; tried again twice a second.
     pub refused: u32,
 }
 
@@ -148,7 +148,7 @@ impl ServiceRecord {
             && self.tills.iter().all(of_tills)
             && self.waits.len() == CLASSES
             && self.waits.iter().chain(&counts).all(|n| *n < u32::MAX / 2)
-            && [self.wait_sum_s, self.longest_s, self.lined_s, self.line_sum_s].iter().all(is_time)
+            && [self.wait_sum_s, self.longest_s, self.time_with_line_s, self.agent_seconds_in_line].iter().all(is_time)
     }
 
     fn add_wait(&mut self, wait_s: f64) {
@@ -189,8 +189,8 @@ impl AgentBrains {
         for (table, record) in self.scenario.services.iter().zip(&mut services) {
             let line = |place: &u16| self.num_in_line(*place);
             let all: u32 = table.lines.iter().map(line).sum();
-            record.lined_s += if all > 0 { past } else { 0.0 };
-            record.line_sum_s += past * f64::from(all);
+            record.time_with_line_s += if all > 0 { past } else { 0.0 };
+            record.agent_seconds_in_line += past * f64::from(all);
             record.most_in_line = record.most_in_line.max(all);
             let [first, last] = self.scenario.places[usize::from(table.tills)].slots;
             for (n, (till, slot)) in record.tills.iter_mut().zip(first..last).enumerate() {
@@ -275,7 +275,7 @@ impl AgentBrains {
         self.engagements[agent as usize].joined = self.now;
         if let Some(time) = patience {
             let chances = [self.draw_chance(agent), self.draw_chance(agent)];
-            self.brains[agent as usize].most = self.now + time.time_at(chances);
+            self.brains[agent as usize].gives_up_at_s = self.now + time.time_at(chances);
         }
         Ok(slot)
     }
@@ -293,7 +293,7 @@ impl AgentBrains {
     /// Lets an agent leave its line where its patience is over; true where it has.
     pub(super) fn lose_patience(&mut self, stage: &mut impl ScenarioStage, agent: u32) -> Result<bool> {
         let brain = self.brains[agent as usize];
-        if brain.action == NONE || brain.most > self.now {
+        if brain.action == NONE || brain.gives_up_at_s > self.now {
             return Ok(false);
         }
         let CompiledAction::Primitive { claims: ActionClaim::Serve(service), .. } = self.action(brain.action) else {
@@ -424,7 +424,7 @@ impl AgentBrains {
                 wait_mean_s: record.wait_sum_s / f64::from(num.max(1)),
                 wait_p90_s: record.wait_at(0.9),
                 wait_max_s: record.longest_s,
-                line_mean: record.line_sum_s / time_s.max(1e-9),
+                line_mean: record.agent_seconds_in_line / time_s.max(1e-9),
                 line_max: record.most_in_line,
                 line_now: table.lines.iter().map(|line| counted.num_in_line(*line)).sum(),
                 busy_while_waiting: share(busy),

@@ -84,7 +84,7 @@ impl SparringConfig {
         self.stagger.check()?;
         for (what, got) in [
             ("reach_m", self.reach_m),
-            ("way_m", self.strike_path_m),
+            ("strike_path_m", self.strike_path_m),
             ("push_m_per_mps", self.push_m_per_mps),
             ("separation.margin_m", self.separation.margin_m),
             ("separation.deep_m", self.separation.deep_m),

@@ -14,8 +14,8 @@ const COMPARED_JOINTS: [Joint; 6] =
 const STEP_LENGTH_M: [f32; 2] = [0.2, 0.9];
 /// Least cosine of the angle between a step away and the blow (1).
 const ASIDE: f32 = 0.5;
-/// Difference in pose by which a step may be worse for each metre that its length is nearer to that of the blow's force (1).
-const LENGTH_COUNTS: f32 = 0.3;
+/// Cost of a metre of wrong step length, in metres of pose difference (1).
+const LENGTH_WEIGHT: f32 = 0.3;
 /// Difference in pose by which a step along the blow may be worse than one at a right angle (m).
 const STRAIGHT_M: f32 = 0.2;
 
@@ -80,7 +80,7 @@ impl StepsAway {
             let sum: f32 = looks.iter().zip(&step.joint_positions).map(|(a, b)| a.distance(*b)).sum();
             let off = sum / COMPARED_JOINTS.len() as f32;
             let is_fit = straight >= ASIDE && off <= config.alike_m;
-            let other_length = LENGTH_COUNTS * (step.length_m - length_m).abs();
+            let other_length = LENGTH_WEIGHT * (step.length_m - length_m).abs();
             is_fit.then_some((off + STRAIGHT_M * (1.0 - straight) + other_length, step.segment))
         });
         steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, segment)| segment)

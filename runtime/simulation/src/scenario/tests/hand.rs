@@ -458,7 +458,7 @@ fn impossible_agent_brains_are_refused() {
         // Whoever does nothing, or is at an effect, has no time at which it is over.
         |m: &mut AgentBrains| m.brains[0].action = NONE,
         |m: &mut AgentBrains| m.brains[0].action -= 1,
-        |m: &mut AgentBrains| (m.brains[0].action, m.brains[0].until) = (NONE, f64::INFINITY),
+        |m: &mut AgentBrains| (m.brains[0].action, m.brains[0].stands_until_s) = (NONE, f64::INFINITY),
         |m: &mut AgentBrains| m.enters[0] = 3.0,
         |m: &mut AgentBrains| m.times[0] = u32::MAX,
         |m: &mut AgentBrains| m.due[0] = 1.9,
