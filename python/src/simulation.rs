@@ -26,20 +26,24 @@ fn threads(parallel: bool) -> &'static dyn Executor {
 
 #[pymethods]
 impl PySimulation {
-    /// - `text`: text of a scene in place of the file's content; `cache`: folder of stage outputs for builds of missing bundles.
+    /// - `text`: text of a scene in place of the file's content; `cache`: folder of stage outputs for builds of missing bundles;
+    ///   `untrusted`: only files beside the scene or below are read, and nothing is built.
     #[new]
-    #[pyo3(signature = (scene, bundle=None, *, text=None, cache=None))]
+    #[pyo3(signature = (scene, bundle=None, *, text=None, cache=None, untrusted=false))]
     fn new(
         py: Python<'_>,
         scene: PathBuf,
         bundle: Option<&Bound<'_, PyBundle>>,
         text: Option<&str>,
         cache: Option<PathBuf>,
+        untrusted: bool,
     ) -> PyResult<Self> {
         let bundle = bundle.map(|b| b.get().0.clone());
         let sim = work::run_interruptibly(py, |signals| {
             let scene = match text {
+                Some(text) if untrusted => Scene::parse_untrusted(text, &scene)?,
                 Some(text) => Scene::parse(text, &scene)?,
+                None if untrusted => Scene::load_untrusted(&scene)?,
                 None => Scene::load(&scene)?,
             };
             let compiled = match &bundle {

@@ -270,6 +270,11 @@ def test_a_missing_bundle_of_a_scene_is_built(tmp_path, caplog):
     (tmp_path / "walk.toml").write_text(WALKS)
     scene = tmp_path / "scene.toml"
     scene.write_text('bundle = "walk.throng"\nconfig = "walk.toml"\nseconds = 0.5\n' + CROWD)
+    with pytest.raises(throng.InputError, match="no such bundle"):
+        throng.Simulation(scene, untrusted=True)
+    assert not (tmp_path / "walk.throng").exists()
+    with pytest.raises(throng.InputError, match="outside of the folder"):
+        throng.Simulation(scene, text='bundle = "../walk.throng"\n' + CROWD, untrusted=True)
     with caplog.at_level(logging.INFO, "throng"):
         sim = throng.Simulation(scene, cache=tmp_path / "cache")
     assert "walk.throng is not there" in caplog.text

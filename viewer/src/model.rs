@@ -115,6 +115,8 @@ pub struct Model {
     /// Simulates every step in full, however long it takes: for pictures and measurements, which must not depend on
     /// the speed of the machine.
     pub is_unhurried: bool,
+    /// Reads only files beside a scene or below, and builds nothing.
+    pub is_untrusted: bool,
     /// Number of the shown version; grows with every file that is shown, so that results computed from an older
     /// version are discarded.
     pub generation: u64,

@@ -91,6 +91,7 @@ impl ViewerWindow {
         let mut settings = args.settings(kept);
         settings.zoom = args.scale.unwrap_or(settings.zoom);
         let mut viewer = Viewer::new(settings, cc.wgpu_render_state.as_ref());
+        viewer.model.is_untrusted = args.untrusted;
         args.dress(&mut viewer.model)?;
         let made = args.file.as_ref().filter(|f| may_be_made(f));
         match made {

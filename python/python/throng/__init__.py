@@ -151,7 +151,8 @@ class Simulation(_throng.Simulation):
 
     ``Simulation("square.toml")`` opens the bundles that the scene names, and builds those that are missing, which it tells
     the logger "throng"; ``cache`` is a folder for what later builds can use again. ``bundle`` takes the place of the
-    scene's own. ``text`` is a scene in place of the file's content.
+    scene's own. ``text`` is a scene in place of the file's content. With ``untrusted`` it reads only files beside
+    the scene or below, and builds nothing: for scenes that strangers sent.
 
     ``roots`` (n x 3) and ``poses`` (n x 22 x 3 x 4) are read-only arrays of the present moment, made when they are first
     asked for. They tell where everybody is until the next step, which makes new ones: one that is kept goes on to show the

@@ -39,7 +39,8 @@ class Bundle:
 @disjoint_base
 class Simulation:
     def __new__(
-        cls, scene: _Pathlike, bundle: Bundle | None = None, *, text: str | None = None, cache: _Pathlike | None = None
+        cls, scene: _Pathlike, bundle: Bundle | None = None, *, text: str | None = None, cache: _Pathlike | None = None,
+        untrusted: bool = False,
     ) -> Self: ...
     def step(self, dt_s: float = ..., *, parallel: bool = False) -> None: ...
     def step_to(self, until_s: float, *, parallel: bool = False) -> None: ...

@@ -69,6 +69,9 @@ pub struct Args {
     #[arg(long, value_enum, default_value_t, value_name = "WHICH", requires = "screenless", help_heading = SCREENLESS)]
     pub adapter: AdapterChoice,
 
+    /// Read only files beside a stranger's scene or below, and build nothing.
+    #[arg(long)]
+    pub untrusted: bool,
     /// Size of the picture or the window. [default: 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub size: Option<PictureSize>,

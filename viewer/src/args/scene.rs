@@ -214,6 +214,7 @@ mod tests {
 
     fn opened(args: &Args) -> Result<Model, String> {
         let mut model = Model::new(args.settings(ViewerSettings::default()));
+        model.is_untrusted = args.untrusted;
         args.open(&egui::Context::default(), &mut model).map(|()| model)
     }
 

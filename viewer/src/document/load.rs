@@ -12,6 +12,7 @@ use throng_precompute::progress::Progress;
 use throng_precompute::run::{BuildContext, News, ensure_motion, is_motion, motion_name};
 use throng_precompute::stitch::WorldSource;
 use throng_precompute::{import, plans, verdict};
+use throng_simulation::Scene;
 
 /// Extension of a file, in lower case.
 fn extension(path: &Path) -> String {
@@ -33,11 +34,12 @@ impl OpenDocument {
     /// as a bundle. For a folder, an archive or several files of motion, first builds the bundle in the cache, as
     /// `throng build` does.
     ///
+    /// - `is_untrusted`: nothing is built, and a scene reads only files beside it or below.
     /// - `with`: cache and progress for missing bundles.
     ///
     /// # Errors
     /// A message that names the file, what is wrong with it and the way out.
-    pub fn read(paths: &[PathBuf], with: &BuildContext<'_>) -> Result<Self, String> {
+    pub fn read(paths: &[PathBuf], is_untrusted: bool, with: &BuildContext<'_>) -> Result<Self, String> {
         let path = match paths {
             [path] if !is_motion(path) => path,
             several if several.iter().any(|p| ["toml", "throng"].contains(&&*extension(p))) => {
@@ -45,6 +47,9 @@ impl OpenDocument {
                     "expected one bundle, one scene, one world or one task, or motion alone; open them one by one"
                         .into(),
                 );
+            }
+            _ if is_untrusted => {
+                return Err("motion is built first, and --untrusted builds nothing; leave that out".into());
             }
             motion => {
                 let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec());
@@ -54,6 +59,10 @@ impl OpenDocument {
             }
         };
         Ok(match &*extension(path) {
+            "toml" if is_untrusted => {
+                let scene = Scene::load_untrusted(path).map_err(|e| e.to_string())?;
+                Self::Scene(Box::new(SceneDocument::start(scene, path, with)?))
+            }
             _ if import::is_motion(path) => Self::Clip(Box::new(RawMotion::open(path)?)),
             "toml" if WorldSource::is_one(path) => Self::World(Box::new(WorldDocument::open(path, with)?)),
             "toml" if plans::is_task(path) => Self::Task(Box::new(TaskDocument::open(path, with)?)),
@@ -108,6 +117,7 @@ impl Loader {
         &mut self,
         paths: &[PathBuf],
         from: Option<SceneResumePoint>,
+        is_untrusted: bool,
         wake: impl FnOnce() + Send + 'static,
     ) -> OngoingBuild {
         self.stop();
@@ -115,7 +125,7 @@ impl Loader {
         let (log, own) = (building.clone(), paths.to_vec());
         let read = move || {
             let before = if let [path] = &*own { FileStamp::read(path) } else { None };
-            let mut result = log.run_with_cache(|with| OpenDocument::read(&own, with));
+            let mut result = log.run_with_cache(|with| OpenDocument::read(&own, is_untrusted, with));
             if let (Ok(OpenDocument::Scene(scene)), Some(from)) = (&mut result, from)
                 && let Err(why) = scene.resume(&from, || log.is_stopped())
             {

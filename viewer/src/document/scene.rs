@@ -145,6 +145,14 @@ impl SceneDocument {
             ),
             Err(_) => e.to_string(),
         })?;
+        Self::start(scene, path, with)
+    }
+
+    /// Puts the characters of a scene in place, and makes what is missing, as [`Self::open`].
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn start(scene: Scene, path: &Path, with: &BuildContext<'_>) -> Result<Self, String> {
         let fail = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         ensure_scene(&scene, with).map_err(|e| fail(&e))?;
         let (run, surroundings) = start_run(&scene, None, None)?;

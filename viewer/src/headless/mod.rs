@@ -99,7 +99,7 @@ impl Headless {
         let ctx = egui::Context::default();
         let settings = args.settings(crate::settings::ViewerSettings::default());
         let mut viewer = Viewer::new(settings, Some(&screen.state));
-        viewer.model.is_unhurried = true;
+        (viewer.model.is_unhurried, viewer.model.is_untrusted) = (true, args.untrusted);
         viewer.states.bare = args.panel.contains(&PanelChoice::None);
         args.dress(&mut viewer.model).map_err(HeadlessError::Scene)?;
         args.open(&ctx, &mut viewer.model).map_err(HeadlessError::Scene)?;

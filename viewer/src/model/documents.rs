@@ -167,7 +167,7 @@ impl Model {
     pub fn start_reading(&mut self, ctx: &egui::Context, paths: &[PathBuf]) {
         let ctx = ctx.clone();
         let from = self.document.scene().filter(|_| self.asked == paths).map(SceneDocument::resume_point);
-        let building = self.loader.start(paths, from, move || ctx.request_repaint());
+        let building = self.loader.start(paths, from, self.is_untrusted, move || ctx.request_repaint());
         self.build = Some(ShownBuild::UnderWay { paths: paths.to_vec(), building });
     }
 
@@ -179,7 +179,7 @@ impl Model {
     /// A message that names the file, what is wrong with it and the way out.
     pub fn open_now(&mut self, path: &Path, with: &BuildContext<'_>) -> Result<(), String> {
         let (paths, before) = (vec![path.to_path_buf()], FileStamp::read(path));
-        let opened = OpenDocument::read(&paths, with)?;
+        let opened = OpenDocument::read(&paths, self.is_untrusted, with)?;
         self.watch = Some(FileWatch::starting_at(opened.stamp(&paths, before)));
         self.adopt(paths, opened, false);
         Ok(())

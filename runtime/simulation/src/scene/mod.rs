@@ -166,6 +166,14 @@ impl Scene {
         Self::from_source(TomlSource::new(text, path), false)
     }
 
+    /// Reads the text of a scene that a stranger sent, as [`Scene::load_untrusted`].
+    ///
+    /// # Errors
+    /// As [`Scene::load_untrusted`].
+    pub fn parse_untrusted(text: &str, path: &Path) -> Result<Self> {
+        Self::from_source(TomlSource::new(text, path), true)
+    }
+
     /// Parses a scene that was serialized by the program: every key is there, and paths are relative to the folder of that run.
     ///
     /// # Errors

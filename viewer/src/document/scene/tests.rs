@@ -1,6 +1,7 @@
 //! Tests of scenes as documents.
 
 use super::*;
+use crate::document::OpenDocument;
 use crate::fixtures::boxing::Boxing;
 use crate::fixtures::meeting::Meeting;
 use crate::fixtures::paces::Paces;
@@ -108,6 +109,23 @@ fn a_missing_bundle_of_bodies_is_built() {
     std::fs::remove_file(paces.folder().join("paces.toml")).unwrap();
     let e = quietly(|with| SceneDocument::open(&path, with)).map(|_| ()).unwrap_err();
     assert!(e.contains("people.toml") && e.contains("paces.throng") && e.contains("paces.toml"), "{e}");
+}
+
+#[test]
+fn untrusted_files_read_nothing_elsewhere_and_nothing_is_built_for_them() {
+    let paces = Paces::new();
+    let path = paces.crowd(2);
+    let read = |file: &Path| quietly(|with| OpenDocument::read(&[file.to_path_buf()], true, with)).map(|_| ());
+    read(&path).unwrap();
+    std::fs::remove_file(paces.bundle()).unwrap();
+    let e = read(&path).unwrap_err();
+    assert!(e.contains("no such bundle") && !paces.bundle().exists(), "{e}");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("\"paces.throng\"", "\"../paces.throng\"")).unwrap();
+    let e = read(&path).unwrap_err();
+    assert!(e.contains("outside of the folder"), "{e}");
+    let e = read(paces.folder()).unwrap_err();
+    assert!(e.contains("--untrusted builds nothing"), "{e}");
 }
 
 #[test]
