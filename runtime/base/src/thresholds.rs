@@ -135,10 +135,6 @@ pub const TOES_SLOW_MPS_F64: f64 = 0.8;
 ///
 /// Used by the foot lock.
 pub const TOE_SWING_MPS: [f32; 2] = [0.2, 0.5];
-/// Largest speed over the ground at which the correction of a foot in the air fades (m/s). Chosen.
-///
-/// Used by the foot lock.
-pub const FOOT_RELEASED_MPS: f32 = 1.2;
 /// Largest speed at which a toe is raised to clear the ground (m/s). Chosen.
 ///
 /// Used by the foot lock.

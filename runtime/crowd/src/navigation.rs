@@ -208,24 +208,12 @@ impl Navigation {
     /// Adds a body in a level, and returns its number: that of the bodies before it.
     ///
     /// # Errors
-    /// As [`Navigation::set_route_in_level`].
+    /// As [`Navigation::set_route`]; [`Error::NoPath`] where nobody can walk to the first subgoal, or without a level.
     pub fn add_body_in_level(&mut self, route: &Route<Vec3>, at: Vec3) -> Result<usize> {
         let route = self.prepare_route_in_level(self.paths.len(), route, at)?;
         let body = self.add_body(&route.clone().map(|p| p.xz()), at.xz())?;
         self.level.iter_mut().for_each(|level| level.set_heights(body, &route));
         Ok(body)
-    }
-
-    /// Gives a body in a level another route, on which it begins at the first subgoal.
-    ///
-    /// # Errors
-    /// As [`Navigation::set_route`]; [`Error::NoPath`] where nobody can walk to the first subgoal, or without a level.
-    pub fn set_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<()> {
-        throng_base::error::check_index("body", None, body, self.paths.len())?;
-        let route = self.prepare_route_in_level(body, route, at)?;
-        self.set_route(body, &route.clone().map(|p| p.xz()), at.xz())?;
-        self.level.iter_mut().for_each(|level| level.set_heights(body, &route));
-        Ok(())
     }
 
     fn prepare_route_in_level(&mut self, body: usize, route: &Route<Vec3>, at: Vec3) -> Result<Route<Vec3>> {
