@@ -29,6 +29,11 @@ const DESPAIRS: u32 = 8;
 /// See [`WAITS`] (rad).
 const WIDE: f32 = 1.0;
 
+/// Room that an action leaves around the place where it ends: a body that turns on the spot sways by as much (m). Each failed
+/// choice takes a part of it, as far as a least one.
+const TURNING_ROOM_M: f32 = 0.05;
+const LEAST_ROOM_M: f32 = 0.015;
+
 /// Shorter actions end where they begin (m).
 const AWAY_M: f32 = 0.15;
 /// Actions that turn by less do not turn (rad).
@@ -84,6 +89,7 @@ impl Characters {
         let is_held = b.pace[lane] == pace::HELD_STILL;
         let ago_s = ago / motion_set.rate_hz;
         let (num_goals, goals) = control::active_goals(&step.orders[at], motion_set);
+        let room_m = TURNING_ROOM_M * (1.0 - b.blocked[lane] as f32 / DESPAIRS as f32);
         let own = ChoosingCharacter {
             at,
             state,
@@ -93,6 +99,8 @@ impl Characters {
             floor_m: b.floor[lane],
             goals: &goals[..num_goals],
             step,
+            // Opponents stand as near to each other as they were captured.
+            room_m: if step.avoid.pairs_m.is_none() { room_m.max(LEAST_ROOM_M) } else { 0.0 },
         };
         let found = own.clear_plan(avoiding, b);
         let b = &mut blocks[at / LANES];
@@ -160,6 +168,8 @@ struct ChoosingCharacter<'a> {
     floor_m: f32,
     goals: &'a [OwnGoal],
     step: &'a ChoiceInputs<'a>,
+    /// Room around the place where its action ends (m).
+    room_m: f32,
 }
 
 impl ChoosingCharacter<'_> {
@@ -269,11 +279,16 @@ impl ChoosingCharacter<'_> {
         }
     }
 
-    /// True where the ground of a plan is clear; its path is left in `avoiding.path`.
+    /// True where the ground of a plan is clear, with room where it ends; its path is left in `avoiding.path`.
     fn is_clear(&self, plan: SegmentPlan, avoiding: &mut PathAvoidance) -> bool {
         plan.lay_path(Some(self.state), self.root, self.step.motion_set, &mut avoiding.path);
         avoiding.find_heights(self.floor_m);
-        avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s)
+        let end = avoiding.path.nodes.len() - 1;
+        let radius_m = avoiding.path.nodes[end].radius_m;
+        avoiding.path.nodes[end].radius_m += self.room_m;
+        let is_clear = avoiding.book.is_clear(self.at, &avoiding.path, self.ago_s);
+        avoiding.path.nodes[end].radius_m = radius_m;
+        is_clear
     }
 
     /// A target on the ground around which there is no matter of blows may be turned aside.
