@@ -70,6 +70,50 @@ fn people_find_their_way_round_walls_and_through_doors() {
     }
 }
 
+/// Walls that leave a passage of a width along the x axis, 2 m long (m).
+fn passage(width: f32) -> Vec<[[f32; 2]; 2]> {
+    // Walls are 0.1 m thick to each side.
+    let (side, end) = (0.5 * width + 0.1, 0.9);
+    let beside = |z: f32| {
+        let far = z.signum() * 10.0;
+        [[[-end, z], [-end, far]], [[end, z], [end, far]], [[-end, z], [end, z]]]
+    };
+    [side, -side].into_iter().flat_map(beside).collect()
+}
+
+/// A scene of people who go to the other side of a passage from one side, or from both.
+fn through(width: f32, count: usize, sides: usize, seed: u32) -> Result<Simulation, String> {
+    let group =
+        |x: [f32; 2], by: f32| group(count, [[x[0], -5.0], [x[1], 5.0]], &format!("shift = {{ by = [{by:.1}, 0.0] }}"));
+    let groups = [group([-12.0, -3.0], 16.0), group([3.0, 12.0], -16.0)];
+    let solid: String = passage(width).iter().map(|[from, to]| wall(*from, *to)).collect();
+    people(&(format!("seed = {seed}\n") + &groups[..sides].concat() + &solid))
+}
+
+#[test]
+fn a_person_alone_passes_a_gap_of_a_metre_as_on_free_ground() {
+    for seed in 1..=12 {
+        let mut sim = through(1.0, 1, 1, seed).unwrap();
+        let start = sim.roots().flatten().next().expect("a person");
+        let walls = passage(1.0);
+        // By the gap, at nearly a metre a second.
+        let [from, to] = [Vec2::new(start.x, start.z), Vec2::new(start.x + 16.0, start.z)];
+        let free_s = f64::from(from.length() + to.length()) / 0.9;
+        assert_eq!(walk(&mut sim, &walls, 1.5 * free_s + 2.0), 1, "seed {seed}, {free_s} s");
+    }
+}
+
+#[test]
+fn crowds_pass_gaps_one_after_the_other() {
+    for (width, sides, until_s) in [(1.0, 1, 80.0), (1.8, 1, 60.0), (2.2, 2, 120.0)] {
+        for seed in 1..=2 {
+            let mut sim = through(width, 14, sides, seed).unwrap();
+            let arrived = walk(&mut sim, &passage(width), until_s);
+            assert!(arrived >= 14 * sides - 1, "{arrived} of {} pass {width} m, seed {seed}", 14 * sides);
+        }
+    }
+}
+
 #[test]
 fn two_streams_pass_each_other() {
     let (left, right) = ([[-16.0, -4.0], [-8.0, 4.0]], [[8.0, -4.0], [16.0, 4.0]]);

@@ -5,7 +5,7 @@ mod level;
 use crate::error::check;
 use crate::routes::goals::GoalTable;
 use crate::routes::guide::Guide;
-use crate::routes::passages::{PassageAdvice, PassageTurn, PassageTurns, Passages};
+use crate::routes::passages::{GATHER_M, PassageAdvice, PassageTurn, PassageTurns, PassageUse, Passages};
 use crate::routes::path::{RouteCursor, RoutePath, is_in_solid};
 use crate::routes::streets::Streets;
 use crate::space::solid::{ConvexSolid, solids};
@@ -34,10 +34,18 @@ const CELL_M: f32 = 5.0;
 const MOST_SEEN: usize = 24;
 /// Time after which a body looks for a new velocity (s).
 const STEER_S: f64 = 0.1;
-/// Room that is kept from walls, beside the radius: a step that turns aside needs it (m).
+/// Distance from a place at a corner within which a body goes on to the next one (m).
+const REACHED_M: f32 = 0.3;
+/// Room that is kept from walls, beside the radius: a step that turns aside needs it; not in passages and before them (m).
 const WALL_ROOM_M: f32 = 0.2;
 /// Room that captured people need beside them in a passage, beyond the radius (m).
 const PASSAGE_ROOM_M: f32 = 0.15;
+/// Distance by which one who enters a passage is before the next, and width that each needs of those who enter side by side (m).
+const FILE_M: f32 = 0.7;
+const ABREAST_M: f32 = 0.9;
+/// Widths below which two captured people, and streams of them, block each other, in radii, and duration of their turns (s).
+const NARROW_RADII: [f32; 2] = [4.4, 6.5];
+const TURN_S: f64 = 35.0;
 /// Time without progress after which a body steps back where that helps (s).
 const PATIENCE_S: f64 = 3.0;
 /// Progress without which a body is stuck after a time (m, s).
@@ -142,6 +150,8 @@ pub struct Navigation {
     /// Bodies by the cell that they are in, in the order of cells.
     by_cell: Vec<(u64, u32)>,
     bodies: Vec<Option<NavigatedBody>>,
+    /// Passage on the way of each body.
+    uses: Vec<Option<PassageUse>>,
     /// Time of the last update (s).
     time_s: f64,
 }
@@ -162,9 +172,10 @@ impl Navigation {
             streets.obstacles().iter().map(|o| o.clone().map(Vec2::from_world)).collect();
         let solids: Vec<Vec<ConvexSolid<Vec2>>> =
             obstacles.iter().enumerate().map(|(n, o)| solids(n, o)).collect::<Result<_>>()?;
-        let passages = Passages::find(streets, radius_m + PASSAGE_ROOM_M);
+        let room_m = radius_m + PASSAGE_ROOM_M;
+        let passages = Passages::find_below(streets, room_m, &NARROW_RADII.map(|radii| [radii * room_m; 2]));
         Ok(Self {
-            turns: PassageTurns::new(&passages),
+            turns: PassageTurns::new(&passages, TURN_S),
             passages,
             streets: Some(streets.clone()).filter(|s| !s.is_open()),
             level: None,
@@ -182,6 +193,7 @@ impl Navigation {
             progress: Vec::with_capacity(capacity),
             by_cell: Vec::with_capacity(capacity),
             bodies: Vec::with_capacity(capacity),
+            uses: Vec::with_capacity(capacity),
             time_s: 0.0,
         })
     }
@@ -201,7 +213,7 @@ impl Navigation {
         let lowest_m = if level.num_polygons() > 0 { heights[0] } else { 0.0 };
         let num_storeys = ((heights[1] - lowest_m) / STOREY_M).round().clamp(0.0, MOST_STOREYS) as usize + 1;
         let grids = vec![empty.grids[0].clone(); num_storeys];
-        let turns = PassageTurns::new(&passages);
+        let turns = PassageTurns::new(&passages, TURN_S);
         Ok(Self { level: Some(routes), all_solids, turns, passages, grids, lowest_m, ..empty })
     }
 
@@ -233,6 +245,7 @@ impl Navigation {
         let path = self.prepare_path(body, route, at)?;
         self.progress.push(RouteProgress::begin(&path));
         self.paths.push(path);
+        self.uses.push(None);
         Ok(body)
     }
 
@@ -286,7 +299,9 @@ impl Navigation {
             let intent = if progress.has_arrived { Vec2::ZERO } else { Space::unit_and_length(aim - position).0 };
             let storey = self.storey_of(height_m);
             self.grids[storey].add(position, velocity, intent);
-            self.turns.count(&self.passages, position, if progress.has_arrived { position } else { aim }, height_m);
+            let aim = if progress.has_arrived { position } else { aim };
+            self.uses[number as usize] = self.passages.find_use(position, aim, height_m);
+            self.uses[number as usize].iter().for_each(|found| self.turns.count(found));
             self.by_cell.push((cell_key(cell_of(position)), number));
         }
         self.by_cell.sort_unstable();
@@ -322,6 +337,7 @@ impl Navigation {
     ) {
         let (streets, goals, steering) = (self.streets.as_ref(), &self.goals, &self.steering);
         let grid = &self.grids[self.storey_of(body.height_m)];
+        let guide = Guide { streets, goals, grid, steering, reached_m: REACHED_M };
         let (path, cursor, position) = (&self.paths[number], &mut progress.cursor, body.position);
         let leg = cursor.leg;
         let again = match &level {
@@ -334,7 +350,7 @@ impl Navigation {
         if time_s >= cursor.look_at || cursor.rest > 0.0 && near || leg != cursor.leg {
             match level {
                 Some(level) => level.find_aim(number, path, cursor, body),
-                None => Guide { streets, goals, grid, steering }.find_aim(path, cursor, position, self.radius_m),
+                None => guide.find_aim(path, cursor, position, self.radius_m),
             }
             cursor.look_at = time_s + steering.look_s;
         }
@@ -368,8 +384,15 @@ impl Navigation {
             distance_left: distance + progress.cursor.rest,
             ..SteeredAgent::default()
         };
-        let found = self.passages.find_use(position, progress.cursor.aim, height_m).filter(|_| !progress.has_arrived);
-        let advice = found.map(|found| self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M));
+        let found = self.uses[number].filter(|_| !progress.has_arrived);
+        if found.is_some() {
+            me.radius = self.radius_m;
+        }
+        let advice = found.map(|found| {
+            let advice = self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M);
+            let waits = advice == PassageAdvice::Enter && !found.is_inside && self.is_behind(number, position, &found);
+            if waits { PassageAdvice::Stand } else { advice }
+        });
         if advice.is_some_and(|advice| advice != PassageAdvice::Enter) {
             // Who waits for its turn is in no jam.
             progress.progressed_at_s = time_s;
@@ -428,6 +451,17 @@ impl Navigation {
             steering: &self.steering,
         };
         desired_velocity(&me, &self.field, &around)
+    }
+
+    /// True for a body before a passage that as many as have room side by side would enter with or before it.
+    fn is_behind(&self, number: usize, place: Vec2, own: &PassageUse) -> bool {
+        let mut num_before = 0;
+        self.for_each_near(place, |other| {
+            let Some(its) = self.uses[other].filter(|its| other != number && its.is_before(own)) else { return };
+            let is_first = (its.distance, other) < (own.distance, number);
+            num_before += u32::from(is_first && own.distance - its.distance < FILE_M);
+        });
+        own.distance < GATHER_M && num_before >= ((own.narrowest / ABREAST_M) as u32).max(1)
     }
 
     /// Calls a function with each body in the cell of a place and in those around it.

@@ -241,7 +241,7 @@ impl<V: Space> Decider<'_, V> {
     /// Guide by which agents find their paths.
     pub fn guide(&self) -> Guide<'_, V> {
         let CrowdScenery { streets, goals, steering, .. } = self.scenery;
-        Guide { streets: streets.as_ref(), goals, grid: self.grid, steering }
+        Guide { streets: streets.as_ref(), goals, grid: self.grid, steering, reached_m: 0.0 }
     }
 
     /// Follows the route, filters the velocity, and notes whether the agent makes progress.

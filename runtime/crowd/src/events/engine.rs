@@ -8,7 +8,7 @@ use crate::events::prefetch::Prefetcher;
 use crate::events::queue::Calendar;
 use crate::events::schemes::{REGISTRATION, SchemeRef};
 use crate::events::watchdog::Watchdog;
-use crate::routes::passages::PassageTurns;
+use crate::routes::passages::{PassageTurns, TURN_S};
 use crate::routes::path::RoutePath;
 use crate::scenery::CrowdScenery;
 use crate::senses::Sensors;
@@ -91,7 +91,7 @@ impl<V: Space> Engine<V> {
         let mut engine = Self {
             watchdog: Watchdog::new(capacity, scenery.interval, setup.config.scheme.most_events()),
             scratch: DecisionScratch::new(capacity, scenery.movers.len()),
-            turns: PassageTurns::new(&scenery.passages),
+            turns: PassageTurns::new(&scenery.passages, TURN_S),
             sensors: Sensors::new(&setup.senses, capacity),
             relationships: RelationshipTable::new(capacity),
             occupancy: (setup.config.scheme == Scheme::Occupancy).then(|| Occupancy::new(cells.num_cells, capacity)),
@@ -238,7 +238,8 @@ impl<V: Space> Engine<V> {
     pub fn add_seen(&mut self, agent: &SeenAgent<V>) {
         let SeenAgent { position, velocity, intent, aim } = *agent;
         self.grid.add(position, velocity, intent);
-        self.turns.count(&self.scenery.passages, position.on_ground(), aim.on_ground(), 0.0);
+        let found = self.scenery.passages.find_use(position.on_ground(), aim.on_ground(), 0.0);
+        found.iter().for_each(|found| self.turns.count(found));
     }
 
     /// Empties the density grid, if it is time to fill it; the time that it is to show.

@@ -1,6 +1,6 @@
 //! Routes of bodies over a level, on all its floors.
 
-use super::{MOST_SEEN, NavigatedBody};
+use super::{MOST_SEEN, NARROW_RADII, NavigatedBody};
 use crate::routes::passages::Passages;
 use crate::routes::path::{RouteCursor, RoutePath};
 use crate::routes::streets::Streets;
@@ -58,7 +58,7 @@ impl LevelRoutes {
         let wall = |w: &throng_level::LevelWall| Obstacle::Wall { from: w.from.into(), to: w.to.into(), radius: 0.0 };
         let walls: Vec<Obstacle> = self.level.walls().iter().map(wall).collect();
         let streets = Streets::of_level(&walls, self.wall_heights.clone(), radius_m)?;
-        Ok(Passages::find_with_stairs(&streets, radius_m, NARROW_M))
+        Ok(Passages::find_below(&streets, radius_m, &NARROW_RADII.map(|radii| [radii * radius_m, NARROW_M])))
     }
 
     /// Route of a body without the points that repeat the one before.

@@ -27,6 +27,8 @@ pub(crate) struct Guide<'a, V> {
     pub goals: &'a GoalTable,
     pub grid: &'a DensityGrid<V>,
     pub steering: &'a SteeringConfig,
+    /// Distance within which a place at a corner is reached: the next one is taken where it is seen (m).
+    pub reached_m: f32,
 }
 
 /// Most places that are compared at a corner.
@@ -74,6 +76,7 @@ impl<V: Space> Guide<'_, V> {
         let ahead = Space::unit_and_length(corners[0].map_or(Vec2::ZERO, |c| c.next - from.xz())).0;
         let coming = oncoming(self.grid, x, V::over_ground(ahead), f32::INFINITY, self.steering)[0].min(1.0);
         let mut best = (f32::INFINITY, Vec2::ZERO, 0.0);
+        let mut is_best_reached = true;
         let mut straight_on = f32::INFINITY;
         for corner in corners[..num].iter().flatten() {
             let straight = from.xz().distance(corner.at) + corner.at.distance(corner.next);
@@ -104,8 +107,11 @@ impl<V: Space> Guide<'_, V> {
                 if at.distance(before.to_world().xz()) < step {
                     cost -= self.steering.keep_aim_m;
                 }
-                if cost < best.0 && (k == 0 || streets.sees_place(from.xz(), at, radius, through)) {
+                let is_reached = at.distance(from.xz()) < self.reached_m;
+                let is_better = if is_reached == is_best_reached { cost < best.0 } else { is_best_reached };
+                if is_better && (k == 0 || streets.sees_place(from.xz(), at, radius, through)) {
                     best = (cost, at, at.distance(corner.next) + corner.rest);
+                    is_best_reached = is_reached;
                 }
             }
         }

@@ -27,7 +27,7 @@ const NEAR_M: f32 = 6.0;
 /// Distance within which they stand; behind, they queue (m).
 const STAND_M: f32 = 3.0;
 /// Distance within which they gather before they enter, and how many may: more would wedge each other there (m).
-const GATHER_M: f32 = 1.5;
+pub(crate) const GATHER_M: f32 = 1.5;
 const MOST_GATHERED: u32 = 5;
 /// Distance from a mouth that those who wait for others keep (m).
 const KEPT_FREE_M: f32 = 2.1;
@@ -39,8 +39,8 @@ const LANE_ROOM_M: f32 = 0.15;
 const SPREAD_M: f32 = 1.6;
 /// Distance of places at the corners of a mouth from its edge: who goes round one of them goes in (m).
 const CORNER_M: f32 = 0.6;
-/// Duration of a turn, and what a metre of the passage adds to it (s).
-const TURN_S: f64 = 10.0;
+/// Duration of a turn of agents, and what a metre of the passage adds to it (s).
+pub(crate) const TURN_S: f64 = 10.0;
 const TURN_PER_M_S: f64 = 0.8;
 
 /// A passage.
@@ -52,6 +52,8 @@ struct Passage {
     length: f32,
     /// Largest distance of a wall from the line (m).
     half_width: f32,
+    /// Least width (m).
+    narrowest: f32,
     /// Lowest and highest ground in it (m).
     floor: [f32; 2],
 }
@@ -90,6 +92,8 @@ struct PassageCount {
 pub(crate) struct PassageTurns {
     turns: Vec<PassageTurn>,
     counts: Vec<PassageCount>,
+    /// Duration of a turn in a short passage (s).
+    turn_s: f64,
 }
 
 /// A passage on somebody's way.
@@ -100,10 +104,19 @@ pub(crate) struct PassageUse {
     towards: bool,
     pub is_inside: bool,
     /// Distance from the mouth by which it enters; 0 inside (m).
-    distance: f32,
+    pub distance: f32,
+    /// Least width of the passage (m).
+    pub narrowest: f32,
     /// That mouth (m), or inside the nearest place of the middle line, and the unit vector out of the passage there.
     mouth: Vec2,
     out: Vec2,
+}
+
+impl PassageUse {
+    /// True for one who is on the same way before the passage.
+    pub fn is_before(&self, other: &Self) -> bool {
+        (self.number, self.towards, self.is_inside) == (other.number, other.towards, false)
+    }
 }
 
 /// Advice to somebody on whose way a passage is.
@@ -131,22 +144,23 @@ struct WallsBeside {
 impl Passages {
     /// Finds the passages for people of a radius, in which two cannot meet (m).
     pub fn find(streets: &Streets, radius_m: f32) -> Self {
-        Self::find_with_stairs(streets, radius_m, NARROW_RADII * radius_m)
+        Self::find_below(streets, radius_m, &[[NARROW_RADII * radius_m; 2]])
     }
 
-    /// Finds the passages for people of a radius, and stairs that are narrower than a width (m).
-    pub fn find_with_stairs(streets: &Streets, radius_m: f32, stairs_m: f32) -> Self {
+    /// Finds the passages for people of a radius (m) that are narrower than some widths, and stairs narrower than others (m): those
+    /// of the first widths, then between them those of the next.
+    pub fn find_below(streets: &Streets, radius_m: f32, below_m: &[[f32; 2]]) -> Self {
         let mut all: Vec<Passage> = Vec::new();
-        let widths = |[low, high]: [f32; 2]| {
-            let is_stairs = high - low > STAIRS_M;
-            [2.0 * radius_m, if is_stairs { stairs_m } else { NARROW_RADII * radius_m }]
-        };
-        streets.visit_narrow_gaps(widths, |middle, across, floor| {
-            if !all.iter().any(|passage| is_one_floor(passage.floor, floor) && passage.holds(middle)) {
-                let gap = NarrowGap { streets, widths: widths(floor), floor };
-                all.extend(Passage::trace(&gap, middle, across));
-            }
-        });
+        for [below_m, stairs_m] in below_m {
+            let widths =
+                |[low, high]: [f32; 2]| [2.0 * radius_m, if high - low > STAIRS_M { *stairs_m } else { *below_m }];
+            streets.visit_narrow_gaps(widths, |middle, across, floor| {
+                if !all.iter().any(|passage| is_one_floor(passage.floor, floor) && passage.holds(middle)) {
+                    let gap = NarrowGap { streets, widths: widths(floor), floor };
+                    all.extend(Passage::trace(&gap, middle, across));
+                }
+            });
+        }
         join_passages(&mut all, JOINED_RADII * radius_m);
         let mut boxes = BoxGrid::with_capacity(all.len());
         for (number, passage) in all.iter().enumerate() {
@@ -186,17 +200,18 @@ impl Passage {
     ///
     /// - `across`: unit vector from wall to wall.
     fn trace(gap: &NarrowGap<'_>, middle: Vec2, across: Vec2) -> Option<Self> {
-        let mut half_width = 0.5 * gap.widths[0];
-        let mut line = gap.trace_way(middle, across.perp(), &mut half_width)?;
+        let mut range = [gap.widths[1], gap.widths[0]];
+        let mut line = gap.trace_way(middle, across.perp(), &mut range)?;
         line.reverse();
         line.push(middle);
-        line.extend(gap.trace_way(middle, -across.perp(), &mut half_width)?);
-        Some(Self::from_line(line, half_width, gap.floor))
+        line.extend(gap.trace_way(middle, -across.perp(), &mut range)?);
+        Some(Self::from_line(line, range, gap.floor))
     }
 
-    fn from_line(line: Vec<Vec2>, half_width: f32, floor: [f32; 2]) -> Self {
+    /// - `widths`: least and largest width (m).
+    fn from_line(line: Vec<Vec2>, [narrowest, widest]: [f32; 2], floor: [f32; 2]) -> Self {
         let length = line.windows(2).map(|w| w[0].distance(w[1])).sum();
-        Self { line, length, half_width, floor }
+        Self { line, length, half_width: 0.5 * widest, narrowest, floor }
     }
 
     /// Mouth at an end, and the unit vector out of it.
@@ -242,7 +257,15 @@ impl Passage {
         if let Some((mouth, along)) = self.place_within(at) {
             let towards = way.dot(along) >= 0.0;
             let out = if towards { -along } else { along };
-            return Some(PassageUse { number, towards, is_inside: true, distance: 0.0, mouth, out });
+            return Some(PassageUse {
+                number,
+                towards,
+                is_inside: true,
+                distance: 0.0,
+                narrowest: self.narrowest,
+                mouth,
+                out,
+            });
         }
         let is_aimed_at = self.holds(aim);
         let mut best: Option<PassageUse> = None;
@@ -259,7 +282,15 @@ impl Passage {
                 aside.abs() < self.half_width
             };
             if crosses || is_aimed_at || aim.distance(mouth) < self.half_width + CORNER_M {
-                best = Some(PassageUse { number, towards: !by_second, is_inside: false, distance, mouth, out });
+                best = Some(PassageUse {
+                    number,
+                    towards: !by_second,
+                    is_inside: false,
+                    distance,
+                    narrowest: self.narrowest,
+                    mouth,
+                    out,
+                });
             }
         }
         best
@@ -277,7 +308,7 @@ struct NarrowGap<'a> {
 
 impl NarrowGap<'_> {
     /// Middle line from a narrow place on to the mouth; none where the way ends before.
-    fn trace_way(&self, from: Vec2, along: Vec2, half_width: &mut f32) -> Option<Vec<Vec2>> {
+    fn trace_way(&self, from: Vec2, along: Vec2, range: &mut [f32; 2]) -> Option<Vec<Vec2>> {
         let [narrowest, wide] = self.widths;
         let (mut at, mut along, mut line) = (from, along, Vec::new());
         while line.len() < MOST_POINTS {
@@ -302,7 +333,7 @@ impl NarrowGap<'_> {
                 line.push(at);
                 return Some(line);
             }
-            *half_width = half_width.max(0.5 * width);
+            *range = [range[0].min(width), range[1].max(width)];
             let left = along.perp();
             at += left * (0.5 * (walls.left_m - walls.right_m)).clamp(-STEP_M, STEP_M);
             line.push(at);
@@ -336,7 +367,7 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
     while let Some(junction) = find_junction(all, near_m) {
         let [(first, first_end), (other, other_end)] = junction;
         let next = all.remove(other);
-        let Passage { mut line, half_width, floor, .. } = all[first].clone();
+        let Passage { mut line, half_width, narrowest, floor, .. } = all[first].clone();
         if !first_end {
             line.reverse();
         }
@@ -347,7 +378,8 @@ fn join_passages(all: &mut Vec<Passage>, near_m: f32) {
             line.extend(ahead)
         }
         let floor = [floor[0].min(next.floor[0]), floor[1].max(next.floor[1])];
-        all[first] = Passage::from_line(line, half_width.max(next.half_width), floor);
+        let widths = [narrowest.min(next.narrowest), 2.0 * half_width.max(next.half_width)];
+        all[first] = Passage::from_line(line, widths, floor);
     }
 }
 
@@ -375,9 +407,11 @@ fn find_junction(all: &[Passage], near_m: f32) -> Option<[(usize, bool); 2]> {
 
 impl PassageTurns {
     /// No passage is granted yet.
-    pub fn new(passages: &Passages) -> Self {
+    ///
+    /// - `turn_s`: duration of a turn in a short passage (s).
+    pub fn new(passages: &Passages, turn_s: f64) -> Self {
         let num = passages.all.len();
-        Self { turns: vec![PassageTurn::default(); num], counts: vec![PassageCount::default(); num] }
+        Self { turns: vec![PassageTurn::default(); num], counts: vec![PassageCount::default(); num], turn_s }
     }
 
     /// Turns, for a snapshot.
@@ -395,21 +429,19 @@ impl PassageTurns {
         self.turns.copy_from_slice(saved);
     }
 
-    /// Counts somebody on the way from a place to an aim.
-    pub fn count(&mut self, passages: &Passages, at: Vec2, aim: Vec2, height_m: f32) {
-        if let Some(found) = passages.find_use(at, aim, height_m) {
-            let count = &mut self.counts[found.number];
-            let of = if found.is_inside { &mut count.inside } else { &mut count.near };
-            let to = usize::from(found.towards);
-            of[to] += 1;
-            count.gathered[to] += u32::from(!found.is_inside && found.distance < GATHER_M);
-        }
+    /// Counts somebody on whose way a passage is.
+    pub fn count(&mut self, found: &PassageUse) {
+        let count = &mut self.counts[found.number];
+        let of = if found.is_inside { &mut count.inside } else { &mut count.near };
+        let to = usize::from(found.towards);
+        of[to] += 1;
+        count.gathered[to] += u32::from(!found.is_inside && found.distance < GATHER_M);
     }
 
     /// Takes turns, once all are counted; then counts begin anew.
     pub fn update(&mut self, passages: &Passages, now_s: f64) {
         for ((turn, count), passage) in self.turns.iter_mut().zip(&mut self.counts).zip(&passages.all) {
-            turn.update(&std::mem::take(count), TURN_S + TURN_PER_M_S * f64::from(passage.length), now_s);
+            turn.update(&std::mem::take(count), self.turn_s + TURN_PER_M_S * f64::from(passage.length), now_s);
         }
     }
 
