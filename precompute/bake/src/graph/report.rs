@@ -60,7 +60,8 @@ pub struct GraphReport {
     pub apart: Vec<MotionApart>,
     /// Neutral and all upright standing, where so little of it is neutral that gestures are taken as well (s).
     pub scarce_neutral_s: Option<[f64; 2]>,
-    /// Manners with too little motion to go and stand in them alone: people come to them and leave them unasked.
+    /// Manners with too little motion to go and stand in them alone: people come to them and leave them unasked. Empty for
+    /// motion of no manner.
     pub thin_manners: Vec<String>,
 }
 
