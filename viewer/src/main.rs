@@ -1,7 +1,6 @@
-//! `throng-viewer`: a window, a picture or a measurement, depending on the arguments.
+//! `throng-viewer`: a window or a picture, depending on the arguments.
 
 use clap::Parser;
-use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
 use std::process::ExitCode;
@@ -22,21 +21,13 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<(), Box<dyn Error>> {
-    if !args.bench.is_empty() {
-        let report = headless::bench(args)?;
-        return if args.json { print_json(&report) } else { print(&report.to_string()) };
-    }
     let Some(out) = &args.png else { return Ok(window::run(args)?) };
     let report = headless::draw_picture(args, out)?;
     if args.json {
-        return print_json(&report);
+        return print(&(escape_json_for_terminal(&serde_json::to_string_pretty(&report)?) + "\n"));
     }
     eprintln!("{}: {} x {} pixels, drawn by {}", out.display(), report.width, report.height, report.adapter);
     Ok(())
-}
-
-fn print_json(report: &impl Serialize) -> Result<(), Box<dyn Error>> {
-    print(&(escape_json_for_terminal(&serde_json::to_string_pretty(report)?) + "\n"))
 }
 
 /// Prints; a reader that has gone away is no failure.

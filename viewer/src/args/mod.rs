@@ -12,16 +12,13 @@ use throng_crowd::Scheme;
 
 /// Frames that run before a picture, unless given (1/60 s).
 pub const PICTURE_FRAMES: u32 = 150;
-/// Frames that are measured of every crowd of `--bench`, unless given.
-pub const BENCH_FRAMES: u32 = 60;
 
 /// Heading of the arguments that need no screen.
 const SCREENLESS: &str = "Without a screen";
 const AFTER_HELP: &str = "\
 JSON keys: with --png file, characters, frames, adapter, width, height, simulation_ms, layout_ms, upload_ms, drawing_ms, \
 interface_ms, frame_ms (medians of the frames that ran), and simulation_p95_ms to frame_p95_ms (their 95th percentiles). \
-`characters` is 0 where a clip is shown. \
-With --bench adapter, width, height, and crowds, a list with characters, frames and the same times.
+`characters` is 0 where a clip is shown.
 
 Exit codes: 0 done, 1 failed (the message names what and the way out), 2 wrong usage.
 
@@ -33,17 +30,16 @@ Examples:
   throng-viewer data/scenes/boxing-pair.toml
   throng-viewer data/worlds/logo.toml
   throng-viewer data/tasks/ring.toml
-  throng-viewer data/scenes/corridor.toml --engine fixed
+  throng-viewer data/scenes/corridor.toml --engine occupancy
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
-  throng-viewer walk.throng --bench 1000,10000 --json";
+  throng-viewer walk.throng --png crowd.png --characters 10000 --frames 60 --json";
 
 /// Shows what is baked, and lets it be tried: bundles (*.throng), scenes, worlds and tasks of limbs (*.toml), motion files (*.bvh, *.amc,
 /// *.npz, *.glb, *.gltf, *.fbx), and folders and archives (*.zip) of motion, which are built first, into the cache.
 ///
-/// Opens a window, in which H lists the keys; without a file, its start page. With --png or --bench it needs no screen.
+/// Opens a window, in which H lists the keys; without a file, its start page. With --png it needs no screen.
 #[derive(clap::Parser, Clone, Debug, Default)]
 #[command(name = "throng-viewer", version, after_help = AFTER_HELP)]
-#[command(group(clap::ArgGroup::new("screenless").args(["png", "bench"])))]
 pub struct Args {
     /// Bundle, scene, world of motion patches, task of limbs, motion file, or folder or archive of motion; the start page where absent.
     pub file: Option<PathBuf>,
@@ -51,22 +47,11 @@ pub struct Args {
     /// Draw a picture instead of opening a window.
     #[arg(long, value_name = "OUT", help_heading = SCREENLESS)]
     pub png: Option<PathBuf>,
-    /// Measure the frames of crowds instead of opening a window: numbers of characters, with commas.
-    #[arg(
-        long,
-        value_name = "N,...",
-        value_delimiter = ',',
-        allow_negative_numbers = true,
-        value_parser = number_parser::<usize>(&limits::SHOWN_CHARACTERS),
-        requires = "file",
-        help_heading = SCREENLESS
-    )]
-    pub bench: Vec<usize>,
     /// Print one JSON object.
-    #[arg(long, requires = "screenless", help_heading = SCREENLESS)]
+    #[arg(long, requires = "png", help_heading = SCREENLESS)]
     pub json: bool,
     /// Graphics adapter: `software` draws the same everywhere, `any` takes the fastest.
-    #[arg(long, value_enum, default_value_t, value_name = "WHICH", requires = "screenless", help_heading = SCREENLESS)]
+    #[arg(long, value_enum, default_value_t, value_name = "WHICH", requires = "png", help_heading = SCREENLESS)]
     pub adapter: AdapterChoice,
 
     /// Read only files beside a stranger's scene or below, and build nothing.
@@ -78,8 +63,8 @@ pub struct Args {
     /// Scale of text and everything else, 0.5 to 3.
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = number_parser::<f32>(&limits::SCALE))]
     pub scale: Option<f32>,
-    /// Frames of 1/60 s that run before the picture [default: 150] or are measured [default: 60]; a window closes
-    /// after so many, not counting those in which something is built.
+    /// Frames of 1/60 s that run before the picture [default: 150]; a window closes after so many, not counting those in
+    /// which something is built.
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number_parser::<u32>(&limits::FRAMES))]
     pub frames: Option<u32>,
     /// Dark or light.
@@ -166,7 +151,6 @@ mod tests {
         assert_eq!(args.body, Some(BodyChoice::Made(BodyStyle::Capsules)));
         assert_eq!(parse("--body me.GLB").expect("a right line").body, Some(BodyChoice::File("me.GLB".into())));
         assert_eq!(parse("a.toml --engine occupancy").expect("a right line").engine, Some(Scheme::Occupancy));
-        assert_eq!(parse("a.throng --bench 10,20").expect("a right line").bench, [10, 20]);
     }
 
     #[test]
@@ -174,11 +158,6 @@ mod tests {
         for (line, kind, say) in [
             ("a.throng --json", ErrorKind::MissingRequiredArgument, "--png"),
             ("a.throng --adapter any", ErrorKind::MissingRequiredArgument, "--png"),
-            ("--bench 10", ErrorKind::MissingRequiredArgument, "FILE"),
-            ("a.throng --bench 10 --png a.png", ErrorKind::ArgumentConflict, "--png"),
-            ("a.throng --bench 0", ErrorKind::ValueValidation, limits::SHOWN_CHARACTERS.range),
-            ("a.throng --bench 10,x", ErrorKind::ValueValidation, "'x'"),
-            ("a.throng --bench -1", ErrorKind::ValueValidation, limits::SHOWN_CHARACTERS.range),
             ("a.throng --characters 100001", ErrorKind::ValueValidation, limits::SHOWN_CHARACTERS.range),
             ("a.throng --seed -1", ErrorKind::ValueValidation, limits::SEED.range),
             ("a.throng --frames 0", ErrorKind::ValueValidation, limits::FRAMES.range),

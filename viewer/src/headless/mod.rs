@@ -3,10 +3,10 @@
 //! The [`Viewer`] of the window runs here in its own egui context; time is counted in frames, and frames are drawn
 //! into a texture. On a software adapter the same arguments give the same picture, bit for bit.
 
-mod bench;
+mod frame_figures;
 mod screen;
 
-pub use bench::{BenchReport, FrameFigures, bench};
+pub use frame_figures::FrameFigures;
 pub use screen::Screen;
 
 use crate::app::Viewer;
@@ -159,7 +159,8 @@ pub fn draw_picture(args: &Args, out: &Path) -> Result<PictureReport, HeadlessEr
     let image = headless.picture()?;
     save_png(&image, out)?;
     let (width, height) = image.dimensions();
-    let figures = FrameFigures::from_frames(bench::num_characters(&headless.viewer), &spans);
+    let model = &headless.viewer.model;
+    let figures = FrameFigures::from_frames(if model.shows_clip() { 0 } else { model.num_characters() }, &spans);
     Ok(PictureReport { file: out.to_path_buf(), adapter: headless.screen.adapter_name(), width, height, figures })
 }
 
