@@ -309,6 +309,33 @@ fn seat_beside_one_taken_for(seconds: f32) -> usize {
 }
 
 #[test]
+fn who_is_told_at_once_takes_turns_at_several_benches() {
+    let world = open(&["############", "b##########b", "############"]);
+    let graph = world.graph();
+    let starts = [[1, 0], [1, 2], [2, 1], [3, 0], [3, 2], [4, 1]];
+    let starts = starts.map(|[x, z]| graph.rest_cells(tile(&world, x, z)).next().unwrap());
+    let mut people = people_at(&world, &starts);
+    for c in 0..6 {
+        people.order(Id::first(c), InhabitantGoal::Perform { tag: SIT, seconds: 3.0 }).unwrap();
+    }
+    let mut seats = [None; 6];
+    for _ in 0..9000 {
+        people.step(DT, &Inline).unwrap();
+        for c in 0..6 {
+            let status = people.state(Id::first(c)).unwrap();
+            if status.activity == InhabitantActivity::Performing {
+                seats[c as usize] = Some(status.node.instance);
+            }
+            if status.activity == InhabitantActivity::Arrived && status.goal != InhabitantGoal::Roam {
+                people.order(Id::first(c), InhabitantGoal::Roam).unwrap();
+            }
+        }
+    }
+    let at_first = seats.iter().filter(|seat| **seat == seats[0]).count();
+    assert!(seats.iter().all(Option::is_some) && (2..=4).contains(&at_first), "{seats:?}");
+}
+
+#[test]
 fn a_seat_that_is_soon_free_is_waited_for_and_another_one_gone_to_otherwise() {
     assert_eq!([3.0, 100.0].map(seat_beside_one_taken_for), [0, 1]);
 }

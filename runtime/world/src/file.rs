@@ -22,7 +22,7 @@ use throng_core::format::{
 /// First bytes of every world file.
 pub const WORLD_MAGIC: [u8; 8] = *b"\x89THWRLD\n";
 /// The version of world files that this code writes and reads.
-pub const WORLD_VERSION: u32 = 3;
+pub const WORLD_VERSION: u32 = 4;
 
 /// Description of the files' content, for messages.
 const WHAT: &str = "a world";

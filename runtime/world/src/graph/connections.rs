@@ -42,6 +42,11 @@ impl OpenConnections {
         self.open_edges[neighbour as usize]
     }
 
+    /// Instance beyond an edge, where some link leads there.
+    pub fn neighbour(&self, graph: &WorldGraph, slot: u32) -> Option<u32> {
+        self.is_edge_open(slot).then(|| graph.world().neighbours[slot as usize])
+    }
+
     /// True where some joint of an adjacency leads to the other instance.
     pub fn is_open_outwards(&self, adjacency: usize) -> bool {
         self.open_joints[adjacency]

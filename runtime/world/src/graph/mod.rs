@@ -195,7 +195,7 @@ impl WorldGraph {
         self.to_rest[self.index(node)] != NONE
     }
 
-    /// True where a character may rest during a path: within an instance that is no narrow passage. (the node exists)
+    /// True where a character may rest during a path: within an instance that is no narrow passage, nor part of a climb. (the node exists)
     pub fn is_stop(&self, node: WorldNode) -> bool {
         self.is_safe(node) && !self.narrow[node.instance as usize]
     }

@@ -1,4 +1,5 @@
-//! Narrow passages: tiles that lead from one place to another and nowhere else.
+//! Narrow passages: tiles that lead from one place to another and nowhere else; and climbs: floors of few tiles, with the
+//! stairs, ladders and slides that lead there.
 //!
 //! A character that waits in one blocks it; so none rests there, and the passage is taken as a whole.
 
@@ -7,15 +8,35 @@ use throng_core::patch::NONE;
 
 /// Longest passage that is taken as a whole: in longer ones people follow each other (instances).
 const LONGEST: usize = 8;
+/// Largest climb that is taken as a whole (instances).
+const HIGHEST: usize = 64;
 /// A path around an instance that is not longer than this is no detour (instances).
 const AROUND: usize = 5;
 
-/// True for every instance that is part of a narrow passage (instances).
+/// True for every instance that is part of a narrow passage or of a climb (instances).
 pub(super) fn narrow_passages(graph: &WorldGraph) -> Vec<bool> {
-    let mut narrow: Vec<bool> = (0..graph.num_instances() as u32).map(|i| is_narrow(graph, i)).collect();
-    let mut seen = vec![false; narrow.len()];
-    for first in 0..narrow.len() {
-        if !narrow[first] || seen[first] {
+    let all = 0..graph.num_instances() as u32;
+    let mut narrow = all.clone().map(|i| is_narrow(graph, i)).collect();
+    retain_parts(graph, &mut narrow, LONGEST);
+    // A block that needs a unit of a small floor leads there.
+    let (mut is_small, mut climbs) = (vec![false; graph.world().units.len()], vec![false; narrow.len()]);
+    for i in all.clone().filter(|&i| graph.is_tile(i) && is_on_small_floor(graph, i)) {
+        climbs[i as usize] = true;
+        graph.resources(i).iter().for_each(|&unit| is_small[unit as usize] = true);
+    }
+    for i in all.filter(|&i| !graph.is_tile(i)) {
+        climbs[i as usize] = graph.resources(i).iter().any(|&unit| is_small[unit as usize]);
+    }
+    retain_parts(graph, &mut climbs, HIGHEST);
+    narrow.iter_mut().zip(climbs).for_each(|(narrow, climbs)| *narrow |= climbs);
+    narrow
+}
+
+/// Keeps what was marked in parts that lead elsewhere and are not larger than a limit (instances).
+fn retain_parts(graph: &WorldGraph, marked: &mut Vec<bool>, limit: usize) {
+    let mut seen = vec![false; marked.len()];
+    for first in 0..marked.len() {
+        if !marked[first] || seen[first] {
             continue;
         }
         seen[first] = true;
@@ -23,18 +44,36 @@ pub(super) fn narrow_passages(graph: &WorldGraph) -> Vec<bool> {
         while let Some(&i) = part.get(next) {
             next += 1;
             for_each_other(graph, i, |o| {
-                leads_out |= !narrow[o as usize];
-                if narrow[o as usize] && !seen[o as usize] {
+                leads_out |= !marked[o as usize];
+                if marked[o as usize] && !seen[o as usize] {
                     seen[o as usize] = true;
                     part.push(o);
                 }
             });
         }
-        if part.len() > LONGEST || !leads_out {
-            part.iter().for_each(|&i| narrow[i as usize] = false);
+        if part.len() > limit || !leads_out {
+            part.iter().for_each(|&i| marked[i as usize] = false);
         }
     }
-    narrow
+}
+
+/// True for a tile on a floor of few tiles.
+fn is_on_small_floor(graph: &WorldGraph, instance: u32) -> bool {
+    let (mut floor, mut next) = (vec![instance], 0);
+    while let Some(&i) = floor.get(next) {
+        next += 1;
+        let first = graph.instance(i).first_neighbour;
+        let num_edges = graph.patches().patches[graph.instance(i).patch as usize].num_edges;
+        for o in (first..first + num_edges).filter_map(|slot| graph.bounds.neighbour(graph, slot)) {
+            if !floor.contains(&o) {
+                floor.push(o);
+            }
+        }
+        if floor.len() > LONGEST {
+            return false;
+        }
+    }
+    true
 }
 
 /// True for a tile between two others that are far from each other without it.
@@ -72,11 +111,9 @@ fn are_near(graph: &WorldGraph, [from, to]: [u32; 2], without: u32) -> bool {
 fn for_each_other(graph: &WorldGraph, instance: u32, mut visit: impl FnMut(u32)) {
     let r = graph.instance(instance);
     let num_edges = graph.patches().patches[r.patch as usize].num_edges;
-    for slot in r.first_neighbour..r.first_neighbour + num_edges {
-        if graph.bounds.is_edge_open(slot) {
-            visit(graph.world().neighbours[slot as usize]);
-        }
-    }
+    (r.first_neighbour..r.first_neighbour + num_edges)
+        .filter_map(|s| graph.bounds.neighbour(graph, s))
+        .for_each(&mut visit);
     for (k, a, _) in graph.adjacencies(instance) {
         if graph.bounds.is_open_outwards(k) {
             visit(a.other);

@@ -74,8 +74,10 @@ pub(super) struct SafetySearch<'a> {
     pub character: u32,
     pub seed: u64,
     pub draw: u32,
-    /// Direction in which the character roams, if any, and its position (m).
+    /// Direction in which the character roams, if any, and its position (m). It then ends on no chair and no equipment.
     pub bound: Option<(Purpose, [f32; 2])>,
+    /// True where it may end in a passage.
+    pub is_inside: bool,
 }
 
 impl SearchSpace for SafetySearch<'_> {
@@ -84,7 +86,8 @@ impl SearchSpace for SafetySearch<'_> {
     }
 
     fn is_target(&self, node: WorldNode) -> bool {
-        self.graph.is_stop(node)
+        (self.graph.is_stop(node) || self.is_inside && self.graph.is_safe(node))
+            && (self.bound.is_none() || self.graph.is_tile(node.instance))
     }
 
     fn cost(&self, step: &WorldStep) -> f32 {

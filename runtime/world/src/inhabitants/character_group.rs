@@ -109,14 +109,16 @@ impl CharacterGroup for Inhabitants {
         self.roots.push(clip.root);
         self.orders.push(PolicyOrder::IDLE);
         self.chains.set(c, &[]);
-        self.paths.forget_path(c, None);
+        self.set_target(graph, c, None);
         self.reservations.take_units(graph.resources(start.instance), c as u32);
         Ok(id)
     }
 
     /// Removes a character and frees its units at once. The last one takes its row in [`CharacterGroup::bodies`].
     fn despawn(&mut self, id: Id) -> Result<()> {
-        self.part_pair(self.roster.row(id)?);
+        let c = self.roster.row(id)?;
+        self.part_pair(c);
+        self.set_target(self.world.clone().graph(), c, None);
         let (at, last) = self.roster.remove_id(id)?;
         self.num_orders = self.num_orders.wrapping_add(1);
         self.reservations.clear_marks();
@@ -160,7 +162,7 @@ impl CharacterGroup for Inhabitants {
         self.roots[c] = clip.root;
         self.chains.set(c, &[]);
         let target = self.paths.target(c);
-        self.paths.forget_path(c, target);
+        self.set_target(graph, c, target);
         if was_meeting {
             self.finish_goal(c);
         } else if target.is_some() {
@@ -179,7 +181,7 @@ impl CharacterGroup for Inhabitants {
         let target = self.target_of(id, c, goal)?;
         self.part_pair(c);
         self.num_orders = self.num_orders.wrapping_add(1);
-        self.paths.forget_path(c, target);
+        self.set_target(self.world.clone().graph(), c, target);
         self.states[c] = self.states[c].with_goal(goal);
         if target.is_some() {
             self.paths.request_path(c);

@@ -7,7 +7,7 @@ use super::config::{InhabitantActivity, InhabitantGoal};
 use super::purpose::Purpose;
 use super::reservations::EXTERNAL_HOLDER;
 use super::{InhabitantEvent, Inhabitants, schedule};
-use crate::plan::{PlanTarget, SearchResult, TOLL_TRIES};
+use crate::plan::{PlanTarget, SearchResult, SearchSpace, TOLL_TRIES};
 use crate::{World, WorldGraph, WorldStep};
 use throng_base::Result;
 use throng_base::thresholds::WALK_SPEED_MPS;
@@ -68,7 +68,7 @@ impl Inhabitants {
                 && let Some(instance) = self.nearest_offer(graph, c, tag)
             {
                 target = PlanTarget::Tag { instance, tag };
-                self.paths.forget_path(c, Some(target));
+                self.set_target(graph, c, Some(target));
             }
             if !self.reservations.are_free(graph, target.instance(), c as u32)
                 && self.turn_to_free(graph, c)
@@ -91,7 +91,9 @@ impl Inhabitants {
                 let stays = match held.map(|other| states.get(other as usize)) {
                     None => return 0.0,
                     // As long as waiting for its end takes.
-                    Some(Some(s)) if s.activity == InhabitantActivity::Performing => {
+                    Some(Some(s))
+                        if matches!(s.activity, InhabitantActivity::Performing | InhabitantActivity::Meeting) =>
+                    {
                         s.frames_left(rate_hz).min(TOLL_OF_WHO_STAYS)
                     }
                     Some(Some(s)) if s.activity == InhabitantActivity::Arrived && impatient => TOLL_OF_WHO_STAYS,
@@ -132,8 +134,7 @@ impl Inhabitants {
             self.states[c].activity = InhabitantActivity::Detour;
             if self.states[c].detour == 0 {
                 // A pause, so that others have time to pass.
-                let longest_s = 0.5 * self.config.patience_s * (1u32 << self.states[c].impatience) as f32;
-                let pause_s = self.draw_random(c) * longest_s;
+                let pause_s = 0.5 * self.draw_random(c) * self.config.patience_s;
                 self.states[c].until_s = self.time_s + f64::from(pause_s);
             }
             // A step aside to rest is not counted.
@@ -230,7 +231,17 @@ impl Inhabitants {
     /// Steps of a character's path up to where it may come to rest; none where they are not known.
     fn steps_to_rest(&self, graph: &WorldGraph, c: usize) -> Option<&[WorldStep]> {
         let (path, target) = (self.paths.start_node(c, self.states[c].at), self.paths.target(c)?);
-        let last = path.iter().position(|s| graph.is_stop(s.to) || target.is_at(graph, s.to))?;
+        // Whoever stands in a passage may also rest in it.
+        let is_inside = !graph.is_stop(self.states[c].at);
+        let can_stop = |node| graph.is_stop(node) || is_inside && graph.is_safe(node);
+        let last = path.iter().position(|s| can_stop(s.to) || target.is_at(graph, s.to))?;
+        // Whoever is to perform something may wait for it at the last place of rest: it leaves by what it performs.
+        let begins = |s: &WorldStep| graph.is_rest(s.to) && s.to != self.states[c].at;
+        let before = match target {
+            PlanTarget::Tag { .. } if target.is_at(graph, path[last].to) => path[..last].iter().rposition(begins),
+            _ => None,
+        };
+        let last = before.unwrap_or(last);
         (last < MAX_CHAIN).then(|| &path[..=last])
     }
 
@@ -256,7 +267,8 @@ impl Inhabitants {
                 return None;
             }
         }
-        self.chains.set(c, &self.paths.start_node(c, self.states[c].at)[..len]);
+        let steps = &self.paths.start_node(c, self.states[c].at)[..len];
+        self.chains.set(c, steps);
         self.paths.advance(c, len);
         let state = &mut self.states[c];
         state.activity = InhabitantActivity::Walking;
@@ -294,10 +306,17 @@ impl Inhabitants {
         if is_blocked {
             self.states[holder].obstructs |= !is_taken && !gives_up;
         }
+        // Patience is not lost behind a character that goes on, nor behind others that wait for it.
+        let went_on_s = match is_inhabitant {
+            true if self.chains.steps_of(holder).is_empty() => self.states[holder].went_on_s,
+            true => now,
+            false => 0.0,
+        };
         let state = &mut self.states[c];
         state.activity = if is_taken || gives_up { InhabitantActivity::Blocked } else { InhabitantActivity::Waiting };
         state.progress = 0;
-        let waits = now - *state.refused_s.get_or_insert(now) < patience_s;
+        state.went_on_s = state.went_on_s.max(went_on_s);
+        let waits = now - state.refused_s.get_or_insert(now).max(state.went_on_s) < patience_s;
         let makes_room = std::mem::take(&mut state.obstructs) && !gives_up;
         if state.activity == InhabitantActivity::Blocked && !makes_room {
             if !waits {
@@ -316,7 +335,7 @@ impl Inhabitants {
         state.refused_s = None;
         state.detour = 1 + (chance * (2u32 << state.impatience) as f32) as u32;
         state.impatience = (state.impatience + 1).min(MAX_IMPATIENCE);
-        self.paths.forget_path(c, self.paths.target(c));
+        self.paths.set_target(c, self.paths.target(c));
     }
 
     /// Resets the number of tries after a new order: without new ones, all characters come to rest in the end.
@@ -413,21 +432,24 @@ impl Inhabitants {
         step: WorldStep,
         purpose: Option<Purpose>,
     ) -> Option<WorldStep> {
-        if graph.is_stop(step.to) {
-            self.chains.set(c, &[step]);
-            return self.reserve_chain(graph, c);
-        }
         let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
         let start = graph.place(self.states[c].at);
         let bound = purpose.map(|p| (p, [start.x, start.z]));
-        let mut space = SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound };
-        let nodes = &mut self.planner.nodes;
-        let SearchResult::Path(path) = nodes.search(graph, step.to, &mut space, MAX_OPENED) else { return None };
-        if nodes.cost(path) == f32::INFINITY {
+        let is_inside = purpose.is_none() && !graph.is_stop(self.states[c].at);
+        let mut space =
+            SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound, is_inside };
+        let (nodes, mut len) = (&mut self.planner.nodes, 0);
+        let room = self.chains.begin_chain(c, step);
+        let mut is_safe = space.is_target(step.to);
+        if !is_safe && let SearchResult::Path(path) = nodes.search(graph, step.to, &mut space, MAX_OPENED) {
+            is_safe = nodes.cost(path) < f32::INFINITY;
+            len = nodes.write_path(path, room);
+        }
+        if !self.chains.extend_chain(c, len) || !is_safe {
+            self.chains.set(c, &[]);
             return None;
         }
-        let len = nodes.write_path(path, self.chains.begin_chain(c, step));
-        if self.chains.extend_chain(c, len) { self.reserve_chain(graph, c) } else { None }
+        self.reserve_chain(graph, c)
     }
 
     /// Takes the units that the chain needs, and returns its first step.
@@ -463,5 +485,46 @@ impl Inhabitants {
         let id = self.roster.ids()[c];
         let name = u64::from(id.generation) << 32 | u64::from(id.index);
         self.config.characters.first_number.wrapping_add(name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inhabitants::InhabitantsConfig;
+    use crate::made_up_floor::{SIT, tables, world};
+    use throng_base::{Id, Inline};
+    use throng_core::CharacterGroup;
+    use throng_core::glam::Vec3;
+
+    /// A world with people at the given places (m).
+    fn people_in(rows: &[&str], places: &[[f32; 2]]) -> Inhabitants {
+        let tables = tables();
+        let world = World::from_data(&world(&tables, rows), &tables).unwrap();
+        let mut people = Inhabitants::new(&world, places.len(), InhabitantsConfig::default()).unwrap();
+        for [x, z] in places {
+            people.spawn(world.nearest_place(Vec3::new(*x, 0.9, *z), 1.0).unwrap().node).unwrap();
+        }
+        people
+    }
+
+    #[test]
+    fn somebody_that_roams_leaves_a_bench() {
+        let mut people = people_in(&["####", "#bb#", "####"], &[[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]]);
+        let mut seated = 0;
+        for k in 0..6000 {
+            if k % 1000 == 0 {
+                people.order(Id::first(0), InhabitantGoal::Perform { tag: SIT, seconds: 5.0 }).unwrap();
+            } else if people.states[0].activity == InhabitantActivity::Arrived {
+                people.order(Id::first(0), InhabitantGoal::Roam).unwrap();
+            }
+            people.step(0.1, &Inline).unwrap();
+            let world = people.world.clone();
+            let sits =
+                |s: &&super::super::InhabitantMemory| s.goal.is_roaming() && !world.graph().is_tile(s.at.instance);
+            seated += people.states.iter().filter(sits).count();
+        }
+        let share = seated as f32 / 18000.0;
+        assert!(share < 0.1, "{share} of the time");
     }
 }

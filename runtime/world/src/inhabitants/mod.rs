@@ -49,6 +49,8 @@ struct InhabitantMemory {
     num_fulfilled: u32,
     /// Time at which it was first refused a unit, since it last got one (s).
     refused_s: Option<f64>,
+    /// Last time at which the one who held it went on (s).
+    went_on_s: f64,
     /// Random numbers drawn so far.
     draws: u32,
     /// Direction in which it roams.
@@ -157,6 +159,8 @@ pub struct Inhabitants {
     planner: WorldPlanner,
     /// Instances that offer each tag, by `tag - 1`.
     offers: Vec<Vec<u32>>,
+    /// Number of characters whose target needs each unit.
+    num_bound: Vec<u32>,
     /// Places for actions of two.
     pair_offers: Vec<PairOffer>,
     events: Vec<(Id, InhabitantEvent)>,
@@ -187,6 +191,7 @@ impl Inhabitants {
             grounds: None,
             planner: WorldPlanner::new(graph),
             offers: offers::offers_by_tag(graph),
+            num_bound: vec![0; graph.world().units.len()],
             pair_offers: pairs::pair_offers(graph),
             // In one step, a character may lose its partner, find no path, begin and arrive.
             events: Vec::with_capacity(4 * capacity),

@@ -26,6 +26,8 @@ pub(super) fn offers_by_tag(graph: &WorldGraph) -> Vec<Vec<u32>> {
     out
 }
 
+/// Assumed time that each character takes that goes to the same place (s).
+const TURN_S: f32 = 20.0;
 /// Assumed stay of a character that has arrived at its place (s).
 const STAY_S: f32 = 60.0;
 
@@ -34,8 +36,11 @@ impl Inhabitants {
     pub(super) fn nearest_offer(&self, graph: &WorldGraph, character: usize, tag: u16) -> Option<u32> {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
-        let far =
-            |i: u32| (graph.centre(i) - here).length() + WALK_SPEED_MPS * self.others_held_for_s(graph, character, i);
+        let far = |i: u32| {
+            let turns_s = TURN_S * self.num_bound_for(graph, character, i) as f32;
+            let wait_s = self.others_held_for_s(graph, character, i).max(turns_s);
+            (graph.centre(i) - here).length() + WALK_SPEED_MPS * wait_s
+        };
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 

@@ -185,7 +185,7 @@ impl Inhabitants {
             self.part_pair(c);
             let side = k ^ usize::from(flipped);
             let target = PlanTarget::Node(self.pair_offers[offer as usize].starts[side]);
-            self.paths.forget_path(c, Some(target));
+            self.set_target(self.world.clone().graph(), c, Some(target));
             self.states[c] = self.states[c].with_goal(InhabitantGoal::Meet { tag, seconds });
             self.states[c].meeting = Some(PairMeeting {
                 with: two[1 - k],

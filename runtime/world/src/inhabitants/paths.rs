@@ -99,8 +99,8 @@ impl InhabitantPaths {
         self.paths[character].from
     }
 
-    /// Forgets a path, for another target or none.
-    pub fn forget_path(&mut self, character: usize, target: Option<PlanTarget>) {
+    /// Replaces the target of a character, whose path is forgotten.
+    pub fn set_target(&mut self, character: usize, target: Option<PlanTarget>) {
         let p = &mut self.paths[character];
         *p = InhabitantPath { target, asked: p.asked, ..InhabitantPath::default() };
     }

@@ -51,7 +51,7 @@ impl Inhabitants {
         let mut setup = Hash128::default();
         setup.add_bytes(&self.world.hash().to_le_bytes());
         setup.add_bytes(format!("{:?} {}", self.config, self.capacity()).as_bytes());
-        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 11, setup: setup.finish() }
+        SnapshotKind { what: "inhabitants", tag: *b"INHB", version: 12, setup: setup.finish() }
     }
 
     /// Restores a state of unknown origin, or changes nothing and says what does not fit.
@@ -99,6 +99,8 @@ impl Inhabitants {
         (self.chains, self.paths) = (new_chains, new_paths);
         self.states.clone_from(states);
         self.orders.clone_from(orders);
+        self.num_bound.fill(0);
+        (0..n).for_each(|c| self.count_bound(graph, c, u32::wrapping_add));
         Ok(())
     }
 }
@@ -113,6 +115,7 @@ fn is_sound(graph: &WorldGraph, state: &InhabitantMemory) -> bool {
         && state.leaves_s.is_none_or(is_time)
         && state.purpose.is_sound()
         && state.refused_s.is_none_or(is_time)
+        && is_time(state.went_on_s)
 }
 
 /// True for a time that may be noted: soon after the latest one at most.

@@ -64,6 +64,26 @@ impl Inhabitants {
         Ok(Some(target))
     }
 
+    /// Replaces the target of a character, whose path is forgotten.
+    pub(super) fn set_target(&mut self, graph: &WorldGraph, c: usize, target: Option<PlanTarget>) {
+        self.count_bound(graph, c, u32::wrapping_sub);
+        self.paths.set_target(c, target);
+        self.count_bound(graph, c, u32::wrapping_add);
+    }
+
+    /// Counts a character at the units of its target, or no longer.
+    pub(super) fn count_bound(&mut self, graph: &WorldGraph, c: usize, count: fn(u32, u32) -> u32) {
+        let units = self.paths.target(c).map_or(&[][..], |t| graph.resources(t.instance()));
+        units.iter().for_each(|&u| self.num_bound[u as usize] = count(self.num_bound[u as usize], 1));
+    }
+
+    /// Number of other characters whose target needs a unit of an instance.
+    pub(super) fn num_bound_for(&self, graph: &WorldGraph, c: usize, instance: u32) -> u32 {
+        let own = self.paths.target(c).map_or(&[][..], |t| graph.resources(t.instance()));
+        let num = |u: &u32| self.num_bound[*u as usize] - u32::from(own.contains(u));
+        graph.resources(instance).iter().map(num).max().unwrap_or(0)
+    }
+
     /// Node that all that a character is sure to do leads to.
     pub(super) fn end_node(&self, c: usize) -> WorldNode {
         self.chains.steps_of(c).last().map_or(self.states[c].at, |s| s.to)
@@ -81,20 +101,9 @@ impl Inhabitants {
     /// The instance of the free place to stay that is nearest to a point and no other character's target.
     ///
     /// - `but`: not that one.
-    fn free_near(&mut self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
-        self.reservations.clear_marks();
-        for other in (0..self.states.len()).filter(|&other| other != c) {
-            if let Some(target) = self.paths.target(other) {
-                self.reservations.mark_units(graph.resources(target.instance()));
-            }
-        }
-        let reservations = &self.reservations;
-        let is_free = |instance| {
-            let units = graph.resources(instance);
-            but != Some(instance)
-                && reservations.are_free(graph, instance, c as u32)
-                && !reservations.is_any_marked(units)
-        };
+    fn free_near(&self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
+        let is_free = |i| self.num_bound_for(graph, c, i) == 0 && self.reservations.are_free(graph, i, c as u32);
+        let is_free = |i| but != Some(i) && is_free(i);
         let node = graph.nearest_rest_of(point, is_free)?;
         (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
     }
@@ -119,7 +128,7 @@ impl Inhabitants {
         let InhabitantGoal::GoNear { place, within_m } = self.states[c].goal else { return false };
         let now = self.paths.target(c).map(|t| t.instance());
         let Some(instance) = self.free_near(graph, c, place, within_m, now) else { return false };
-        self.paths.forget_path(c, Some(PlanTarget::Rest { instance }));
+        self.set_target(graph, c, Some(PlanTarget::Rest { instance }));
         true
     }
 
@@ -132,7 +141,7 @@ impl Inhabitants {
         let is_near = |node: WorldNode| graph.place(node).translation().distance(place) <= within_m;
         let is_enough = graph.rest_cells(here).any(is_near);
         if is_enough {
-            self.paths.forget_path(c, Some(PlanTarget::Rest { instance: here }));
+            self.set_target(graph, c, Some(PlanTarget::Rest { instance: here }));
         }
         is_enough
     }
