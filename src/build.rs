@@ -179,9 +179,9 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
     rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
     rows.extend(g.apart.iter().map(|a| ("stays out", a.to_string())));
     if !g.thin_manners.is_empty() {
-        let named = |m: &String| if m.is_empty() { "plain".to_owned() } else { m.clone() };
-        let thin: Vec<String> = g.thin_manners.iter().map(named).collect();
-        let text = format!("{} change unasked: too little motion to go and stand in them alone", thin.join(", "));
+        let named = |m| if m == "" { "plain" } else { m };
+        let thin = g.thin_manners.iter().map(|m| named(m.as_str())).collect::<Vec<_>>().join(", ");
+        let text = format!("{thin} change unasked: too little motion to go and stand in them alone");
         rows.push(("manners", text));
     }
     if let Some([neutral, all]) = g.scarce_neutral_s {

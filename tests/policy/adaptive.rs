@@ -72,7 +72,8 @@ fn error(model: &ActionModel, finest: &Solution, adapted: &Solution, state: u32)
     let best = [finest, adapted].map(|s| vec![0; s.values.len() * n]);
     let (a, b) = (finest.table(model, &best[0]).expect("sound"), adapted.table(model, &best[1]).expect("sound"));
     let cells = 0..a.grid().num_cells();
-    let squares = cells.map(|c| f64::from(b.value(state, a.cell_target(state, c)) - a.values_of(state)[c]).powi(2));
+    let squares =
+        cells.map(|c| f64::from(b.value(state, a.grid().cell_centre(c) + a.centre()) - a.values_of(state)[c]).powi(2));
     (squares.sum::<f64>() / a.grid().num_cells() as f64).sqrt()
 }
 
@@ -161,7 +162,7 @@ fn stored_actions_are_those_of_the_look_ahead_at_the_centres_of_a_state_s_own_ce
     for state in 0..STATES {
         let own = table.grid_of(state);
         for cell in 0..own.num_cells() {
-            let target = table.cell_target(state, cell);
+            let target = own.cell_centre(cell) + table.centre();
             let mut ranked = [RankedActions::NONE];
             let goals = [LookAheadGoal { policy: &table, weights: &[1.0], targets: &[target] }];
             LookAheadJob { goals: &goals, states: &[state], ranked: &mut ranked }.run().expect("a sound batch");

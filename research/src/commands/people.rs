@@ -7,7 +7,7 @@ use throng_research::steering::{PeopleFigures, people};
 
 /// Compare crowds with people: speed and flow over density, lanes, flow through gaps, stripes where streams cross.
 ///
-/// Agents are strollers (`ForceField::STROLLER`) 0.42 to 0.5 m wide with speeds of 1.34 +- 0.26 m/s.
+/// Agents are in no hurry, and in a crowd as slow as the people there; they are 0.42 to 0.5 m wide with speeds of 1.34 +- 0.26 m/s.
 #[derive(clap::Args)]
 #[command(after_long_help = keys::json_keys::<PeopleFigures>())]
 pub struct Args {

@@ -70,7 +70,7 @@ const PEOPLE: People = People { radius_m: [0.21, 0.25], speed_mps: [1.34, 0.26] 
 /// As [`run`].
 pub fn people(seed: u64, change: &dyn Fn(&mut CrowdSetup)) -> Result<PeopleFigures, CrowdError> {
     let change = &|setup: &mut CrowdSetup| {
-        setup.fields = vec![ForceField::STROLLER];
+        setup.fields = vec![ForceField { crowd_speed: 1.12, ..ForceField::COMMUTER }];
         change(setup);
     };
     let mut out = PeopleFigures::default();

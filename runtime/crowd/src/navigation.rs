@@ -374,20 +374,17 @@ impl Navigation {
         let NavigatedBody { position, velocity, height_m } = *body;
         let grid = &self.grids[self.storey_of(height_m)];
         let (desired, distance) = Space::unit_and_length(progress.cursor.aim - position);
+        let found = self.uses[number].filter(|_| !progress.has_arrived);
         let mut me = SteeredAgent {
             position,
             velocity,
-            radius: self.radius_m + WALL_ROOM_M,
+            radius: self.radius_m + if found.is_some() { 0.0 } else { WALL_ROOM_M },
             limit: 1.0,
             desired,
             speed: self.speed_mps,
             distance_left: distance + progress.cursor.rest,
             ..SteeredAgent::default()
         };
-        let found = self.uses[number].filter(|_| !progress.has_arrived);
-        if found.is_some() {
-            me.radius = self.radius_m;
-        }
         let advice = found.map(|found| {
             let advice = self.turns.advise(&found, position, self.radius_m + PASSAGE_ROOM_M);
             let waits = advice == PassageAdvice::Enter && !found.is_inside && self.is_behind(number, position, &found);

@@ -23,13 +23,7 @@ interface_ms, frame_ms (medians of the frames that ran), and simulation_p95_ms t
 Exit codes: 0 done, 1 failed (the message names what and the way out), 2 wrong usage.
 
 Examples:
-  throng-viewer
   throng-viewer FOLDER
-  throng-viewer walk.throng
-  throng-viewer clip.bvh
-  throng-viewer data/scenes/boxing-pair.toml
-  throng-viewer data/worlds/logo.toml
-  throng-viewer data/tasks/ring.toml
   throng-viewer data/scenes/corridor.toml --engine occupancy
   throng-viewer walk.throng --png crowd.png --characters 1000 --panel none --camera yaw=30,pitch=20,distance=25
   throng-viewer walk.throng --png crowd.png --characters 10000 --frames 60 --json";

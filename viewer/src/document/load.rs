@@ -48,9 +48,7 @@ impl OpenDocument {
                         .into(),
                 );
             }
-            _ if is_untrusted => {
-                return Err("motion is built first, and --untrusted builds nothing; leave that out".into());
-            }
+            _ if is_untrusted => return Err("--untrusted builds nothing; leave it out for motion of your own".into()),
             motion => {
                 let config = BuildConfig::of_motion(motion_name(motion), motion.to_vec());
                 let bundle = config.and_then(|config| ensure_motion(&config, Path::new("motion.throng"), with));

@@ -106,11 +106,6 @@ impl Headless {
         Ok(Self { ctx, viewer, screen, frame: 0 })
     }
 
-    /// Carries out a command as a panel's would be.
-    pub fn apply(&mut self, command: crate::command::ViewerCommand) {
-        self.viewer.model.apply(&self.ctx, command);
-    }
-
     /// Advances by one frame of 1/60 s; without `draws`, skips drawing it.
     ///
     /// # Errors

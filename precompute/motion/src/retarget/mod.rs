@@ -141,21 +141,6 @@ fn retarget_sources(sources: &[RetargetSource], cfg: &RetargetConfig, warnings: 
     Ok(ClipSet { skeleton: plan.skeleton, clips })
 }
 
-/// The clip's own proportions on the database topology.
-///
-/// [`retarget_clips`] with these reproduces the positions of all joints that have a role, as far as 22 joints can: exactly
-/// where each role hangs rigidly from the joint of its parent role.
-///
-/// # Errors
-/// Errors of [`retarget_clips`].
-pub fn skeleton_of(clip: &ImportedClip) -> Result<Skeleton> {
-    own_skeleton(clip.into())
-}
-
-fn own_skeleton(source: RetargetSource) -> Result<Skeleton> {
-    Ok(SkeletonGroup::measure_one(source)?.own)
-}
-
 /// Clips by performer: clips of one source skeleton, with the same joints and lengths, together; in input order.
 pub fn performers(clips: &[ImportedClip]) -> Vec<Vec<usize>> {
     group_by_skeleton(&clips.iter().map(RetargetSource::from).collect::<Vec<_>>())

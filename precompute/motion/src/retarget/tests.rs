@@ -309,7 +309,7 @@ proptest! {
         let (raw, roles) = rig(&motion(&s), &s, &axes, &[]);
         let set = lay(&raw, &roles, Proportions::Clip, false);
         prop_assert!(worst_distance(&set, &raw, &roles) < 1e-4);
-        let own = own_skeleton(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
+        let own = SkeletonGroup::measure_one(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap().own;
         prop_assert_eq!(&set.skeleton, &own);
         for f in 1..FRAMES {
             let pairs = set.clips[0].frame_rotations(f - 1).iter().zip(set.clips[0].frame_rotations(f));
@@ -334,7 +334,7 @@ proptest! {
         }
         let (raw, roles) = rig(&motion(&s), &s, &PLAIN, &[LeftToe, RightToe]);
         let set = lay(&raw, &roles, Proportions::Default, false);
-        let own = own_skeleton(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap();
+        let own = SkeletonGroup::measure_one(RetargetSource { clip: &raw, roles: &roles, heading: None, turn: None }).unwrap().own;
         let scale = set.skeleton.leg_length() / own.leg_length();
         for foot in [LeftFoot, RightFoot] {
             let off = |f: usize| {

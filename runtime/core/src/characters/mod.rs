@@ -79,8 +79,7 @@ pub struct CharacterStart {
 
 /// The engine beneath [`PolicyCharacters`], which applications use: rows without ids or orders.
 ///
-/// Characters that move together, eight to a block; all memory is allocated in [`Characters::new`] or
-/// [`Characters::new_scheduled`].
+/// Characters that move together, eight to a block; all memory is allocated at the start.
 ///
 /// Every tick, [`Characters::step`] moves time on, lets characters at the end of a segment choose their next action by
 /// the policies, samples and blends their motion, locks planted feet, and leaves each character's planar root,

@@ -1,9 +1,9 @@
 //! Scheduled clips: stretches of frames that a character plays in place of choosing by a policy.
 
+use super::Characters;
 use super::block::{MotionBlock, NO_STATE, SCHEDULED};
 use super::motion_set::MotionSet;
 use super::transition::{SegmentChange, StartTransitionsJob, wake_block};
-use super::{Characters, CharactersConfig};
 use crate::body::{Lanewise, set_lane};
 use crate::patch::Placement;
 use crate::planar::Planar;
@@ -76,20 +76,8 @@ impl ScheduledClip {
 }
 
 impl Characters {
-    /// Starts characters on scheduled clips, each at the clip's first frame. They choose nothing: the caller schedules
-    /// the next clip before the last one ends. Poses are there after the first step.
-    ///
-    /// # Errors
-    /// [`throng_base::Error::Index`] or [`throng_base::Error::Value`] for a scheduled clip that leaves its clip or is
-    /// not finite, or a setting out of its range.
-    pub fn new_scheduled(motion_set: &MotionSet, config: CharactersConfig, clips: &[ScheduledClip]) -> Result<Self> {
-        let mut out = Self::with_capacity(motion_set, config, clips.len())?;
-        clips.iter().try_for_each(|clip| out.enter_scheduled(motion_set, clip))?;
-        Ok(out)
-    }
-
-    /// Adds a character on a scheduled clip after the last one; see [`Characters::new_scheduled`]. Its pose is there after
-    /// the next step. Allocates nothing.
+    /// Adds a character on a scheduled clip after the last one. It chooses nothing: the caller schedules the next clip before
+    /// this one ends. Its pose is there after the next step. Allocates nothing.
     ///
     /// # Errors
     /// As [`Characters::schedule_clip`], and [`throng_base::Error::Index`] beyond the capacity; nothing has changed then.

@@ -268,12 +268,6 @@ impl PolicyTable {
         target - self.centre
     }
 
-    /// The centre of a cell of a state's grid, in the character's frame (m, state < num_states, cell < num_cells of
-    /// that grid).
-    pub fn cell_target(&self, state: u32, cell: usize) -> Vec3 {
-        self.grid_of(state).cell_centre(cell) + self.centre
-    }
-
     /// The cell of a state's grid that is nearest to a target in the character's frame (state < num_states).
     #[inline]
     pub fn nearest_cell(&self, state: u32, target: Vec3) -> usize {

@@ -100,11 +100,9 @@ impl ForceField {
         safety: 0.28,
     };
 
-    /// Parameters of a pedestrian in no hurry: in a crowd as slow as the people there.
-    pub const STROLLER: Self = Self { crowd_speed: 1.12, ..Self::COMMUTER };
-
     /// A bird of about 0.5 m radius and 5 m/s: lengths grow with its radius, and it needs no lanes, as it has room above
     /// and below.
+    #[cfg(test)]
     pub const BIRD: Self = Self {
         relaxation_s: 0.3,
         perception_m: 6.8,

@@ -16,6 +16,7 @@ const POLL_S: f64 = 0.2;
 
 impl AgentBrains {
     /// True where an agent has a thing in hand, or a claim to take it (thing < number of things).
+    #[cfg(test)]
     pub fn has_claimed(&self, agent: usize, thing: usize) -> bool {
         self.keepers[thing] == agent as u32
     }

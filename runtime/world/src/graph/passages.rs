@@ -16,7 +16,7 @@ const AROUND: usize = 5;
 /// True for every instance that is part of a narrow passage or of a climb (instances).
 pub(super) fn narrow_passages(graph: &WorldGraph) -> Vec<bool> {
     let all = 0..graph.num_instances() as u32;
-    let mut narrow = all.clone().map(|i| is_narrow(graph, i)).collect();
+    let mut narrow: Vec<bool> = all.clone().map(|i| is_narrow(graph, i)).collect();
     retain_parts(graph, &mut narrow, LONGEST);
     // A block that needs a unit of a small floor leads there.
     let (mut is_small, mut climbs) = (vec![false; graph.world().units.len()], vec![false; narrow.len()]);
@@ -33,7 +33,7 @@ pub(super) fn narrow_passages(graph: &WorldGraph) -> Vec<bool> {
 }
 
 /// Keeps what was marked in parts that lead elsewhere and are not larger than a limit (instances).
-fn retain_parts(graph: &WorldGraph, marked: &mut Vec<bool>, limit: usize) {
+fn retain_parts(graph: &WorldGraph, marked: &mut [bool], limit: usize) {
     let mut seen = vec![false; marked.len()];
     for first in 0..marked.len() {
         if !marked[first] || seen[first] {
@@ -111,9 +111,8 @@ fn are_near(graph: &WorldGraph, [from, to]: [u32; 2], without: u32) -> bool {
 fn for_each_other(graph: &WorldGraph, instance: u32, mut visit: impl FnMut(u32)) {
     let r = graph.instance(instance);
     let num_edges = graph.patches().patches[r.patch as usize].num_edges;
-    (r.first_neighbour..r.first_neighbour + num_edges)
-        .filter_map(|s| graph.bounds.neighbour(graph, s))
-        .for_each(&mut visit);
+    let edges = r.first_neighbour..r.first_neighbour + num_edges;
+    edges.filter_map(|slot| graph.bounds.neighbour(graph, slot)).for_each(&mut visit);
     for (k, a, _) in graph.adjacencies(instance) {
         if graph.bounds.is_open_outwards(k) {
             visit(a.other);

@@ -267,8 +267,7 @@ impl Inhabitants {
                 return None;
             }
         }
-        let steps = &self.paths.start_node(c, self.states[c].at)[..len];
-        self.chains.set(c, steps);
+        self.chains.set(c, &self.paths.start_node(c, self.states[c].at)[..len]);
         self.paths.advance(c, len);
         let state = &mut self.states[c];
         state.activity = InhabitantActivity::Walking;

@@ -102,9 +102,8 @@ impl Inhabitants {
     ///
     /// - `but`: not that one.
     fn free_near(&self, graph: &WorldGraph, c: usize, point: Vec3, within_m: f32, but: Option<u32>) -> Option<u32> {
-        let is_free = |i| self.num_bound_for(graph, c, i) == 0 && self.reservations.are_free(graph, i, c as u32);
-        let is_free = |i| but != Some(i) && is_free(i);
-        let node = graph.nearest_rest_of(point, is_free)?;
+        let has_room = |i| self.num_bound_for(graph, c, i) == 0 && self.reservations.are_free(graph, i, c as u32);
+        let node = graph.nearest_rest_of(point, |i| but != Some(i) && has_room(i))?;
         (graph.place(node).translation().distance(point) <= within_m).then_some(node.instance)
     }
 

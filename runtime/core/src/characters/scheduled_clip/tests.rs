@@ -31,6 +31,19 @@ fn near(a: Planar, b: Planar) -> bool {
     (a.x - b.x).abs() < 1e-4 && (a.z - b.z).abs() < 1e-4 && turned.abs() < 1e-4
 }
 
+impl Characters {
+    /// Starts characters on scheduled clips, each at the clip's first frame.
+    pub(crate) fn new_scheduled(
+        motion_set: &MotionSet,
+        config: CharactersConfig,
+        clips: &[ScheduledClip],
+    ) -> Result<Self> {
+        let mut out = Self::with_capacity(motion_set, config, clips.len())?;
+        clips.iter().try_for_each(|clip| out.enter_scheduled(motion_set, clip))?;
+        Ok(out)
+    }
+}
+
 #[test]
 fn roots_are_those_of_the_clip_with_a_linear_share_of_what_is_missing() {
     let r = MotionSet::new(&tables());
