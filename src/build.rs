@@ -179,8 +179,8 @@ pub fn print(r: &BuildReport, trial: Option<&TrialReport>, out: &str) -> Command
     rows.extend(g.left_out.iter().map(|l| ("left out", l.to_string())));
     rows.extend(g.apart.iter().map(|a| ("stays out", a.to_string())));
     if !g.thin_manners.is_empty() {
-        let named = |m| if m == "" { "plain" } else { m };
-        let thin = g.thin_manners.iter().map(|m| named(m.as_str())).collect::<Vec<_>>().join(", ");
+        let named = g.thin_manners.iter().map(|m| if m.is_empty() { "plain" } else { m.as_str() });
+        let thin = named.collect::<Vec<_>>().join(", ");
         let text = format!("{thin} change unasked: too little motion to go and stand in them alone");
         rows.push(("manners", text));
     }

@@ -324,7 +324,7 @@ fn who_is_told_at_once_takes_turns_at_several_benches() {
         for c in 0..6 {
             let status = people.state(Id::first(c)).unwrap();
             if status.activity == InhabitantActivity::Performing {
-                seats[c as usize] = Some(status.node.instance);
+                seats[c] = Some(status.node.instance);
             }
             if status.activity == InhabitantActivity::Arrived && status.goal != InhabitantGoal::Roam {
                 people.order(Id::first(c), InhabitantGoal::Roam).unwrap();
