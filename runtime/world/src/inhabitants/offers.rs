@@ -37,8 +37,10 @@ impl Inhabitants {
         let list = self.offers.get(usize::from(tag).checked_sub(1)?)?;
         let here = graph.place(self.states[character].at).translation();
         let far = |i: u32| {
-            let turns_s = TURN_S * self.num_bound_for(graph, character, i) as f32;
-            let wait_s = self.others_held_for_s(graph, character, i).max(turns_s);
+            let held_s = self.others_held_for_s(graph, character, i);
+            // Who holds it is one of those who came for it.
+            let num_before = self.num_bound_for(graph, character, i).saturating_sub(u32::from(held_s > 0.0));
+            let wait_s = held_s + TURN_S * num_before as f32;
             (graph.centre(i) - here).length() + WALK_SPEED_MPS * wait_s
         };
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
