@@ -40,8 +40,7 @@ impl Inhabitants {
             let held_s = self.others_held_for_s(graph, character, i);
             // Who holds it is one of those who came for it.
             let num_before = self.num_bound_for(graph, character, i).saturating_sub(u32::from(held_s > 0.0));
-            let wait_s = held_s + TURN_S * num_before as f32;
-            (graph.centre(i) - here).length() + WALK_SPEED_MPS * wait_s
+            (graph.centre(i) - here).length() + WALK_SPEED_MPS * (held_s + TURN_S * num_before as f32)
         };
         list.iter().copied().min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
