@@ -40,7 +40,7 @@ const REACHED_M: f32 = 0.3;
 const WALL_ROOM_M: f32 = 0.2;
 /// Room that captured people need beside them in a passage, beyond the radius (m).
 const PASSAGE_ROOM_M: f32 = 0.15;
-/// Distance by which one who enters a passage is before the next, and width that each needs of those who enter side by side (m).
+/// Distance that is kept to whoever enters a passage before, and width that each needs of those who enter side by side (m).
 const FILE_M: f32 = 0.7;
 const ABREAST_M: f32 = 0.9;
 /// Widths below which two captured people, and streams of them, block each other, in radii, and duration of their turns (s).

@@ -113,7 +113,7 @@ pub(crate) struct PassageUse {
 }
 
 impl PassageUse {
-    /// True for one who is on the same way before the passage.
+    /// True for somebody outside of the passage who enters it by the same mouth as another.
     pub fn is_before(&self, other: &Self) -> bool {
         (self.number, self.towards, self.is_inside) == (other.number, other.towards, false)
     }
@@ -147,8 +147,9 @@ impl Passages {
         Self::find_below(streets, radius_m, &[[NARROW_RADII * radius_m; 2]])
     }
 
-    /// Finds the passages for people of a radius (m) that are narrower than some widths, and stairs narrower than others (m): those
-    /// of the first widths, then between them those of the next.
+    /// Finds the passages for people of a radius (m): those below the first width, then others below the next.
+    ///
+    /// - `below_m`: widths below which gaps, and stairs, are passages (m).
     pub fn find_below(streets: &Streets, radius_m: f32, below_m: &[[f32; 2]]) -> Self {
         let mut all: Vec<Passage> = Vec::new();
         for [below_m, stairs_m] in below_m {
