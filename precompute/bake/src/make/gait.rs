@@ -185,6 +185,11 @@ impl GaitCycle {
         self.travel[0].hypot(self.travel[1]) * self.clip.rate_hz as f32
     }
 
+    /// Turn within a cycle, left positive (rad).
+    pub fn turn(&self) -> f32 {
+        wrap_angle(self.clip.planar(self.event + self.period).heading - self.clip.planar(self.event).heading)
+    }
+
     /// Mean place and heading at a frame of the gait's clip.
     pub fn course(&self, frame: usize) -> Planar {
         let k = self.captured_at.get(frame).copied().unwrap_or(frame as f32) - self.event as f32;

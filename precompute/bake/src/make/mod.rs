@@ -34,8 +34,10 @@ use throng_motion::{Clip, ClipSet, ClipTag, Result, mirror};
 
 /// Most gaits of a manner that get starts and stops: of all motion, and of that to which nothing leads.
 const MAX_GAITS: [usize; 2] = [14, 6];
-/// Most gaits of each kind that get arcs.
-const MAX_ARCED: usize = 2;
+/// Most gaits of each kind that get arcs, and turns round while going.
+const MAX_TURNED: usize = 2;
+/// Largest turn within a cycle of all of these but the first (rad).
+const LARGEST_TURN: f32 = 0.15;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
 const OTHER_GAIT: f32 = 0.12;
 
@@ -247,13 +249,13 @@ struct MotionMaker<'a> {
     made: &'a mut MadeMotion,
     /// True for feet with which a gait has set off.
     feet: [bool; 2],
-    /// Number of gaits of each kind and foot that have got arcs.
-    arced: [[usize; 2]; NUM_GAITS],
+    /// Number of gaits of each kind and foot that have got arcs, and turns round while going.
+    turned: [[usize; 2]; NUM_GAITS],
 }
 
 impl<'a> MotionMaker<'a> {
     fn new(skeleton: &'a Skeleton, mirrored: bool, made: &'a mut MadeMotion) -> Self {
-        Self { skeleton, mirrored, made, feet: [false; 2], arced: [[0; 2]; NUM_GAITS] }
+        Self { skeleton, mirrored, made, feet: [false; 2], turned: [[0; 2]; NUM_GAITS] }
     }
 
     /// Makes stands of stances that nobody has captured, or for a short time only.
@@ -284,13 +286,14 @@ impl<'a> MotionMaker<'a> {
             let steps = [[0.35, 0.0], [0.3, 0.3], [0.0, 0.4], [0.0, 0.7], [0.0, -0.4]];
             moves.extend(steps.map(|[aside, ahead]| MadeMove::Step(side * aside, ahead, 2)));
         }
-        if lacks.pivots && usual {
+        let kind = gait.class.gait as usize;
+        let turned = &mut self.turned[kind][gait.foot];
+        let turns = *turned < MAX_TURNED && !gait.goes_aside() && (*turned == 0 || gait.turn().abs() < LARGEST_TURN);
+        *turned += usize::from(turns);
+        if turns && lacks.pivots {
             moves.extend([FRAC_PI_2, PI].map(|a| MadeMove::Pivot(side * a)));
         }
-        let kind = gait.class.gait as usize;
-        let arced = &mut self.arced[kind][gait.foot];
-        if lacks.arcs[kind] && *arced < MAX_ARCED && !gait.goes_aside() {
-            *arced += 1;
+        if turns && lacks.arcs[kind] {
             moves.extend(MadeMove::arcs(gait, lacks.sideways_mps2));
         }
         for what in moves {

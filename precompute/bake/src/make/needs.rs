@@ -1,7 +1,7 @@
 //! Needs: what a motion graph lacks for going to places and standing there.
 
 use super::gait::{GaitCycle, walking_s};
-use crate::graph::{MotionApart, RawMotionGraph, played_frames};
+use crate::graph::{GraphAction, GraphSegment, MotionApart, RawMotionGraph, StateId, played_frames};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::PI;
@@ -30,6 +30,8 @@ const STEP_S: f64 = 0.25;
 const SIDEWAYS_MPS2: f32 = 1.5;
 const LEAST_SIDEWAYS_MPS2: f32 = 1.0;
 const TURNING: f32 = 0.6;
+/// Longest time in which who goes comes to a stand, from nine states in ten (s).
+const STOP_S: f64 = 1.0;
 /// Shortest stand, and longest time from it to walking, of a start; likewise of a stop (s).
 const STAND_S: f64 = 0.3;
 const START_S: f64 = 2.5;
@@ -108,9 +110,7 @@ impl Lacks {
         };
         let rate = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let seconds = |frames: u32| f64::from(frames) / rate;
-        let goes = |s: &&crate::graph::GraphSegment| {
-            f64::from(s.displacement.z) > f64::from(WALKING_MPS) * seconds(s.num_frames)
-        };
+        let goes = |s: &&GraphSegment| f64::from(s.displacement.z) > f64::from(WALKING_MPS) * seconds(s.num_frames);
         let walked_s: f64 =
             graph.segments.iter().filter(|s| is_own(s.start)).filter(goes).map(|s| seconds(s.num_frames)).sum();
         let own = || clips.clips.iter().zip(&frame_starts).filter(|(clip, _)| manner_of(clip) == manner);
@@ -131,21 +131,43 @@ impl Lacks {
         }
         let rests = graph.states.iter().zip(&graph.standing).filter(|(frame, s)| **s && is_own(**frame)).count();
         let changes = starts.min(stops);
+        let is_slow = stop_frames(graph, |s| is_own(s.start) && goes(&s)) / rate > STOP_S;
         let mut turning: Vec<f32> = gaits.iter().flat_map(|g| g.sideways_mps2.iter().copied()).collect();
         turning.sort_by(f32::total_cmp);
         let captured = turning.get(turning.len() / 2).filter(|_| turning.len() as f64 * STEP_S > TURNING_S);
         let goes_straight = |g: usize| gaits[g].is_seen && gaits[g].turns_s.iter().any(|s| *s < TURNING_S);
         Self {
             starts: rests < LEAST_RESTS || changes < ENOUGH_STARTS,
-            joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s),
+            joins: rests < LEAST_RESTS || changes == 0 || walked_s < LEAST_WALKING_S.max(LEAST_USED * all_s) || is_slow,
             apart: apart.to_vec(),
             turns: on_the_spot[1] < ENOUGH_TURNS,
             steps: on_the_spot[0] < ENOUGH_TURNS,
             arcs: std::array::from_fn(goes_straight),
             sideways_mps2: captured.map_or(SIDEWAYS_MPS2, |a| a.clamp(LEAST_SIDEWAYS_MPS2, 2.0 * SIDEWAYS_MPS2)),
-            pivots: pivots < ENOUGH_TURNS,
+            pivots: pivots < ENOUGH_TURNS || is_slow,
         }
     }
+}
+
+/// Least time from the ends of segments to a standing state, 90th percentile; infinite where nothing leads to one (frames).
+pub(super) fn stop_frames(graph: &RawMotionGraph, of: impl Fn(&GraphSegment) -> bool) -> f64 {
+    let mut left: Vec<u32> = graph.standing.iter().map(|&stands| if stands { 0 } else { u32::MAX }).collect();
+    let mut has_changed = true;
+    while std::mem::take(&mut has_changed) {
+        for state in (0..left.len()).rev() {
+            let after = |action: &GraphAction| {
+                let segment = &graph.segments[action.segment.0 as usize];
+                left[segment.end.0 as usize].saturating_add(segment.num_frames)
+            };
+            let least = graph.actions_of(StateId(state as u32)).iter().map(after).min().unwrap_or(u32::MAX);
+            if least < left[state] {
+                (left[state], has_changed) = (least, true);
+            }
+        }
+    }
+    let mut times: Vec<u32> = graph.segments.iter().filter(|s| of(s)).map(|s| left[s.end.0 as usize]).collect();
+    times.sort_unstable();
+    times.get(times.len() * 9 / 10).map_or(0.0, |&t| if t == u32::MAX { f64::INFINITY } else { t.into() })
 }
 
 /// Manner that the name of a clip gives.
