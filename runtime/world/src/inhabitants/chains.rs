@@ -4,6 +4,7 @@ use super::purpose::Purpose;
 use super::reservations::UnitReservations;
 use crate::plan::SearchSpace;
 use crate::{WorldGraph, WorldNode, WorldStep};
+use throng_base::maths;
 use throng_core::characters::uniform_random;
 
 /// Most steps between two places where a character can come to rest.
@@ -74,8 +75,9 @@ pub(super) struct SafetySearch<'a> {
     pub character: u32,
     pub seed: u64,
     pub draw: u32,
-    /// Direction in which the character roams, if any, and its position (m). It then ends on no chair and no equipment.
-    pub bound: Option<(Purpose, [f32; 2])>,
+    /// Direction in which the character roams, if any, its position, and how far from it the search ends at least (m). It
+    /// then ends on no chair and no equipment.
+    pub bound: Option<(Purpose, [f32; 2], f32)>,
     /// True where it may end in a passage.
     pub is_inside: bool,
 }
@@ -86,8 +88,12 @@ impl SearchSpace for SafetySearch<'_> {
     }
 
     fn is_target(&self, node: WorldNode) -> bool {
+        let leaves = |([x, z], least_m): ([f32; 2], f32)| {
+            let at = self.graph.place(node);
+            self.graph.is_tile(node.instance) && maths::hypot(at.x - x, at.z - z) >= least_m
+        };
         (self.graph.is_stop(node) || self.is_inside && self.graph.is_safe(node))
-            && (self.bound.is_none() || self.graph.is_tile(node.instance))
+            && self.bound.is_none_or(|(_, from, least_m)| leaves((from, least_m)))
     }
 
     fn cost(&self, step: &WorldStep) -> f32 {
@@ -96,7 +102,7 @@ impl SearchSpace for SafetySearch<'_> {
         // A link of a tile may be entered from a block or left for one: the tile's units are needed too.
         let free = self.graph.link(step).is_none() || self.admits(step.instance);
         // Paths in other directions cost up to three times as much.
-        let lead = self.bound.and_then(|(purpose, from)| purpose.alignment(self.graph, from, step));
+        let lead = self.bound.and_then(|(purpose, from, _)| purpose.alignment(self.graph, from, step));
         let astray = lead.map_or(0.0, |lead| 2.0 - 2.0 * lead);
         if free { step.num_frames() as f32 * (0.5 + chance + astray) } else { f32::INFINITY }
     }
@@ -126,5 +132,49 @@ impl SearchSpace for RejoinSearch<'_> {
 
     fn cost(&self, step: &WorldStep) -> f32 {
         step.num_frames() as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::World;
+    use crate::made_up_floor::{SIDE, tables, world};
+    use crate::plan::{Nodes, SearchResult};
+
+    #[test]
+    fn who_leaves_comes_to_rest_elsewhere() {
+        let tables = tables();
+        let world = World::from_data(&world(&tables, &["#####", "#b###", "#####"]), &tables).unwrap();
+        let graph = world.graph();
+        let reservations = UnitReservations::new(graph, 1);
+        let mut nodes = Nodes::new(graph);
+        let start = graph.rest_cells(7).next().unwrap();
+        let [from, mut nearest] = [graph.place(start), graph.place(start)].map(|p| [p.x, p.z]);
+        for (draw, least_m) in (0..40).map(|k| (k, [0.0, 1.2 * SIDE][k as usize % 2])) {
+            let bound = Some((Purpose::default(), from, least_m));
+            let mut space = SafetySearch {
+                graph,
+                reservations: &reservations,
+                character: 0,
+                seed: 1,
+                draw,
+                bound,
+                is_inside: false,
+            };
+            let SearchResult::Path(path) = nodes.search(graph, start, &mut space, MAX_OPENED) else {
+                panic!("no path for draw {draw}")
+            };
+            let mut steps = [WorldStep::NONE; MAX_CHAIN];
+            let num_steps = nodes.write_path(path, &mut steps);
+            let end = steps[..num_steps].last().map_or(start, |s| s.to);
+            let at = [graph.place(end).x, graph.place(end).z];
+            let away_m = maths::hypot(at[0] - from[0], at[1] - from[1]);
+            assert!(graph.is_stop(end) && graph.is_tile(end.instance) && away_m >= least_m, "{draw}: {away_m} m");
+            if least_m == 0.0 {
+                nearest = at;
+            }
+        }
+        assert!(maths::hypot(nearest[0] - from[0], nearest[1] - from[1]) < 1.2 * SIDE, "others need not leave");
     }
 }

@@ -16,6 +16,8 @@ use throng_core::patch::LinkRecord;
 
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
+/// Distance that who roams and has rested leaves its place by (m).
+const LEAST_LEAVE_M: f32 = 1.0;
 /// Most times that a detour doubles.
 pub(super) const MAX_IMPATIENCE: u32 = 3;
 /// Number of next steps of a path that a detour may join, and most steps of the detour.
@@ -381,7 +383,8 @@ impl Inhabitants {
             let share =
                 |s: &WorldStep| if wanted(s) { purpose.step_weight(graph, [place.x, place.z], s, brisk) } else { 0.0 };
             let Some(step) = self.pick_step_of(graph, c, share) else { continue };
-            if let Some(step) = self.try_step(graph, c, step, Some(purpose)) {
+            let least_m = if leave { LEAST_LEAVE_M } else { 0.0 };
+            if let Some(step) = self.try_step(graph, c, step, Some((purpose, least_m))) {
                 return Some(step);
             }
         }
@@ -423,17 +426,17 @@ impl Inhabitants {
     }
 
     /// Tries a step, with further steps until the character can come to rest, preferably along paths in the direction
-    /// of its purpose.
+    /// of its purpose, so far that it is left (m).
     fn try_step(
         &mut self,
         graph: &WorldGraph,
         c: usize,
         step: WorldStep,
-        purpose: Option<Purpose>,
+        purpose: Option<(Purpose, f32)>,
     ) -> Option<WorldStep> {
         let (character, seed, draw) = (c as u32, self.config.characters.seed, self.states[c].draws);
         let start = graph.place(self.states[c].at);
-        let bound = purpose.map(|p| (p, [start.x, start.z]));
+        let bound = purpose.map(|(p, least_m)| (p, [start.x, start.z], least_m));
         let is_inside = purpose.is_none() && !graph.is_stop(self.states[c].at);
         let mut space =
             SafetySearch { graph, reservations: &self.reservations, character, seed, draw, bound, is_inside };
