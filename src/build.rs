@@ -132,13 +132,17 @@ pub fn run(args: &Args) -> CommandResult {
     drop(bar);
     let report = report.map_err(|e| plan.error(e))?;
     output::warnings(&report.skipped, &report.warnings);
-    let (trial, verdict) = verdict::try_out(&crate::args::open_bundle(&out)?, &report.blend_spaces)?.unzip();
+    let bundle = crate::args::open_bundle(&out)?;
+    let (trial, verdict) = verdict::try_out(&bundle, &report.blend_spaces)?.unzip();
     if args.json {
         return output::json(&BuildCommandReport { build: report, replaced: plan.replaced, trial, verdict });
     }
     print(&report, trial.as_ref(), &out.display().to_string())?;
     if let Some(verdict) = verdict {
         output::text(format!("\n{}", verdict_text(&verdict)))?;
+    }
+    if bundle.policies().is_empty() && report.blend_spaces.is_empty() {
+        return help::next_step(&["view", &out.to_string_lossy()]);
     }
     help::next_step(&["run", &out.to_string_lossy(), "--png", &out.with_extension("png").to_string_lossy()])
 }

@@ -241,7 +241,10 @@ fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
     assert!(report["verdict"].is_null(), "{report}");
     let not_made = report["not_made"].to_string();
     assert!(not_made.contains("policy approach") && not_made.contains("nobody walks in this motion"), "{not_made}");
-    assert!(failed(&["run", &out]).contains("no behaviour"));
+    let e = failed(&["run", &out]);
+    assert!(e.contains("no behaviour") && e.contains("`throng view` shows its clips"), "{e}");
+    let built = done(&["build", &at(&folder, "idle"), "--out", &out]);
+    assert!(built.contains(&format!("next: throng view {out}")), "{built}");
     let e = failed(&["build", &at(&folder, "statue"), "--out", &out, "--no-cache"]);
     for part in ["nothing can be made of this motion", "left out: still", "nobody walks in it: add walks"] {
         assert!(e.contains(part), "{e}");

@@ -214,7 +214,7 @@ pub(crate) fn check(tables: &Bundle, config: &TrialConfig) -> Result<()> {
     let fail = |e: Error| stage_error(e.to_string());
     if tables.policies().is_empty() {
         let message = "the bundle has no behaviour".into();
-        let help = "Build it of motion in which somebody walks, or from a config with `behaviours`".into();
+        let help = "Build it of motion in which somebody walks, or from a config with `behaviours`; `throng view` shows its clips".into();
         return Err(BuildError::Stage { stage: "trial", message, help });
     }
     CHARACTERS.check_count("characters", config.characters).map_err(fail)?;

@@ -30,7 +30,7 @@ const LONG_S: f32 = 8.0;
 /// Idle time below which a clip is left for a longer one (s).
 const MOMENT_S: f32 = 1.5;
 /// Likelihood of a stand in another manner, beside one in the same.
-const OTHER_MANNER: f32 = 1e-3;
+const OTHER_MANNER: f32 = 1e-9;
 /// Distances from a target within which a character that would stand has arrived, and any other that can stand (m).
 const NEAR_TARGET_M: [f32; 2] = [0.5, 0.3];
 /// Largest displacement and turn of a segment that stays in its place (m, rad).
@@ -242,7 +242,9 @@ impl StandingChooser<'_> {
     /// The same, if it idles for some time yet. Who has a far longer stand at hand does not wait for its end.
     fn long_onwards(&self) -> Option<&MotionSegment> {
         let (graph, rate) = (&self.motion_set.graph, self.motion_set.rate_hz);
-        let longest = graph.segments_of(self.state).iter().map(|&s| self.segment(s).idle).max().unwrap_or(0) as f32;
+        let own = graph.segments_of(self.state).iter().map(|&s| self.segment(s));
+        let own = own.filter(|s| self.motion_set.manners.are_alike(self.state, s.end));
+        let longest = own.map(|s| s.idle).max().unwrap_or(0) as f32;
         let enough = (0.5 * longest.min(LONG_S * rate)).max(MOMENT_S * rate);
         self.onwards().filter(|s| s.idle as f32 >= enough)
     }
