@@ -1,4 +1,4 @@
-//! What bodies look like.
+//! Appearance of bodies: meshes, and the materials that they are given.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, VertexAttributeValues, VertexFormat};
