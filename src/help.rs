@@ -2,7 +2,7 @@
 
 use crate::Cli;
 use crate::args::{CommandResult, accept_negative_numbers, fail};
-use crate::output;
+use crate::{output, view};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, Command, CommandFactory};
 use std::ffi::OsString;
@@ -52,8 +52,9 @@ fn arranged(command: Command, all: bool) -> Command {
     let longest_beside = |a: &Arg| {
         built.get_arguments().filter(|b| is_same(a, b)).map(|b| b.to_string().chars().count()).max().unwrap_or(0)
     };
-    let mut groups: Vec<&str> = command.get_arguments().filter_map(Arg::get_help_heading).collect();
-    groups.dedup();
+    let mut seen = std::collections::HashSet::new();
+    let headings = command.get_arguments().filter_map(Arg::get_help_heading);
+    let groups: Vec<&str> = headings.filter(|heading| seen.insert(*heading)).collect();
     let help = match groups.as_slice() {
         groups if all || groups.is_empty() => "Print help".to_owned(),
         groups => format!("Print help; `--help` has more: {}", groups.join(", ")),
@@ -122,9 +123,7 @@ pub fn run(args: &Args) -> CommandResult {
              `name{{}}` an object from names to values; (optional) keys are left out where they do not apply.\n",
             with_keys(&root).join("\n  ")
         )),
-        None if words == [VIEWER] => {
-            output::text(format!("JSON keys of `throng {VIEWER}` stand at the end of `throng {VIEWER} --help`.\n"))
-        }
+        None if words == [VIEWER] => view::print_json_keys(),
         None => {
             fail(format!("`throng {}` has no JSON keys; `throng help keys` lists commands that have", words.join(" ")))
         }

@@ -1,9 +1,10 @@
 //! `throng view`: starts the viewer, an executable of its own beside this one.
 
-use crate::args::CommandResult;
+use crate::args::{CommandResult, fail};
+use crate::output;
 use std::ffi::OsString;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 /// Command that builds the viewer beside this executable, in the same profile.
@@ -28,11 +29,8 @@ pub struct Args {
 
 /// Starts the viewer; returns its exit code.
 pub fn run(args: &Args) -> CommandResult<ExitCode> {
-    let viewer = std::env::current_exe()?.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
-    if viewer.is_file() {
-        return start(&viewer, args);
-    }
-    if args.rest.iter().any(|a| a == "--help" || a == "-h") {
+    let viewer = executable();
+    if viewer.is_err() && args.rest.iter().any(|a| a == "--help" || a == "-h") {
         let help = format!(
             "Open the viewer on a bundle or a motion file\n\nUsage: throng view [FILE] [OPTIONS]\n\n\
              The viewer, which knows the options, is not built; {HOW_TO_BUILD}.\n"
@@ -40,7 +38,21 @@ pub fn run(args: &Args) -> CommandResult<ExitCode> {
         std::io::stdout().write_all(help.as_bytes())?;
         return Ok(ExitCode::SUCCESS);
     }
-    Err(format!("the viewer is not built; {HOW_TO_BUILD}").into())
+    start(&viewer?, args)
+}
+
+/// Prints the JSON keys of the viewer, which stand in its own help.
+pub fn print_json_keys() -> CommandResult {
+    let help = Command::new(executable()?).arg("--help").output()?.stdout;
+    let help = String::from_utf8_lossy(&help);
+    let keys = help.split("\n\n").find(|part| part.starts_with("JSON keys")).unwrap_or(&help);
+    output::text(format!("{keys}\n"))
+}
+
+/// Path of the viewer, which lies beside this executable.
+fn executable() -> CommandResult<PathBuf> {
+    let viewer = std::env::current_exe()?.with_file_name(format!("throng-viewer{}", std::env::consts::EXE_SUFFIX));
+    if viewer.is_file() { Ok(viewer) } else { fail(format!("the viewer is not built; {HOW_TO_BUILD}")) }
 }
 
 fn start(viewer: &Path, args: &Args) -> CommandResult<ExitCode> {

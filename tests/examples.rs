@@ -79,7 +79,7 @@ fn walkers_come_and_go_and_give_agents_bodies() {
 }
 
 #[test]
-fn casts_are_saved_and_stepped_on_any_threads() {
+fn groups_are_saved_and_stepped_on_any_threads() {
     snapshot::run(&golden(), SPACE).expect("the example saves");
     own_threads::run(&golden(), SPACE).expect("the example agrees");
 }

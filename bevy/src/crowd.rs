@@ -1,7 +1,7 @@
-//! Crowds, the characters in them, and what is told of them.
+//! Crowds, the characters in them, and what is reported of them.
 
+use crate::appearance::CrowdAppearance;
 use crate::bundle::ThrongBundle;
-use crate::look::CrowdLook;
 use bevy::prelude::*;
 use std::borrow::Cow;
 use throng_runtime::characters::{AvoidConfig, CharactersConfig, PolicyCharacters};
@@ -9,7 +9,7 @@ use throng_runtime::{AdoptReport, Bundle, Id};
 
 /// Room for characters of one bundle. Those who belong to it are despawned with it.
 #[derive(Component, Debug)]
-#[require(CrowdLook)]
+#[require(CrowdAppearance)]
 pub struct Crowd {
     bundle: Handle<ThrongBundle>,
     capacity: usize,
@@ -17,9 +17,9 @@ pub struct Crowd {
     /// Up to this distance from the eye, characters have joints and feet that stay in place (m, >= 0).
     pub near_m: f32,
     pub(crate) live: Option<Live>,
-    /// Was told to be impossible; tried again when the bundle changes.
+    /// Was found impossible; tried again when the bundle changes.
     pub(crate) is_refused: bool,
-    /// Why its file was last refused: Bevy tells it twice.
+    /// Why its file was last refused: Bevy reports it twice.
     pub(crate) fault: String,
 }
 

@@ -1,9 +1,9 @@
 //! Draws who is near as skinned meshes, and who is far from records.
 
 use crate::ThrongSystems;
+use crate::appearance::{CrowdAppearance, FAR_JOINTS, FAR_WEIGHTS, rows};
 use crate::crowd::{Crowd, CrowdMessage, Entered};
 use crate::joints::{Joints, follow};
-use crate::look::{CrowdLook, FAR_JOINTS, FAR_WEIGHTS, rows};
 use bevy::asset::{RenderAssetUsages, embedded_asset};
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::NoAutoAabb;
@@ -84,7 +84,7 @@ pub fn build(app: &mut App) {
 /// Makes meshes and buffers of a bundle that is new; handles stay.
 fn dress(
     mut commands: Commands,
-    mut crowds: Query<(Entity, &Crowd, &CrowdLook, Option<&mut Drawn>)>,
+    mut crowds: Query<(Entity, &Crowd, &CrowdAppearance, Option<&mut Drawn>)>,
     device: Res<RenderDevice>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut binds: ResMut<Assets<SkinnedMeshInverseBindposes>>,
@@ -122,7 +122,7 @@ fn dress(
             Err(why) => {
                 error!("{entity}: {why}");
                 messages.write(CrowdMessage::Failed { entity, why });
-                commands.entity(entity).remove::<CrowdLook>();
+                commands.entity(entity).remove::<CrowdAppearance>();
                 continue;
             }
         };

@@ -5,19 +5,19 @@
 //! gives those near the eye an entity for every joint. Where Bevy draws, they have skinned bodies, and the others are
 //! drawn from records of 32 bytes.
 
+mod appearance;
 mod bundle;
 mod crowd;
 mod draw;
 mod joints;
-mod look;
 mod step;
 mod threads;
 
+pub use appearance::CrowdAppearance;
 pub use bundle::{BundleError, BundleLoader, ThrongBundle};
 pub use crowd::{Aim, Character, Crowd, CrowdEye, CrowdMessage, Entered, Refused};
 pub use draw::{FarMaterial, FromRecords};
 pub use joints::{CharacterJoint, Joints};
-pub use look::CrowdLook;
 pub use throng_runtime as runtime;
 
 use bevy::pbr::PbrPlugin;

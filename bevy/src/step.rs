@@ -1,4 +1,4 @@
-//! Bundles come, characters enter, go where they are told, and leave.
+//! Bundles come, characters enter, go where they are ordered to, and leave.
 
 use crate::bundle::ThrongBundle;
 use crate::crowd::{Aim, Character, Crowd, CrowdEye, CrowdMessage, Entered, Refused};

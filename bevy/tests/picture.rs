@@ -12,7 +12,7 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use throng_bevy::{Aim, Character, Crowd, CrowdLook, CrowdMessage, Entered, Joints, ThrongPlugin};
+use throng_bevy::{Aim, Character, Crowd, CrowdAppearance, CrowdMessage, Entered, Joints, ThrongPlugin};
 use throng_core::characters::made_up;
 use throng_runtime::{PlainBody, Skeleton};
 
@@ -76,7 +76,7 @@ impl Stage {
         let camera = app.world_mut().spawn(camera).id();
         let bundle = app.world().resource::<AssetServer>().load(name.to_owned());
         let white = StandardMaterial { unlit: true, ..default() };
-        let look = CrowdLook { near: Some(body()), far: None, materials: vec![white] };
+        let look = CrowdAppearance { near: Some(body()), far: None, materials: vec![white] };
         let crowd = app.world_mut().spawn((Crowd::new(bundle, 6).with_near_m(near_m), look)).id();
         for k in 0..6 {
             let at = Vec3::new(1.6 * (k % 3) as f32 - 0.8, 0.0, -2.0 * (k / 3) as f32);

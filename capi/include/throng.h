@@ -220,7 +220,7 @@ typedef struct ThrongCharactersConfig {
   /**
    * 1: characters avoid each other. 0: they ignore each other.
    */
-  uint32_t makes_way;
+  uint32_t avoids;
   /**
    * Randomness of choices: 0 takes the best action; above 0, one of the best few at random.
    */

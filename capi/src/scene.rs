@@ -33,7 +33,7 @@ pub struct ThrongCharactersConfig {
     /// Greatest number of characters at a time.
     pub capacity: u32,
     /// 1: characters avoid each other. 0: they ignore each other.
-    pub makes_way: u32,
+    pub avoids: u32,
     /// Randomness of choices: 0 takes the best action; above 0, one of the best few at random.
     pub temperature: f32,
     /// Time in which the offset of a transition halves (s).
@@ -71,7 +71,7 @@ pub unsafe extern "C" fn throng_characters_config_init(
             struct_size: size,
             seed,
             capacity: 1000,
-            makes_way: 1,
+            avoids: 1,
             temperature: 0.0,
             half_life_s,
             instances: 0,
@@ -106,7 +106,7 @@ pub unsafe extern "C" fn throng_characters_new(
             seed: c.seed,
             choice: ActionChoice::LookAhead { temperature: c.temperature },
             half_life_s: c.half_life_s,
-            avoid: (c.makes_way != 0).then(AvoidConfig::default),
+            avoid: (c.avoids != 0).then(AvoidConfig::default),
             instances: c.instances != 0,
             ..CharactersConfig::default()
         };

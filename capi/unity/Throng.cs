@@ -37,7 +37,7 @@ namespace Throng
     {
         UIntPtr structSize;
         public ulong Seed;
-        public uint Capacity, MakesWay;
+        public uint Capacity, Avoids;
         public float Temperature, HalfLifeSeconds;
         /// 1: steps also leave an Instance of everybody.
         public uint Instances;

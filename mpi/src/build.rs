@@ -1,6 +1,6 @@
 //! `throng-mpi build`: one bundle by several processes.
 
-use crate::progress::{ProgressLines, StatusBoard};
+use crate::progress::{ProgressLines, RankStatuses};
 use crate::{MpiResult, print_json};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -73,14 +73,14 @@ struct RankReport {
     stages: BTreeMap<String, StageCost>,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
+pub fn run(args: &Args, comm: &dyn Comm, statuses: &Arc<dyn RankStatuses>) -> MpiResult {
     let begin = Instant::now();
     let config = BuildConfig::load(&args.config)?;
     let cache = match args.no_cache {
         true => Cache::disabled(),
         false => Cache::at_address(&args.cache, (args.cache_limit * 1e9) as u64)?,
     };
-    let progress = ProgressLines::new(args.json, comm.rank(), board);
+    let progress = ProgressLines::new(args.json, comm.rank(), statuses);
     let build = pipeline::build_shared(&config, RequiredParts::All, &args.out, &cache, &progress, comm);
     let build = build.map_err(|e| e.in_file(&args.config))?;
     drop(progress);

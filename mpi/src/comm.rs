@@ -1,6 +1,6 @@
 //! Messages between processes, by MPI.
 
-use crate::progress::{LocalStatusBoard, RankStatus, StatusBoard};
+use crate::progress::{LocalRankStatuses, RankStatus, RankStatuses};
 use mpi::Threading;
 use mpi::collective::SystemOperation;
 use mpi::datatype::{Partition, PartitionMut};
@@ -41,19 +41,19 @@ impl MpiComm {
         self.world.abort(1)
     }
 
-    /// Status board of this rank; that of the first rank receives the statuses of all.
-    pub fn status_board(&self) -> Arc<MpiStatusBoard> {
+    /// Statuses that this rank sends; the first rank receives those of all.
+    pub fn rank_statuses(&self) -> Arc<MpiRankStatuses> {
         let (sent, received) = (AtomicU64::default(), Mutex::default());
-        Arc::new(MpiStatusBoard { may_send_status: self.may_send_status, sent, received })
+        Arc::new(MpiRankStatuses { may_send_status: self.may_send_status, sent, received })
     }
 
     /// Waits until the first rank has received all statuses, as MPI must not end before.
     ///
     /// # Errors
     /// As [`Comm::exchange`].
-    pub fn wait_for_statuses(&self, board: &MpiStatusBoard) -> Result<()> {
-        let sent = self.sum(board.sent.load(Ordering::Relaxed))?;
-        while self.rank() == 0 && board.receive_statuses() < sent {
+    pub fn wait_for_statuses(&self, statuses: &MpiRankStatuses) -> Result<()> {
+        let sent = self.sum(statuses.sent.load(Ordering::Relaxed))?;
+        while self.rank() == 0 && statuses.receive_statuses() < sent {
             std::thread::yield_now();
         }
         self.barrier()
@@ -111,16 +111,16 @@ fn split_messages(bytes: &[u8], message_counts: &[i32]) -> Vec<Vec<u8>> {
 /// Tag of status messages.
 const STATUS_TAG: i32 = 1;
 
-/// Status board whose messages go to the first rank, apart from the messages of the ranks' work.
-pub struct MpiStatusBoard {
+/// Statuses that are sent as messages to the first rank, apart from the messages of the ranks' work.
+pub struct MpiRankStatuses {
     may_send_status: bool,
     /// Number of messages that this rank has sent.
     sent: AtomicU64,
     /// Number of messages that this rank has received, and the last status of each rank.
-    received: Mutex<(u64, LocalStatusBoard)>,
+    received: Mutex<(u64, LocalRankStatuses)>,
 }
 
-impl MpiStatusBoard {
+impl MpiRankStatuses {
     /// Receives pending messages; returns the number of messages received so far.
     fn receive_statuses(&self) -> u64 {
         let mut received = self.received.lock().unwrap_or_else(PoisonError::into_inner);
@@ -136,7 +136,7 @@ impl MpiStatusBoard {
     }
 }
 
-impl StatusBoard for MpiStatusBoard {
+impl RankStatuses for MpiRankStatuses {
     fn post_status(&self, rank: usize, of_rank: RankStatus) {
         match serde_json::to_vec(&of_rank) {
             _ if rank == 0 => self.received.lock().unwrap_or_else(PoisonError::into_inner).1.post_status(rank, of_rank),
@@ -148,11 +148,11 @@ impl StatusBoard for MpiStatusBoard {
         }
     }
 
-    fn statuses(&self) -> Vec<Option<RankStatus>> {
+    fn last_known(&self) -> Vec<Option<RankStatus>> {
         if self.may_send_status {
             self.receive_statuses();
         }
-        self.received.lock().unwrap_or_else(PoisonError::into_inner).1.statuses()
+        self.received.lock().unwrap_or_else(PoisonError::into_inner).1.last_known()
     }
 }
 

@@ -1,6 +1,6 @@
 //! `throng-mpi crowd`: one crowd in several processes.
 
-use crate::progress::{ProgressLines, StatusBoard};
+use crate::progress::{ProgressLines, RankStatuses};
 use crate::{MpiResult, print_json};
 use std::path::Path;
 use std::sync::Arc;
@@ -32,14 +32,14 @@ pub struct Args {
     json: bool,
 }
 
-pub fn run(args: &Args, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
+pub fn run(args: &Args, comm: &dyn Comm, statuses: &Arc<dyn RankStatuses>) -> MpiResult {
     let mut scene = load(&args.scene)?;
     if let Some(agents) = args.agents {
         scene = scene.resized(agents);
     }
     scene.seed = args.seed.unwrap_or(scene.seed);
     scene.check()?;
-    let progress = ProgressLines::new(args.json, comm.rank(), board);
+    let progress = ProgressLines::new(args.json, comm.rank(), statuses);
     let figures = run_shared(&scene.open()?, args.seconds, comm, &progress)?;
     figures.map_or(Ok(()), |f| if args.json { print_json(&f) } else { print(&scene.name, &f) })
 }

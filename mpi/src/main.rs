@@ -7,7 +7,7 @@ mod progress;
 
 use clap::{Parser, Subcommand};
 use comm::MpiComm;
-use progress::{LocalStatusBoard, StatusBoard};
+use progress::{LocalRankStatuses, RankStatuses};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
@@ -45,8 +45,8 @@ fn main() -> ExitCode {
     limit_threads();
     let cli = MpiCli::parse();
     if let Some(ranks) = cli.local {
-        let board: Arc<dyn StatusBoard> = Arc::new(LocalStatusBoard::default());
-        let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &board).map_err(|e| e.to_string()));
+        let statuses: Arc<dyn RankStatuses> = Arc::new(LocalRankStatuses::default());
+        let done = LocalComm::run(ranks, |comm| run(&cli.command, comm, &statuses).map_err(|e| e.to_string()));
         let failed = done.into_iter().filter_map(Result::err);
         // Ranks that waited for a failed rank fail too.
         let Some(e) = failed.min_by_key(|e| e.ends_with("has ended")) else { return ExitCode::SUCCESS };
@@ -57,10 +57,9 @@ fn main() -> ExitCode {
         eprintln!("error: MPI does not start; run it with `mpirun -n RANKS throng-mpi ...`");
         return ExitCode::FAILURE;
     };
-    let board = comm.status_board();
-    let shared_board: Arc<dyn StatusBoard> = board.clone();
-    let done = run(&cli.command, &comm, &shared_board);
-    let done = done.and_then(|()| Ok(comm.wait_for_statuses(&board)?));
+    let statuses = comm.rank_statuses();
+    let done = run(&cli.command, &comm, &(statuses.clone() as Arc<dyn RankStatuses>));
+    let done = done.and_then(|()| Ok(comm.wait_for_statuses(&statuses)?));
     let Err(e) = done else { return ExitCode::SUCCESS };
     // An error of all ranks is printed once: by the first, which ends the others.
     if comm.rank() > 0 {
@@ -71,10 +70,10 @@ fn main() -> ExitCode {
 }
 
 /// Runs a command as one of the ranks.
-fn run(command: &MpiCommand, comm: &dyn Comm, board: &Arc<dyn StatusBoard>) -> MpiResult {
+fn run(command: &MpiCommand, comm: &dyn Comm, statuses: &Arc<dyn RankStatuses>) -> MpiResult {
     match command {
-        MpiCommand::Build(a) => build::run(a, comm, board),
-        MpiCommand::Crowd(a) => crowd::run(a, comm, board),
+        MpiCommand::Build(a) => build::run(a, comm, statuses),
+        MpiCommand::Crowd(a) => crowd::run(a, comm, statuses),
     }
 }
 

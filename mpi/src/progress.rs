@@ -23,19 +23,19 @@ pub struct RankStatus {
     pub left_s: Option<f64>,
 }
 
-/// Board for the statuses of ranks, apart from the messages of their work.
-pub trait StatusBoard: Send + Sync {
+/// Statuses of all ranks, shared apart from the messages of their work.
+pub trait RankStatuses: Send + Sync {
     /// Posts the status of a rank.
     fn post_status(&self, rank: usize, of_rank: RankStatus);
     /// Last known statuses of all ranks, by rank.
-    fn statuses(&self) -> Vec<Option<RankStatus>>;
+    fn last_known(&self) -> Vec<Option<RankStatus>>;
 }
 
-/// Status board of ranks that are threads.
+/// Statuses of ranks that are threads.
 #[derive(Default)]
-pub struct LocalStatusBoard(Mutex<Vec<Option<RankStatus>>>);
+pub struct LocalRankStatuses(Mutex<Vec<Option<RankStatus>>>);
 
-impl StatusBoard for LocalStatusBoard {
+impl RankStatuses for LocalRankStatuses {
     fn post_status(&self, rank: usize, of_rank: RankStatus) {
         let mut statuses = lock(&self.0);
         if statuses.len() <= rank {
@@ -44,7 +44,7 @@ impl StatusBoard for LocalStatusBoard {
         statuses[rank] = Some(of_rank);
     }
 
-    fn statuses(&self) -> Vec<Option<RankStatus>> {
+    fn last_known(&self) -> Vec<Option<RankStatus>> {
         lock(&self.0).clone()
     }
 }
@@ -61,9 +61,9 @@ pub struct ProgressLines {
 
 impl ProgressLines {
     /// Begins to post and print, as JSON lines if `json`.
-    pub fn new(json: bool, rank: usize, board: &Arc<dyn StatusBoard>) -> Self {
+    pub fn new(json: bool, rank: usize, statuses: &Arc<dyn RankStatuses>) -> Self {
         let status = Arc::<Mutex<BuildStatus>>::default();
-        let (watched, board) = (status.clone(), board.clone());
+        let (watched, statuses) = (status.clone(), statuses.clone());
         let (stop_sender, ended) = channel();
         let thread = std::thread::spawn(move || {
             let mut num_samples = 0;
@@ -71,10 +71,10 @@ impl ProgressLines {
                 let status = lock(&watched).clone();
                 let Some(far) = status.progress_text() else { continue };
                 let (stage, share, left_s) = (status.stage().into(), status.share(), status.left_s());
-                board.post_status(rank, RankStatus { stage, share, left_s });
+                statuses.post_status(rank, RankStatus { stage, share, left_s });
                 num_samples += 1;
                 if rank == 0 && num_samples % SAMPLES_PER_LINE == 0 {
-                    print_status(&status, &far, &board.statuses(), json);
+                    print_status(&status, &far, &statuses.last_known(), json);
                 }
             }
         });
@@ -155,34 +155,34 @@ mod tests {
     fn the_rank_with_most_left_is_the_slowest() {
         let of_rank =
             |share: f64, left_s: f64| RankStatus { stage: "graph".into(), share: Some(share), left_s: Some(left_s) };
-        let board = LocalStatusBoard::default();
-        assert_eq!(slowest_rank(&board.statuses()), None);
-        board.post_status(2, of_rank(0.5, 8.0));
-        board.post_status(0, of_rank(1.0, 0.0));
+        let statuses = LocalRankStatuses::default();
+        assert_eq!(slowest_rank(&statuses.last_known()), None);
+        statuses.post_status(2, of_rank(0.5, 8.0));
+        statuses.post_status(0, of_rank(1.0, 0.0));
         assert_eq!(
-            slowest_rank(&board.statuses()).map(|(rank, _)| rank),
+            slowest_rank(&statuses.last_known()).map(|(rank, _)| rank),
             Some(2),
             "one of which nothing is known is no reason"
         );
-        board.post_status(1, of_rank(0.2, 9.0));
-        assert_eq!(slowest_rank(&board.statuses()), Some((1, &of_rank(0.2, 9.0))));
+        statuses.post_status(1, of_rank(0.2, 9.0));
+        assert_eq!(slowest_rank(&statuses.last_known()), Some((1, &of_rank(0.2, 9.0))));
         for rank in 0..3 {
-            board.post_status(rank, of_rank(1.0, 0.0));
+            statuses.post_status(rank, of_rank(1.0, 0.0));
         }
-        assert_eq!(slowest_rank(&board.statuses()), None, "all are done");
+        assert_eq!(slowest_rank(&statuses.last_known()), None, "all are done");
         assert_eq!(slowest_rank(&[Some(of_rank(0.5, 3.0))]), None, "alone, nobody is the slowest");
     }
 
     #[test]
     fn ranks_note_where_they_are() {
-        let board: Arc<dyn StatusBoard> = Arc::new(LocalStatusBoard::default());
-        let lines = ProgressLines::new(true, 1, &board);
+        let statuses: Arc<dyn RankStatuses> = Arc::new(LocalRankStatuses::default());
+        let lines = ProgressLines::new(true, 1, &statuses);
         lines.begin("graph", 10, "frames");
         lines.advance(5);
-        while board.statuses().is_empty() {
+        while statuses.last_known().is_empty() {
             std::thread::yield_now();
         }
-        let of_rank = board.statuses()[1].clone().expect("rank 1");
+        let of_rank = statuses.last_known()[1].clone().expect("rank 1");
         assert_eq!((&*of_rank.stage, of_rank.share), ("graph", Some(0.5)));
         assert!(of_rank.left_s.is_some_and(|s| s > 0.0));
     }

@@ -15,7 +15,7 @@ use throng_runtime::{CharacterGroup, Id, Inline, NUM_JOINTS, Planar};
 ///
 /// - `roots`: start positions: x, z, heading (n x 3; m, radians).
 /// - `behaviour`: name of the behaviour; the first one by default.
-/// - `makes_way`: characters avoid each other, and start apart.
+/// - `avoids`: characters avoid each other, and start apart.
 /// - `instances`: steps also write records for a GPU, see `instances`.
 #[pyclass(name = "Characters", module = "throng", subclass)]
 pub struct PyCharacters {
@@ -29,20 +29,20 @@ pub struct PyCharacters {
 #[pymethods]
 impl PyCharacters {
     #[new]
-    #[pyo3(signature = (bundle, roots, behaviour=None, *, seed=1, makes_way=false, instances=false))]
+    #[pyo3(signature = (bundle, roots, behaviour=None, *, seed=1, avoids=false, instances=false))]
     fn new(
         bundle: &Bound<'_, PyBundle>,
         roots: PyReadonlyArray2<'_, f32>,
         behaviour: Option<&str>,
         seed: u64,
-        makes_way: bool,
+        avoids: bool,
         instances: bool,
     ) -> PyResult<Self> {
         let bundle = &bundle.get().0;
         let first = bundle.meta().behaviours.first().ok_or_else(error::no_policy)?;
         let policy = bundle.policy(behaviour.unwrap_or(first)).map_err(error::runtime_error)?;
         let roots = points(&roots)?;
-        let avoid = makes_way.then(AvoidConfig::default);
+        let avoid = avoids.then(AvoidConfig::default);
         let config = CharactersConfig { seed, avoid, instances, carriage: 1.0, ..CharactersConfig::default() };
         let mut group = PolicyCharacters::with_capacity(bundle, roots.len(), config).map_err(error::runtime_error)?;
         // Accepts any order of starts, though they stand close.

@@ -10,7 +10,7 @@ use throng_core::base::error::ensure;
 use throng_precompute::config::BuildConfig;
 use throng_precompute::error::BuildError;
 use throng_precompute::export::{Glb, bvh, take_csv, usda, write_amass, write_each_actor, write_npz};
-use throng_precompute::import::{self, ImportConfig};
+use throng_precompute::import::{self, ImportConfig, has_extension};
 use throng_precompute::perform::{PerformConfig, PerformSource, perform, record_instances};
 use throng_precompute::run::motion_name;
 use throng_precompute::trial::TrialConfig;
@@ -18,10 +18,6 @@ use throng_precompute::wearer::Wearer;
 use throng_precompute::{Warnings, files, pipeline};
 use throng_runtime::simulation::Scene;
 use throng_runtime::{Bundle, Joint};
-
-fn has_extension(path: &Path, extension: &str) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
-}
 
 /// Bakes motion, or the motion of one config, into a bundle; returns the report as JSON.
 #[pyfunction]

@@ -207,8 +207,8 @@ def test_characters_make_way(bundle):
     starts = np.array([[-4, 0, np.pi / 2], [4, 0, -np.pi / 2]], np.float32)
     targets = np.array([[8, 0, 0], [-8, 0, 0]], np.float32)
 
-    def nearest(makes_way):
-        people = throng.Characters(bundle, starts, "approach", makes_way=makes_way)
+    def nearest(avoids):
+        people = throng.Characters(bundle, starts, "approach", avoids=avoids)
         people.aim(targets)
         least = np.inf
         for _ in range(600):
@@ -220,13 +220,13 @@ def test_characters_make_way(bundle):
     apart, through = nearest(True), nearest(False)
     assert apart > 0.3 and apart > through + 0.1, (apart, through)
     with pytest.raises(throng.InputError):
-        throng.Characters(bundle, np.zeros((2, 3), np.float32), makes_way=True)
+        throng.Characters(bundle, np.zeros((2, 3), np.float32), avoids=True)
 
 
 def test_records_are_where_people_are_and_change_no_motion(bundle):
     roots = np.array([[3 * k, 0, 0.1 * k] for k in range(9)], np.float32)
-    posed, far = (throng.Characters(bundle, roots, makes_way=True, instances=True) for _ in range(2))
-    plain = throng.Characters(bundle, roots, makes_way=True)
+    posed, far = (throng.Characters(bundle, roots, avoids=True, instances=True) for _ in range(2))
+    plain = throng.Characters(bundle, roots, avoids=True)
     far.set_detail((0.0, 0.0), full_m=-1, posed_m=-1)
     for people in (posed, far, plain):
         people.aim(np.array([[10, 0, 20]] * 9, np.float32))

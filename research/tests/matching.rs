@@ -7,7 +7,7 @@ mod common;
 use glam::{Vec2, Vec3};
 use throng_core::Planar;
 use throng_research::matching::{
-    BoxSearch, Character, Database, FeatureWeights, KdTree, Nearest, SEARCH_FRAMES, WIDTH, Wish, brute_force,
+    BoxSearch, Character, Database, FeatureWeights, KdTree, MatchGoal, Nearest, SEARCH_FRAMES, WIDTH, brute_force,
 };
 use throng_research::measure::{self, MatchingConfig};
 
@@ -61,8 +61,8 @@ fn a_query_is_the_pose_that_plays_and_the_way_that_is_wanted() {
     let tables = common::tables();
     let db = Database::new(&tables, &FeatureWeights::default());
     let frame = db.frame(500);
-    let wish = |z: f32| Wish { place: Vec2::new(0.0, z), look: Vec2::new(0.0, z), speed_mps: 1.3, hit: None };
-    let (ahead, behind) = (db.query(frame, &wish(5.0)), db.query(frame, &wish(-5.0)));
+    let goal = |z: f32| MatchGoal { place: Vec2::new(0.0, z), look: Vec2::new(0.0, z), speed_mps: 1.3, hit: None };
+    let (ahead, behind) = (db.query(frame, &goal(5.0)), db.query(frame, &goal(-5.0)));
     assert_eq!(ahead[16..], db.row_of(frame)[16..]);
     assert_eq!(ahead[16..], behind[16..]);
     assert!(squared(&ahead, &behind) > 1.0);
@@ -79,8 +79,8 @@ fn characters_play_on_between_searches_and_never_leave_a_run() {
     for _ in 0..600 {
         if c.wants_search(&db, false) {
             let local = c.root.inverse_transform_point(target);
-            let wish = Wish { place: local, look: local, speed_mps: db.speed_quantile(0.9), hit: None };
-            c.search(&db, &boxes, &wish);
+            let goal = MatchGoal { place: local, look: local, speed_mps: db.speed_quantile(0.9), hit: None };
+            c.search(&db, &boxes, &goal);
             searches += 1;
         }
         let (before, frame) = (c.root, c.frame);

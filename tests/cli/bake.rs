@@ -1,6 +1,6 @@
 //! `throng bake`: shares of a build, in any order, again and at once.
 
-use super::{Place, at, failed, folder, json, throng};
+use super::{BundleFolder, at, failed, folder, json, throng};
 use proptest::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ struct Motion {
 
 impl Motion {
     fn new() -> Self {
-        let (place, folder) = (Place::shared(), folder());
+        let (place, folder) = (BundleFolder::shared(), folder());
         for (i, clip) in place.clips().iter().enumerate() {
             let text = std::fs::read_to_string(clip).expect("a clip");
             let (head, frames) = text.split_once("Frame Time:").expect("a header");

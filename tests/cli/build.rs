@@ -1,10 +1,10 @@
 //! `throng build`, its cache, and the demo.
 
-use super::{Place, at, done, folder, has_keys, json, throng};
+use super::{BundleFolder, at, done, folder, has_keys, json, throng};
 
 #[test]
 fn build_reports_what_it_did() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let folder = folder();
     let (out, cache) = (at(&folder, "a.throng"), at(&folder, "cache"));
     let args = ["build", &place.path("little.toml"), "--out", &out, "--cache", &cache, "--json"];
@@ -36,7 +36,7 @@ fn build_reports_what_it_did() {
 
 #[test]
 fn the_cache_is_used_listed_and_cleared() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let (cache, out) = (at(&folder, "cache"), at(&folder, "a.throng"));
     let (none, keys) = (json(&["cache", "--cache", &cache, "--json"], &[]), ["folder", "entries", "bytes", "stages"]);
     assert_eq!((&none["entries"], &none["bytes"]), (&0.into(), &0.into()), "a cache that is not there is empty");

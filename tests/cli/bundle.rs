@@ -1,11 +1,11 @@
 //! What is done with bundles: verify, query, run, bench.
 
-use super::{Place, at, done, failed, folder, has_keys, json, refused};
+use super::{BundleFolder, at, done, failed, folder, has_keys, json, refused};
 use serde_json::Value;
 
 #[test]
 fn verify_says_what_a_bundle_holds() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let bundle = place.bundle();
     let keys =
         ["file", "name", "version", "bundle_bytes", "frames", "clips", "states", "actions", "policies", "sections"];
@@ -18,7 +18,7 @@ fn verify_says_what_a_bundle_holds() {
 
 #[test]
 fn query_answers_with_an_action_and_a_value() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let bundle = place.bundle();
     let ask = |target: &str| {
         let args =
@@ -42,7 +42,7 @@ fn query_answers_with_an_action_and_a_value() {
 
 #[test]
 fn run_measures_a_crowd_and_draws_it() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let bundle = place.bundle();
     let png = at(&folder, "crowd.png");
     let keys = ["characters", "reached_fraction", "foot_slip_p95_mps", "steps_per_second", "simulated_s"];
@@ -61,7 +61,7 @@ fn run_measures_a_crowd_and_draws_it() {
 
 #[test]
 fn bench_reports_every_figure() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let args =
         ["bench", "bundle", &place.bundle(), "--characters", "8", "--threads", "1", "--seconds", "0.01", "--json"];
     let report = json(&args, &["results"]);

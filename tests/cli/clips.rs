@@ -1,12 +1,12 @@
 //! What is done with clips: inspect and export.
 
-use super::{Place, at, done, failed, folder, has_keys, json};
+use super::{BundleFolder, at, done, failed, folder, has_keys, json};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
 #[test]
 fn inspect_finds_out_about_a_clip() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let clip = place.first_clip();
     let keys = ["format", "joints", "frames", "rate_hz", "metres_per_unit", "up", "height_m", "roles", "warnings"];
     let report = json(&["inspect", &clip, "--json"], &keys);
@@ -20,7 +20,7 @@ fn inspect_finds_out_about_a_clip() {
 
 #[test]
 fn settings_of_reading_hold_for_what_is_inspected_and_exported() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let (clip, config) = (place.first_clip(), at(&folder, "double.toml"));
     std::fs::write(&config, "inputs = [\"a\"]\n[import]\nmetres_per_unit = 0.015\n").expect("a config");
     let height = |args: &[&str]| {
@@ -44,7 +44,7 @@ fn settings_of_reading_hold_for_what_is_inspected_and_exported() {
 
 #[test]
 fn a_config_names_the_class_of_a_clip() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let (clip, config) = (place.first_clip(), at(&folder, "shy.toml"));
     let name = std::path::Path::new(&clip).file_stem().and_then(|s| s.to_str()).expect("a name");
     let write = |class: &str| {
@@ -64,7 +64,7 @@ fn a_config_names_the_class_of_a_clip() {
 
 #[test]
 fn hits_are_reported_exported_and_drawn() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     // A walker's fist, marked by hand: the only hit, and its mirror image.
     let clip = at(&folder, "walker.bvh");
     std::fs::copy(place.first_clip(), &clip).expect("a copy");
@@ -99,7 +99,7 @@ fn hits_are_reported_exported_and_drawn() {
 
 #[test]
 fn export_writes_positions_and_bvh() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let clip = place.first_clip();
     let frames = json(&["inspect", &clip, "--json"], &["frames"])["frames"].as_u64().expect("a count") as usize;
     for retargeted in [false, true] {
@@ -141,7 +141,7 @@ fn positions(csv: &str) -> BTreeMap<(usize, &str), [f64; 3]> {
 
 #[test]
 fn export_writes_graphs_and_policies() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let bundle = place.bundle();
     let counts = json(&["verify", &bundle, "--json"], &["states", "actions"]);
     let graph = json(&["export", &bundle, "--format", "graph-json"], &["states", "actions"]);

@@ -1,6 +1,6 @@
 //! `throng export` of what runs: files are read back, and every joint is where the run had it.
 
-use super::{Place, at, done, failed, folder, refused};
+use super::{BundleFolder, at, done, failed, folder, refused};
 use glam::Vec3;
 use std::path::Path;
 use std::sync::LazyLock;
@@ -134,7 +134,7 @@ fn recordings_are_written_as_they_ran_and_no_longer() {
 
 #[test]
 fn characters_of_a_bundle_are_those_of_its_trial() {
-    let (place, out) = (Place::shared(), folder());
+    let (place, out) = (BundleFolder::shared(), folder());
     let file = at(&out, "a.glb");
     done(&["export", &place.bundle(), "--format", "glb", "--characters", "3", "--to", "1", "--out", &file]);
     let config = TrialConfig { recorded: Some(3), seconds: 1.0, ..TrialConfig::default() };
@@ -233,7 +233,7 @@ fn characters_of_the_users_own_wear_what_runs() {
 
 #[test]
 fn what_cannot_be_written_is_said_with_the_way_out() {
-    let (place, out) = (Place::shared(), folder());
+    let (place, out) = (BundleFolder::shared(), folder());
     let (scene, file) = (at(&SCENES, "paths.toml"), at(&out, "a.glb"));
     let fails = |args: &[&str], parts: &[&str]| {
         let e = failed(&[&["export"], args].concat());

@@ -1,6 +1,6 @@
 //! What is no regular file, or far too long, is refused at once, by every command that takes files.
 
-use super::{CONFIG, Place, at, folder, text, throng_soon};
+use super::{BundleFolder, CONFIG, at, folder, text, throng_soon};
 use std::process::Command;
 
 /// Every argument that names a file to read: the command, with `{}` in place of a name without extension.
@@ -34,7 +34,7 @@ const READS: [&[&str]; 25] = [
 
 /// Runs every command of [`READS`] in a folder with files `name.*`, and gives their messages to `check`.
 fn each_refused(folder: &tempfile::TempDir, name: &str, reads: &[&[&str]], check: impl Fn(&[&str], &str)) {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     std::fs::write(folder.path().join("config.toml"), CONFIG).expect("a config");
     let unit = "[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\n";
     std::fs::write(folder.path().join("world.toml"), format!("bundle = \"{name}.throng\"\n{unit}")).expect("a world");

@@ -1,12 +1,12 @@
 //! Folders, archives and patterns of motion, as people have them: inspected, built and run without a config.
 
-use super::{Place, at, done, failed, folder, has_keys, json, text, throng};
+use super::{BundleFolder, at, done, failed, folder, has_keys, json, text, throng};
 use serde_json::Value;
 use std::path::Path;
 use throng_checks::damage::seeds;
 
 /// A folder with the clips of the shared place in folders of their own, under names that people give, and other files.
-fn lying_around(place: &Place) -> tempfile::TempDir {
+fn lying_around(place: &BundleFolder) -> tempfile::TempDir {
     let folder = folder();
     let clips = place.clips();
     let [first, second] = &clips[..] else { panic!("expected two clips, found {clips:?}") };
@@ -69,7 +69,7 @@ fn build(what: &[&str], out: &str) -> (Value, String) {
 #[test]
 #[ignore = "takes long; scripts/nightly.sh runs it"]
 fn a_folder_and_an_archive_of_it_give_the_same_people() {
-    let (place, elsewhere) = (Place::shared(), folder());
+    let (place, elsewhere) = (BundleFolder::shared(), folder());
     let folder = lying_around(&place);
     let (a, b, zip) = (at(&elsewhere, "a.throng"), at(&elsewhere, "b.throng"), at(&elsewhere, "clips.zip"));
     pack(folder.path(), &zip);
@@ -104,7 +104,7 @@ fn a_folder_and_an_archive_of_it_give_the_same_people() {
 
 #[test]
 fn what_is_wrong_in_a_folder_is_told_and_the_rest_is_built() {
-    let (place, elsewhere) = (Place::shared(), folder());
+    let (place, elsewhere) = (BundleFolder::shared(), folder());
     let folder = lying_around(&place);
     copy(&place.clips()[0], &folder, "copies/once more.bvh");
     put(&folder, "broken.bvh", "HIERARCHY\nROOT\n");
@@ -175,7 +175,7 @@ fn folders_without_motion_are_refused_with_the_way_out() {
     let [printed, told] = [bad.stdout, bad.stderr].map(|s| text(&s));
     assert!(!bad.status.success() && printed.contains("0 good, 0 odd, 1 skipped"), "{printed}");
     assert!(told.contains("none of 1 file(s) can be read"), "{told}");
-    let (place, mixed) = (Place::shared(), at(&folder, "texts"));
+    let (place, mixed) = (BundleFolder::shared(), at(&folder, "texts"));
     assert!(failed(&["build", &place.path("little.toml"), &mixed]).contains("one config alone"));
     assert!(failed(&["build", &mixed, "--input", &mixed]).contains("--input is for a config"));
     assert!(failed(&["run", &mixed, &place.bundle()]).contains("motion alone"));
@@ -191,7 +191,7 @@ fn edited(clip: &Path, edit: impl Fn(usize, Vec<&str>) -> String) -> String {
 
 #[test]
 fn folders_in_which_nobody_goes_anywhere_are_told_as_such() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let clip = &place.clips()[0];
     // Exported "in place".
     let on_the_spot = edited(clip, |_, mut row| {
@@ -270,7 +270,7 @@ fn scene_files_are_read_as_other_motion_is() {
 #[test]
 #[ignore = "takes long; scripts/nightly.sh runs it"]
 fn one_more_file_costs_one_file() {
-    let (place, elsewhere) = (Place::shared(), folder());
+    let (place, elsewhere) = (BundleFolder::shared(), folder());
     let folder = lying_around(&place);
     let (out, cache) = (at(&elsewhere, "a.throng"), at(&elsewhere, "cache"));
     let root = folder.path().to_str().expect("a name").to_owned();
@@ -294,7 +294,7 @@ fn one_more_file_costs_one_file() {
 
 #[test]
 fn running_a_folder_builds_it_once() {
-    let (place, elsewhere) = (Place::shared(), folder());
+    let (place, elsewhere) = (BundleFolder::shared(), folder());
     let folder = lying_around(&place);
     let (root, cache) = (folder.path().to_str().expect("a name"), at(&elsewhere, "cache"));
     let args = ["run", root, "--characters", "5", "--seconds", "2", "--cache", &cache, "--json"];
@@ -316,7 +316,7 @@ fn running_a_folder_builds_it_once() {
 
 #[test]
 fn a_config_says_nothing_of_clips_that_were_replaced() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let config = at(&folder, "theirs.toml");
     let text = "name = \"theirs\"\ninputs = [\"theirs\"]\n[policy]\ncompare_samples = 100\n[clips.their_walk]\nexclude = [[0, 1]]\n\
         [blend.gaits]\naxes = [{ kind = \"speed\" }]\nexamples = [{ clip = \"their_*\" }]\n\
@@ -339,7 +339,7 @@ fn a_config_says_nothing_of_clips_that_were_replaced() {
 #[test]
 fn who_interrupts_a_build_is_told_how_to_go_on() {
     use std::process::{Command, Stdio};
-    let (place, elsewhere) = (Place::shared(), folder());
+    let (place, elsewhere) = (BundleFolder::shared(), folder());
     let folder = lying_around(&place);
     let (out, cache) = (at(&elsewhere, "a.throng"), elsewhere.path().join("cache"));
     let args =

@@ -1,6 +1,6 @@
 //! Help fits the screen, and each command that makes something says how to go on.
 
-use super::{COMMANDS, Place, at, done, folder, json, refused, text, throng};
+use super::{BundleFolder, COMMANDS, at, done, folder, json, refused, text, throng};
 use std::path::Path;
 
 /// Columns of a screen.
@@ -47,6 +47,10 @@ fn rare_options_are_in_groups_of_the_long_help() {
         short.contains("--png") && !short.contains("--cache-limit") && short.contains("`--help` has more"),
         "{short}"
     );
+    let (_, named) = short.split_once("`--help` has more:").expect("groups of options");
+    let groups: Vec<&str> = named.split(',').map(str::trim).collect();
+    let is_once = |group: &&&str| groups.iter().filter(|other| other == group).count() == 1;
+    assert!(groups.len() > 3 && groups.iter().all(|group| is_once(&group)), "a group is named twice: {short}");
     assert_eq!(done(&["help", "run"]), long);
     assert_eq!(done(&["help", "query", "path"]), done(&["query", "path", "--help"]));
     assert!(refused(&["help", "fly"]).contains("fly"));
@@ -81,7 +85,7 @@ fn next_words(args: &[&str]) -> Vec<String> {
 
 #[test]
 fn commands_that_make_something_say_what_is_next() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let (bundle, clip, config) = (place.bundle(), place.first_clip(), place.path("little.toml"));
     let (clips, out, glb, png) =
         (at(&folder, "clips"), at(&folder, "a.throng"), at(&folder, "a.glb"), at(&folder, "a.png"));
@@ -100,6 +104,9 @@ fn commands_that_make_something_say_what_is_next() {
     }
     let run = ["run", &bundle, "--characters", "4", "--seconds", "1", "--png", &png];
     assert_eq!(name(next_words(&run)), "view");
+    let (plan, level) = (concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cli/level.geojson"), at(&folder, "a.level"));
+    assert_eq!(next_words(&["level", plan, "--out", &level]), ["inspect", &level]);
+    done(&["inspect", &level]);
     let demo = ["demo", "--characters", "4", "--seconds", "1", "--out", &png, "--bundle", &out];
     assert_eq!(name(next_words(&demo)), "export");
     let taken = next_words(&["export", &bundle, "--format", "glb", "--to", "1", "--characters", "0", "--out", &glb]);
@@ -114,4 +121,38 @@ fn commands_that_make_something_say_what_is_next() {
     let printed = done(&["export", &bundle, "--format", "policy-csv", "--out", &csv]);
     assert_eq!(printed, format!("next: head {csv}\n"));
     json(&["synth", "--out", &clips, "--minutes", "0.5", "--json"], &["clips"]);
+}
+
+#[test]
+fn runs_that_are_recorded_say_what_is_next() {
+    let folder = folder();
+    let (scene, recording) = (at(&folder, "a.toml"), at(&folder, "a.recording"));
+    let run = ["run", &scene, "--seconds", "1", "--record", &recording];
+    // Only agents with a story have reasons to explain.
+    let plain = "[[groups]]\nmotion = \"none\"\ncount = 4\nplace = { block = { from = [0, 0], to = [4, 4] } }\n\
+                 goal = { stay = {} }\n";
+    std::fs::write(&scene, plain).expect("a scene");
+    assert_eq!(next_words(&run), ["view", &scene]);
+    let story = "[[rules]]\non = \"starts\"\ndo = [{ stay = 1 }]\n";
+    std::fs::write(&scene, format!("{plain}{story}")).expect("a scene");
+    let next = next_words(&run);
+    assert_eq!(next, ["explain", &recording, "--agent", "0"]);
+    done(&next.iter().map(String::as_str).collect::<Vec<_>>());
+}
+
+#[test]
+fn worlds_that_are_stitched_say_what_is_next() {
+    let folder = folder();
+    let (config, world) = (at(&folder, "tiles.toml"), at(&folder, "square.toml"));
+    let units = concat!(env!("CARGO_MANIFEST_DIR"), "/data/units/playground.toml").replace('\\', "/");
+    let little = format!(
+        "behaviours = []\nsynth = {{ set = \"walk\", minutes = 0.3 }}\ngraph = {{ enabled = false }}\n\n\
+         [patches]\nunits = \"{units}\"\ntiles = [{{ unit = \"ground\", edge_groups = 2 }}]\n"
+    );
+    std::fs::write(&config, little).expect("a config");
+    let square = "bundle = \"tiles.throng\"\n[[place]]\nunit = \"ground\"\nat = [0, 0, 0]\nrepeat = [2, 1, 2]\n\
+                  step = [[2.8, 0, 0], [0, 0, 0], [0, 0, 2.8]]\n";
+    std::fs::write(&world, square).expect("a world");
+    done(&["build", &config, "--out", &at(&folder, "tiles.throng"), "--no-cache"]);
+    assert_eq!(next_words(&["stitch", &world]), ["view", &world]);
 }

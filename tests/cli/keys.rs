@@ -1,6 +1,6 @@
 //! What `throng help keys` says is what is printed.
 
-use super::{Place, at, done, folder, json};
+use super::{BundleFolder, at, done, folder, json};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -81,7 +81,7 @@ fn check(command: &[&str], heading: &str, args: &[&str]) {
 
 #[test]
 fn help_lists_exactly_the_keys_that_are_printed() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let (bundle, clip, config) = (place.bundle(), place.first_clip(), place.path("little.toml"));
     let (clips, out, environment) = (at(&folder, "clips"), at(&folder, "a.throng"), at(&folder, "ground.toml"));
     check(&["synth"], "JSON keys", &["--out", &clips, "--minutes", "0.5"]);

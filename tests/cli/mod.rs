@@ -120,14 +120,14 @@ const CONFIG: &str = "name = \"little\"\ninputs = [\"clips\"]\n\n[policy]\ncompa
     grid = { rings = 6, angles = 8, radius = 6.0, inner_spacing = 0.5 }\n";
 
 /// A folder with clips, a config and a bundle, all made by the command line.
-struct Place {
+struct BundleFolder {
     folder: tempfile::TempDir,
 }
 
-impl Place {
+impl BundleFolder {
     /// The place of all tests, as long as one of them holds it.
     fn shared() -> Arc<Self> {
-        static SHARED: Mutex<Weak<Place>> = Mutex::new(Weak::new());
+        static SHARED: Mutex<Weak<BundleFolder>> = Mutex::new(Weak::new());
         let mut shared = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
         shared.upgrade().unwrap_or_else(|| {
             let place = Arc::new(Self::new());
@@ -228,7 +228,7 @@ fn wrong_usage_ends_with_2() {
 #[test]
 fn a_reader_that_goes_is_no_failure() {
     use std::process::Stdio;
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     for args in [["inspect", &place.first_clip()], ["verify", &place.bundle()], ["inspect", &place.bundle()]] {
         let mut throng = Command::new(env!("CARGO_BIN_EXE_throng"));
         let mut child = throng.args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");

@@ -1,6 +1,6 @@
 //! Every number on the command line has a range; what is outside of it is refused with the option and the range.
 
-use super::{Place, at, done, folder, text, throng_soon};
+use super::{BundleFolder, at, done, folder, text, throng_soon};
 use throng_core::base::limits::{self, Limit};
 
 /// Options that take a number, and their ranges.
@@ -102,7 +102,7 @@ const GIVEN: [&str; 7] = ["0", "-1", "NaN", "inf", "1e308", "4294967296", "18446
 
 #[test]
 fn numbers_out_of_their_range_are_refused_with_option_and_range() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let mut refused = 0;
     for (command, options) in NUMBERS {
         for (option, limit) in options {
@@ -138,7 +138,7 @@ fn numbers_out_of_their_range_are_refused_with_option_and_range() {
 
 #[test]
 fn numbers_at_the_ends_of_their_ranges_are_taken() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let bundle = place.bundle();
     let run = ["run", &bundle, "--characters", "1", "--seconds", "0.001"];
     for more in [

@@ -1,12 +1,12 @@
 //! What cannot be done is refused with the file, the place and the way out.
 
-use super::{CONFIG, Place, at, failed, folder, text, throng};
+use super::{BundleFolder, CONFIG, at, failed, folder, text, throng};
 use serde_json::Value;
 use std::path::Path;
 
 #[test]
 fn files_that_are_no_bundles_are_refused_by_name() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let cut = at(&folder, "cut.throng");
     std::fs::write(&cut, &std::fs::read(place.bundle()).expect("the bundle")[..5000]).expect("a file");
     let text = at(&folder, "text.throng");
@@ -61,7 +61,7 @@ fn wrong_configs_name_the_place_and_the_nearest_key() {
 
 #[test]
 fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let clips = folder.path().join("clips");
     std::fs::create_dir(&clips).expect("a folder");
     for from in place.clips() {
@@ -95,7 +95,7 @@ fn a_bad_clip_is_skipped_and_counted_or_stops_a_strict_build() {
 
 #[test]
 fn places_that_cannot_be_written_are_named() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let nowhere = at(&folder, "no/such/folder/a.throng");
     let e = failed(&["build", &place.path("little.toml"), "--out", &nowhere, "--no-cache"]);
     assert!(e.contains("no/such/folder"), "{e}");
@@ -105,7 +105,7 @@ fn places_that_cannot_be_written_are_named() {
 
 #[test]
 fn a_skeleton_for_files_that_take_none_is_refused() {
-    let place = Place::shared();
+    let place = BundleFolder::shared();
     let clip = place.first_clip();
     for args in [
         vec!["inspect", &clip, "--asf", "some.asf"],
@@ -145,7 +145,7 @@ fn nothing_is_written_over_what_is_read() {
 
 #[test]
 fn worlds_that_cannot_be_are_refused_with_the_way_out() {
-    let (place, folder) = (Place::shared(), folder());
+    let (place, folder) = (BundleFolder::shared(), folder());
     let world = at(&folder, "square.toml");
     let ground = "[[place]]\nunit = \"ground\"\nat = [0.0, 0.0, 0.0]\n";
     let write = |text: &str| std::fs::write(&world, text).expect("a file");

@@ -26,6 +26,9 @@ fn the_viewer_is_asked_for_where_it_is_not_built() {
     let help = Command::new(&alone).args(["view", "--help"]).output().expect("the copy starts");
     assert_eq!(help.status.code(), Some(0));
     assert!(text(&help.stdout).contains(&command));
+    let keys = Command::new(&alone).args(["help", "keys", "view"]).output().expect("the copy starts");
+    assert_eq!(keys.status.code(), Some(1));
+    assert!(text(&keys.stderr).contains(&command));
 }
 
 #[cfg(unix)]

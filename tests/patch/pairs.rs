@@ -275,7 +275,7 @@ fn who_is_held_up_gives_up_after_a_minute_and_twice_the_way() {
     for apart in [2, 9, 19] {
         let (mut free, two) = begin(apart);
         let walk_s = DT * until_begun(&mut free, two) as f32;
-        // Everybody is on ground that outsiders hold, so nobody takes a step.
+        // Everybody is on ground that others reserve, so nobody takes a step.
         let (mut held, _) = begin(apart);
         let everywhere = Capsule2d { from: Vec2::new(-50.0, 0.0), to: Vec2::new(100.0, 0.0), radius_m: 50.0 };
         let others = [ReservedRegion { bodies: Vec::new(), ground: vec![everywhere] }];

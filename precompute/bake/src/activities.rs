@@ -179,7 +179,7 @@ impl ActivitySearch {
 }
 
 /// Runs of at least some seconds in which a person stands, upright and with empty hands; still ends of clips count.
-fn stands(clip: &Clip, least_s: f64, of_class: impl Fn(&MotionClass) -> bool) -> Vec<FrameRange> {
+fn find_stands(clip: &Clip, least_s: f64, of_class: impl Fn(&MotionClass) -> bool) -> Vec<FrameRange> {
     let left_out = |f: usize| clip.excluded.iter().any(|e| e.reason != ExclusionReason::Still && e.range.contains(&f));
     let stands = |c: &MotionClass| c.posture == Posture::Upright && c.gait == Gait::Stand && !c.carrying && of_class(c);
     let runs = runs_where(0..clip.num_frames(), |f| clip.class_at(f).is_some_and(stands) && !left_out(f));
@@ -193,18 +193,18 @@ fn idles(clip: &Clip) -> Vec<FrameRange> {
         let num = (r.len() as f64 / (most_s * clip.rate_hz)).ceil().max(1.0) as usize;
         (0..num).map(move |k| r.start + r.len() * k / num..r.start + r.len() * (k + 1) / num)
     };
-    stands(clip, least_s, |c| c.neutral).into_iter().flat_map(parts).collect()
+    find_stands(clip, least_s, |c| c.neutral).into_iter().flat_map(parts).collect()
 }
 
 /// Gestures of a clip in which a person stands, with a moment of calm at each end where there is one.
 fn gestures(clip: &Clip) -> Vec<FrameRange> {
-    let standing: usize = stands(clip, 0.0, |_| true).iter().map(ExactSizeIterator::len).sum();
+    let standing: usize = find_stands(clip, 0.0, |_| true).iter().map(ExactSizeIterator::len).sum();
     if (standing as f64) < STANDING_SHARE * clip.num_frames() as f64 {
         return Vec::new();
     }
     let frames = |s: f64| (s * clip.rate_hz) as usize;
     let mut all: Vec<FrameRange> = Vec::new();
-    for run in stands(clip, 0.0, |c| !c.neutral) {
+    for run in find_stands(clip, 0.0, |c| !c.neutral) {
         match all.last_mut() {
             Some(last) if run.start - last.end <= frames(PAUSE_S) => last.end = run.end,
             _ => all.push(run),

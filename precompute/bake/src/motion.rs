@@ -91,8 +91,8 @@ impl<'a> MotionStages<'a> {
         let mut warnings = Warnings::default();
         let mut skipped: Vec<String> = raw.skipped.iter().map(ToString::to_string).collect();
         let repeated = self.report_repeated(&mut raw, streamed.as_ref())?;
-        let told = if parts == RequiredParts::Possible { &mut skipped } else { &mut warnings.messages };
-        told.extend(repeated);
+        let reported = if parts == RequiredParts::Possible { &mut skipped } else { &mut warnings.messages };
+        reported.extend(repeated);
         warnings.messages.extend(raw.clips.iter().flat_map(ImportedClip::own_warnings).map(str::to_owned));
         warnings.messages.extend(import::skeleton_warnings(&raw.clips));
         resample::check_length(raw.clips.iter().map(|c| c.clip.num_frames as f64 / c.clip.rate_hz), &cfg.resample)?;

@@ -222,8 +222,8 @@ fn nothing_to_play_error(attempts: &Attempts, motion: &MotionOutput) -> BuildErr
         ),
         false => {
             // The report with these warnings is not made.
-            let told = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
-            let there_is = describe_motion(&motion.clips) + &told.collect::<String>();
+            let warning = motion.warnings.messages.iter().take(1).map(|w| format!("; {}", w.trim_end_matches('.')));
+            let there_is = describe_motion(&motion.clips) + &warning.collect::<String>();
             let parts = parts.join("; ");
             (format!("nothing can be made of this motion: {there_is}; {parts}"), "`throng inspect` says more")
         }

@@ -52,7 +52,7 @@ impl MadeFigures {
                     slip[kind].observe_joints(0, 1.0 / rate, tables.contacts()[f as usize], |j| joints[j.index()]);
                     positions.push(joints.map(|j| j.0));
                 }
-                knees[kind].add(&Track::of(positions));
+                knees[kind].add(&Track::without_changes(positions));
             }
         }
         let ratio = |[captured, made]: [f64; 2]| made / captured.max(1e-6);

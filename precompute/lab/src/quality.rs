@@ -40,8 +40,8 @@ pub struct Track {
 }
 
 impl Track {
-    /// A track without changes.
-    pub fn of(positions: Vec<[Vec3; NUM_JOINTS]>) -> Self {
+    /// A track without changes of segment.
+    pub fn without_changes(positions: Vec<[Vec3; NUM_JOINTS]>) -> Self {
         Self { on_the_way: positions.len(), positions, changes: Vec::new() }
     }
 }
@@ -80,7 +80,7 @@ pub struct MotionFigures {
 pub struct MotionQuality {
     /// 95th percentile of the speed of toes within 15 mm of their lowest place, planted or not (m/s).
     pub toe_speed_low_p95_mps: f64,
-    /// The same of the clips (m/s).
+    /// 95th percentile of the speed of toes within 15 mm of their lowest place, of the clips (m/s).
     pub source_toe_speed_low_p95_mps: f64,
     /// Fastest turn of a knee over that of the clips.
     pub knee_rate_max_ratio: f64,
@@ -90,7 +90,7 @@ pub struct MotionQuality {
     pub knee_snaps_per_min: f64,
     /// Mean acceleration of all joints within 5 frames of a change of segment, over that elsewhere; none without changes.
     pub change_acceleration_ratio: Option<f64>,
-    /// The same of the clips: their mean acceleration within 5 frames of the same changes, over that of characters elsewhere.
+    /// Mean acceleration of the clips within 5 frames of the same changes, over that of characters elsewhere.
     /// It is 1 where segments end at moments like any other.
     pub source_change_acceleration_ratio: Option<f64>,
     /// Root mean square of the hips' acceleration as seen at the rate of the steps, over that at the rate of the clips:
@@ -98,11 +98,11 @@ pub struct MotionQuality {
     pub hips_acceleration_between_frames: f64,
     /// Share of the power of the right hand's acceleration above 6 Hz, where it moves.
     pub hand_power_above_6hz: f64,
-    /// The same of the clips.
+    /// Share of the power of the right hand's acceleration above 6 Hz, of the clips, where it moves.
     pub source_hand_power_above_6hz: f64,
     /// Moving, standing and changing, each by itself.
     pub apart: ApartFigures,
-    /// The same of the clips, where it is about single frames and spans.
+    /// Moving, standing and changing of the clips, where it is about single frames and spans.
     pub source_apart: ApartFigures,
 }
 
@@ -125,7 +125,7 @@ impl MotionQuality {
         tracks.iter().for_each(|t| apart.add(t));
         let mut of_clips = (QualityMeter::new(frame_hz, frame_hz), ApartMeter::new(1, frame_hz, &manners));
         for run in runs(tables) {
-            let track = Track::of(run.map(|f| clip_joints(tables, f).map(|joint| joint.0)).collect());
+            let track = Track::without_changes(run.map(|f| clip_joints(tables, f).map(|joint| joint.0)).collect());
             of_clips.0.add(&track);
             of_clips.1.add(&track);
         }
@@ -321,7 +321,7 @@ mod tests {
 
     /// All joints at one place, which moves.
     fn track(num: usize, at: impl Fn(usize) -> Vec3) -> Track {
-        Track::of((0..num).map(|i| [at(i); NUM_JOINTS]).collect())
+        Track::without_changes((0..num).map(|i| [at(i); NUM_JOINTS]).collect())
     }
 
     fn figures(sample_hz: f32, track: &Track) -> MotionFigures {
@@ -364,7 +364,7 @@ mod tests {
         }
         // The acceleration at a sample is that between it and its neighbours.
         let changes = vec![Change { sample: 50, frames: [0, 0] }];
-        let ratio = figures(30.0, &Track { changes, ..Track::of(positions) }).change_acceleration_ratio;
+        let ratio = figures(30.0, &Track { changes, ..Track::without_changes(positions) }).change_acceleration_ratio;
         assert!((ratio.unwrap_or_default() - 2.0).abs() < 0.05, "{ratio:?}");
     }
 

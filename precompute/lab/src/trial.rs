@@ -72,7 +72,7 @@ pub struct TrialReport {
     /// Simulated time (s).
     pub simulated_s: f32,
     /// True if characters avoid each other.
-    pub making_way: bool,
+    pub avoiding: bool,
     /// Share of the characters that came within reach of their target.
     pub reached_fraction: f64,
     /// Share of the characters within one and a half reaches at the end.

@@ -357,8 +357,8 @@ fn add_links(data: &mut LevelData, level: &Level, source: &LevelSource, warn: &m
         let [kind, name] = [link.kind, &link.name].map(|text| add_name(data, text));
         let up = (to.at.y - from.at.y).abs();
         let cost_m = LINK_COST_M + LINK_COST_UP * up + from.at.xz().distance(to.at.xz());
-        let ways = if link.is_two_way() { 2 } else { 1 };
-        for [from, to] in [[from, to], [to, from]].into_iter().take(ways) {
+        let num_directions = if link.is_two_way() { 2 } else { 1 };
+        for [from, to] in [[from, to], [to, from]].into_iter().take(num_directions) {
             data.links.push(LevelLink {
                 ends: [from, to].map(|end| end.at.to_array()),
                 polygons: [from, to].map(|end| end.polygon),

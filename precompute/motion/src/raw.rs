@@ -85,11 +85,6 @@ impl RawClip {
         hasher.finish()
     }
 
-    /// Drops the motion, for uses that only need the description of the clip.
-    pub fn forget_motion(&mut self) {
-        (self.translations, self.rotations) = (Vec::new(), Vec::new());
-    }
-
     /// True where the numbers of both motions are the same.
     pub fn has_motion_of(&self, other: &Self) -> bool {
         self.rate_hz == other.rate_hz

@@ -32,16 +32,12 @@ impl BodyCapsules {
         let is_apart = |c: &JointCapsule| !matches!(c.joint, Joint::LeftClavicle | Joint::RightClavicle);
         let one = |c: JointCapsule| {
             let [a, b] = c.ends.map(Vec3::as_dvec3);
-            let slim_m = if is_arm(c.joint) { ARMS_SLIM_M } else { 0.0 };
+            let slim_m = if (Joint::LeftClavicle..=Joint::RightHand).contains(&c.joint) { ARMS_SLIM_M } else { 0.0 };
             let radius = f64::from(c.radius - slim_m * BodyVolume::scale(skeleton));
             BodyCapsule { joint: c.joint, core: Segment::new(a, b), radius }
         };
         Self { capsules: BodyVolume::new(skeleton).capsules.into_iter().filter(is_apart).map(one).collect() }
     }
-}
-
-fn is_arm(joint: Joint) -> bool {
-    (Joint::LeftClavicle..=Joint::RightHand).contains(&joint)
 }
 
 #[cfg(test)]

@@ -115,7 +115,7 @@ class Characters(_throng.Characters):
 
     - ``roots``: where they start: x, z, heading (n x 3; m, radians).
     - ``behaviour``: its name; the first one by default.
-    - ``makes_way``: they keep clear of each other, and start apart.
+    - ``avoids``: they keep clear of each other, and start apart.
     - ``instances``: steps also leave records, see ``instances``.
     """
 

@@ -76,7 +76,7 @@ class Characters:
         behaviour: str | None = None,
         *,
         seed: int = 1,
-        makes_way: bool = False,
+        avoids: bool = False,
         instances: bool = False,
     ) -> Self: ...
     def aim(self, targets: _Floats) -> None: ...

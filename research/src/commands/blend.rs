@@ -18,7 +18,7 @@ const FIRST: &str = "gaits";
 
 /// Measure blend spaces: weights, postures, retargeting, and jumps of the parameters beside cross-fading.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::json_keys::<Report<'static>>())]
+#[command(after_long_help = keys::json_keys::<BlendComparison<'static>>())]
 pub struct Args {
     /// Bundle with blend spaces; synthetic locomotion, baked first, where absent.
     #[arg(value_name = "BUNDLE")]
@@ -35,7 +35,7 @@ pub struct Args {
 
 /// What is printed: the figures of the space `gaits`, or of the first one, and those of all.
 #[derive(Serialize, JsonSchema)]
-struct Report<'a> {
+struct BlendComparison<'a> {
     #[serde(flatten)]
     first: &'a BlendFigures,
     /// The same figures of every blend space.
@@ -54,7 +54,7 @@ pub fn run(args: &Args) -> CommandResult {
     let spaces = measure::blend(&tables, args.seconds)?;
     let first = spaces.iter().find(|s| s.space == FIRST).unwrap_or(&spaces[0]);
     if args.json {
-        return output::json(&Report { first, spaces: &spaces });
+        return output::json(&BlendComparison { first, spaces: &spaces });
     }
     spaces.iter().try_for_each(print)
 }

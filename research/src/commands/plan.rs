@@ -22,7 +22,7 @@ use throng_research::reaches::{ReachFigures, reach_figures};
 ///
 /// Scenes are those of `throng bench plan`.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::json_keys::<Report>())]
+#[command(after_long_help = keys::json_keys::<PlanComparison>())]
 pub struct Args {
     /// Names of scenes, or task files; all named scenes where absent.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -48,7 +48,7 @@ const PLAIN_SAMPLES: u32 = 10_000;
 
 /// What is printed.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct PlanComparison {
     /// Every scene.
     results: Vec<Figures>,
     /// Reaches in the captured motion; none without it.
@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> CommandResult {
         results.push(Figures { scene: name.clone(), success_rate, natural });
     }
     if args.json {
-        return output::json(&Report { results, captured });
+        return output::json(&PlanComparison { results, captured });
     }
     let row = |what: &str, natural: Option<&ReachNaturalness>| {
         output::table(&[(what, natural.map_or_else(|| "no reach".into(), ReachNaturalness::text))])

@@ -12,7 +12,7 @@ use throng_research::quality::{PAIRS, Quality, QualityConfig, quality};
 /// Measure what policies collect against search to a depth of four actions, and against motion matching over all frames of
 /// the bundle, with the same targets.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::json_keys::<Report>())]
+#[command(after_long_help = keys::json_keys::<QualityComparison>())]
 pub struct Args {
     /// Bundle with a motion graph.
     #[arg(value_name = "BUNDLE")]
@@ -30,7 +30,7 @@ pub struct Args {
 
 /// Everything that was measured.
 #[derive(Serialize, JsonSchema)]
-struct Report {
+struct QualityComparison {
     /// Each policy against exhaustive search.
     quality: Vec<Quality>,
     /// Policies against motion matching.
@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> CommandResult {
     let quality = quality(&tables, &QualityConfig { pairs: args.pairs, ..QualityConfig::default() })?;
     let matching = measure::matching(&tables, &MatchingConfig { seconds: args.seconds, ..MatchingConfig::default() })?;
     if args.json {
-        return output::json(&Report { quality, matching });
+        return output::json(&QualityComparison { quality, matching });
     }
     quality.iter().try_for_each(print_quality)?;
     print_matching(&matching)

@@ -12,7 +12,7 @@ use throng_research::steering::{self, CASES, Case, SteeringFigures};
 /// Some of the grounds were looked at while the constants of steering were chosen; the others, marked `held_out`, judge
 /// them. `--sweep` changes one constant at a time and shows what it is worth there.
 #[derive(clap::Args)]
-#[command(after_long_help = keys::json_keys::<Report>())]
+#[command(after_long_help = keys::json_keys::<SteeringComparison>())]
 pub struct Args {
     /// Names of grounds; `all`, `tuned` or `held_out`.
     #[arg(long, value_delimiter = ',', default_value = "all", value_name = "NAME,...")]
@@ -39,7 +39,7 @@ pub struct Args {
 
 /// What is printed.
 #[derive(Serialize, schemars::JsonSchema)]
-struct Report {
+struct SteeringComparison {
     /// Each ground.
     results: Vec<Row>,
     /// Each constant that was changed.
@@ -97,7 +97,7 @@ pub fn run(args: &Args) -> CommandResult {
     } else {
         sweep = swept(args)?;
     }
-    if args.json { output::json(&Report { results, sweep }) } else { Ok(()) }
+    if args.json { output::json(&SteeringComparison { results, sweep }) } else { Ok(()) }
 }
 
 fn measure(case: &Case, args: &Args, changes: &[(String, f64)]) -> Result<Row, Box<dyn std::error::Error>> {

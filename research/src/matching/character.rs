@@ -4,7 +4,7 @@ use super::boxes::BoxSearch;
 use super::database::Database;
 use super::distance::Nearest;
 use super::features::Row;
-use super::wish::Wish;
+use super::goal::MatchGoal;
 use throng_core::Planar;
 
 /// Frames between two searches.
@@ -35,8 +35,8 @@ impl Character {
     }
 
     /// What it looks for now, and how near it must be: nearer than what plays already, where that can go on.
-    pub fn query(&self, database: &Database, wish: &Wish) -> (Row, Nearest) {
-        let query = database.query(self.frame, wish);
+    pub fn query(&self, database: &Database, goal: &MatchGoal) -> (Row, Nearest) {
+        let query = database.query(self.frame, goal);
         let limit = if database.goes_on(self.frame) {
             super::brute_force(
                 std::slice::from_ref(database.row_of(self.frame)),
@@ -51,8 +51,8 @@ impl Character {
     }
 
     /// Searches, and goes on from what is found.
-    pub fn search(&mut self, database: &Database, boxes: &BoxSearch<'_>, wish: &Wish) {
-        let (query, from) = self.query(database, wish);
+    pub fn search(&mut self, database: &Database, boxes: &BoxSearch<'_>, goal: &MatchGoal) {
+        let (query, from) = self.query(database, goal);
         if let Some(row) = boxes.find(&query, from).row {
             self.frame = database.frame(row);
         }

@@ -1,7 +1,7 @@
 //! The features of every usable frame of a bundle.
 
 use super::features::{AHEAD_S, FeatureWeights, Group, POSE, Row, WIDTH};
-use super::wish::Wish;
+use super::goal::MatchGoal;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 use throng_core::characters::{MotionSet, SampleJob};
@@ -133,13 +133,13 @@ impl Database {
         speeds.get(at).copied().unwrap_or(0.0)
     }
 
-    /// The row to look for: the pose of the frame that plays, and the wish.
-    pub fn query(&self, frame: u32, wish: &Wish) -> Row {
+    /// The row to look for: the pose of the frame that plays, and the goal.
+    pub fn query(&self, frame: u32, goal: &MatchGoal) -> Row {
         let mut row = [0.0; WIDTH];
-        let (path, facing) = wish.trajectory(self.velocity(frame));
+        let (path, facing) = goal.trajectory(self.velocity(frame));
         store(&mut row, Group::Path, &path.map(|p| [p.x, p.y]));
         store(&mut row, Group::Facing, &facing.map(|p| [p.x, p.y]));
-        store_hit(&mut row, wish.hit);
+        store_hit(&mut row, goal.hit);
         for k in 0..POSE.start {
             row[k] = (row[k] - self.mean[k]) * self.factor[k];
         }

@@ -18,11 +18,11 @@ pub struct KdTree {
     /// Number of each row before it was put there.
     numbers: Vec<u32>,
     /// The root is the last one.
-    nodes: Vec<Node>,
+    nodes: Vec<KdNode>,
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct KdNode {
     bounds: [Row; 2],
     kind: NodeKind,
 }
@@ -65,7 +65,7 @@ impl KdTree {
             let (low, high) = order.split_at_mut(middle);
             NodeKind::Inner(self.part(all, low), self.part(all, high))
         };
-        self.nodes.push(Node { bounds, kind });
+        self.nodes.push(KdNode { bounds, kind });
         self.nodes.len() as u32 - 1
     }
 

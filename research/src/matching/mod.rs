@@ -14,13 +14,13 @@ mod character;
 mod database;
 mod distance;
 mod features;
+mod goal;
 mod kd_tree;
-mod wish;
 
 pub use boxes::BoxSearch;
 pub use character::{Character, SEARCH_FRAMES};
 pub use database::{Database, HIT_HORIZON_S};
 pub use distance::{Nearest, brute_force};
 pub use features::{FeatureWeights, Row, WIDTH};
+pub use goal::MatchGoal;
 pub use kd_tree::KdTree;
-pub use wish::Wish;

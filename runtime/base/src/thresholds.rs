@@ -35,6 +35,19 @@ pub const STANDING_MPS_F64: f64 = 0.15;
 /// Used where bodies leave an activity and turn into their way, where walkers time their steps, for the usual speed of a set, the
 /// ends of activities, the poses at edges of tiles, and to report walking and find files whose frame rate is wrong.
 pub const WALKING_MPS: f32 = 0.3;
+/// Speed from which the movement of an agent is drawn with a direction (m/s). Chosen.
+///
+/// Used in pictures of crowds, and where the viewer draws agents and lists their forces.
+pub const DIRECTION_SHOWN_MPS: f32 = 0.05;
+/// Speed below which a body that is to face somebody or something stands (m/s). Chosen, twice [`WALKING_MPS`]: passers-by push the
+/// disc of an agent that faces somebody.
+///
+/// Used by bodies of agents.
+pub const FACING_STANDS_MPS: f32 = 0.6;
+/// Speed above which a body moves whose clip is named an idle (m/s): those sway and step, but walk nowhere. Chosen.
+///
+/// Used where clips are classified.
+pub const NAMED_IDLE_MOVES_MPS: f32 = 2.0 * WALKING_MPS;
 /// Speed of strides from which their time is wholly that of the examples (m/s). Chosen.
 ///
 /// Used where walkers match their steps to their speed. With [`WALKING_MPS`], knees turn faster on stairs of 0.17 m than they may.
@@ -50,6 +63,20 @@ pub const WALK_SPEED_MPS: f32 = 1.3;
 ///
 /// Used for characters that are steered by hand, and as the speed of what is drawn in the colour of fast characters.
 pub const RUN_SPEED_MPS: f32 = 3.0;
+/// Speed plus the correlation of hips and stride from which a body runs (m/s; a correlation of 1 counts as 1 m/s): hips of a
+/// runner are highest while the feet are farthest apart, those of a walker lowest. Of clips whose names say nothing, walk and run.
+/// Chosen.
+///
+/// Used where clips are classified.
+pub const RUNS_MPS: [f32; 3] = [1.85, 2.3, 1.5];
+/// Median speed of the lowest foot, over the ground of a treadmill, from which a body on the spot runs (m/s). Chosen.
+///
+/// Used to give walks on the spot a trajectory.
+pub const TREADMILL_RUNS_MPS: f32 = 1.4;
+/// Speed of running below which people say that somebody jogs (m/s). Chosen.
+///
+/// Used for names of classes of motion.
+pub const JOG_BELOW_MPS: f32 = 3.0;
 /// Speed of a gait from which it is a run, whatever its feet do (m/s). Chosen: the median of the synthetic locomotion
 /// set's runs.
 ///
@@ -60,6 +87,10 @@ pub const SURELY_RUNS_MPS: f32 = 3.2;
 ///
 /// Used where motion is made.
 pub const USUAL_GAIT_MPS: f32 = 0.6;
+/// Speeds of a gait from which starts, and from which stops and pivots, take four steps in place of two (m/s). Chosen.
+///
+/// Used where motion is made.
+pub const FOUR_STEPS_MPS: [f32; 2] = [1.3, 1.9];
 /// Desired speed of a character on its way below which it waits (m/s). Chosen.
 ///
 /// Used by characters that navigation leads.
@@ -83,6 +114,10 @@ pub const PACE_CHANGES_MPS2: [f32; 3] = [2.2, 1.85, 2.7];
 ///
 /// Default of the search for still ends of clips.
 pub const BODY_STILL_MPS: f32 = 0.1;
+/// Speed of a joint of a moving body, which does not stop within a frame (m/s). Chosen.
+///
+/// Used to find frozen frames of clips.
+pub const JOINT_MOVES_MPS: f32 = 0.15;
 /// Speed of the fastest joint below which a body holds a pose that it may be on the way out of (m/s). Chosen.
 ///
 /// Used to find T-poses at the ends of clips.
@@ -140,6 +175,22 @@ pub const TOE_SWING_MPS: [f32; 2] = [0.2, 0.5];
 /// Used by the foot lock.
 pub const TOE_RAISED_MPS: f32 = 0.8;
 
+// Turns of knees.
+
+/// Fastest turn of the knee of a leg in the air, of somebody whose motion is captured (rad/s). Chosen, a little less than a
+/// sprinter's, about 20: frames turn knees as they were captured, and the limit cuts what the foot lock adds.
+///
+/// Used where policy characters place their feet.
+pub const KNEE_RADPS: f32 = 18.0;
+/// Fastest turn of the knee of a leg in the air, of a walker that stands (rad/s, of the database skeleton). Chosen, less than
+/// [`KNEE_RADPS`]: blends swing legs as fast as the walker goes, which [`WALKER_KNEE_RADPM`] adds.
+///
+/// Used where walkers place their feet.
+pub const WALKER_KNEE_RADPS: f32 = 10.0;
+/// Growth of [`WALKER_KNEE_RADPS`] with the speed of the walker (rad/m, of the database skeleton). Chosen, so that a sprinter's knee
+/// turns at about 20 rad/s.
+pub const WALKER_KNEE_RADPM: f32 = 1.8;
+
 // Lengths of bodies.
 
 /// Length of the legs of the default skeleton, from hip to ankle, for which lengths are given (m). Segments after Winter,
@@ -160,16 +211,16 @@ pub const AGENT_RADIUS_M: f32 = 0.3;
 /// Used where bodies of agents look at each other and at things.
 pub const EYES_M: f32 = 1.55;
 /// Largest height of a blow above or below the centre of the head that it meets (m): the radius of the head, 0.1, and half of
-/// the length of its capsule's axis.
+/// the length of its capsule's axis, which makes one unit in the last place more where it is computed.
 ///
 /// Used to find whether boxers can reach each other's heads.
 pub const HALF_HEAD_M: f32 = 0.12;
-/// Room that a disc leaves beside the axis of the trunk, and beside the middle of the head (m). The whole breadth of the trunk
+/// Room that a disc leaves beside the axis of the trunk (m). The whole breadth of the trunk
 /// keeps people further apart: of recorded walkers that make way, 84 % reach their targets then, where over 90 % do with these.
 ///
 /// Used for the discs of stop tables.
 pub const TRUNK_ROOM_M: f32 = 0.14;
-/// See [`TRUNK_ROOM_M`] (m).
+/// Room that a disc leaves beside the middle of the head, as [`TRUNK_ROOM_M`] beside the trunk (m).
 pub const HEAD_ROOM_M: f32 = 0.11;
 /// Depth of the skin of buttocks below the axis of a thigh (m). Chosen, more than the radius of a thigh.
 ///

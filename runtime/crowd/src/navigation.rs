@@ -397,7 +397,7 @@ impl Navigation {
         }
         match advice {
             Some(PassageAdvice::Stand) => return Vec2::ZERO,
-            Some(PassageAdvice::MakeWay(direction, share)) => {
+            Some(PassageAdvice::GiveWay(direction, share)) => {
                 (me.desired, me.speed, me.retreats) = (direction, share * self.speed_mps, true);
             }
             _ => {}

@@ -124,9 +124,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rods_meet_where_dense_sampling_says_so(a in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0], b in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0]) {
-            let rod = |v: [f32; 5]| Capsule2d { from: Vec2::new(v[0], v[1]), to: Vec2::new(v[2], v[3]), radius_m: v[4] };
-            let (a, b) = (rod(a), rod(b));
+        fn capsules_meet_where_dense_sampling_says_so(a in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0], b in [-3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, -3.0f32..3.0, 0.0f32..1.0]) {
+            let capsule = |v: [f32; 5]| Capsule2d { from: Vec2::new(v[0], v[1]), to: Vec2::new(v[2], v[3]), radius_m: v[4] };
+            let (a, b) = (capsule(a), capsule(b));
             let gap = (0..=400).map(|i| b.distance_to(a.from.lerp(a.to, i as f32 / 400.0)) - a.radius_m).fold(f32::INFINITY, f32::min);
             prop_assert_eq!(a.intersects(&b), b.intersects(&a));
             prop_assert!(gap >= 0.0 || a.intersects(&b), "{gap} m apart, and not seen");

@@ -83,19 +83,19 @@ fn pointed(ui: &Ui, scrubber: &Response, t: &TransportTime, marks: &[GlitchMark]
     let (rect, palette) = (scrubber.rect, ThemePalette::for_visuals(ui.visuals()));
     let line = rect.x_range().shrink(rect.height() / 2.5);
     let x = |frame: u32| remap(frame as f32, t.first as f32..=t.last as f32, line.min..=line.max);
-    let mut told = Vec::new();
+    let mut pointed_at = Vec::new();
     for mark in marks {
         let (from, to) = (x(mark.frames.start), x(mark.frames.end.min(t.last)));
         let at = Rangef::new(from, to.max(from + 3.0));
         let place = Rect::from_x_y_ranges(at, rect.bottom() - 4.0..=rect.bottom());
         ui.painter().rect_filled(place, 1.0, glitches::colour(&palette, mark.treated));
         if scrubber.hover_pos().is_some_and(|p| at.expand(2.0).contains(p.x)) {
-            told.push(mark.words.as_str());
+            pointed_at.push(mark.words.as_str());
         }
     }
-    match told.is_empty() {
+    match pointed_at.is_empty() {
         true => "Drag to move through the recording, which holds the last minute".into(),
-        false => told.join("\n"),
+        false => pointed_at.join("\n"),
     }
 }
 

@@ -110,19 +110,19 @@ pub fn recording(data: &[u8]) -> bool {
 
 /// Steps a simulation as far as it goes.
 fn run(mut sim: Simulation) {
-    look(&sim);
+    assert_finite(&sim);
     for _ in 0..STEPS {
         if sim.step(0.1).is_err() {
             return;
         }
-        look(&sim);
+        assert_finite(&sim);
     }
     let kept = sim.snapshot();
     sim.restore(&kept).expect("what was saved is restored");
 }
 
 /// Asserts that all numbers are finite.
-pub(super) fn look(sim: &Simulation) {
+pub(super) fn assert_finite(sim: &Simulation) {
     for who in 0..sim.num_characters() {
         if let Some(root) = sim.root(who) {
             assert!([root.x, root.z, root.heading].iter().all(|v| v.is_finite()), "character {who}: {root:?}");

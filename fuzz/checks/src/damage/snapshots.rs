@@ -158,7 +158,7 @@ pub(super) fn restore(kind: &'static str, data: &[u8]) -> bool {
                 // It may be impossible to go on, such as from a place that cannot be left; that is told.
                 let went_on = (0..20).try_for_each(|_| sim.step(DT)).is_ok();
                 if went_on {
-                    readers::look(&sim);
+                    readers::assert_finite(&sim);
                 }
                 let kept = sim.snapshot();
                 let _ = sim.restore(&kept);

@@ -20,7 +20,7 @@ use throng_simulation::Scene;
 const WARM_UP_ROUNDS: u64 = 3;
 /// Memory that may come on top of what there was then: share, and bytes.
 const GROWTH: (f64, u64) = (0.1, 16 << 20);
-/// Faults that are told; all are counted.
+/// Most faults that are reported; all are counted.
 const MAX_REPORTED: usize = 20;
 
 /// How long, and how.

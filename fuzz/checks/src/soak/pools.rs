@@ -13,7 +13,7 @@ impl Pools {
     /// # Errors
     /// [`BuildError::Config`] where the system has no threads left.
     pub fn new() -> Result<Self, BuildError> {
-        Ok(Self([of(2)?, of(8)?]))
+        Ok(Self([build_pool(2)?, build_pool(8)?]))
     }
 
     /// One of them.
@@ -22,8 +22,8 @@ impl Pools {
     }
 }
 
-/// So many threads.
-pub(super) fn of(threads: usize) -> Result<ThreadPool, BuildError> {
+/// A pool of so many threads.
+pub(super) fn build_pool(threads: usize) -> Result<ThreadPool, BuildError> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|e| BuildError::Config { message: e.to_string() })
 }

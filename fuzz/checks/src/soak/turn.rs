@@ -85,7 +85,7 @@ fn watched(
     let mut sim = Simulation::new(scene).map_err(fault)?;
     let groups: Vec<usize> = (0..sim.groups().len()).collect();
     let mut watch = SceneWatch::new(&sim, &groups)?;
-    let mut look = Look { starts: sim.roots().collect(), last: sim.roots().collect() };
+    let mut checker = RootChecker { starts: sim.roots().collect(), last: sim.roots().collect() };
     let mut seen = Seen { hashes: vec![sim.hash()], kept: sim.snapshot(), then: sim.hash() };
     let steps = (config.run_s * config.step_hz).round().max(2.0) as usize;
     for step in 1..=steps {
@@ -93,7 +93,7 @@ fn watched(
         sim.step_to(step as f64 / config.step_hz, &Inline).map_err(fault)?;
         report.worst.step_ms = report.worst.step_ms.max(1e3 * begin.elapsed().as_secs_f64());
         watch.observe(&sim, (1.0 / config.step_hz) as f32, step, config.step_hz);
-        look.at(&sim, name, (1.0 / config.step_hz) as f32, report);
+        checker.check_step(&sim, name, (1.0 / config.step_hz) as f32, report);
         if step == kept_at {
             seen.kept = sim.snapshot();
         }
@@ -115,7 +115,7 @@ fn watched(
 pub fn hash_at_end(scene: &Scene, config: &SoakConfig, threads: usize) -> Result<u64, BuildError> {
     let compiled = scene.open().map_err(fault)?;
     let steps = (config.run_s * config.step_hz).round().max(1.0) as usize;
-    let (pool, mut sim) = (pools::of(threads)?, Simulation::new(&compiled).map_err(fault)?);
+    let (pool, mut sim) = (pools::build_pool(threads)?, Simulation::new(&compiled).map_err(fault)?);
     pool.install(|| (1..=steps).try_for_each(|k| sim.step_to(k as f64 / config.step_hz, &Rayon))).map_err(fault)?;
     Ok(sim.hash())
 }
@@ -134,15 +134,15 @@ fn hashes_of(scene: &CompiledScene, steps: usize, hz: f64, pool: &ThreadPool) ->
     Ok(hashes)
 }
 
-/// Where everybody began, and was at the last step.
-struct Look {
+/// Checks of a run, step by step: roots of all characters at the start and at the last step.
+struct RootChecker {
     starts: Vec<Option<Planar>>,
     last: Vec<Option<Planar>>,
 }
 
-impl Look {
+impl RootChecker {
     /// Checks all numbers of all characters after a step.
-    fn at(&mut self, sim: &Simulation, name: &str, dt_s: f32, report: &mut SoakReport) {
+    fn check_step(&mut self, sim: &Simulation, name: &str, dt_s: f32, report: &mut SoakReport) {
         let allowed = FASTEST_MPS * sim.time_s() as f32 + SLACK_M;
         for who in 0..sim.num_characters() {
             let (root, time_s) = (sim.root(who), sim.time_s());

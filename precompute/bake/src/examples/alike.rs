@@ -44,7 +44,7 @@ pub struct SpaceClass {
 }
 
 impl SpaceClass {
-    fn of(class: &MotionClass) -> Self {
+    fn from_motion(class: &MotionClass) -> Self {
         Self { posture: class.posture, carrying: class.carrying, manner: class.manner.clone() }
     }
 
@@ -82,7 +82,7 @@ pub fn sort_by_class<'a>(
         };
         match gait.or(why) {
             Some(why) => _ = refused.entry(c.original().to_owned()).or_insert(why),
-            None => sorted.entry(SpaceClass::of(&class)).or_default().push(c),
+            None => sorted.entry(SpaceClass::from_motion(&class)).or_default().push(c),
         }
     }
     let is_usual = |class: &SpaceClass| !HELD_OTHERWISE.contains(&&*class.manner);

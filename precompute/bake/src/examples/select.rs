@@ -66,14 +66,14 @@ pub fn candidates<'a>(
 ) -> Result<Vec<ExampleCandidate<'a>>> {
     let mut out = Vec::new();
     for (i, example) in config.examples.iter().enumerate() {
-        let wish = ExampleQuery { entry: format!("examples[{i}]"), config, style: &example.style };
-        named_examples(&wish, example, sources, &mut out)?;
+        let query = ExampleQuery { entry: format!("examples[{i}]"), config, style: &example.style };
+        named_examples(&query, example, sources, &mut out)?;
     }
     let mut found = Vec::new();
     for (i, find) in config.find.iter().enumerate() {
-        let wish = ExampleQuery { entry: format!("find[{i}]"), config, style: &find.style };
+        let query = ExampleQuery { entry: format!("find[{i}]"), config, style: &find.style };
         let mut faults = Vec::new();
-        found.extend(search_clips(&wish, find, sources, &mut faults)?);
+        found.extend(search_clips(&query, find, sources, &mut faults)?);
         without.push(faults);
     }
     out.extend(found);
@@ -83,20 +83,20 @@ pub fn candidates<'a>(
 
 /// Examples that one entry of the config names.
 fn named_examples<'a>(
-    wish: &ExampleQuery<'_>,
+    query: &ExampleQuery<'_>,
     example: &ExampleConfig,
     sources: &'a [ExampleSource],
     out: &mut Vec<ExampleCandidate<'a>>,
 ) -> Result<()> {
     let before = out.len();
     let fault = |source: &ExampleSource, what: String| {
-        wish.entry_error("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP)
+        query.entry_error("", &format!("{}: {what}", source.clip.name), KEYTIMES_HELP)
     };
     let clips = || sources.chunks_exact(2).filter(|pair| matches(&example.clip, &pair[0].clip.name));
     for pair in clips().filter(|_| example.symmetric) {
         let found = half_step_cycle(pair, example.tag.as_deref(), example.frames);
         if let Some((source, cycle)) = found.map_err(|what| fault(&pair[0], what))? {
-            out.push(wish.candidate(source, cycle, true)?);
+            out.push(query.candidate(source, cycle, true)?);
         }
     }
     let walkers = clips().filter(|_| !example.symmetric).flatten();
@@ -107,9 +107,9 @@ fn named_examples<'a>(
             let track = ClipTrack::new(&source.clip);
             let cycle = match example.still {
                 true => still_cycle(track, &range),
-                false => steady_cycle(track, &range, wish.config),
+                false => steady_cycle(track, &range, query.config),
             };
-            out.push(wish.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
+            out.push(query.candidate(source, cycle.map_err(|what| fault(source, what))?, true)?);
         }
     }
     if out.len() > before {
@@ -123,7 +123,7 @@ fn named_examples<'a>(
         (Some(_), Some(_)) => ".tag",
         (Some(_), None) => ".frames",
     };
-    Err(wish.entry_error(key, &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
+    Err(query.entry_error(key, &what, "Name a clip as `throng inspect` lists it; `*` stands for any text"))
 }
 
 const KEYTIMES_HELP: &str = "Name its steady `frames`, exclude it, or adjust `annotate.contacts` so that each step is one \
@@ -191,7 +191,7 @@ fn tolerance(config: &BlendConfig) -> Tolerance {
 ///
 /// - `without`: collects names of clips in which none was found, with the reason.
 fn search_clips<'a>(
-    wish: &ExampleQuery<'_>,
+    query: &ExampleQuery<'_>,
     find: &FindConfig,
     sources: &'a [ExampleSource],
     without: &mut ClipFaults,
@@ -201,7 +201,7 @@ fn search_clips<'a>(
     let clips = || sources.chunks_exact(2).filter(wanted);
     if clips().next().is_none() {
         let what = format!("no clip is there that matches {:?}", find.clips);
-        return Err(wish.entry_error(
+        return Err(query.entry_error(
             ".clips",
             &what,
             "Name clips as `throng inspect` lists them; `*` stands for any text",
@@ -212,7 +212,7 @@ fn search_clips<'a>(
     let closes = |cycle: &Cycle<'_>| cycle.closing <= most && cycle.closing_m <= WIDEST_SEAM.0;
     for pair in clips().filter(|_| find.symmetric) {
         match half_step_cycle(pair, find.tag.as_deref(), None) {
-            Ok(Some((source, cycle))) if closes(&cycle) => out.push(wish.candidate(source, cycle, false)?),
+            Ok(Some((source, cycle))) if closes(&cycle) => out.push(query.candidate(source, cycle, false)?),
             Ok(Some(_)) => warn(&pair[0].clip, "none of its steps meets its mirrored image"),
             Ok(None) => warn(&pair[0].clip, "it has no such frames"),
             Err(what) => warn(&pair[0].clip, &what),
@@ -225,8 +225,8 @@ fn search_clips<'a>(
             let track = ClipTrack::new(&source.clip);
             let sequence = steps::sequence(&track, &range);
             faults.extend(sequence.faults);
-            for piece in steady::steady_runs(&track, &sequence.cycles, tolerance(wish.config)) {
-                out.push(wish.candidate(source, Cycle::find_best(track.clone(), &piece), false)?);
+            for piece in steady::steady_runs(&track, &sequence.cycles, tolerance(query.config)) {
+                out.push(query.candidate(source, Cycle::find_best(track.clone(), &piece), false)?);
             }
         }
         out.retain(|c: &ExampleCandidate<'_>| closes(&c.cycle));
@@ -234,7 +234,7 @@ fn search_clips<'a>(
             warn(&source.clip, faults.first().map_or("none of its cycles closes", |f| &f.what));
         }
     }
-    out.retain(|c| wish.is_in_range(&c.parameters));
+    out.retain(|c| query.is_in_range(&c.parameters));
     out.sort_by(|a, b| a.cycle.closing.total_cmp(&b.cycle.closing));
     if let Some(most) = find.most {
         keep_farthest(&mut out, most);

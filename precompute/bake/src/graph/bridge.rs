@@ -159,7 +159,7 @@ impl<'a> GraphComponents<'a> {
             all
         };
         self.events = joined.into_iter().map(together).collect();
-        self.paths.iter_mut().for_each(|way| *way = way.map(|part| new[part as usize]));
+        self.paths.iter_mut().for_each(|path| *path = path.map(|part| new[part as usize]));
         self.paths = sort_edges(std::mem::take(&mut self.paths));
         self.part_of = component_of_events(&self.events, self.known.alive.len());
     }
@@ -174,16 +174,16 @@ impl<'a> GraphComponents<'a> {
         let mut found = Vec::new();
         for part in 0..self.events.len() {
             let events = std::mem::take(&mut self.events[part]);
-            let mut find = |way: u32, best: Option<EventEdge>| {
-                found.extend(best.map(|best| BestBridge { part: part as u32, direction: way, best }))
+            let mut find = |direction: u32, best: Option<EventEdge>| {
+                found.extend(best.map(|best| BestBridge { part: part as u32, direction, best }))
             };
             if !has_out[part] {
                 let own = events.iter().filter(|&&i| is_own(comm, i as usize));
-                find(0, own.filter_map(|&i| self.way_out(i as usize)).min_by_key(EventEdge::rank));
+                find(0, own.filter_map(|&i| self.find_link_out(i as usize)).min_by_key(EventEdge::rank));
             }
             if !has_in[part] {
-                let paths = events.iter().filter_map(|&i| self.way_in(i as usize, comm));
-                find(1, paths.min_by_key(EventEdge::rank));
+                let links = events.iter().filter_map(|&i| self.find_link_in(i as usize, comm));
+                find(1, links.min_by_key(EventEdge::rank));
             }
             self.events[part] = events;
         }
@@ -198,7 +198,7 @@ impl<'a> GraphComponents<'a> {
     }
 
     /// Best link of an event to another part.
-    fn way_out(&mut self, i: usize) -> Option<EventEdge> {
+    fn find_link_out(&mut self, i: usize) -> Option<EventEdge> {
         if self.graph.links[i].len() >= self.most {
             return None;
         }
@@ -214,16 +214,16 @@ impl<'a> GraphComponents<'a> {
     }
 
     /// Best link from another part to an event, if this rank holds it.
-    fn way_in(&mut self, i: usize, comm: &dyn Comm) -> Option<EventEdge> {
+    fn find_link_in(&mut self, i: usize, comm: &dyn Comm) -> Option<EventEdge> {
         let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
-        for way in &self.known.arrivals.links_to(to)[*passed as usize..] {
-            let from = way.from as usize;
+        for link in &self.known.arrivals.links_to(to)[*passed as usize..] {
+            let from = link.from as usize;
             if self.known.alive[from]
                 && self.part_of[from] != self.part_of[i]
                 && self.graph.links[from].len() < self.most
             {
-                return Some(*way);
+                return Some(*link);
             }
             *passed += 1;
         }

@@ -7,14 +7,14 @@ use super::{GraphAction, GraphSegment, RawMotionGraph, SegmentId, StateId};
 use throng_motion::clip::{ClipSet, FrameId};
 
 /// Choices of an event: the event whose motion follows (itself if the clip continues), and the error.
-fn ways_out(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<TransitionLink> {
+fn list_choices(graph: &EventGraph, alive: &[bool], i: usize) -> Vec<TransitionLink> {
     let on = graph.has_live_successor(i, alive).then_some(TransitionLink::new(i, 0.0));
     on.into_iter().chain(graph.live_links(i, alive).copied()).collect()
 }
 
 /// Mean number of actions of the states that [`collapse`] would return.
 pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
-    let paths = (0..alive.len()).filter(|&i| alive[i]).map(|i| ways_out(graph, alive, i).len()).filter(|&n| n > 1);
+    let paths = (0..alive.len()).filter(|&i| alive[i]).map(|i| list_choices(graph, alive, i).len()).filter(|&n| n > 1);
     let (states, actions) = paths.fold((0, 0), |(states, actions), n| (states + 1, actions + n));
     actions as f64 / f64::from(states.max(1))
 }
@@ -28,7 +28,7 @@ pub(super) fn branching(graph: &EventGraph, alive: &[bool]) -> f64 {
 /// If `alive` is no such component.
 pub(super) fn collapse(graph: &EventGraph, alive: &[bool], events: &[EventFrame], clips: &ClipSet) -> RawMotionGraph {
     let paths: Vec<Vec<TransitionLink>> =
-        (0..alive.len()).map(|i| if alive[i] { ways_out(graph, alive, i) } else { Vec::new() }).collect();
+        (0..alive.len()).map(|i| if alive[i] { list_choices(graph, alive, i) } else { Vec::new() }).collect();
     let is_state = |i: usize| paths[i].len() > 1;
     let state_events: Vec<usize> = (0..alive.len()).filter(|&i| is_state(i)).collect();
     let mut starts: Vec<usize> = state_events.iter().flat_map(|&i| paths[i].iter().map(|l| l.event())).collect();

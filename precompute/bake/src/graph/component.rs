@@ -206,50 +206,50 @@ pub(super) fn sort_edges(mut paths: Vec<[u32; 2]>) -> Vec<[u32; 2]> {
 
 /// Groups of parts that reach each other.
 ///
-/// - `ways`: edges between parts, ascending.
+/// - `paths`: edges between parts, ascending.
 pub(super) fn join_components(num_parts: usize, paths: &[[u32; 2]]) -> Vec<Vec<u32>> {
     let first = |part: usize| paths.partition_point(|w| (w[0] as usize) < part);
     let starts: Vec<usize> = (0..=num_parts).map(first).collect();
-    let target = |part: usize, way: usize| Some(paths[starts[part] + way][1] as usize);
+    let target = |part: usize, edge: usize| Some(paths[starts[part] + edge][1] as usize);
     strongly_connected(num_parts, |_| true, |part| starts[part + 1] - starts[part], target)
 }
 
 /// Strongly connected components of a graph, each ascending.
 ///
 /// - `is_in`: for each node, whether the graph contains it.
-/// - `num_ways`: number of outgoing edges of a node.
-/// - `target`: target of an outgoing edge of a node (way < num_ways); `None` outside of the graph.
+/// - `num_edges`: number of outgoing edges of a node.
+/// - `target`: target of an outgoing edge of a node (edge < num_edges); `None` outside of the graph.
 fn strongly_connected(
     num_nodes: usize,
     is_in: impl Fn(usize) -> bool,
-    num_ways: impl Fn(usize) -> usize,
+    num_edges: impl Fn(usize) -> usize,
     target: impl Fn(usize, usize) -> Option<usize>,
 ) -> Vec<Vec<u32>> {
-    let number = crate::components::components(&WayGraph { num_nodes, num_ways, target });
+    let number = crate::components::components(&NumberedGraph { num_nodes, num_edges, target });
     let mut nodes: Vec<u32> = (0..num_nodes as u32).filter(|&n| is_in(n as usize)).collect();
     nodes.sort_by_key(|&n| number[n as usize]);
     nodes.chunk_by(|a, b| number[*a as usize] == number[*b as usize]).map(<[u32]>::to_vec).collect()
 }
 
 /// A graph whose nodes have numbered outgoing edges.
-struct WayGraph<N, T> {
+struct NumberedGraph<N, T> {
     num_nodes: usize,
-    num_ways: N,
+    num_edges: N,
     target: T,
 }
 
-impl<N: Fn(usize) -> usize, T: Fn(usize, usize) -> Option<usize>> SuccessorGraph for WayGraph<N, T> {
+impl<N: Fn(usize) -> usize, T: Fn(usize, usize) -> Option<usize>> SuccessorGraph for NumberedGraph<N, T> {
     type Cursor = usize;
 
     fn num_nodes(&self) -> usize {
         self.num_nodes
     }
 
-    fn next(&self, node: u32, way: &mut usize) -> Option<u32> {
+    fn next(&self, node: u32, edge: &mut usize) -> Option<u32> {
         let node = node as usize;
-        let ahead = (*way..(self.num_ways)(node)).find_map(|k| Some((k, (self.target)(node, k)?)));
+        let ahead = (*edge..(self.num_edges)(node)).find_map(|k| Some((k, (self.target)(node, k)?)));
         ahead.map(|(k, n)| {
-            *way = k + 1;
+            *edge = k + 1;
             n as u32
         })
     }

@@ -7,6 +7,7 @@ use super::{smooth, smoother};
 use glam::Vec2;
 use std::f32::consts::PI;
 use throng_base::maths;
+use throng_base::thresholds::FOUR_STEPS_MPS;
 use throng_core::Planar;
 
 /// What a body is to do.
@@ -40,8 +41,6 @@ const TURN_BEGINS_S: [f32; 2] = [0.3, 0.2];
 const IN_PLACE: f32 = 0.3;
 /// Shares of pace and of the gait's pose that a half turn takes away in its middle.
 const PIVOT: [f32; 2] = [0.9, 0.4];
-/// Speeds from which starts, and from which stops and pivots, take four steps in place of two (m/s).
-const FAST_MPS: [f32; 2] = [1.3, 1.9];
 /// Share of a cycle in which an arc begins to turn, and most that shorter and longer arcs turn (rad).
 const ARC_EASE: f32 = 0.7;
 const MOST_TURNED: [f32; 2] = [0.8, 1.6];
@@ -92,7 +91,7 @@ impl MadeMove {
         };
         let ramp = |f: usize, from: f32, over: f32| smoother((f as f32 - from) / over.max(1.0));
         let last = gait.clip.num_frames() - 1;
-        let [fast, cycles] = FAST_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
+        let [fast, cycles] = FOUR_STEPS_MPS.map(|fast| if gait.speed_mps() > fast { 2 } else { 1 });
         Some(match *self {
             Self::Start(angle) => {
                 // The faster, the more steps it takes.
@@ -194,7 +193,7 @@ impl MadeMove {
     /// Arcs of a gait to both sides, as sharp as a sideways acceleration allows (m/s2).
     pub fn arcs(gait: &GaitCycle, sideways_mps2: f32) -> impl Iterator<Item = Self> {
         let rate = sideways_mps2 / gait.speed_mps() / gait.clip.rate_hz as f32;
-        let least = if gait.speed_mps() > FAST_MPS[1] { 2 } else { 1 };
+        let least = if gait.speed_mps() > FOUR_STEPS_MPS[1] { 2 } else { 1 };
         let cycles = [least, least + 1].into_iter();
         cycles.zip(MOST_TURNED).flat_map(move |(cycles, most)| {
             let over = cycles * gait.period;
@@ -206,7 +205,7 @@ impl MadeMove {
 
 /// Number of steps of a turn while walking: half turns take a step more, and so do runs.
 fn pivot_steps(gait: &GaitCycle, angle: f32) -> usize {
-    1 + usize::from(angle.abs() > 0.6 * PI) + if gait.speed_mps() > FAST_MPS[1] { 2 } else { 1 }
+    1 + usize::from(angle.abs() > 0.6 * PI) + if gait.speed_mps() > FOUR_STEPS_MPS[1] { 2 } else { 1 }
 }
 
 /// Time in which an arc of so many frames begins, and ends, to turn (frames).

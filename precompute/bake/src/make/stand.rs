@@ -61,8 +61,8 @@ pub fn make_stands(clips: &ClipSet, mirrored: bool, comm: &dyn Comm) -> Result<M
     Ok(made)
 }
 
-/// Way of the hips to where they balance over the balls of the feet (m).
-fn way_to_balance(hips: Vec3, feet: &[MadeFoot; 2], ahead: Vec3) -> Vec3 {
+/// Offset of the hips from where they are to where they balance over the balls of the feet (m).
+fn offset_to_balance(hips: Vec3, feet: &[MadeFoot; 2], ahead: Vec3) -> Vec3 {
     let off = hips - 0.5 * (feet[0].toe + feet[1].toe);
     let across = Vec3::Y.cross(ahead);
     let [along, aside] = [ahead, across].map(|axis| off.dot(axis));
@@ -101,7 +101,7 @@ impl RestStance {
         let feet = [0, 1].map(|foot| foot_point(clip, skeleton, 0, foot));
         let across = (feet[0].toe - feet[1].toe).with_y(0.0).normalize_or(Vec3::X);
         let ahead = across.cross(Vec3::Y);
-        let balance = way_to_balance(pose_between(clip, 0.0).hips, &feet, ahead);
+        let balance = offset_to_balance(pose_between(clip, 0.0).hips, &feet, ahead);
         let (mut roots, mut rotations) = (Vec::new(), Vec::new());
         for (f, place) in places.iter().enumerate() {
             let mut pose = pose_between(clip, *place);

@@ -31,9 +31,9 @@ fn made_of(set: &ClipSet) -> MadeMotion {
     make_missing(set, &Lacks::of_manners(set, None), &MotionGraphConfig::default(), true, &SingleRank).unwrap()
 }
 
-/// How clips look.
+/// Figures of the poses of clips.
 #[derive(Debug)]
-struct Looks {
+struct ClipFigures {
     /// 95th percentile of the speed of planted feet (m/s).
     slip: f32,
     /// Largest acceleration of a joint (m/s2).
@@ -50,7 +50,7 @@ fn percentile(all: &mut [f32], share: f32) -> f32 {
     all[((all.len() - 1) as f32 * share) as usize]
 }
 
-fn looks(set: &ClipSet, clips: &[Clip]) -> Looks {
+fn measure_clips(set: &ClipSet, clips: &[Clip]) -> ClipFigures {
     let (mut slip, mut knees, mut jolt, mut low) = (Vec::new(), Vec::new(), 0.0f32, 0.0f32);
     let mut hips = f32::MAX;
     for clip in clips {
@@ -74,7 +74,7 @@ fn looks(set: &ClipSet, clips: &[Clip]) -> Looks {
             jolt = bends.fold(jolt, f32::max);
         }
     }
-    Looks { slip: percentile(&mut slip, 0.95), jolt, knees: percentile(&mut knees, 0.999), low, hips }
+    ClipFigures { slip: percentile(&mut slip, 0.95), jolt, knees: percentile(&mut knees, 0.999), low, hips }
 }
 
 #[test]
@@ -84,9 +84,9 @@ fn made_motion_slips_and_jolts_no_more_than_captured_motion() {
         let made = made_of(&set);
         let MadeReport { starts, stops, turns, pivots, .. } = made.report;
         assert!(starts > 2 && stops > 0 && turns > 2 && pivots > 1, "{names:?}: {:?}", made.report);
-        let captured = looks(&set, &set.clips);
+        let captured = measure_clips(&set, &set.clips);
         let steps: Vec<Clip> = set.clips.iter().filter(|c| !c.name.starts_with("idle")).cloned().collect();
-        let [captured_steps, made] = [&steps, &made.clips].map(|clips| looks(&set, clips));
+        let [captured_steps, made] = [&steps, &made.clips].map(|clips| measure_clips(&set, clips));
         assert!(made.slip < 1.2 * captured.slip + 0.01, "{names:?}: planted feet slip {made:?} of {captured:?}");
         assert!(made.jolt < 1.2 * captured.jolt, "{names:?}: joints jolt {made:?} of {captured:?}");
         assert!(made.knees < 1.2 * captured_steps.knees, "{names:?}: knees turn {made:?} of {captured_steps:?}");
@@ -265,7 +265,7 @@ fn every_gait_gets_arcs_no_sharper_than_people_turn_with_the_lean_that_belongs_t
         let (wanted, leant) = (speed * (left - right) * rate / 9.81, leans - leans_too);
         assert!((0.75..1.25).contains(&(leant / wanted)), "{name}: leans {leant} of {wanted} at {speed} m/s");
     }
-    let [captured, made] = [&set.clips, &made.clips].map(|clips| looks(&set, clips));
+    let [captured, made] = [&set.clips, &made.clips].map(|clips| measure_clips(&set, clips));
     assert!(made.slip < 1.2 * captured.slip + 0.01 && made.low > captured.low - 0.02, "{made:?} of {captured:?}");
 }
 
@@ -419,7 +419,7 @@ fn short_stands_become_long_ones_over_feet_that_stay() {
         let hips = at.iter().map(|p| p[0].distance(at[0][0])).fold(0.0, f32::max);
         assert!(hips > 0.01, "{}: the body sways by {hips} m", clip.name);
     }
-    let [captured, made] = [&set.clips, &made.clips].map(|clips| looks(&set, clips));
+    let [captured, made] = [&set.clips, &made.clips].map(|clips| measure_clips(&set, clips));
     assert!(made.jolt < captured.jolt && made.low > captured.low - 0.02, "{made:?} of {captured:?}");
     // Who was captured off balance, about to walk, comes over the feet, and goes back for what follows.
     let mut leaning = set.clone();

@@ -38,7 +38,7 @@ impl<'a> StreamedMotion<'a> {
     pub(super) fn release_motion(&self, file: &MotionFile, key: CacheKey, clips: &mut [ImportedClip]) {
         for (number, one) in clips.iter_mut().enumerate() {
             let hash = one.clip.motion_hash();
-            one.clip.forget_motion();
+            (one.clip.translations, one.clip.rotations) = (Vec::new(), Vec::new());
             let at = MotionLocation { file: file.path.clone(), key, number, hash };
             self.clips.lock().unwrap_or_else(PoisonError::into_inner).insert(one.clip.path.clone(), at);
         }

@@ -101,11 +101,6 @@ impl PatchTrack {
             (0..self.tagged.len()).map(|t| (covered(&self.tagged[t]), t)).max_by_key(|&(n, t)| (n, usize::MAX - t));
         best.filter(|&(n, _)| 2 * n > range.len()).map_or(0, |(_, t)| t as u16 + 1)
     }
-
-    /// Frames of `range` in which the character stands.
-    pub fn frames_standing(&self, range: FrameRange) -> usize {
-        (self.stood[range.end] - self.stood[range.start]) as usize
-    }
 }
 
 /// Planar roots with unwrapped headings.

@@ -36,7 +36,7 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
         for frame in &of_frames[clip][first..first + n] {
             sums.iter_mut().zip(frame).for_each(|(sum, share)| *sum += share / clips.clips[clip].rate_hz as f32);
         }
-        (sums, (first..=first + n).all(|f| clips.clips[clip].class_at(f).is_some_and(stands)))
+        (sums, (first..=first + n).all(|f| clips.clips[clip].class_at(f).is_some_and(is_stand)))
     });
     let of_segments: Vec<([f32; 5], bool)> = of_segments.collect();
     let mut out = Vec::with_capacity(graph.actions.len());
@@ -49,7 +49,7 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
             if let (false, Some(from), Some(to)) = (entered == *state, class(state.0), class(entered.0)) {
                 let [kept, other] = [from, to].map(|class| graph.manners.kept_in(&class.manner));
                 manner = if kept != other { 1.0 } else { WITHIN_KEPT * f32::from(from.manner != to.manner) };
-                standing = f32::from(stands(from) && is_standing);
+                standing = f32::from(is_stand(from) && is_standing);
             }
             out.push([backwards, sideways, gesture, carrying, manner, standing, made]);
         }
@@ -57,7 +57,7 @@ pub(super) fn action_traits(clips: &ClipSet, graph: &RawMotionGraph) -> Vec<Acti
     out
 }
 
-fn stands(class: &MotionClass) -> bool {
+fn is_stand(class: &MotionClass) -> bool {
     class.gait == Gait::Stand
 }
 
@@ -73,7 +73,7 @@ fn frame_traits(clip: &Clip) -> Vec<[f32; 5]> {
         let goes = way.length() * clip.rate_hz as f32 > WALKING_MPS * (to - from) as f32;
         let ahead = way.normalize_or_zero().dot(front.normalize_or_zero());
         let class = clip.class_at(f);
-        let gestures = |c: &MotionClass| c.gait == Gait::Other || stands(c) && !c.neutral;
+        let gestures = |c: &MotionClass| c.gait == Gait::Other || is_stand(c) && !c.neutral;
         [
             f32::from(goes && ahead < OFF_FRONT[1]),
             f32::from(goes && (OFF_FRONT[1]..OFF_FRONT[0]).contains(&ahead)),

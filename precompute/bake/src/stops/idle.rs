@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use throng_core::{Contacts, Joint, Skeleton};
+use throng_geometry::distance_to_segment;
 use throng_motion::clip::{Clip, runs_where};
 
 /// Largest distance of the hips over the ground from the line between the feet: from the middle of the ankles to that of the toes
@@ -28,9 +29,8 @@ pub(crate) fn frames_left(clip: &Clip, skeleton: &Skeleton) -> Vec<u32> {
                 let ankles = pair(&at, [Joint::LeftFoot, Joint::RightFoot]);
                 let toes = pair(&at, [Joint::LeftToe, Joint::RightToe]);
                 let [heels, balls] = [ankles, toes].map(|[left, right]| 0.5 * (left + right));
-                let (along, hips) = (balls - heels, at[0].with_y(0.0) - heels);
-                let share = (hips.dot(along) / along.length_squared().max(1e-6)).clamp(0.0, 1.0);
-                (hips.distance(along * share) < HIPS_OFF_M).then_some(ankles)
+                let hips_off_m = distance_to_segment(at[0].with_y(0.0) - heels, [Vec3::ZERO, balls - heels]);
+                (hips_off_m < HIPS_OFF_M).then_some(ankles)
             })
             .collect();
         let mut from = 0;

@@ -182,8 +182,8 @@ impl LiveClients<'_> {
     /// Sends the end message to all clients that receive the rest in time.
     fn end_stream(mut self) -> Result<LiveReport> {
         let (begin, end) = (Instant::now(), Arc::new(checked_message(message::end_message())?));
-        let is_told = |c: &LiveClient| Arc::ptr_eq(&c.message, &end) && c.has_sent_all();
-        while self.all.iter().any(|c| !is_told(c)) && begin.elapsed().as_secs_f64() < FAREWELL_S {
+        let has_end = |c: &LiveClient| Arc::ptr_eq(&c.message, &end) && c.has_sent_all();
+        while self.all.iter().any(|c| !has_end(c)) && begin.elapsed().as_secs_f64() < FAREWELL_S {
             for client in self.all.iter_mut().filter(|c| c.has_sent_all() && !Arc::ptr_eq(&c.message, &end)) {
                 (client.message, client.num_sent) = (Arc::clone(&end), 0);
             }

@@ -7,6 +7,7 @@ use crate::run::{
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 use throng_bake::environment::UnitSolid;
+use throng_base::thresholds::DIRECTION_SHOWN_MPS;
 use throng_crowd::Obstacle;
 use throng_geometry::BoundingBox;
 
@@ -161,7 +162,7 @@ fn draw_moment(record: &AgentsRecord, moment: &CrowdMoment, least_m: f32, from: 
         out.solids.push((bar(at, at, radius), group_colour(record.groups[m])));
         out.rings.extend(is_informed.then_some((at, 1.4 * radius, INFORMED_COLOUR)));
         // A tick along the velocity.
-        if velocity.length() > 0.1 {
+        if velocity.length() > DIRECTION_SHOWN_MPS {
             out.trails.push((vec![at, at + 1.6 * radius * velocity.normalize()], colour::INK));
         }
     }

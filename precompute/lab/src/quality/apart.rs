@@ -167,7 +167,7 @@ mod tests {
             pose[Joint::RightHand.index()].z += hand;
             pose
         };
-        Track::of((0..num).map(pose).collect())
+        Track::without_changes((0..num).map(pose).collect())
     }
 
     fn measure(track: &Track, manners: &[u16]) -> ApartFigures {

@@ -217,7 +217,7 @@ impl<'a> TrialWatch<'a> {
         let report = TrialReport {
             characters: n,
             simulated_s: config.seconds,
-            making_way: config.motion.avoid.is_some(),
+            avoiding: config.motion.avoid.is_some(),
             reached_fraction: arrived.len() as f64 / n as f64,
             stayed_fraction: near.len() as f64 / n as f64,
             reached_by_distance: by_distance(config, (0..n).map(|c| (seen(c).length(), reached(c)))),

@@ -114,7 +114,7 @@ pub(super) fn all_measures(facts: &VerdictInputs<'_>) -> Vec<Measure> {
     all.extend(standing_at_targets(facts));
     all.push(walking_backwards(facts));
     all.extend(what_nobody_asked_for(facts.trial));
-    all.push(standing_on_the_way(facts.trial));
+    all.push(standing_before_arrival(facts.trial));
     all.push(longest_wait(facts));
     all.extend(foot_slip(facts));
     all.extend(source_slip(&facts.source));
@@ -166,14 +166,14 @@ fn targets_reached(facts: &VerdictInputs<'_>) -> Measure {
     let trial = facts.trial;
     let after = trial.mean_arrival_s.map_or(String::new(), |s| format!(", {s:.1} s on average"));
     let share = percent(trial.reached_fraction);
-    let alone = if trial.making_way { "" } else { ", each as if alone" };
+    let alone = if trial.avoiding { "" } else { ", each as if alone" };
     let sentence = format!("{share} of the targets were reached within {:.0} s{after}{alone}", trial.simulated_s);
     measure("targets reached", trial.reached_fraction, [GOOD_REACH, 0.8], sentence).always_reported().with_advice(|| {
         let mut advice = facts.motion.missing(facts.mirrored);
         if !advice.is_empty() {
             return advice;
         }
-        if trial.making_way {
+        if trial.avoiding {
             advice.push(
                 "others were in the way, or the time was short: fewer characters or more seconds show which, and `--no-avoid` \
                  shows each as if alone"
@@ -267,7 +267,7 @@ fn what_nobody_asked_for(trial: &TrialReport) -> [Measure; 2] {
     ]
 }
 
-fn standing_on_the_way(trial: &TrialReport) -> Measure {
+fn standing_before_arrival(trial: &TrialReport) -> Measure {
     let sentence = format!("on their way they stand for {} of the time", percent(trial.stopped_share));
     // Others may be in the way, which is no fault of the motion.
     measure("standing on the way", trial.stopped_share, [0.25, 1.0], sentence)
@@ -277,7 +277,7 @@ fn longest_wait(facts: &VerdictInputs<'_>) -> Measure {
     let wait = facts.trial.longest_wait_s;
     let sentence = format!("a character waits {wait:.1} s for its next choice at the longest");
     // A character that waits for others plays its action more slowly.
-    let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.making_way);
+    let own = facts.longest.as_ref().filter(|l| l.seconds > HELD_UP_SHARE * wait || !facts.trial.avoiding);
     let m = measure("longest wait for a choice (s)", wait, WAIT_S, sentence).always_reported();
     m.fair_if(own.is_some_and(|l| l.is_alone)).with_advice(|| {
         if own.is_none() && facts.longest.is_some() {
@@ -288,7 +288,7 @@ fn longest_wait(facts: &VerdictInputs<'_>) -> Measure {
         });
         let out = "lower `graph.max_action_s`, or add clips of walking that are short, or that begin and end as the \
                    others do";
-        vec![format!("for {wait:.0} s a character heeds nothing{longest}: {out}")]
+        vec![format!("for {wait:.0} s a character makes no choice{longest}: {out}")]
     })
 }
 

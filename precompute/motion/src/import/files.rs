@@ -49,7 +49,8 @@ pub(super) fn may_hold_several(path: &Path) -> bool {
     MULTI_CLIP_EXTENSIONS.iter().any(|e| has_extension(path, e))
 }
 
-pub(super) fn has_extension(path: &Path, extension: &str) -> bool {
+/// True where a file's name ends with an extension, in letters of either case.
+pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 

@@ -35,9 +35,9 @@ use crate::progress::Progress;
 use crate::raw::RawClip;
 use asf::{Asf, AsfJoint, Dof};
 pub use config::{Forward, ImportConfig, UpAxis};
-use files::has_extension;
 pub use files::{
-    EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find_motion_files, is_motion, matches, read_along,
+    EXTENSIONS, FORMATS, MotionFile, READS_FBX, clip_in_file, expand, find_motion_files, has_extension, is_motion,
+    matches, read_along,
 };
 pub use glitches::{Glitch, GlitchKind, GlitchTreatment, Glitches};
 use person::{ADULT_HEIGHT, HEIGHTS, rounded};

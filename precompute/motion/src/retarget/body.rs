@@ -89,11 +89,6 @@ pub fn role_pose(source: RetargetSource, frame: usize, scratch: &mut Vec<(Vec3, 
     })
 }
 
-/// World transforms of the roles in the rest pose.
-fn rest_pose(source: RetargetSource) -> RolePose {
-    chain(source, &mut Vec::new(), |j| (source.clip.joints[j].offset, source.clip.joints[j].rest_rotation))
-}
-
 fn chain(source: RetargetSource, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(usize) -> (Vec3, Quat)) -> RolePose {
     world.clear();
     for (j, joint) in source.clip.joints.iter().enumerate() {
@@ -110,10 +105,11 @@ impl SourceBody {
     pub fn measure(sources: &[RetargetSource]) -> Self {
         let first = sources[0];
         let samples = sample_frames(sources);
+        let rest = chain(first, &mut Vec::new(), |j| (first.clip.joints[j].offset, first.clip.joints[j].rest_rotation));
         let tip = |j: Joint| first.roles[j.index()].and_then(|s| tip_of(first.clip, s));
         Self {
             roles: *first.roles,
-            rest: standing_pose(rest_pose(first), first.heading),
+            rest: standing_pose(rest, first.heading),
             offsets: mean_offsets(first.roles, &samples),
             tips: [tip(Joint::Head), tip(Joint::LeftToe), tip(Joint::RightToe)],
             hand_tips: [tip(Joint::LeftHand), tip(Joint::RightHand)],

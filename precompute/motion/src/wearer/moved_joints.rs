@@ -143,12 +143,8 @@ impl<'a> ScaledWearer<'a> {
         Self::with_growth(wearer, own, growth)
     }
 
-    /// The character in the size of its file.
-    pub fn unscaled(wearer: &'a Wearer, own: &'a Skeleton) -> Self {
-        Self::with_growth(wearer, own, 1.0)
-    }
-
-    fn with_growth(wearer: &'a Wearer, own: &'a Skeleton, growth: f64) -> Self {
+    /// - `growth`: its size over that of its file (1).
+    pub fn with_growth(wearer: &'a Wearer, own: &'a Skeleton, growth: f64) -> Self {
         let (clip, (frame, turn)) = (&wearer.rig.clip.clip, wearer.above_centre());
         let hips = wearer.roles.get(Joint::Hips).unwrap_or(wearer.centre);
         let up = std::iter::successors(Some(hips), |&j| clip.joints[j].parent);

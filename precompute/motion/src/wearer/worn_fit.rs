@@ -86,7 +86,7 @@ pub fn measure_stance(wearer: &Wearer, skin: &FigureSkin) -> Option<WornStance> 
     let own = &wearer.fit.skeleton;
     let mut matrices = vec![Mat3x4::default(); skin.surface.frames.len()];
     let pose = own.rest_positions().map(|p| (p, Quat::IDENTITY));
-    skin.pose_matrices(&ScaledWearer::unscaled(wearer, own), &pose, &mut matrices);
+    skin.pose_matrices(&ScaledWearer::with_growth(wearer, own, 1.0), &pose, &mut matrices);
     let parts = MeasuredParts::new(wearer, skin);
     let lowest = |corners: &[u32]| corners.iter().map(|&c| skin.corner(&matrices, c).y).min_by(f32::total_cmp);
     let soles_m = 0.5 * (lowest(&parts.feet[0])? + lowest(&parts.feet[1])?);

@@ -5,24 +5,24 @@ mod refused;
 pub mod rig;
 pub mod tables;
 
-use rig::{Part, Rest, Style, bvh, parse};
+use rig::{Rest, RigPart, Style, bvh, parse};
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 use throng_core::Joint;
 use throng_motion::ImportError;
 use throng_motion::import::{ImportConfig, ImportedClip, bvh as reader, interpret};
 
-fn import(parts: &[Part], style: &Style) -> Result<ImportedClip, ImportError> {
+fn import(parts: &[RigPart], style: &Style) -> Result<ImportedClip, ImportError> {
     import_with(parts, style, &ImportConfig::default())
 }
 
-fn import_with(parts: &[Part], style: &Style, config: &ImportConfig) -> Result<ImportedClip, ImportError> {
+fn import_with(parts: &[RigPart], style: &Style, config: &ImportConfig) -> Result<ImportedClip, ImportError> {
     let text = bvh(parts, style);
     interpret(reader::parse(text.as_bytes(), Path::new("a.bvh")).unwrap(), config, &[])
 }
 
 /// Roles that are not as the table has them.
-fn wrong(parts: &[Part], found: &ImportedClip) -> Vec<String> {
+fn wrong(parts: &[RigPart], found: &ImportedClip) -> Vec<String> {
     let want = |role: Joint| parts.iter().find(|p| p.role == Some(role)).map_or("-", |p| p.name.as_str());
     let got = |role: Joint| found.roles.get(role).map_or("-", |j| found.clip.joints[j].name.as_str());
     let differs = |r: &Joint| want(*r) != got(*r);

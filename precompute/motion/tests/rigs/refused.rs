@@ -1,15 +1,15 @@
 //! What is no person is refused with the reason, and sides that are named wrong are told.
 
-use super::rig::{FRAMES, Part, Style, bvh, parse};
+use super::rig::{FRAMES, RigPart, Style, bvh, parse};
 use super::{import, tables, wrong};
 use throng_core::Joint;
 use throng_motion::import::{ImportConfig, UpAxis};
 
-fn table(name: &str) -> Vec<Part> {
+fn table(name: &str) -> Vec<RigPart> {
     parse(tables::RIGS.iter().find(|(n, _)| *n == name).unwrap().1)
 }
 
-fn refusal(parts: &[Part], style: &Style) -> String {
+fn refusal(parts: &[RigPart], style: &Style) -> String {
     match import(parts, style) {
         Ok(found) => panic!("taken for a person: {:?}", found.roles.pairs(&found.clip.joints).collect::<Vec<_>>()),
         Err(e) => e.to_string(),
@@ -185,21 +185,21 @@ fn legs_without_feet_are_said_to_be_such() {
 #[test]
 fn parts_of_a_body_are_said_to_be_such() {
     let mixamo = table("Mixamo");
-    let is_leg = |p: &Part| p.moved_by.index() >= Joint::LeftThigh.index();
-    let without = |out: &dyn Fn(&Part) -> bool| {
-        let mut parts: Vec<Part> = Vec::new();
+    let is_leg = |p: &RigPart| p.moved_by.index() >= Joint::LeftThigh.index();
+    let without = |out: &dyn Fn(&RigPart) -> bool| {
+        let mut parts: Vec<RigPart> = Vec::new();
         for p in mixamo.iter().filter(|p| !out(p)) {
             let parent = p.parent.map(|q| mixamo[q].name.clone());
             let parent = parent.and_then(|name| parts.iter().position(|p| p.name == name));
-            parts.push(Part { parent, ..p.clone() });
+            parts.push(RigPart { parent, ..p.clone() });
         }
         parts
     };
     let upper = without(&is_leg);
     let e = refusal(&upper, &Style::default());
     assert!(e.contains("an upper body alone") && e.contains("no pair of legs"), "{e}");
-    let unnamed: Vec<Part> =
-        upper.iter().enumerate().map(|(i, p)| Part { name: format!("B{i}"), ..p.clone() }).collect();
+    let unnamed: Vec<RigPart> =
+        upper.iter().enumerate().map(|(i, p)| RigPart { name: format!("B{i}"), ..p.clone() }).collect();
     let e = refusal(&unnamed, &Style::default());
     assert!(e.contains("an upper body alone"), "{e}");
     let lower = without(&|p| !is_leg(p) && p.moved_by != Joint::Hips);
@@ -249,8 +249,8 @@ fn names_decide_where_the_shape_tells_no_side_and_else_it_is_refused() {
     let still = Style { moves: false, ..Style::default() };
     let parts = table("two roots");
     assert!(wrong(&parts, &import(&parts, &still).unwrap()).is_empty());
-    let unnamed: Vec<Part> =
-        parts.iter().enumerate().map(|(i, p)| Part { name: format!("B{i}"), ..p.clone() }).collect();
+    let unnamed: Vec<RigPart> =
+        parts.iter().enumerate().map(|(i, p)| RigPart { name: format!("B{i}"), ..p.clone() }).collect();
     let e = refusal(&unnamed, &still);
     assert!(e.contains("left cannot be told from right") && e.contains("Write a profile"), "{e}");
 }

@@ -12,7 +12,7 @@ pub const FRAMES: usize = 60;
 /// A joint of a rig.
 #[derive(Clone, Debug)]
 #[allow(dead_code, reason = "each test uses its own part of this module")]
-pub struct Part {
+pub struct RigPart {
     pub name: String,
     pub parent: Option<usize>,
     /// Where it is in a T-pose that faces +Z, left +X, Y up (m).
@@ -63,8 +63,8 @@ impl Default for Style {
 ///
 /// The place is that of a role on the default skeleton, or an offset from the parent. The role is the place's where it
 /// is left out, none where it is `-`. `{L,R}` in a line makes two joints, the second one mirrored.
-pub fn parse(table: &str) -> Vec<Part> {
-    let mut out: Vec<Part> = Vec::new();
+pub fn parse(table: &str) -> Vec<RigPart> {
+    let mut out: Vec<RigPart> = Vec::new();
     for line in table.lines().map(str::trim).filter(|l| !l.is_empty()) {
         match line.find('{') {
             None => add(&mut out, line, false),
@@ -85,7 +85,7 @@ pub fn parse(table: &str) -> Vec<Part> {
     out
 }
 
-fn add(out: &mut Vec<Part>, line: &str, mirror: bool) {
+fn add(out: &mut Vec<RigPart>, line: &str, mirror: bool) {
     let rest = Skeleton::default().rest_positions();
     let fields: Vec<&str> = line.split(';').collect();
     let parent = out.iter().position(|p| p.name == fields[1]);
@@ -107,7 +107,7 @@ fn add(out: &mut Vec<Part>, line: &str, mirror: bool) {
     };
     let above = parent.map_or(Joint::Hips, |p| out[p].moved_by);
     let moved_by = role.or(role_of(fields[2])).unwrap_or(above);
-    out.push(Part { name: fields[0].into(), parent, at, moved_by, role });
+    out.push(RigPart { name: fields[0].into(), parent, at, moved_by, role });
 }
 
 /// Turn of each role against the T-pose at a frame, in the world.
@@ -136,7 +136,7 @@ pub fn turns(frame: usize) -> HashMap<Joint, Quat> {
 }
 
 /// The axes of every joint in the T-pose, so that without rotations the rig is in its rest pose.
-fn axes(parts: &[Part], rest: Rest) -> Vec<Quat> {
+fn axes(parts: &[RigPart], rest: Rest) -> Vec<Quat> {
     use Joint::*;
     let arm = |j: Joint| match j {
         LeftUpperArm | LeftForearm | LeftHand => 1.0,
@@ -158,7 +158,7 @@ fn axes(parts: &[Part], rest: Rest) -> Vec<Quat> {
 }
 
 /// The rig as BVH text.
-pub fn bvh(parts: &[Part], style: &Style) -> String {
+pub fn bvh(parts: &[RigPart], style: &Style) -> String {
     let mut text = String::from("HIERARCHY\n");
     let axes = axes(parts, style.rest);
     let g = if style.z_up { Quat::from_rotation_x(FRAC_PI_2) } else { Quat::IDENTITY }
@@ -212,7 +212,7 @@ pub fn bvh(parts: &[Part], style: &Style) -> String {
 
 fn write_joint(
     text: &mut String,
-    parts: &[Part],
+    parts: &[RigPart],
     j: usize,
     style: &Style,
     offset: &impl Fn(usize) -> Vec3,

@@ -4,7 +4,7 @@ use super::{pose, take};
 use crate::rigs::{rig, tables};
 use crate::scenes::glb;
 use glam::{Quat, Vec3};
-use rig::{Part, Rest};
+use rig::{Rest, RigPart};
 use std::path::{Path, PathBuf};
 use throng_core::{Joint, Skeleton};
 use throng_motion::error::Result;
@@ -69,7 +69,7 @@ fn rigs_of_every_make_stand_where_the_motion_stands() {
                 continue;
             }
             let wearer = opened.unwrap_or_else(|e| panic!("{name}, {rest:?}: {e}"));
-            let parts: Vec<Part> = rig::parse(table);
+            let parts: Vec<RigPart> = rig::parse(table);
             let read = worn(folder.path(), &wearer, &take);
             assert_eq!(read.len(), 3, "{name}");
             for (a, clip) in read.iter().enumerate().take(2) {
@@ -82,7 +82,7 @@ fn rigs_of_every_make_stand_where_the_motion_stands() {
     assert_eq!(tried, 2 * (tables::RIGS.len() - 1));
 }
 
-fn farthest_limb(clip: &RawClip, parts: &[Part], skeleton: &Skeleton, actor: usize) -> f32 {
+fn farthest_limb(clip: &RawClip, parts: &[RigPart], skeleton: &Skeleton, actor: usize) -> f32 {
     let roles = parts.iter().filter_map(|p| Some((p.role.filter(|r| is_limb(*r))?, place(clip, &p.name))));
     let roles: Vec<(Joint, usize)> = roles.collect();
     let mut worst = 0f32;

@@ -1,4 +1,5 @@
 //! Distances by search: the distance from a convex shape is convex along a segment, and so is its least over another one.
+//! The check shares no geometry with what it checks, so the distances here are written anew.
 
 use crate::problem::MovingSolid;
 use glam::{DVec3, Vec3};

@@ -88,7 +88,7 @@ pub struct ProblemSpec<'a> {
     pub upright: Option<UprightConstraint>,
     /// Least distance from solids and other characters (m, >= 0).
     pub clearance_m: f64,
-    /// Depth to which parts of the own body may press into each other, as flesh does; [`SELF_PRESS_M`] unless told otherwise
+    /// Depth to which parts of the own body may press into each other, as flesh does; [`SELF_PRESS_M`] unless a task says otherwise
     /// (m, >= 0).
     pub self_press_m: f64,
     /// True widens limits until both ends are within them: performers bend farther than books say.

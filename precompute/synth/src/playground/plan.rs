@@ -90,7 +90,7 @@ impl GymVisitor {
         let route = WalkRoute::standing_at(start, self.variation, rng);
         let mut visit = GymVisit { legs: Vec::new(), route, rng };
         // A round takes about 40 s.
-        while visit.is_fresh() || visit.seconds() < seconds - 32.0 {
+        while visit.legs.is_empty() && visit.route.walk.steps.is_empty() || visit.seconds() < seconds - 32.0 {
             self.add_round(&mut visit);
         }
         visit.finish()
@@ -166,11 +166,6 @@ impl<R: Rng> GymVisit<'_, R> {
         }
     }
 
-    /// True at the beginning.
-    fn is_fresh(&self) -> bool {
-        self.legs.is_empty() && self.route.walk.steps.is_empty()
-    }
-
     /// Approximate duration so far (s).
     fn seconds(&self) -> f64 {
         let leg = |leg: &VisitLeg| match leg {
@@ -213,7 +208,7 @@ impl<R: Rng> GymVisit<'_, R> {
     }
 
     fn slide(&mut self, course: SlideCourse, deck: &GymDeck) {
-        self.stroll(slide::stance_before(&course), deck, WalkEnding::Stand);
+        self.stroll(course.ground_stance(slide::BEFORE), deck, WalkEnding::Stand);
         self.add_act(VisitLeg::Slide(course), slide::stance_beyond(&course));
     }
 

@@ -15,7 +15,7 @@ use rand::{Rng, RngExt};
 use throng_core::{Contacts, Skeleton};
 
 /// Position before sitting down, relative to the upper edge (m).
-const BEFORE: f64 = -0.24;
+pub const BEFORE: f64 = -0.24;
 /// Position after getting up, beyond the lower end (m).
 const BEYOND: f64 = 0.25;
 /// Position at which the hips come down on the deck, relative to the upper edge (m).
@@ -36,11 +36,6 @@ const DRAG: f64 = 0.17;
 const BRAKING: f64 = 3.2;
 /// Time step of the sliding motion (s).
 const STEP: f64 = 1.0 / 480.0;
-
-/// Stance before a slide.
-pub fn stance_before(course: &SlideCourse) -> FeetStance {
-    course.ground_stance(BEFORE)
-}
 
 /// Stance after a slide.
 pub fn stance_beyond(course: &SlideCourse) -> FeetStance {

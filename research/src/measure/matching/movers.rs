@@ -1,6 +1,6 @@
 //! Characters of a policy and of matching, moved by root motion frame by frame.
 
-use crate::matching::{BoxSearch, Character, Database, Nearest, Row, Wish};
+use crate::matching::{BoxSearch, Character, Database, MatchGoal, Nearest, Row};
 use glam::{Vec2, Vec3};
 use throng_core::policy::{LookAheadGoal, LookAheadJob, PolicyTable, RankedActions, RegionRecord};
 use throng_core::{Bundle, Planar};
@@ -108,10 +108,10 @@ const STRIKE_S: f32 = 0.3;
 const LEAST_LOOK_M: f32 = 0.3;
 
 impl Aim {
-    fn wish(&self, target: Vec3) -> Wish {
+    fn goal(&self, target: Vec3) -> MatchGoal {
         let at = Vec2::new(target.x, target.z);
         let distance = at.length();
-        Wish {
+        MatchGoal {
             place: at.normalize_or_zero() * (distance - self.stand_off),
             look: if distance > LEAST_LOOK_M { at } else { Vec2::Y },
             speed_mps: self.speed_mps,
@@ -142,11 +142,11 @@ impl Mover for ByMatching<'_> {
     fn step(&mut self, target: Vec3, is_hit: bool) -> Option<u32> {
         let before = self.frame();
         if self.character.wants_search(self.database, is_hit) {
-            let wish = self.aim.wish(local(self.character.root, target));
+            let goal = self.aim.goal(local(self.character.root, target));
             if let Some(asked) = &mut self.asked {
-                asked.push(self.character.query(self.database, &wish));
+                asked.push(self.character.query(self.database, &goal));
             }
-            self.character.search(self.database, self.boxes, &wish);
+            self.character.search(self.database, self.boxes, &goal);
         }
         let now = self.frame();
         self.character.advance(self.database);

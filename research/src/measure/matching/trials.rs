@@ -33,7 +33,7 @@ impl Arrivals {
 }
 
 /// A state to start in, and where the target is from there.
-struct Start {
+struct TrialStart {
     state: u32,
     target: Vec3,
     /// Of the target's circle (rad).
@@ -86,18 +86,18 @@ impl<'a> Scene<'a> {
     }
 
     /// Random states, with targets around them at a distance and a height (m).
-    fn starts(&self, count: usize, distances: [f32; 2], height: f32) -> Vec<Start> {
+    fn starts(&self, count: usize, distances: [f32; 2], height: f32) -> Vec<TrialStart> {
         let mut rng = Pcg64Mcg::seed_from_u64(self.config.seed);
         let num_states = self.tables.graph().states.len() as u32;
         let mut start = |_| {
             let (angle, distance) = (rng.random_range(0.0..TAU), rng.random_range(distances[0]..=distances[1]));
             let target = Vec3::new(distance * angle.sin(), height, distance * angle.cos());
-            Start { state: rng.random_range(0..num_states), target, phase: rng.random_range(0.0..TAU) }
+            TrialStart { state: rng.random_range(0..num_states), target, phase: rng.random_range(0.0..TAU) }
         };
         (0..count).map(&mut start).collect()
     }
 
-    fn by_matching(&self, start: &Start, aim: Aim, keep: bool) -> ByMatching<'a> {
+    fn by_matching(&self, start: &TrialStart, aim: Aim, keep: bool) -> ByMatching<'a> {
         let frame = self.tables.graph().states[start.state as usize].frame;
         let character = Character::new(Planar::IDENTITY, frame);
         let asked = keep.then(Vec::new);
@@ -151,7 +151,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Counts the effective hits that land within a distance of the target, which moves on a circle.
-    fn watch(&self, mover: &mut dyn Mover, start: &Start, within: f32) -> Sparring {
+    fn watch(&self, mover: &mut dyn Mover, start: &TrialStart, within: f32) -> Sparring {
         let rate = self.database.rate_hz();
         let hits = self.tables.hits();
         let mut out = Sparring { minutes: f64::from(self.config.hits_s) / 60.0, ..Sparring::default() };

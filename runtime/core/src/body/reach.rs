@@ -55,7 +55,8 @@ pub(crate) fn lower_body<F: Lanes>(
 ) {
     let mut drop = F::splat(0.0);
     for (side, (sole, foot)) in soles.iter().zip(&motion.feet).enumerate() {
-        let reach = natural_reach(&body.legs[side].lengths, foot.leg);
+        // As far as its motion has the leg, where that is known.
+        let reach = soft_length::<F>(&body.legs[side].lengths).max(foot.leg);
         let hip = pose.positions[LEGS[side][0].index()];
         let offset = hip - sole.ankle;
         let up = (reach * reach - offset.x * offset.x - offset.z * offset.z).max(reach * reach * F::splat(0.1)).sqrt();
@@ -332,12 +333,6 @@ fn reach_with_limb<F: Lanes>(
     pose.rotations[lower] = Q::shortest_arc(was - middle, new_end - new_middle) * pose.rotations[lower];
     pose.positions[lower] = new_middle;
     pose.positions[end] = new_end;
-}
-
-/// Length up to which a leg reaches for anything: as far as its motion has it, where that is known (m).
-#[inline(always)]
-fn natural_reach<F: Lanes>(lengths: &[Lane; 2], natural: F) -> F {
-    soft_length::<F>(lengths).max(natural)
 }
 
 /// A distance that never quite stretches a limb: as it is up to a share of the length, or to the length that the limb has in its

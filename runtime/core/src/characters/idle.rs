@@ -1,4 +1,4 @@
-//! Idling: who has arrived, or is told to stop, stands at ease in place of what a policy would have it do there.
+//! Idling: who has arrived, or is ordered to stop, stands at ease in place of what a policy would have it do there.
 //!
 //! A policy's reward is the distance to a point, so that any standing motion is as good as another to it. Idle segments
 //! are found when a bundle is baked ([`MotionSegment::idle`]). A character goes on in an idle clip as long as it lasts,
@@ -40,18 +40,18 @@ const RATES: f32 = 0.08;
 /// Distinguishes the draws of idling from those of other choices.
 const DRAWS: u64 = 0x1D1E;
 
-/// Most actions on the way to an idle one, largest displacement of each (m), and frames that an error of 1 is worth.
-const MAX_WAY: usize = 8;
-const WAY_M: f32 = 0.25;
+/// Most actions on the path to an idle one, largest displacement of each (m), and frames that an error of 1 is worth.
+const MAX_PATH: usize = 8;
+const PATH_STEP_M: f32 = 0.25;
 pub(super) const ERROR_FRAMES: f32 = 60.0;
 /// Cost of each frame that a stand lasts less than a long one (frames).
 const SHORT: f32 = 1.0;
 
 /// Error of the heading up to which a character has turned (rad).
 pub(super) const FACING: f32 = 0.15;
-/// Cost of the time, the way and the error of a turn (rad/s, rad/m, rad).
+/// Cost of the time, the distance and the error of a turn (rad/s, rad/m, rad).
 const TURN_COSTS: [f32; 3] = [0.1, 0.4, 0.3];
-/// Turns to which ways are known, and error of the heading up to which a turn is taken for one of them (rad).
+/// Turns to which paths are known, and error of the heading up to which a turn is taken for one of them (rad).
 const TURNS: [f32; 7] = [-2.356, -1.571, -0.785, 0.785, 1.571, 2.356, std::f32::consts::PI];
 pub(super) const TURN_MISSES: f32 = 0.45;
 /// Least part of a turn for which motion is taken that turns less far (rad).
@@ -89,25 +89,25 @@ pub(super) fn find_turns(graph: &MotionGraph, rate_hz: f32) -> Vec<TurnToStand> 
     out
 }
 
-/// Ways over motion that hardly moves, to idle actions and to turns on the spot: the action to take in each state, or
+/// Paths over motion that hardly moves, to idle actions and to turns on the spot: the action to take in each state, or
 /// [`NO_ACTION`].
 #[derive(Clone, Debug, Default)]
-pub(super) struct WaysToStand {
+pub(super) struct PathsToStand {
     /// To an idle action (num_states).
     to_idle: Vec<u8>,
     /// To turns by [`TURNS`] (num_states each).
     to_turns: Vec<Vec<u8>>,
 }
 
-impl WaysToStand {
-    /// Finds the shortest ways; a short stand is worth a way to a longer one.
+impl PathsToStand {
+    /// Finds the shortest paths; a short stand is worth a path to a longer one.
     pub fn find(graph: &MotionGraph, manners: &Manners, turns: &[TurnToStand], rate_hz: f32) -> Self {
         let find = |most_turn: f32, cost: &dyn Fn(u32) -> f32| {
             let least = |state: u32| {
                 let changed = |s: u32| manners.change_frames(state, graph.segments[s as usize].end);
                 graph.segments_of(state).iter().map(|&s| cost(s) + changed(s)).fold(f32::INFINITY, f32::min)
             };
-            find_ways(graph, manners, (0..graph.states.len() as u32).map(least).collect(), most_turn)
+            find_paths(graph, manners, (0..graph.states.len() as u32).map(least).collect(), most_turn)
         };
         let to_turn = |wanted: f32| {
             find(STAYS[1], &|s| {
@@ -124,7 +124,7 @@ impl WaysToStand {
         Self { to_idle, to_turns: TURNS.iter().map(|&wanted| to_turn(wanted)).collect() }
     }
 
-    /// Action on the way to the turn that leaves least of one.
+    /// Action on the path to the turn that leaves least of one.
     ///
     /// - `most`: of it that may be left (rad).
     fn to_turn(&self, state: u32, turn: f32, most: f32) -> Option<u8> {
@@ -135,21 +135,21 @@ impl WaysToStand {
     }
 }
 
-/// Action that leads from each state on the cheapest way to one that has a cost of its own, over segments that turn no further
+/// Action that leads from each state on the cheapest path to one that has a cost of its own, over segments that turn no further
 /// (rad).
-fn find_ways(graph: &MotionGraph, manners: &Manners, mut costs: Vec<f32>, most_turn: f32) -> Vec<u8> {
+fn find_paths(graph: &MotionGraph, manners: &Manners, mut costs: Vec<f32>, most_turn: f32) -> Vec<u8> {
     let mut out = vec![NO_ACTION; costs.len()];
-    for _ in 0..MAX_WAY {
+    for _ in 0..MAX_PATH {
         let before = costs.clone();
-        for (state, (least, way)) in costs.iter_mut().zip(&mut out).enumerate() {
+        for (state, (least, first)) in costs.iter_mut().zip(&mut out).enumerate() {
             let (segments, errors) = graph.actions_of(state as u32);
             for (action, (&s, error)) in segments.iter().zip(errors).enumerate() {
                 let s = &graph.segments[s as usize];
                 let changed = manners.change_frames(state as u32, s.end);
                 let cost = before[s.end as usize] + s.num_frames as f32 + ERROR_FRAMES * error + changed;
                 let [x, z, heading] = s.displacement;
-                if cost < *least && maths::hypot(x, z) < WAY_M && heading.abs() < most_turn {
-                    (*least, *way) = (cost, action as u8);
+                if cost < *least && maths::hypot(x, z) < PATH_STEP_M && heading.abs() < most_turn {
+                    (*least, *first) = (cost, action as u8);
                 }
             }
         }
@@ -188,7 +188,7 @@ impl StandingChooser<'_> {
         if arrived { self.rest_action().unwrap_or(chosen) } else { chosen }
     }
 
-    /// Action of a character that is told to stand, and the share by which its turn is bent (rad).
+    /// Action of a character that is ordered to stand, and the share by which its turn is bent (rad).
     pub fn choose_stand(&self, order: &PolicyOrder) -> (u8, f32) {
         let stop = &self.motion_set.stops.stops[self.state as usize];
         let segments = self.motion_set.graph.segments_of(self.state);
@@ -225,9 +225,9 @@ impl StandingChooser<'_> {
 
     /// An idle action, or one on the way to a longer stand; `None` where any is far.
     fn rest_action(&self) -> Option<u8> {
-        let way = self.motion_set.ways.to_idle[self.state as usize];
-        match self.long_onwards().is_none() && way != NO_ACTION {
-            true => Some(way),
+        let action = self.motion_set.paths_to_stand.to_idle[self.state as usize];
+        match self.long_onwards().is_none() && action != NO_ACTION {
+            true => Some(action),
             false => self.idle_action(),
         }
     }
@@ -307,13 +307,13 @@ impl StandingChooser<'_> {
         if turn.abs() < FACING {
             return None;
         }
-        let way = |most: f32| Some((r.ways.to_turn(self.state, turn, most)?, 0.0));
+        let path = |most: f32| Some((r.paths_to_stand.to_turn(self.state, turn, most)?, 0.0));
         let least = turn.abs() - PART;
         // Where no motion turns as far, it turns in parts.
         self.direct_turn(turn, TURN_MISSES)
-            .or_else(|| way(TURN_MISSES))
+            .or_else(|| path(TURN_MISSES))
             .or_else(|| self.direct_turn(turn, least))
-            .or_else(|| way(least))
+            .or_else(|| path(least))
     }
 
     /// The action whose clip turns nearest to a heading, and how far it is bent.
@@ -331,8 +331,8 @@ impl StandingChooser<'_> {
             }
             let bent = bend_of(to.by.heading, turn);
             let left = wrap_angle(turn - to.by.heading - bent).abs();
-            let way = maths::hypot(to.by.x, to.by.z);
-            let cost = left + per_s * to.frames as f32 / r.rate_hz + per_m * way + per_error * error;
+            let distance = maths::hypot(to.by.x, to.by.z);
+            let cost = left + per_s * to.frames as f32 / r.rate_hz + per_m * distance + per_error * error;
             if cost < best.0 && left < most {
                 best = (cost, Some((action as u8, bent / to.frames as f32)));
             }
@@ -391,12 +391,12 @@ mod tests {
         let turns = find_turns(&graph, 30.0);
         let found: Vec<(u32, f32)> = turns.iter().map(|t| (t.frames, t.by.heading)).collect();
         assert_eq!(found, [(10, 0.0), (20, 1.1), (10, 0.6)]);
-        let ways = WaysToStand::find(&graph, &Manners::default(), &turns, 1.0);
-        assert_eq!(ways.to_idle, [0, 0, NO_ACTION]);
-        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, 0.9, TURN_MISSES)), [None, None, Some(0)]);
-        assert_eq!([0, 1, 2].map(|state| ways.to_turn(state, -1.5, TURN_MISSES)), [None; 3]);
+        let paths = PathsToStand::find(&graph, &Manners::default(), &turns, 1.0);
+        assert_eq!(paths.to_idle, [0, 0, NO_ACTION]);
+        assert_eq!([0, 1, 2].map(|state| paths.to_turn(state, 0.9, TURN_MISSES)), [None, None, Some(0)]);
+        assert_eq!([0, 1, 2].map(|state| paths.to_turn(state, -1.5, TURN_MISSES)), [None; 3]);
         // A part of a turn that no motion turns as far as.
-        assert_eq!([TURN_MISSES, 0.9].map(|most| ways.to_turn(2, 1.5, most)), [None, Some(0)]);
+        assert_eq!([TURN_MISSES, 0.9].map(|most| paths.to_turn(2, 1.5, most)), [None, Some(0)]);
         // What takes longer than a turn may is no turn.
         assert_eq!(find_turns(&graph, 5.0)[1].frames, 0);
     }
@@ -414,7 +414,8 @@ mod tests {
         };
         let rate_hz = motion_set.rate_hz;
         motion_set.turns = find_turns(&motion_set.graph, rate_hz).into();
-        motion_set.ways = WaysToStand::find(&motion_set.graph, &motion_set.manners, &motion_set.turns, rate_hz).into();
+        motion_set.paths_to_stand =
+            PathsToStand::find(&motion_set.graph, &motion_set.manners, &motion_set.turns, rate_hz).into();
         let b = MotionBlock { segment: [0; LANES], age_s: [1.0; LANES], ..MotionBlock::ZERO };
         let (root, config) = (Planar::IDENTITY, CharactersConfig::default());
         let chooser = StandingChooser { b: &b, lane: 0, state: 0, root, motion_set: &motion_set, config: &config };

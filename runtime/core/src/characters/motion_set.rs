@@ -1,7 +1,7 @@
 //! Views of a bundle that a step reads, checked once.
 
 use super::answer::StandEntries;
-use super::idle::{TurnToStand, WaysToStand, find_turns};
+use super::idle::{PathsToStand, TurnToStand, find_turns};
 use super::manner::Manners;
 use crate::body::{ClipRows, FramePosition, LaneBody, WINDOW, sample_number};
 use crate::bundle::Bundle;
@@ -46,8 +46,8 @@ pub struct MotionSet {
     pub(crate) stops: StopTables,
     /// The stand to which each segment leads as its clip goes on (number of segments).
     pub(super) turns: Arc<[TurnToStand]>,
-    pub(super) ways: Arc<WaysToStand>,
-    /// Frames at which characters leave what they play when they are told to stand.
+    pub(super) paths_to_stand: Arc<PathsToStand>,
+    /// Frames at which characters leave what they play when they are ordered to stand.
     pub(super) entries: Arc<StandEntries>,
     pub(super) manners: Arc<Manners>,
     pub(crate) policies: Arc<[PolicyTable]>,
@@ -77,7 +77,7 @@ impl MotionSet {
             segment_hits: segment_hits(tables.graph(), tables.hits()).into(),
             graph: tables.graph().clone(),
             stops: tables.stops().clone(),
-            ways: WaysToStand::find(tables.graph(), &manners, &turns, rate_hz).into(),
+            paths_to_stand: PathsToStand::find(tables.graph(), &manners, &turns, rate_hz).into(),
             turns: turns.into(),
             entries: Arc::default(),
             manners: manners.into(),

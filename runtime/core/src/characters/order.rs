@@ -79,7 +79,7 @@ pub struct PolicyOrder {
     threat: Vec3,
     /// Velocity of the target (m/s).
     velocity: Vec3,
-    /// Time since it was told (s).
+    /// Time since it was ordered (s).
     age_s: f32,
     pub(super) layers: BodyLayers,
     /// Counts where there are no behaviours.

@@ -433,7 +433,7 @@ impl CharacterGroup for PolicyCharacters {
     }
 
     /// Going until the place that the first behaviour brings to its target is within [`ARRIVED_M`] of it, or until the character
-    /// stands, and faces where it is told to.
+    /// stands, and faces where it is ordered to.
     fn status(&self, id: Id) -> Result<OrderStatus> {
         let at = self.roster.row(id)?;
         let order = &self.orders[at];

@@ -23,13 +23,12 @@ use crate::body::{
 use crate::contacts::Contacts;
 use crate::skeleton::{Joint, NUM_JOINTS};
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, V, dispatch};
+use throng_base::thresholds::KNEE_RADPS;
 
 /// Height of a foot in its clip from which its place on the ground does not matter any more (m, of the database skeleton).
 const MATTERS_BELOW_M: f32 = 0.15;
 /// Lowering of the hips that cannot be seen (m).
 const NOT_LOWERED_M: f32 = 1e-5;
-/// Fastest turn of the knee of a leg in the air: that of a sprinter (rad/s).
-const KNEE_RATE: f32 = 18.0;
 
 /// Longest time that a held character is late, which counts for no more (frames).
 const LONGEST_WAIT: f32 = 500.0;
@@ -70,7 +69,7 @@ pub(crate) struct CharacterRange<'a> {
     pub touches: &'a mut [LimbTouch],
 }
 
-/// The list.
+/// Moves a range on, by the list above: everybody advances and chooses before anybody is posed.
 pub(crate) fn step(range: CharacterRange<'_>, tick: &CharactersTick<'_>) {
     advance_all(range.blocks, range.passed, range.first, range.count, tick);
     control::choose_all(range.blocks, range.bodies, range.passed, range.first, range.count, tick);
@@ -283,7 +282,7 @@ impl<F: Lanes> PlantFeet<F> for CapturedFeet<'_, '_> {
         let motion = FeetMotion {
             feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
             speed: self.speed,
-            knee_rate: F::splat(KNEE_RATE),
+            knee_rate: F::splat(KNEE_RADPS),
             sunk: sunk.unwrap_or(F::splat(0.0)),
             lift: place.y - F::load(&state.base),
         };

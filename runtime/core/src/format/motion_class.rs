@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::Range;
-
-/// Speed of running below which people say that somebody jogs (m/s).
-const JOG_BELOW_MPS: f32 = 3.0;
+use throng_base::thresholds::JOG_BELOW_MPS;
 
 /// How high a body holds its trunk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

@@ -18,12 +18,8 @@ use crate::contacts::Contacts;
 use crate::planar::Planar;
 use crate::skeleton::NUM_JOINTS;
 use throng_base::simd::{Functions, LANES, LaneWork, Lanes, Q, V, dispatch};
-use throng_base::thresholds::STEP_TIME_MPS;
+use throng_base::thresholds::{STEP_TIME_MPS, WALKER_KNEE_RADPM, WALKER_KNEE_RADPS};
 
-/// Fastest turn of the knee of a leg in the air where the character stands, and how much faster it is for each m/s: a
-/// sprinter's turns at about 20 rad/s (rad/s, rad/m, of the database skeleton).
-const KNEE_RATE: f32 = 10.0;
-const KNEE_RATE_BY_SPEED: f32 = 1.8;
 /// Share of the blend that has a foot on the ground from which it is planted, and down to which it stays.
 const PLANTED: [f32; 2] = [0.65, 0.35];
 
@@ -291,7 +287,8 @@ impl<F: Lanes> PlantFeet<F> for WalkingFeet<'_, '_, F> {
         let motion = FeetMotion {
             feet: [self.foot_motion(0, place, pose), self.foot_motion(1, place, pose)],
             speed: self.speed,
-            knee_rate: F::splat(KNEE_RATE) / pace + F::load(self.speed) * F::splat(KNEE_RATE_BY_SPEED) / (pace * pace),
+            knee_rate: F::splat(WALKER_KNEE_RADPS) / pace
+                + F::load(self.speed) * F::splat(WALKER_KNEE_RADPM) / (pace * pace),
             sunk: layers.hips_sink(body, pose).unwrap_or(F::splat(0.0)),
             lift: F::splat(0.0),
         };

@@ -160,7 +160,7 @@ impl<V: Space> Decider<'_, V> {
         let region = (centre - half, centre + half);
         let fresh = MotionPlan { start: self.time, position, velocity, moving: f32::INFINITY, ..old };
         let mut meeting = FirstContact::new(&fresh, scheme.map(|_| region));
-        self.look_around(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
+        self.find_neighbours(agent, at, &walker, &state, scheme.map(|t| (t, &mut meeting)), scratch);
         let sees_external_obstacles = self.sees_external_obstacles(&walker, scratch);
         let CrowdScenery { fields, solids, interests, steering, .. } = self.scenery;
         let (near, walls) = (self.scenery.solids_near(state.cell), self.scenery.walls_seen(state.cell));
@@ -317,7 +317,7 @@ impl<V: Space> Decider<'_, V> {
             }
             PassageAdvice::Queue => {}
             PassageAdvice::Stand => walker.speed = 0.0,
-            PassageAdvice::MakeWay(direction, share) => {
+            PassageAdvice::GiveWay(direction, share) => {
                 walker.desired = V::over_ground(direction);
                 walker.speed = share * self.scenery.steering.retreat_speed * state.speed;
                 walker.retreats = true;
@@ -392,7 +392,7 @@ impl<V: Space> Decider<'_, V> {
 
     /// Finds the neighbours that an agent reacts to; for a new plan also all others in its own and the neighbouring
     /// cells, and, if the scheme asks for it, which of them it meets first.
-    fn look_around(
+    fn find_neighbours(
         &self,
         agent: u32,
         at: [i32; 3],

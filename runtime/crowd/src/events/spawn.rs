@@ -202,7 +202,7 @@ impl<V: Space> Engine<V> {
         let position = plan.motion_at(self.now).0;
         let kept = self.states[id.index()];
         let on_route = &self.scenery.paths[kept.route as usize];
-        // Who is told the same again goes on; a single goal may be another one at the same place.
+        // An agent that gets the same order again goes on; a single goal may be another one at the same place.
         let is_same = |subgoals: &Vec<V>| {
             let Route { subgoals: own, arrival_radius, at_end } = &on_route.route;
             on_route.owner == id.index && (own, *arrival_radius, *at_end) == (subgoals, order.arrival_m, order.at_end)

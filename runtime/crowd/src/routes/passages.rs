@@ -128,8 +128,8 @@ pub(crate) enum PassageAdvice {
     Queue,
     /// Wait here.
     Stand,
-    /// Make way, along a unit vector and with a share of the usual speed.
-    MakeWay(Vec2, f32),
+    /// Give way, along a unit vector and with a share of the usual speed.
+    GiveWay(Vec2, f32),
 }
 
 /// Nearest walls on both sides of a way (m).
@@ -202,10 +202,10 @@ impl Passage {
     /// - `across`: unit vector from wall to wall.
     fn trace(gap: &NarrowGap<'_>, middle: Vec2, across: Vec2) -> Option<Self> {
         let mut range = [gap.widths[1], gap.widths[0]];
-        let mut line = gap.trace_way(middle, across.perp(), &mut range)?;
+        let mut line = gap.trace_to_mouth(middle, across.perp(), &mut range)?;
         line.reverse();
         line.push(middle);
-        line.extend(gap.trace_way(middle, -across.perp(), &mut range)?);
+        line.extend(gap.trace_to_mouth(middle, -across.perp(), &mut range)?);
         Some(Self::from_line(line, range, gap.floor))
     }
 
@@ -308,8 +308,8 @@ struct NarrowGap<'a> {
 }
 
 impl NarrowGap<'_> {
-    /// Middle line from a narrow place on to the mouth; none where the way ends before.
-    fn trace_way(&self, from: Vec2, along: Vec2, range: &mut [f32; 2]) -> Option<Vec<Vec2>> {
+    /// Middle line from a narrow place on to the mouth; none where it ends before.
+    fn trace_to_mouth(&self, from: Vec2, along: Vec2, range: &mut [f32; 2]) -> Option<Vec<Vec2>> {
         let [narrowest, wide] = self.widths;
         let (mut at, mut along, mut line) = (from, along, Vec::new());
         while line.len() < MOST_POINTS {
@@ -457,19 +457,19 @@ impl PassageTurns {
             return if enters { PassageAdvice::Enter } else { waits };
         }
         if found.is_inside {
-            return PassageAdvice::MakeWay(found.out, 1.0);
+            return PassageAdvice::GiveWay(found.out, 1.0);
         }
         let (off, side) = (at - found.mouth, found.out.perp());
         let (before, aside) = (off.dot(found.out), off.dot(side));
         let away = if aside < 0.0 { -side } else { side };
         if before < LANE_M && aside.abs() < 2.0 * radius + LANE_ROOM_M {
-            return PassageAdvice::MakeWay((away + found.out * 0.4).normalize_or_zero(), 1.0);
+            return PassageAdvice::GiveWay((away + found.out * 0.4).normalize_or_zero(), 1.0);
         }
         if before < LANE_M && aside.abs() < SPREAD_M {
-            return PassageAdvice::MakeWay((away + found.out * 0.2).normalize_or_zero(), 0.3);
+            return PassageAdvice::GiveWay((away + found.out * 0.2).normalize_or_zero(), 0.3);
         }
         if found.distance < KEPT_FREE_M {
-            return PassageAdvice::MakeWay(off.normalize_or(found.out), 0.5);
+            return PassageAdvice::GiveWay(off.normalize_or(found.out), 0.5);
         }
         waits
     }

@@ -336,11 +336,11 @@ pub(crate) mod tests {
             prop_assert_eq!((seen.offset, seen.velocity), (x - position, v));
             prop_assert_eq!((seen.distance, seen.radii), ((x - position).length(), 0.3 + plan.radius));
         }
-        heeds_who_matters(&me, &seen, &see(PERCEPTION).1)
+        check_that_skipped_neighbours_do_not_matter(&me, &seen, &see(PERCEPTION).1)
     }
 
     /// A neighbour within sight that is skipped exerts no force, and is met before the horizon in no direction.
-    fn heeds_who_matters<V: Space>(
+    fn check_that_skipped_neighbours_do_not_matter<V: Space>(
         me: &SteeredAgent<V>,
         all: &[SeenNeighbour<V>],
         seen: &[SeenNeighbour<V>],

@@ -17,7 +17,7 @@ fn wall(from: [f32; 2], to: [f32; 2], radius: f32) -> Obstacle<Vec2> {
 
 /// Record of a run, ten times a second.
 #[derive(Default)]
-struct Report {
+struct JamRecord {
     /// Agents that are not gone at the end.
     left_over: usize,
     /// Deepest overlap (m).
@@ -26,9 +26,9 @@ struct Report {
     trembling: f32,
 }
 
-fn run(setup: CrowdSetup<Vec2>, seconds: usize) -> Report {
+fn run(setup: CrowdSetup<Vec2>, seconds: usize) -> JamRecord {
     let mut crowd = Engine::new(setup).unwrap();
-    let mut report = Report { deepest: f32::NEG_INFINITY, ..Report::default() };
+    let mut report = JamRecord { deepest: f32::NEG_INFINITY, ..JamRecord::default() };
     for second in 0..seconds {
         let ids: Vec<Id> = crowd.ids().collect();
         let start: Vec<Vec2> = ids.iter().map(|&id| crowd.position(id, crowd.now).unwrap()).collect();

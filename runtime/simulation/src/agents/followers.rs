@@ -106,7 +106,7 @@ impl Followers {
         let troop = &mut self.troops[t];
         let faces = outside.faced_position(agent);
         let ahead = faces.map(|faces| (faces - at).xz());
-        troop.order_look(row, ahead, faces);
+        troop.order_gaze(row, ahead, faces);
         let speed_mps = outside.ids[agent].and_then(|id| outside.crowd.smooth_velocity(id)).map_or(0.0, |v| v.length());
         let held = faces.and_then(|_| troop.held_position(row, at.xz(), speed_mps));
         troop.order_stand(row, shown.stands.map(|at| at.xz()).or(held));
@@ -164,7 +164,7 @@ impl Followers {
     }
 
     /// True where an agent has entered, so that its body exists.
-    pub fn is_there(&self, agent: usize) -> bool {
+    pub fn has_body(&self, agent: usize) -> bool {
         self.locate(agent).1 < self.walkers_of(agent).0.len()
     }
 

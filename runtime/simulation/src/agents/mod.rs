@@ -144,8 +144,8 @@ impl<V: Space> SceneAgents<V> {
             }
             if let (Some(spent), Some(begin)) = (timings.as_mut(), begin) {
                 // Finding paths counts for the crowd.
-                let ways_s = outside.paths_s.replace(0.0).unwrap_or(0.0);
-                spent.brains_s += begin.elapsed().as_secs_f64() - ways_s;
+                let paths_s = outside.paths_s.replace(0.0).unwrap_or(0.0);
+                spent.brains_s += begin.elapsed().as_secs_f64() - paths_s;
             }
         }
     }

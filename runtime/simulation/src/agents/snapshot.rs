@@ -113,8 +113,8 @@ impl<V: Space> SceneAgents<V> {
                 && [s.faces, s.stands].iter().flatten().all(is_near)
         });
         let are_agents = saved.agent_of.iter().all(|&a| (a as usize) < n);
-        let are_ways = saved.paths.iter().all(is_path) && saved.arrivals.iter().all(|a| a.is_finite());
-        if are_ways && has_room && is_seen && are_agents { Ok(()) } else { Err("somebody is on no way") }
+        let are_paths = saved.paths.iter().all(is_path) && saved.arrivals.iter().all(|a| a.is_finite());
+        if are_paths && has_room && is_seen && are_agents { Ok(()) } else { Err("somebody is on no path") }
     }
 }
 

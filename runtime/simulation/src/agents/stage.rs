@@ -146,8 +146,8 @@ impl<V: Space> CrowdStage<V> {
         self.sent[m] += 1;
         let begin = self.paths_s.map(|_| Instant::now());
         let ordered = self.crowd.order(id, order);
-        if let (Some(ways_s), Some(begin)) = (&mut self.paths_s, begin) {
-            *ways_s += begin.elapsed().as_secs_f64();
+        if let (Some(paths_s), Some(begin)) = (&mut self.paths_s, begin) {
+            *paths_s += begin.elapsed().as_secs_f64();
         }
         match ordered {
             Ok(()) => self.crowd.wake(id).map(|()| true).map_err(|e| self.layout.explain_crowd_error(&e)),

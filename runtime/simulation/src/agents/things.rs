@@ -362,7 +362,7 @@ impl Things {
             let by = thing.handling.map(|h| h.0).or(thing.keeper);
             let Some((agent, body)) = by.and_then(|agent| {
                 let body = followers.iter_mut().find(|f| f.agents.contains(&(agent as usize)));
-                body.filter(|f| f.is_there(agent as usize)).map(|body| (agent as usize, body))
+                body.filter(|f| f.has_body(agent as usize)).map(|body| (agent as usize, body))
             }) else {
                 thing.raised = 0.0;
                 continue;

@@ -4,7 +4,7 @@ use crate::motion_kind::{PART, refused_snapshot, saved_bytes};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
-use throng_base::thresholds::{EYES_M, WALKING_MPS};
+use throng_base::thresholds::{EYES_M, FACING_STANDS_MPS, WALKING_MPS};
 use throng_base::{Bytes, Error, Executor, Result, run_each};
 use throng_core::blend::ActivityId;
 use throng_core::body::ArmLayer;
@@ -17,8 +17,6 @@ const ASIDE_HALF_LIFE_S: f32 = 0.15;
 
 /// Largest distance of a body that faces somebody or something from its disc (m).
 const HELD_M: f32 = 0.2;
-/// Speed below which a body that is to face somebody or something stands (m/s).
-const HELD_MPS: f32 = 0.6;
 
 /// Bodies of one blend space, row by row as their walkers.
 #[derive(Clone, Debug)]
@@ -106,7 +104,7 @@ impl Troop {
 
     /// Orders the body of a row to turn to a direction, while its agent stands, and to look at eye height above a place; `None` to
     /// look ahead (row < number of bodies).
-    pub fn order_look(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
+    pub fn order_gaze(&mut self, row: usize, ahead: Option<Vec2>, at: Option<Vec3>) {
         if let Some(ahead) = ahead.filter(|a| a.length_squared() > 1e-4) {
             self.controls[row].heading = Some(maths::atan2(ahead.x, ahead.y));
         }
@@ -118,7 +116,7 @@ impl Troop {
     ///
     /// - `disc`: centre of the agent's disc (m).
     pub fn held_position(&self, row: usize, disc: Vec2, speed_mps: f32) -> Option<Vec2> {
-        let stands = self.still[row].at.is_some() || speed_mps < HELD_MPS;
+        let stands = self.still[row].at.is_some() || speed_mps < FACING_STANDS_MPS;
         let root = self.walkers.bodies().roots[row];
         stands.then(|| disc + (Vec2::new(root.x, root.z) - disc).clamp_length_max(HELD_M))
     }

@@ -359,12 +359,12 @@ impl ExpectationMeter {
             ExpectedQuantity::News(_) => {
                 let of = |a: u32| view.brains.learnt_event(a as usize, usize::from(table.number)).copied();
                 let all: Vec<_> = (0..view.brains.len() as u32).filter_map(|a| Some((a, of(a)?))).collect();
-                for (a, told) in all.iter().filter(|(_, l)| l.how == LearningMode::PassedOn) {
+                for (a, informed) in all.iter().filter(|(_, l)| l.how == LearningMode::PassedOn) {
                     let sources =
-                        all.iter().filter(|(_, l)| l.how != LearningMode::PassedOn && l.time_s <= told.time_s);
+                        all.iter().filter(|(_, l)| l.how != LearningMode::PassedOn && l.time_s <= informed.time_s);
                     let speed = |from: &super::LearntEvent| {
-                        let far = Vec2::from(told.at).distance(from.at.into());
-                        (far >= FAR_M).then(|| f64::from(far) / (told.time_s - from.time_s).max(1e-3))
+                        let far = Vec2::from(informed.at).distance(from.at.into());
+                        (far >= FAR_M).then(|| f64::from(far) / (informed.time_s - from.time_s).max(1e-3))
                     };
                     let slowest = sources.map(|(_, from)| speed(from).unwrap_or(0.0)).reduce(f64::min);
                     if let Some(mps) = slowest.filter(|mps| *mps > 0.0) {

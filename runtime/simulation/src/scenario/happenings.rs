@@ -128,7 +128,7 @@ impl AgentBrains {
         (new < last).then_some(new).or_else(|| left.next())
     }
 
-    /// Gives an agent that has left and enters again an empty mind.
+    /// Gives an agent that has left and enters again a new brain.
     fn renew_agent(&mut self, agent: u32) {
         let (m, scenario) = (agent as usize, self.scenario.clone());
         let AgentBrain { group, draws, .. } = self.brains[m];

@@ -429,7 +429,7 @@ impl AgentBrains {
                 line_now: table.lines.iter().map(|line| counted.num_in_line(*line)).sum(),
                 busy_while_waiting: share(busy),
                 taken_while_waiting: share(busy + approached),
-                tills: record.tills.iter().map(TillStatistics::of).collect(),
+                tills: record.tills.iter().map(TillStatistics::from_record).collect(),
             }
         })
         .collect()
@@ -437,7 +437,7 @@ impl AgentBrains {
 }
 
 impl TillStatistics {
-    fn of(record: &TillRecord) -> Self {
+    fn from_record(record: &TillRecord) -> Self {
         let TillRecord { served, busy_s, approached_s, idle_s, idle_lined_s, .. } = *record;
         Self { served, busy_s, approached_s, idle_s, idle_while_waiting_s: idle_lined_s }
     }

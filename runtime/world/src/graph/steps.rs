@@ -141,7 +141,7 @@ impl WorldGraph {
         if self.is_tile(node.instance) {
             let cell = self.cell(node);
             let links = cell.first_link..cell.first_link + cell.num_links;
-            self.for_each_way_out(node.instance, links, |s| walk.visit_step(s));
+            self.for_each_exit(node.instance, links, |s| walk.visit_step(s));
             return;
         }
         // After a cell of another block a link must follow: joints in a row without motion would carry a character
@@ -230,7 +230,7 @@ impl WorldGraph {
 
     /// Steps that leave links of a tile before their ends, into blocks. The rest of a link may be disabled: joints have
     /// bits of their own, set where what is played of the link is free of obstacles.
-    fn for_each_way_out(&self, instance: u32, links: Range<u32>, mut visit: impl FnMut(WorldStep)) {
+    fn for_each_exit(&self, instance: u32, links: Range<u32>, mut visit: impl FnMut(WorldStep)) {
         for (_, adjacency, table) in self.adjacencies(instance).filter(|(_, a, _)| a.side == 0) {
             let joints = self.joints(table);
             for k in self.joints.at_a(adjacency.table, links.clone()) {

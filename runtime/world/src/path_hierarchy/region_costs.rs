@@ -79,14 +79,14 @@ impl RegionCosts {
     /// True where costs read from a file are of the paths of a hierarchy whose paths are sound, and all entries are in
     /// range.
     pub fn is_sound(&self, hierarchy: &PathHierarchy) -> bool {
-        let (ways, entrances) = (Self::without_costs(hierarchy), hierarchy.entrances.len());
-        let are_ways = (&self.first, &self.states, &self.place, &self.leaving)
-            == (&ways.first, &ways.states, &ways.place, &ways.leaving);
+        let (expected, entrances) = (Self::without_costs(hierarchy), hierarchy.entrances.len());
+        let has_same_paths = (&self.first, &self.states, &self.place, &self.leaving)
+            == (&expected.first, &expected.states, &expected.place, &expected.leaving);
         let first = &self.first_other;
         let tiles = first.len() == entrances + 1
             && first.windows(2).all(|w| w[0] <= w[1])
             && first[entrances] as usize == self.others.len();
-        if !are_ways || !tiles {
+        if !has_same_paths || !tiles {
             return false;
         }
         let row = |e: usize| {

@@ -5,7 +5,7 @@ use crate::made_up::{costs_to, nodes, places, tiles};
 use proptest::prelude::*;
 
 /// Checks that the steps follow each other from a node to another one, and take as long as the plan says.
-fn check_way(graph: &WorldGraph, from: WorldNode, to: WorldNode, plan: &WorldPlan, steps: &[WorldStep]) {
+fn check_path(graph: &WorldGraph, from: WorldNode, to: WorldNode, plan: &WorldPlan, steps: &[WorldStep]) {
     assert_eq!(plan.num_stored, plan.num_steps);
     let mut at = from;
     for step in &steps[..plan.num_stored] {
@@ -22,7 +22,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn ways_that_are_found_soon_lead_there_and_none_is_shorter_than_the_bounds(
+    fn paths_that_are_found_soon_lead_there_and_none_is_shorter_than_the_bounds(
         tile in tiles(),
         depths in prop::array::uniform3(0i32..5),
         pairs in prop::collection::vec((any::<prop::sample::Index>(), any::<prop::sample::Index>()), 6),
@@ -38,8 +38,8 @@ proptest! {
             let soon = planner.plan_soon(&graph, from, PlanTarget::Node(to), &mut soon_steps);
             prop_assert_eq!([plan.is_some(), soon.is_some()], [best.is_some(); 2], "{:?} {:?}", from, to);
             let (Some(best), Some(plan), Some(soon)) = (best, plan, soon) else { continue };
-            check_way(&graph, from, to, &plan, &steps);
-            check_way(&graph, from, to, &soon, &soon_steps);
+            check_path(&graph, from, to, &plan, &steps);
+            check_path(&graph, from, to, &soon, &soon_steps);
             prop_assert!(plan.least_frames.max(soon.least_frames) <= best, "{:?} {:?} {}", plan, soon, best);
             prop_assert!(plan.num_frames as f32 <= best as f32 * WORST + 1e-2, "{:?} {}", plan, best);
             prop_assert!(plan.least_frames <= soon.num_frames, "{:?} {:?}", plan, soon);

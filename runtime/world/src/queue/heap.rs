@@ -46,7 +46,7 @@ impl Heap {
     fn rise(&mut self, mut place: usize) {
         let item = self.items[place];
         while place > 0 && before(item, self.items[(place - 1) / 2]) {
-            self.put((place - 1) / 2, place);
+            self.move_item((place - 1) / 2, place);
             place = (place - 1) / 2;
         }
         self.items[place] = item;
@@ -63,14 +63,14 @@ impl Heap {
             if !before(self.items[least], item) {
                 break;
             }
-            self.put(least, place);
+            self.move_item(least, place);
             place = least;
         }
         self.items[place] = item;
         self.places[item.1 as usize] = place as u32;
     }
 
-    fn put(&mut self, from: usize, to: usize) {
+    fn move_item(&mut self, from: usize, to: usize) {
         self.items[to] = self.items[from];
         self.places[self.items[to].1 as usize] = to as u32;
     }

@@ -11,6 +11,7 @@ use crate::run::agents::{AgentDetails, FORCE_TERMS, agent_details, first_agent};
 use crate::stage::agents::{TAKEN, colour_of_force};
 use eframe::egui::{Color32, Grid, Rect, RichText, Sense, Ui, pos2, vec2};
 use glam::Vec3;
+use throng_base::thresholds::DIRECTION_SHOWN_MPS;
 use throng_core::planar::wrap_angle;
 use throng_simulation::scenario::AgentBrains;
 
@@ -63,7 +64,7 @@ fn motion(ui: &mut Ui, time_s: f64, d: &AgentDetails) {
 /// A table of all terms: colour, name, a bar, a number and where it points.
 fn forces(ui: &mut Ui, d: &AgentDetails) {
     let dark = ui.visuals().dark_mode;
-    let ahead = if d.velocity.length() > 0.05 { d.velocity } else { d.desired };
+    let ahead = if d.velocity.length() > DIRECTION_SHOWN_MPS { d.velocity } else { d.desired };
     ui.weak(format!("Forces in m/s², of at most {:.1}; directions from where it goes", d.limit));
     let sum: Vec3 = d.forces.iter().sum();
     let rows = FORCE_TERMS.iter().zip(d.forces).enumerate();

@@ -109,14 +109,14 @@ fn in_words(scene: &SceneDocument, h: &AgentEvent) -> String {
     let place = h.place.and_then(|p| brains?.place_names().get(p)).map_or_else(String::new, |p| format!(" at {p}"));
     let message = h.message.and_then(|e| brains?.event_names().get(e));
     let on = message.map_or_else(String::new, |e| format!(", on {e}"));
-    let told = |before: &str, other: Option<usize>| {
+    let named = |before: &str, other: Option<usize>| {
         other.map_or_else(String::new, |o| format!("{before}{}", super::agent_name(scene, o)))
     };
-    let with = |other| told(", with ", other);
+    let with = |other| named(", with ", other);
     match h.other_party {
         OtherParty::None => format!("{agent}{place}"),
         OtherParty::Message(how, other) => {
-            format!("{agent} – {}, {how}{}", message.map_or("", String::as_str), told(" by ", other))
+            format!("{agent} – {}, {how}{}", message.map_or("", String::as_str), named(" by ", other))
         }
         OtherParty::Rule(rule, other) => {
             format!("{agent} – \"{}\"{}{place}{on}", brains.map_or("", |m| m.rule_name(rule)), with(other))

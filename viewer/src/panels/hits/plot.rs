@@ -79,7 +79,8 @@ fn axes(painter: &Painter, visuals: &Visuals, place: &HitViewPlace) {
     let (line, weak) = (visuals.widgets.noninteractive.bg_stroke.color, visuals.weak_text_color());
     painter.rect_filled(rect, 0.0, visuals.extreme_bg_color);
     let (low, high) = (place.flat_at(rect.left_bottom()), place.flat_at(rect.right_top()));
-    let step = place.tick_m();
+    // The smallest whose labels do not touch.
+    let step = [0.1, 0.2, 0.5, 1.0].into_iter().find(|t| t * place.per_m >= 30.0).unwrap_or(2.0);
     let strength = |i: i32| if i == 0 { 1.0 } else { 0.45 };
     let label = |v: f32| if step < 0.15 { format!("{v:.1}") } else { format!("{}", (v * 10.0).round() / 10.0) };
     for i in ticks(low.x, high.x, step) {
@@ -251,11 +252,6 @@ impl HitViewPlace {
     pub fn flat_at(&self, p: Pos2) -> Vec2 {
         let d = (p - self.origin) / self.per_m;
         Vec2::new(d.x, -d.y)
-    }
-
-    /// Distance of neighbouring ticks: the smallest of 0.1, 0.2, 0.5, 1, 2 m whose labels do not touch (m).
-    pub fn tick_m(&self) -> f32 {
-        [0.1, 0.2, 0.5, 1.0].into_iter().find(|t| t * self.per_m >= 30.0).unwrap_or(2.0)
     }
 }
 

@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, model: &Model, world: &WorldDocument, state: &mut Patch
         let lost = if e.num_lost > 0 { format!("; {} characters found no place", e.num_lost) } else { String::new() };
         let free = match e.num_released {
             0 => String::new(),
-            n => format!("; {n} can no longer do what they were told"),
+            n => format!("; {n} can no longer do what they were ordered to"),
         };
         let [total, stitch] = [e.total_s, e.stitch_s].map(|s| 1e3 * s);
         ui.label(format!("{} in {total:.0} ms, {stitch:.0} ms of it stitching{lost}{free}", e.description));

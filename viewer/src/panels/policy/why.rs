@@ -40,7 +40,7 @@ pub fn show(
         return drop(ui.weak(format!("Character {character} does not choose by the policies of this bundle.")));
     };
     let Some(why) = why else {
-        let text = "plays what it was told to; it chooses for itself again when that is over.";
+        let text = "plays what it was ordered to; it chooses for itself again when that is over.";
         return drop(ui.label(format!("Character {character} {text}")));
     };
     let bundle = chooser.bundle;

@@ -95,13 +95,13 @@ pub(super) fn lay_out_spread(
         let lift = if brush.in_the_air { Vec3::ZERO } else { Vec3::Y * LINE_Y };
         simulation.disc(first + agent).map(|d| d.centre + lift)
     };
-    let told = |agent: usize| {
+    let heard_from = |agent: usize| {
         let learnt = brains.learnt_event(agent, event)?;
         Some((learnt.source_agent()?, learnt.time_s))
     };
     let colour = super::colour_of_message(event);
     let all = (0..brains.len()).filter_map(|agent| {
-        let (from, time_s) = told(agent)?;
+        let (from, time_s) = heard_from(agent)?;
         Some((place(from)?, place(agent)?, time_s))
     });
     for (from, to, time_s) in all.take(MAX_LINES) {
@@ -109,7 +109,7 @@ pub(super) fn lay_out_spread(
         shapes.line(from, to, 1.5, colour.alpha(0.9 + (FADED - 0.9) * age));
     }
     let Some(selected) = selected.and_then(|who| who.checked_sub(first)).filter(|a| *a < brains.len()) else { return };
-    for pair in sources(selected, told).windows(2) {
+    for pair in sources(selected, heard_from).windows(2) {
         if let (Some(to), Some(from)) = (place(pair[0]), place(pair[1])) {
             shapes.line(from, to, 3.5, brush.palette.selected);
         }
@@ -118,11 +118,11 @@ pub(super) fn lay_out_spread(
 
 /// An agent, its sender, the sender of that one, and so on.
 ///
-/// - `told`: sender of an agent, and the time (s).
-fn sources(agent: usize, told: impl Fn(usize) -> Option<(usize, f64)>) -> Vec<usize> {
+/// - `heard_from`: who passed the message on to an agent, and when (s).
+fn sources(agent: usize, heard_from: impl Fn(usize) -> Option<(usize, f64)>) -> Vec<usize> {
     let (mut all, mut until_s) = (vec![agent], f64::INFINITY);
     // A sender may learn the message again later, from another agent.
-    while let Some((from, time_s)) = told(all[all.len() - 1]).filter(|t| t.1 <= until_s && !all.contains(&t.0)) {
+    while let Some((from, time_s)) = heard_from(all[all.len() - 1]).filter(|t| t.1 <= until_s && !all.contains(&t.0)) {
         all.push(from);
         until_s = time_s;
     }
@@ -135,9 +135,9 @@ mod tests {
 
     #[test]
     fn sources_end_where_a_message_came_from() {
-        let told = [None, Some((0, 1.0)), Some((1, 2.0)), Some((4, 5.0)), Some((3, 3.0))];
-        assert_eq!(sources(2, |a| told[a]), [2, 1, 0]);
-        assert_eq!(sources(4, |a| told[a]), [4, 3], "3 felt it of itself then, and learnt of it from 4 later");
-        assert_eq!(sources(3, |a| told[a]), [3, 4]);
+        let heard_from = [None, Some((0, 1.0)), Some((1, 2.0)), Some((4, 5.0)), Some((3, 3.0))];
+        assert_eq!(sources(2, |a| heard_from[a]), [2, 1, 0]);
+        assert_eq!(sources(4, |a| heard_from[a]), [4, 3], "3 felt it of itself then, and learnt of it from 4 later");
+        assert_eq!(sources(3, |a| heard_from[a]), [3, 4]);
     }
 }

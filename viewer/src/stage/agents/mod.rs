@@ -18,6 +18,7 @@ use crate::render::{Rgba, ShapeList};
 use crate::run::SceneRun;
 use crate::run::agents::{agent_bound, agent_path};
 use glam::Vec3;
+use throng_base::thresholds::DIRECTION_SHOWN_MPS;
 use throng_crowd::{Obstacle, Scheme};
 use throng_geometry::BoundingBox;
 use throng_precompute::run::position_on_timed_path;
@@ -32,8 +33,6 @@ const EDGE_Y: f32 = 0.013;
 const BOUND_Y: f32 = 0.018;
 /// Height of the view that widths of lines on the ground are reckoned for (pixels).
 const VIEW_HEIGHT: f32 = 700.0;
-/// Slower ones show no heading (m/s).
-const SLOW_MPS: f32 = 0.05;
 
 /// Drawing context shared by all parts.
 pub(super) struct Brush<'a> {
@@ -116,7 +115,7 @@ pub(super) fn disc(shapes: &mut ShapeList, brush: &Brush<'_>, disc: &Disc, colou
     let ahead = disc.velocity * (radius / speed.max(1e-6));
     if brush.in_the_air {
         shapes.sphere(disc.centre, radius, colour);
-        if speed > SLOW_MPS {
+        if speed > DIRECTION_SHOWN_MPS {
             shapes.line(disc.centre + ahead, disc.centre + ahead * 2.0, 2.0, colour);
         }
         if is_selected {
@@ -135,7 +134,7 @@ pub(super) fn disc(shapes: &mut ShapeList, brush: &Brush<'_>, disc: &Disc, colou
         shapes.ring(disc.centre.with_y(BOUND_Y), radius, radius + width, brush.palette.selected);
     }
     // From afar it would only hide the colour.
-    if speed > SLOW_MPS && radius > 3.0 * brush.pixel_m {
+    if speed > DIRECTION_SHOWN_MPS && radius > 3.0 * brush.pixel_m {
         let at = disc.centre.with_y(EDGE_Y);
         shapes.line(at, at + ahead * 0.95, 2.0, brush.ink());
     }

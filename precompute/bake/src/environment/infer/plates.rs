@@ -3,7 +3,6 @@
 use super::super::UnitShape;
 use super::places::{InferredTouch, TouchKind};
 use super::{InferredPiece, round_to_mm};
-use glam::Vec3;
 use throng_geometry::BoundingBox;
 
 /// Largest height that counts as the ground (m).
@@ -37,7 +36,7 @@ impl InferredPlate {
     fn new(touch: &InferredTouch) -> Self {
         Self {
             height: touch.point.y,
-            extent: flatten(touch.extent),
+            extent: BoundingBox { min: touch.extent.min.with_y(0.0), max: touch.extent.max.with_y(0.0) },
             heights: vec![touch.point.y],
             held_s: touch.lasts_s,
         }
@@ -81,10 +80,6 @@ impl InferredPlate {
     }
 }
 
-fn flatten(b: BoundingBox) -> BoundingBox {
-    BoundingBox { min: b.min * Vec3::new(1.0, 0.0, 1.0), max: b.max * Vec3::new(1.0, 0.0, 1.0) }
-}
-
 /// Plates under all places above the ground, from low to high.
 pub fn find_plates(places: &[InferredTouch]) -> Vec<InferredPlate> {
     let mut raised: Vec<&InferredTouch> =
@@ -115,6 +110,7 @@ fn joinable(plates: &[InferredPlate], places: &[InferredTouch]) -> Option<(usize
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     fn foot(x: f32, y: f32) -> InferredTouch {
         let point = Vec3::new(x, y, 0.0);

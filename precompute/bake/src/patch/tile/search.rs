@@ -122,10 +122,11 @@ impl TileSearch<'_> {
     /// True if the frames stand and walk as motion between the spots should.
     fn is_suitable(&self, from: u32, to: u32, track: &PatchTrack, start: usize, end: usize) -> bool {
         let (from, to) = (&self.layout.spots[from as usize], &self.layout.spots[to as usize]);
-        let within = track.frames_standing(start..end);
+        // Frames in which the character stands.
+        let within = (track.stood[end] - track.stood[start]) as usize;
         match (from.kind, to.kind) {
             (SpotKind::Rest, SpotKind::Rest) => false,
-            (_, SpotKind::Rest) => track.has_settled(end) && within <= SETTLING_FRAMES,
+            (_, SpotKind::Rest) => track.has_just_stopped(end) && within <= SETTLING_FRAMES,
             (SpotKind::Rest, _) => within <= SETTLING_FRAMES,
             // The support rises from spot to spot as in the clip.
             _ => {
@@ -178,7 +179,7 @@ impl PatchTrack {
     }
 
     /// True if the character has stopped recently.
-    fn has_settled(&self, frame: usize) -> bool {
+    fn has_just_stopped(&self, frame: usize) -> bool {
         self.standing.iter().any(|r| r.contains(&frame) && frame - r.start <= SETTLING_FRAMES)
     }
 }

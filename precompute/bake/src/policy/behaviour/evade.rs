@@ -48,7 +48,9 @@ impl Evade {
         let joint = joint_named("point", &c.point, "`head`, `upper_chest`")?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let paths = joint_paths(clips, graph, joint, comm)?;
-        let height = c.height.unwrap_or_else(|| median_height(&paths));
+        // That of the point at the starts of segments.
+        let median = || quantile(paths.iter().map(|p| p.points[0][1]), [1, 2]).map_or(1.5, f64::from);
+        let height = c.height.unwrap_or_else(median);
         let grid = c.grid.make_space_time()?;
         let r = grid.record();
         let horizon = r.height_spacing * (r.num_heights - 1) as f32;
@@ -95,11 +97,6 @@ fn joint_paths(clips: &ClipSet, graph: &RawMotionGraph, joint: Joint, comm: &dyn
 /// A path, serialized between ranks.
 #[derive(Serialize, Deserialize)]
 struct SentPath(#[serde(with = "throng_motion::pod::one")] PathRecord);
-
-/// Median height of the point at the starts of segments (m).
-fn median_height(paths: &[PathRecord]) -> f64 {
-    quantile(paths.iter().map(|p| p.points[0][1]), [1, 2]).map_or(1.5, f64::from)
-}
 
 impl PolicyBehaviour for Evade {
     fn spec(&self) -> BehaviourSpec<'_> {

@@ -22,11 +22,7 @@ struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// Boxes of a unit, in its frame. Bars and triangles are not solid.
-    fn boxes_of_unit(unit: &UnitObject) -> Vec<Self> {
-        unit.shapes.iter().filter_map(Self::from_shape).collect()
-    }
-
+    /// Box of a shape; bars and triangles are not solid.
     fn from_shape(shape: &UnitShape) -> Option<Self> {
         let UnitShape::Box { at, size, heading_deg, pitch_deg } = shape else { return None };
         let [heading, pitch] = [heading_deg, pitch_deg].map(|deg| deg.to_radians());
@@ -68,7 +64,8 @@ impl Placer<'_> {
     /// [`throng_motion::error::BuildError::Stage`] names two that do.
     pub fn check_overlaps(&self, environment: &Environment) -> Result<()> {
         let (library, depth_m) = (&self.library, self.config.overlap_m);
-        let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(OrientedBox::boxes_of_unit).collect();
+        let boxes_of = |unit: &UnitObject| unit.shapes.iter().filter_map(OrientedBox::from_shape).collect();
+        let solids: Vec<Vec<OrientedBox>> = library.units.units.iter().map(boxes_of).collect();
         let units = (0u32..).zip(&environment.units);
         let boxes = units.flat_map(|(i, u)| solids[u.unit].iter().map(move |s| (i, s.transformed(u.placement))));
         let placed: Vec<(u32, OrientedBox)> = boxes.collect();

@@ -85,7 +85,7 @@ fn a_poor_trial_says_where_and_why_and_what_would_mend_it() {
     assert!(sentence.starts_with("poor: 60 % of the targets were reached within 15 s"), "{sentence}");
     assert!(sentence.contains("of those behind: 30 % (poor)") && !sentence.contains("2 to 3 m"), "{sentence}");
     assert!(sentence.contains("3.0 times as fast as in the clips (100) (poor)"), "{sentence}");
-    for part in ["no stop", "for 8 s a character heeds nothing", "feet slip where clips are joined"] {
+    for part in ["no stop", "for 8 s a character makes no choice", "feet slip where clips are joined"] {
         assert!(advice.contains(part), "{advice}");
     }
 }
@@ -127,7 +127,7 @@ fn the_verdict_is_that_of_the_worst_measure() {
     check(verdict(|t, _, _| back(t, 0.1)), "fair", "going backwards", "10 %", "costs.backwards");
     let moody = |t: &mut TrialReport| t.quality.apart.manner_changes_per_min = 18.0;
     check(verdict(|t, _, _| moody(t)), "poor", "changes of manner (1/min)", "18.0 times", "manner_change_s");
-    let crowd = |t: &mut TrialReport| (t.making_way, t.reached_fraction) = (true, 0.85);
+    let crowd = |t: &mut TrialReport| (t.avoiding, t.reached_fraction) = (true, 0.85);
     check(verdict(|t, _, _| crowd(t)), "fair", "targets reached", "15 s", "others were in the way");
     let behind = |t: &mut TrialReport| t.reached_by_direction = vec![share("behind", 0.4)];
     check(verdict(|t, _, _| behind(t)), "poor", "targets of the worst direction", "behind: 40 %", "");
@@ -145,7 +145,7 @@ fn the_verdict_is_that_of_the_worst_measure() {
     let wait = "longest wait for a choice (s)";
     check(verdict(|t, _, _| t.longest_wait_s = 9.0), "poor", wait, "waits 9.0 s", "8.0 s of `long`: lower `graph.max");
     // The longest action takes 8 s: whoever waits for 12 is held up.
-    let held_up = |t: &mut TrialReport, s| (t.making_way, t.longest_wait_s) = (true, s);
+    let held_up = |t: &mut TrialReport, s| (t.avoiding, t.longest_wait_s) = (true, s);
     check(verdict(|t, _, _| held_up(t, 9.0)), "poor", wait, "waits 9.0 s", "8.0 s of `long`: lower `graph.max");
     check(verdict(|t, _, _| held_up(t, 12.0)), "poor", wait, "waits 12.0 s", "others hold it up");
     check(verdict(|t, _, _| t.foot_slip_mean_mps = 0.06), "fair", "foot slip (m/s)", "2.0 times", "between the poses");
@@ -189,7 +189,7 @@ fn one_bad_clip_of_many_does_not_make_a_library_poor() {
 #[test]
 fn others_are_blamed_only_where_the_motion_lacks_nothing() {
     let crowd =
-        |stops| verdict(|t, m, _| (t.making_way, t.reached_fraction, m.stops) = (true, 0.85, stops)).advice.join("\n");
+        |stops| verdict(|t, m, _| (t.avoiding, t.reached_fraction, m.stops) = (true, 0.85, stops)).advice.join("\n");
     assert!(crowd(3).contains("others were in the way"));
     assert!(crowd(0).contains("no stop") && !crowd(0).contains("others"), "{}", crowd(0));
 }

@@ -10,7 +10,7 @@ pub use throng_core::format::{ClassSpan, Gait, MotionClass, Posture};
 
 use crate::clip::{Clip, FrameRange};
 use signals::Signals;
-use throng_base::thresholds::{STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
+use throng_base::thresholds::{NAMED_IDLE_MOVES_MPS, RUNS_MPS, STANDING_MPS, SURELY_RUNS_MPS, WALKING_MPS};
 use throng_core::Skeleton;
 
 /// Shortest span of a posture or a gait; shorter ones become part of their neighbours (s).
@@ -19,11 +19,8 @@ const SHORTEST_S: f64 = 0.4;
 const CARRYING_S: f64 = 0.8;
 /// Shortest span of standing neutral (s).
 const NEUTRAL_S: f64 = 0.5;
-/// Way below which a body that moves stays where it is: it sways, or shifts its weight (m).
+/// Distance below which a body that moves stays where it is: it sways, or shifts its weight (m).
 const SWAY_M: f32 = 0.45;
-/// Speed plus the correlation of hips and stride from which a body runs: hips of a runner are highest while the feet are
-/// farthest apart, those of a walker lowest. By names: unknown, walk, run.
-const RUN: [f32; 3] = [1.85, 2.3, 1.5];
 /// Angle between travel and front from which a body goes sideways, and backwards (degrees).
 const SIDE_DEG: [f32; 2] = [29.0, 120.0];
 /// Angle from which a body goes sideways whose name says so (degrees).
@@ -64,12 +61,12 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
     let mut moves = moving(&s, frames(0.2));
     // Who idles may sway and step, but walks nowhere.
     if hints.idle && !hints.walk && !hints.run {
-        moves.iter_mut().zip(&s.speed).for_each(|(moves, speed)| *moves &= *speed > 2.0 * WALKING_MPS);
+        moves.iter_mut().zip(&s.speed).for_each(|(moves, speed)| *moves &= *speed > NAMED_IDLE_MOVES_MPS);
     }
     let mut gaits: Vec<Gait> = (0..n).map(|f| gait(&s, f, moves[f], hints)).collect();
     let mut postures: Vec<Posture> = (0..n).map(|f| posture(&s, f, gaits[f], hints)).collect();
-    settle(&mut gaits, frames(SHORTEST_S));
-    settle(&mut postures, frames(SHORTEST_S));
+    absorb_short_runs(&mut gaits, frames(SHORTEST_S));
+    absorb_short_runs(&mut postures, frames(SHORTEST_S));
     let named = &hints.named;
     named.posture.iter().for_each(|named| postures.fill(*named));
     for (gait, posture) in gaits.iter_mut().zip(&postures) {
@@ -89,8 +86,8 @@ pub fn classify(clip: &Clip, skeleton: &Skeleton, hints: &NameHints) -> Vec<Clas
         })
         .collect();
     let mut carrying: Vec<bool> = (0..n).map(|f| carries(&s, f, hints)).collect();
-    settle(&mut neutral, frames(NEUTRAL_S));
-    settle(&mut carrying, frames(CARRYING_S));
+    absorb_short_runs(&mut neutral, frames(NEUTRAL_S));
+    absorb_short_runs(&mut carrying, frames(CARRYING_S));
     named.neutral.iter().for_each(|named| neutral.fill(*named));
     named.carrying.iter().for_each(|named| carrying.fill(*named));
     let class = |f: usize| -> FrameClass {
@@ -120,7 +117,7 @@ fn moving(s: &Signals, half: usize) -> Vec<bool> {
     for run in crate::clip::runs_where(0..n, |f| s.speed[f] > 0.5 * (STANDING_MPS + WALKING_MPS)) {
         let is_fast = run.clone().any(|f| s.speed[f] > WALKING_MPS);
         let (first, last) = (run.start.saturating_sub(half), (run.end + half).min(n - 1));
-        if is_fast && run.clone().any(|f| s.way(first, f).max(s.way(f, last)) > SWAY_M) {
+        if is_fast && run.clone().any(|f| s.distance_between(first, f).max(s.distance_between(f, last)) > SWAY_M) {
             out[run].fill(true);
         }
     }
@@ -138,7 +135,9 @@ fn gait(s: &Signals, f: usize, moves: bool, hints: &NameHints) -> Gait {
     let kind = if hints.walk == hints.run { 0 } else { 1 + usize::from(hints.run) };
     match s.speed[f] {
         _ if turn > SIDE_DEG[1] => Gait::Backwards,
-        speed if speed > SURELY_RUNS_MPS || speed + s.bounce[f] > RUN[kind] && turn < 2.0 * SIDE_DEG[0] => Gait::Run,
+        speed if speed > SURELY_RUNS_MPS || speed + s.bounce[f] > RUNS_MPS[kind] && turn < 2.0 * SIDE_DEG[0] => {
+            Gait::Run
+        }
         _ if turn > side => Gait::Strafe,
         _ => Gait::Walk,
     }
@@ -184,7 +183,7 @@ fn runs_of<T: PartialEq>(num_frames: usize, value: impl Fn(usize) -> T) -> Vec<F
 }
 
 /// Gives runs that are shorter than `least` the value of their longer neighbour, the shortest first.
-fn settle<T: PartialEq + Copy>(values: &mut [T], least: usize) {
+fn absorb_short_runs<T: PartialEq + Copy>(values: &mut [T], least: usize) {
     let mut runs: Vec<(T, usize)> =
         runs_of(values.len(), |f| values[f]).into_iter().map(|r| (values[r.start], r.len())).collect();
     while let Some(i) = (0..runs.len()).filter(|&i| runs[i].1 < least).min_by_key(|&i| runs[i].1) {
@@ -197,6 +196,6 @@ fn settle<T: PartialEq + Copy>(values: &mut [T], least: usize) {
             same
         });
     }
-    let settled = runs.into_iter().flat_map(|(value, len)| std::iter::repeat_n(value, len));
-    values.iter_mut().zip(settled).for_each(|(value, settled)| *value = settled);
+    let absorbed = runs.into_iter().flat_map(|(value, len)| std::iter::repeat_n(value, len));
+    values.iter_mut().zip(absorbed).for_each(|(value, absorbed)| *value = absorbed);
 }

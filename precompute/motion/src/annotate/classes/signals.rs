@@ -123,8 +123,8 @@ impl Signals {
         s
     }
 
-    /// Way of the hips from one frame to another (m).
-    pub fn way(&self, from: usize, to: usize) -> f32 {
+    /// Distance between the hips in two frames (m).
+    pub fn distance_between(&self, from: usize, to: usize) -> f32 {
         self.places[from].distance(self.places[to])
     }
 

@@ -94,7 +94,7 @@ fn a_clip_of_one_frame_has_one_span() {
 fn short_runs_become_part_of_their_longer_neighbours() {
     let settled = |text: &str, least| {
         let mut values: Vec<char> = text.chars().collect();
-        settle(&mut values, least);
+        absorb_short_runs(&mut values, least);
         values.into_iter().collect::<String>()
     };
     assert_eq!(settled("aaaabaaacccc", 2), "aaaaaaaacccc");

@@ -7,6 +7,7 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Quat, Vec3};
 use throng_base::maths;
+use throng_base::thresholds::JOINT_MOVES_MPS;
 use throng_core::Joint;
 
 /// Time within which a departure that comes back is a fault (s).
@@ -22,7 +23,7 @@ const SHARP_TURN: f32 = 25.0;
 /// Motion and turn of all joints from frame to frame below which a body is frozen (m, rad).
 const FROZEN: (f32, f32) = (1e-5, 3e-4);
 /// Speed of a moving body, which does not stop within a frame (m/s, rad/s).
-const MOVING: (f32, f32) = (0.15, 1.2);
+const MOVING: (f32, f32) = (JOINT_MOVES_MPS, 1.2);
 /// Share of that speed at the ends of a clip.
 const AT_ENDS: f32 = 0.15;
 

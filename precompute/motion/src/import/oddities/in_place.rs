@@ -5,7 +5,7 @@ use crate::import::roles::RoleMap;
 use crate::raw::RawClip;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use throng_base::maths::quantile;
-use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS};
+use throng_base::thresholds::{FOOT_FREE_MPS, FOOT_LOW_M, FOOT_PLANTED_MPS, TREADMILL_RUNS_MPS};
 use throng_core::Joint;
 
 /// Time over which speeds are measured (s).
@@ -26,7 +26,7 @@ const COURSE_S: f64 = 1.2;
 const OFF_COURSE: (f32, f32) = (0.5, 0.15);
 /// Runners: median speed of the lowest foot (m/s), or share of frames without a low foot, from which feet stand only for the
 /// middle of their contact, at this share of the fastest near by, within this time (s).
-const RUNNERS: (f32, f32, f32, f64) = (1.4, 0.05, 0.8, 0.6);
+const RUNNERS: (f32, f32, f32, f64) = (TREADMILL_RUNS_MPS, 0.05, 0.8, 0.6);
 /// Height up to which a runner's foot may be planted (m).
 const RUNNER_LOW_M: f32 = 0.05;
 /// Ratio of the made speed to feet apart times steps a second that is plausible; runners fly beyond that.
@@ -124,7 +124,7 @@ fn median(all: impl Iterator<Item = f32>) -> f32 {
     quantile(all, [1, 2]).unwrap_or_default()
 }
 
-/// Gives a walk on the spot the way that its planted feet make the ground move, if it goes with its steps, and tells it.
+/// Gives a walk on the spot the trajectory that its planted feet make the ground move, if it goes with its steps, and tells it.
 ///
 /// - `moves`: false to tell it alone.
 pub(super) fn give_root_motion(clip: &mut RawClip, roles: &RoleMap, moves: bool) -> Option<String> {
@@ -139,11 +139,11 @@ pub(super) fn give_root_motion(clip: &mut RawClip, roles: &RoleMap, moves: bool)
     if !moves {
         return Some(format!("{found}. {stays}: `import.root_motion` is false."));
     }
-    let way = find_way(&tracks);
-    let seconds = (way.len() - 1) as f32 / clip.rate_hz as f32;
-    let length: f32 = way.windows(2).map(|w| w[0].distance(w[1])).sum();
+    let trajectory = find_trajectory(&tracks);
+    let seconds = (trajectory.len() - 1) as f32 / clip.rate_hz as f32;
+    let length: f32 = trajectory.windows(2).map(|w| w[0].distance(w[1])).sum();
     let made = format!("{length:.1} m in {seconds:.1} s, {:.2} m/s", length / seconds);
-    let Some((steps_hz, apart_m)) = find_steps(&tracks, &way) else {
+    let Some((steps_hz, apart_m)) = find_steps(&tracks, &trajectory) else {
         return Some(format!("{found}. It takes too few steps to be given root motion. {stays}."));
     };
     let of_steps = steps_hz * apart_m;
@@ -153,7 +153,7 @@ pub(super) fn give_root_motion(clip: &mut RawClip, roles: &RoleMap, moves: bool)
         return Some(format!("{found}. Its planted feet make {made}, but {steps}. {stays}."));
     }
     let n = clip.joints.len();
-    for (f, by) in way.iter().enumerate() {
+    for (f, by) in trajectory.iter().enumerate() {
         for j in (0..n).filter(|&j| clip.joints[j].parent.is_none()) {
             clip.translations[f * n + j] += Vec3::new(by.x, 0.0, by.y);
         }
@@ -161,8 +161,8 @@ pub(super) fn give_root_motion(clip: &mut RawClip, roles: &RoleMap, moves: bool)
     Some(format!("{found}. It got root motion from its planted feet: {made}; {steps}."))
 }
 
-/// Way of the body over the ground at every frame, from its first: against that of planted feet (m).
-fn find_way(t: &Tracks) -> Vec<Vec2> {
+/// Displacement of the body over the ground at every frame, from its first: against that of planted feet (m).
+fn find_trajectory(t: &Tracks) -> Vec<Vec2> {
     let n = t.hips.len();
     let velocities: Vec<[Option<Vec2>; 4]> = (0..n).map(|f| std::array::from_fn(|p| t.part_velocity(p, f))).collect();
     let lowest = |f: &usize| {

@@ -3,7 +3,7 @@
 
 use glam::{Quat, Vec3};
 use throng_base::maths;
-use throng_geometry::{Capsule, nearest_points, two_bone_offsets};
+use throng_geometry::{Capsule, nearest_points, share_along, two_bone_offsets};
 
 /// Overlap below which a limb counts as free (m).
 const ENOUGH_M: f32 = 1e-3;
@@ -74,9 +74,7 @@ impl LimbSegment {
     /// Moves a point of the axis; a point near the elbow carries the wrist along, and the foot the ankle (m).
     fn shift_point(&mut self, at: Vec3, by: Vec3) {
         let by = if self.freedom == LimbFreedom::Free { by } else { by.with_y(0.0) };
-        let [elbow, wrist] = self.ends;
-        let along = wrist - elbow;
-        let s = ((at - elbow).dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
+        let ([elbow, wrist], s) = (self.ends, share_along(at, self.ends));
         if self.freedom == LimbFreedom::Stays {
             self.ends[0] += by / (1.0 - s).max(LEAST_LEVER);
             self.moved |= s < 1.0;

@@ -1,4 +1,4 @@
-//! People who have arrived or are told to stand.
+//! People who have arrived or are ordered to stand.
 
 use super::*;
 use crate::character_group::{CharacterGroup, OrderStatus};

@@ -88,7 +88,7 @@ impl<V: Space> Engine<V> {
             self.act(o, agent, cause);
         } else {
             // The other bound was renewed since.
-            self.look_anew(o, &plan);
+            self.find_first_contact(o, &plan);
             self.wait(o, &plan);
         }
     }
@@ -133,7 +133,7 @@ impl<V: Space> Engine<V> {
                 }
             }
         } else {
-            self.look_anew(o, &plan);
+            self.find_first_contact(o, &plan);
         }
         self.wait(o, &plan);
     }
@@ -145,7 +145,7 @@ impl<V: Space> Engine<V> {
         let mut n = 0;
         while let Some(m) = o.contacts.changed(n) {
             let plan = self.cells.plan(m);
-            self.look_anew(o, &plan);
+            self.find_first_contact(o, &plan);
             self.wait(o, &plan);
             n += 1;
         }
@@ -167,8 +167,8 @@ impl<V: Space> Engine<V> {
         self.queue.set(plan.index, plan.end.min(occupant.meeting.0).min(crossing).max(self.now));
     }
 
-    /// Looks for the first contact in all cells that a bound occupies.
-    fn look_anew(&self, o: &mut Occupancy, plan: &MotionPlan<V>) {
+    /// Finds the first contact in all cells that a bound occupies.
+    fn find_first_contact(&self, o: &mut Occupancy, plan: &MotionPlan<V>) {
         let occupant = &mut o.occupants[plan.index as usize];
         occupant.meeting = (f64::INFINITY, Cause::Region);
         let (low, high) = (occupant.low, occupant.high);

@@ -1,4 +1,4 @@
-//! What bodies look like.
+//! Appearance of bodies: meshes, and the materials that they are given.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshVertexAttribute, VertexAttributeValues, VertexFormat};
@@ -16,7 +16,7 @@ pub const FAR_WEIGHTS: MeshVertexAttribute =
 
 /// How a [`crate::Crowd`] looks where Bevy draws it; read when its bundle is opened or changes.
 #[derive(Component, Clone, Debug)]
-pub struct CrowdLook {
+pub struct CrowdAppearance {
     /// Body of those who are near, skinned to joints in the order of [`throng_runtime::Joint::ALL`], in the bundle's rest
     /// pose: a T-pose that faces +Z, joints not turned. None for a plain one of capsules.
     pub near: Option<Mesh>,
@@ -26,7 +26,7 @@ pub struct CrowdLook {
     pub materials: Vec<StandardMaterial>,
 }
 
-impl Default for CrowdLook {
+impl Default for CrowdAppearance {
     fn default() -> Self {
         let colours =
             [[0.62, 0.28, 0.22], [0.25, 0.40, 0.58], [0.75, 0.62, 0.33], [0.33, 0.48, 0.36], [0.50, 0.37, 0.55]];
@@ -39,7 +39,7 @@ impl Default for CrowdLook {
     }
 }
 
-impl CrowdLook {
+impl CrowdAppearance {
     /// Bodies of those who are near and far.
     pub fn meshes(&self, bundle: &Bundle) -> Result<(Mesh, Mesh), String> {
         let near = self.near.clone().unwrap_or_else(|| plain(&PlainBody::fine(bundle.skeleton())));
@@ -62,7 +62,7 @@ fn plain(body: &PlainBody) -> Mesh {
 
 /// Every vertex is carried by joints that there are.
 fn check(mesh: Mesh) -> Result<Mesh, String> {
-    let why = "a CrowdLook's mesh is skinned";
+    let why = "a CrowdAppearance's mesh is skinned";
     let Some(VertexAttributeValues::Uint16x4(joints)) = mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX) else {
         return Err(format!("{why}: expected the attribute Mesh::ATTRIBUTE_JOINT_INDEX (Uint16x4)"));
     };
@@ -112,15 +112,17 @@ mod tests {
         let path = format!("{golden}{}.throng", throng_runtime::format::VERSION);
         let bundle = Bundle::open(path).expect("the golden bundle");
         let cube = Mesh::from(Cuboid::default());
-        let look = CrowdLook { near: Some(cube.clone()), ..default() };
+        let look = CrowdAppearance { near: Some(cube.clone()), ..default() };
         assert!(look.meshes(&bundle).is_err_and(|why| why.contains("ATTRIBUTE_JOINT_INDEX")));
         let joints = VertexAttributeValues::Uint16x4(vec![[22, 0, 0, 0]; cube.count_vertices()]);
         let weights = vec![[1.0_f32, 0.0, 0.0, 0.0]; cube.count_vertices()];
         let cube = cube.with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
-        let look =
-            CrowdLook { far: Some(cube.with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)), ..default() };
+        let look = CrowdAppearance {
+            far: Some(cube.with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)),
+            ..default()
+        };
         assert!(look.meshes(&bundle).is_err_and(|why| why.contains("joint 22")));
-        let (near, far) = CrowdLook::default().meshes(&bundle).expect("plain bodies");
+        let (near, far) = CrowdAppearance::default().meshes(&bundle).expect("plain bodies");
         assert!(near.contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX) && far.contains_attribute(FAR_JOINTS));
         assert!(!far.contains_attribute(Mesh::ATTRIBUTE_JOINT_INDEX));
     }

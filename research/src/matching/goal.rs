@@ -10,7 +10,7 @@ const SLOW_S: f32 = 0.5;
 
 /// What a character wants, in its own frame: +Z ahead, +X left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wish {
+pub struct MatchGoal {
     /// Where to stand: x, z (m).
     pub place: Vec2,
     /// Where to look from there: x, z (m).
@@ -21,7 +21,7 @@ pub struct Wish {
     pub hit: Option<(Vec3, f32)>,
 }
 
-impl Wish {
+impl MatchGoal {
     /// Root positions and facing directions at the moments that are compared.
     ///
     /// - `velocity`: of the root now: x, z (m/s).
@@ -60,8 +60,8 @@ mod tests {
 
     #[test]
     fn comes_up_to_speed_and_turns_towards_the_target() {
-        let wish = Wish { place: Vec2::new(0.0, 10.0), look: Vec2::new(10.0, 0.0), speed_mps: 1.5, hit: None };
-        let (path, facing) = wish.trajectory(Vec2::ZERO);
+        let goal = MatchGoal { place: Vec2::new(0.0, 10.0), look: Vec2::new(10.0, 0.0), speed_mps: 1.5, hit: None };
+        let (path, facing) = goal.trajectory(Vec2::ZERO);
         // As many steps of the spring's own law: the velocity's acceleration is critically damped.
         let damping = 2.0 * std::f64::consts::LN_2 / f64::from(HALF_LIFE_S);
         let (mut p, mut v, mut a, dt) = (0.0f64, 0.0f64, 0.0f64, 1e-5);
@@ -76,10 +76,10 @@ mod tests {
 
     #[test]
     fn stops_where_it_wants_to_stand() {
-        let wish = Wish { place: Vec2::new(0.1, 0.0), look: Vec2::Y, speed_mps: 1.5, hit: None };
-        let (path, _) = wish.trajectory(Vec2::new(1.5, 0.0));
+        let goal = MatchGoal { place: Vec2::new(0.1, 0.0), look: Vec2::Y, speed_mps: 1.5, hit: None };
+        let (path, _) = goal.trajectory(Vec2::new(1.5, 0.0));
         assert!(path.iter().all(|p| p.x <= 0.1 + 1e-6), "{path:?}");
-        let still = Wish { place: Vec2::ZERO, ..wish };
+        let still = MatchGoal { place: Vec2::ZERO, ..goal };
         assert_eq!(still.trajectory(Vec2::ZERO).0, [Vec2::ZERO; 3]);
     }
 }
