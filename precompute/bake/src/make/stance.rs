@@ -4,10 +4,11 @@ use super::feet::{MadeFoot, foot_point};
 use super::gait::GaitCycle;
 use super::stepping::{CoursePose, ankle_of, reach_feet};
 use crate::graph::{MotionGraphConfig, holds_arm_out, standing_runs_of};
+use crate::stops::idle_frames_left;
 use glam::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
 use throng_base::maths;
-use throng_core::format::{Gait, MotionClass};
+use throng_core::format::{ClassSpan, Gait, MotionClass};
 use throng_core::planar::twist_about_y;
 use throng_core::{Joint, NUM_JOINTS, Planar, Skeleton};
 use throng_motion::retarget::LEGS;
@@ -86,8 +87,12 @@ impl RestStance {
         let cost = |s: &Self| s.unrest + LIKENESS * s.distance_from(first);
         let mut calm: Vec<&Self> = all.iter().filter(|s| s.unrest < MOST_UNREST).collect();
         calm.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let is_long = |s: &Self| (s.clip.num_frames() + 1) as f64 >= LONG_S * s.clip.rate_hz;
-        calm.sort_by_key(|s| (!s.class.neutral, !is_long(s)));
+        // Over feet that stay: others are held for longer, with the hips over the feet.
+        let is_long = |s: &Self| {
+            let left = idle_frames_left(&s.clip, skeleton)[0] as usize + 1;
+            (left + 1) as f64 >= LONG_S * s.clip.rate_hz && left == s.clip.num_frames()
+        };
+        calm.sort_by_cached_key(|s| (!s.class.neutral, !is_long(s)));
         let own = calm.iter().copied().filter(|s| s.class.neutral && s.class.manner == first.class.manner);
         let long = |(s, k): (&Self, u64)| if is_long(s) { s.clone() } else { s.prolong(skeleton, HELD_S, k) };
         let own = pick_unlike(own, |s| s.clip.frame_rotations(0));
@@ -253,5 +258,14 @@ fn pose_distance(a: &[Quat], b: &[Quat]) -> f32 {
 pub(super) fn cut(clip: &Clip, range: FrameRange) -> Clip {
     let rotations = clip.rotations[range.start * NUM_JOINTS..range.end * NUM_JOINTS].to_vec();
     let contacts = clip.contacts[range.clone()].to_vec();
-    Clip { contacts, ..Clip::new(clip.name.clone(), clip.rate_hz, clip.root_positions[range].to_vec(), rotations) }
+    let class = clip.class_at(range.start).cloned();
+    let classes = class
+        .map(|class| ClassSpan { frames: 0..range.len() as u32, class, speed_mps: 0.0, travel_deg: 0.0 })
+        .into_iter()
+        .collect();
+    Clip {
+        contacts,
+        classes,
+        ..Clip::new(clip.name.clone(), clip.rate_hz, clip.root_positions[range].to_vec(), rotations)
+    }
 }

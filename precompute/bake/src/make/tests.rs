@@ -160,6 +160,26 @@ fn short_stands_are_held_for_longer() {
 }
 
 #[test]
+fn stands_over_feet_that_glide_are_held_over_feet_that_stay() {
+    let set = library(&["walk_neutral_v110_g00", "idle_neutral"]);
+    let named = |name: &str| set.clips.iter().find(|c| c.name.starts_with(name)).unwrap();
+    let gait = GaitCycle::find(named("walk"), &set.skeleton).remove(0);
+    let chosen = |glides_mps: f32| {
+        let mut clip = named("idle").clone();
+        for (f, root) in clip.root_positions.iter_mut().enumerate() {
+            root.x += glides_mps * f as f32 / clip.rate_hz as f32;
+        }
+        let found = RestStance::find(&clip, &set.skeleton, &MotionGraphConfig::default());
+        RestStance::choose(&found, &[&gait], &set.skeleton).remove(0)
+    };
+    let [still, gliding] = [0.0, 0.04].map(chosen);
+    assert!(!still.made && gliding.made, "{} {}", still.made, gliding.made);
+    let ankle = |f: usize| gliding.clip.joint_positions(&set.skeleton, f)[Joint::LeftFoot.index()];
+    let glided = (0..gliding.clip.num_frames()).map(|f| ankle(f).distance(ankle(0))).fold(0.0, f32::max);
+    assert!(gliding.clip.num_frames() >= 180 && glided < 0.005, "{glided} m");
+}
+
+#[test]
 fn pivots_turn_round_within_two_or_three_steps() {
     for names in [&["walk_", "idle_"][..], &["walk_"], &["walk_tired_v070_g00"], &["jog_"]] {
         let set = library(names);

@@ -402,16 +402,26 @@ mod tests {
     }
 
     /// Action of somebody who idles in the first clip, at a state where that idles on for some frames, and another clip for others.
-    fn rest_between(onwards: u32, other: u32) -> Option<u8> {
+    ///
+    /// - `in_another`: true where the other clip is in another manner.
+    fn rest_between(onwards: u32, other: u32, in_another: bool) -> Option<u8> {
         let mut motion_set = MotionSet::new(&super::super::made_up::standing_tables());
         let segment = |start, idle| MotionSegment { start, num_frames: 10, idle, ..bytemuck::Zeroable::zeroed() };
         motion_set.graph = MotionGraph {
-            states: vec![StateRecord { frame: 20, standing: 1 }].into(),
-            segments: vec![segment(10, onwards + 10), segment(20, onwards), segment(80, other)].into(),
-            action_offsets: vec![0, 2].into(),
-            action_segments: vec![1, 2].into(),
-            action_errors: vec![0.0, 0.1].into(),
+            states: [20, 90].map(|frame| StateRecord { frame, standing: 1 }).to_vec().into(),
+            segments: vec![
+                segment(10, onwards + 10),
+                segment(20, onwards),
+                MotionSegment { end: u32::from(in_another), ..segment(80, other) },
+            ]
+            .into(),
+            action_offsets: vec![0, 2, 3].into(),
+            action_segments: vec![1, 2, 2].into(),
+            action_errors: vec![0.0, 0.1, 0.0].into(),
         };
+        if in_another {
+            motion_set.manners = Manners::made_up(&motion_set.graph).into();
+        }
         let rate_hz = motion_set.rate_hz;
         motion_set.turns = find_turns(&motion_set.graph, rate_hz).into();
         motion_set.paths_to_stand =
@@ -424,11 +434,12 @@ mod tests {
 
     #[test]
     fn a_long_stand_goes_on_and_a_short_one_is_left_for_a_longer_one() {
-        assert_eq!(rest_between(300, 300), Some(0));
-        assert_eq!(rest_between(130, 900), Some(0), "two long ones");
-        assert_eq!(rest_between(50, 300), Some(1), "a far longer one");
-        assert_eq!(rest_between(20, 60), Some(1), "what lasts a moment");
-        assert_eq!(rest_between(20, 0), Some(0), "nothing else");
+        assert_eq!(rest_between(300, 300, false), Some(0));
+        assert_eq!(rest_between(130, 900, false), Some(0), "two long ones");
+        assert_eq!(rest_between(50, 300, false), Some(1), "a far longer one");
+        assert_eq!(rest_between(20, 60, false), Some(1), "what lasts a moment");
+        assert_eq!(rest_between(20, 0, false), Some(0), "nothing else");
+        assert_eq!(rest_between(80, 900, true), Some(0), "one in another manner");
     }
 
     #[test]
