@@ -218,10 +218,6 @@ impl Grid {
         }
         axes
     }
-
-    fn knot_spacing(&self, axis: usize) -> f64 {
-        (self.high[axis] - self.low[axis]) / (self.knots[axis] - 1) as f64
-    }
 }
 
 impl WeightTable {
@@ -268,7 +264,7 @@ impl WeightTable {
             let knot = self.grid.knot_point(&indices, 0.0);
             for axis in 0..d {
                 let mut at = knot.clone();
-                at[axis] += 0.5 * self.grid.knot_spacing(axis);
+                at[axis] += 0.5 * (self.grid.high[axis] - self.grid.low[axis]) / (self.grid.knots[axis] - 1) as f64;
                 largest = largest.max(error(rows, &self.clamp_into_box(at)));
             }
             largest

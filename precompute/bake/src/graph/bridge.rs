@@ -84,10 +84,6 @@ impl IncomingLinks {
         (0..matches.len()).for_each(|e| starts[e + 1] += starts[e]);
         Ok(Self { starts, edges: paths })
     }
-
-    fn links_to(&self, event: usize) -> &[EventEdge] {
-        &self.edges[self.starts[event] as usize..self.starts[event + 1] as usize]
-    }
 }
 
 /// Strongly connected parts of the live events, as they merge. Parts never split again, so links within one are not
@@ -217,7 +213,9 @@ impl<'a> GraphComponents<'a> {
     fn find_link_in(&mut self, i: usize, comm: &dyn Comm) -> Option<EventEdge> {
         let to = self.before[i].filter(|&to| is_own(comm, to as usize))? as usize;
         let passed = &mut self.passed_in[i];
-        for link in &self.known.arrivals.links_to(to)[*passed as usize..] {
+        let arrivals = &self.known.arrivals;
+        for link in &arrivals.edges[arrivals.starts[to] as usize..arrivals.starts[to + 1] as usize][*passed as usize..]
+        {
             let from = link.from as usize;
             if self.known.alive[from]
                 && self.part_of[from] != self.part_of[i]

@@ -151,23 +151,22 @@ impl Lacks {
 
 /// Least time from the ends of segments to a standing state, 90th percentile; infinite where nothing leads to one (frames).
 pub(super) fn stop_frames(graph: &RawMotionGraph, of: impl Fn(&GraphSegment) -> bool) -> f64 {
-    let mut left: Vec<u32> = graph.standing.iter().map(|&stands| if stands { 0 } else { u32::MAX }).collect();
-    let mut has_changed = true;
-    while std::mem::take(&mut has_changed) {
-        for state in (0..left.len()).rev() {
-            let after = |action: &GraphAction| {
-                let segment = &graph.segments[action.segment.0 as usize];
-                left[segment.end.0 as usize].saturating_add(segment.num_frames)
-            };
-            let least = graph.actions_of(StateId(state as u32)).iter().map(after).min().unwrap_or(u32::MAX);
-            if least < left[state] {
-                (left[state], has_changed) = (least, true);
-            }
+    let mut left: Vec<f64> = graph.standing.iter().map(|&stands| if stands { 0.0 } else { f64::INFINITY }).collect();
+    loop {
+        let after = |action: &GraphAction| {
+            let segment = &graph.segments[action.segment.0 as usize];
+            left[segment.end.0 as usize] + f64::from(segment.num_frames)
+        };
+        let least = |s: usize| graph.actions_of(StateId(s as u32)).iter().map(after).fold(left[s], f64::min);
+        let next: Vec<f64> = (0..left.len()).map(least).collect();
+        if next == left {
+            break;
         }
+        left = next;
     }
-    let mut times: Vec<u32> = graph.segments.iter().filter(|s| of(s)).map(|s| left[s.end.0 as usize]).collect();
-    times.sort_unstable();
-    times.get(times.len() * 9 / 10).map_or(0.0, |&t| if t == u32::MAX { f64::INFINITY } else { t.into() })
+    let mut times: Vec<f64> = graph.segments.iter().filter(|s| of(s)).map(|s| left[s.end.0 as usize]).collect();
+    times.sort_unstable_by(f64::total_cmp);
+    times.get(times.len() * 9 / 10).copied().unwrap_or(0.0)
 }
 
 /// Manner that the name of a clip gives.

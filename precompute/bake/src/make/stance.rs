@@ -258,11 +258,8 @@ fn pose_distance(a: &[Quat], b: &[Quat]) -> f32 {
 pub(super) fn cut(clip: &Clip, range: FrameRange) -> Clip {
     let rotations = clip.rotations[range.start * NUM_JOINTS..range.end * NUM_JOINTS].to_vec();
     let contacts = clip.contacts[range.clone()].to_vec();
-    let class = clip.class_at(range.start).cloned();
-    let classes = class
-        .map(|class| ClassSpan { frames: 0..range.len() as u32, class, speed_mps: 0.0, travel_deg: 0.0 })
-        .into_iter()
-        .collect();
+    let class = clip.class_at(range.start).cloned().unwrap_or_default();
+    let classes = vec![ClassSpan { frames: 0..range.len() as u32, class, speed_mps: 0.0, travel_deg: 0.0 }];
     Clip {
         contacts,
         classes,

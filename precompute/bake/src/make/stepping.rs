@@ -147,10 +147,6 @@ impl CourseWalker<'_> {
         Some(Clip { contacts, ..Clip::new("made", self.gait.clip.rate_hz, roots, rotations) })
     }
 
-    fn seconds(&self, frames: f32) -> f32 {
-        frames / self.gait.clip.rate_hz as f32
-    }
-
     /// Share of corrections that a frame takes: none where the gait goes on as captured, all some frames on.
     fn free_share(&self, f: usize) -> f32 {
         let ([begin, end], [from_stand, to_stand]) = (self.course.captured, self.course.stands);
@@ -284,7 +280,7 @@ impl CourseWalker<'_> {
         let share = least + (1.0 - least) * course.weight[f] * course.weight[f];
         let k = made.partition_point(|p| p.last < f).min(made.len() - 1);
         let stay = &made[k];
-        let roll = |frames: usize| smooth(self.seconds(frames as f32) / ROLL_S);
+        let roll = |frames: usize| smooth(frames as f32 / self.gait.clip.rate_hz as f32 / ROLL_S);
         if f >= stay.first {
             let plant = &plants[stay.of_gait.min(plants.len() - 1)];
             let (begins, ends) = (k == 0 && course.stands[0], k + 1 == made.len() && course.stands[1]);

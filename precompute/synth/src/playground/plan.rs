@@ -131,8 +131,9 @@ impl<R: Rng> GymVisit<'_, R> {
 
     /// Walks over the ground to a stance.
     fn walk_to(&mut self, goal: FeetStance, arrival: WalkEnding) {
+        let mut jitter = || self.rng.random_range(-0.35..0.35);
         let places: Vec<DVec2> =
-            lookout_path(self.route.at.at, goal.at).into_iter().map(|p| jitter(p, self.rng)).collect();
+            lookout_path(self.route.at.at, goal.at).into_iter().map(|p| p + DVec2::new(jitter(), jitter())).collect();
         for (i, &at) in places.iter().enumerate() {
             let next = places.get(i + 1).copied().unwrap_or(goal.at) - at;
             let goal = FeetStance { at, heading: next.x.atan2(next.y) };
@@ -237,10 +238,6 @@ fn place_penalty(possible: bool, comfortable: bool) -> f64 {
         (true, false) => 0.25,
         (true, true) => 0.0,
     }
-}
-
-fn jitter(p: DVec2, rng: &mut impl Rng) -> DVec2 {
-    p + DVec2::new(rng.random_range(-0.35..0.35), rng.random_range(-0.35..0.35))
 }
 
 /// Shortest path over the ground by waypoints, without its ends.

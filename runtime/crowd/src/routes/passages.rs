@@ -255,18 +255,11 @@ impl Passage {
         if way.length_squared() < 1e-6 {
             return None;
         }
+        let narrowest = self.narrowest;
         if let Some((mouth, along)) = self.place_within(at) {
             let towards = way.dot(along) >= 0.0;
             let out = if towards { -along } else { along };
-            return Some(PassageUse {
-                number,
-                towards,
-                is_inside: true,
-                distance: 0.0,
-                narrowest: self.narrowest,
-                mouth,
-                out,
-            });
+            return Some(PassageUse { number, towards, is_inside: true, distance: 0.0, narrowest, mouth, out });
         }
         let is_aimed_at = self.holds(aim);
         let mut best: Option<PassageUse> = None;
@@ -283,15 +276,8 @@ impl Passage {
                 aside.abs() < self.half_width
             };
             if crosses || is_aimed_at || aim.distance(mouth) < self.half_width + CORNER_M {
-                best = Some(PassageUse {
-                    number,
-                    towards: !by_second,
-                    is_inside: false,
-                    distance,
-                    narrowest: self.narrowest,
-                    mouth,
-                    out,
-                });
+                let (towards, is_inside) = (!by_second, false);
+                best = Some(PassageUse { number, towards, is_inside, distance, narrowest, mouth, out });
             }
         }
         best

@@ -88,12 +88,11 @@ impl SearchSpace for SafetySearch<'_> {
     }
 
     fn is_target(&self, node: WorldNode) -> bool {
-        let leaves = |([x, z], least_m): ([f32; 2], f32)| {
-            let at = self.graph.place(node);
-            self.graph.is_tile(node.instance) && maths::hypot(at.x - x, at.z - z) >= least_m
-        };
+        let at = self.graph.place(node);
         (self.graph.is_stop(node) || self.is_inside && self.graph.is_safe(node))
-            && self.bound.is_none_or(|(_, from, least_m)| leaves((from, least_m)))
+            && self.bound.is_none_or(|(_, [x, z], least_m)| {
+                self.graph.is_tile(node.instance) && maths::hypot(at.x - x, at.z - z) >= least_m
+            })
     }
 
     fn cost(&self, step: &WorldStep) -> f32 {

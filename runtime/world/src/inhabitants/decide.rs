@@ -383,8 +383,7 @@ impl Inhabitants {
             let share =
                 |s: &WorldStep| if wanted(s) { purpose.step_weight(graph, [place.x, place.z], s, brisk) } else { 0.0 };
             let Some(step) = self.pick_step_of(graph, c, share) else { continue };
-            let least_m = if leave { LEAST_LEAVE_M } else { 0.0 };
-            if let Some(step) = self.try_step(graph, c, step, Some((purpose, least_m))) {
+            if let Some(step) = self.try_step(graph, c, step, Some((purpose, LEAST_LEAVE_M * f32::from(leave)))) {
                 return Some(step);
             }
         }

@@ -73,10 +73,6 @@ impl NodeState {
     fn new(stamp: u32) -> Self {
         Self { stamp, cost: f32::INFINITY, estimate: f32::NAN, left: f32::INFINITY }
     }
-
-    fn is_opened(&self) -> bool {
-        self.stamp & 1 == 1
-    }
 }
 
 impl Nodes {
@@ -220,7 +216,7 @@ impl<S: SearchSpace> StepVisitor for NodeOpening<'_, S> {
     fn visit_step(&mut self, step: WorldStep) {
         let (total, to) = (self.cost + self.space.cost(&step), self.graph.index(step.to) as u32);
         let mut state = self.nodes.state(to);
-        if total >= state.cost || state.is_opened() && !self.space.opens_again() {
+        if total >= state.cost || state.stamp & 1 == 1 && !self.space.opens_again() {
             return;
         }
         if state.estimate.is_nan() {
