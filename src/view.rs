@@ -6,6 +6,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use throng_core::base::error::ensure;
 
 /// Command that builds the viewer beside this executable, in the same profile.
 const HOW_TO_BUILD: &str = if cfg!(debug_assertions) {
@@ -43,8 +44,10 @@ pub fn run(args: &Args) -> CommandResult<ExitCode> {
 
 /// Prints the JSON keys of the viewer, which stand in its own help.
 pub fn print_json_keys() -> CommandResult {
-    let help = Command::new(executable()?).arg("--help").output()?.stdout;
-    let help = String::from_utf8_lossy(&help);
+    let viewer = executable()?;
+    let out = Command::new(&viewer).arg("--help").output().map_err(|e| format!("{}: {e}", viewer.display()))?;
+    ensure(out.status.success(), || format!("the viewer ended unexpectedly: {}", out.status))?;
+    let help = String::from_utf8_lossy(&out.stdout);
     let keys = help.split("\n\n").find(|part| part.starts_with("JSON keys")).unwrap_or(&help);
     output::text(format!("{keys}\n"))
 }

@@ -24,8 +24,8 @@ pub struct LegShape {
 /// Angles of a limb of two bones whose ends are `distance` apart: of the first bone from the line between the ends, and the
 /// flexion at the joint; those of a straight limb for distances out of reach (rad).
 ///
-/// It stands apart from `throng_geometry::two_bone_offsets`, which gives the same limb as offsets: synthetic clips, and all that is
-/// baked from them, would differ in their last bits.
+/// `throng_geometry::two_bone_offsets` gives the same limb as offsets, but is not used here: with it, synthetic clips, and all that
+/// is baked from them, would differ in their last bits.
 pub(crate) fn two_bone_angles([a, b]: [f64; 2], distance: f64) -> [f64; 2] {
     let at_root = ((a * a + distance * distance - b * b) / (2.0 * a * distance)).clamp(-1.0, 1.0).acos();
     let flexion = ((distance * distance - a * a - b * b) / (2.0 * a * b)).clamp(-1.0, 1.0).acos();

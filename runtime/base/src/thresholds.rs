@@ -189,6 +189,8 @@ pub const KNEE_RADPS: f32 = 18.0;
 pub const WALKER_KNEE_RADPS: f32 = 10.0;
 /// Growth of [`WALKER_KNEE_RADPS`] with the speed of the walker (rad/m, of the database skeleton). Chosen, so that a sprinter's knee
 /// turns at about 20 rad/s.
+///
+/// Used where walkers place their feet.
 pub const WALKER_KNEE_RADPM: f32 = 1.8;
 
 // Lengths of bodies.
@@ -211,16 +213,18 @@ pub const AGENT_RADIUS_M: f32 = 0.3;
 /// Used where bodies of agents look at each other and at things.
 pub const EYES_M: f32 = 1.55;
 /// Largest height of a blow above or below the centre of the head that it meets (m): the radius of the head, 0.1, and half of
-/// the length of its capsule's axis, which makes one unit in the last place more where it is computed.
+/// the length of its capsule's axis. It is written out, as their sum differs in the last bit.
 ///
 /// Used to find whether boxers can reach each other's heads.
 pub const HALF_HEAD_M: f32 = 0.12;
-/// Room that a disc leaves beside the axis of the trunk (m). The whole breadth of the trunk
-/// keeps people further apart: of recorded walkers that make way, 84 % reach their targets then, where over 90 % do with these.
+/// Room that a disc leaves beside the axis of the trunk (m). The whole breadth of the trunk keeps people further apart: of recorded
+/// walkers that avoid each other, 84 % reach their targets then, where over 90 % do with this and [`HEAD_ROOM_M`].
 ///
 /// Used for the discs of stop tables.
 pub const TRUNK_ROOM_M: f32 = 0.14;
 /// Room that a disc leaves beside the middle of the head, as [`TRUNK_ROOM_M`] beside the trunk (m).
+///
+/// Used for the discs of stop tables.
 pub const HEAD_ROOM_M: f32 = 0.11;
 /// Depth of the skin of buttocks below the axis of a thigh (m). Chosen, more than the radius of a thigh.
 ///

@@ -21,7 +21,7 @@ pub(super) enum MadeMove {
     Turn(f32, usize),
     /// Goes so many cycles along an arc (rad).
     Arc(f32, usize),
-    /// Turns while walking, on a planted foot (rad).
+    /// Turns while going, on a planted foot (rad).
     Pivot(f32),
     /// Goes somewhere else without turning: to the left and ahead, with so many steps (m).
     Step(f32, f32, usize),
@@ -33,7 +33,7 @@ pub(super) const STAND_S: f32 = 0.5;
 const SHIFT_S: f32 = 0.3;
 /// Share of the steps of a start over which it gains speed.
 const GAIN: f32 = 0.85;
-/// Time of a step of who turns round: while walking, and on the spot (s).
+/// Time of a step of who turns round: while going, and on the spot (s).
 const QUICK_STEP_S: [f32; 2] = [0.44, 0.37];
 /// Times of a stance before a turn on the spot, and from the first shift of weight to its first step (s).
 const TURN_BEGINS_S: [f32; 2] = [0.3, 0.2];
@@ -203,7 +203,7 @@ impl MadeMove {
     }
 }
 
-/// Number of steps of a turn while walking: half turns take a step more, and so do runs.
+/// Number of steps of a turn while going: half turns take a step more, and so do runs.
 fn pivot_steps(gait: &GaitCycle, angle: f32) -> usize {
     1 + usize::from(angle.abs() > 0.6 * PI) + if gait.speed_mps() > FOUR_STEPS_MPS[1] { 2 } else { 1 }
 }

@@ -36,7 +36,7 @@ use throng_motion::{Clip, ClipSet, ClipTag, Result, mirror};
 const MAX_GAITS: [usize; 2] = [14, 6];
 /// Most gaits of each kind that get arcs, and turns round while going.
 const MAX_TURNED: usize = 2;
-/// Largest turn within a cycle of all of these but the first (rad).
+/// Largest turn within a cycle of a gait that gets arcs and turns round, the first of its kind and foot excepted (rad).
 const LARGEST_TURN: f32 = 0.15;
 /// Difference from which two gaits need starts and stops of their own (rad a joint).
 const OTHER_GAIT: f32 = 0.12;
@@ -52,9 +52,9 @@ pub struct MadeReport {
     pub stops: usize,
     /// Turns on the spot.
     pub turns: usize,
-    /// Arcs of walks.
+    /// Arcs of gaits.
     pub arcs: usize,
-    /// Turns round while walking.
+    /// Turns round while going.
     pub pivots: usize,
     /// Steps aside and back.
     pub steps: usize,

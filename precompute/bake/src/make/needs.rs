@@ -30,7 +30,7 @@ const STEP_S: f64 = 0.25;
 const SIDEWAYS_MPS2: f32 = 1.5;
 const LEAST_SIDEWAYS_MPS2: f32 = 1.0;
 const TURNING: f32 = 0.6;
-/// Longest time in which who goes comes to a stand, from nine states in ten (s).
+/// Longest time from the end of a segment that goes to a stand, for nine such segments in ten, with which people stop soon enough (s).
 const STOP_S: f64 = 1.0;
 /// Shortest stand, and longest time from it to walking, of a start; likewise of a stop (s).
 const STAND_S: f64 = 0.3;
@@ -41,7 +41,7 @@ const SHORT_STAND_S: f64 = 0.1;
 const TURN: [f32; 2] = [0.7, 0.7];
 /// Mean rate of a quick turn on the spot, and time that it may take beside (rad/s, s).
 const QUICK_TURN: (f32, f64) = (PI, 0.4);
-/// Least angle of a turn round while walking, and the time that it takes at most (rad, s).
+/// Least angle of a turn round while going, and the time that it takes at most (rad, s).
 const PIVOT: (f32, f64) = (2.2, 1.4);
 
 /// Number of gaits, as [`Gait`] numbers them.
@@ -52,7 +52,7 @@ pub(super) const NUM_GAITS: usize = Gait::Other as usize + 1;
 pub struct Lacks {
     /// Starts and stops, of which there are few or none.
     pub starts: bool,
-    /// Starts and stops of many gaits, as most walking does not lead to a stand.
+    /// Starts and stops of many gaits, as most walking does not lead to a stand, or not soon.
     pub joins: bool,
     /// Motion to which nothing leads, and which starts and stops of its own may join.
     pub apart: Vec<MotionApart>,
@@ -64,7 +64,7 @@ pub struct Lacks {
     pub arcs: [bool; NUM_GAITS],
     /// Sideways acceleration of the captured turning, or one at which people turn where there is none (m/s2).
     pub sideways_mps2: f32,
-    /// Turns round while walking.
+    /// Turns round while going: few are captured, or who goes is slow to stop.
     pub pivots: bool,
 }
 
@@ -215,7 +215,7 @@ pub(super) fn count_starts(clips: &ClipSet) -> usize {
     [0, 1].map(|what| all.iter().map(|counts| counts[what]).sum()).into_iter().min().unwrap_or(0)
 }
 
-/// Starts, stops, turns on the spot, quick ones among them, and turns round while walking within a run.
+/// Starts, stops, turns on the spot, quick ones among them, and turns round while going, within a run.
 ///
 /// - `stand_s`: shortest time of a stand (s).
 fn count_changes(clip: &Clip, run: &FrameRange, stand_s: f64) -> [usize; 5] {

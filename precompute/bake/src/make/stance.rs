@@ -87,7 +87,7 @@ impl RestStance {
         let cost = |s: &Self| s.unrest + LIKENESS * s.distance_from(first);
         let mut calm: Vec<&Self> = all.iter().filter(|s| s.unrest < MOST_UNREST).collect();
         calm.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        // Over feet that stay: others are held for longer, with the hips over the feet.
+        // Long only where the feet stay under the hips: other stands are held for longer, over feet that stay.
         let is_long = |s: &Self| {
             let left = idle_frames_left(&s.clip, skeleton)[0] as usize + 1;
             (left + 1) as f64 >= LONG_S * s.clip.rate_hz && left == s.clip.num_frames()
@@ -258,7 +258,7 @@ fn pose_distance(a: &[Quat], b: &[Quat]) -> f32 {
 pub(super) fn cut(clip: &Clip, range: FrameRange) -> Clip {
     let rotations = clip.rotations[range.start * NUM_JOINTS..range.end * NUM_JOINTS].to_vec();
     let contacts = clip.contacts[range.clone()].to_vec();
-    let class = clip.class_at(range.start).cloned().unwrap_or_default();
+    let class = clip.class_at(range.start).cloned().unwrap_or(MotionClass { neutral: true, ..Default::default() });
     let classes = vec![ClassSpan { frames: 0..range.len() as u32, class, speed_mps: 0.0, travel_deg: 0.0 }];
     Clip {
         contacts,

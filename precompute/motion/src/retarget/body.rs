@@ -72,11 +72,6 @@ pub fn anchor(roles: &Roles, j: Joint) -> Joint {
     above.find(|p| roles[p.index()].is_some()).unwrap_or(Joint::Hips)
 }
 
-/// The joint that plays role `j`, or the one its nearest present ancestor plays.
-pub fn role_joint(roles: &Roles, j: Joint) -> usize {
-    roles[j.index()].or(roles[anchor(roles, j).index()]).unwrap_or(0)
-}
-
 /// World transforms of the roles at one frame; `scratch` is reused between calls.
 pub fn role_pose(source: RetargetSource, frame: usize, scratch: &mut Vec<(Vec3, Quat)>) -> RolePose {
     let n = source.clip.joints.len();
@@ -97,7 +92,8 @@ fn chain(source: RetargetSource, world: &mut Vec<(Vec3, Quat)>, local: impl Fn(u
             joint.parent.map_or((t, r), |p| (world[p].0 + world[p].1 * t, maths::compose(world[p].1, r).normalize()));
         world.push(w);
     }
-    Joint::ALL.map(|j| world[role_joint(source.roles, j)])
+    // The joint that plays the role, or the one that its nearest present ancestor plays.
+    Joint::ALL.map(|j| world[source.roles[j.index()].or(source.roles[anchor(source.roles, j).index()]).unwrap_or(0)])
 }
 
 impl SourceBody {

@@ -239,7 +239,8 @@ impl StandingChooser<'_> {
         next.filter(|s| s.start == graph.states[self.state as usize].frame && s.idle > 0)
     }
 
-    /// The same, if it idles for some time yet. Who has a far longer stand at hand does not wait for its end.
+    /// The segment with which the clip goes on, if it idles for some time yet. Who has a far longer stand in the same manner at
+    /// hand does not wait for its end.
     fn long_onwards(&self) -> Option<&MotionSegment> {
         let (graph, rate) = (&self.motion_set.graph, self.motion_set.rate_hz);
         let own = graph.segments_of(self.state).iter().map(|&s| self.segment(s));

@@ -75,8 +75,8 @@ pub(super) struct SafetySearch<'a> {
     pub character: u32,
     pub seed: u64,
     pub draw: u32,
-    /// Direction in which the character roams, if any, its position, and how far from it the search ends at least (m). It
-    /// then ends on no chair and no equipment.
+    /// Direction in which the character roams, if any, its position (m), and the least distance from there at which the
+    /// search ends (m). It then ends on no chair and no equipment.
     pub bound: Option<(Purpose, [f32; 2], f32)>,
     /// True where it may end in a passage.
     pub is_inside: bool,

@@ -16,7 +16,7 @@ use throng_core::patch::LinkRecord;
 
 /// Random steps that are tried before those that need no search are taken.
 const TRIES: usize = 4;
-/// Distance that who roams and has rested leaves its place by (m).
+/// Least distance from its place at which a roaming character that has rested comes to rest again (m).
 const LEAST_LEAVE_M: f32 = 1.0;
 /// Most times that a detour doubles.
 pub(super) const MAX_IMPATIENCE: u32 = 3;
@@ -424,8 +424,9 @@ impl Inhabitants {
         chosen
     }
 
-    /// Tries a step, with further steps until the character can come to rest, preferably along paths in the direction
-    /// of its purpose, so far that it is left (m).
+    /// Tries a step, with further steps until the character can come to rest.
+    ///
+    /// - `purpose`: direction whose paths it prefers, and least distance from here at which it comes to rest (m).
     fn try_step(
         &mut self,
         graph: &WorldGraph,

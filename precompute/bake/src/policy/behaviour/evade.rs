@@ -48,7 +48,7 @@ impl Evade {
         let joint = joint_named("point", &c.point, "`head`, `upper_chest`")?;
         let rate_hz = clips.clips.first().map_or(30.0, |c| c.rate_hz);
         let paths = joint_paths(clips, graph, joint, comm)?;
-        // That of the point at the starts of segments.
+        // Median height of the point at the starts of segments (m).
         let median = || quantile(paths.iter().map(|p| p.points[0][1]), [1, 2]).map_or(1.5, f64::from);
         let height = c.height.unwrap_or_else(median);
         let grid = c.grid.make_space_time()?;

@@ -24,7 +24,7 @@ proptest! {
                     let costs = found.iter().filter(|((at, cell), _)| *at == offset && ends(*cell)).map(|(_, f)| *f);
                     let best = costs.min().map_or(f32::INFINITY, |f| f as f32);
                     let cost = plane.cost(plane.lookup(c, offset), from);
-                    // A longer one than the bound might lead beyond the rim and back: there only that is known.
+                    // A path costlier than the bound might lead beyond the rim and back: its cost is then at most what is known.
                     let fits = if best < around { cost == best } else { cost <= best };
                     prop_assert!(fits, "{} to {} {:?}: {} {}", from, c, offset, cost, best);
                 }
