@@ -150,7 +150,11 @@ impl Lacks {
 }
 
 /// Least time from the ends of segments to a standing state, 90th percentile; infinite where nothing leads to one (frames).
-pub(super) fn stop_frames(graph: &RawMotionGraph, of: impl Fn(&GraphSegment) -> bool) -> f64 {
+///
+/// A stand in another manner counts, too.
+///
+/// - `counts`: true for the segments whose ends are looked at.
+pub(super) fn stop_frames(graph: &RawMotionGraph, counts: impl Fn(&GraphSegment) -> bool) -> f64 {
     let mut left: Vec<f64> = graph.standing.iter().map(|&stands| if stands { 0.0 } else { f64::INFINITY }).collect();
     loop {
         let after = |action: &GraphAction| {
@@ -164,7 +168,7 @@ pub(super) fn stop_frames(graph: &RawMotionGraph, of: impl Fn(&GraphSegment) -> 
         }
         left = next;
     }
-    let mut times: Vec<f64> = graph.segments.iter().filter(|s| of(s)).map(|s| left[s.end.0 as usize]).collect();
+    let mut times: Vec<f64> = graph.segments.iter().filter(|s| counts(s)).map(|s| left[s.end.0 as usize]).collect();
     times.sort_unstable_by(f64::total_cmp);
     times.get(times.len() * 9 / 10).copied().unwrap_or(0.0)
 }
